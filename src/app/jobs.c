@@ -497,8 +497,8 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
         if (t->kind == GP_TARGET_PICTURE &&
             !gp_write_has_alpha(&s->write, t->name.path))
             gp_say(log, GP_LEVEL_WARN, "%s: --alpha keep: this format has no "
-                   "alpha (the picture is composited over black); write .png, "
-                   ".tif or .exr", t->name.path);
+                   "alpha (the picture is composited over black); write .exr, "
+                   ".png or .tif", t->name.path);
     }
     *out = j;
     return GP_OK;
@@ -515,6 +515,7 @@ void gp_jobs_free(struct gp_jobs *j)
     gp_members_free(&j->members);
     gp_views_free(&j->view);
     gp_free(j->target);
+    free(j->views_line);
     *j = (struct gp_jobs) {0};
 }
 

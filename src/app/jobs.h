@@ -48,6 +48,7 @@ struct gp_jobs {
     bool views_inside;         // the views are parts or channels of the inputs
     bool views_found;          // and were found in the first input: no frame
                                // may have others
+    char *views_line;          // owned; the warning that says so, or NULL
     struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
                                // without stdin
 };

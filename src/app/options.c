@@ -116,9 +116,10 @@ static const struct gp_option_choice gp_plans[] = {
     {0},
 };
 static const struct gp_option_choice gp_types[] = {
-    {"auto", GP_OUT_AUTO, "as in the input"},
-    {"half", GP_OUT_HALF, "16 bits, which clamp to 65504; formats other than "
-     "EXR get float"},
+    {"auto", GP_OUT_AUTO, "as in the input; float where a value is over "
+     "65504"},
+    {"half", GP_OUT_HALF, "16 bits; a brighter pixel is scaled to 65504, which "
+     "keeps its hue; formats other than EXR get float"},
     {"float", GP_OUT_FLOAT, "32 bits"}, {0},
 };
 static const struct gp_option_choice gp_compressions[] = {
@@ -143,7 +144,7 @@ static const struct gp_option_choice gp_alphas[] = {
     {"black", GP_ALPHA_BLACK, "composite the picture over black, "
      "without alpha"},
     {"keep", GP_ALPHA_KEEP, "write the frame's alpha where the format has it: "
-     "PNG, TIFF, EXR, WebP, Targa, SGI"}, {0},
+     "EXR, PNG, TIFF, WebP, Targa, SGI, DPX, BMP"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
     {"exr", GP_STDOUT_EXR, "OpenEXR; the only one for --hdr"},
@@ -165,8 +166,8 @@ static const struct gp_option_choice gp_progresses[] = {
     {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
     {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
      "openjd_progress: 41.7, openjd_status: TEXT"},
-    {"json", GP_PROGRESS_JSON, "an object a line: done, total, percent, "
-     "seconds, seconds_left, file, stage"},
+    {"json", GP_PROGRESS_JSON, "an object a line: done, failed, total, "
+     "percent, seconds, seconds_left, file, stage"},
     {0},
 };
 static const struct gp_option_choice gp_debugs[] = {
@@ -569,7 +570,7 @@ const struct gp_option gp_options[] = {
         .help = "Write no glarepp:version and glarepp:command into EXR and "
                 "PNG files, and drop those of the input"),
 
-    OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
+    OPT(report, .name = "report", IN(REPORT), .arg = "FILE", .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
     OPT(report_append, .name = "report-append", IN(REPORT),
         .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
@@ -585,13 +586,14 @@ const struct gp_option gp_options[] = {
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
 
-    OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE",
+    OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),
     OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
+        .once = true,
         .help = "bench: write the table as JSON; compare: write one object a "
                 "line for each pair; - is stdout"),
-    OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
+    OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE", .once = true,
         .help = "Draw error over time with the Pareto front, as SVG, by "
                 "gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,

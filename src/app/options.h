@@ -98,6 +98,7 @@ struct gp_option {
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are valid too
     bool blank;            // GP_KIND_TEXT: an empty word is valid
+    bool once;             // GP_KIND_TEXT: a second value is an error
     bool hidden;           // not in --help
     bool aside;            // no pixel of an output depends on it; implied for
                            // OUTPUT, REPORT and GENERAL
@@ -128,7 +129,7 @@ bool gp_option_given(const struct gp_settings *s, const char *name);
 const char *gp_command_at(int i, enum gp_command *command);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
- * of an option wins. The first word may be a command's; `--` ends the options,
+ * of an option wins, unless it is `once`. The first word may be a command's; `--` ends the options,
  * `-` is a file. Then checks the settings, unless --help or --version is given.
  *
  *   out  written in any case; free with gp_settings_free(); borrows from argv

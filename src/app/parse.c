@@ -199,7 +199,12 @@ static gp_status set_choice(const struct use *u, void *field)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: no file (found \"%s\"); write %s=FILE",
                        u->option->name, u->value, c->name);
-    ((const char **) field)[c->value] = u->value + n + 1;
+    const char **const file = (const char **) field + c->value;
+    if (*file)
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s %s: given twice (found %s "
+                       "and %s); give one file", u->option->name, c->name,
+                       *file, u->value + n + 1);
+    *file = u->value + n + 1;
     return GP_OK;
 }
 
@@ -336,6 +341,10 @@ static gp_status read_option(const struct gp_log *log, int argc,
     }
     void *const field = (char *) s + u.option->at;
     const size_t row = (size_t) (u.option - gp_options);
+    if (u.option->once && gp_option_given(s, name))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
+                       "%s); give one file", name, *(const char **) field,
+                       u.value);
     s->given[row / 64] |= UINT64_C(1) << row % 64;
     s->options.at[s->options.n++] = name;
     s->options.at[s->options.n++] = u.value;

@@ -314,6 +314,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress)
 {
     gp_status st;
+    char line[GP_LINE_BYTES];
     const int units = jobs->n / jobs->views;
     const int most = s->frame_jobs ? s->frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
@@ -340,8 +341,11 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
-    if (p.made > 1 && p.dark == p.made)
-        gp_say_dark(log, &p.brightest, p.made);
+    // (a sequence may fade in: dark frames beside others are in the report)
+    if (p.made && p.dark == p.made) {
+        gp_facts_dark(&p.brightest, p.made, line, sizeof line);
+        gp_say(log, GP_LEVEL_WARN, "%s", line);
+    }
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);

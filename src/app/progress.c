@@ -244,7 +244,7 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
 static void print_message(const struct gp_frame_log *l, enum gp_level level,
                           const char *line)
 {
-    if (l->to && l->to->sink)
+    if (l->to && l->to->sink && level <= l->to->level)
         l->to->sink(l->to->user, level, line);
 }
 
@@ -295,7 +295,8 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
     const struct gp_flight *flight, int unit, const char *name)
 {
     *l = (struct gp_frame_log) {
-        .log = {log_message, l, to ? to->level : GP_LEVEL_ERROR},
+        .log = {log_message, l, to && to->level > GP_LEVEL_WARN
+                                    ? to->level : GP_LEVEL_WARN},
         .to = to, .flight = flight, .unit = unit, .name = name,
     };
 }

@@ -93,6 +93,13 @@ static void put_frame(json_t *o, const struct gp_facts *f)
 static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
 {
     json_t *const list = json_array();
+    char line[GP_LINE_BYTES];
+    if (f->views)
+        json_array_append_new(list, gp_json_name(f->views));
+    if (f->dark) {
+        gp_facts_dark(f, 1, line, sizeof line);
+        json_array_append_new(list, gp_json_name(line));
+    }
     for (size_t at = 0; at < f->warned_bytes; at += strlen(f->warned + at) + 1)
         json_array_append_new(list, gp_json_name(f->warned + at));
     json_object_set_new(o, "warnings", list);
@@ -148,7 +155,7 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     }
     json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
     json_object_set_new(o, "clamped", json_integer(f->clamped));
-    if (f->clamped)
+    if (f->clamped || f->clamped_out)
         put_rgb(o, "flux_clamped", f->flux_clamped);
     if (f->clamped_out)
         json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
@@ -210,6 +217,22 @@ static void append(char *line, size_t size, size_t *at, const char *fmt, ...)
     va_end(args);
     size_t room = size - *at - 1;
     *at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
+}
+
+void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
+                   size_t size)
+{
+    size_t at = 0;
+    append(line, size, &at, "%s: no pixel", f->input);
+    if (frames > 1)
+        append(line, size, &at, " of %d frames", frames);
+    append(line, size, &at, " is over the threshold %.3g (",
+           (double) f->threshold);
+    if (f->peak > 0.0f)
+        append(line, size, &at, "brightest %.3g at %d,%d); lower --threshold",
+               (double) f->peak, f->peak_at[0], f->peak_at[1]);
+    else
+        append(line, size, &at, "all are black); check the frame");
 }
 
 void gp_facts_text(const struct gp_facts *f, char *line, size_t size)

@@ -51,8 +51,10 @@ struct gp_facts {
     bool has_flux_out;
     long long nonfinite;         // pixels of the input
     long long clamped;           // pixels of the input over --max-value
-    double flux_clamped[3];      // light that --max-value removed, by channel
+    double flux_clamped[3];      // light that --max-value and the outputs'
+                                 // types removed, by channel
     float threshold;             // as luminance
+    const char *views;           // line about the views of the run, or NULL
     bool dark;                   // glare was wanted, no pixel is a source
     float peak;                  // largest luminance of a dark frame
     int peak_at[2];              // its pixel, in EXR pixel space
@@ -112,6 +114,11 @@ GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
 /* Closes the file, and removes it if this run made it and wrote no line. A
  * closed or zeroed report is fine. Errors: GP_ERR_IO. */
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
+
+/* Formats the warning that no pixel of `frames` frames is over the threshold,
+ * f being of the brightest. The report has it for each dark frame. */
+void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
+                   size_t size);
 
 /* Formats the facts as one line of text without a line feed: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);

@@ -31,7 +31,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
                                  sizeof *out->names, &out->names);
     out->facts = (struct gp_facts) {
         .numbered = job->numbered, .frame = job->frame, .view = job->view,
-        .input = job->input, .outputs = out->names,
+        .input = job->input, .outputs = out->names, .views = jobs->views_line,
     };
     for (int i = 0; i < GP_TIMES; i++)
         out->facts.ms[i] = -1.0;
@@ -102,9 +102,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         .left = s->grow_pixels, .top = s->grow_pixels,
         .right = s->grow_pixels, .bottom = s->grow_pixels,
         .depth = s->depth,
-        .scale = s->sun.depth_type == GP_DEPTH_INVERSE ? GP_SCALE_INVERSE
-                 : s->sun.depth_type == GP_DEPTH_NORMALIZED
-                     ? GP_SCALE_NORMALIZED : GP_SCALE_DISTANCE,
+        .type = s->sun.depth_type,
     };
     struct gp_rect window, before;
     gp_status st;
@@ -253,20 +251,6 @@ static gp_status sense_light_groups(const struct gp_run *r,
     return GP_OK;
 }
 
-void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
-                 int frames)
-{
-    char many[32] = "", peak[96] = "all are black";
-    if (frames > 1)
-        snprintf(many, sizeof many, " of %d frames", frames);
-    if (f->peak > 0.0f)
-        snprintf(peak, sizeof peak, "brightest %.3g at %d,%d",
-                 (double) f->peak, f->peak_at[0], f->peak_at[1]);
-    gp_say(log, GP_LEVEL_WARN, "%s: no pixel%s is over the threshold %.3g "
-           "(%s); %s", f->input, many, (double) f->threshold, peak,
-           f->peak > 0.0f ? "lower --threshold" : "check the frame");
-}
-
 static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
@@ -291,9 +275,6 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
             memcpy(fs->facts.peak_at, at, sizeof at);
         }
     }
-    // a sequence may fade in: it is reported at the end, if all are dark
-    if (fs->facts.dark && r->jobs->n == 1)
-        gp_say_dark(fs->log, &fs->facts, 1);
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     return GP_OK;
@@ -506,10 +487,16 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     return 0;
 }
 
+static gp_status convert_layer(const struct gp_log *log, void *user,
+    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    struct gp_planes *out)
+{
+    return gp_ocio_convert(log, user, f, n, in, out);
+}
+
 /* Writes `views` views of one input, then the light groups of each, into one
  * --hdr file. */
-static gp_status write_hdr(const struct gp_run *r,
-                           const struct gp_frame_state *fs,
+static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
                            const struct gp_write_params *p, int views,
                            const char *name, struct gp_write_stats *stats)
 {
@@ -519,8 +506,13 @@ static gp_status write_hdr(const struct gp_run *r,
     struct gp_hdr_colour *set;
     struct gp_planes *converted = NULL;
     GP_TRY(gp_alloc_zero(fs->log, "colours", most, sizeof *set, &set));
-    for (int i = 0; i < views; i++)
+    for (int i = 0; i < views; i++) {
         set[n++].f = &fs[i].frame;
+        if (r->s->ocio.output && !fs[i].converted)
+            GP_TRY(gp_convert_layers(fs->log, convert_layer, r->ocio,
+                                     &fs[i].frame, stats));
+        fs[i].converted = true;
+    }
     for (int i = 0; i < views; i++) {
         for (int g = 0; g < fs[i].groups; g++)
             set[n++].f = &fs[i].group[g].frame;
@@ -531,7 +523,9 @@ static gp_status write_hdr(const struct gp_run *r,
         set[i].planes = &set[i].f->lit;
         if (!r->s->ocio.output)
             continue;
-        GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]));
+        GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f,
+                               gp_frame_pixels(set[i].f), &set[i].f->lit,
+                               &converted[i]));
         set[i].planes = &converted[i];
     }
     st = gp_write_hdr(fs->log, p, name, set, n, stats);
@@ -628,6 +622,8 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     if (st)
         return st;
     fs->facts.clamped_out = stats.clamped;
+    for (int c = 0; c < 3; c++)
+        fs->facts.flux_clamped[c] += stats.flux_clamped[c];
     if (r->ordered)
         r->raw = stats.raw;
     return GP_OK;

@@ -87,6 +87,7 @@ struct gp_frame_state {
     struct gp_sources joined;      // sources and lights; empty: no lights
     struct gp_run_kernel *kernel;  // held; NULL: none was needed
     struct gp_map_picture sunmap, intensity;
+    bool converted;                // its layers are in --output-space
     double engine_ms;              // of engines within the stage that runs:
                                    // counts as glare
     char **names;                  // files written: facts.n_outputs, then
@@ -163,11 +164,6 @@ struct gp_stage {
 };
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
-
-/* Warns that no pixel of `frames` frames is over the threshold. `f` is of the
- * brightest frame. */
-void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
-                 int frames);
 
 /* Returns the data that a target needs, as bits GP_HAS_*. */
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);

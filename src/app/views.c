@@ -79,14 +79,15 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
     const struct gp_settings *s, struct gp_jobs *j)
 {
     struct gp_views found = {0};
-    char list[512] = "";
-    const char *input;
-    bool places = false, hero = false; // outputs: by view, of the first only
+    char list[512] = "", line[GP_LINE_BYTES];
+    const char *input, *hero = NULL; // an output of the first view only
+    bool places = false;             // an output by view
     j->views_found = j->targets == 0;  // the report has a line for each
     for (int i = 0; i < j->targets; i++) {
         const struct gp_output *const t = &j->target[i];
         places = places || t->name.views;
-        hero = hero || (t->kind != GP_TARGET_HDR && !t->name.views);
+        if (!hero && t->kind != GP_TARGET_HDR && !t->name.views)
+            hero = t->name.path;
         j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
                          t->name.views;
     }
@@ -109,14 +110,22 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
                          "with --views", input, name);
     }
     if (!st && !j->views_found)
-        gp_say(log, GP_LEVEL_WARN, "%s: makes only view %s of %s; write a name "
-               "with %%V to make all, or choose with --views", input,
-               found.name[0], list);
-    else if (!st)
-        gp_say(log, GP_LEVEL_WARN, "%s: makes all its views (%s)%s%s; choose "
-               "with --views", input, list,
-               hero ? ", names without %V show " : "",
-               hero ? found.name[0] : "");
+        snprintf(line, sizeof line, "%s: makes only view %s of %s; write a "
+                 "name with %%V to make all, or choose with --views", input,
+                 found.name[0], list);
+    else if (hero)
+        snprintf(line, sizeof line, "%s: makes its views %s, but of %s only "
+                 "%s; write a name with %%V to make all, or choose with "
+                 "--views", input, list, hero, found.name[0]);
+    else
+        snprintf(line, sizeof line, "%s: makes its views %s; choose with "
+                 "--views", input, list);
+    if (!st) {
+        gp_say(log, GP_LEVEL_WARN, "%s", line);
+        free(j->views_line);
+        j->views_line = gp_strdup(line);
+        st = j->views_line ? GP_OK : gp_no_memory(log, input);
+    }
     if (!st && j->views_found)
         st = spread_views(log, j, &found);
 out:

@@ -1,6 +1,7 @@
 #include "core/colour.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 const float gp_rec709_chromaticities[8] = {
@@ -67,23 +68,39 @@ void gp_multiply3(const double a[9], const double b[9], double out[9])
     }
 }
 
+/* The white of RGB of these primaries, in that RGB. */
+static void white_of(const float ch[8], double white[3])
+{
+    static const double d65[3] = {
+        0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290};
+    static const float xyz[8] = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3};
+    bool same = true;
+    for (int i = 0; i < 8; i++)
+        same = same && fabsf(ch[i] - xyz[i]) < 1e-3f;
+    for (int i = 0; i < 3; i++)
+        white[i] = same ? d65[i] : 1.0;
+}
+
 int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9])
 {
     static const double bradford[9] = {
         0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685,
         1.0296,
     };
-    double xyz[9], target[9], cone_from[9], cone_to[9], back[9];
+    double xyz[9], target[9], cone_from[9], cone_to[9], back[9], wf[3], wt[3];
     if (!gp_rgb_to_xyz(from, xyz) || !gp_rgb_to_xyz(to, target))
         return 0;
-    // rows of the RGB to cone matrices; white's responses are their sums
+    white_of(from, wf);
+    white_of(to, wt);
+    // rows of the RGB to cone matrices, times white: its responses
     gp_multiply3(bradford, xyz, cone_from);
     gp_multiply3(bradford, target, cone_to);
     gp_invert3(cone_to, back); // of a singular matrix it is not finite
     for (int i = 0; i < 3; i++) {
         double *f = cone_from + 3 * i;
         const double *t = cone_to + 3 * i;
-        double adapt = (t[0] + t[1] + t[2]) / (f[0] + f[1] + f[2]);
+        double adapt = (t[0] * wt[0] + t[1] * wt[1] + t[2] * wt[2]) /
+                       (f[0] * wf[0] + f[1] * wf[1] + f[2] * wf[2]);
         if (!(adapt > 1e-3 && adapt < 1e3)) // a white that no eye adapts to
             return 0;
         for (int c = 0; c < 3; c++)

@@ -22,8 +22,12 @@ void gp_luminance_weights(const float chromaticities[8], float weight[3]);
 int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
 
 /* Linear RGB of primaries `from` to that of `to`, row-major, white to white:
- * Bradford (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). False
- * when either are degenerate, or so odd that an element is 1e3 or more. */
+ * Bradford (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). The
+ * primaries of CIE XYZ itself, (1,0) (0,1) (0,0), with white (1/3,1/3), say that
+ * values are XYZ, not that (1,1,1) is white: their white is D65, so that XYZ and
+ * BT.709 are one matrix apart, as RGBtoXYZ() of OpenEXR's ImfChromaticities.h
+ * has it. False when either are degenerate, or so odd that an element is 1e3 or
+ * more. */
 int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9]);
 
 /* out = a * b of 3x3 matrices; out is neither. */

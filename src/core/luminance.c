@@ -92,11 +92,19 @@ static float luminance_at(const struct gp_frame *f, size_t i)
 static void count_part(void *ctx, int part, int thread)
 {
     const struct ranking *const r = ctx;
-    const size_t pixels = gp_frame_pixels(r->f);
+    const struct gp_rect data = r->f->data, read = gp_frame_read(r->f);
+    const size_t w = (size_t) gp_rect_w(read), all = (size_t) gp_rect_w(data);
+    const size_t pixels = w * (size_t) gp_rect_h(read);
+    const size_t first = (size_t) (read.y0 - data.y0) * all +
+                         (size_t) (read.x0 - data.x0);
+    const size_t start = gp_part_start(pixels, part);
     const size_t end = gp_part_start(pixels, part + 1);
     uint32_t *const count = r->count[thread];
-    for (size_t i = gp_part_start(pixels, part); i < end; i++) {
-        const float y = luminance_at(r->f, i);
+    size_t x = pixels ? start % w : 0, row = pixels ? start / w : 0;
+    for (size_t i = start; i < end; i++, x++) {
+        row += x == w;
+        x = x == w ? 0 : x;
+        const float y = luminance_at(r->f, first + row * all + x);
         const uint32_t bits = gp_bits_of(y);
         if (r->upper == HALF_BINS)
             count[bits >> HALF_BITS]++;
@@ -126,7 +134,8 @@ static uint32_t find_bin(struct ranking *r, uint64_t *rank)
 gp_status gp_luminance_percentile(const struct gp_log *log,
     const struct gp_frame *f, double percent, float *out)
 {
-    const size_t pixels = gp_frame_pixels(f);
+    const struct gp_rect read = gp_frame_read(f);
+    const size_t pixels = (size_t) gp_rect_w(read) * (size_t) gp_rect_h(read);
     struct ranking r = {.f = f, .upper = HALF_BINS};
     gp_status st = gp_alloc(log, "percentile", (size_t) gp_threads(),
                             sizeof *r.count, &r.count);

@@ -18,7 +18,8 @@
 enum gp_threshold_mode { GP_THRESHOLD_WHOLE, GP_THRESHOLD_EXCESS };
 
 /* Units of the threshold: luminance of the frame's own primaries, >= 0; the
- * percentile of its pixels' luminance, 0 to 100; EV over its log-average. */
+ * percentile of the luminance of the pixels that were read, 0 to 100; EV over
+ * its log-average. */
 enum gp_threshold_unit {
     GP_THRESHOLD_LUMINANCE, GP_THRESHOLD_PERCENT, GP_THRESHOLD_EV,
 };

@@ -102,9 +102,20 @@ bool gp_is_mist(const char *layer, size_t len)
     return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
 }
 
-/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
- * Y too or is named so, and of Blender's mist. */
-static bool is_no_depth(const struct gp_frame *f, const char *name)
+/* True for a layer whose name, after its last dot, is one of `n` (any case). */
+static bool is_called(const char *layer, size_t len, const char *const *name,
+                      size_t n)
+{
+    const size_t start = last_part(layer, len);
+    for (size_t i = 0; i < n; i++) {
+        if (strlen(name[i]) == len - start &&
+            strncasecmp(layer + start, name[i], len - start) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool is_vector(const char *layer, size_t len)
 {
     static const char *const vector[] = {
         "N",        "normal",   "normals",  "Ng",       "Nn",
@@ -113,16 +124,26 @@ static bool is_no_depth(const struct gp_frame *f, const char *name)
         "tangent",  "T",        "dPdu",     "dPdv",     "uv",
         "forward",  "backward", "XYZ",
     };
+    return is_called(layer, len, vector, sizeof vector / sizeof *vector);
+}
+
+bool gp_is_light(const char *layer, size_t len)
+{
+    static const char *const data[] = {
+        "depth", "zdepth", "Z", "mist", "id", "mask", "matte", "opacity",
+    };
+    return !is_vector(layer, len) &&
+           !is_called(layer, len, data, sizeof data / sizeof *data);
+}
+
+/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
+ * Y too or is named so, and of Blender's mist. */
+static bool is_no_depth(const struct gp_frame *f, const char *name)
+{
     char other[256];
     const size_t with_dot = gp_layer_length(name);
     const size_t layer = with_dot ? with_dot - 1 : 0;
-    const size_t start = last_part(name, layer);
-    for (size_t i = 0; i < sizeof vector / sizeof *vector; i++) {
-        if (strlen(vector[i]) == layer - start &&
-            strncasecmp(name + start, vector[i], layer - start) == 0)
-            return true;
-    }
-    if (gp_is_mist(name, layer))
+    if (is_vector(name, layer) || gp_is_mist(name, layer))
         return true;
     for (const char *axis = "XY"; *axis; axis++) {
         int n = snprintf(other, sizeof other, "%.*s%c", (int) with_dot, name,

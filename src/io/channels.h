@@ -75,6 +75,10 @@ GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
 /* True for a layer, or part, called Mist (any case) after its last dot. */
 bool gp_is_mist(const char *layer, size_t len);
 
+/* False for a layer that by its name, after its last dot, holds vectors, depth,
+ * ids or masks (N, position, uv, depth, mask, ...; any case). */
+bool gp_is_light(const char *layer, size_t len);
+
 /* True when the channel's name is among those that gp_find_depth() searches. */
 bool gp_channel_is_depth(const struct gp_frame *f, int channel);
 

@@ -6,7 +6,6 @@
 #include "io/half.h"
 
 #include <limits.h>
-#include <math.h>
 #include <string.h>
 
 // -- windows -----------------------------------------------------------------
@@ -81,44 +80,6 @@ gp_status gp_grow_check(const struct gp_log *log, const struct gp_frame *f,
 
 // -- depth -------------------------------------------------------------------
 
-/* Returns the value of empty pixels, by the n samples of a channel. */
-static float empty_depth(const float *v, size_t n, enum gp_depth_scale scale)
-{
-    enum { ZERO, FAR, HALF, INFINITE, NONE, KINDS };
-    const float half_max = 65504.0f; // 1e10 in a half; occluder.h
-    size_t count[KINDS] = {0}, negative = 0, one = 0;
-    float value[KINDS] = {0.0f, 0.0f, 0.0f, 0.0f, NAN};
-    float least = INFINITY, largest = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        const float a = fabsf(v[i]);
-        const int kind = isnan(v[i]) ? NONE : isinf(a) ? INFINITE
-                         : a == 0.0f ? ZERO : a >= 1e9f ? FAR
-                         : a == half_max ? HALF : KINDS;
-        one += v[i] >= 1.0f;
-        if (kind < KINDS) {
-            count[kind]++;
-            value[kind] = kind == NONE || (kind == FAR && fabsf(value[FAR]) > a)
-                              ? value[kind] : v[i];
-            continue;
-        }
-        negative += v[i] < 0.0f;
-        least = fminf(least, v[i]);
-        largest = fmaxf(largest, v[i]);
-    }
-    if (scale == GP_SCALE_INVERSE)
-        return 0.0f;
-    if (scale == GP_SCALE_NORMALIZED)
-        return one || !count[ZERO] ? 1.0f : 0.0f;
-    int most = ZERO;
-    for (int k = 1; k < KINDS; k++)
-        most = count[k] > count[most] ? k : most;
-    if (count[most])
-        return value[most];
-    // a camera that looks along -z has its farthest samples far below 0
-    return !(least <= largest) ? 0.0f : negative && largest < 0.0f ? least
-                                                                   : largest;
-}
-
 /* The bytes of a sample of value v. */
 static void sample_bytes(float v, enum gp_pixel_type type, uint8_t to[4])
 {
@@ -184,13 +145,15 @@ static gp_status empty_sample(const struct gp_log *log,
     const struct gp_channel *const c = &f->channel[channel];
     const bool named = p->depth && strcmp(p->depth, c->name) == 0;
     float *v;
-    if (!named && !gp_channel_is_depth(f, channel))
+    const bool back = strcmp(c->name + gp_layer_length(c->name), "ZBack") == 0;
+    if (!named && !back && !gp_channel_is_depth(f, channel))
         return GP_OK;
     gp_status st = gp_alloc(log, c->name, gp_frame_pixels(f), sizeof *v, &v);
     if (st)
         return st;
     gp_channel_floats(f, channel, v);
-    sample_bytes(empty_depth(v, gp_frame_pixels(f), p->scale), c->type, empty);
+    sample_bytes(gp_empty_depth(p->type, v, gp_frame_pixels(f)), c->type,
+                 empty);
     gp_free(v);
     return GP_OK;
 }

@@ -6,20 +6,14 @@
 #ifndef GP_IO_GROW_H
 #define GP_IO_GROW_H
 
+#include "core/depth.h"
 #include "core/frame.h"
 #include "core/status.h"
-
-/* Kinds of depth samples, by the values that mean empty. */
-enum gp_depth_scale {
-    GP_SCALE_DISTANCE,   // empty: 0, NaN, Inf, 1e9 and more, 65504
-    GP_SCALE_INVERSE,    // empty: 0
-    GP_SCALE_NORMALIZED, // empty: 1; 0 where no sample is 1 and some are 0
-};
 
 struct gp_grow_params {
     int left, top, right, bottom; // pixels beyond the union; in [0, 2^24]
     const char *depth;            // one more channel that is depth, or NULL
-    enum gp_depth_scale scale;
+    enum gp_depth_type type;      // of all that are depth
 };
 
 /* Returns the union of f's data and display window, extended by p's edges. An

@@ -12,6 +12,7 @@ struct gp_image {
     struct gp_rect data, display; // display empty: it is `data`
     float pixel_aspect;          // of width to height; not in (1e-6, 1e6): 1
     const float *chromaticities; // as in struct gp_frame; NULL: BT.709's
+    int parts;                   // images in the file; 0: not known, or 1
     int channels;
     const char *const *channel_name;
     bool half;                   // stored as half

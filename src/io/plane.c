@@ -218,6 +218,41 @@ static gp_status search_depth(const struct gp_log *log,
     return st;
 }
 
+/* The channel's name after that of its part. */
+static void full_name(const struct gp_plane_list *list,
+                      const struct gp_plane_part *part, const char *channel,
+                      char to[2 * (GP_CHANNEL_NAME + 1)])
+{
+    const bool named = list->parts > 1 && part->name;
+    snprintf(to, 2 * (GP_CHANNEL_NAME + 1), "%s%s%s", named ? part->name : "",
+             named ? "." : "", channel);
+}
+
+/* Start of the last part of the first n bytes of a name. */
+static size_t last_start(const char *name, size_t n)
+{
+    while (n > 0 && name[n - 1] != '.')
+        n--;
+    return n;
+}
+
+/* True when the depth is in another layer around it than the colour, where that
+ * is in one: A.Depth.Z for B.Combined.R. */
+static bool of_other_layer(const struct gp_plane_list *list,
+                           const struct gp_plane_place *at)
+{
+    char depth[2 * (GP_CHANNEL_NAME + 1)], colour[sizeof depth];
+    full_name(list, at->part, at->part->channel[at->channel].name, depth);
+    full_name(list, list->part, list->colour ? list->colour : "", colour);
+    const char *const word = strcasestr(depth, "depth");
+    const size_t last = last_start(depth, strlen(depth));
+    const size_t n = word   ? last_start(depth, (size_t) (word - depth))
+                     : last ? last_start(depth, last - 1) : 0;
+    const size_t own = last_start(colour, strlen(colour));
+    return n > 0 && own > 0 && last_start(colour, own - 1) > 0 &&
+           strncmp(colour, depth, n) != 0;
+}
+
 /* The only channel of the file; beside others, alpha is no depth. */
 static void search_lone(const struct gp_plane_list *list, bool depth,
                         struct gp_plane_place *out)
@@ -279,6 +314,11 @@ gp_status gp_plane_pick(const struct gp_log *log,
         gp_say(log, GP_LEVEL_WARN,
                "%s: view %s has no depth: using that of view %s; choose with "
                "--depth or --depth-file", list->path, view, at.part->view);
+    } else if (at.part && !own_file && depth && of_other_layer(list, &at)) {
+        full_name(list, at.part, at.part->channel[at.channel].name, names);
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: the layer has no depth: using %s of another layer; choose "
+               "with --depth or --depth-file", list->path, names);
     }
     *out = at;
 out:

@@ -152,13 +152,13 @@ out:
 /* -- other formats --------------------------------------------------------- */
 
 static gp_status read_other(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_stored_file *f,
+    const struct gp_read_params *p, const struct gp_stored_file *f, int part,
     struct gp_stored_image *out)
 {
     gp_status st;
     struct gp_image image = {0};
     struct gp_frame frame = {0};
-    GP_TRY(gp_read_image(log, p, f->path, &f->stream, 0, &image));
+    GP_TRY(gp_read_image(log, p, f->path, &f->stream, part, &image));
     GP_TRY(gp_image_load(log, &image));
     GP_TRY(gp_image_frame(log, NULL, &image, &frame));
     out->data = frame.data;
@@ -197,6 +197,12 @@ gp_status gp_stored_open(const struct gp_log *log,
         .path = path, .stream = GP_STREAM_EMPTY, .parts = 1,
     };
     gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
+    if (!st && !exr) { // a TIFF may hold several images
+        struct gp_image image = {0};
+        st = gp_read_image(log, p, path, &f->stream, 0, &image);
+        f->parts = image.parts > 1 ? image.parts : 1;
+        gp_image_close(&image);
+    }
     if (st || !exr)
         return st;
     st = gp_exr_open(log, path, &f->stream, &f->input);
@@ -218,7 +224,7 @@ gp_status gp_stored_read(const struct gp_log *log,
 {
     struct gp_stored_image made = {0};
     gp_status st = f->input ? read_exr(log, p, f, part, &made)
-                             : read_other(log, p, f, &made);
+                             : read_other(log, p, f, part, &made);
     if (st)
         gp_stored_image_free(&made);
     else

@@ -7,7 +7,8 @@
 
 #include <stdbool.h>
 
-/* Values of --type; AUTO keeps the input's type. */
+/* Values of --type; AUTO keeps the input's type, but is float for a frame with
+ * a value over 65504. */
 enum gp_out_type { GP_OUT_AUTO, GP_OUT_HALF, GP_OUT_FLOAT };
 
 /* Values of --compression, in OpenEXR's numbering; AUTO keeps an EXR input's
@@ -81,6 +82,7 @@ struct gp_raw_size {
 /* Results of writing. */
 struct gp_write_stats {
     long long clamped; // values that did not fit the file's type, added up
+    double flux_clamped[3]; // light that this cost, by channel, added up
     struct gp_raw_size raw; // of all raw frames so far; keep between frames
 };
 
@@ -99,9 +101,11 @@ enum gp_picture_kind {
  * what p->stdout_format says. Stdout may be given many frames, one after the
  * other.
  *
- * EXR and other float formats store the values as they are, Radiance HDR the
- * nearest that its pixels hold (other_write.h); integer formats
- * clamp them to [0,1], encode them with the sRGB curve and tag them as sRGB.
+ * EXR and other float formats store the values as they are; an EXR of halfs
+ * scales a pixel over 65504 until it fits, which keeps its hue (of DWA 57344),
+ * and warns when that takes over 1 % of a channel's light. Radiance HDR stores
+ * the nearest that its pixels hold; integer formats clamp them to [0,1], encode
+ * them with the sRGB curve and tag them as sRGB.
  * Values of GP_PICTURE_ENCODED are fractions of the largest code already; only
  * PNG tags their encoding, with cICP. All but EXR show the display
  * window: pixels outside the data window are black. TIFF is float for
@@ -147,6 +151,23 @@ struct gp_hdr_colour {
 GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
+
+/* Makes *out, three planes of `n` samples, from `in`. */
+typedef gp_status gp_convert(const struct gp_log *log, void *user,
+                             const struct gp_frame *f, size_t n,
+                             const struct gp_planes *in, struct gp_planes *out);
+
+/* Converts, in place, the layers of light that a frame carries beside its
+ * colour, for gp_write_hdr() with p->converted: LAYER.R,G,B or words, also
+ * without a layer. Layers that are not light by their names (gp_is_light()),
+ * Cryptomatte's and integers stay as they are; so do subsampled ones and those of
+ * luminance and chroma, and one line names these. GP_LEVEL_INFO names the
+ * layers that are converted.
+ *   stats  values that do not fit the channel's type are added to `clamped`
+ * Errors: GP_ERR_BUG out of memory; those of `convert`. */
+GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
+    gp_convert *convert, void *user, struct gp_frame *f,
+    struct gp_write_stats *stats);
 
 /* gp_write_check() for gp_write_hdr(), which writes only EXR. */
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,

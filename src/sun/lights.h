@@ -10,6 +10,7 @@
 #ifndef GP_SUN_LIGHTS_H
 #define GP_SUN_LIGHTS_H
 
+#include "core/depth.h"
 #include "core/frame.h"
 #include "core/status.h"
 #include "sun/camera.h"
@@ -17,14 +18,6 @@
 #include <stdbool.h>
 
 enum { GP_LIGHTS_MAX = 1024 }; // of one frame
-
-/* Kinds of depth; occluder.h says how each is read. */
-enum gp_depth_type {
-    GP_DEPTH_Z,
-    GP_DEPTH_RAY,
-    GP_DEPTH_INVERSE,
-    GP_DEPTH_NORMALIZED,
-};
 
 /* A light in one frame. */
 struct gp_light {

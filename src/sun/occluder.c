@@ -5,7 +5,6 @@
 #include "core/cpu.h"
 #include "core/parallel.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -13,51 +12,13 @@
 
 // -- surfaces and their places ------------------------------------------------
 
-struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
-{
-    const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
-    const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
-    const struct gp_depth_range inverse = {
-        nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f), INFINITY, NAN, true};
-    const struct gp_depth_range turned = {least, INFINITY, NAN, true};
-    const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f), NAN,
-                                      false};
-    switch (type) {
-    case GP_DEPTH_INVERSE:
-        return inverse;
-    case GP_DEPTH_NORMALIZED:
-        return reversed ? turned : share;
-    case GP_DEPTH_Z:
-    case GP_DEPTH_RAY:
-        break;
-    }
-    return reversed ? (struct gp_depth_range) {-deepest, -least, -half, true}
-                    : (struct gp_depth_range) {least, deepest, half, false};
-}
-
-/* Place of a sample that is a surface. */
-static double place_of(enum gp_depth_type type, bool reversed, float v)
-{
-    const double d = (double) v;
-    switch (type) {
-    case GP_DEPTH_INVERSE:
-        return 1.0 / d;
-    case GP_DEPTH_NORMALIZED:
-        return fmax(reversed ? 1.0 - d : d, 0.0);
-    case GP_DEPTH_Z:
-    case GP_DEPTH_RAY:
-        break;
-    }
-    return reversed ? -d : d;
-}
-
 double gp_depth_place(const struct gp_occluders *o, float v)
 {
     const bool reversed = o->facts.reversed;
     const struct gp_depth_range s = gp_depth_range_of(o->type, reversed);
     if (!gp_is_surface(s, v))
         return INFINITY;
-    return place_of(o->type, reversed, v);
+    return gp_surface_place(o->type, reversed, v);
 }
 
 /* Returns true when a surface at `place` hides the light. */
@@ -135,7 +96,7 @@ static struct rule rule_for(const struct gp_occluders *o,
     while (hit < clear) {
         const int64_t mid = hit + (clear - hit) / 2;
         const float v = gp_float_of((int32_t) (nearest + toward * mid));
-        if (hides(l, place_of(o->type, reversed, v)))
+        if (hides(l, gp_surface_place(o->type, reversed, v)))
             hit = mid + 1;
         else
             clear = mid;

@@ -9,14 +9,7 @@
  * m is the mask clamped to [0, 1], NaN 0. A surface is nearer when
  * z < depth * (1 - bias); every surface is nearer than an infinite depth.
  *
- * Empty depth is no surface. Values that count as empty, by type:
- *   z, ray      <= 0, NaN, Inf, >= 1e9 (Blender's 1e10, 1e30), 65504 (1e10 in
- *               half). Where no surface is over 0 and some would be with the
- *               other sign, the file counts backwards along the axis: its
- *               sign is turned.
- *   inverse     1 / z: <= 1e-9, NaN; +Inf is a surface at the camera
- *   normalized  0 near to 1 far: >= 1, NaN. Where no sample is >= 1 and some
- *               are 0, 0 is the background and near is 1 (reversed).
+ * Empty depth is no surface; core/depth.h defines it.
  * Pixels outside a plane's window have no sample: depth is empty, m is 0.
  */
 #ifndef GP_SUN_OCCLUDER_H

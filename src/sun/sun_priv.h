@@ -1,6 +1,5 @@
-/* Shared by the files of sun, and private to them: which depth samples are
- * surfaces, areas of discs, the sun map's state, and quads of flare elements.
- */
+/* Shared by the files of sun, and private to them: floats in order, areas of
+ * discs, the sun map's state, and quads of flare elements. */
 #ifndef GP_SUN_PRIV_H
 #define GP_SUN_PRIV_H
 
@@ -13,25 +12,6 @@
 #include <string.h>
 
 // -- depth samples (occluder.c) ----------------------------------------------
-
-/* Blender's 1e10 and 1e30 are backgrounds; no scene is this deep. */
-#define GP_DEPTH_HUGE 1e9f
-
-/* The largest half: what 1e10 becomes in one. */
-#define GP_DEPTH_HALF 65504.0f
-
-/* Samples that are surfaces: [lo, hi] but `hole`. */
-struct gp_depth_range {
-    float lo, hi;
-    float hole;     // NAN: none
-    bool near_high; // the nearest is hi
-};
-struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed);
-
-static inline bool gp_is_surface(struct gp_depth_range s, float v)
-{
-    return (v >= s.lo) & (v <= s.hi) & (v != s.hole);
-}
 
 /* Floats in order as whole numbers, and back; -0 and 0 are one. */
 static inline int32_t gp_float_order(float v)

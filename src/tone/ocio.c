@@ -46,7 +46,7 @@ static bool name_primaries(const struct gp_ocio_light *light, float out[8])
         {0.64f, 0.33f, 0.21f, 0.71f, 0.15f, 0.06f, D65},       // Adobe RGB
         {0.730f, 0.280f, 0.140f, 0.855f, 0.100f, -0.050f, D65}, // S-Gamut3
         {0.730f, 0.280f, 0.165f, 0.840f, 0.100f, -0.030f, D65}, // V-Gamut
-        {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, D65},             // CIE XYZ
+        {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 1.0f / 3, 1.0f / 3}, // CIE XYZ
     };
     double m[9], xyz[9];
     if (!light->known)
@@ -104,21 +104,33 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_frame *f)
 {
     const struct gp_ocio_made *const made = &ocio->made;
+    const char *const config = made->names.config;
     double m[9];
     if (made->names.output && !ocio->has_primaries && !ocio->noted_output)
         gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
                "linear, or %s has no role aces_interchange); --hdr gets no "
-               "chromaticities", made->names.output, made->names.config);
+               "chromaticities", made->names.output, config);
     ocio->noted_output = true;
+    const bool usable = gp_rgb_to_rgb(f->chromaticities,
+                                      made->input_light.known
+                                          ? made->input_light.of
+                                          : gp_rec709_chromaticities, m);
     if (ocio->any_primaries || ocio->noted || !f->names_chromaticities ||
-        (made->input_light.known &&
-         gp_rgb_to_rgb(f->chromaticities, made->input_light.of, m)))
+        (made->input_light.known && usable))
         return;
     ocio->noted = true;
-    gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: it is read "
-           "as %s, whose primaries are unknown (not linear, or %s has no role "
-           "aces_interchange); check --input-space", f->path, made->names.input,
-           made->names.config);
+    if (usable)
+        gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: it is "
+               "read as %s, whose primaries are unknown (not linear, or %s has "
+               "no role aces_interchange); check --input-space", f->path,
+               made->names.input, config);
+    else
+        gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: they "
+               "are no colours (red %g,%g, white %g,%g); it is read as %s; "
+               "correct them, or give --ignore-chromaticities", f->path,
+               (double) f->chromaticities[0], (double) f->chromaticities[1],
+               (double) f->chromaticities[6], (double) f->chromaticities[7],
+               made->names.input);
 }
 
 const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
@@ -217,8 +229,6 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
                           struct ocio_pass *p)
 {
     p->api = ocio->api;
-    p->in = &f->lit;
-    p->pixels = gp_frame_pixels(f);
     p->mixed = frame_matrix(ocio, f, p->matrix);
     const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
     gp_status st = p->out->c[0]
@@ -237,17 +247,20 @@ gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
                        const struct gp_tone_params *p, struct gp_frame *f)
 {
     return run_pass(log, "shown frame", ocio, f, &(struct ocio_pass) {
-        .processor = ocio->made.view, .out = &f->shown,
+        .processor = ocio->made.view, .in = &f->lit, .out = &f->shown,
+        .pixels = gp_frame_pixels(f),
         .scale = gp_tone_scale(p, f),
     });
 }
 
 gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
-                          const struct gp_frame *f, struct gp_planes *out)
+                          const struct gp_frame *f, size_t n,
+                          const struct gp_planes *in, struct gp_planes *out)
 {
     const char *const what = "converted frame";
     gp_status st = run_pass(log, what, ocio, f, &(struct ocio_pass) {
-        .processor = ocio->made.output, .out = out, .scale = 1.0f,
+        .processor = ocio->made.output, .in = in, .out = out, .scale = 1.0f,
+        .pixels = n,
     });
     if (st)
         gp_planes_free(out);

@@ -29,8 +29,8 @@ void gp_ocio_close(struct gp_ocio **ocio);
 const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
 
 /* Warns, once, of an output space whose chromaticities are not known; and, for
- * the first such frame, that a frame's chromaticities are ignored, as the input
- * space's are unknown. Call it for one frame after the other. */
+ * the first such frame, that a frame's chromaticities are ignored, as they or
+ * the input space's are unusable. Call it for one frame after the other. */
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_frame *f);
 
@@ -60,11 +60,13 @@ GP_MUST_CHECK gp_status gp_ocio_show(
     const struct gp_log *log, const struct gp_ocio *ocio,
     const struct gp_tone_params *p, struct gp_frame *f);
 
-/* Makes *out from f->lit: the same light in the space that
- * gp_ocio_params.output names; no exposure. *out is empty before and owned by
- * the caller. Errors: GP_ERR_BUG no memory, or no such space was asked for. */
+/* Makes *out from *in, `n` pixels of colour of a layer of f's part: the same
+ * light in the space that gp_ocio_params.output names; no exposure. *out is made
+ * when it is empty, else written over, and owned by the caller. Errors:
+ * GP_ERR_BUG no memory, or no such space was asked for; *out is empty then. */
 GP_MUST_CHECK gp_status gp_ocio_convert(
     const struct gp_log *log, const struct gp_ocio *ocio,
-    const struct gp_frame *f, struct gp_planes *out);
+    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    struct gp_planes *out);
 
 #endif

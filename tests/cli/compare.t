@@ -156,6 +156,31 @@ is "$status $(grep -c '^Only compared the first part (of 1 and 2' out)" '0 1' \
     'without -a only the first part, and a line says so'
 run compare --no-flip -a a.exr part.exr
 is "$status $(grep -c '1 parts and 2' out)" '2 1' '-a: one part and two: status 2'
+tiff2() # FILE GREY: a TIFF of two 8-bit images of 4x4, the second of that grey
+{
+    python3 - "$1" "$2" <<'END'
+import struct, sys
+def image(grey, at, last):
+    tags = [(256, 4), (257, 4), (258, 8), (259, 1), (262, 1), (273, at + 102),
+            (277, 1), (279, 16)]
+    return (struct.pack('<H', len(tags)) +
+            b''.join(struct.pack('<HHII', t, 4, 1, v) for t, v in tags) +
+            struct.pack('<I', last) + bytes([grey] * 16))
+first = image(9, 8, 126)
+open(sys.argv[1], 'wb').write(b'II*\0' + struct.pack('<I', 8) + first +
+                              image(int(sys.argv[2]), 126, 0))
+END
+}
+tiff2 t1.tif 9
+tiff2 t2.tif 99
+run compare --no-flip t1.tif t2.tif
+is "$status $(grep -c '^Only compared the first part (of 2 and 2' out)" '0 1' \
+    'a TIFF of two images: the first alone'
+run compare --no-flip -a t1.tif t2.tif
+is "$status $(tail -1 out)" '2 FAILURE' 'a TIFF of two images: -a compares both'
+run compare --no-flip -a t1.tif t1.tif
+is "$status $(grep -c 'Max error  = 0' out)" '0 2' 'a TIFF of two images and itself'
+
 run compare a.exr z.exr
 is "$status $(grep -c 'channel R is compared with Z of B' out)" '2 1' \
     'no channel of one name: by number'

@@ -5,7 +5,7 @@
 need_python
 
 cat >light.py <<'PY'
-import array, sys
+import array, math, sys
 
 def write(path, w, h, value):
     v = array.array("f")
@@ -43,6 +43,15 @@ elif what == "sum":
     y = [sum(w * sum(v[c::3]) for c, w in enumerate((.2126, .7152, .0722)))
          for v, _ in map(read, args)]
     print(abs(y[1] / y[0] - 1) < 1e-5)
+elif what == "nearest":  # halfs of the second to floats of the first
+    a, b = (read(n)[0] for n in args)
+    step = lambda n: 2. ** (max(math.frexp(n)[1] - 1, -14) - 10)
+    print(len(a) == len(b) and all(abs(p - q) <= step(p) / 2
+                                   for p, q in zip(a, b)))
+elif what == "brightest":  # pixel, in 1/1000 of its largest channel
+    v = read(args[0])[0]
+    i = v.index(max(v)) // 3 * 3
+    print("%.5g" % max(v), [round(1000 * n / max(v)) for n in v[i:i + 3]])
 elif what == "finite":
     v = read(args[0])[0]
     print(all(abs(n) <= 3.4028235e38 for n in v) and max(v) > 1e35)
@@ -75,6 +84,46 @@ for kernel in eye star streak cross circle ring; do
 done
 out sun.0 sun -g 0
 same sun.0.pfm sun.pfm 'a float sun stays as it is'
+
+# brightest FILE: the brightest pixel of an EXR and its hue
+brightest()
+{
+    "$glarepp" -q -g 0 --tonemap none -o back.pfm "$1"
+    "$python" light.py brightest back.pfm
+}
+
+# the promise of 1e-5 is of floats; a half is the nearest to each of them
+for type in float half; do
+    for engine in direct fft; do
+        run -e $engine --type $type --hdr l.exr spot.pfm
+        "$glarepp" -q -g 0 --tonemap none -o l.$type.$engine.pfm l.exr
+    done
+done
+for engine in direct fft; do
+    is "$("$python" light.py sum spot.pfm l.float.$engine.pfm) $("$python" \
+        light.py nearest l.float.$engine.pfm l.half.$engine.pfm)" 'True True' \
+        "$engine: --hdr keeps its light, in half each value's nearest"
+done
+
+run -g 0 --type half --hdr h.exr -o o.exr --tonemap none --report r.json sun.pfm
+is "$(brightest h.exr)" '65504 [1000, 800, 600]' '--type half: a sun keeps its hue'
+same h.exr o.exr '--type half: so does -o'
+like "$(cat err)" '*: --type half loses 7[0-9.]* % of the red light (1 pixels over 65504); use --type float or auto' \
+    '--type half: says what that costs'
+is "$(field r.json 'o["clamped_out"], o["flux_clamped"][0], len(o["warnings"])')" \
+    '(6, 368992.0, 2)' '--type half: so does the report'
+frame glow.exr kind=zeros size=40x30 type=half hot=60000
+for mix in add scatter; do
+    run -q --mix $mix -g 1 --sun 20,15,2.5 --sun-color 2e6,1.9e6,1.6e6 \
+        --hdr h.exr -o o.exr --tonemap none --report r.json glow.exr
+    quiet_success "--mix $mix: a frame of half with a sun over 65504"
+    run -q --type float --mix $mix -g 1 --sun 20,15,2.5 \
+        --sun-color 2e6,1.9e6,1.6e6 --hdr f.exr glow.exr
+    ok "--mix $mix: is written as float" "$glarepp" compare --fail 0 --no-flip \
+        h.exr f.exr
+    ok "--mix $mix: -o too" "$glarepp" compare --fail 0 --no-flip o.exr f.exr
+    is "$(field r.json '"clamped_out" in o')" False "--mix $mix: nothing is clamped"
+done
 for engine in direct fft; do
     out huge.$engine huge -e $engine
     is "$status $("$python" light.py finite huge.$engine.pfm)" '0 True' \

@@ -122,6 +122,15 @@ is "$(grep -c 'its chromaticities are ignored' err) $(wc -l <err)" '1 1' \
     'a config that does not say: one line for all frames'
 is "$(field r.json '"ignored" in o["warnings"][0]')" True 'and in the report'
 
+for bad in 0,0,0,0,0,0,0,0 nan,nan,nan,nan,nan,nan,nan,nan; do
+    frame bad.exr size=8x8 attr=chromaticities:chromaticities:$bad
+    for config in aces.ocio c.ocio; do
+        run --ocio $config -o g.png bad.exr
+        is "$(grep -c 'bad.exr.*they are no colours (red.*--ignore-chrom' err) $(
+            wc -l <err)" '1 1' "$config, chromaticities $bad: a line that says so"
+    done
+done
+
 # written SPACE CHROMATICITIES
 written()
 {
@@ -131,6 +140,7 @@ written()
         "--output-space $1: its chromaticities"
 }
 written lin709 0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290
+written xyz 1.0000,0.0000,0.0000,1.0000,0.0000,0.0000,0.3333,0.3333
 written cg 0.7130,0.2930,0.1650,0.8300,0.1280,0.0440,0.3217,0.3377
 written ap0 0.7347,0.2653,0.0000,1.0000,0.0001,-0.0770,0.3217,0.3377
 ok '--output-space of what the frame is in: the frame' "$glarepp" compare \
@@ -140,6 +150,28 @@ run --ocio aces.ocio -g 0 --type float -o said.exr w.exr
 run --ocio aces.ocio -g 0 --type float -o told.exr ap0.exr
 ok '--output-space: what was written is the same light' "$glarepp" compare \
     --fail 1e-4 --hardfail 1e-4 said.exr told.exr
+
+
+# other layers of the part
+frame ml.exr size=67x45 lights=9 attr=chromaticities:chromaticities:$ap0 \
+    channels=R,G,B,diffuse.R,diffuse.G,diffuse.B,N.R,N.G,N.B type=float
+run --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr w.exr ml.exr
+quiet_success '--output-space of a file of layers'
+run --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr v.exr \
+    --layer-in diffuse ml.exr
+ok '--output-space: R,G,B is converted beside a layer' "$glarepp" compare \
+    --fail 1e-6 w.exr v.exr
+for name in v ml; do
+    run -q -g 0 --tonemap none --type float -o $name.rgb.exr $name.exr
+    run -q -g 0 --tonemap none --type float --layer-in N -o $name.N.exr $name.exr
+done
+no '--output-space: which changes it' "$glarepp" compare --fail 0.1 v.rgb.exr ml.rgb.exr
+ok '--output-space: normals stay' "$glarepp" compare --fail 0 v.N.exr ml.N.exr
+run -v --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr v1.exr \
+    --hdr v2.exr ml.exr
+is "$(grep -c 'converts the layers of diffuse.R too$' err)" 1 \
+    '--output-space: -v names the layers, once'
+same v2.exr w.exr '--output-space: converted once for two files'
 
 # cicp DISPLAY CHUNK
 cicp()
@@ -234,6 +266,19 @@ if command -v oiiotool >/dev/null; then
     agrees c.ocio turned Screen Power f.exr 'a power, from another space'
 else
     skip 6 'no oiiotool'
+fi
+if [ -n "$data" ]; then
+    for config in '' $data/ocio/cg-config-v1.0.0_aces-v1.3_ocio-v2.1.ocio; do
+        for name in XYZ Rec709; do
+            run ${config:+--ocio "$config" --input-space} \
+                ${config:+'Linear Rec.709 (sRGB)'} -q -e fft --type float \
+                -o $name.exr "$data/chromaticities/$name.exr"
+        done
+        ok "XYZ looks as BT.709${config:+, --ocio}" "$glarepp" compare --fail 4e-3 \
+            XYZ.exr Rec709.exr
+    done
+else
+    skip 2 "$no_data"
 fi
 if command -v oiiotool >/dev/null && [ -n "$data" ]; then
     rings=$data/patterns/BrightRings.exr

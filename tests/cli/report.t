@@ -64,6 +64,16 @@ frame flat.exr
 run --sun 5,5 --sun-color 9 -o out.png --report r.json flat.exr
 is "$(field r.json '["glarepp: warning: " + w for w in o["warnings"]], o["status"]')" \
     "(['$(cat err)'], 0)" 'warnings: the line that was printed'
+run -q -o out.png --report r.json dark.exr
+quiet_success '-q: no warning'
+like "$(field r.json 'o["warnings"]')" "*'dark.exr: no pixel is over *" \
+    'but in the report'
+cp dark.exr fade.1.exr
+cp in.exr fade.2.exr
+run -o 'fade.#.png' --report r.json 'fade.#.exr'
+quiet_success 'one frame of two is dark'
+is "$(grep -c '"warnings":\["fade.1.exr: no pixel is over' r.json)" 1 \
+    'the report says of which frame'
 cp flat.exr bad.0001.exr
 head -c 900 flat.exr >bad.0002.exr
 run --skip-bad-frames -o 'bad.####.png' --report r.json 'bad.####.exr'

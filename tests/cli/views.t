@@ -180,6 +180,10 @@ for kind in s m; do
     fresh
     by_default "$about: without --views" --hdr made/h.exr -o made/o.png \
         --layer made/l.exr --layer 'made/l.%V.exr' --report r.json $kind.1.exr
+    like "$(cat err)" "* but of made/l.exr only left; write a name with %V *" \
+        "$about: without --views: says which output has only the first"
+    is "$(field r.json '["glarepp: warning: " + w for w in o["warnings"]]')" \
+        "['$(cat err)']" "$about: without --views: and in the report"
     run -q -e fft --views left,right --hdr made/given.exr $kind.1.exr
     same made/h.exr made/given.exr "$about: without --views: --hdr has glare in both"
     same made/o.png alone.left.1.png "$about: without --views: -o shows the first"

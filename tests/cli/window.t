@@ -105,6 +105,14 @@ alike '--grow kernel: as far as it reaches' -k k.exr
 run --grow kernel --report r.json --layer l.exr in.exr
 is "$(window r.json)" '[-255,-255,319,303]' '--grow kernel: of a builtin kernel'
 
+# a threshold of the file's pixels does not depend on how many are added
+for much in none 0 32 kernel; do
+    run --grow $much -t 90% --report r.json --layer l.exr in.exr
+    field r.json 'o["threshold"]'
+done >thresholds
+is "$(sort -u thresholds | wc -l) $(wc -l <thresholds)" '1 4' \
+    '--threshold 90%: the same for any --grow'
+
 # -- sequences, views, groups ----------------------------------------------------
 
 mkdir s

@@ -78,6 +78,28 @@ static const struct hard_column columns[COLUMNS + 1] = {
 
 // -- plain forms of what is stored --------------------------------------------
 
+/* A copy of f's light, its pixels over `most` scaled to it. From malloc. */
+static float *fitted(const struct gp_frame *f, float most)
+{
+    const size_t n = gp_frame_pixels(f);
+    float *const v = malloc(3 * n * sizeof *v);
+    if (!v)
+        hard_die("light", "out of memory");
+    for (size_t i = 0; i < n; i++) {
+        double largest = 0.0;
+        for (int c = 0; c < 3; c++) {
+            v[(size_t) c * n + i] = f->lit.c[c][i];
+            if (isfinite(f->lit.c[c][i]))
+                largest = fmax(largest, (double) f->lit.c[c][i]);
+        }
+        for (int c = 0; c < 3 && largest > (double) most; c++) {
+            if (isfinite(f->lit.c[c][i]))
+                v[(size_t) c * n + i] *= (float) ((double) most / largest);
+        }
+    }
+    return v;
+}
+
 /* Error in steps of a half there; finite values end at 65504. */
 static double half_error(float got, float from)
 {
@@ -115,10 +137,17 @@ static double sample_error(const struct format *t, float got, float from)
 
 /* EXR keeps the data window, and both windows as they are. */
 static double exr_error(const struct format *t, const char *path,
-                        const struct gp_frame *f)
+                        const struct gp_frame *from)
 {
     const struct gp_read_params limits = GP_READ_DEFAULTS;
-    struct gp_frame got;
+    const bool dwa = t->p.compression >= GP_COMPRESSION_DWAA;
+    const size_t pixels = gp_frame_pixels(from);
+    float *const light = fitted(from, dwa ? 57344.0f
+                                      : t->p.type == GP_OUT_HALF ? 65504.0f
+                                                                 : FLT_MAX);
+    struct gp_frame got, fit = *from, *const f = &fit;
+    for (size_t c = 0; c < 3; c++)
+        fit.lit.c[c] = light + c * pixels;
     double worst = 0.0;
     if (gp_read_frame(&kept_log, &limits, path, &got))
         hard_die(path, kept_line);
@@ -132,6 +161,7 @@ static double exr_error(const struct format *t, const char *path,
     for (size_t i = 0; !t->lossy && worst < HARD_NO_BAR && i < 3 * n; i++)
         worst = hard_worse(worst, sample_error(t, got.rgb.c[i / n][i % n],
                                                f->lit.c[i / n][i % n]));
+    free(light);
     gp_frame_free(&got);
     return worst;
 }

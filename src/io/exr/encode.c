@@ -383,11 +383,6 @@ out:
  * OpenImageIO writes an EXR in memory with the same channels, whose chunks are
  * copied unchanged: OpenEXRCore 3.1.5 cannot make them. */
 
-/* DWA stores halfs, floats too, and its loss moves values near the end of
- * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
- * end nothing did. */
-static const float DWA_MAX = 57344.0f;
-
 /* The chunks of the only part of `from`, to part `part` of `out`. */
 static gp_status take_chunks(struct gp_exr_out *out, int part,
     const struct gp_exr_image *img, const struct gp_input *from)
@@ -470,8 +465,8 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
             size_t over = 0;
             for (size_t x = 0; s->plane && x < w; x++) {
                 const float v = s->plane[y * w + x];
-                const bool large = fabsf(v) > DWA_MAX;
-                row[x] = large ? copysignf(DWA_MAX, v) : v;
+                const bool large = fabsf(v) > GP_EXR_DWA_MAX;
+                row[x] = large ? copysignf(GP_EXR_DWA_MAX, v) : v;
                 over += large;
             }
             stats->clamped += (long long) over;

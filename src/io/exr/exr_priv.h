@@ -298,6 +298,19 @@ GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
 
 /* -- the channels of a part that is written (sources.c) ------------------- */
 
+/* Colours over the largest value that the file can hold: of a half, or of DWA,
+ * which holds nothing over GP_EXR_DWA_MAX. With GP_OUT_AUTO a frame of halfs is
+ * then float. Else such a pixel is scaled, which keeps its hue. */
+struct gp_exr_fit {
+    long long values, pixels;  // over it
+    double light[3], lost[3];  // sums of all pixels, and of what was lost
+};
+
+/* DWA stores halfs, floats too, and its loss moves values near the end of
+ * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
+ * end nothing did. */
+#define GP_EXR_DWA_MAX 57344.0f
+
 /* `source` borrows names and samples from the frame and the planes, which
  * must live longer. Free with gp_exr_sources_free(). */
 struct gp_exr_sources {
@@ -306,6 +319,9 @@ struct gp_exr_sources {
     char **new_name; // names that no frame has
     int new_names;
     float *alpha;    // owned: samples of a picture's A, or NULL
+    struct gp_planes *fitted; // owned: colours that had to be scaled
+    int fits;
+    struct gp_exr_fit fit;
 };
 
 /* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where

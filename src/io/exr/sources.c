@@ -1,11 +1,17 @@
 /* Lists the channels of an EXR part that is written, and their samples. */
 #include "io/exr/exr_priv.h"
 
+#include "core/luminance.h"
 #include "core/memory.h"
+#include "core/parallel.h"
 #include "io/channels.h"
+#include "io/half.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static int by_name(const void *a, const void *b)
 {
@@ -13,12 +19,15 @@ static int by_name(const void *a, const void *b)
     return strcmp(p->name, q->name);
 }
 
-static gp_status make_room(const struct gp_log *log, int most,
+/* Makes room for `most` channels, and the colours of `frames` frames. */
+static gp_status make_room(const struct gp_log *log, int most, int frames,
                            struct gp_exr_sources *out)
 {
     *out = (struct gp_exr_sources) {0};
-    return gp_alloc(log, "channels", (size_t) most, sizeof *out->source,
-                    &out->source);
+    gp_status st = gp_alloc_zero(log, "colours", (size_t) frames,
+                                 sizeof *out->fitted, &out->fitted);
+    return st ? st : gp_alloc(log, "channels", (size_t) most,
+                              sizeof *out->source, &out->source);
 }
 
 void gp_exr_sources_free(struct gp_exr_sources *s)
@@ -26,20 +35,122 @@ void gp_exr_sources_free(struct gp_exr_sources *s)
     for (int i = 0; i < s->new_names; i++)
         free(s->new_name[i]);
     gp_free(s->new_name);
+    for (int i = 0; i < s->fits; i++)
+        gp_planes_free(&s->fitted[i]);
+    gp_free(s->fitted);
     gp_free(s->source);
     gp_free(s->alpha);
     *s = (struct gp_exr_sources) {0};
 }
 
-/* One plane, in the sample type that --type asks for. */
-static void add_plane(struct gp_exr_sources *s, const struct gp_write_params *p,
+/* -- light that a half cannot hold ---------------------------------------- */
+
+struct fitting {
+    const struct gp_planes *from;
+    struct gp_planes to;
+    size_t pixels;
+    float limit, most; // largest value, and the largest that rounds to it
+    bool beyond[GP_FRAME_PARTS];
+    struct gp_exr_fit part[GP_FRAME_PARTS];
+};
+
+static void find_beyond(void *ctx, int part, int thread)
+{
+    struct fitting *const f = ctx;
+    const size_t end = gp_part_start(f->pixels, part + 1);
+    bool beyond = false;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = gp_part_start(f->pixels, part); i < end; i++) {
+            const float a = fabsf(f->from->c[c][i]);
+            beyond |= (a > f->most) & (a <= FLT_MAX);
+        }
+    }
+    f->beyond[part] = beyond;
+}
+
+static void fit_part(void *ctx, int part, int thread)
+{
+    struct fitting *const f = ctx;
+    struct gp_exr_fit *const sum = &f->part[part];
+    const size_t end = gp_part_start(f->pixels, part + 1);
+    (void) thread;
+    for (size_t i = gp_part_start(f->pixels, part); i < end; i++) {
+        float largest = 0.0f;
+        bool over = false;
+        for (int c = 0; c < 3; c++) {
+            const float v = f->from->c[c][i];
+            const bool finite = v <= FLT_MAX;
+            largest = finite && v > largest ? v : largest;
+            sum->values += finite && v > f->most;
+            sum->light[c] += finite && v > 0.0f ? (double) v : 0.0;
+            over |= finite && v > f->most;
+        }
+        sum->pixels += over;
+        for (int c = 0; c < 3; c++) {
+            const float v = f->from->c[c][i];
+            const bool scaled = over && fabsf(v) <= FLT_MAX;
+            const float to = scaled ? fminf(v * (f->limit / largest), f->limit)
+                                    : v;
+            f->to.c[c][i] = to;
+            sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
+        }
+    }
+}
+
+/* Finds the type of a frame's colours, and replaces *planes by a copy whose
+ * pixels fit into it. Errors: GP_ERR_BUG out of memory. */
+static gp_status fit_colour(const struct gp_log *log,
+    const struct gp_write_params *p, const struct gp_frame *f,
+    const struct gp_planes **planes, enum gp_pixel_type *type,
+    struct gp_exr_sources *out)
+{
+    const bool dwa = p->compression >= GP_COMPRESSION_DWAA;
+    struct fitting *w;
+    bool beyond = false;
+    *type = p->type == GP_OUT_AUTO   ? f->colour_type
+            : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
+    if (*type != GP_HALF && !dwa)
+        return GP_OK;
+    gp_status st = gp_alloc_zero(log, "colours", 1, sizeof *w, &w);
+    if (st)
+        return st;
+    w->from = *planes;
+    w->pixels = gp_frame_pixels(f);
+    w->limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
+    w->most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
+    gp_parallel_do(GP_FRAME_PARTS, find_beyond, w);
+    for (int i = 0; i < GP_FRAME_PARTS; i++)
+        beyond |= w->beyond[i];
+    if (beyond && !dwa && p->type == GP_OUT_AUTO)
+        *type = GP_FLOAT;
+    else if (beyond)
+        st = gp_planes_make(log, "colours", w->pixels, &w->to);
+    if (!st && w->to.c[0]) {
+        gp_parallel_do(GP_FRAME_PARTS, fit_part, w);
+        for (int i = 0; i < GP_FRAME_PARTS; i++) {
+            out->fit.values += w->part[i].values;
+            out->fit.pixels += w->part[i].pixels;
+            for (int c = 0; c < 3; c++) {
+                out->fit.light[c] += w->part[i].light[c];
+                out->fit.lost[c] += w->part[i].lost[c];
+            }
+        }
+        *planes = &out->fitted[out->fits];
+        out->fitted[out->fits++] = w->to;
+    }
+    gp_free(w);
+    return st;
+}
+
+/* -- pictures ------------------------------------------------------------- */
+
+static void add_plane(struct gp_exr_sources *s, enum gp_pixel_type type,
     const char *name, const struct gp_frame *f, const float *plane, bool linear)
 {
     s->source[s->sources++] = (struct gp_exr_source) {
         .name = name, .xs = 1, .ys = 1, .linear = linear,
-        .columns = gp_frame_w(f), .plane = plane,
-        .type = p->type == GP_OUT_AUTO   ? f->colour_type
-                : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT,
+        .columns = gp_frame_w(f), .plane = plane, .type = type,
     };
 }
 
@@ -49,7 +160,10 @@ gp_status gp_exr_sources_picture(const struct gp_log *log,
 {
     static const char *const name[3] = {"B", "G", "R"}; // sorted, after A
     const int alpha = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
-    gp_status st = make_room(log, 4, out);
+    enum gp_pixel_type type, of_alpha;
+    gp_status st = make_room(log, 4, 1, out);
+    if (!st)
+        st = fit_colour(log, p, f, &planes, &type, out);
     if (!st && alpha >= 0)
         st = gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof(float),
                       &out->alpha);
@@ -57,13 +171,13 @@ gp_status gp_exr_sources_picture(const struct gp_log *log,
         return st;
     if (alpha >= 0) {
         gp_channel_floats(f, alpha, out->alpha);
-        add_plane(out, p, "A", f, out->alpha, true);
-        if (p->type == GP_OUT_AUTO)
-            out->source[0].type = f->channel[alpha].type == GP_HALF ? GP_HALF
-                                                                    : GP_FLOAT;
+        of_alpha = p->type == GP_OUT_HALF    ? GP_HALF
+                   : p->type == GP_OUT_FLOAT ? GP_FLOAT
+                   : f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
+        add_plane(out, of_alpha, "A", f, out->alpha, true);
     }
     for (int c = 0; c < 3; c++)
-        add_plane(out, p, name[c], f, planes->c[2 - c], false);
+        add_plane(out, type, name[c], f, planes->c[2 - c], false);
     return st;
 }
 
@@ -153,7 +267,12 @@ static gp_status add_frame(const struct group *g,
     const struct gp_hdr_colour *from, struct gp_exr_sources *out)
 {
     const struct gp_frame *f = from->f;
-    float *const *const plane = from->planes->c;
+    const struct gp_planes *planes = from->planes;
+    enum gp_pixel_type type;
+    gp_status st = fit_colour(g->log, g->p, f, &planes, &type, out);
+    if (st)
+        return st;
+    float *const *const plane = planes->c;
     const size_t n = gp_frame_pixels(f), bytes = n * sizeof(float);
     const struct gp_channel *like = NULL; // a colour channel of the input
     bool there[3] = {false, false, false};
@@ -169,7 +288,7 @@ static gp_status add_frame(const struct group *g,
         like = c;
         if (!own_names)
             continue;
-        add_plane(out, g->p, c->name, f, plane[c->colour], c->linear);
+        add_plane(out, type, c->name, f, plane[c->colour], c->linear);
         there[c->colour] = true;
     }
     if (!like)
@@ -204,7 +323,7 @@ static gp_status add_frame(const struct group *g,
                            "%s: the coloured glare needs a new channel %s, and "
                            "the file has another one of that name; rename "
                            "that", f->path, name);
-        add_plane(out, g->p, name, f, plane[c], like->linear);
+        add_plane(out, type, name, f, plane[c], like->linear);
     }
     return GP_OK;
 }
@@ -219,7 +338,7 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
         if (set[i].f->channels > g.complete->channels)
             g.complete = set[i].f;
     }
-    GP_TRY(make_room(log, g.complete->channels + 3 * n, out));
+    GP_TRY(make_room(log, g.complete->channels + 3 * n, n, out));
     GP_TRY(gp_alloc_zero(log, "channels", 3 * (size_t) n,
                          sizeof *out->new_name, &out->new_name));
     GP_TRY(add_carried(&g, out));
@@ -239,5 +358,94 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
 out:
     if (st)
         gp_exr_sources_free(out);
+    return st;
+}
+
+/* -- --output-space -------------------------------------------------------- */
+
+/* The channels of f's carried layer that holds channel i, its red: false when
+ * one is missing. */
+static bool find_layer(const struct gp_frame *f, int i, int index[3])
+{
+    const char *const red = f->channel[i].name;
+    const size_t len = gp_layer_length(red);
+    for (int c = 0; c < 3; c++) {
+        static const char *const letter[3] = {"R", "G", "B"};
+        static const char *const word[3] = {"red", "green", "blue"};
+        const bool letters = strcmp(red + len, "R") == 0;
+        index[c] = -1;
+        for (int k = 0; k < f->channels && index[c] < 0; k++) {
+            const char *const name = f->channel[k].name;
+            if (f->channel[k].data && strncmp(name, red, len) == 0 &&
+                (letters ? strcmp(name + len, letter[c])
+                         : strcasecmp(name + len, word[c])) == 0)
+                index[c] = k;
+        }
+        if (index[c] < 0)
+            return false;
+    }
+    return index[0] == i;
+}
+
+/* Stores floats in a carried channel; returns how many values are clamped. */
+static long long store_floats(struct gp_channel *c, const float *v, size_t n)
+{
+    if (c->type == GP_HALF)
+        return (long long) gp_float_to_half(v, c->data, n);
+    memcpy(c->data, v, n * sizeof *v);
+    return 0;
+}
+
+gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
+    void *user, struct gp_frame *f, struct gp_write_stats *stats)
+{
+    const struct gp_input *const in = gp_input_of(f);
+    const size_t n = gp_frame_pixels(f);
+    struct gp_planes from = {0}, to = {0};
+    struct gp_crypto crypto;
+    char left[GP_CHANNEL_LIST] = "", made[GP_CHANNEL_LIST] = "";
+    bool lists[2] = {true, true};
+    gp_status st = GP_OK;
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const red = &f->channel[i];
+        const size_t len = gp_layer_length(red->name);
+        const bool chroma = strcmp(red->name + len, "RY") == 0;
+        int index[3] = {i, i, i};
+        if (!red->data || red->type == GP_UINT ||
+            (len && !gp_is_light(red->name, len - 1)) ||
+            gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
+                GP_CRYPTO_NONE ||
+            !(chroma || find_layer(f, i, index)))
+            continue;
+        bool whole = !chroma;
+        for (int c = 0; c < 3; c++) {
+            const struct gp_channel *const own = &f->channel[index[c]];
+            whole = whole && own->type != GP_UINT && own->xs == 1 &&
+                    own->ys == 1;
+        }
+        if (!whole) {
+            lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
+            continue;
+        }
+        if (!from.c[0])
+            GP_TRY(gp_planes_make(log, "layer", n, &from));
+        for (int c = 0; c < 3; c++)
+            gp_channel_floats(f, index[c], from.c[c]);
+        GP_TRY(convert(log, user, f, n, &from, &to));
+        for (int c = 0; c < 3; c++)
+            stats->clamped += store_floats(&f->channel[index[c]], to.c[c], n);
+        lists[1] = lists[1] && gp_channel_list_add(made, NULL, red->name);
+    }
+    if (made[0])
+        gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
+               made);
+    if (left[0])
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
+               "and chroma are not converted (%s); write them to a file of "
+               "their own", f->path, left);
+out:
+    gp_planes_free(&from);
+    gp_planes_free(&to);
     return st;
 }

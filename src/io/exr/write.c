@@ -140,6 +140,40 @@ static void put_other_part(struct writing *w, int number)
     gp_exr_header_raw(&w->header, from, (size_t) (end - from));
 }
 
+/* Counts the light that the file cannot hold, and says so where it is much. */
+static void count_fits(const struct writing *w, struct gp_write_stats *stats)
+{
+    static const char *const name[3] = {"red", "green", "blue"};
+    struct gp_exr_fit all = {0};
+    double share = 0.01;
+    int worst = -1;
+    for (int i = 0; i < w->parts; i++) {
+        const struct gp_exr_fit *const fit = &w->part[i].sources.fit;
+        all.values += fit->values;
+        all.pixels += fit->pixels;
+        for (int c = 0; c < 3; c++) {
+            all.light[c] += fit->light[c];
+            all.lost[c] += fit->lost[c];
+        }
+    }
+    stats->clamped += all.values;
+    for (int c = 0; c < 3; c++) {
+        stats->flux_clamped[c] += all.lost[c];
+        if (all.lost[c] > share * all.light[c]) {
+            share = all.lost[c] / all.light[c];
+            worst = c;
+        }
+    }
+    if (worst < 0)
+        return;
+    const bool dwa = w->p->compression >= GP_COMPRESSION_DWAA;
+    gp_say(w->log, GP_LEVEL_WARN, "%s: %s loses %.3g %% of the %s light (%lld "
+           "pixels over %g); use %s", w->path, dwa ? "DWA" : "--type half",
+           100.0 * share, name[worst], all.pixels,
+           dwa ? (double) GP_EXR_DWA_MAX : 65504.0,
+           dwa ? "--compression zip" : "--type float or auto");
+}
+
 /* Writes the file under its final name or not at all, and frees what `w` has
  * but its parts. */
 static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
@@ -199,6 +233,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     GP_TRY(gp_exr_out_end(&w->out));
     GP_TRY(gp_file_commit(&w->file));
     stats->clamped += added.clamped;
+    count_fits(w, stats);
 out:
     gp_file_discard(&w->file);
     gp_exr_out_free(&w->out);

@@ -389,7 +389,8 @@ static gp_status make_image(const struct gp_log *log,
     }
     if (s->w <= 0 || s->h <= 0 || (long long) s->w * s->h > max_pixels ||
         s->channels <= 0 || s->channels > MOST_CHANNELS || s->block <= 0 ||
-        s->block > s->h || s->attributes < 0 || s->attributes > MOST_TEXT)
+        s->block > s->h || s->attributes < 0 || s->attributes > MOST_TEXT ||
+        s->parts < 1 || s->parts > GP_OIIO_PARTS)
         return GP_ERR_DATA;
     GP_TRY(gp_alloc(log, "channel names", (size_t) s->channels,
                     sizeof(char *), &in->names));
@@ -416,6 +417,7 @@ static gp_status make_image(const struct gp_log *log,
     if (s->has_chromaticities)
         image->chromaticities = memcpy(in->chromaticities, s->chromaticities,
                                        sizeof s->chromaticities);
+    image->parts = s->parts;
     image->channels = s->channels;
     image->channel_name = name;
     image->half = s->half;

@@ -284,7 +284,7 @@ void describe(ImageSpec &spec, int block, gp_oiio_spec &out,
                          ? 0 : static_cast<int>(8 * spec.format.size());
     out = {spec.x, spec.y, spec.width, spec.height, spec.full_x, spec.full_y,
            spec.full_width, spec.full_height, spec.nchannels,
-           spec.format == TypeDesc::HALF, bits, block, attributes, 0,
+           spec.format == TypeDesc::HALF, bits, block, attributes, 0, 1,
            c != nullptr, {}};
     if (c)
         std::memcpy(out.chromaticities, c->data(), sizeof out.chromaticities);
@@ -298,6 +298,12 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     close_file();
     limit_memory(4 * ask.size);
     std::unique_ptr<File> f = open_bytes(fd, ask);
+    int parts = 1;
+    if (std::strcmp(ask.format, "tiff") == 0 && ask.part == 0) {
+        while (parts < GP_OIIO_PARTS && f->input->seek_subimage(parts, 0))
+            parts++;
+        f->input->geterror(); // there is no more, which is none
+    }
     if (!f->input->seek_subimage(ask.part, 0))
         throw std::runtime_error("has no part " + std::to_string(ask.part));
     f->spec = f->input->spec();
@@ -305,6 +311,7 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     check_size(f->spec, ask);
     f->block = block_rows(f->spec, ask.format);
     describe(f->spec, f->block, spec, text);
+    spec.parts = parts;
     limit_memory(4 * ask.size + 16 * f->spec.image_pixels() *
                                     static_cast<unsigned>(f->spec.nchannels));
     file = std::move(f);

@@ -18,7 +18,10 @@
 
 #include <stdint.h>
 
-enum { GP_OIIO_PROTOCOL = 0x67700001 }; // counts up when a struct changes
+enum {
+    GP_OIIO_PARTS = 4096,
+    GP_OIIO_PROTOCOL = 0x67700002, // counts up when a struct changes
+};
 
 enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_ROWS, GP_OIIO_WRITE };
 
@@ -44,6 +47,7 @@ struct gp_oiio_spec {
     int32_t block;       // rows of a GP_OIIO_ROWS
     int32_t attributes;
     int32_t typed;       // the text has channel types
+    int32_t parts;       // images in the file, up to GP_OIIO_PARTS are counted
     int32_t has_chromaticities;
     float chromaticities[8];
 };

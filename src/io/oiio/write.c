@@ -14,8 +14,9 @@
 /* The types that a format holds, and how its readers take a fourth channel:
  * BLACK where there is none. Of 2.4's other writers RLA loses samples, FITS
  * writes its rows one too high, IFF 1x1 as black, GIF is not the same from run
- * to run, HEIF's reads past the end of its rows, icons are not read back. The
- * fourth byte that it writes into BMP has no meaning there (BI_RGB). */
+ * to run, HEIF's reads past the end of its rows, icons are not read back. BMP's
+ * fourth byte has no meaning by its header (BI_RGB), so that readers either
+ * ignore it or take it as it is: the colours are those over black. */
 static const struct format {
     const char *ending;
     int bits;      // most bits of an integer sample; 0 holds none
@@ -24,15 +25,16 @@ static const struct format {
 } formats[] = {
     {"hdr", 0, true, GP_ALPHA_BLACK},   {"rgbe", 0, true, GP_ALPHA_BLACK},
     {"tif", 16, true, GP_ALPHA_KEEP},   {"tiff", 16, true, GP_ALPHA_KEEP},
-    {"tx", 8, false, GP_ALPHA_BLACK},   {"dpx", 16, false, GP_ALPHA_BLACK},
+    {"tx", 8, false, GP_ALPHA_KEEP},    {"dpx", 16, false, GP_ALPHA_ASSOCIATED},
     {"tga", 8, false, GP_ALPHA_KEEP},   {"tpic", 8, false, GP_ALPHA_KEEP},
     {"webp", 8, false, GP_ALPHA_KEEP},  {"jpg", 8, false, GP_ALPHA_BLACK},
     {"jpeg", 8, false, GP_ALPHA_BLACK}, {"jpe", 8, false, GP_ALPHA_BLACK},
     {"jfif", 8, false, GP_ALPHA_BLACK}, {"jif", 8, false, GP_ALPHA_BLACK},
-    {"jfi", 8, false, GP_ALPHA_BLACK},  {"bmp", 8, false, GP_ALPHA_BLACK},
-    {"dib", 8, false, GP_ALPHA_BLACK},  {"ppm", 8, false, GP_ALPHA_BLACK},
-    {"pgm", 8, false, GP_ALPHA_BLACK},  {"pbm", 8, false, GP_ALPHA_BLACK},
-    {"pnm", 8, false, GP_ALPHA_BLACK},  {"sgi", 16, false, GP_ALPHA_ASSOCIATED},
+    {"jfi", 8, false, GP_ALPHA_BLACK},  {"bmp", 8, false, GP_ALPHA_ASSOCIATED},
+    {"dib", 8, false, GP_ALPHA_ASSOCIATED},
+    {"ppm", 8, false, GP_ALPHA_BLACK},  {"pgm", 8, false, GP_ALPHA_BLACK},
+    {"pbm", 8, false, GP_ALPHA_BLACK},  {"pnm", 8, false, GP_ALPHA_BLACK},
+    {"sgi", 16, false, GP_ALPHA_ASSOCIATED},
     {"rgb", 8, false, GP_ALPHA_ASSOCIATED},
     {"rgba", 8, false, GP_ALPHA_ASSOCIATED},
     {"bw", 8, false, GP_ALPHA_ASSOCIATED},

@@ -292,6 +292,8 @@ static const char *const wrong[][2] = {
     {"--gian=2 i", "--gian: unknown option; did you mean --gain?"},
     {"--Knee 2 i", "did you mean --knee?"},
     {"--x i", "glarepp --help lists them"},
+    {"--report a --report b i", "--report: given twice (found a and b)"},
+    {"--debug sensors=a --debug sensors=b i", "sensors: given twice"},
     {"--help-ma i", "did you mean --help?"},
     {"-o a i --mask A", "--mask: needs a light"},
     {"-o a i --sun-method mask", "--sun-method: needs a light"},

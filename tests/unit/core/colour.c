@@ -83,6 +83,18 @@ static void primaries_to_primaries(void **state)
         assert_near(m[i / 3 * 3] + m[i / 3 * 3 + 1] + m[i / 3 * 3 + 2], 1.0,
                     1e-12);
     }
+    // values of CIE XYZ, whose white is D65: no adaptation to BT.709, that of
+    // D65 to ACES
+    static const float cie[8] = {1, 0, 0, 1, 0, 0, 0.333333f, 0.333333f};
+    double xyz[9], to_ap0[9];
+    assert_true(gp_rgb_to_xyz(gp_rec709_chromaticities, xyz));
+    assert_true(gp_rgb_to_rgb(gp_rec709_chromaticities, cie, m));
+    assert_true(gp_rgb_to_rgb(cie, ap0, to_ap0));
+    gp_multiply3(to_ap0, xyz, unit);
+    for (int i = 0; i < 9; i++) {
+        assert_near(m[i], xyz[i], 1e-4);
+        assert_near(unit[i], back[i], 1e-4);
+    }
     assert_false(gp_rgb_to_rgb(flat, ap0, m));
     assert_false(gp_rgb_to_rgb(ap0, flat, m));
 }

@@ -3,6 +3,7 @@
 #include "core/frame.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
+#include "io/write.h"
 #include "kept_log.h"
 
 enum { NAMES = 12 };
@@ -335,6 +336,79 @@ static void layers_of_ids(void **state)
     }
 }
 
+/* Triples the light, and needs the frame that it is of. */
+static gp_status triple(const struct gp_log *log, void *user,
+    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    struct gp_planes *out)
+{
+    assert_ptr_equal(user, f);
+    if (!out->c[0])
+        assert_ok(gp_planes_make(log, "out", n, out));
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++)
+            out->c[c][i] = 3.0f * in->c[c][i];
+    }
+    return GP_OK;
+}
+
+/* Only layers of light are converted, each in its own type. */
+static void other_layers_are_converted(void **state)
+{
+    static const struct {
+        const char *name[NAMES];
+        const char *changed; // y for each channel that is
+        enum gp_pixel_type type;
+        int xs;
+        const char *left;    // channels that the line names; NULL: no line
+    } row[] = {
+        {{"R", "a.B", "a.G", "a.R", "a.A"}, "-yyy-", GP_FLOAT, 1, NULL},
+        {{"R", "x.a.B", "x.a.G", "x.a.R"}, "-yyy", GP_HALF, 1, NULL},
+        {{"R", "s.Blue", "s.Green", "s.RED"}, "-yyy", GP_FLOAT, 1, NULL},
+        {{"d.R", "B", "G", "R"}, "-yyy", GP_FLOAT, 1, NULL},
+        {{"R", "a.B", "a.R", "b.G"}, "----", GP_FLOAT, 1, NULL},
+        {{"R", "N.B", "N.G", "N.R"}, "----", GP_FLOAT, 1, NULL},
+        {{"R", "v.Position.B", "v.Position.G", "v.Position.R"}, "----",
+         GP_FLOAT, 1, NULL},
+        {{"R", "zDepth.B", "zDepth.G", "zDepth.R"}, "----", GP_FLOAT, 1, NULL},
+        {{"R", "crypto01.B", "crypto01.G", "crypto01.R"}, "----", GP_FLOAT, 1,
+         NULL},
+        {{"R", "a.B", "a.G", "a.R"}, "----", GP_UINT, 1, NULL},
+        {{"R", "a.B", "a.G", "a.R"}, "----", GP_HALF, 2, "(a.R)"},
+        {{"R", "a.BY", "a.RY", "a.Y"}, "----", GP_HALF, 1, "(a.RY)"},
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        const uint32_t one = row[i].type == GP_HALF ? 0x3c003c00u : 0x3f800000u;
+        const uint32_t three = row[i].type == GP_HALF ? 0x42004200u
+                                                      : 0x40400000u;
+        struct gp_channel channel[NAMES];
+        uint32_t sample[NAMES];
+        struct gp_frame f = frame_of(row[i].name, channel);
+        struct gp_write_stats stats = {0};
+        // two pixels of half, one of others
+        f.data = (struct gp_rect) {0, 0, row[i].type == GP_HALF ? 2 : 1, 1};
+        channel[0].colour = 0;
+        for (int k = 1; k < f.channels; k++) {
+            struct gp_channel *const c = &channel[k];
+            sample[k] = one;
+            c->data = &sample[k];
+            c->type = row[i].type;
+            c->xs = row[i].xs;
+            c->w = gp_frame_w(&f) / row[i].xs;
+            c->ys = c->h = 1;
+        }
+        kept_clear();
+        assert_ok(gp_convert_layers(&kept_log, triple, &f, &f, &stats));
+        for (int k = 1; k < f.channels; k++) {
+            if (sample[k] != (row[i].changed[k] == 'y' ? three : one))
+                fail_msg("row %zu: %s is %x", i, channel[k].name, sample[k]);
+        }
+        assert_int_equal(kept_lines, row[i].left != NULL);
+        if (row[i].left)
+            assert_non_null(strstr(kept_warning, row[i].left));
+    }
+}
+
 SUITE_OF(channels, NULL, NULL, depth_by_search, channels_by_name,
          long_lists_are_cut, samples_of_every_type, subsampled_channels,
-         colour_of_names, alpha_of_the_colour, layers_of_ids)
+         colour_of_names, alpha_of_the_colour, layers_of_ids,
+         other_layers_are_converted)

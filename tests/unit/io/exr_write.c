@@ -278,6 +278,7 @@ static void subsampled_channels(void **state)
 static void half_overflow_is_counted(void **state)
 {
     struct gp_write_params p = GP_WRITE_DEFAULTS;
+    p.type = GP_OUT_HALF;
     struct gp_frame f = wf_sized(33, 40, wf_rgb);
     static const float v[6] = {1e9f, -1e9f, 65504, 65519, 65520, INFINITY};
     memcpy(f.rgb.c[0] + 700, v, sizeof v);
@@ -303,6 +304,53 @@ static void half_overflow_is_counted(void **state)
     gp_frame_free(&f);
 }
 
+/* A pixel over 65504 keeps its hue, and AUTO its light. */
+static void half_overflow_keeps_hue(void **state)
+{
+    static const float sun[3] = {262016, 131008, 65504};
+    static const struct {
+        enum gp_out_type type;
+        enum gp_compression compression;
+        enum gp_pixel_type becomes;
+        float scale;
+    } rows[] = {
+        {GP_OUT_AUTO, GP_COMPRESSION_ZIP, GP_FLOAT, 1},
+        {GP_OUT_HALF, GP_COMPRESSION_ZIP, GP_HALF, 0.25f},
+        {GP_OUT_FLOAT, GP_COMPRESSION_ZIP, GP_FLOAT, 1},
+        {GP_OUT_AUTO, GP_COMPRESSION_DWAA, GP_HALF, 57344.0f / 262016.0f},
+        {GP_OUT_FLOAT, GP_COMPRESSION_DWAA, GP_FLOAT, 57344.0f / 262016.0f},
+    };
+    struct gp_frame f = wf_sized(33, 40, wf_rgb);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+            f.rgb.c[c][i] = sun[c];
+    }
+    for (int k = 0; k < 2 * (wf_bridge() ? 5 : 3); k++) {
+        const struct gp_write_params p = {
+            .type = rows[k / 2].type, .compression = rows[k / 2].compression,
+        };
+        const float scale = rows[k / 2].scale;
+        const double n = (double) gp_frame_pixels(&f);
+        wf_stats = (struct gp_write_stats) {0};
+        kept_clear();
+        assert_ok(k % 2 ? wf_write_hdr(&p, "a.exr", &f)
+                        : wf_write(&p, "a.exr", &f, GP_PICTURE_SCENE));
+        assert_int_equal(wf_stats.clamped > 0, scale < 1);
+        assert_int_equal(strstr(kept_line, "% of the red light") != NULL,
+                         scale < 1);
+        struct gp_frame b = wf_read_back("a.exr");
+        assert_int_equal(b.colour_type, rows[k / 2].becomes);
+        for (int c = 0; c < 3; c++) {
+            const double lost = n * (double) (sun[c] - sun[c] * scale);
+            assert_true(fabs(wf_stats.flux_clamped[c] - lost) <= 1e-5 * lost);
+            assert_true(fabsf(b.rgb.c[c][40] / (sun[c] * scale) - 1) <
+                        (k < 6 ? 1e-6f : 0.02f));
+        }
+        gp_frame_free(&b);
+    }
+    gp_frame_free(&f);
+}
+
 /* B44 rounds the least value of a block down, past the end of half if let. */
 static void b44_keeps_what_is_far_below_0_finite(void **state)
 {
@@ -317,6 +365,7 @@ static void b44_keeps_what_is_far_below_0_finite(void **state)
     for (int k = 0; k < 2; k++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.compression = k ? GP_COMPRESSION_B44A : GP_COMPRESSION_B44;
+        p.type = GP_OUT_HALF;
         wf_stats.clamped = 0;
         assert_ok(wf_write(&p, "a.exr", &f, GP_PICTURE_SCENE));
         assert_int_equal(wf_stats.clamped, beyond);
@@ -441,5 +490,6 @@ static void lossy_ids(void **state)
 SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, black,
               one_channel, noise, zip_filter, automatic_type_and_compression, colour_models,
               subsampled_channels, half_overflow_is_counted,
+              half_overflow_keeps_hue,
               b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids,
               lossy_channels, lossy_ids)

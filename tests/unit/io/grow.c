@@ -11,9 +11,9 @@
 
 #include <limits.h>
 
-#define Z GP_SCALE_DISTANCE
-#define INV GP_SCALE_INVERSE
-#define SHARE GP_SCALE_NORMALIZED
+#define Z GP_DEPTH_Z
+#define INV GP_DEPTH_INVERSE
+#define SHARE GP_DEPTH_NORMALIZED
 
 static void window_is_the_union_and_as_much_more(void **state)
 {
@@ -147,7 +147,7 @@ static void depth_is_padded_with_its_own_empty_value(void **state)
     static const struct {
         const char *name;
         enum gp_pixel_type type;
-        enum gp_depth_scale scale;
+        enum gp_depth_type kind;
         float v[4], want;
     } row[] = {
         {"Z", GP_FLOAT, Z, {3, 1e10f, 5, 1e10f}, 1e10f},
@@ -156,6 +156,11 @@ static void depth_is_padded_with_its_own_empty_value(void **state)
         {"Z", GP_FLOAT, Z, {3, NAN, NAN, 1e30f}, NAN},
         {"depth.Z", GP_FLOAT, Z, {0, 4, 5, 7}, 0},
         {"Z", GP_FLOAT, Z, {0, 1e10f, 1e10f, 7}, 1e10f}, // the more frequent
+        {"Z", GP_FLOAT, Z, {1e10f, 0, 5, 7}, 0}, // of equals the first kind
+        {"Z", GP_FLOAT, Z, {65504, 5, 7, 1e10f}, 1e10f},
+        {"Z", GP_FLOAT, Z, {INFINITY, 5, 65504, 7}, 65504},
+        {"Z", GP_FLOAT, Z, {NAN, 5, INFINITY, 7}, INFINITY},
+        {"a.ZBack", GP_FLOAT, Z, {3, 1e10f, 5, 1e10f}, 1e10f},
         {"Z", GP_FLOAT, Z, {2, 9, 5, 7}, 9},             // unknown: the largest
         {"Z", GP_UINT, Z, {2, 9, 5, 7}, 9},
         {"Z", GP_FLOAT, Z, {-2, -9, -5, -7}, -9}, // along -z: the farthest
@@ -171,7 +176,7 @@ static void depth_is_padded_with_its_own_empty_value(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         const struct gp_grow_params p = {.depth = "far",
-                                         .scale = row[i].scale};
+                                         .type = row[i].kind};
         const float got = empty_of(row[i].name, row[i].type, row[i].v, &p);
         if (got != row[i].want && !(isnan(got) && isnan(row[i].want)))
             fail_msg("row %zu: %g, wanted %g", i, (double) got,

@@ -29,6 +29,7 @@ static char folder[] = "/tmp/glarepp-helper-XXXXXX";
 static const struct gp_oiio_reply sound = {
     .protocol = GP_OIIO_PROTOCOL, .bytes = 10, .spec = {
         .w = W, .h = H, .channels = 1, .block = BLOCK, .attributes = 1,
+        .parts = 1,
     },
 };
 static const char sound_text[] = "Y\0\0ia\0\1\0\0"; // and its '\0'
@@ -40,7 +41,8 @@ static const struct lie {
 } lies[] = {
 #define LIE(name, x, w, h, full_w, channels, block, attributes, n, text)      \
     {name, {GP_OIIO_PROTOCOL, 0, n, {x, 0, w, h, 0, 0, full_w, 0, channels, 0, \
-                                     0, block, attributes, 0, 0, {0}}}, text}
+                                     0, block, attributes, 0, 1, 0, {0}}},  \
+     text}
     LIE("no width", 0, 0, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
     LIE("negative", 0, W, -1, 0, 1, BLOCK, 0, 3, "Y\0\0"),
     LIE("many pixels", 0, MOST, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
@@ -60,6 +62,8 @@ static const struct lie {
     LIE("attribute of no kind", 0, W, H, 0, 1, BLOCK, 1, 10, "Y\0\0xa\0b\0\0"),
     LIE("attribute cut off", 0, W, H, 0, 1, BLOCK, 1, 8, "Y\0\0fa\0\0\0"),
     LIE("text cut off", 0, W, H, 0, 1, BLOCK, 1, 8, "Y\0\0sa\0bb"),
+    {"no image", {GP_OIIO_PROTOCOL, 0, 3, {0, 0, W, H, 0, 0, 0, 0, 1, 0, 0,
+                                           BLOCK, 0, 0, 0, 0, {0}}}, "Y\0\0"},
     {"other version", {GP_OIIO_PROTOCOL + 1, 0, 0, {0}}, ""},
     {"long text", {GP_OIIO_PROTOCOL, 0, UINT_MAX, {0}}, ""},
 };

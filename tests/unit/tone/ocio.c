@@ -148,7 +148,8 @@ static void same_for_any_threads(void **state)
         struct gp_planes out = {0};
         gp_set_threads(threads);
         assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
-        assert_ok(gp_ocio_convert(&kept_all, o, &f, &out));
+        assert_ok(gp_ocio_convert(&kept_all, o, &f, gp_frame_pixels(&f),
+                                  &f.lit, &out));
         if (threads == 1)
             memcpy(first, f.shown.c[2], n * sizeof *first);
         assert_memory_equal(first, f.shown.c[2], n * sizeof *first);
@@ -172,7 +173,8 @@ static void only_what_was_asked(void **state)
     struct gp_ocio *o = opened(&p);
     assert_null(gp_ocio_names(o)->view);
     assert_int_equal(gp_ocio_show(&kept_all, o, &tone, &f), GP_ERR_BUG);
-    assert_int_equal(gp_ocio_convert(&kept_all, o, &f, &out), GP_ERR_BUG);
+    assert_int_equal(gp_ocio_convert(&kept_all, o, &f, gp_frame_pixels(&f),
+                                  &f.lit, &out), GP_ERR_BUG);
     assert_null(out.c[0]);
     gp_frame_free(&f);
     gp_ocio_close(&o);
