@@ -64,9 +64,9 @@
 
 /* ms of one pixel of a layer that it is added to, in all channels; of one
  * source; and of one point of its spectrum, whose error is found */
-#define GP_COST_TAIL_PIXEL 2.5e-6
-#define GP_COST_TAIL_SOURCE 4e-6
-#define GP_COST_TAIL_POINT 1.2e-5
+#define GP_COST_TAIL_PIXEL 1.4e-6
+#define GP_COST_TAIL_SOURCE 1.4e-6
+#define GP_COST_TAIL_POINT 2e-5
 
 /* -- splat --
  *

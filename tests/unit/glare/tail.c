@@ -1,9 +1,10 @@
 /* glare/tail against the plain double sum, its laws, and its bound. */
 #include "unit.h"
-#include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/tail/tail_priv.h"
-#include "glare_scene.h"
+#include "glare/model/model.h"
+#include "hard_cases.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
  * `degrees` wide gets, so far from its source. */
@@ -310,7 +311,135 @@ static void larger_frames_are_refused(void **state)
     drop(&m);
 }
 
-SUITE_OF(tail, NULL, NULL,
+// -- engines with kernels over the whole field --------------------------------
+
+/* A scene with the kernel of a recipe for its frame, 36 pixels a degree. */
+static struct scene field_scene(struct gp_frame f, const char *text)
+{
+    struct gp_field field = gp_field_of(&f, 30.0);
+    struct gp_recipe r;
+    struct gp_kernel k;
+    field.degrees = fine;
+    assert_ok(gp_recipe_parse(NULL, text, &r));
+    assert_ok(gp_model_kernel(NULL, &r, 1, &field, &k));
+    gp_recipe_free(&r);
+    return scene_make(f, k, &usual);
+}
+
+/* Every engine's error against the whole kernel's sum is within its bound, and
+ * nothing is wrong where there is no light. */
+static void check_engines(struct scene *s, const char *what)
+{
+    static const char *const names[] = {"direct", "fft", "splat", "auto"};
+    for (size_t i = 0; i < COUNT(names); i++) {
+        struct gp_glare_stats stats;
+        if (!ran_once(names[i], s, &stats, what))
+            continue;
+        const double error = s->src.n ? scene_rel_l2(s) : 0.0;
+        if (!(error <= stats.bound) || !(stats.bound < 1e-3))
+            fail_msg("%s, %s: rel_l2 %g, bound %g", what, names[i], error,
+                     stats.bound);
+        for (size_t k = 0; k < 3 * gp_frame_pixels(&s->f) && !s->src.n; k++)
+            assert_true(s->f.layer.c[k % 3][k / 3] == 0.0f);
+        const bool tail = s->src.n && s->k.tail && i != 0;
+        assert_int_equal(stats.tail_step, tail ? s->k.tail->split.step : 0);
+    }
+}
+
+static void engines_keep_their_bounds(void **state)
+{
+    static const struct { int w, h, x, y; enum light light; } rows[] = {
+        {331, 257, 0, 0, FEW},     {331, 257, -700, 3, MANY},
+        {256, 192, 0, 0, FLAT},    {257, 191, 5, 5, HOT},
+        {300, 200, 0, 0, BAD},     {300, 200, 0, 0, DENORMAL},
+        {300, 200, 0, 0, CORNERS}, {1, 700, 0, 0, ALL},
+        {700, 1, 0, 0, COLOURED},  {1, 1, 0, 0, ALL},
+        {4096, 3, 0, 0, MANY},     {300, 200, 0, 0, DARK},
+        {300, 200, 0, 0, OVER},    {300, 200, 0, 0, CANCEL},
+    };
+    static const char *const recipes[] = {"eye", "cie:age=70,share=.3",
+                                          "moffat:share=1"};
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char what[64];
+        struct scene s = field_scene(
+            scene_frame(rows[i].w, rows[i].h, rows[i].x, rows[i].y,
+                        rows[i].light, (uint32_t) i), recipes[i % 3]);
+        snprintf(what, sizeof what, "row %zu %s", i, recipes[i % 3]);
+        assert_true(!s.k.tail == (gp_max(rows[i].w, rows[i].h) < 192));
+        check_engines(&s, what);
+        scene_free(&s);
+    }
+    // and the table's own frames, from those that are wide enough on
+    for (int i = 0; i < (int) COUNT(hard_cases); i++) {
+        const struct hard_case *const h = &hard_cases[i];
+        struct gp_frame f = hard_frame(h);
+        if (gp_max(gp_frame_w(&f), gp_frame_h(&f)) < 192 ||
+            gp_frame_pixels(&f) > 400000) {
+            gp_frame_free(&f);
+            continue;
+        }
+        struct scene s = field_scene(f, "eye");
+        check_engines(&s, h->name);
+        scene_free(&s);
+    }
+}
+
+/* A lone lamp in the dark at +6 EV: no rim and no step where the core ends,
+ * out to the frame's end. */
+static void a_lamp_has_no_rim(void **state)
+{
+    enum { W = 1200, H = 300, X = 40, Y = 150 };
+    static const char *const names[] = {"fft", "auto"};
+    struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 0);
+    (void) state;
+    for (int c = 0; c < 3; c++)
+        f.rgb.c[c][Y * W + X] = 64.0f;
+    struct scene s = field_scene(f, "eye");
+    for (size_t i = 0; i < COUNT(names); i++) {
+        struct gp_glare_stats stats;
+        ran_once(names[i], &s, &stats, "lamp");
+        for (int r = 4; X + r + 1 < W; r++) {
+            const size_t at = Y * W + X + (size_t) r;
+            const double v = (double) s.f.layer.c[1][at];
+            const double next = (double) s.f.layer.c[1][at + 1];
+            const double exact = s.exact[W * H + at];
+            // the profile is a power of the distance, of at most 3
+            if (!(fabs(v / exact - 1.0) < 1e-3) ||
+                (r > 150 && !(fabs(next / v - 1.0) < 0.02)))
+                fail_msg("%s, %d pixels away: %g, then %g, not %g", names[i], r,
+                         v, next, exact);
+        }
+    }
+    scene_free(&s);
+}
+
+/* Bounds of --tolerance-pixel count the tail's error. */
+static void pixels_are_within_their_bounds(void **state)
+{
+    static const enum light lights[] = {FEW, MANY, HOT, ALL};
+    (void) state;
+    for (size_t i = 0; i < COUNT(lights); i++) {
+        struct scene s = field_scene(
+            scene_frame(300, 200, 0, 0, lights[i], (uint32_t) i), "eye");
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        struct gp_glare_error e;
+        p.engine = "fft";
+        p.tolerance_pixel = 1.0f;
+        assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
+        print_message("max_rel %.2g, bound %.2g\n", e.max_rel,
+                      stats.bound_pixel);
+        assert_true(e.max_rel <= stats.bound_pixel);
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
+SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
     threads_change_nothing, splits_are_for_smooth_kernels,
-    larger_frames_are_refused)
+    larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
+    pixels_are_within_their_bounds)
