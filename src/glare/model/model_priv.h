@@ -4,6 +4,7 @@
 
 #include "glare/model/model.h"
 
+#include <stdint.h>
 #include <string.h>
 
 /* A model for one field: the light that a source of 1 leaves in each pixel. Both
@@ -63,6 +64,16 @@ static inline double gp_recipe_value(const struct gp_recipe *r,
     { "share", "share of a pixel's light that the model takes", preset, 0.0,  \
       1.0, NULL, false }
 
+/* A number in [0, 1) of (seed, i), the same everywhere: splitmix64, Steele et
+ * al. 2014. */
+static inline double gp_model_random(uint64_t seed, uint64_t i)
+{
+    uint64_t z = (seed << 32) + (i + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
 // -- quadrature.c --------------------------------------------------------------
 
 /* Gauss-Legendre nodes in (-0.5, 0.5), weights of sum 1; n from 1 to 16. */
@@ -120,5 +131,66 @@ void gp_spectrum_xyz(double nm, double xyz[3]);
  * constant luminance, so that none is negative. */
 void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
                          double (*rgb)[3]);
+
+// -- diffract.c ---------------------------------------------------------------
+
+/* The plane that light passes, as square cells around its centre; x right, y
+ * down, as it is seen. */
+struct gp_pupil {
+    int n;       // cells a side, a multiple of 8
+    double cell; // mm
+    float *t;    // amplitudes that pass, in [0, 1], n * n
+    float *path; // how much longer the light's path is, nm; NULL: nowhere
+};
+
+struct gp_diffraction {
+    const char *name; // of the model, for messages
+    double diameter;  // mm, of all openings
+    double reach;     // degrees from the light; faded out over a quarter of it
+    double nm;        // one wavelength; 0: daylight in `bands`
+    int bands;        // 1 to 256
+    double steep;     // nm of path a mm, the most that changes; 0: no path
+    void (*draw)(const void *ctx, const struct gp_pupil *p, int y);
+    const void *ctx;  // `draw` writes row y of t (all 0) and path (all 0), from
+                      // several threads
+};
+
+/* Makes the shape of light behind a pupil, white in sum. Fills all of `out`.
+ * Errors: GP_ERR_DATA the pupil is dark; GP_ERR_IO no FFTW; GP_ERR_BUG out of
+ * memory. */
+GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
+    const struct gp_diffraction *d, const struct gp_field *f,
+    struct gp_shape *out);
+
+// -- stain.c ------------------------------------------------------------------
+
+/* What covers a part of a pupil: a capsule around a line from one point to the
+ * other, mm, that tapers; points alike: a disc. */
+struct gp_stain {
+    double x[2], y[2], radius[2];
+    double hides; // share of the amplitude
+};
+
+/* Draws them over row y. */
+void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
+                  int y);
+
+/* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each `parts`
+ * stains; n hairs. */
+enum { GP_LASH_PARTS = 8 };
+void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
+                     struct gp_stain *out);
+
+// -- pupil.c: declared for tests ----------------------------------------------
+
+/* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
+ * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own
+ * for two eyes of `age` that see `area` square degrees, eqs. 21 to 23. */
+double gp_pupil_moon_spencer(double nits);
+double gp_pupil_watson(double nits, double area, double age);
+
+/* Hippus: Ritschel et al. 2009, eq. 2, of a pupil of p mm at t seconds;
+ * `strength` scales its noise in [-1, 1]. */
+double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 
 #endif

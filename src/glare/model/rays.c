@@ -4,7 +4,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 #define PI 3.14159265358979323846
@@ -43,16 +42,6 @@ struct rays {
     double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
     double tint[3];
 };
-
-/* A number in [0, 1) of (seed, i), the same everywhere: splitmix64, Steele et
- * al. 2014. */
-static double random_of(uint64_t seed, uint64_t i)
-{
-    uint64_t z = (seed << 32) + (i + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 /* g_c at a share `t` of a strand's length, of light 1 in all. */
 static double along(const struct rays *r, int c, double t)
@@ -232,14 +221,14 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
                              (uint64_t) (points % 2 ? points : points / 2);
         const uint64_t key = ray * 4096u + 3u * (uint64_t) (i % strands);
         const bool middle = i % strands == 0; // one strand is the ray's axis
-        const double off = middle ? 0.0 : random_of(seed, key) - 0.5;
+        const double off = middle ? 0.0 : gp_model_random(seed, key) - 0.5;
         const double angle = PI / 180.0 *
             (turned + 360.0 * (i / strands) / points + 2.0 * spread * off);
         one->cosine = cos(angle);
         one->sine = -sin(angle);
         one->length = length *
-            (middle ? 1.0 : 0.35 + 0.6 * random_of(seed, key + 1));
-        one->gain = middle ? 1.0 : 0.2 + 0.8 * random_of(seed, key + 2);
+            (middle ? 1.0 : 0.35 + 0.6 * gp_model_random(seed, key + 1));
+        one->gain = middle ? 1.0 : 0.2 + 0.8 * gp_model_random(seed, key + 2);
         s->longest = fmax(s->longest, one->length);
     }
     // a round end is as much light as width sqrt(pi / 2) of the strand there

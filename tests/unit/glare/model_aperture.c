@@ -1,0 +1,423 @@
+/* glare/model/aperture.c, pupil.c and diffract.c against published values and
+ * closed forms. */
+#include "unit.h"
+#include "core/colour.h"
+#include "core/parallel.h"
+#include "glare/model/model_priv.h"
+
+#define PI 3.14159265358979323846
+
+static struct gp_field field(int w, int h, double degrees, double aspect)
+{
+    return (struct gp_field) {
+        .w = w, .h = h, .degrees = degrees, .aspect = aspect, .fps = 24.0,
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance,
+    };
+}
+
+static void make(const char *text, const struct gp_field *f,
+                 struct gp_kernel *k)
+{
+    struct gp_recipe r;
+    assert_ok(gp_recipe_parse(NULL, text, &r));
+    if (gp_model_kernel(NULL, &r, 1, f, k) != GP_OK)
+        fail_msg("%s", text);
+    gp_recipe_free(&r);
+}
+
+static double sample(const struct gp_kernel *k, int c, int dx, int dy)
+{
+    const int x = dx + k->cx, y = dy + k->cy;
+    return x < 0 || y < 0 || x >= k->w || y >= k->h
+               ? 0.0 : (double) k->k.c[c][y * k->w + x];
+}
+
+static const char airy[] = "aperture:share=1,blades=0,dust=0,scratches=0,"
+                           "wavelength=550,pupil=1,reach=90";
+
+/* Airy's pattern, 550 nm through 1 mm: its first zero, by a parabola through
+ * the least pixels, and the light within it. */
+static void a_circle_makes_airys_pattern(void **state)
+{
+    (void) state;
+    const double unit = 550e-6 / 1.0 * 180.0 / PI; // lambda / D, degrees
+    const struct gp_field f = field(321, 321, unit / 20.0, 1.0);
+    struct gp_kernel k;
+    make(airy, &f, &k);
+    double within = 0.0;
+    for (int dy = -30; dy <= 30; dy++) {
+        for (int dx = -30; dx <= 30; dx++) {
+            // a pixel at the zero by parts
+            for (int i = 0; i < 64; i++) {
+                const double r = hypot(dx + (i % 8 + 0.5) / 8.0 - 0.5,
+                                       dy + (i / 8 + 0.5) / 8.0 - 0.5);
+                within += r / 20.0 < 1.219670 ? sample(&k, 1, dx, dy) / 64.0
+                                              : 0.0;
+            }
+        }
+    }
+    if (!(fabs(within / 0.837785 - 1.0) < 1e-3))
+        fail_msg("%.5f within the first zero, not 0.83779", within);
+    // around its zero v r^3 is even, as J1 falls with the root of r
+    double zero = 0.0;
+    for (int x = 20; x < 29 && zero == 0.0; x++) {
+        double v[3];
+        for (int i = 0; i < 3; i++)
+            v[i] = sample(&k, 1, x + i - 1, 0) * pow(x + i - 1, 3.0);
+        if (v[1] < v[0] && v[1] < v[2])
+            zero = x + 0.5 * (v[0] - v[2]) / (v[0] - 2.0 * v[1] + v[2]);
+    }
+    if (!(fabs(zero / 20.0 / 1.219670 - 1.0) < 1e-3))
+        fail_msg("first zero at %.5f lambda / D", zero / 20.0);
+    gp_kernel_free(&k);
+}
+
+/* Light along rays from the centre, by half degrees, between two radii. */
+static void find_spikes(const struct gp_kernel *k, double *light, int steps,
+                        double from, double to)
+{
+    memset(light, 0, (size_t) steps * sizeof *light);
+    for (int y = -(int) to; y <= (int) to; y++) {
+        for (int x = -(int) to; x <= (int) to; x++) {
+            const double r = hypot(x, y);
+            if (r < from || r > to)
+                continue;
+            double a = atan2(-y, x) / (2.0 * PI) + 1.0;
+            a -= floor(a);
+            light[(int) (a * steps) % steps] += sample(k, 1, x, y) * r;
+        }
+    }
+}
+
+/* n straight blades make n spikes where n is even, 2n where it is odd, across
+ * the edges; their directions are means over five degrees. */
+static void blades_make_spikes(void **state)
+{
+    (void) state;
+    static const struct {
+        int blades, spikes;
+        double rotation;
+    } rows[] = {{4, 4, 10.0}, {5, 10, 0.0}, {6, 6, 17.3}, {7, 14, 3.0},
+                {8, 8, -11.0}};
+    enum { STEPS = 3600 };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_field f = field(256, 256, 1.0 / 36.0, 1.0);
+        char text[200];
+        struct gp_kernel k;
+        double light[STEPS];
+        const double n = rows[i].blades;
+        snprintf(text, sizeof text, "aperture:share=1,blades=%d,roundness=0,"
+                 "dust=0,scratches=0,rotation=%g", rows[i].blades,
+                 rows[i].rotation);
+        make(text, &f, &k);
+        find_spikes(&k, light, STEPS, 60.0, 250.0);
+        double all = 0.0, inside = 0.0;
+        for (int j = 0; j < STEPS; j++)
+            all += light[j];
+        for (int s = 0; s < rows[i].spikes; s++) {
+            // across an edge: its middle is half a blade from a corner
+            const double to = rows[i].rotation + 180.0 / n +
+                              360.0 * s / rows[i].spikes;
+            double sum = 0.0, off = 0.0;
+            for (int j = 0; j < STEPS; j++) {
+                const double d = remainder((j + 0.5) * 360.0 / STEPS - to,
+                                           360.0);
+                if (fabs(d) > 2.5)
+                    continue;
+                sum += light[j];
+                off += light[j] * d;
+            }
+            inside += sum;
+            if (!(fabs(off / sum) < 0.1))
+                fail_msg("%d blades: spike at %g is %g degrees off",
+                         rows[i].blades, to, off / sum);
+            // as bright as all others, and darkness between
+            if (!(sum > 0.8 * inside / (s + 1)))
+                fail_msg("%d blades: no spike at %g", rows[i].blades, to);
+        }
+        if (!(inside > 0.9 * all))
+            fail_msg("%d blades: %g of the light is in spikes", rows[i].blades,
+                     inside / all);
+        gp_kernel_free(&k);
+    }
+}
+
+/* All light is in the kernel, but for what the edge's length says is beyond;
+ * equal energy light is white. */
+static void light_is_kept_and_white(void **state)
+{
+    (void) state;
+    const struct gp_field f = field(256, 256, 1.0 / 36.0, 1.0);
+    struct gp_kernel k;
+    make("aperture:share=1,blades=0,dust=0,scratches=0,pupil=2", &f, &k);
+    // 1 - E(r) = l L / (2 pi^2 S r), L / S = 4 / D; half is left in the fade
+    const double r = 255.0 / 36.0 * PI / 180.0;
+    const double beyond = 550e-6 * 4.0 / 2.0 / (2.0 * PI * PI * r);
+    if (!(k.left_out > 0.5 * beyond && k.left_out < 1.5 * beyond))
+        fail_msg("%g left out, about %g lies beyond", k.left_out, beyond);
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs(k.sum[c] - k.sum[1]) < 2e-4);
+    assert_false(k.negative);
+    gp_kernel_free(&k);
+}
+
+/* A kernel of a small frame is the middle of that of a large one: what comes
+ * back from beyond its period is little. */
+static void frames_of_all_sizes_agree(void **state)
+{
+    (void) state;
+    static const char text[] = "aperture:share=1,blades=5,reach=20,pupil=0.5,"
+                               "wavelengths=8";
+    const struct gp_field small = field(64, 48, 1.0 / 36.0, 1.0);
+    const struct gp_field large = field(400, 400, 1.0 / 36.0, 1.0);
+    struct gp_kernel a, b;
+    make(text, &small, &a);
+    make(text, &large, &b);
+    double error = 0.0, norm = 0.0;
+    for (int y = -47; y <= 47; y++) {
+        for (int x = -63; x <= 63; x++) {
+            const double v = sample(&b, 1, x, y);
+            const double d = (sample(&a, 1, x, y) - v) * hypot(x, y);
+            error += d * d;
+            norm += v * v * (x * x + y * y);
+        }
+    }
+    if (!(sqrt(error / norm) < 0.01))
+        fail_msg("%g of the light times its distance", sqrt(error / norm));
+    gp_kernel_free(&a);
+    gp_kernel_free(&b);
+}
+
+/* Turning the frame's kernel is turning the iris; pixels of any aspect see the
+ * same light. */
+static void rotation_and_aspect_are_in_the_formula(void **state)
+{
+    (void) state;
+    struct gp_field f = field(128, 128, 0.05, 1.0);
+    struct gp_kernel a, b;
+    make("aperture:share=1,blades=3,rotation=30,wavelengths=4", &f, &a);
+    f.rotate = 20.0;
+    make("aperture:share=1,blades=3,rotation=10,wavelengths=4", &f, &b);
+    assert_int_equal(a.w, b.w);
+    for (int i = 0; i < a.w * a.h; i++)
+        assert_true(fabsf(a.k.c[1][i] - b.k.c[1][i]) <=
+                    1e-5f * a.k.c[1][i] + 1e-10f);
+    gp_kernel_free(&a);
+    gp_kernel_free(&b);
+    // two pixels beside each other are one twice as wide
+    f.rotate = 0.0;
+    f.degrees = 0.02;
+    struct gp_field wide = f;
+    wide.aspect = 3.0;
+    make("aperture:share=1,blades=0,pupil=1,wavelengths=4", &f, &a);
+    make("aperture:share=1,blades=0,pupil=1,wavelengths=4", &wide, &b);
+    for (int y = -20; y <= 20; y++) {
+        for (int x = -10; x <= 10; x++) {
+            double sum = 0.0;
+            for (int i = -1; i <= 1; i++)
+                sum += sample(&a, 1, 3 * x + i, y);
+            if (!(fabs(sample(&b, 1, x, y) / sum - 1.0) < 0.02))
+                fail_msg("at %d, %d: %g, not %g", x, y, sample(&b, 1, x, y),
+                         sum);
+        }
+    }
+    gp_kernel_free(&a);
+    gp_kernel_free(&b);
+}
+
+/* The light at the centre of a small aberration: exp(-(2 pi rms)^2) of that
+ * without (Mahajan), as Zernike's polynomials are normalised. */
+static void aberrations_dim_the_peak(void **state)
+{
+    (void) state;
+    static const char *const names[] = {"defocus", "astigmatism", "coma",
+                                        "spherical"};
+    const double unit = 550e-6 * 180.0 / PI;
+    const struct gp_field f = field(65, 65, unit / 8.0, 1.0);
+    struct gp_kernel sharp, k;
+    make(airy, &f, &sharp);
+    for (size_t i = 0; i < COUNT(names); i++) {
+        char text[200];
+        snprintf(text, sizeof text, "%s,%s=0.05", airy, names[i]);
+        make(text, &f, &k);
+        const double strehl = sample(&k, 1, 0, 0) / sample(&sharp, 1, 0, 0);
+        const double phase = 2.0 * PI * 0.05;
+        if (!(fabs(strehl / exp(-phase * phase) - 1.0) < 5e-3))
+            fail_msg("%s: %.4f of the peak, not %.4f", names[i], strehl,
+                     exp(-phase * phase));
+        gp_kernel_free(&k);
+    }
+    // coma's tail lies to the side of its path's mean slope
+    for (int s = -1; s <= 1; s += 2) {
+        char text[200];
+        double at = 0.0;
+        snprintf(text, sizeof text, "%s,coma=%g", airy, 0.3 * s);
+        make(text, &f, &k);
+        for (int y = -64; y <= 64; y++) {
+            for (int x = -64; x <= 64; x++)
+                at += s * x * sample(&k, 1, x, y);
+        }
+        // sqrt(8) 0.3 waves to the radius: 2 of that to D, 8 pixels each;
+        // what lies beyond 8 D falls with the distance
+        const double mean = sqrt(8.0) * 0.3 * 2.0 * 8.0;
+        if (!(at > 0.5 * mean && at < mean))
+            fail_msg("coma's mean is at %g of %g pixels", at, mean);
+        gp_kernel_free(&k);
+    }
+    gp_kernel_free(&sharp);
+}
+
+/* A mask of white is a square opening: light falls as sinc^2 on the axes. */
+static void masks_are_openings(void **state)
+{
+    (void) state;
+    float white[64], black[64] = {0};
+    for (int i = 0; i < 64; i++)
+        white[i] = 1.0f;
+    struct gp_frame image = {
+        .data = {0, 0, 8, 8}, .luminance = {0.2126f, 0.7152f, 0.0722f},
+        .rgb.c = {white, white, white},
+    };
+    const double unit = 550e-6 * 180.0 / PI;
+    const struct gp_field f = field(129, 129, unit / 8.0, 1.0);
+    struct gp_recipe r;
+    struct gp_kernel k = {0};
+    assert_ok(gp_recipe_parse(NULL, "aperture:share=1,mask=F,dust=0,"
+                              "scratches=0,wavelength=550,pupil=1,reach=90",
+                              &r));
+    r.image = &image;
+    assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
+    for (int i = 0; i < 2; i++) {
+        // the zeros at lambda / D, of which a pixel is wider, and what is
+        // between them
+        const double zero = sample(&k, 1, i ? 0 : 8, i ? 8 : 0);
+        const double peak = sample(&k, 1, i ? 0 : 12, i ? 12 : 0);
+        const double middle = sample(&k, 1, 0, 0);
+        const double side = 4.0 / (9.0 * PI * PI);
+        if (!(zero < 0.003 * middle) || !(fabs(peak / middle / side - 1) < 0.03))
+            fail_msg("axis %d: %g, %g of the peak", i, zero / middle,
+                     peak / middle);
+    }
+    gp_kernel_free(&k);
+    for (int c = 0; c < 3; c++)
+        image.rgb.c[c] = black;
+    assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_DATA);
+    r.image = NULL;
+    assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
+    gp_recipe_free(&r);
+    assert_ok(gp_recipe_parse(NULL, "aperture:blades=2", &r));
+    assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
+    gp_recipe_free(&r);
+}
+
+static bool same(const struct gp_kernel *a, const struct gp_kernel *b)
+{
+    bool equal = a->w == b->w && a->h == b->h;
+    for (int c = 0; c < 3 && equal; c++)
+        equal = memcmp(a->k.c[c], b->k.c[c], (size_t) a->w * (size_t) a->h *
+                       sizeof(float)) == 0;
+    return equal;
+}
+
+/* A seed makes the same kernel on any number of threads, another seed and
+ * every key another. */
+static void keys_change_kernels(void **state)
+{
+    (void) state;
+    static const char *const keys[] = {
+        "blades=5", "roundness=0.5", "rotation=5", "obstruction=0.3",
+        "obstruction=0.3,arc=90", "grating=0.5", "dust=0.5", "scratches=0.5",
+        "lashes=0.5", "seed=2", "fnumber=8", "focal=50", "defocus=0.1",
+        "astigmatism=0.1", "coma=0.1", "spherical=0.1", "wavelength=600",
+        "reach=3", "adaptation=100", "pupil=3", "hippus=0", "particles=0.1",
+        "grating=0.05", "formula=watson", "formula=watson,age=60",
+        "grating=0.5,fibres=20",
+    };
+    struct gp_field f = field(64, 64, 0.05, 1.0);
+    f.frame = 7;
+    for (int m = 0; m < 2; m++) {
+        const char *const name = m ? "temporal" : "aperture";
+        struct gp_kernel made[COUNT(keys) + 1];
+        size_t n = 0;
+        char text[200];
+        snprintf(text, sizeof text, "%s:wavelengths=4", name);
+        gp_set_threads(1);
+        make(text, &f, &made[n++]);
+        gp_set_threads(3);
+        make(text, &f, &made[n]);
+        assert_true(same(&made[0], &made[n]));
+        gp_kernel_free(&made[n]);
+        for (size_t i = 0; i < COUNT(keys); i++) {
+            struct gp_recipe r;
+            snprintf(text, sizeof text, "%s:wavelengths=4,%s", name, keys[i]);
+            if (gp_recipe_parse(NULL, text, &r) != GP_OK)
+                continue; // the other model's
+            gp_recipe_free(&r);
+            make(text, &f, &made[n]);
+            for (size_t j = 0; j < n; j++) {
+                if (same(&made[j], &made[n]))
+                    fail_msg("%s is as one before it", text);
+            }
+            n++;
+        }
+        assert_true(n > 12);
+        while (n > 0)
+            gp_kernel_free(&made[--n]);
+        gp_set_threads(0);
+    }
+}
+
+/* Diameters by luminance as published; log10, not ln. Watson and Yellott's by
+ * their figure: 2 to 8 mm, smaller in old eyes. */
+static void pupils_are_as_wide_as_published(void **state)
+{
+    (void) state;
+    static const double rows[][2] = {{0.01, 6.9}, {1, 4.90}, {100, 2.91},
+                                     {1e4, 2.14}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const double got = gp_pupil_moon_spencer(rows[i][0]);
+        if (!(fabs(got - rows[i][1]) < 0.0061))
+            fail_msg("%g cd/m2: %g mm", rows[i][0], got);
+    }
+    // no light: 7.75 mm; F = 846 cd/m2 deg2: 7.75 - 5.75 / 3
+    assert_true(fabs(gp_pupil_watson(1e-12, 846.0, 28.58) - 7.75) < 1e-3);
+    assert_true(fabs(gp_pupil_watson(1.0, 846.0, 28.58) - 5.83333) < 1e-4);
+    assert_true(fabs(gp_pupil_watson(1e-12, 846.0, 78.58) -
+                     (7.75 + 50.0 * (0.02132 - 0.009562 * 7.75))) < 1e-3);
+}
+
+/* Hippus moves with time without jumps, within the equation's range, and not at
+ * all in a pupil that is open. */
+static void pupils_shimmer(void **state)
+{
+    (void) state;
+    const double p = 4.0, most = 9.0 / p * sqrt(1.0 - p / 9.0);
+    double low = INFINITY, high = -INFINITY, before = 0.0;
+    for (int i = 0; i < 2000; i++) {
+        const double h = gp_pupil_hippus(p, i / 24.0, 0.5, 3);
+        assert_true(fabs(h - p) <= 0.5 * most);
+        assert_true(i == 0 || fabs(h - before) < 0.1);
+        low = fmin(low, h);
+        high = fmax(high, h);
+        before = h;
+    }
+    assert_true(high - low > 0.5 * most);
+    assert_true(gp_pupil_hippus(9.0, 1.7, 1.0, 3) == 9.0);
+    assert_true(gp_pupil_hippus(p, 1.7, 0.0, 3) == p);
+    // frames of a run
+    struct gp_field f = field(32, 32, 0.1, 1.0);
+    struct gp_kernel a, b;
+    make("temporal:wavelengths=2", &f, &a);
+    f.frame = 1;
+    make("temporal:wavelengths=2", &f, &b);
+    assert_false(same(&a, &b));
+    gp_kernel_free(&a);
+    gp_kernel_free(&b);
+}
+
+SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
+    blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
+    rotation_and_aspect_are_in_the_formula, aberrations_dim_the_peak,
+    masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
+    pupils_shimmer)
