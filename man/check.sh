@@ -26,7 +26,7 @@ options_of()
     "$glarepp" "$@" --help |
         sed -n 's/^ \{2,6\}\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
-help=$({ options_of; options_of bench; options_of compare; } | sort -u)
+help=$({ options_of; options_of bench; options_of compare; options_of kernel; } | sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
     sed -n 's/^\.It \(Fl \([a-z]\) , \)\{0,1\}Fl \\-\([a-z-]*\).*/-\2 --\3/p' |
     sed 's/^- //' | sort)
@@ -51,7 +51,7 @@ sections | while read -r title; do
     grep -qx "\.S[hs] $title" "$page" || echo "$title"
 done | grep . && fail "help names sections that $page does not have"
 
-for command in '' bench compare; do
+for command in '' bench compare kernel; do
     for option in $(options_of $command); do
         # (the option out of range after it keeps anything from running)
         line=$("$glarepp" $command "$option" --threads=-1 2>&1)

@@ -158,6 +158,54 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+/* Reads --kernel-size: "50", "50%" or "2deg". */
+static gp_status check_kernel_size(const struct gp_log *log,
+                                   struct gp_settings *s)
+{
+    const char *const word = s->kernel_size ? s->kernel_size : "100";
+    char *end;
+    const double v = *word >= '0' && *word <= '9' ? strtod(word, &end) : NAN;
+    const bool degrees = isfinite(v) && strcmp(end, "deg") == 0;
+    const bool percent = isfinite(v) && (!*end || strcmp(end, "%") == 0);
+    if (!(percent && v >= 0.1 && v <= 10000.0) &&
+        !(degrees && v >= 0.001 && v <= 180.0))
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
+                       "\"%s\"); give 0.1 to 10000 percent of the image's "
+                       "pixels, or its height as 0.001deg to 180deg", word);
+    s->kernel_degrees = degrees ? v : 0.0;
+    s->kernel_percent = degrees ? 100.0 : v;
+    return GP_OK;
+}
+
+/* Reads --size, and checks that glarepp kernel has one thing to do. */
+static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_making *const m = &s->making;
+    char after;
+    const bool makes = s->outputs.n > 0;
+    if (m->list + (m->check != NULL) + makes != 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp kernel -k "
+                       "MODEL -o FILE, --check FILE and --list",
+                       m->list || m->check || makes ? "too much to do"
+                                                    : "nothing to make");
+    if (s->inputs.n)
+        return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads no frames; write "
+                       "-k %s for an image of a kernel", s->inputs.at[0],
+                       s->inputs.at[0]);
+    if (m->from && (s->kernels.n || m->size || m->radius ||
+                    gp_option_given(s, "fov") || gp_option_given(s, "frame") ||
+                    gp_option_given(s, "rotate")))
+        return gp_fail(log, GP_ERR_USAGE, "--from: %s says how it was made; "
+                       "leave the kernel's other options out", m->from);
+    m->w = 1920;
+    m->h = 1080;
+    if (m->size && (sscanf(m->size, "%5dx%5d%c", &m->w, &m->h, &after) != 2 ||
+                    m->w < 1 || m->h < 1 || m->w > 16384 || m->h > 16384))
+        return gp_fail(log, GP_ERR_USAGE, "--size: not a size (found \"%s\"); "
+                       "give WxH, e.g. 1920x1080, each 1 to 16384", m->size);
+    return GP_OK;
+}
+
 static bool is_power_of_two(int n)
 {
     return n > 0 && (n & (n - 1)) == 0;
@@ -186,6 +234,10 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
             s->compare.warn = INFINITY;
         return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
     }
+    GP_TRY(check_kernel_size(log, s));
+    s->kernel.centered = gp_option_given(s, "kernel-center");
+    if (s->command == GP_COMMAND_KERNEL)
+        return check_making(log, s);
     // something must be read and made
     const bool bench = s->command == GP_COMMAND_BENCH;
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
@@ -245,7 +297,6 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (gp_option_given(s, "raw"))
         s->write.stdout_format = GP_STDOUT_RAW;
     s->write.converted = s->ocio.output != NULL;
-    s->kernel.centered = gp_option_given(s, "kernel-center");
     s->ocio.shows = s->outputs.n > 0 || s->debug[GP_DEBUG_POLYGONS];
     s->ocio.context = s->ocio_context.at;
     s->ocio.contexts = s->ocio_context.n;

@@ -23,6 +23,7 @@ static const struct single {
     SINGLE(bench.csv, "--csv", true),
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
+    SINGLE(making.from, "--from", false),
     SINGLE(sun.camera, "--camera", false),
     SINGLE(sun.lights, "--lights", false),
     SINGLE(sun.flare, "--flare", false),
@@ -267,8 +268,10 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
         gp_free(y.name);
     }
     for (int i = 0; i < c->s->kernels.n && !st; i++) {
-        if (!gp_recipe_is(c->s->kernels.at[i]))
-            st = gp_clobber_input(c, "--kernel", c->s->kernels.at[i]);
+        char *const path = gp_kernel_path(c->s->kernels.at[i]);
+        if (path)
+            st = gp_clobber_input(c, "--kernel", path);
+        gp_free(path);
     }
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(c->s, i);

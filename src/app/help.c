@@ -142,6 +142,14 @@ void gp_help(FILE *f, enum gp_command command)
                    "idiff's: 0 PASS, 1 WARNING, 2 FAILURE, 3 cannot be "
                    "compared,\n4 a file cannot be read or written; 64 a wrong "
                    "command line.\n");
+    else if (command == GP_COMMAND_KERNEL)
+        fprintf(f, "Makes a glare kernel, or checks one.\n\n"
+                   "  glarepp kernel [options] -o FILE\n"
+                   "  glarepp kernel --from FILE -o FILE\n"
+                   "  glarepp kernel [options] --check FILE|MODEL\n"
+                   "  glarepp kernel --list\n\n"
+                   "-k names the model; FILE is an EXR, with the recipe in its "
+                   "attributes.\nExit status of --check: 1 for a fault.\n");
     else
         fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
                    "  glarepp [options] -o OUTPUT INPUT...\n"
@@ -149,6 +157,8 @@ void gp_help(FILE *f, enum gp_command command)
                    "(see glarepp bench --help)\n"
                    "  glarepp compare [options] A B    "
                    "(see glarepp compare --help)\n"
+                   "  glarepp kernel [options] -o FILE "
+                   "(see glarepp kernel --help)\n"
                    "  glarepp help [TOPIC]\n\n"
                    "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
                    "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
@@ -161,6 +171,7 @@ void gp_help(FILE *f, enum gp_command command)
     fprintf(f, "The first command to try: %s\n",
             command == GP_COMMAND_BENCH     ? "glarepp bench frame.exr"
             : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
+            : command == GP_COMMAND_KERNEL  ? "glarepp kernel --list"
                                         : "glarepp -o out.png frame.exr");
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/clobber.h"
 #include "core/memory.h"
+#include "glare/model/model.h"
 #include "io/file.h"
 
 #include <errno.h>
@@ -92,12 +93,14 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
-        for (int k = 0; k < s->kernels.n && !st && gp_is_dash(path); k++)
-            st = gp_is_dash(s->kernels.at[k])
-                     ? gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
-                               "both come from stdin; give one of them as a "
-                               "file")
-                     : GP_OK;
+        for (int k = 0; k < s->kernels.n && !st && gp_is_dash(path); k++) {
+            char *const file = gp_kernel_path(s->kernels.at[k]);
+            if (file && gp_is_dash(file))
+                st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
+                             "both come from stdin; give one of them as a "
+                             "file");
+            gp_free(file);
+        }
         GP_TRY(st);
         *patterns = *patterns || in[i].len;
     }

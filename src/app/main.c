@@ -1,5 +1,6 @@
 #include "app/clobber.h"
 #include "app/jobs.h"
+#include "app/kernel_command.h"
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
@@ -196,6 +197,14 @@ out:
     return st;
 }
 
+static int run_kernel(const struct gp_log *log, const struct gp_settings *s)
+{
+    bool faulty;
+    gp_set_threads(s->threads);
+    const gp_status st = gp_kernel_command(log, s, &faulty);
+    return st ? (int) st : faulty;
+}
+
 static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
     char *command = NULL; // of the pictures
@@ -277,6 +286,8 @@ int main(int argc, char *argv[])
         st = run_bench(&log, &s);
     } else if (!st && s.command == GP_COMMAND_COMPARE) {
         status = run_compare(&log, &s);
+    } else if (!st && s.command == GP_COMMAND_KERNEL) {
+        status = run_kernel(&log, &s);
     } else if (!st) {
         st = make_frames(&log, &voice, &s);
     }

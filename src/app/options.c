@@ -203,6 +203,8 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
         "glarepp --type half --compression piz --hdr lit.exr frame.exr"},
     [GP_GROUP_REPORT] = {"Reports and progress", "report",
         "glarepp --verify --report - --layer glare.exr frame.exr"},
+    [GP_GROUP_KERNEL] = {"Kernels of glarepp kernel", "making",
+        "glarepp kernel -k cie:age=70 -k star --size 2048x858 -o k.exr"},
     [GP_GROUP_BENCH] = {"Tables and plots of glarepp bench", "measuring",
         "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
     [GP_GROUP_COMPARE] = {"Limits and pictures of glarepp compare", "comparing",
@@ -292,15 +294,21 @@ static const char *grow_word(int i, const char **text)
 #define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
 #define BOTH(g) .group = GP_GROUP_##g,                                        \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH
+#define KERNEL .group = GP_GROUP_KERNEL, .commands = GP_COMMAND_KERNEL
+#define LENS(g) .group = GP_GROUP_##g,                                        \
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL
+#define MAKES(g) .group = GP_GROUP_##g,                                       \
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL
 #define BENCH .group = GP_GROUP_BENCH, .commands = GP_COMMAND_BENCH
 #define COMPARE .group = GP_GROUP_COMPARE, .commands = GP_COMMAND_COMPARE
 #define ALL(g) .group = GP_GROUP_##g,                                         \
-    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE |     \
+        GP_COMMAND_KERNEL
 
 const struct gp_option gp_options[] = {
-    OPT(outputs, .name = "output", .letter = 'o', IN(OUTPUT), .arg = "FILE",
-        .help = "Write a tone-mapped picture; the ending picks the format; "
-                "may be given more than once"),
+    OPT(outputs, .name = "output", .letter = 'o', MAKES(OUTPUT), .arg = "FILE",
+        .help = "Write a tone-mapped picture, or the kernel as EXR floats; the "
+                "ending picks the format; may be given more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through; may be given more than "
@@ -358,14 +366,17 @@ const struct gp_option gp_options[] = {
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
-    OPT(kernels, .name = "kernel", .letter = 'k', BOTH(LIGHT),
+    OPT(kernels, .name = "kernel", .letter = 'k', LENS(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
-        .help = "Point-spread function: an image file, or a model and its "
-                "keys as MODEL:key=value,key=value; several add up by their "
-                "shares; default builtin:eye"),
-    OPT(fov, .name = "fov", BOTH(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,
+        .help = "Point-spread function, without it builtin:eye: an image file "
+                "or a model and its keys, as MODEL:key=value,key=value; "
+                "several add up by their shares"),
+    OPT(fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30"),
+    OPT(kernel_size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
+        .help = "Resample kernel images by areas: 50 or 50% for half as many "
+                "pixels, 2deg for a height of 2 degrees of view"),
     OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
@@ -373,14 +384,14 @@ const struct gp_option gp_options[] = {
                 "(w/2, h/2) rounded down"),
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
         .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel"),
-    OPT(kernel.rotate, .name = "rotate", BOTH(LIGHT), .arg = "DEG",
+    OPT(kernel.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
         .help = "Rotate the kernel about its centre, counter-clockwise"),
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
         .hi = 1e6, .help = "Scale the glare in pictures and --hdr, not in "
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
         "more than 1 only brightens the glare"),
-    CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
+    CHOICE(compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
 
     OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
@@ -540,7 +551,7 @@ const struct gp_option gp_options[] = {
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
         .choices = gp_types,
         .help = "Write samples of float formats in this type"),
-    CHOICE(write.compression, .name = "compression", IN(FILE), .arg = "NAME",
+    CHOICE(write.compression, .name = "compression", MAKES(FILE), .arg = "NAME",
         .choices = gp_compressions, .help = "Compress EXR files this way"),
     CHOICE(write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
         .choices = gp_bits,
@@ -563,7 +574,7 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_RAW | GP_NEED_STREAM, .choices = gp_raws,
         .aside = true,
         .help = "Pixel format of raw output; implies --stdout-format raw"),
-    OPT(write.create_dir, .name = "create-dir", IN(FILE), .aside = true,
+    OPT(write.create_dir, .name = "create-dir", MAKES(FILE), .aside = true,
         .help = "Make missing folders of output files"),
     OPT(no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
@@ -585,6 +596,19 @@ const struct gp_option gp_options[] = {
         .set = GP_LEVEL_ERROR, .help = "Print errors only"),
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
+
+    OPT(making.size, .name = "size", KERNEL, .arg = "WxH",
+        .help = "Make it for frames of this size, without it 1920x1080"),
+    OPT(making.radius, .name = "radius", KERNEL, .arg = "N", .hi = 16383,
+        .help = "Make only offsets up to N pixels, 0 for all"),
+    OPT(making.frame, .name = "frame", KERNEL, .arg = "N", .lo = -1e9,
+        .hi = 1e9, .help = "Make models that change in time for this frame"),
+    OPT(making.from, .name = "from", KERNEL, .arg = "FILE",
+        .help = "Make a kernel again that glarepp kernel wrote, byte by byte"),
+    OPT(making.check, .name = "check", KERNEL, .arg = "FILE|MODEL",
+        .help = "Print a kernel's figures and faults; exit 1 on a fault"),
+    OPT(making.list, .name = "list", KERNEL,
+        .help = "Print the models, their keys with ranges, and the presets"),
 
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),

@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include "core/memory.h"
+#include "glare/model/model.h"
 
 #include <errno.h>
 #include <float.h>
@@ -213,7 +214,11 @@ static gp_status set_text(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
     const char *text, *name;
-    bool known = !o->list;
+    const char *const keys = strncmp(u->value, "builtin:", 8) == 0
+                                 ? strchr(u->value + 8, ':') : u->value;
+    bool known = !o->list ||
+                 (keys && o->at == offsetof(struct gp_settings, kernels) &&
+                  gp_recipe_is(u->value));
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
         known = strcmp(name, u->value) == 0;
     const bool file =
@@ -242,7 +247,8 @@ static const struct {
     enum gp_command command;
 } commands[] = {
     {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
-    {"compare", GP_COMMAND_COMPARE}, {"help", GP_COMMAND_HELP},
+    {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
+    {"help", GP_COMMAND_HELP},
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
 

@@ -3,6 +3,7 @@
 #include "app/options.h"
 
 #include "core/json.h"
+#include "glare/model/model.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,9 +45,12 @@ static void print_value(FILE *f, const struct gp_option *o, const char *value)
 {
     const bool config = strcmp(o->arg, "CONFIG") == 0;
     const char *const is = strchr(value, '=');
+    const char *const file = strstr(value, "file="); // of a kernel's recipe
     if (config && (!*value || strcmp(value, "env") == 0) && getenv("OCIO"))
         value = getenv("OCIO");
-    if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
+    if (file && o->kind == GP_KIND_TEXTS && gp_recipe_is(value))
+        print_word(f, value, (size_t) (file + 5 - value), base_name(file + 5));
+    else if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
         print_word(f, "", 0, base_name(value));
     else if (is && is[1] == '/') // NAME=/some/folder/file
         print_word(f, value, (size_t) (is + 1 - value), base_name(value));

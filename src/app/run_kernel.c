@@ -4,6 +4,7 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "io/read.h"
 
 #include <string.h>
@@ -23,6 +24,32 @@ void gp_wanted_kernel_free(struct gp_wanted_kernel *k)
     *k = (struct gp_wanted_kernel) {0};
 }
 
+/* A word of --kernel as a recipe. */
+static gp_status read_recipe(const struct gp_log *log,
+    const struct gp_settings *s, const char *word, struct gp_recipe *out)
+{
+    return gp_recipe_is(word)
+               ? gp_recipe_parse(log, word, out)
+               : gp_recipe_of_image(log, word, s->kernel_degrees,
+                                    s->kernel_percent, out);
+}
+
+/* Refuses options of one image file where there is none. */
+static gp_status check_image_options(const struct gp_log *log,
+    const struct gp_settings *s, bool files, bool one)
+{
+    if (s->kernel_size && !files)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
+                       "file (found %s); write image:file=PATH,size=DEGREES, "
+                       "or leave it out", s->kernel_size);
+    if (s->kernel.centered && !one)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
+                       "several kernels (found %g,%g); write "
+                       "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
+                       s->kernel.center[0], s->kernel.center[1]);
+    return GP_OK;
+}
+
 gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out)
 {
@@ -31,29 +58,44 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const char *const *const at = s->kernels.n ? s->kernels.at : usual;
     const int n = s->kernels.n ? s->kernels.n : 1;
     struct gp_wanted_kernel k = {0};
-    gp_status st = GP_OK;
+    bool files = false;
     if (n > GP_RECIPES)
         return gp_fail(log, GP_ERR_USAGE, "--kernel: too many (found %d); give "
                        "up to %d", n, GP_RECIPES);
-    if (n == 1 && !gp_recipe_is(at[0])) {
-        st = gp_read_frame(log, &limits, at[0], &out->image[0]);
+    for (int i = 0; i < n; i++)
+        files |= !gp_recipe_is(at[i]);
+    const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
+    gp_status st = check_image_options(log, s, files, one);
+    if (st)
         return st;
-    }
+    if (one)
+        return gp_read_frame(log, &limits, at[0], &out->image[0]);
     for (int i = 0; i < n; i++) {
-        GP_TRY(gp_recipe_parse(log, at[i], &k.recipe[i]));
+        GP_TRY(read_recipe(log, s, at[i], &k.recipe[i]));
         k.recipes++;
-        const char *const file = gp_recipe_file(&k.recipe[i]);
-        if (!file)
-            continue;
-        GP_TRY(gp_read_frame(log, &limits, file, &k.image[i]));
     }
+    GP_TRY(gp_wanted_images_read(log, &limits, &k));
     *out = k;
     for (int i = 0; i < n; i++)
-        out->recipe[i].image = out->image[i].rgb.c[0] ? &out->image[i] : NULL;
+        out->recipe[i].image = k.recipe[i].image ? &out->image[i] : NULL;
     return GP_OK;
 out:
     gp_wanted_kernel_free(&k);
     return st;
+}
+
+gp_status gp_wanted_images_read(const struct gp_log *log,
+    const struct gp_read_params *limits, struct gp_wanted_kernel *k)
+{
+    for (int i = 0; i < k->recipes; i++) {
+        const char *const file = gp_recipe_file(&k->recipe[i]);
+        gp_status st = file ? gp_read_frame(log, limits, file, &k->image[i])
+                            : GP_OK;
+        if (st)
+            return st;
+        k->recipe[i].image = file ? &k->image[i] : NULL;
+    }
+    return GP_OK;
 }
 
 // -- made for frames ----------------------------------------------------------
@@ -73,7 +115,8 @@ static bool is_same(const struct gp_run *r, const struct gp_field *a,
 {
     bool moves = false;
     if (!r->wanted.recipes)
-        return a->aspect == b->aspect;
+        return a->aspect == b->aspect &&
+               (a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0));
     for (int i = 0; i < r->wanted.recipes; i++)
         moves |= gp_recipe_moves(&r->wanted.recipe[i]);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
@@ -82,9 +125,18 @@ static bool is_same(const struct gp_run *r, const struct gp_field *a,
                   8 * sizeof *a->chromaticities) == 0;
 }
 
+/* Frame pixels for one of the kernel image, in the field's height. */
+static double scale_of(const struct gp_run *r, const struct gp_field *field)
+{
+    const struct gp_frame *const image = &r->wanted.image[0];
+    return r->s->kernel_degrees > 0.0 && field->degrees > 0.0
+               ? r->s->kernel_degrees / (field->degrees * gp_frame_h(image))
+               : r->s->kernel_percent / 100.0;
+}
+
 /* Makes the kernel for a field, unless r->kernel is that. */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
-    const struct gp_field *field, const struct gp_frame *frame)
+                             const struct gp_field *field)
 {
     struct gp_run_kernel *k;
     if (r->kernel && is_same(r, &r->kernel->field, field))
@@ -93,7 +145,8 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     if (st)
         return st;
     struct gp_kernel_params p = r->s->kernel;
-    p.frame = frame;
+    p.aspect = field->aspect;
+    p.scale = scale_of(r, field);
     st = r->wanted.recipes
              ? gp_model_kernel(log, r->wanted.recipe, r->wanted.recipes, field,
                                &k->k)
@@ -112,7 +165,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
 }
 
 /* The field of a frame, and where its angle comes from. */
-static struct gp_field find_field(struct gp_run *r, struct gp_frame_state *fs)
+static struct gp_field find_field(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     struct gp_sun_files files = {s, fs->job};
@@ -132,7 +185,8 @@ static struct gp_field find_field(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_field field = gp_field_of(&fs->frame, fov);
     field.rotate = (double) s->kernel.rotate;
     field.frame = about.number;
-    fs->facts.deg_per_pixel = r->wanted.recipes ? field.degrees : 0.0;
+    const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
+    fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;
     return field;
 }
 
@@ -141,7 +195,7 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = GP_OK;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns)) {
         const struct gp_field field = find_field(r, fs);
-        st = make_kernel(fs->log, r, &field, &fs->frame);
+        st = make_kernel(fs->log, r, &field);
     }
     if (!st && r->kernel) {
         fs->kernel = r->kernel;
@@ -167,14 +221,32 @@ gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
                                  MODEL_REACH};
     if (r->wanted.recipes)
         return GP_OK; // made for the first frame with light
-    struct gp_field field = gp_field_of(&square, GP_USUAL_FOV);
+    struct gp_field field = gp_field_of(&square, 0.0);
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
-    st = make_kernel(log, r, &field, NULL);
+    st = make_kernel(log, r, &field);
     if (st)
         return st;
     const struct gp_kernel *const k = &r->kernel->k;
     r->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
                                  k->h - 1 - k->cy};
     return GP_OK;
+}
+
+struct gp_rect gp_run_kernel_reach(const struct gp_run *r,
+                                   struct gp_frame_state *fs)
+{
+    const struct gp_field field = find_field(r, fs);
+    // in degrees, the first kernel is of the image's own size
+    const bool sized = !r->wanted.recipes && r->s->kernel_degrees > 0.0;
+    const double down = sized ? scale_of(r, &field) : 1.0;
+    const double across = down / field.aspect;
+    const double high = down == 1.0 ? 0.0 : 1.0;  // resampling reaches into
+    const double wide = across == 1.0 ? 0.0 : 1.0; // one pixel more
+    return (struct gp_rect) {
+        gp_max((int) (r->reach.x0 * across + wide), 0),
+        gp_max((int) (r->reach.y0 * down + high), 0),
+        gp_max((int) (r->reach.x1 * across + wide), 0),
+        gp_max((int) (r->reach.y1 * down + high), 0),
+    };
 }

@@ -109,13 +109,11 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     if (s->grow_how == GP_GROW_NONE)
         return GP_OK;
     if (s->grow_how == GP_GROW_KERNEL) {
-        // rows are resampled for pixels of another aspect
-        const float aspect = gp_kernel_aspect(&fs->frame);
-        const float scale = 1.0f / aspect, more = aspect == 1.0f ? 0.0f : 1.0f;
-        p.left = gp_max((int) ((float) r->reach.x0 * scale + more), 0);
-        p.top = gp_max(r->reach.y0, 0);
-        p.right = gp_max((int) ((float) r->reach.x1 * scale + more), 0);
-        p.bottom = gp_max(r->reach.y1, 0);
+        const struct gp_rect reach = gp_run_kernel_reach(r, fs);
+        p.left = reach.x0;
+        p.top = reach.y0;
+        p.right = reach.x1;
+        p.bottom = reach.y1;
     }
     window = gp_grow_window(&p, &fs->frame);
     do { // until the window is on the subsampling grids of all frames

@@ -62,6 +62,10 @@ GP_MUST_CHECK gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out);
 void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
 
+/* Reads the images that k's recipes name. Same errors. */
+GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,
+    const struct gp_read_params *limits, struct gp_wanted_kernel *k);
+
 /* A kernel, and the frames it was made for: those of this field and these
  * primaries, or of this pixel aspect where it is an image's. Frames are written
  * while the next ones have another: whoever holds it ends with
@@ -116,8 +120,8 @@ struct gp_run {
 
     struct gp_wanted_kernel wanted;
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
-    struct gp_rect reach;          // pixels that the first kernel reaches left,
-                                   // up, right and down
+    struct gp_rect reach;          // of the first kernel, as
+                                   // gp_run_kernel_reach() has it
     struct gp_glare engines;
     struct gp_glare group_engines; // of light groups: auto's choice depends on
                                    // the frames before
@@ -133,6 +137,10 @@ struct gp_run {
  * r->reach. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
+
+/* Pixels that the kernel of this frame reaches left, up, right and down. */
+struct gp_rect gp_run_kernel_reach(const struct gp_run *r,
+                                   struct gp_frame_state *fs);
 
 /* The stage: makes the kernel for a frame with light, if need be, and holds it.
  * gp_run_kernel_of() returns the frame's kernel, empty for a dark frame. */

@@ -47,11 +47,15 @@ enum { GP_ROTATED_PIXELS = 1 << 28 };
 GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
     const struct gp_unturned *u, bool grey, struct gp_rotated *out);
 
-/* Resamples a kernel's rows for pixels `aspect` times as wide as high: each new
- * sample is the area of old ones that it covers, so sums stay. k->w, cx and
- * planes are replaced. Errors: as gp_rotate(); *k stays. */
-GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
-                                   double aspect, struct gp_rotated *k);
+// -- kernel_resample.c --------------------------------------------------------
+
+/* Resamples a kernel to `across` and `down` new pixels for an old one, > 0: new
+ * samples are the areas of old ones that they cover, so sums stay. The centre
+ * stays the centre of its pixel; each channel's centroid is kept within 1e-3
+ * pixel by a shift of all its samples. Replaces *k.
+ * Errors: as gp_rotate(); *k stays. */
+GP_MUST_CHECK gp_status gp_resample(const struct gp_log *log, const char *name,
+    double across, double down, bool grey, struct gp_rotated *k);
 
 // -- plan.c: --tolerance-pixel -----------------------------------------------
 

@@ -264,19 +264,20 @@ static gp_status make_rotated(const struct gp_log *log,
                            .luminance = raw->luminance};
     struct gp_unturned u, *kept = NULL;
     const bool right = gp_rotate_angle(p->rotate, &u);
-    const float aspect = gp_kernel_aspect(p->frame);
-    if (right && u.cos == 1.0 && aspect == 1.0f)
+    const double down = p->scale > 0.0 ? p->scale : 1.0;
+    const double across = p->aspect > 0.0 ? down / p->aspect : down;
+    const bool sized = down != 1.0 || across != 1.0;
+    if (right && u.cos == 1.0 && !sized)
         return make_kernel(log, p->normalize, raw, out);
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
     u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
     GP_TRY(gp_rotate(log, raw->name, &u, flat.grey, &rotated));
+    t.in = rotated.k;
+    if (sized)
+        GP_TRY(gp_resample(log, raw->name, across, down, flat.grey, &rotated));
     t.w = rotated.w, t.h = rotated.h, t.cx = rotated.cx, t.cy = rotated.cy;
     t.in = rotated.k;
-    if (aspect != 1.0f) {
-        GP_TRY(gp_squeeze(log, raw->name, (double) aspect, &rotated));
-        t.w = rotated.w, t.cx = rotated.cx, t.in = rotated.k;
-    }
-    if (right || aspect != 1.0f) {
+    if (right || sized) {
         st = make_kernel(log, p->normalize, &t, out);
         goto out;
     }
@@ -311,7 +312,7 @@ out:
     return st;
 }
 
-// -- from a builtin, from a frame ---------------------------------------------
+// -- from a frame, from planes ------------------------------------------------
 
 /* Finds the pixel of the centre, counted from a window that starts at x0, y0,
  * and checks the angle. */

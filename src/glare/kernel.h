@@ -18,7 +18,10 @@ struct gp_kernel_params {
     enum gp_normalize normalize;
     float rotate;                  // degrees, counter-clockwise as seen (y is
                                    // down), about the centre's pixel
-    const struct gp_frame *frame;  // whose pixels it is made for; NULL: square
+    double aspect;                 // width over height of the pixels that it
+                                   // is made for; 0: square
+    double scale;                  // their number for one pixel of the image's
+                                   // height; 0: 1
 };
 
 /* The kernel before --rotate, scaled by the same factor, so that
@@ -73,13 +76,13 @@ float gp_kernel_aspect(const struct gp_frame *frame);
  * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
  * p->centered. Rotated about it by p->rotate. Normalised then so that
  * each channel's sum keeps the file's ratios and the luminance sum is 1,
- * unless GP_NORMALIZE_NONE. Where the frame's pixels are not square, it
- * is resampled after it was turned, each row by areas, so that it is round on
- * the screen and each channel's sum stays.
+ * unless GP_NORMALIZE_NONE. For another scale, or pixels that are not square,
+ * it is resampled by areas after it was turned: it is round on the screen, and
+ * each channel's sum and centroid (within 1e-3 pixel) stay.
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
  * or faint, or a luminance sum that is not positive when normalising;
  * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
- * is not finite, a rotated kernel of over 2^28 pixels. */
+ * is not finite, a rotated or resampled kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
     const struct gp_kernel_params *p, const struct gp_frame *image,
     struct gp_kernel *out);

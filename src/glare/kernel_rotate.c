@@ -1,5 +1,4 @@
-/* Rotates a kernel about its centre's pixel, and resamples it for pixels that
- * are not square. */
+/* Rotates a kernel about its centre's pixel. */
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 
@@ -126,64 +125,5 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
     struct rotating rotating = {u, &t, grey};
     gp_parallel_do(t.h, rotate_row, &rotating);
     *out = t;
-    return GP_OK;
-}
-
-// -- pixels that are not square -----------------------------------------------
-
-float gp_kernel_aspect(const struct gp_frame *frame)
-{
-    const float a = frame ? frame->pixel_aspect : 1.0f;
-    return a >= 1.0f / 16.0f && a <= 16.0f ? a : 1.0f;
-}
-
-struct squeezing {
-    const struct gp_rotated *from, *to;
-    double aspect;
-};
-
-static void squeeze_row(void *ctx, int y, int thread)
-{
-    const struct squeezing *const s = ctx;
-    const int w = s->from->w;
-    (void) thread;
-    for (int x = 0; x < s->to->w; x++) {
-        // columns from a to b, from the edge of the first
-        const double mid = (x - s->to->cx) * s->aspect + s->from->cx + 0.5;
-        const double a = fmin(fmax(mid - 0.5 * s->aspect, 0.0), w);
-        const double b = fmin(fmax(mid + 0.5 * s->aspect, 0.0), w);
-        for (int c = 0; c < 3; c++) {
-            const float *const row =
-                s->from->k.c[c] + (size_t) y * (size_t) w;
-            double sum = 0.0;
-            for (int i = (int) a; i < b; i++)
-                sum += (fmin(i + 1.0, b) - fmax(i, a)) * (double) row[i];
-            s->to->k.c[c][(size_t) y * (size_t) s->to->w + (size_t) x] =
-                (float) sum;
-        }
-    }
-}
-
-gp_status gp_squeeze(const struct gp_log *log, const char *name, double aspect,
-                     struct gp_rotated *k)
-{
-    // offsets whose pixels meet those of the kernel
-    const double from = floor((-0.5 - k->cx) / aspect + 0.5);
-    const double to = ceil((k->w - 0.5 - k->cx) / aspect - 0.5);
-    struct gp_rotated t = {.h = k->h, .cy = k->cy};
-    if ((to - from + 1.0) * k->h > GP_ROTATED_PIXELS)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: the kernel is too large for pixels of aspect %g "
-                       "(%.0fx%d); use a smaller kernel", name, aspect,
-                       to - from + 1.0, k->h);
-    t.w = (int) (to - from) + 1;
-    t.cx = (int) -from;
-    gp_status st = gp_planes_make(log, name, (size_t) t.w * (size_t) t.h, &t.k);
-    if (st)
-        return st;
-    struct squeezing s = {k, &t, aspect};
-    gp_parallel_do(t.h, squeeze_row, &s);
-    gp_planes_free(&k->k);
-    *k = t;
     return GP_OK;
 }

@@ -577,3 +577,12 @@ bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
     }
     return false;
 }
+
+char *gp_frame_text(const struct gp_frame *f, const char *name)
+{
+    const struct gp_input *const o = gp_input_of(f);
+    const char *text;
+    int32_t length;
+    return o && !exr_attr_get_string(o->exr, o->part, name, &length, &text)
+               ? gp_strdup(text) : NULL;
+}

@@ -69,6 +69,8 @@ struct gp_write_params {
                                 // 0, 0 not known
     const char *command;        // for glarepp:command of EXR and PNG, UTF-8;
                                 // NULL: they do not say what made them
+    const struct gp_attribute *added; // `n_added` texts for EXR files
+    int n_added;
 };
 #define GP_WRITE_DEFAULTS                                                     \
     { .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO,                \

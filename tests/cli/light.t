@@ -77,10 +77,10 @@ is "$("$python" light.py step ramp.pfm plain.pfm)" True 'no step at the threshol
 out whole ramp --threshold-mode whole --mix add
 is "$("$python" light.py step ramp.pfm whole.pfm)" False \
     'a step with --threshold-mode whole and --mix add'
-for kernel in eye star streak cross circle ring; do
-    out spot.$kernel spot -e direct -k builtin:$kernel
-    is "$("$python" light.py sum spot.pfm spot.$kernel.pfm)" True \
-        "builtin:$kernel: white light keeps its luminance"
+for kernel in star streak:length=5 cross circle ring gaussian; do
+    out spot.glare spot -e direct -k $kernel # which ends inside the frame
+    is "$("$python" light.py sum spot.pfm spot.glare.pfm)" True \
+        "$kernel: white light keeps its luminance"
 done
 out sun.0 sun -g 0
 same sun.0.pfm sun.pfm 'a float sun stays as it is'

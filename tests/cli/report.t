@@ -15,9 +15,9 @@ run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
 quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
-'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'flux_out', \
-'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
-'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
+'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
+'fov_from', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
+'clamped', 'depth', 'times_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
     "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'
@@ -44,10 +44,11 @@ is "$(field r.json 'o["schema"], o["status"], o["warnings"]')" '(2, 0, [])' \
     'schema, status and warnings'
 
 # settings: what was given, defaults, and nothing that had no effect
-run -t 2.5 -g 0.3 --kernel-center 3,4 --no-provenance --threads 1 -o out.png \
+frame k.exr kind=kernel size=9x9
+run -t 2.5 -g 0.3 -k k.exr --kernel-center 3,4 --no-provenance --threads 1 -o out.png \
     --report r.json in.exr
 is "$(field r.json '[o["settings"][k] for k in ("threshold", "gain", "kernel", "kernel_center", "engine", "tolerance", "depth_bits", "tonemap")]')" \
-    "[2.5, 0.3, 'builtin:eye', [3.0, 4.0], 'auto', 0.001, 8, 'reinhard']" \
+    "[2.5, 0.3, ['k.exr'], [3.0, 4.0], 'auto', 0.001, 8, 'reinhard']" \
     'settings: given and default'
 is "$(field r.json '{"knee", "mix", "rotate"} - set(o["settings"])')" 'set()' \
     'settings: all of light'

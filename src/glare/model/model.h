@@ -1,8 +1,9 @@
 /* Models of glare: point-spread functions of eyes and lenses as formulas of the
  * angle, and the kernels that they make for a frame.
  *
- * A recipe is a model with its keys, written MODEL:key=value,key=value. Several
- * recipes make one kernel,
+ * A recipe is a model with its keys, written MODEL:key=value,key=value; in a
+ * file's name a backslash goes before a comma or backslash. Several recipes make
+ * one kernel,
  *
  *   kernel = delta + sum over recipes i of s_i (shape_i - delta)
  *
@@ -37,7 +38,8 @@ struct gp_model_key {
     const char *text;          // one line of help, with the unit
     double preset, lo, hi;     // value when not given; range, both included
     const char *const *words;  // NULL-terminated names of 0, 1, ...; or NULL
-    bool file;                 // a path; `preset`, `lo`, `hi` mean nothing
+    bool file;                 // a path, which must be given where `preset`
+                               // is 1; `lo`, `hi` mean nothing
 };
 
 struct gp_model; // model_priv.h
@@ -71,11 +73,16 @@ bool gp_recipe_is(const char *text);
 /* Reads a recipe. Written only on GP_OK; free with gp_recipe_free().
  * Errors: GP_ERR_USAGE no model or key has that name (names the nearest and
  * lists those there are), a value that is no number, no word of the key, or
- * out of range (says the range); a key twice. */
+ * out of range (says the range); a key twice; no file where one is needed. */
 GP_MUST_CHECK gp_status gp_recipe_parse(const struct gp_log *log,
                                         const char *text,
                                         struct gp_recipe *out);
 void gp_recipe_free(struct gp_recipe *r);
+
+/* The recipe of an image file: model `image`, share 1, `degrees` high, or where
+ * that is 0 `percent` of its pixels. As gp_recipe_parse(). */
+GP_MUST_CHECK gp_status gp_recipe_of_image(const struct gp_log *log,
+    const char *path, double degrees, double percent, struct gp_recipe *out);
 
 /* Writes the recipe with every key that is not at its preset, shortest digits
  * that read back to the same value, so that parsing it gives the same kernel
@@ -87,6 +94,10 @@ bool gp_recipe_moves(const struct gp_recipe *r);
 
 /* The path that the recipe wants read into `image`; NULL: none. */
 const char *gp_recipe_file(const struct gp_recipe *r);
+
+/* The path of a kernel's image: of `word` as a recipe that has one, else as a
+ * path. Owned by the caller; NULL: none, or memory is full. */
+char *gp_kernel_path(const char *word);
 
 /* The frames that a kernel is made for. */
 struct gp_field {

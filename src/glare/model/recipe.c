@@ -1,4 +1,4 @@
-/* Recipes: MODEL:key=value,key=value and the names that stand for some. */
+/* Recipes: MODEL:key=value,key=value and the names of some. */
 #include "core/memory.h"
 #include "glare/model/model_priv.h"
 
@@ -10,7 +10,8 @@ const struct gp_model *const gp_models[] = {
     &gp_model_spencer, &gp_model_cie, &gp_model_aperture,
     &gp_model_temporal,
     &gp_model_star, &gp_model_cross, &gp_model_streak, &gp_model_ring,
-    &gp_model_circle, &gp_model_gaussian, &gp_model_moffat, NULL,
+    &gp_model_circle, &gp_model_gaussian, &gp_model_moffat, &gp_model_image,
+    NULL,
 };
 
 const struct gp_model_preset gp_model_presets[] = {
@@ -163,13 +164,40 @@ static gp_status read_value(const struct gp_log *log, const char *text,
     return GP_OK;
 }
 
+/* Length of a file's name up to the next comma without a backslash. */
+static size_t name_length(const char *s)
+{
+    size_t n = 0;
+    while (s[n] && s[n] != ',')
+        n += s[n] == '\\' && s[n + 1] ? 2 : 1;
+    return n;
+}
+
+/* Reads a file's name; a backslash stands before a comma or backslash of it. */
+static gp_status read_name(const struct gp_log *log, const char *from,
+                           size_t length, char **out)
+{
+    char *name;
+    gp_status st = gp_alloc_zero(log, "recipe", length + 1, 1, &name);
+    if (st)
+        return st;
+    for (size_t i = 0, n = 0; i < length; i++) {
+        if (from[i] == '\\' && i + 1 < length)
+            i++;
+        name[n++] = from[i];
+    }
+    gp_free(*out);
+    *out = name;
+    return GP_OK;
+}
+
 /* Reads "key=value,key=value" over what `r` has; `text` is for messages. */
 static gp_status read_keys(const struct gp_log *log, const char *text,
                            const char *keys, struct gp_recipe *r)
 {
     unsigned given = 0;
     while (*keys) {
-        const char *const end = keys + strcspn(keys, ",");
+        const char *end = keys + strcspn(keys, ",");
         const char *const name_end = keys + strcspn(keys, "=,");
         struct names n = {.steps = 0};
         int i = 0;
@@ -190,13 +218,11 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
         given |= 1u << i;
         const char *const value = name_end + 1;
         if (key->file) {
-            const size_t length = (size_t) (end - value);
-            GP_FREE(r->file[i]);
-            gp_status st = gp_alloc_zero(log, "recipe", length + 1, 1,
-                                         &r->file[i]);
+            end = value + name_length(value);
+            gp_status st = read_name(log, value, (size_t) (end - value),
+                                     &r->file[i]);
             if (st)
                 return st;
-            memcpy(r->file[i], value, length);
         } else {
             gp_status st = read_value(log, text, key, value, end,
                                       &r->value[i]);
@@ -233,11 +259,35 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         st = read_keys(log, text, recipe_end + 1, &r);
     if (!st && *end)
         st = read_keys(log, text, end + 1, &r);
+    for (int i = 0; r.model->keys[i].name && !st; i++) {
+        const struct gp_model_key *const key = &r.model->keys[i];
+        if (key->file && key->preset > 0.0 && !(r.file[i] && *r.file[i]))
+            st = gp_fail(log, GP_ERR_USAGE, "%s: has no %s; write %s:%s=PATH",
+                         text, key->name, r.model->name, key->name);
+    }
     if (st)
         gp_recipe_free(&r);
     else
         *out = r;
     return st;
+}
+
+gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
+    double degrees, double percent, struct gp_recipe *out)
+{
+    const struct gp_model *const m = &gp_model_image;
+    struct gp_recipe r = {.model = m};
+    for (int i = 0; m->keys[i].name; i++) {
+        r.value[i] = m->keys[i].preset;
+        if (strcmp(m->keys[i].name, "size") == 0)
+            r.value[i] = degrees;
+        if (strcmp(m->keys[i].name, "percent") == 0)
+            r.value[i] = percent;
+        if (m->keys[i].file && !(r.file[i] = gp_strdup(path)))
+            return gp_no_memory(log, path);
+    }
+    *out = r;
+    return GP_OK;
 }
 
 void gp_recipe_free(struct gp_recipe *r)
@@ -254,7 +304,7 @@ char *gp_recipe_text(const struct gp_recipe *r)
     char *text;
     for (int i = 0; keys[i].name; i++)
         room += strlen(keys[i].name) + 40 +
-                (r->file[i] ? strlen(r->file[i]) : 0);
+                (r->file[i] ? 2 * strlen(r->file[i]) : 0);
     if (gp_alloc(NULL, "recipe", room, 1, &text))
         return NULL;
     int used = snprintf(text, room, "%s", r->model->name);
@@ -264,19 +314,24 @@ char *gp_recipe_text(const struct gp_recipe *r)
         const char *value = number;
         if (keys[i].file ? !r->file[i] : r->value[i] == keys[i].preset)
             continue;
-        if (keys[i].file) {
-            value = r->file[i];
-        } else if (keys[i].words) {
+        if (keys[i].words) {
             value = keys[i].words[(int) r->value[i]];
-        } else {
+        } else if (!keys[i].file) {
             for (int digits = 1; digits <= 17; digits++) {
                 snprintf(number, sizeof number, "%.*g", digits, r->value[i]);
-                if (strtod(number, NULL) == r->value[i])
-                    break;
+                if (strtod(number, NULL) == r->value[i] &&
+                    (digits > 10 || !strchr(number, 'e')))
+                    break; // 70, not 7e+01
             }
         }
         used += snprintf(text + used, room - (size_t) used, "%c%s=%s", between,
-                         keys[i].name, value);
+                         keys[i].name, keys[i].file ? "" : value);
+        for (const char *c = keys[i].file ? r->file[i] : ""; *c; c++) {
+            if (*c == ',' || *c == '\\')
+                text[used++] = '\\';
+            text[used++] = *c;
+        }
+        text[used] = '\0';
         between = ',';
     }
     return text;
@@ -294,4 +349,17 @@ const char *gp_recipe_file(const struct gp_recipe *r)
             return r->file[i];
     }
     return NULL;
+}
+
+char *gp_kernel_path(const char *word)
+{
+    struct gp_recipe r;
+    if (!gp_recipe_is(word))
+        return gp_strdup(word);
+    if (gp_recipe_parse(NULL, word, &r))
+        return NULL;
+    const char *const file = gp_recipe_file(&r);
+    char *const path = file ? gp_strdup(file) : NULL;
+    gp_recipe_free(&r);
+    return path;
 }

@@ -254,6 +254,9 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
         gp_exr_header_put(h, "glarepp:command", "string", p->command,
                           strlen(p->command));
     }
+    for (int i = 0; i < p->n_added; i++)
+        gp_exr_header_put(h, p->added[i].name, "string", p->added[i].text,
+                          strlen(p->added[i].text));
     gp_exr_header_raw(h, "", 1);
 }
 

@@ -31,6 +31,10 @@ static void defaults_hold(void **state)
 /* A line that may take the option: its command, and what it needs. */
 static int line_for(const struct gp_option *o, char *line, size_t size)
 {
+    if (o->commands == GP_COMMAND_KERNEL)
+        return snprintf(line, size, strcmp(o->name, "list") == 0 ||
+                                            strcmp(o->name, "check") == 0
+                                        ? "kernel" : "kernel -o o");
     if (!(o->commands & GP_COMMAND_MAIN))
         return snprintf(line, size, "%s",
                         o->needs & GP_NEED_OWN_FRAMES    ? "bench"
@@ -92,6 +96,8 @@ static void every_option_is_stored(void **state)
             continue;
         if (o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET)
             value[0] = '\0';
+        else if (o->arg && strcmp(o->arg, "WxH") == 0)
+            snprintf(value, sizeof value, "7x7");
         else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
             snprintf(value, sizeof value, "%.*s",
                      o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
@@ -118,6 +124,8 @@ static void commands_make_the_same_picture(void **state)
         {"-k builtin:star -o /a/b.png --threads 3 --frame-jobs 2 -q "
          "--create-dir --report /a/r.json --dither ../in.exr",
          "glarepp --kernel builtin:star --dither in.exr"},
+        {"-k image:file=/a/b/k.exr,share=.1 -o a i",
+         "glarepp --kernel image:file=k.exr,share=.1 i"},
         {"--ocio /c/c.ocio --ocio-context SHOT=/jobs/four --view A/B -o a i",
          "glarepp --ocio c.ocio --ocio-context SHOT=four --view A/B i"},
         {"--ocio ocio://default -o a it's", "glarepp --ocio ocio://default "
@@ -296,6 +304,16 @@ static const char *const wrong[][2] = {
     {"--debug sensors=a --debug sensors=b i", "sensors: given twice"},
     {"--help-ma i", "did you mean --help?"},
     {"-o a i --mask A", "--mask: needs a light"},
+    {"-o a i --kernel-size 0", "--kernel-size: not a size"},
+    {"-o a i --kernel-size 2dag", "--kernel-size: not a size"},
+    {"-o a i --kernel-size 200deg", "--kernel-size: not a size"},
+    {"kernel", "nothing to make"},
+    {"kernel --list -o k", "too much to do"},
+    {"kernel -o k i", "i: kernel reads no frames"},
+    {"kernel -o k --from a --fov 3", "--from: a says how it was made"},
+    {"kernel -o k --size 3", "--size: not a size"},
+    {"kernel -o k --size 3x3x", "--size: not a size"},
+    {"kernel -o k --size 0x3", "--size: not a size"},
     {"-o a i --sun-method mask", "--sun-method: needs a light"},
     {"-o a i --sun-map 16", "--sun-map: needs a light"},
     {"-o a i --sun-adapt 0", "--sun-adapt: needs a light"},

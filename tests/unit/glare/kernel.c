@@ -388,9 +388,9 @@ static void halos_are_round_on_the_screen(void **state)
             }
             p.normalize = GP_NORMALIZE_NONE;
             p.rotate = i % 2 ? 37.0f : 0.0f;
-            p.frame = &f;
             for (int turn = 0; turn < 2; turn++) {
                 f.pixel_aspect = turn ? aspects[i / 2] : 1.0f;
+                p.aspect = (double) f.pixel_aspect;
                 struct gp_kernel *const out = turn ? &k : &square;
                 if (!names[n]) {
                     assert_ok(gp_kernel_from_frame(NULL, &p, &f, out));
@@ -426,6 +426,53 @@ static void halos_are_round_on_the_screen(void **state)
             gp_kernel_free(&square);
             gp_frame_free(&f);
         }
+    }
+}
+
+/* Kernels of another size keep each channel's sum and centroid, those of even
+ * sizes too, and a point stays a point where it is not made larger. */
+static void sizes_keep_light_and_place(void **state)
+{
+    static const double scales[] = {0.07, 0.37, 0.5, 0.9, 1.5, 2.0, 3.3};
+    static const int sizes[][2] = {{8, 6}, {9, 7}, {64, 33}, {1, 40}};
+    for (size_t n = 0; n < COUNT(sizes) * COUNT(scales); n++) {
+        const int *const size = sizes[n / COUNT(scales)];
+        const double scale = scales[n % COUNT(scales)];
+        const struct gp_kernel_params p = {
+            .normalize = GP_NORMALIZE_NONE, .scale = scale,
+        };
+        struct gp_frame f = image(size[0], size[1], false, false);
+        struct gp_kernel flat = kernel_of(&f, 0.0f, p.normalize, NULL), k;
+        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+        for (int c = 0; c < 3; c++) {
+            const struct gp_kernel *const both[2] = {&flat, &k};
+            double x[2] = {0}, y[2] = {0};
+            for (int i = 0; i < 2; i++) {
+                const struct gp_kernel *const o = both[i];
+                for (int j = 0; j < o->w * o->h; j++) {
+                    const double v = (double) o->k.c[c][j] / o->sum[c];
+                    x[i] += v * (j % o->w - o->cx);
+                    y[i] += v * (j / o->w - o->cy);
+                }
+            }
+            if (!(fabs(k.sum[c] / flat.sum[c] - 1.0) < 1e-5) ||
+                !(fabs(x[1] - scale * x[0]) < 1e-3) ||
+                !(fabs(y[1] - scale * y[0]) < 1e-3))
+                fail_msg("%dx%d by %g: sum %g of %g, centroid %g,%g of %g,%g",
+                         size[0], size[1], scale, k.sum[c], flat.sum[c], x[1],
+                         y[1], scale * x[0], scale * y[0]);
+        }
+        gp_kernel_free(&k);
+        gp_kernel_free(&flat);
+        gp_frame_free(&f);
+        f = blank(0, 0, size[0], size[1]);
+        set_sample(&f, size[0] / 2, size[1] / 2, 1, 1, 1);
+        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+        assert_int_equal(k.w % 2, 1);
+        assert_true(k.cx == k.w / 2 && k.cy == k.h / 2);
+        assert_true(scale > 1.0 || k.w * k.h == 1);
+        gp_kernel_free(&k);
+        gp_frame_free(&f);
     }
 }
 
@@ -470,4 +517,4 @@ SUITE_OF(kernel, NULL, NULL,
     negative_kernels_pass_unnormalised, samples_are_the_unturned_ones,
     right_angles_move_samples, turned_kernels_are_normalised,
     what_cannot_be_is_refused, engines_agree, halos_are_round_on_the_screen,
-    pixel_aspects_that_cannot_be_are_one)
+    sizes_keep_light_and_place, pixel_aspects_that_cannot_be_are_one)

@@ -50,6 +50,11 @@ static void recipes_are_read(void **state)
         {"gaussian:share=2", GP_ERR_USAGE, NULL},
         {"gaussian:share=nan", GP_ERR_USAGE, NULL},
         {"gaussian:share=.1,share=.1", GP_ERR_USAGE, NULL},
+        {"gaussian:fwhm=70", GP_OK, "gaussian:fwhm=70"},
+        {"image:file=a\\,b\\\\.exr,share=0.1", GP_OK,
+         "image:share=0.1,file=a\\,b\\\\.exr"},
+        {"image", GP_ERR_USAGE, NULL},
+        {"image:file=,size=1", GP_ERR_USAGE, NULL},
         {"builtin:nothing", GP_ERR_USAGE, NULL},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -62,6 +67,8 @@ static void recipes_are_read(void **state)
         assert_string_equal(text, rows[i].again);
         assert_ok(gp_recipe_parse(NULL, text, &again));
         assert_memory_equal(r.value, again.value, sizeof r.value);
+        if (gp_recipe_file(&r))
+            assert_string_equal(gp_recipe_file(&r), "a,b\\.exr");
         gp_free(text);
         gp_recipe_free(&r);
         gp_recipe_free(&again);
@@ -276,11 +283,48 @@ static void recipes_add_up(void **state)
 }
 
 /* The same bytes with one thread and with several, whole or not. */
+/* An image of 8 x 6 pixels that is 2 degrees high, beside a model: its light by
+ * its share, its centroid where its centre's pixel puts it. */
+static void images_are_recipes(void **state)
+{
+    (void) state;
+    const struct gp_field f = field(200, 100, 0.05, 1.0);
+    struct gp_recipe r[2] = {recipe("image:file=f,share=0.25,size=2"),
+                             recipe("gaussian:share=0.5,fwhm=0.2")};
+    float v[3][48] = {{0}};
+    const struct gp_frame image = {
+        .data = {5, -3, 13, 3}, .rgb = {{v[0], v[1], v[2]}},
+        .luminance = {0.2126f, 0.7152f, 0.0722f},
+    };
+    struct gp_kernel k;
+    for (int i = 0; i < 48; i++)
+        v[1][i] = (float) (i * 7 % 11);
+    r[0].image = &image;
+    assert_ok(gp_model_kernel(NULL, r, 2, &f, &k));
+    double x = 0.0, y = 0.0, want_x = 0.0, want_y = 0.0, sum = 0.0;
+    for (int i = 0; i < 48; i++) {
+        sum += (double) v[1][i];
+        want_x += (double) v[1][i] * (i % 8 - 4) * 40.0 / 6.0;
+        want_y += (double) v[1][i] * (i / 8 - 3) * 40.0 / 6.0;
+    }
+    for (int i = 0; i < k.w * k.h; i++) { // red has only the rest
+        const double d = (double) k.k.c[1][i] - (double) k.k.c[0][i];
+        x += d * 0.7152 / 0.25 * (i % k.w - k.cx);
+        y += d * 0.7152 / 0.25 * (i / k.w - k.cy);
+    }
+    assert_true(fabs(x - want_x / sum) < 1e-3 && fabs(y - want_y / sum) < 1e-3);
+    assert_true(fabs(luminance(&k) + k.left_out - 1.0) < 1e-5);
+    assert_true(fabs(k.sum[0] - 0.75) < 1e-5);
+    gp_kernel_free(&k);
+    gp_recipe_free(&r[0]);
+    gp_recipe_free(&r[1]);
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void) state;
     const struct gp_field f = field(700, 60, 0.05, 1.5);
-    for (int i = 0; gp_models[i]; i++) {
+    for (int i = 0; gp_models[i] != &gp_model_image; i++) {
         struct gp_recipe r = recipe(gp_model_name(gp_models[i]));
         struct gp_kernel one, many, whole;
         gp_set_threads(1);
@@ -306,5 +350,5 @@ SUITE_OF(model, NULL, NULL,
     pixels_add_up,
     resolution_does_not_matter,
     light_is_kept,
-    recipes_add_up,
+    recipes_add_up, images_are_recipes,
     threads_do_not_matter)
