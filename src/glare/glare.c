@@ -256,8 +256,8 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_glare engines = {0};
     struct gp_glare_stats stats;
     struct gp_sources disc = {0};
-    struct gp_kernel core = *k; // the tail is added to the layer: no sprite
-    core.tail = NULL;           // reaches over the whole field
+    struct gp_kernel core = *k;
+    core.tail = NULL; // it has a sprite of its own
     p.engine = reach > 3 ? "fft" : "direct";
     GP_TRY(gp_sources_make(log, &frame, (size_t) side * (size_t) side, &disc));
     // the kernel's centre may lie outside it, and pixels of the disc with it
@@ -271,7 +271,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     GP_TRY(gp_glare_run(log, &p, &engines, &disc, &core, &f, &stats));
     *out = (struct gp_spread_kernel) {
         .w = w, .h = h, .cx = k->cx + reach + 0.5, .cy = k->cy + reach + 0.5,
-        .k = f.layer, .serial = gp_serial_next(),
+        .k = f.layer, .step = 1, .serial = gp_serial_next(),
     };
     f.layer = (struct gp_planes) {0};
 out:

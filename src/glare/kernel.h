@@ -102,6 +102,7 @@ struct gp_spread_kernel {
     int w, h;
     double cx, cy;        // the disc's centre, pixel (i,j) covers [i, i + 1)
     struct gp_planes k;   // w * h each
+    int step;             // pixels from sample to sample; 1, but of a tail
     unsigned long serial; // gp_serial_next()
 };
 
@@ -112,6 +113,12 @@ struct gp_spread_kernel {
  *        with gp_planes_free()
  * Errors: those of gp_glare_run(). */
 GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
+    const struct gp_kernel *k, int reach, const float *weight,
+    struct gp_spread_kernel *out);
+
+/* The same of k's tail, which there must be, where `k` above is its core:
+ * samples every out->step pixels, between which it is linear within 1 %. */
+GP_MUST_CHECK gp_status gp_kernel_spread_tail(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,
     struct gp_spread_kernel *out);
 

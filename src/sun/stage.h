@@ -80,7 +80,8 @@ struct gp_sun_reader {
  * light's own place. */
 struct gp_sun_sprite {
     double radius;
-    struct gp_flare_element element;
+    struct gp_flare_element element[2]; // the kernel's core; its tail
+    int n;
     struct gp_flare_gl *drawn;
 };
 enum { GP_SUN_SPRITES = 64 }; // kept at once
@@ -102,6 +103,7 @@ struct gp_suns {
     struct gp_sun_sprite sprite[GP_SUN_SPRITES];
     int sprites;
     unsigned long sprite_kernel; // serial of the kernel they are made of
+    int sprite_height;           // of the display that tails are sized for
     // of the frame
     struct gp_plane depth, mask;
     struct gp_occluders occluders;

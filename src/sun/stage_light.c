@@ -3,7 +3,9 @@
  * flare. */
 #include "sun/stage.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "sun/sun_priv.h"
 
 #include <math.h>
@@ -168,30 +170,58 @@ enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
 void gp_suns_drop_sprites(struct gp_suns *suns)
 {
     for (int i = 0; i < suns->sprites; i++) {
-        gp_planes_free(&suns->sprite[i].element.image.rgb);
+        for (int k = 0; k < suns->sprite[i].n; k++)
+            gp_planes_free(&suns->sprite[i].element[k].image.rgb);
         if (suns->sprite[i].drawn)
             gp_flare_close(suns->gl, &suns->sprite[i].drawn);
     }
     suns->sprites = 0;
 }
 
+/* A spread kernel as an element; takes its planes. That of a tail is drawn as
+ * many times larger as its samples are pixels apart, and its colour gives it
+ * back the light that the sum of 1 takes. */
+static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
+                                          int height)
+{
+    struct gp_flare_element e = {
+        .shape = GP_FLARE_IMAGE, .plain = k->step == 1,
+        .scale = {1.0f, 1.0f, 1.0f},
+        .size = (double) gp_max(k->w, k->h) * k->step / height,
+        .image = {.w = k->w, .h = k->h, .cx = k->cx, .cy = k->cy, .rgb = k->k,
+                  .serial = k->serial},
+    };
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double channel = 0.0;
+        for (size_t i = 0; i < (size_t) k->w * (size_t) k->h; i++)
+            channel += (double) k->k.c[c][i];
+        sum += channel * (double) gp_rec709_luminance[c];
+    }
+    for (int c = 0; c < 3; c++)
+        e.colour[c] = e.plain ? 1.0f : (float) (sum * k->step * k->step);
+    return e;
+}
+
 /* Finds the sprite of a radius, or makes it. When a frame has more radii than
  * are kept, all are made anew. */
 static gp_status find_sprite(const struct gp_log *log,
                              const struct gp_kernel *k, double radius,
-                             struct gp_suns *suns, struct gp_sun_sprite **out)
+                             int height, struct gp_suns *suns,
+                             struct gp_sun_sprite **out)
 {
     struct gp_disc_pixels d;
-    struct gp_spread_kernel wide;
+    struct gp_spread_kernel core, tail;
     if (radius > SPRITE_RADIUS)
         return gp_fail_bare(log, GP_ERR_DATA,
             "a light of radius %g pixels is too large for glare of its own at "
             "the frame's edge (the limit is %d); leave its flux out, or add "
             "--sun-in-frame", radius, SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
-    if (suns->sprite_kernel != k->serial)
+    if (suns->sprite_kernel != k->serial || suns->sprite_height != height)
         gp_suns_drop_sprites(suns);
     suns->sprite_kernel = k->serial;
+    suns->sprite_height = height;
     for (int i = 0; i < suns->sprites; i++) {
         if (suns->sprite[i].radius == radius) {
             *out = &suns->sprite[i];
@@ -203,19 +233,20 @@ static gp_status find_sprite(const struct gp_log *log,
     gp_status st = gp_disc_pixels_make(log, radius, &d);
     if (st)
         return st;
-    st = gp_kernel_spread(log, k, d.m, d.weight, &wide);
+    st = gp_kernel_spread(log, k, d.m, d.weight, &core);
+    if (!st && k->tail) {
+        st = gp_kernel_spread_tail(log, k, d.m, d.weight, &tail);
+        if (st)
+            gp_planes_free(&core.k);
+    }
     gp_free(d.weight);
     if (st)
         return st;
-    *out = &suns->sprite[suns->sprites++];
-    **out = (struct gp_sun_sprite) {
-        .radius = radius,
-        .element = {.shape = GP_FLARE_IMAGE, .plain = true,
-                    .colour = {1.0f, 1.0f, 1.0f}, .scale = {1.0f, 1.0f, 1.0f},
-                    .image = {.w = wide.w, .h = wide.h, .cx = wide.cx,
-                              .cy = wide.cy, .rgb = wide.k,
-                              .serial = wide.serial}},
-    };
+    struct gp_sun_sprite *const s = *out = &suns->sprite[suns->sprites++];
+    *s = (struct gp_sun_sprite) {.radius = radius};
+    s->element[s->n++] = element_of(&core, height);
+    if (k->tail)
+        s->element[s->n++] = element_of(&tail, height);
     return GP_OK;
 }
 
@@ -231,7 +262,8 @@ gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
         if (made++ == 0 && suns->gl) // for those of another kernel
             st = gp_gl_use(log, suns->gl);
         if (!st)
-            st = find_sprite(log, kernel, suns->light[i].radius, suns, &sprite);
+            st = find_sprite(log, kernel, suns->light[i].radius,
+                             gp_rect_h(f->display), suns, &sprite);
     }
     return st;
 }
@@ -270,16 +302,17 @@ static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
             return GP_OK;
         radius = l->radius;
     }
-    gp_status st = find_sprite(log, kernel, radius, suns, &sprite);
+    gp_status st = find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
+                               &sprite);
     if (st)
         return st;
-    const int n = suns->flare.n + 1;
+    const int own = sprite->n, n = suns->flare.n + own;
     st = gp_alloc(log, "flare", (size_t) n, sizeof *suns->flare.element, &v);
     if (st)
         return st;
     const struct gp_flare all = {.element = v, .n = n};
-    all.element[0] = sprite->element;
-    memcpy(all.element + 1, suns->flare.element,
+    memcpy(all.element, sprite->element, (size_t) own * sizeof *all.element);
+    memcpy(all.element + own, suns->flare.element,
            (size_t) suns->flare.n * sizeof *all.element);
     st = draw_flare(log, suns, &all, suns->light, f, &suns->drawn);
     gp_free(v);
@@ -318,8 +351,9 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
             else
                 memset(some[i].flux, 0, sizeof some[i].flux);
         }
-        GP_TRY(find_sprite(log, kernel, radius, suns, &sprite));
-        const struct gp_flare one = {.element = &sprite->element, .n = 1};
+        GP_TRY(find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
+                           &sprite));
+        const struct gp_flare one = {sprite->element, sprite->n};
         GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
     }
     if (!drawn && suns->flare.n)

@@ -176,6 +176,13 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
             --flare flare.json --sun-method mask --sun-draw $place \
             --layer edge_$place.exr in.exr
     done
+    frame wide.exr channels=R,G,B kind=zeros size=500x300
+    for place in gl cpu; do
+        run --sun 90.3,150.6,12.2 --sun-color 900,500,200 --sun-method mask \
+            --sun-draw $place --layer wide_$place.exr wide.exr
+    done
+    run --sun 90.3,150.6,12.2 --sun-color 900,500,200 -e direct \
+        --layer wide_direct.exr wide.exr
     run -k kernel.exr --lights many.json --flare flare.json --layer many.exr \
         in.exr
     run -k kernel.exr --lights many.json --flare flare.json --sun-method mask \
@@ -187,11 +194,13 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
         echo 'cpu.exr direct.exr 1e-5 engines and CPU, the same'
         echo 'edge_gl.exr edge_cpu.exr 1e-5 partly outside, the same'
         echo 'manygl.exr many.exr 1e-5 five lights of three sizes, the same'
+        echo 'wide_gl.exr wide_direct.exr 1e-4 a sprite over the whole field'
+        echo 'wide_cpu.exr wide_direct.exr 1e-4 and by the engines'
         echo 'readback.exr direct.exr 1e-5 readback, the same'
     } | "$python" "$cli/compare.py" >verdicts
     verdicts verdicts
 else
-    skip 11 'no GL, or nothing to compare with'
+    skip 13 'no GL, or nothing to compare with'
 fi
 
 # -- the same bytes ------------------------------------------------------------

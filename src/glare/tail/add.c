@@ -44,16 +44,6 @@ static int torus(int r)
     return gp_fft_length(2 * r + 1);
 }
 
-/* The cubic B-spline at the nodes one before to two after t in [0, 1). */
-static void spline(double t, double b[TAPS])
-{
-    const double u = 1.0 - t;
-    b[0] = u * u * u / 6.0;
-    b[1] = (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;
-    b[2] = (4.0 + u * u * (3.0 * u - 6.0)) / 6.0;
-    b[3] = t * t * t / 6.0;
-}
-
 // -- the kernel's spectrum and its error --------------------------------------
 
 struct kernel_rows {
@@ -193,7 +183,7 @@ gp_status gp_tail_open(const struct gp_log *log, const struct gp_tail *t,
     GP_TRY(find_error(log, t, s));
     for (int i = 0; i < t->split.step; i++) {
         double b[TAPS];
-        spline((double) i / t->split.step, b);
+        gp_tail_spline((double) i / t->split.step, b);
         for (int k = 0; k < TAPS; k++)
             s->weight[i][k] = (float) b[k];
     }

@@ -2,6 +2,7 @@
 #ifndef GP_GLARE_TAIL_TAIL_PRIV_H
 #define GP_GLARE_TAIL_TAIL_PRIV_H
 
+#include "glare/kernel.h"
 #include "glare/tail/tail.h"
 
 enum {
@@ -15,6 +16,16 @@ enum {
 static inline int gp_tail_nodes(int n, int step)
 {
     return (n - 1) / step + GP_TAIL_TAPS;
+}
+
+/* The cubic B-spline at the nodes one before to two after t in [0, 1). */
+static inline void gp_tail_spline(double t, double b[GP_TAIL_TAPS])
+{
+    const double u = 1.0 - t;
+    b[0] = u * u * u / 6.0;
+    b[1] = (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;
+    b[2] = (4.0 + u * u * (3.0 * u - 6.0)) / 6.0;
+    b[3] = t * t * t / 6.0;
 }
 
 #endif

@@ -277,6 +277,46 @@ static void threads_change_nothing(void **state)
     assert_true(hash[0] == hash[2] && hash[0] != hash[1]);
 }
 
+/* A disc's tail at the grid's own pixels is the plain sum over the disc. */
+static void discs_have_tails(void **state)
+{
+    enum { W = 400, H = 300, REACH = 9, SIDE = 2 * REACH + 1 };
+    const double degrees = fine;
+    struct made m = make(W, H, false, &degrees);
+    const struct gp_kernel k = {.tail = m.t};
+    const int step = m.t->split.step;
+    struct gp_spread_kernel out;
+    float weight[SIDE * SIDE];
+    (void) state;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        weight[i] = (float) (i % 7) / (3.0f * SIDE * SIDE);
+    assert_ok(gp_kernel_spread_tail(NULL, &k, REACH, weight, &out));
+    assert_int_equal(out.step, step);
+    for (int i = 0; i < 400; i++) {
+        const int u = i % 20 * 3 - 30, v = i / 20 * 2 - 20;
+        const int x = (int) floor(out.cx) + u, y = (int) floor(out.cy) + v;
+        double sum[3] = {0};
+        if (abs(u) * step > W - REACH || abs(v) * step > H - REACH)
+            continue; // where it fades
+        for (int j = 0; j < SIDE * SIDE; j++) {
+            const int dx = u * step - (j % SIDE - REACH);
+            const int dy = v * step - (j / SIDE - REACH);
+            double w[3];
+            veil(&degrees, dx, dy, w);
+            for (int c = 0; c < 3; c++)
+                sum[c] += (double) weight[j] * w[c] *
+                          gp_tail_share(&m.t->split, dx, dy);
+        }
+        for (int c = 0; c < 3; c++) {
+            const double got = (double) out.k.c[c][y * out.w + x];
+            assert_true(fabs(got - sum[c]) <=
+                        gp_tail_error_of(m.s)->pixel + 1e-6 * sum[c]);
+        }
+    }
+    gp_planes_free(&out.k);
+    drop(&m);
+}
+
 static void splits_are_for_smooth_kernels(void **state)
 {
     (void) state;
@@ -440,6 +480,6 @@ static void pixels_are_within_their_bounds(void **state)
 
 SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
-    threads_change_nothing, splits_are_for_smooth_kernels,
-    larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
+    threads_change_nothing, discs_have_tails,
+    splits_are_for_smooth_kernels, larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
     pixels_are_within_their_bounds)
