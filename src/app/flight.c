@@ -167,6 +167,12 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
     return s.result;
 }
 
+bool gp_flight_has_room(size_t memory, size_t largest, int in_flight)
+{
+    return memory == 0 ||
+           (largest > 0 && largest < memory / 2 / (size_t) (in_flight + 1));
+}
+
 int gp_flight_head(const struct gp_flight *f)
 {
     return atomic_load(&f->head);

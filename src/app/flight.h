@@ -11,6 +11,7 @@
 
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Steps of a unit: COMPUTE runs on one thread, unit after unit; the others on
  * any thread, units in any order. */
@@ -53,6 +54,12 @@ struct gp_flight {
  * one may have run steps, and are not ended. */
 GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
     const struct gp_flight_work *work, struct gp_flight *f);
+
+/* True when one more unit may start beside `in_flight` others: all of them take
+ * half of the memory at most, each as much as the largest so far. The first
+ * is read alone, as nothing is known before.
+ *   memory, largest  bytes; 0 is unknown */
+bool gp_flight_has_room(size_t memory, size_t largest, int in_flight);
 
 /* The unit that is ended next. */
 int gp_flight_head(const struct gp_flight *f);

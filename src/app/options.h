@@ -129,8 +129,9 @@ bool gp_option_given(const struct gp_settings *s, const char *name);
 const char *gp_command_at(int i, enum gp_command *command);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
- * of an option wins, unless it is `once`. The first word may be a command's; `--` ends the options,
- * `-` is a file. Then checks the settings, unless --help or --version is given.
+ * of an option wins, unless it is `once`. The first word may be a command's;
+ * `--` ends the options, `-` is a file. Then checks the settings, unless --help
+ * or --version is given.
  *
  *   out  written in any case; free with gp_settings_free(); borrows from argv
  * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory. */

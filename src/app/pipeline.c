@@ -262,13 +262,11 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Without --frame-jobs, units in flight take half of the memory at most. */
 static bool has_room(void *user, int in_flight)
 {
     const struct pipeline *const p = user;
-    return p->asked->frame_jobs || p->memory == 0 ||
-           atomic_load(&p->largest) <
-               p->memory / 2 / (size_t) (in_flight + 1);
+    return p->asked->frame_jobs ||
+           gp_flight_has_room(p->memory, atomic_load(&p->largest), in_flight);
 }
 
 // -- all frames --------------------------------------------------------------

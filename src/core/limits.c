@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 enum { NAME = 4096 + 256 }; // bytes of a path
@@ -100,6 +101,10 @@ size_t gp_memory_limit(void)
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     const bool known = pages > 0 && page > 0;
     const size_t machine = known ? (size_t) pages * (size_t) page : SIZE_MAX;
-    const size_t most = gp_cgroup_limit("", machine);
+    struct rlimit own; // ulimit -v, as Grid Engine and LSF set it
+    size_t most = gp_cgroup_limit("", machine);
+    if (getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY &&
+        own.rlim_cur < most)
+        most = (size_t) own.rlim_cur;
     return most == SIZE_MAX ? 0 : most;
 }

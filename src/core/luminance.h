@@ -38,8 +38,8 @@ double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
 
 /* Finds the luminance that `percent` of the pixels are not over, the nearest
  * rank: the k-th smallest of N, k = ceil(percent / 100 * N), at least the
- * first. Of the non-negative part of f->rgb, which is finite, in the window that
- * was read.
+ * first. Of the non-negative part of f->rgb, which is finite, in the window
+ * that was read.
  *
  *   percent  0 to 100
  *   out      finite, >= 0; written only on GP_OK

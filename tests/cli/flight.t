@@ -204,6 +204,33 @@ verdicts verdicts
 # The memory that a frame is believed to take, by which --frame-jobs finds how
 # many fit, is the peak within 1.3, with other channels too. Small frames that
 # grow are fast to make.
+# Frames in flight take half of the memory at most. The second line shows that
+# the frames would take more if they were let.
+guarded()
+{
+    "$glarepp" -q --threads 2 --grow 1400 -e direct -k k9.exr -o 'g.#.exr' \
+        --hdr 'g.h.#.exr' --type float --compression none --report g.json \
+        "$@" 'few.#.exr' && "$python" -c 'import json
+print(max(json.loads(n)["peak_rss_mib"] for n in open("g.json")))'
+}
+frame k9.exr kind=kernel size=9x9
+for n in 1 2 3 4 5; do
+    frame few.$n.exr size=8x8 lights=9
+done
+if sanitized; then
+    skip 2 'a sanitizer takes memory of its own'
+else
+    one=$(guarded --frame-jobs 1)
+    three=$(guarded --frame-jobs 3)
+    limited=$( (ulimit -v 900000 && guarded))
+    note "peaks: $one MiB of one frame, $three of three, $limited where 900 MB are allowed"
+    ok 'memory: ulimit -v allows one frame in flight' \
+        "$python" -c "exit(not $limited < 1.1 * $one)"
+    ok 'memory: three would take more' \
+        "$python" -c "exit(not $three > 1.2 * $one)"
+    rm -f g.*.exr
+fi
+
 many=$(seq -s , -f 'c%02.0f.X:float' 20)
 frame many.exr size=8x8 lights=9 "channels=R,G,B,$many"
 frame few.exr size=8x8 lights=9

@@ -189,6 +189,13 @@ run -o a8.png --alpha keep rich.exr
 is "$(png_size a8.png)" '80x64 8 6' '--alpha keep: PNG with alpha'
 run -o a.png --alpha keep in.exr
 is "$(png_size a.png)" '97x61 8 2' '--alpha keep: no alpha where there is none'
+run --hdr a.h.exr --hdr b.h.exr --layer a.l.exr --layer b.l.exr --report r.json \
+    in.exr
+quiet_success 'two of --hdr and --layer'
+same a.h.exr b.h.exr 'both --hdr are made'
+same a.l.exr b.l.exr 'both --layer are made'
+like "$(cat r.json)" '*"outputs":\["a.h.exr","b.h.exr","a.l.exr","b.l.exr"\]*' \
+    'the report lists them'
 # the channel in every format that has one; the picture over black in all others
 frame alpha.exr size=40x30 channels=R,G,B,A:float
 run --alpha keep -o keep.png -o keep.exr -o keep.tif -o keep.webp -o keep.tga \

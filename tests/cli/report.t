@@ -124,6 +124,11 @@ is "$(field r.json 'o["flux_clamped"]')" '[934496.0, 934496.0, 934496.0]' \
     'light that --max-value takes is in the report'
 like "$(cat err)" '*hot.exr: --max-value removes 93.4 % of the frame*' \
     'a warning: much light is taken'
+run -q -o out.png --max-value 991000 --report r.json hot.exr
+is "$(field r.json 'o["warnings"]')" '[]' '0.9 % of the light: no warning'
+run -q -o out.png --max-value 989000 --report r.json hot.exr
+is "$(field r.json 'o["warnings"][0][:33]')" 'hot.exr: --max-value removes 1.1 ' \
+    '1.1 % of the light: a warning'
 run -o out.png --report r.json hot.exr
 is "$(field r.json 'o["clamped"], "flux_clamped" in o')" '(0, False)' \
     'no value is changed without --max-value'

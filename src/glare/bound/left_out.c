@@ -334,7 +334,7 @@ void gp_bound_rings_sampled(const struct gp_bound_rings *r,
     const struct gp_polygons *polygons, double place, double norm[3])
 {
     for (int c = 0; c < 3; c++) {
-        double square[2] = {0}; // clusters, groups
+        double square[2][2] = {{0}}; // clusters, groups; blurred ones
         for (size_t i = 0; i < polygons->n; i++) {
             const struct gp_polygon *const p = &polygons->at[i];
             const int m = gp_blur_box[p->blur];
@@ -342,9 +342,11 @@ void gp_bound_rings_sampled(const struct gp_bound_rings *r,
                 continue; // fetched, not sampled
             // a slope is the box's of whole pixels on its axis
             const double v = (double) p->rgb[c] / m;
-            square[i >= polygons->clusters] += v * v;
+            square[i >= polygons->clusters][m > 1] += v * v;
         }
-        norm[c] = place * r->slope[c] * SHARED *
-                  (sqrt(square[0]) + sqrt(square[1]));
+        // one that is not blurred is within its own cell
+        norm[c] = place * r->slope[c] *
+                  (sqrt(square[0][0]) + sqrt(square[1][0]) +
+                   SHARED * (sqrt(square[0][1]) + sqrt(square[1][1])));
     }
 }

@@ -309,10 +309,11 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
     clear_rows(job, 0, p->out.y0);
     clear_rows(job, p->out.y1, src->h);
     for (int c = 0; c < 3; c++) {
-        const double most =
-            fmin((double) src->brightest * job->kernel->norm1[c],
-                 sqrt(src->energy[c]) * job->kernel->norm2[c]);
-        noise.most[c] = (float) gp_fft_pixel_error(p, most);
+        const struct gp_kernel *const k = job->kernel;
+        const double norm = sqrt(src->energy[c]);
+        noise.most[c] = (float) gp_fft_pixel_error(
+            p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
+            fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
         GP_TRY(gp_alloc_zero(job->log, "transform", (size_t) src->h,
                              sizeof(bool), &noise.row[c]));
     }
@@ -404,12 +405,36 @@ static gp_status bound_fft(const struct gp_glare_job *job, void **state,
     return st;
 }
 
-/* Bounds a sample of channel c, of light up to `hot` and the kernel without its
- * core: Young's inequality three times. */
-static double most_of(const struct gp_glare_job *job, int c, double hot,
-                      int core)
+/* Sums of the sources that are transformed, those under `hot`. */
+struct cool {
+    double flux[3], energy[3], brightest;
+};
+
+static struct cool find_cool(const struct gp_sources *src, float hot)
 {
-    const struct gp_kernel *const k = job->kernel;
+    struct cool o = {0};
+    for (size_t i = 0; i < src->n; i++) {
+        const float most = gp_maxf(src->rgb[0][i],
+                                   gp_maxf(src->rgb[1][i], src->rgb[2][i]));
+        if (most >= hot)
+            continue;
+        o.brightest = fmax(o.brightest, (double) most);
+        for (int c = 0; c < 3; c++) {
+            const double v = (double) src->rgb[c][i];
+            o.flux[c] += v;
+            o.energy[c] += v * v;
+        }
+    }
+    return o;
+}
+
+/* Bounds the error of a sample of channel c of the transform, of this light and
+ * the kernel without its core: Young's inequality for the layer's largest
+ * sample and for its norm. */
+static double cool_error(const struct gp_fft_placing *p,
+                         const struct gp_kernel *k, const struct cool *s, int c,
+                         int core)
+{
     double sum = 0.0, square = 0.0, most = 0.0;
     for (int y = 0; y < k->h; y++) {
         const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
@@ -422,9 +447,10 @@ static double most_of(const struct gp_glare_job *job, int c, double hot,
             most = fmax(most, v);
         }
     }
-    const double flux = job->src->flux[c];
-    const double energy = fmin(job->src->energy[c], hot * flux);
-    return fmin(fmin(hot * sum, flux * most), sqrt(energy * square));
+    const double norm = sqrt(s->energy[c]), kernel = sqrt(square);
+    return gp_fft_pixel_error(
+        p, fmin(fmin(s->brightest * sum, s->flux[c] * most), norm * kernel),
+        fmin(norm * sum, s->flux[c] * kernel), s->brightest * most);
 }
 
 /* Bounds the pixel error: direct parts by their share, the rest by split.c. */
@@ -442,9 +468,9 @@ static gp_status pixel_fft(const struct gp_glare_job *job, void **state,
         .share = job->kernel->negative ? INFINITY
                  : parts ? parts * gp_direct_bound(job->kernel, n) : 0.0,
     };
-    const double hot = fmin((double) split.hot, (double) job->src->brightest);
+    const struct cool cool = find_cool(job->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
-        out->of[c] = gp_fft_pixel_error(&p, most_of(job, c, hot, split.core));
+        out->of[c] = cool_error(&p, job->kernel, &cool, c, split.core);
     return GP_OK;
 }
 

@@ -49,24 +49,32 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
 double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p);
 
-/* A limit of the error of any sample that transforms of a frame give, in one
- * channel, where no sample of the layer on the torus is over `most` and neither
- * light nor kernel is negative.
+/* Bounds the error of any sample of one channel that transforms of a frame
+ * give, for light and a kernel that are not negative.
  *
- * Roundings count as independent and of mean 0, as for gp_fft_bound(). Those of
- * a butterfly of value v (products, their sum, a root of unity, an addition)
- * have together a variance of at most (2 2^-24 |v|)^2, in the sense of
- * Hoeffding 1963. A stage that has folded n samples, nx ny / n apart, into each
- * of its nodes meets a pixel with nodes of light v and of kernel g: by Parseval
- * the sum of |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square
- * of the circular convolution of both cosets. Summed over cosets, as nothing is
- * negative, that is at most the mean square of the layer on n samples, so at
- * most most^2. The kernel's transform is the same with light and kernel
- * changed, the one back has the layer itself in its nodes. Two rows share a
- * transform, which doubles the square. 3 transforms of log2(nx ny) stages stay
- * under t sqrt(2 * 3 log2(nx ny)) 2 2^-24 most, but for a chance of 2 exp(-t^2
- * / 2): 2.5e-14 a sample with t = 8. */
-double gp_fft_pixel_error(const struct gp_fft_placing *p, double most);
+ *   most  of a sample of the layer on the torus
+ *   norm  of the layer there, at most
+ *   pair  the most that a source adds to a pixel; INFINITY if unknown
+ *
+ * Roundings count as independent, uniform and of mean 0, and a stage's have the
+ * deviation STAGE 2^-24 |v| in a node of value v, as for gp_fft_bound(). A
+ * uniform variable is strictly sub-Gaussian (Arbel, Marchal and Nguyen 2020), so
+ * the sum of all stays under t of its deviations, but for a chance of
+ * 2 exp(-t^2 / 2): 4.6e-11 a sample with t = 7, one in 1000 frames of 4K.
+ *
+ * A stage that has folded n samples, nx ny / n apart, into each of its nodes
+ * meets a pixel with nodes of light v and of kernel g: by Parseval the sum of
+ * |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square of the
+ * circular convolution of both cosets, whose samples are at most n pair. Summed
+ * over cosets, as nothing is negative, that is at most the mean square of the
+ * layer on n samples: at most most^2, norm^2 / n, and n pair most. The kernel's
+ * transform is the same with light and kernel changed; the one back has the
+ * layer's parts in its nodes, and only the first two limits. Two rows that
+ * share a transform have half of its error each: the mean of their own and of
+ * what their light in each other's place would make, which has the same limits.
+ * The product with the kernel is within the sum's term n = 1. */
+double gp_fft_pixel_error(const struct gp_fft_placing *p, double most,
+                          double norm, double pair);
 
 // -- reach.c ------------------------------------------------------------------
 

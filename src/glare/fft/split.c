@@ -116,10 +116,12 @@ double gp_fft_least(const struct gp_sources *s, const struct gp_fft_quarters *q)
     return sqrt(all);
 }
 
+static const double STAGE = 0.75; // of 2^-24: see fft_priv.h
+
 double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p)
 {
-    static const double STAGE = 0.75, ADDING = 0.45; // of 2^-24: see fft_priv.h
+    static const double ADDING = 0.45;
     static const double CERTAIN = 1e-6; // sums in double lose what is under it
     double noise = 0.0, layer = 0.0; // squares
     for (int c = 0; c < 3; c++) {
@@ -135,11 +137,17 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
             (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
 }
 
-double gp_fft_pixel_error(const struct gp_fft_placing *p, double most)
+double gp_fft_pixel_error(const struct gp_fft_placing *p, double most,
+                          double norm, double pair)
 {
-    static const double T = 8.0, BUTTERFLY = 2.0;
-    return T * BUTTERFLY * 0x1p-24 *
-           sqrt(6.0 * log2((double) p->nx * p->ny)) * most;
+    static const double T = 7.0;
+    const double points = (double) p->nx * p->ny;
+    double sum = 0.0;
+    for (double n = 1.0; n <= points; n *= 2.0) {
+        const double mean = fmin(most * most, norm * norm / n);
+        sum += mean + 2.0 * fmin(mean, n * pair * most);
+    }
+    return T * STAGE * 0x1p-24 * sqrt(sum);
 }
 
 // -- what goes direct --------------------------------------------------------

@@ -242,9 +242,9 @@ static gp_status open_aperture(const struct gp_log *log,
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double pupil = gp_recipe_value(r, "pupil");
     const int blades = (int) gp_recipe_value(r, "blades");
-    if (gp_recipe_file(r) && !r->image)
+    if (gp_recipe_path(r) && !r->image)
         return gp_fail(log, GP_ERR_USAGE, "%s: the mask was not read; give an "
-                       "image file", gp_recipe_file(r));
+                       "image file", gp_recipe_path(r));
     if (blades == 1 || blades == 2)
         return gp_fail(log, GP_ERR_USAGE, "aperture: %d blades make no "
                        "opening; give 0 or 3 to 32", blades);
@@ -262,7 +262,7 @@ static gp_status open_aperture(const struct gp_log *log,
     s->arc = gp_recipe_value(r, "arc") * PI / 360.0;
     s->grating = gp_recipe_value(r, "grating");
     s->fibres = floor(gp_recipe_value(r, "fibres"));
-    s->mask = gp_recipe_file(r) ? r->image : NULL;
+    s->mask = gp_recipe_path(r) ? r->image : NULL;
     add_dust(s, (int) (DUST * gp_recipe_value(r, "dust")), seed);
     add_scratches(s, (int) (SCRATCHES * gp_recipe_value(r, "scratches")),
                   seed + 1);
@@ -280,7 +280,7 @@ static gp_status open_aperture(const struct gp_log *log,
                          7.0 * sqrt(8.0) * fabs(s->z8) +
                          12.0 * sqrt(5.0) * fabs(s->z11);
     const struct gp_diffraction d = {
-        .name = gp_recipe_file(r) ? gp_recipe_file(r) : "aperture",
+        .name = gp_recipe_path(r) ? gp_recipe_path(r) : "aperture",
         .diameter = 2.0 * s->radius, .reach = gp_recipe_value(r, "reach"),
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),

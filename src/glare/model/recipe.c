@@ -344,11 +344,7 @@ bool gp_recipe_moves(const struct gp_recipe *r)
 
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
-    for (int i = 0; r->model->keys[i].name; i++) {
-        if (r->file[i])
-            return r->file[i];
-    }
-    return NULL;
+    return gp_recipe_path(r);
 }
 
 char *gp_kernel_path(const char *word)

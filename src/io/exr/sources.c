@@ -1,6 +1,7 @@
 /* Lists the channels of an EXR part that is written, and their samples. */
 #include "io/exr/exr_priv.h"
 
+#include "core/cpu.h"
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -54,19 +55,22 @@ struct fitting {
     struct gp_exr_fit part[GP_FRAME_PARTS];
 };
 
+GP_CLONES static int any_beyond(const float *v, size_t n, float most)
+{
+    int any = 0;
+    for (size_t i = 0; i < n; i++)
+        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= FLT_MAX);
+    return any;
+}
+
 static void find_beyond(void *ctx, int part, int thread)
 {
     struct fitting *const f = ctx;
-    const size_t end = gp_part_start(f->pixels, part + 1);
-    bool beyond = false;
+    const size_t from = gp_part_start(f->pixels, part);
+    const size_t n = gp_part_start(f->pixels, part + 1) - from;
     (void) thread;
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = gp_part_start(f->pixels, part); i < end; i++) {
-            const float a = fabsf(f->from->c[c][i]);
-            beyond |= (a > f->most) & (a <= FLT_MAX);
-        }
-    }
-    f->beyond[part] = beyond;
+    for (int c = 0; c < 3; c++)
+        f->beyond[part] |= any_beyond(f->from->c[c] + from, n, f->most);
 }
 
 static void fit_part(void *ctx, int part, int thread)

@@ -227,6 +227,13 @@ static void room_bounds_the_flight(void **state)
     seen.narrow = true;
     fly(&(struct row) {60, 8, 8}, GP_OK);
     assert_true(seen.most <= 2);
+    // half of the memory, for all of them
+    assert_true(gp_flight_has_room(0, SIZE_MAX, 63));
+    assert_true(!gp_flight_has_room(1200, 0, 1));
+    assert_true(gp_flight_has_room(1200, 299, 1));
+    assert_true(!gp_flight_has_room(1200, 300, 1));
+    assert_true(gp_flight_has_room(1200, 199, 2));
+    assert_true(!gp_flight_has_room(1200, 200, 2));
 }
 
 SUITE_OF(flight, NULL, NULL, all_in_order, failures_are_skipped,

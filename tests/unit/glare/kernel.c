@@ -368,7 +368,7 @@ static void what_cannot_be_is_refused(void **state)
 }
 
 /* On pixels `aspect` times as wide as high a halo is as wide as it is high on
- * the screen, and each channel's sum stays. */
+ * the screen, in its place, and each channel's sum stays. */
 static void halos_are_round_on_the_screen(void **state)
 {
     static const char *const names[] = {"circle", "ring", "moffat:beta=4,share=1",
@@ -380,7 +380,7 @@ static void halos_are_round_on_the_screen(void **state)
             struct gp_kernel_params p = {0};
             struct gp_frame f = blank(0, 0, 61, 61);
             struct gp_kernel k, square;
-            double across = 0.0, down = 0.0;
+            double across = 0.0, down = 0.0, middle = 0.0;
             for (int j = 0; j < 61 * 61 && !names[n]; j++) { // a disc
                 const int x = j % 61 - 30, y = j / 61 - 30;
                 const float v = x * x + y * y < 800 ? 1.0f : 0.0f;
@@ -410,8 +410,13 @@ static void halos_are_round_on_the_screen(void **state)
                 const double x = (j % k.w - k.cx) * aspect;
                 const double y = j / k.w - k.cy, v = (double) k.k.c[1][j];
                 across += v * x * x;
+                middle += v * x / aspect;
                 down += v * y * y;
             }
+            if (fabs(middle) > 0.02 * k.sum[1])
+                fail_msg("%s, aspect %g: centre off by %g pixels",
+                         names[n] ? names[n] : "file", aspect,
+                         middle / k.sum[1]);
             // a pixel has a width too: aspect^2 / 12 of the mean square, and a
             // model's light has it as well
             const double width = names[n] ? 6.0 : 12.0;

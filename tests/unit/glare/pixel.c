@@ -217,13 +217,11 @@ static struct scene search_scene(uint32_t *seed)
     return scene_make(f, k, &usual);
 }
 
-/* From above: no pixel of the composite is further off than bound_pixel says,
- * on frames found by a search; and from below: the bound is within 16 times of
- * what the worst of them reaches. */
+/* No pixel of the composite is further off than bound_pixel says, on frames
+ * found by a search (the suite adversary has the bound from below). */
 static void no_pixel_is_over_its_bound(void **state)
 {
     static const char *const engines[] = {"direct", "fft"};
-    double worst[2] = {0};
     for (uint32_t i = 0; i < 150; i++) {
         uint32_t seed = 9000u + i;
         struct scene s = search_scene(&seed);
@@ -240,20 +238,14 @@ static void no_pixel_is_over_its_bound(void **state)
                                        &stats));
                 gp_glare_measure(&s.f, &s.f.layer, s.exact, p.gain, p.taken,
                                  &error);
-                const double share = error.max_rel / stats.bound_pixel;
-                if (!(share <= 1.0))
+                if (!(error.max_rel <= stats.bound_pixel))
                     fail_msg("seed %u, %s: max_rel %g, bound %g", 9000u + i,
                              p.engine, error.max_rel, stats.bound_pixel);
-                worst[e] = fmax(worst[e], share);
                 gp_glare_close(&g);
             }
         }
         scene_free(&s);
     }
-    print_message("worst of bound_pixel: direct %.3g, fft %.3g\n", worst[0],
-                  worst[1]);
-    for (size_t e = 0; e < COUNT(engines); e++)
-        assert_true(worst[e] * 16.0 > 1.0);
 }
 
 /* auto takes fft where its bound keeps the tolerance, direct where only that

@@ -120,6 +120,46 @@ static void excess_is_the_part_over(void **state)
     }
 }
 
+/* The list has it too, for each pixel over T. */
+static void sources_hold_the_excess(void **state)
+{
+    static const float thresholds[] = {0.0f, 0.3f, 1.0f, 3.7f};
+    struct gp_frame f = scene_frame(67, 41, 0, 0, DARK, 5u);
+    const size_t n = gp_frame_pixels(&f);
+    uint32_t seed = 17;
+    for (size_t i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][i] = exp2f(8.0f * scene_random(&seed) - 4.0f);
+    }
+    for (size_t t = 0; t < COUNT(thresholds); t++) {
+        const struct gp_sensor_params p = {
+            .threshold = thresholds[t], .mode = GP_THRESHOLD_EXCESS,
+        };
+        struct gp_sources src;
+        size_t over = 0, at = 0;
+        assert_ok(gp_sense(NULL, &p, &f, &src));
+        for (size_t i = 0; i < n; i++) {
+            double y = 0.0;
+            for (int c = 0; c < 3; c++)
+                y += (double) (f.luminance[c] * f.rgb.c[c][i]);
+            over += y > (double) p.threshold * (1.0 + 1e-6);
+            if (at == src.n || src.x[at] != (int) (i % 67) ||
+                at >= src.row[i / 67 + 1] || at < src.row[i / 67])
+                continue;
+            for (int c = 0; c < 3; c++) {
+                const double v = (double) f.rgb.c[c][i];
+                assert_true(fabs((double) src.rgb[c][at] -
+                                 v * (y - (double) p.threshold) / y) <=
+                            1e-6 * v);
+            }
+            at++;
+        }
+        assert_true(at == src.n && over <= src.n && over > n / 5);
+        gp_sources_free(&src);
+    }
+    gp_frame_free(&f);
+}
+
 /* -- of the whole frame -----------------------------------------------------*/
 
 /* A low percentile of what light there is: black counts for nothing, and a
@@ -339,6 +379,7 @@ static void light_joins(void **state)
 }
 
 SUITE_OF(sensors, NULL, NULL, bad_pixels_stay_alone, threshold_is_shut,
-         knee_is_smooth, excess_is_the_part_over, darkest_is_robust,
+         knee_is_smooth, excess_is_the_part_over, sources_hold_the_excess,
+         darkest_is_robust,
          weights_are_the_frames, lists_are_whole, bins_are_half_octaves,
          parts_hold_all, light_outside_is_refused, light_joins)
