@@ -44,6 +44,10 @@ for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
     done
 done
 
+echo "# glare stage, the eye over the whole field against its middle 511 pixels"
+"$build/bench/tail" builtin:eye "$runs" "$frames"/w?_1920.exr \
+    ${real[@]+"${real[@]}"}
+
 echo "# whole process, w2, float ZIP in, half ZIP out, against OpenEXR C++ + FFTW"
 for size in "1920 2304 1344" "3840 4096 2560"; do
     set -- $size

@@ -5,6 +5,7 @@
 #include "glare/tail/tail_priv.h"
 #include "glare/model/model.h"
 #include "hard_cases.h"
+#include "starved.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
  * `degrees` wide gets, so far from its source. */
@@ -478,8 +479,63 @@ static void pixels_are_within_their_bounds(void **state)
     }
 }
 
+// -- without memory -----------------------------------------------------------
+
+static struct scene starved;
+static const char *starved_engine; // NULL: makes the kernel and a disc's tail
+static double starved_sum;
+
+static gp_status run_starved(void)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    struct gp_glare g = {0};
+    p.engine = starved_engine;
+    gp_status st = gp_glare_run(&kept_log, &p, &g, &starved.src, &starved.k,
+                                &starved.f, &stats);
+    gp_glare_close(&g);
+    for (int i = 0; !st && i < starved.src.w * starved.src.h; i++)
+        starved_sum += (double) starved.f.layer.c[0][i];
+    gp_planes_free(&starved.f.layer);
+    return st;
+}
+
+static gp_status run_making(void)
+{
+    static const float weight[9] = {0.1f, 0.1f, 0.1f, 0.1f, 0.2f,
+                                    0.1f, 0.1f, 0.1f, 0.1f};
+    const struct gp_tail_split split = gp_tail_choose(0.0, 300, 200);
+    struct gp_kernel k = {0};
+    struct gp_spread_kernel wide;
+    gp_status st = gp_tail_make(&kept_log, &split, 300, 200, false, true, veil,
+                                &fine, &k.tail);
+    if (!st)
+        st = gp_kernel_spread_tail(&kept_log, &k, 1, weight, &wide);
+    if (!st) {
+        starved_sum = k.tail->sum[0] + (double) wide.k.c[1][wide.w * 40 + 50];
+        gp_planes_free(&wide.k);
+    }
+    gp_tail_free(k.tail);
+    return st;
+}
+
+static void full_memory_is_said(void **state)
+{
+    static const char *const engines[] = {"fft", "direct", "auto"};
+    (void) state;
+    starved = field_scene(scene_frame(300, 200, 0, 0, FEW, 3u), "eye");
+    gp_set_threads(1);
+    for (size_t i = 0; i < COUNT(engines); i++) {
+        starved_engine = engines[i];
+        starve(engines[i], run_starved, &starved_sum, 8);
+    }
+    starve("making", run_making, &starved_sum, 8);
+    gp_set_threads(0);
+    scene_free(&starved);
+}
+
 SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
     threads_change_nothing, discs_have_tails,
     splits_are_for_smooth_kernels, larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
-    pixels_are_within_their_bounds)
+    pixels_are_within_their_bounds, full_memory_is_said)
