@@ -193,7 +193,7 @@ $(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures all speeds of README and manual on this machine
+bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/costs ## measures all speeds of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # A program to compare whole processes with: OpenEXR's C++ library and plain FFTW

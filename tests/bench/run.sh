@@ -32,6 +32,9 @@ for kernel in builtin:eye "$frames/k512.exr"; do
         "$frames"/w?_1024.exr "$frames"/w?_1920.exr ${real[@]+"${real[@]}"}
 done
 
+echo "# kernels of models"
+"$build/bench/models" "$runs"
+
 echo "# glare stage (bright pass to layer) against plain 2-D FFTW at its best"
 for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
     set -- $size

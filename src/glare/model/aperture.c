@@ -11,13 +11,14 @@
 /* An opening of radius 1, hidden in part.
  *
  * Blades are arcs that meet in the corners of a regular polygon; `roundness` is
- * the radius of the opening over that of the arcs, so 0 has straight edges and 1
- * is a circle. The first corner points to the angle `rotation`, counter-
+ * the radius of the opening over that of the arcs, so 0 has straight edges and
+ * 1 is a circle. The first corner points to the angle `rotation`, counter-
  * clockwise from the right.
  *
- * Aberrations by Zernike's polynomials as Noll 1976 numbers them, waves of 550
- * nm, rms: Z4 sqrt(3) (2 r^2 - 1), Z6 sqrt(6) r^2 cos 2a, Z8 sqrt(8) (3 r^3 -
- * 2 r) cos a, Z11 sqrt(5) (6 r^4 - 6 r^2 + 1), angle a from that of `rotation`. */
+ * Aberrations are Zernike's polynomials as Noll 1976 numbers them, waves of 550
+ * nm, rms, with the angle a from that of `rotation`:
+ *   Z4 = sqrt(3) (2 r^2 - 1)           Z6 = sqrt(6) r^2 cos 2a
+ *   Z8 = sqrt(8) (3 r^3 - 2 r) cos a   Z11 = sqrt(5) (6 r^4 - 6 r^2 + 1) */
 enum { DUST = 600, SCRATCHES = 60, LASHES = 40 }; // where their keys are 1
 struct iris {
     double radius;      // mm
@@ -183,7 +184,7 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
 }
 
 static const struct gp_model_key aperture_keys[] = {
-    GP_MODEL_SHARE(0.1),
+    GP_MODEL_SHARE(0.5),
     {"blades", "of the iris; 0: a circle", 6, 0, 32, NULL, false},
     {"roundness", "of the blades, 0 straight to 1 a circle", 0.1, 0, 1, NULL,
      false},
@@ -200,11 +201,11 @@ static const struct gp_model_key aperture_keys[] = {
     {"scratches", "on the lens, 0 none to 1 many", 0.05, 0, 1, NULL, false},
     {"lashes", "before the lens, 0 none to 1 many", 0, 0, 1, NULL, false},
     {"seed", "which dust, scratches and lashes", 1, 0, 1e9, NULL, false},
-    {"mask", "image in place of the iris: white passes, black hides; its longer "
-     "side is the diameter", 0, 0, 0, NULL, true},
-    {"fnumber", "of the lens: focal length over diameter", 16, 0.5, 256, NULL,
+    {"mask", "image in place of the iris: white passes, black hides; its "
+     "longer side is the diameter", 0, 0, 0, NULL, true},
+    {"fnumber", "of the lens: focal length over diameter", 22, 0.5, 256, NULL,
      false},
-    {"focal", "length of the lens, mm", 35, 1, 2000, NULL, false},
+    {"focal", "length of the lens, mm", 24, 1, 2000, NULL, false},
     {"pupil", "diameter in mm, in place of fnumber and focal; 0: by them", 0, 0,
      1000, NULL, false},
     {"defocus", "Zernike's Z4, waves of 550 nm rms", 0, -10, 10, NULL, false},
@@ -215,7 +216,7 @@ static const struct gp_model_key aperture_keys[] = {
     {"wavelengths", "of which daylight is summed", 32, 1, 256, NULL, false},
     {"wavelength", "one in nm, shown white; 0: daylight", 0, 0, 2000, NULL,
      false},
-    {"reach", "where the light has faded out, degrees", 10, 0.01, 90, NULL,
+    {"reach", "where the light has faded out, degrees", 12, 0.01, 90, NULL,
      false},
     {0},
 };
@@ -242,9 +243,10 @@ static gp_status open_aperture(const struct gp_log *log,
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double pupil = gp_recipe_value(r, "pupil");
     const int blades = (int) gp_recipe_value(r, "blades");
-    if (gp_recipe_path(r) && !r->image)
+    const char *const mask = gp_recipe_path(r);
+    if (mask && !r->image)
         return gp_fail(log, GP_ERR_USAGE, "%s: the mask was not read; give an "
-                       "image file", gp_recipe_path(r));
+                       "image file", mask);
     if (blades == 1 || blades == 2)
         return gp_fail(log, GP_ERR_USAGE, "aperture: %d blades make no "
                        "opening; give 0 or 3 to 32", blades);
@@ -262,7 +264,7 @@ static gp_status open_aperture(const struct gp_log *log,
     s->arc = gp_recipe_value(r, "arc") * PI / 360.0;
     s->grating = gp_recipe_value(r, "grating");
     s->fibres = floor(gp_recipe_value(r, "fibres"));
-    s->mask = gp_recipe_path(r) ? r->image : NULL;
+    s->mask = mask ? r->image : NULL;
     add_dust(s, (int) (DUST * gp_recipe_value(r, "dust")), seed);
     add_scratches(s, (int) (SCRATCHES * gp_recipe_value(r, "scratches")),
                   seed + 1);
@@ -280,7 +282,7 @@ static gp_status open_aperture(const struct gp_log *log,
                          7.0 * sqrt(8.0) * fabs(s->z8) +
                          12.0 * sqrt(5.0) * fabs(s->z11);
     const struct gp_diffraction d = {
-        .name = gp_recipe_path(r) ? gp_recipe_path(r) : "aperture",
+        .name = mask ? mask : "aperture",
         .diameter = 2.0 * s->radius, .reach = gp_recipe_value(r, "reach"),
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),

@@ -6,15 +6,15 @@
  *   kernel_c(x) = sum over f of OTF_c(f) sinc(f) exp(-2 pi i f x)
  *
  * A is the pupil's autocorrelation by the lag u in mm, f is in cycles per
- * radian, sinc is the pixel's: Goodman, Introduction to Fourier Optics, sections
- * 4.3 and 6.3. The spectrum is summed in the transfer function, one transform
- * a channel; OTF_c(0) is 1, so no light is lost.
+ * radian, sinc is the pixel's: Goodman, Introduction to Fourier Optics,
+ * sections 4.3 and 6.3. The spectrum is summed in the transfer function, one
+ * transform a channel; OTF_c(0) is 1, so no light is lost.
  *
- * Between lags A is linear, which a pupil of square cells is; I is divided by
- * what cells, and the mean over them, take away from its far parts. Where pixels
- * are wider than what the pupil resolves, frequencies beyond the pixels' own
- * fold back onto them: A's rows and columns go by two sparse matrices, a row of
- * whose has all the lags that meet in one frequency.
+ * A is linear between lags, as that of a pupil of square cells; I is divided by
+ * what cells, and the means over them, take from its far parts. Pixels wider
+ * than the finest light fold frequencies over their own back: two sparse
+ * matrices take A's rows and columns to frequencies, and a matrix' row holds
+ * all the lags that meet in one.
  *
  * The kernel is periodic: light from beyond N / 2 pixels comes back on the
  * other side. OTFs are means over a step of frequency, which multiplies the
@@ -25,265 +25,15 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/fft/fft.h"
-#include "glare/model/model_priv.h"
+#include "glare/model/diffract_priv.h"
 
-#include <complex.h>
-#include <math.h>
 #include <stdlib.h>
-
-#define PI 3.14159265358979323846
 
 enum {
     MOST_CELLS = 2048, // of a pupil, along a side
     LEAST_CELLS = 512,
-    GROUP = 4,         // rows that go through memory together: a cache line
     LANES = 16,        // columns of the kernel's spectrum made together
 };
-
-static double sinc(double x)
-{
-    return fabs(x) > 1e-8 ? sin(PI * x) / (PI * x) : 1.0;
-}
-
-// -- transforms ---------------------------------------------------------------
-
-/* A length, its plans, and four arrays in and four out for each thread. */
-struct transform {
-    const struct gp_fftwd *lib;
-    int n;
-    fftw_plan forward, backward;
-    double complex *room;
-};
-
-static void transform_free(struct transform *t)
-{
-    if (t->forward)
-        t->lib->destroy_plan(t->forward);
-    if (t->backward)
-        t->lib->destroy_plan(t->backward);
-    gp_free(t->room);
-    *t = (struct transform) {0};
-}
-
-static double complex *transform_in(const struct transform *t, int thread,
-                                    int i)
-{
-    return t->room + (size_t) (2 * GROUP * thread + i) * (size_t) t->n;
-}
-
-static double complex *transform_out(const struct transform *t, int thread,
-                                     int i)
-{
-    return transform_in(t, thread, GROUP + i);
-}
-
-/* Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
-static gp_status transform_make(const struct gp_log *log, int n,
-                                struct transform *out)
-{
-    struct transform t = {.n = n};
-    gp_status st = gp_fftwd_open(log, &t.lib);
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "kernel",
-                       2 * GROUP * (size_t) gp_threads() * (size_t) n,
-                       sizeof *t.room, &t.room);
-    if (st)
-        return st;
-    void *const from = t.room, *const to = t.room + GROUP * (size_t) n;
-    t.forward = t.lib->plan_dft_1d(n, from, to, FFTW_FORWARD, FFTW_ESTIMATE);
-    t.backward = t.lib->plan_dft_1d(n, from, to, FFTW_BACKWARD, FFTW_ESTIMATE);
-    *out = t;
-    if (t.forward && t.backward)
-        return GP_OK;
-    transform_free(out);
-    return gp_fail_bare(log, GP_ERR_BUG, "kernel: FFTW has no plan for length "
-                        "%d; use another --fov", n);
-}
-
-static void run(const struct transform *t, fftw_plan plan, int n, int thread)
-{
-    for (int i = 0; i < n; i++)
-        t->lib->execute_dft(plan, (void *) transform_in(t, thread, i),
-                            (void *) transform_out(t, thread, i));
-}
-
-/* Splits the transform of a + ib, a and b real, at frequency k. */
-static void unpack(const double complex *z, int n, int k, float complex *a,
-                   float complex *b)
-{
-    const double complex other = conj(z[k ? n - k : 0]);
-    *a = (float complex) (0.5 * (z[k] + other));
-    *b = (float complex) (-0.5 * I * (z[k] - other));
-}
-
-// -- the pupil's autocorrelation ----------------------------------------------
-
-/* A at lags (u, v), u in [0, n], v in [-n, n] cells, times `sum`: re, im
- * [u * pitch + n + v]; the rest is conjugate. im is NULL where it is 0. */
-struct lags {
-    int n;
-    size_t pitch;
-    float *re, *im;
-    double sum;
-};
-
-/* A pupil without a path is real: two rows go through one transform, and half
- * the columns of the spectrum are all. */
-struct correlating {
-    const struct gp_pupil *p;
-    double nm;
-    int pack;             // rows that go through one transform
-    int columns;
-    const struct transform *t;
-    size_t pitch;         // of z: p->n + 2 GROUP
-    float complex *z;     // [column of the spectrum][row, or lag v >= 0]
-    const double *boost;  // of each frequency, squared sincs undone
-    struct lags *a;
-};
-
-/* Rows of the pupil, `pack` a transform, to all columns. */
-static void pupil_rows(void *ctx, int group, int thread)
-{
-    const struct correlating *const c = ctx;
-    const int n = c->t->n, cells = c->p->n;
-    const int first = group * GROUP * c->pack;
-    for (int i = 0; i < GROUP; i++) {
-        double complex *const to = transform_in(c->t, thread, i);
-        const size_t row = (size_t) (first + i * c->pack) * (size_t) cells;
-        const float *const t = c->p->t + row;
-        memset(to, 0, (size_t) n * sizeof *to);
-        for (int x = 0; x < cells; x++)
-            to[x] = c->pack == 2
-                ? (double) t[x] + I * (double) t[cells + x]
-                : (double) t[x] * cexp(2.0 * PI * I / c->nm *
-                                       (double) c->p->path[row + (size_t) x]);
-    }
-    run(c->t, c->t->forward, GROUP, thread);
-    for (int k = 0; k < c->columns; k++) {
-        float complex *const to = c->z + (size_t) k * c->pitch + first;
-        for (int i = 0; i < GROUP; i++) {
-            const double complex *const out = transform_out(c->t, thread, i);
-            if (c->pack == 2)
-                unpack(out, n, k, &to[2 * i], &to[2 * i + 1]);
-            else
-                to[i] = (float complex) out[k];
-        }
-    }
-}
-
-/* Four columns: on to the spectrum, its squares, which are real, and back to
- * lags v >= 0. */
-static void pupil_columns(void *ctx, int group, int thread)
-{
-    const struct correlating *const c = ctx;
-    const int n = c->t->n, cells = c->p->n, first = group * GROUP;
-    float complex *const z = c->z + (size_t) first * c->pitch;
-    for (size_t i = 0; i < GROUP; i++) {
-        double complex *const to = transform_in(c->t, thread, (int) i);
-        for (int y = 0; y < cells; y++)
-            to[y] = (double complex) z[i * c->pitch + (size_t) y];
-        memset(to + cells, 0, (size_t) (n - cells) * sizeof *to);
-    }
-    run(c->t, c->t->forward, GROUP, thread);
-    for (int i = 0; i < GROUP; i += 2) {
-        const double complex *const a = transform_out(c->t, thread, i);
-        const double complex *const b = transform_out(c->t, thread, i + 1);
-        const double of_a = c->boost[first + i], of_b = c->boost[first + i + 1];
-        double complex *const to = transform_in(c->t, thread, i / 2);
-        for (int k = 0; k < n; k++)
-            to[k] = c->boost[k] *
-                    (of_a * (creal(a[k]) * creal(a[k]) +
-                             cimag(a[k]) * cimag(a[k])) +
-                     I * of_b * (creal(b[k]) * creal(b[k]) +
-                                 cimag(b[k]) * cimag(b[k])));
-    }
-    run(c->t, c->t->backward, GROUP / 2, thread);
-    for (size_t i = 0; i < GROUP; i += 2) {
-        float complex *const to = z + i * c->pitch;
-        for (int v = 0; v < (int) c->pitch; v++)
-            unpack(transform_out(c->t, thread, (int) i / 2), n, v, &to[v],
-                   &to[c->pitch + (size_t) v]);
-    }
-}
-
-/* A at lag (u, v), v >= 0, and at (-u, v). */
-static void put_lag(struct lags *a, int u, int v, double complex here,
-                    double complex other)
-{
-    const size_t at = (size_t) u * a->pitch + (size_t) a->n;
-    if (v > a->n)
-        return;
-    a->re[at + (size_t) v] = (float) creal(here);
-    a->re[at - (size_t) v] = (float) creal(other);
-    if (a->im) {
-        a->im[at + (size_t) v] = (float) cimag(here);
-        a->im[at - (size_t) v] = -(float) cimag(other);
-    }
-}
-
-/* Lags v, `pack` a transform, to all lags u. */
-static void pupil_lags(void *ctx, int group, int thread)
-{
-    const struct correlating *const c = ctx;
-    const int n = c->t->n, first = group * GROUP * c->pack;
-    for (int k = 0; k < c->columns; k++) {
-        const float complex *const z = c->z + (size_t) k * c->pitch + first;
-        for (int i = 0; i < GROUP; i++) {
-            double complex *const in = transform_in(c->t, thread, i);
-            const double complex a = z[i * c->pack];
-            const double complex b = c->pack == 2 ? z[2 * i + 1] : 0.0;
-            in[k] = a + I * b;
-            if (c->pack == 2 && k > 0) // a real row's half is conjugate
-                in[n - k] = conj(a) + I * conj(b);
-        }
-    }
-    run(c->t, c->t->backward, GROUP, thread);
-    for (int u = 0; u <= c->p->n; u++) {
-        const int other = u ? n - u : 0;
-        for (int i = 0; i < GROUP; i++) {
-            const double complex *const out = transform_out(c->t, thread, i);
-            const int v = first + i * c->pack;
-            put_lag(c->a, u, v, out[u], out[other]);
-            if (c->pack == 2)
-                put_lag(c->a, u, v + 1, cimag(out[u]), cimag(out[other]));
-        }
-    }
-    if (group == 0)
-        c->a->sum = creal(transform_out(c->t, thread, 0)[0]);
-}
-
-/* The columns and rows of `t` hold the pupil twice, so that no lag meets
- * another. */
-static gp_status correlate(const struct gp_log *log, const struct gp_pupil *p,
-    double nm, const struct transform *t, struct lags *a)
-{
-    const int n = t->n;
-    double *boost = NULL;
-    struct correlating c = {
-        .p = p, .nm = nm, .t = t, .a = a, .pitch = (size_t) p->n + 2 * GROUP,
-        .pack = p->path ? 1 : 2,
-    };
-    gp_status st;
-    c.columns = p->path ? n : n / 2 + 1;
-    const int groups = (c.columns + GROUP - 1) / GROUP;
-    GP_TRY(gp_alloc(log, "kernel", (size_t) n + GROUP, sizeof *boost, &boost));
-    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) groups * GROUP,
-                         c.pitch * sizeof *c.z, &c.z));
-    for (int k = 0; k < n + GROUP; k++) {
-        const double s = sinc((double) gp_min(k, abs(n - k)) / n);
-        boost[k] = 1.0 / (s * s * s * s);
-    }
-    c.boost = boost;
-    gp_parallel_do(p->n / (GROUP * c.pack), pupil_rows, &c);
-    gp_parallel_do(groups, pupil_columns, &c);
-    gp_parallel_do(p->n / (GROUP * c.pack) + 1, pupil_lags, &c);
-out:
-    gp_free(boost);
-    gp_free(c.z);
-    return st;
-}
 
 // -- from lags to frequencies -------------------------------------------------
 
@@ -335,7 +85,7 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
         const int last = gp_min((int) ceil(high), n);
         m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
         for (int u = first; u <= last; u++)
-            m.weight[at++] = (float) (sinc((double) k / period) *
+            m.weight[at++] = (float) (gp_sinc((double) k / period) *
                                       (hat(high - u) - hat(low - u)) / step);
     }
     if (st)
@@ -359,7 +109,7 @@ struct spectra {
 };
 
 struct summing {
-    const struct lags *a;
+    const struct gp_lags *a;
     const struct lag_matrix *x, *y;
     const struct spectra *s;
     const double *rgb;     // the wavelength's weights
@@ -380,7 +130,7 @@ GP_CLONES static void add_lags(float w, const float *restrict from, int n,
 static void sum_column(const struct summing *s, const float *part, float sign,
                        int k, float *sums, float *t)
 {
-    const struct lags *const a = s->a;
+    const struct gp_lags *const a = s->a;
     const int n = a->n, width = 2 * n + 1;
     float *const plus = sums, *const minus = sums + a->pitch;
     memset(sums, 0, 2 * a->pitch * sizeof *sums);
@@ -445,8 +195,8 @@ static void sum_block(void *ctx, int block, int thread)
 }
 
 /* Adds one wavelength; `step` is that of frequencies in cells of lag. */
-static gp_status add_wavelength(const struct gp_log *log, const struct lags *a,
-    const double step[2], const int period[2], const double rgb[3],
+static gp_status add_wavelength(const struct gp_log *log,
+    const struct gp_lags *a, const double step[2], const int period[2], const double rgb[3],
     struct spectra *s)
 {
     struct lag_matrix x = {0}, y = {0};
@@ -499,7 +249,7 @@ static void samples_row(const void *state, int x, int y, int n,
 struct finishing {
     const struct spectra *s;
     int c;
-    const struct transform *t[2]; // of x, of y
+    const struct gp_transform *t[2]; // of x, of y
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], reach;       // degrees
     struct samples *out;
@@ -509,23 +259,24 @@ struct finishing {
 static void finish_columns(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
-    const struct transform *const t = f->t[1];
+    const struct gp_transform *const t = f->t[1];
     const size_t pitch = f->s->pitch;
     const float *const im = f->s->im[f->c];
-    for (int i = 0; i < GROUP; i++) {
-        double complex *const in = transform_in(t, thread, i);
+    for (int i = 0; i < GP_GROUP; i++) {
+        double complex *const in = gp_transform_in(t, thread, i);
         for (int y = 0; y < t->n; y++) {
-            const size_t at = (size_t) y * pitch + (size_t) (group * GROUP + i);
+            const size_t at =
+                (size_t) y * pitch + (size_t) (group * GP_GROUP + i);
             in[y] = (double) f->s->re[f->c][at] +
                     (im ? I * (double) im[at] : 0.0);
         }
     }
-    run(t, t->forward, GROUP, thread);
+    gp_transform_run(t, t->forward, GP_GROUP, thread);
     for (int y = -f->out->r[1]; y <= f->out->r[1]; y++) {
-        double complex *const to = f->z + group * GROUP +
+        double complex *const to = f->z + group * GP_GROUP +
                                    (size_t) (y + f->out->r[1]) * pitch;
-        for (int i = 0; i < GROUP; i++)
-            to[i] = transform_out(t, thread, i)[y < 0 ? y + t->n : y];
+        for (int i = 0; i < GP_GROUP; i++)
+            to[i] = gp_transform_out(t, thread, i)[y < 0 ? y + t->n : y];
     }
 }
 
@@ -540,37 +291,37 @@ static double fade(double t, double reach)
 static void finish_rows(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
-    const struct transform *const t = f->t[0];
+    const struct gp_transform *const t = f->t[0];
     const int n = t->n, rx = f->out->r[0], ry = f->out->r[1];
-    const int rows = gp_min(GROUP, 2 * ry + 1 - group * GROUP);
+    const int rows = gp_min(GP_GROUP, 2 * ry + 1 - group * GP_GROUP);
     const double all = (double) n * f->t[1]->n;
     for (int i = 0; i < rows; i++) {
         const double complex *const from =
-            f->z + (size_t) (group * GROUP + i) * f->s->pitch;
-        double complex *const to = transform_in(t, thread, i);
+            f->z + (size_t) (group * GP_GROUP + i) * f->s->pitch;
+        double complex *const to = gp_transform_in(t, thread, i);
         memcpy(to, from, ((size_t) n / 2 + 1) * sizeof *to);
         for (int x = n / 2 + 1; x < n; x++)
             to[x] = conj(from[n - x]);
     }
-    run(t, t->forward, rows, thread);
+    gp_transform_run(t, t->forward, rows, thread);
     for (int i = 0; i < rows; i++) {
-        const double complex *const from = transform_out(t, thread, i);
-        const int y = group * GROUP + i - ry;
-        const double window = all * sinc((double) y / f->t[1]->n);
+        const double complex *const from = gp_transform_out(t, thread, i);
+        const int y = group * GP_GROUP + i - ry;
+        const double window = all * gp_sinc((double) y / f->t[1]->n);
         float *const to =
             f->out->k.c[f->c] + (size_t) (y + ry) * (2 * (size_t) rx + 1);
         for (int x = -rx; x <= rx; x++) {
             const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
             const double v = creal(from[x < 0 ? x + n : x]) *
                              fade(at, f->reach) /
-                             (window * sinc((double) x / n));
+                             (window * gp_sinc((double) x / n));
             to[x + rx] = (float) fmax(v, 0.0); // rounding is all that is under
         }
     }
 }
 
 static gp_status finish(const struct gp_log *log, const struct spectra *s,
-    const struct transform t[2], const double pixel[2], double reach,
+    const struct gp_transform t[2], const double pixel[2], double reach,
     struct samples *out)
 {
     struct finishing f = {
@@ -580,8 +331,8 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
     const size_t rows = 2 * (size_t) out->r[1] + 1;
     gp_status st = gp_alloc(log, "kernel", rows, s->pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
-        gp_parallel_do((int) (s->pitch / GROUP), finish_columns, &f);
-        gp_parallel_do(((int) rows + GROUP - 1) / GROUP, finish_rows, &f);
+        gp_parallel_do((int) (s->pitch / GP_GROUP), finish_columns, &f);
+        gp_parallel_do(((int) rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
     }
     gp_free(f.z);
     return st;
@@ -594,7 +345,7 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
 static int cells_of(const struct gp_diffraction *d, double reach)
 {
     const double nm = d->nm > 0.0 ? d->nm : 450.0; // shorter ones are dim
-    const double waves = d->diameter * 1e6 / nm * reach * PI / 180.0;
+    const double waves = d->diameter * 1e6 / nm * reach * GP_PI / 180.0;
     const double n = fmax(2.2 * waves, 8.0 * d->steep * d->diameter / 400.0);
     return (int) fmin(ceil(fmax(n, LEAST_CELLS) / 8.0), MOST_CELLS / 8) * 8;
 }
@@ -619,8 +370,8 @@ static gp_status make_spectra(const struct gp_log *log,
     enum { MOST_BANDS = 256 };
     double nm[MOST_BANDS], rgb[MOST_BANDS][3];
     int bands = gp_min(d->bands, MOST_BANDS);
-    struct transform t = {0};
-    struct lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
+    struct gp_transform t = {0};
+    struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
     gp_status st;
     gp_spectrum_weights(f, bands, nm, rgb);
     if (d->nm > 0.0) {
@@ -632,14 +383,14 @@ static gp_status make_spectra(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.re));
     if (p->path)
         GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.im));
-    GP_TRY(transform_make(log, gp_fft_length(2 * p->n), &t));
+    GP_TRY(gp_transform_make(log, gp_fft_length(2 * p->n), &t));
     for (int i = 0; i < bands; i++) {
         double step[2];
         for (int k = 0; k < 2; k++)
             step[k] = nm[i] * 1e-6 /
-                      (period[k] * pixel[k] * (PI / 180.0) * p->cell);
+                      (period[k] * pixel[k] * (GP_PI / 180.0) * p->cell);
         if (i == 0 || p->path)
-            GP_TRY(correlate(log, p, nm[i], &t, &a));
+            GP_TRY(gp_correlate(log, p, nm[i], &t, &a));
         if (!(a.sum > 0.0)) {
             st = gp_fail(log, GP_ERR_DATA, "%s: no light passes the pupil; "
                          "make its openings larger", d->name);
@@ -648,7 +399,7 @@ static gp_status make_spectra(const struct gp_log *log,
         GP_TRY(add_wavelength(log, &a, step, period, rgb[i], s));
     }
 out:
-    transform_free(&t);
+    gp_transform_free(&t);
     gp_free(a.re);
     gp_free(a.im);
     return st;
@@ -662,7 +413,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     int period[2];
     struct gp_pupil p = {0};
     struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
-    struct transform t[2] = {{0}, {0}};
+    struct gp_transform t[2] = {{0}, {0}};
     struct samples *k = NULL;
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
@@ -670,7 +421,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     p.n = cells_of(d, fmin(d->reach, corner));
     p.cell = d->diameter / (p.n - 4);
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
-                            0.95 * 180.0 / PI;
+                            0.95 * 180.0 / GP_PI;
     const double reach = fmin(d->reach, resolved);
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
     k->channels = s.channels;
@@ -683,7 +434,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     if (d->steep > 0.0)
         GP_TRY(gp_alloc_zero(log, "kernel", cells, sizeof(float), &p.path));
     gp_parallel_do(p.n, draw_row, &(struct drawing) {d, &p});
-    s.pitch = ((size_t) period[0] / 2 + GROUP) / GROUP * GROUP;
+    s.pitch = ((size_t) period[0] / 2 + GP_GROUP) / GP_GROUP * GP_GROUP;
     for (int c = 0; c < s.channels; c++) {
         const size_t n = s.pitch * (size_t) period[1];
         GP_TRY(gp_alloc_zero(log, "kernel", n, sizeof(float), &s.re[c]));
@@ -694,7 +445,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_FREE(p.t);
     GP_FREE(p.path);
     for (int i = 0; i < 2; i++)
-        GP_TRY(transform_make(log, period[i], &t[i]));
+        GP_TRY(gp_transform_make(log, period[i], &t[i]));
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
     GP_TRY(finish(log, &s, t, pixel, reach, k));
@@ -710,7 +461,7 @@ out:
     gp_free(p.t);
     gp_free(p.path);
     for (int i = 0; i < 2; i++)
-        transform_free(&t[i]);
+        gp_transform_free(&t[i]);
     for (int c = 0; c < 3; c++) {
         gp_free(s.re[c]);
         gp_free(s.im[c]);

@@ -121,7 +121,7 @@ static const struct gp_model_key temporal_keys[] = {
     {"grating", "strength of the lens' fibres: the lenticular halo", 0.1, 0, 1,
      NULL, false},
     {"fibres", "of the lens", 1100, 2, 3000, NULL, false},
-    {"lashes", "before the eye, 0 none to 1 many", 0, 0, 1, NULL, false},
+    {"lashes", "before the eye, 0 none to 1 many", 0.2, 0, 1, NULL, false},
     {"seed", "which eye", 1, 0, 1e9, NULL, false},
     {"wavelengths", "of which daylight is summed", 32, 1, 256, NULL, false},
     {"reach", "where the light has faded out, degrees", 6, 0.01, 90, NULL,

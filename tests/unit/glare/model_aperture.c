@@ -295,7 +295,8 @@ static void masks_are_openings(void **state)
         const double peak = sample(&k, 1, i ? 0 : 12, i ? 12 : 0);
         const double middle = sample(&k, 1, 0, 0);
         const double side = 4.0 / (9.0 * PI * PI);
-        if (!(zero < 0.003 * middle) || !(fabs(peak / middle / side - 1) < 0.03))
+        if (!(zero < 0.003 * middle) ||
+            !(fabs(peak / middle / side - 1) < 0.03))
             fail_msg("axis %d: %g, %g of the peak", i, zero / middle,
                      peak / middle);
     }
@@ -330,7 +331,7 @@ static void keys_change_kernels(void **state)
         "obstruction=0.3,arc=90", "grating=0.5", "dust=0.5", "scratches=0.5",
         "lashes=0.5", "seed=2", "fnumber=8", "focal=50", "defocus=0.1",
         "astigmatism=0.1", "coma=0.1", "spherical=0.1", "wavelength=600",
-        "reach=3", "adaptation=100", "pupil=3", "hippus=0", "particles=0.1",
+        "reach=3", "adaptation=100", "pupil=2.5", "hippus=0", "particles=0.1",
         "grating=0.05", "formula=watson", "formula=watson,age=60",
         "grating=0.5,fibres=20",
     };

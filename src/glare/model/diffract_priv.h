@@ -1,0 +1,67 @@
+/* Shared by the files of diffraction: transforms and a pupil's lags. */
+#ifndef GP_GLARE_MODEL_DIFFRACT_PRIV_H
+#define GP_GLARE_MODEL_DIFFRACT_PRIV_H
+
+#include "glare/fft/fft.h"
+#include "glare/model/model_priv.h"
+
+#include <complex.h>
+#include <math.h>
+
+#define GP_PI 3.14159265358979323846
+
+/* sin(pi x) / (pi x) */
+static inline double gp_sinc(double x)
+{
+    return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
+}
+
+enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line
+
+/* Plans of a length, and GP_GROUP arrays in and as many out for each thread. */
+struct gp_transform {
+    const struct gp_fftwd *lib;
+    int n;
+    fftw_plan forward, backward;
+    double complex *room;
+};
+
+/* Call on one thread. Free with gp_transform_free().
+ * Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_transform_make(const struct gp_log *log, int n,
+                                          struct gp_transform *out);
+void gp_transform_free(struct gp_transform *t);
+
+static inline double complex *gp_transform_in(const struct gp_transform *t,
+                                              int thread, int i)
+{
+    return t->room + (size_t) (2 * GP_GROUP * thread + i) * (size_t) t->n;
+}
+
+static inline double complex *gp_transform_out(const struct gp_transform *t,
+                                               int thread, int i)
+{
+    return gp_transform_in(t, thread, GP_GROUP + i);
+}
+
+/* Transforms the thread's first n arrays. */
+void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
+                      int thread);
+
+/* A pupil's autocorrelation at lags (u, v), u in [0, n], v in [-n, n] cells,
+ * times `sum`: re, im [u * pitch + n + v]; the rest is conjugate. */
+struct gp_lags {
+    int n;
+    size_t pitch;
+    float *re, *im; // im is NULL where it is 0: the pupil has no path
+    double sum;     // 0: the pupil is dark
+};
+
+/* Fills a->re, a->im and a->sum at one wavelength. t->n is at least twice the
+ * pupil's cells, so that no lag meets another.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_correlate(const struct gp_log *log,
+    const struct gp_pupil *p, double nm, const struct gp_transform *t,
+    struct gp_lags *a);
+
+#endif

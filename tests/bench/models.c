@@ -1,0 +1,72 @@
+/* How long models' kernels take to make.
+ *
+ *   models [RUNS]
+ *
+ * Prints the median of RUNS (5) in ms for each recipe and frame, with a pixel
+ * of 1/36 degree. A kernel of 512 x 512 is that of a frame of 256 x 256. */
+#include "core/clock.h"
+#include "core/colour.h"
+#include "core/parallel.h"
+#include "glare/model/model.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static void print(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    fprintf(stderr, "models: %s\n", line);
+}
+static const struct gp_log models_log = {print, NULL, GP_LEVEL_WARN};
+
+static const struct {
+    const char *recipe;
+    int w, h;
+} rows[] = {
+    {"spencer", 1920, 1080},
+    {"cie:age=70", 1920, 1080},
+    {"aperture", 256, 256},
+    {"aperture:defocus=0.5,wavelengths=8", 256, 256},
+    {"aperture", 1920, 1080},
+    {"temporal", 256, 256},
+    {"temporal", 1920, 1080},
+};
+
+static int by_size(const void *a, const void *b)
+{
+    const double *const x = a, *const y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+int main(int argc, char **argv)
+{
+    enum { MOST = 99 };
+    const int asked = argc > 1 ? atoi(argv[1]) : 5;
+    const int runs = asked < 1 ? 1 : asked > MOST ? MOST : asked;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const struct gp_field f = {
+            .w = rows[i].w, .h = rows[i].h, .degrees = 1.0 / 36.0,
+            .aspect = 1.0, .fps = 24.0,
+            .chromaticities = gp_rec709_chromaticities,
+            .luminance = gp_rec709_luminance,
+        };
+        double ms[MOST];
+        struct gp_recipe r;
+        if (gp_recipe_parse(&models_log, rows[i].recipe, &r))
+            return 1;
+        for (int n = 0; n < runs; n++) {
+            struct gp_kernel k;
+            const double from = gp_now_ms();
+            if (gp_model_kernel(&models_log, &r, 1, &f, &k))
+                return 1;
+            ms[n] = gp_now_ms() - from;
+            gp_kernel_free(&k);
+        }
+        gp_recipe_free(&r);
+        qsort(ms, (size_t) runs, sizeof *ms, by_size);
+        printf("%-36s %4dx%-4d  %7.1f ms, %d threads\n", rows[i].recipe,
+               rows[i].w, rows[i].h, ms[runs / 2], gp_threads());
+    }
+    return 0;
+}
