@@ -17,10 +17,10 @@
  * all the lags that meet in one.
  *
  * The kernel is periodic: light from beyond N / 2 pixels comes back on the
- * other side. OTFs are means over a step of frequency, which multiplies the
- * unbounded kernel by sinc(x / N) in x and y, and the result is divided by it:
- * what comes back to x from x - N is down to x / (N - x), and N is three times
- * the kernel's reach. */
+ * other side. OTFs are means over steps of frequency by a hat, which multiplies
+ * the unbounded kernel by sinc(x / N)^2 in x and y, and the result is divided
+ * by it: what comes back to x from x - N is down to (x / (N - x))^2, a quarter
+ * at the reach, a 25th at half of it, as N is three times the reach. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -57,36 +57,39 @@ static void lag_matrix_free(struct lag_matrix *m)
     *m = (struct lag_matrix) {0};
 }
 
-/* The integral of the hat function up to t. */
-static double hat(double t)
+/* The second integral of the hat function up to t. */
+static double ramp(double t)
 {
-    return t <= -1.0  ? 0.0
-           : t < 0.0  ? 0.5 * (1.0 + t) * (1.0 + t)
-           : t < 1.0  ? 1.0 - 0.5 * (1.0 - t) * (1.0 - t)
-                      : 1.0;
+    const double a = 1.0 + t, b = 1.0 - t;
+    return t <= -1.0 ? 0.0
+           : t < 0.0 ? a * a * a / 6.0
+           : t < 1.0 ? t + b * b * b / 6.0
+                     : t;
 }
 
 /* `step` is that of frequency in cells of lag; cells go from -n to n. */
 static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
                                  int period, struct lag_matrix *out)
 {
-    struct lag_matrix m = {.edge = (int) ceil(n / step + 0.5),
+    struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
                            .period = period};
     const size_t rows = 2 * (size_t) m.edge + 1;
-    const size_t most = (size_t) ceil(step) + 3;
+    const size_t most = (size_t) ceil(2.0 * step) + 3;
     size_t at = 0;
     gp_status st = gp_alloc(log, "kernel", rows, sizeof *m.row, &m.row);
     if (!st)
         st = gp_alloc(log, "kernel", rows * most, sizeof *m.weight, &m.weight);
     for (size_t i = 0; i < rows && !st; i++) {
         const int k = (int) i - m.edge;
-        const double low = (k - 0.5) * step, high = (k + 0.5) * step;
+        // a mean over steps to both sides, by a hat of their width
+        const double low = (k - 1.0) * step, high = (k + 1.0) * step;
+        const double pixel = gp_sinc((double) k / period) / (step * step);
         const int first = gp_max((int) floor(low), -n);
         const int last = gp_min((int) ceil(high), n);
         m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
         for (int u = first; u <= last; u++)
-            m.weight[at++] = (float) (gp_sinc((double) k / period) *
-                                      (hat(high - u) - hat(low - u)) / step);
+            m.weight[at++] = (float) (pixel * (ramp(high - u) + ramp(low - u) -
+                                               2.0 * ramp(k * step - u)));
     }
     if (st)
         lag_matrix_free(&m);
@@ -196,8 +199,8 @@ static void sum_block(void *ctx, int block, int thread)
 
 /* Adds one wavelength; `step` is that of frequencies in cells of lag. */
 static gp_status add_wavelength(const struct gp_log *log,
-    const struct gp_lags *a, const double step[2], const int period[2], const double rgb[3],
-    struct spectra *s)
+    const struct gp_lags *a, const double step[2], const int period[2],
+    const double rgb[3], struct spectra *s)
 {
     struct lag_matrix x = {0}, y = {0};
     struct summing sum = {.a = a, .x = &x, .y = &y, .s = s, .rgb = rgb};
@@ -307,14 +310,14 @@ static void finish_rows(void *ctx, int group, int thread)
     for (int i = 0; i < rows; i++) {
         const double complex *const from = gp_transform_out(t, thread, i);
         const int y = group * GP_GROUP + i - ry;
-        const double window = all * gp_sinc((double) y / f->t[1]->n);
+        const double across = gp_sinc((double) y / f->t[1]->n);
         float *const to =
             f->out->k.c[f->c] + (size_t) (y + ry) * (2 * (size_t) rx + 1);
         for (int x = -rx; x <= rx; x++) {
             const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
+            const double window = across * gp_sinc((double) x / n);
             const double v = creal(from[x < 0 ? x + n : x]) *
-                             fade(at, f->reach) /
-                             (window * gp_sinc((double) x / n));
+                             fade(at, f->reach) / (all * window * window);
             to[x + rx] = (float) fmax(v, 0.0); // rounding is all that is under
         }
     }
