@@ -188,10 +188,11 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
                        "MODEL -o FILE, --check FILE and --list",
                        m->list || m->check || makes ? "too much to do"
                                                     : "nothing to make");
-    if (s->inputs.n)
-        return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads no frames; write "
-                       "-k %s for an image of a kernel", s->inputs.at[0],
-                       s->inputs.at[0]);
+    if (s->inputs.n > (m->check ? 1 : 0))
+        return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads %s; write -k FILE "
+                       "for an image of a kernel",
+                       s->inputs.at[s->inputs.n - 1],
+                       m->check ? "one frame" : "no frames");
     if (m->from && (s->kernels.n || m->size || m->radius ||
                     gp_option_given(s, "fov") || gp_option_given(s, "frame") ||
                     gp_option_given(s, "rotate")))

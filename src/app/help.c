@@ -146,10 +146,11 @@ void gp_help(FILE *f, enum gp_command command)
         fprintf(f, "Makes a glare kernel, or checks one.\n\n"
                    "  glarepp kernel [options] -o FILE\n"
                    "  glarepp kernel --from FILE -o FILE\n"
-                   "  glarepp kernel [options] --check FILE|MODEL\n"
+                   "  glarepp kernel [options] --check FILE|MODEL [FRAME]\n"
                    "  glarepp kernel --list\n\n"
                    "-k names the model; FILE is an EXR, with the recipe in its "
-                   "attributes.\nExit status of --check: 1 for a fault.\n");
+                   "attributes.\n--check looks at what FRAME would show; exit "
+                   "status 1 for a fault.\n");
     else
         fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
                    "  glarepp [options] -o OUTPUT INPUT...\n"

@@ -5,6 +5,8 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/kernel_check.h"
+#include "glare/sensors.h"
 #include "io/plane.h"
 #include "io/read.h"
 #include "io/write.h"
@@ -267,6 +269,14 @@ out:
 
 // -- --list -------------------------------------------------------------------
 
+static gp_status end_print(const struct gp_log *log)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return GP_OK;
+    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
+                   "program that reads it", strerror(errno));
+}
+
 static void print_key(const struct gp_model_key *k)
 {
     char range[256];
@@ -303,15 +313,142 @@ static gp_status list_models(const struct gp_log *log)
     printf("\nPresets: -k builtin:NAME\n\n");
     for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
         printf("  %-10s %s\n  %-10s %s\n", p->name, p->text, "", p->recipe);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
-                       "the program that reads it", strerror(errno));
-    return GP_OK;
+    return end_print(log);
+}
+
+// -- --check ------------------------------------------------------------------
+
+/* A kernel to be checked. */
+struct checked {
+    struct gp_kernel k;
+    long long nonfinite;    // samples; then `k` is empty
+    const char *name;
+    float luminance[3];
+    struct gp_kernel_use use;
+};
+
+static gp_status check_of_model(const struct gp_log *log,
+                                const struct gp_settings *s, struct checked *c)
+{
+    struct making m = {0};
+    struct gp_settings own = *s;
+    own.kernels = (struct gp_texts) {(const char **) &c->name, 1};
+    gp_status st = making_of_settings(log, &own, &m);
+    if (!st)
+        st = make_kernel(log, &m, &c->k);
+    gp_wanted_kernel_free(&m.wanted);
+    memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
+    c->use.ends = m.radius > 0;
+    return st;
+}
+
+static gp_status check_of_file(const struct gp_log *log,
+                               const struct gp_settings *s, struct checked *c)
+{
+    const struct gp_read_params limits = gp_read_limits(&s->read);
+    const struct gp_kernel_params p = {
+        .normalize = GP_NORMALIZE_NONE, .rotate = s->kernel.rotate,
+        .scale = s->kernel_percent / 100.0,
+    };
+    struct gp_frame f;
+    gp_status st = gp_read_frame(log, &limits, c->name, &f);
+    if (st)
+        return st;
+    for (int i = 0; i < 3; i++) {
+        for (size_t j = 0; j < gp_frame_pixels(&f); j++)
+            c->nonfinite += !isfinite(f.rgb.c[i][j]);
+    }
+    memcpy(c->luminance, f.luminance, sizeof c->luminance);
+    c->use.ends = true;
+    if (!c->nonfinite)
+        st = gp_kernel_from_frame(log, &p, &f, &c->k);
+    if (!st)
+        find_number(&f, "glarepp:left_out", &c->k.left_out);
+    gp_frame_free(&f);
+    return st;
+}
+
+/* The brightest source of a frame. */
+static gp_status find_brightest(const struct gp_log *log,
+    const struct gp_settings *s, const char *path, double *out)
+{
+    const struct gp_read_params limits = gp_read_limits(&s->read);
+    struct gp_frame f;
+    struct gp_sources src;
+    gp_status st = gp_read_frame(log, &limits, path, &f);
+    if (st)
+        return st;
+    st = gp_sense(log, &s->sensor, &f, &src);
+    if (!st) {
+        *out = (double) src.brightest;
+        gp_sources_free(&src);
+    }
+    gp_frame_free(&f);
+    return st;
+}
+
+static void print_figures(const struct checked *c,
+                          const struct gp_kernel_figures *f)
+{
+    const struct gp_kernel *const k = &c->k;
+    printf("size       %dx%d, centre %d,%d\n", k->w, k->h, k->cx, k->cy);
+    printf("sum        %.7g %.7g %.7g, luminance %.7g\n", k->sum[0], k->sum[1],
+           k->sum[2], f->light);
+    printf("peak       %.7g at %d,%d\n", f->peak, f->peak_at[0],
+           f->peak_at[1]);
+    printf("centroid   %.4f,%.4f\n", round(1e4 * f->centroid[0]) / 1e4 + 0.0,
+           round(1e4 * f->centroid[1]) / 1e4 + 0.0);
+    printf("own pixel  %.4g %%\n", 100.0 * f->own);
+    printf("border     %.3g %%, drops by %.3g\n", 100.0 * f->border, f->rim);
+    printf("negatives  %lld\n", f->negatives);
+    printf("asymmetry  %.3g\n", f->asymmetry);
+    printf("left out   %.3g %%\n", 100.0 * f->left_out);
+}
+
+/* Prints figures and faults, for a source of 1000 where no frame is given. */
+static gp_status check_kernel(const struct gp_log *log,
+                              const struct gp_settings *s, bool *faulty)
+{
+    struct checked c = {
+        .name = s->making.check,
+        .use = {.add = s->compose.mix == GP_MIX_ADD, .brightest = 1000.0},
+    };
+    struct gp_kernel_figures f;
+    char line[GP_FAULT_BYTES];
+    gp_status st = gp_recipe_is(c.name) ? check_of_model(log, s, &c)
+                                        : check_of_file(log, s, &c);
+    if (!st && s->inputs.n)
+        st = find_brightest(log, s, s->inputs.at[0], &c.use.brightest);
+    if (st)
+        goto out;
+    *faulty = c.nonfinite > 0;
+    printf("kernel     %s\n", c.name);
+    if (c.nonfinite) {
+        printf("fault: %lld samples are NaN or infinite; replace them\n",
+               c.nonfinite);
+    } else {
+        gp_kernel_measure(&c.k, c.luminance, &f);
+        print_figures(&c, &f);
+        f.rim /= f.light > 0.0 ? f.light : 1.0; // as a run normalises it
+        f.centre /= f.light > 0.0 ? f.light : 1.0;
+        for (int i = 0; i < GP_KERNEL_FAULTS; i++) {
+            if (!gp_kernel_fault(&f, &c.use, i, line))
+                continue;
+            printf("fault: %s\n", line);
+            *faulty = true;
+        }
+    }
+    st = end_print(log);
+out:
+    gp_kernel_free(&c.k);
+    return st;
 }
 
 gp_status gp_kernel_command(const struct gp_log *log,
                             const struct gp_settings *s, bool *faulty)
 {
     *faulty = false;
-    return s->making.list ? list_models(log) : write_kernel(log, s);
+    return s->making.list    ? list_models(log)
+           : s->making.check ? check_kernel(log, s, faulty)
+                             : write_kernel(log, s);
 }

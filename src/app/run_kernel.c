@@ -155,6 +155,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
         gp_free(k);
         return st;
     }
+    gp_kernel_glance(&k->k, field->luminance, &k->figures);
     k->field = *field;
     memcpy(k->chromaticities, field->chromaticities, sizeof k->chromaticities);
     k->field.chromaticities = k->chromaticities;
@@ -190,6 +191,30 @@ static struct gp_field find_field(const struct gp_run *r, struct gp_frame_state 
     return field;
 }
 
+/* Warns once a run of each fault of the kernel that a frame shows. */
+static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs)
+{
+    const struct gp_settings *const s = r->s;
+    const struct gp_kernel *const k = &r->kernel->k;
+    const struct gp_frame *const f = &fs->frame;
+    const bool image = !r->wanted.recipes;
+    const struct gp_kernel_use use = {
+        .add = s->compose.mix == GP_MIX_ADD,
+        .ends = image && (k->w < 2 * gp_frame_w(f) - 1 ||
+                          k->h < 2 * gp_frame_h(f) - 1),
+        .brightest = (double) fs->sources.brightest * (double) s->compose.gain,
+    };
+    for (int i = 0; i < GP_KERNEL_FAULTS; i++) {
+        char line[GP_FAULT_BYTES];
+        if (r->faults_said >> i & 1 ||
+            !gp_kernel_fault(&r->kernel->figures, &use, i, line))
+            continue;
+        gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
+               image ? r->wanted.image[0].path : "--kernel", line);
+        r->faults_said |= 1u << i;
+    }
+}
+
 gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
@@ -198,6 +223,7 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         st = make_kernel(fs->log, r, &field);
     }
     if (!st && r->kernel) {
+        warn_of_faults(r, fs);
         fs->kernel = r->kernel;
         fs->facts.kernel_left_out = fs->kernel->k.left_out;
         atomic_fetch_add(&fs->kernel->holders, 1);

@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
+#include "glare/kernel_check.h"
 #include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "sun/stage.h"
@@ -72,6 +73,7 @@ GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,
  * gp_run_kernel_free(). */
 struct gp_run_kernel {
     struct gp_kernel k;
+    struct gp_kernel_figures figures;
     struct gp_field field;         // chromaticities point to the copy
     float chromaticities[8];
     atomic_int holders;
@@ -120,6 +122,7 @@ struct gp_run {
 
     struct gp_wanted_kernel wanted;
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
+    unsigned faults_said;          // bits of faults of kernels
     struct gp_rect reach;          // of the first kernel, as
                                    // gp_run_kernel_reach() has it
     struct gp_glare engines;

@@ -85,7 +85,7 @@ frame kernel.exr kind=kernel size=15x15 type=float
 oiiotool kernel.exr -d float -o kernel.tif
 pfm kernel.exr kernel.pfm
 for ending in exr tif pfm; do
-    run -k kernel.$ending --type float --layer k.$ending.exr in.exr
+    run -q -k kernel.$ending --type float --layer k.$ending.exr in.exr
     quiet_success "a kernel from .$ending"
 done
 echo "k.tif.exr k.exr.exr equal a kernel from .tif: as from EXR" >>list

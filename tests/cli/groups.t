@@ -209,7 +209,7 @@ done
 # builtin:eye reaches far: a 17x17 kernel keeps all light of the middle inside
 frame k.exr kind=kernel size=17x17 type=float
 light make plain.exr plain
-run -e direct -k k.exr --mix scatter $both --type float --hdr s.exr plain.exr
+run -q -e direct -k k.exr --mix scatter $both --type float --hdr s.exr plain.exr
 quiet_success 'scatter with a small kernel'
 ok 'scatter gains no light, and loses what leaves the frame' light energy \
     plain.exr s.exr 0.1

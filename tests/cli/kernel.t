@@ -88,4 +88,54 @@ for model in spencer cie star cross streak ring circle gaussian moffat image; do
 done >missing
 is "$(cat missing)" '' '--list: every model'
 
+# -- faults --------------------------------------------------------------------
+
+# a cut kernel, one that fades to 0, a negative lobe, and half a pixel beside
+for kind in cut fade lobe beside; do
+    "$python" - $kind <<'PY'
+import array, math, sys
+kind = sys.argv[1]
+n = 16 if kind == "beside" else 15
+v = array.array("f")
+for y in range(n):
+    for x in range(n):
+        d = math.hypot(x - (n - 1) / 2, y - (n - 1) / 2)
+        a = 1 / (1 + d * d) if kind == "cut" else max(1 - d / 7.5, 0) ** 2
+        v.extend([-1e-3 if kind == "lobe" and d == 2 else a] * 3)
+with open(kind + ".pfm", "wb") as f:
+    f.write(b"PF\n%d %d\n-1.0\n" % (n, n) + v.tobytes())
+PY
+    run kernel --check $kind.pfm
+    [ $kind = fade ] && wanted=0 || wanted=1
+    status_is $wanted "--check: $kind"
+    is "$(grep -c '^fault: ' out)" $wanted "--check: faults of $kind"
+done
+frame nan.exr kind=nan size=9x9
+run kernel --check nan.exr
+status_is 1 '--check: NaN'
+like "$(cat out)" '*3 samples are NaN or infinite*' '--check: how many'
+run kernel --check fade.pfm
+like "$status $(cat out)" '0 *own pixel  3.388 %*' '--check: own pixel'
+run kernel --check circle:share=1 --mix add --size 200x200
+like "$status $(cat out)" '1 *use --mix scatter*' '--check: defocus with add'
+run kernel --check eye --radius 30
+like "$status $(cat out)" "1 *% of the model's light is outside*" \
+    "--check: a model's share outside"
+run kernel -k eye --radius 30 -o small.exr
+run kernel --check small.exr
+like "$status $(cat out)" "1 *% of the model's light is outside*" \
+    "--check: a file's share outside"
+run kernel --check cut.pfm in.exr
+like "$status $(cat out)" '1 *edge shows*' "--check: by a frame's light"
+frame faint.exr kind=dark
+run kernel --check cut.pfm faint.exr
+like "$status $(cat out)" '0 *' '--check: too faint a light to show it'
+run -k cut.pfm --layer l.exr --report r.json in.exr
+like "$status $(cat err)" '0 *warning: cut.pfm: its edge shows*' \
+    'a run warns of the edge'
+is "$(field r.json 'len(o["warnings"])')" 1 'and its report does'
+run -k circle:share=1 --fov 1 --mix add --layer l.exr in.exr
+like "$status $(cat err)" '0 *--kernel: *use --mix scatter*' \
+    'a run warns of defocus'
+
 done_testing

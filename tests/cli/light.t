@@ -77,8 +77,9 @@ is "$("$python" light.py step ramp.pfm plain.pfm)" True 'no step at the threshol
 out whole ramp --threshold-mode whole --mix add
 is "$("$python" light.py step ramp.pfm whole.pfm)" False \
     'a step with --threshold-mode whole and --mix add'
-for kernel in star streak:length=5 cross circle ring gaussian; do
-    out spot.glare spot -e direct -k $kernel # which ends inside the frame
+for kernel in star streak:length=5 cross:length=5 circle ring gaussian; do
+    # they end inside the frame
+    out spot.glare spot -e direct --fov 15 -k $kernel
     is "$("$python" light.py sum spot.pfm spot.glare.pfm)" True \
         "$kernel: white light keeps its luminance"
 done
@@ -95,7 +96,7 @@ brightest()
 # the promise of 1e-5 is of floats; a half is the nearest to each of them
 for type in float half; do
     for engine in direct fft; do
-        run -e $engine --type $type --hdr l.exr spot.pfm
+        run -e $engine -k ring --type $type --hdr l.exr spot.pfm
         "$glarepp" -q -g 0 --tonemap none -o l.$type.$engine.pfm l.exr
     done
 done

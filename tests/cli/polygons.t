@@ -14,7 +14,7 @@ quiet_success 'polygons beside another engine'
 run -q --engine fft -k kernel.exr --shrink 0 --depth-bits 16 -o wide.png \
     --debug polygons=lines.png over.exr
 is "$(png_size lines.png)" "$(png_size wide.png)" 'a PNG of the display window'
-run --tonemap none --type float -k kernel.exr -o lit.exr \
+run -q --tonemap none --type float -k kernel.exr -o lit.exr \
     --debug polygons=untoned.exr over.exr
 quiet_success 'polygons over the light itself'
 run -q -o dark.png --debug polygons=darklines.png dark.exr

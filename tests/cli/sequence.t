@@ -246,7 +246,7 @@ frame mixed.3.exr size=90x70 lights=3 aspect=2
 frame mixed.4.exr size=90x70 lights=3
 frame disc.exr kind=kernel size=31x31
 for kernel in builtin:streak disc.exr; do
-    run -e fft -k $kernel --layer mixed.l.#.exr --debug polygons=mixed.p.#.png \
+    run -q -e fft -k $kernel --layer mixed.l.#.exr --debug polygons=mixed.p.#.png \
         mixed.#.exr
     quiet_success "$kernel: primaries and pixel aspect change within a sequence"
     for n in 1 2 3 4; do

@@ -310,6 +310,7 @@ static const char *const wrong[][2] = {
     {"kernel", "nothing to make"},
     {"kernel --list -o k", "too much to do"},
     {"kernel -o k i", "i: kernel reads no frames"},
+    {"kernel --check k i j", "j: kernel reads one frame"},
     {"kernel -o k --from a --fov 3", "--from: a says how it was made"},
     {"kernel -o k --size 3", "--size: not a size"},
     {"kernel -o k --size 3x3x", "--size: not a size"},
