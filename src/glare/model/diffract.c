@@ -344,12 +344,14 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
 // -- all of it ----------------------------------------------------------------
 
 /* The pupil's cells, so that light up to `reach` degrees is resolved and its
- * path changes by under a quarter of a wave from cell to cell. */
+ * path changes by under a sixteenth of a wave from cell to cell: the mean over
+ * a cell is near its middle. Aberrations that are too strong for MOST_CELLS stay
+ * under half a wave, where they are still told from others. */
 static int cells_of(const struct gp_diffraction *d, double reach)
 {
     const double nm = d->nm > 0.0 ? d->nm : 450.0; // shorter ones are dim
     const double waves = d->diameter * 1e6 / nm * reach * GP_PI / 180.0;
-    const double n = fmax(2.2 * waves, 8.0 * d->steep * d->diameter / 400.0);
+    const double n = fmax(2.2 * waves, 16.0 * d->steep * d->diameter / 400.0);
     return (int) fmin(ceil(fmax(n, LEAST_CELLS) / 8.0), MOST_CELLS / 8) * 8;
 }
 
@@ -428,6 +430,16 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     const double reach = fmin(d->reach, resolved);
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
     k->channels = s.channels;
+    // frequencies of a period within the pupil
+    const double most = d->diameter * 1e6 / (d->nm > 0.0 ? d->nm : GP_NM_FROM) *
+                        fmax(pixel[0], pixel[1]) * GP_PI / 180.0;
+    if (!(most < 1e4)) {
+        st = gp_fail(log, GP_ERR_USAGE, "%s: a pixel is as wide as %.3g "
+                     "wavelengths over diameters; give a narrower pupil, or "
+                     "--fov under %.3g", d->name, most,
+                     f->degrees * f->h * 1e4 / most);
+        goto out;
+    }
     for (int i = 0; i < 2; i++) {
         k->r[i] = gp_min(size[i] - 1, (int) fmin(ceil(reach / pixel[i]), 1e6));
         period[i] = gp_fft_length(gp_max(3 * k->r[i] + 1, 64));

@@ -65,6 +65,9 @@ static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
         const double r = hypot(u, v);
         if (r > e->radius + p->cell)
             continue;
+        row[x] = 1.0f;
+        if (r < 1.5 && r < 0.9 * e->radius)
+            continue;
         const double a = atan2(-v, u) - e->turn;
         double edge = 0.97;
         for (int i = 0; i < WAVES && r > 0.9 * e->radius; i++)

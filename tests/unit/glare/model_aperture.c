@@ -329,6 +329,11 @@ static void masks_are_openings(void **state)
     r.image = NULL;
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
     gp_recipe_free(&r);
+    // a metre's mirror behind a pixel of 4 degrees
+    const struct gp_field coarse = field(30, 30, 4.0, 1.0);
+    assert_ok(gp_recipe_parse(NULL, "aperture:pupil=1000", &r));
+    assert_int_equal(gp_model_kernel(NULL, &r, 1, &coarse, &k), GP_ERR_USAGE);
+    gp_recipe_free(&r);
     assert_ok(gp_recipe_parse(NULL, "aperture:blades=2", &r));
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
     gp_recipe_free(&r);

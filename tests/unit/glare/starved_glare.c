@@ -12,6 +12,7 @@
 #include "glare/sources.h"
 #include "glare/splat/splat_priv.h"
 #include "glare/glare_priv.h"
+#include "glare/model/model_priv.h"
 #include "glare_scene.h"
 #include "fail.h"
 
@@ -203,32 +204,53 @@ static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
     return st;
 }
 
-static gp_status run_builtins(void)
+static gp_status make_model(const char *text, double rotate)
 {
-    static const float angles[] = {0.0f, 90.0f, 30.0f};
+    const struct gp_field field = {
+        .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
+        .aspect = 1.0, .rotate = rotate, .fps = 24.0,
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance,
+    };
+    struct gp_recipe r;
+    struct gp_kernel k = {0};
+    gp_status st = gp_recipe_parse(&kept_log, text, &r);
+    if (st)
+        return st;
+    st = gp_model_kernel(&kept_log, &r, 1, &field, &k);
+    gp_recipe_free(&r);
+    return hash_kernel(st, &k);
+}
+
+static gp_status run_models(void)
+{
+    static const double angles[] = {0.0, 90.0, 30.0};
     uint64_t all = HASH_NONE;
     for (int m = 0; gp_models[m]; m++) {
+        if (gp_models[m] == &gp_model_aperture ||
+            gp_models[m] == &gp_model_temporal ||
+            gp_models[m] == &gp_model_image) // an image is no formula
+            continue;
         for (int i = 0; i < 3; i++) {
-            const struct gp_field field = {
-                .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
-                .aspect = 1.0, .rotate = (double) angles[i], .fps = 24.0,
-                .chromaticities = gp_rec709_chromaticities,
-                .luminance = gp_rec709_luminance,
-            };
-            struct gp_recipe r;
-            struct gp_kernel k = {0};
-            gp_status st =
-                gp_recipe_parse(&kept_log, gp_model_name(gp_models[m]), &r);
-            if (!st)
-                st = gp_model_kernel(&kept_log, &r, 1, &field, &k);
-            gp_recipe_free(&r);
-            if (hash_kernel(st, &k))
+            const gp_status st =
+                make_model(gp_model_name(gp_models[m]), angles[i]);
+            if (st)
                 return st;
             all = hash_more(all, &hash, sizeof hash);
         }
     }
     hash = all;
     return GP_OK;
+}
+
+static gp_status run_aperture(void)
+{
+    return make_model("aperture:wavelengths=2,coma=0.1,lashes=0.1", 0.0);
+}
+
+static gp_status run_temporal(void)
+{
+    return make_model("temporal:wavelengths=2", 0.0);
 }
 
 static gp_status run_from_frame(void)
@@ -269,7 +291,10 @@ static const struct starved rows[] = {
      .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
     {"polygons, plain form", run_group_reference, NULL, FEW, TINTED,
      .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
-    {"builtin kernels", run_builtins, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"models", run_models, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"model of an aperture", run_aperture, NULL, CORNERS, PEAK,
+     .splat = EXACT},
+    {"model of a pupil", run_temporal, NULL, CORNERS, PEAK, .splat = EXACT},
     {"a kernel's frame", run_from_frame, NULL, CORNERS, PEAK, .splat = EXACT},
     {"direct, few", run_engine, "direct", FEW, TINTED, .splat = EXACT},
     {"direct, quads", run_engine, "direct", BLOCK, PEAK, .splat = EXACT},
