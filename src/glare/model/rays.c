@@ -1,8 +1,9 @@
 /* Models of rays: stars, crosses and streaks as bundles of tapered strands. */
 #include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -36,9 +37,12 @@ struct strand {
 
 struct rays {
     struct gp_field f;
+    int rx, ry;                 // offsets to which samples are made
+    float *sample[3];           // rows of 2 rx + 1; sample[0] is owned
+    double (*row_sum)[3];       // of each row, in making
     struct strand strand[MOST_STRANDS];
     int n;
-    double width, squeeze, longest;
+    double width, squeeze;
     double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
     double tint[3];
 };
@@ -130,15 +134,17 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
     }
 }
 
-static void rays_row(const void *state, int x, int y, int n,
-                     double *const out[3])
+/* Makes row i of the samples. */
+static void make_row(void *ctx, int i, int thread)
 {
-    const struct rays *const r = state;
+    const struct rays *const r = ctx;
+    const int y = i - r->ry, n = 2 * r->rx + 1;
+    const size_t at = (size_t) i * (size_t) n;
+    double sums[3] = {0};
+    (void) thread;
     const double b = r->f.degrees;
     const double a = b * r->f.aspect / r->squeeze; // in the plane of strands
     const double v = b * y, side = CUT * r->width + a + b;
-    for (int c = 0; c < 3; c++)
-        memset(out[c], 0, (size_t) n * sizeof *out[c]);
     for (int k = 0; k < r->n; k++) {
         const struct strand *const s = &r->strand[k];
         // u of |q| <= side and -side <= p <= length + side on this row
@@ -158,15 +164,40 @@ static void rays_row(const void *state, int x, int y, int n,
             from = fmax(from, fmin(p, q));
             to = fmin(to, fmax(p, q));
         }
-        const int first = (int) fmax(ceil(from / a) - x, 0.0);
-        const int last = (int) fmin(floor(to / a) - x, n - 1);
-        for (int i = first; i <= last; i++) {
+        const int first = (int) fmax(ceil(from / a), -r->rx);
+        const int last = (int) fmin(floor(to / a), r->rx);
+        for (int x = first; x <= last; x++) {
             double sum[3] = {0};
-            add_pixel(r, s, a * (x + i), v, a, b, sum);
-            for (int c = 0; c < 3; c++)
-                out[c][i] += r->tint[c] * sum[c];
+            add_pixel(r, s, a * x, v, a, b, sum);
+            for (int c = 0; c < 3; c++) {
+                r->sample[c][at + (size_t) (x + r->rx)] += (float) sum[c];
+                sums[c] += sum[c];
+            }
         }
     }
+    memcpy(r->row_sum[i], sums, sizeof sums);
+}
+
+static void rays_row(const void *state, int x, int y, int n,
+                     double *const out[3])
+{
+    const struct rays *const r = state;
+    const size_t at = (size_t) (y + r->ry) * (2 * (size_t) r->rx + 1) +
+                      (size_t) (x + r->rx);
+    for (int i = 0; i < n; i++) {
+        const bool inside = abs(y) <= r->ry && abs(x + i) <= r->rx;
+        for (int c = 0; c < 3; c++)
+            out[c][i] = inside ? r->tint[c] * (double) r->sample[c][at +
+                                                  (size_t) i] : 0.0;
+    }
+}
+
+static void rays_free(void *state)
+{
+    struct rays *const r = state;
+    gp_free(r->sample[0]);
+    gp_free(r->row_sum);
+    gp_free(r);
 }
 
 /* g_c by wavelengths, of integral 1 in each channel, for strands of length 1;
@@ -229,11 +260,36 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
         one->length = length *
             (middle ? 1.0 : 0.35 + 0.6 * gp_model_random(seed, key + 1));
         one->gain = middle ? 1.0 : 0.2 + 0.8 * gp_model_random(seed, key + 2);
-        s->longest = fmax(s->longest, one->length);
     }
-    // a round end is as much light as width sqrt(pi / 2) of the strand there
-    double light[3] = {0};
+    // samples as far as a strand goes and the field needs them
+    const double b = f->degrees, a = b * f->aspect / s->squeeze;
+    double wide = 0.0, high = 0.0;
     for (int i = 0; i < s->n; i++) {
+        const struct strand *const one = &s->strand[i];
+        wide = fmax(wide, fabs(one->length * one->cosine));
+        high = fmax(high, fabs(one->length * one->sine));
+    }
+    wide = ceil((wide + CUT * s->width) / a) + 1.0;
+    high = ceil((high + CUT * s->width) / b) + 1.0;
+    const bool cut = wide > f->w - 1 || high > f->h - 1;
+    s->rx = (int) fmin(wide, f->w - 1);
+    s->ry = (int) fmin(high, f->h - 1);
+    const size_t rows = 2 * (size_t) s->ry + 1;
+    const size_t samples = rows * (2 * (size_t) s->rx + 1);
+    GP_TRY(gp_alloc_zero(log, "kernel", 3 * samples, sizeof(float),
+                         &s->sample[0]));
+    GP_TRY(gp_alloc(log, "kernel", rows, sizeof *s->row_sum, &s->row_sum));
+    s->sample[1] = s->sample[0] + samples;
+    s->sample[2] = s->sample[1] + samples;
+    gp_parallel_do((int) rows, make_row, s);
+    // all the light where it all is in them; else by the strands' integrals, a
+    // round end being as much as width sqrt(pi / 2) of the strand there
+    double light[3] = {0};
+    for (size_t i = 0; i < rows && !cut; i++) {
+        for (int c = 0; c < 3; c++)
+            light[c] += s->row_sum[i][c];
+    }
+    for (int i = 0; i < s->n && cut; i++) {
         const double end = s->width * sqrt(0.5 * PI) / s->strand[i].length;
         for (int c = 0; c < 3; c++)
             light[c] += s->strand[i].gain * (1.0 + end * s->curve[c][0]);
@@ -243,22 +299,20 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     double y = 0.0;
     for (int c = 0; c < 3; c++)
         y += (double) f->luminance[c] * tint[c];
-    if (!(y > 0.0)) {
-        gp_free(s);
-        return gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
+    if (!(y > 0.0))
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
                        "(%g,%g,%g); give red, green or blue over 0",
-                       r->model->name, tint[0], tint[1], tint[2]);
-    }
+                       r->model->name, tint[0], tint[1], tint[2]));
     for (int c = 0; c < 3; c++)
-        s->tint[c] = tint[c] / (y * light[c]);
-    const double pixel = f->degrees * fmin(f->aspect, 1.0);
-    const double reach =
-        ceil((s->longest + CUT * s->width) * fmax(s->squeeze, 1.0) / pixel) + 1;
+        s->tint[c] = light[c] > 0.0 ? tint[c] / (y * light[c]) : 0.0;
     *out = (struct gp_shape) {
-        .state = s, .free = gp_free, .row = rays_row, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+        .state = s, .free = rays_free, .row = rays_row, .smooth = INFINITY,
+        .reach = gp_max(s->rx, s->ry),
     };
     return GP_OK;
+out:
+    rays_free(s);
+    return st;
 }
 
 #define KEYS(share, points, strands, spread, length, core, width, angle,      \
