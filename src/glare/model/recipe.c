@@ -261,7 +261,7 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         st = read_keys(log, text, end + 1, &r);
     for (int i = 0; r.model->keys[i].name && !st; i++) {
         const struct gp_model_key *const key = &r.model->keys[i];
-        if (key->file && key->preset > 0.0 && !(r.file[i] && *r.file[i]))
+        if (key->file && (r.file[i] ? !*r.file[i] : key->preset > 0.0))
             st = gp_fail(log, GP_ERR_USAGE, "%s: has no %s; write %s:%s=PATH",
                          text, key->name, r.model->name, key->name);
     }

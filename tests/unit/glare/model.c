@@ -55,6 +55,7 @@ static void recipes_are_read(void **state)
          "image:share=0.1,file=a\\,b\\\\.exr"},
         {"image", GP_ERR_USAGE, NULL},
         {"image:file=,size=1", GP_ERR_USAGE, NULL},
+        {"aperture:mask=", GP_ERR_USAGE, NULL},
         {"builtin:nothing", GP_ERR_USAGE, NULL},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
