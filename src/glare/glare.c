@@ -180,6 +180,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         whole.kernel = kernel;
         GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
         floor.least = ldexp(floor.least, -times);
+        floor.lit = ldexp(floor.lit, -times);
         floor.most = ldexp(floor.most, -times);
         floor.less = ldexp(floor.less, -times);
         for (int c = 0; c < 3; c++) {

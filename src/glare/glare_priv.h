@@ -61,7 +61,8 @@ GP_MUST_CHECK gp_status gp_resample(const struct gp_log *log, const char *name,
 
 /* Limits of the exact composite, known before it is made. */
 struct gp_pixel_floor {
-    double least, most;    // of its luminance, without light from other pixels
+    double least;          // of its luminance, without light from other pixels
+    double lit, most;      // of its luminance, some of that light included
     double less;           // most negative luminance of such light, as >= 0
     double weight[3];      // of luminance
     double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
@@ -72,7 +73,7 @@ GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
 
 /* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
  * most share * gain * layer + gain * sum of weight * of, and the composite Y is
- * at least its own part `least`, as kernel and light are not negative. The
+ * at least `lit`, as kernel and light are not negative. The
  * share's part is at most `share` where Y's own part is not negative. */
 double gp_pixel_bound(const struct gp_pixel_floor *f,
                       const struct gp_pixel_error *e, double gain);

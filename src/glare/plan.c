@@ -1,6 +1,7 @@
 /* Chooses an engine, and bounds the errors that no engine does: values under
  * the range of float, and the composite's worst pixel. */
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/bound/bound.h"
 #include "glare/fft/fft.h"
@@ -346,7 +347,8 @@ struct floors {
     const struct gp_glare_job *job;
     const struct gp_frame *f;
     double centre[3];   // kernel samples that a source's own pixel gets
-    double *least, *most; // of each row
+    struct gp_bound_cells cells;
+    double *least, *most; // of each cell
 };
 
 /* The composite's luminance in pixel x of row y, but for the light of other
@@ -375,35 +377,45 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
     return sum;
 }
 
+/* Fills the least and the most of one row of cells. */
 static void bound_row(void *ctx, int row, int thread)
 {
     const struct floors *const m = ctx;
     const struct gp_sources *const t = m->job->params->taken;
-    const size_t w = (size_t) gp_frame_w(m->f), y = (size_t) row;
-    uint32_t taken = t ? t->row[y] : 0, lit = m->job->src->row[y];
-    double least = INFINITY, most = -INFINITY;
+    const int side = m->cells.side;
+    const size_t w = (size_t) gp_frame_w(m->f);
+    const size_t end = (size_t) gp_min((row + 1) * side, m->cells.h);
+    const size_t first = (size_t) row * (size_t) m->cells.columns;
     (void) thread;
-    for (size_t x = 0; x < w; x++) {
-        const double v = own_luminance(m, x, y, &taken, &lit);
-        least = fmin(least, v);
-        most = fmax(most, v);
+    for (int x = 0; x < m->cells.columns; x++) {
+        m->least[first + (size_t) x] = INFINITY;
+        m->most[first + (size_t) x] = -INFINITY;
     }
-    m->least[y] = least;
-    m->most[y] = most;
+    for (size_t y = (size_t) row * (size_t) side; y < end; y++) {
+        uint32_t taken = t ? t->row[y] : 0, lit = m->job->src->row[y];
+        for (size_t x = 0; x < w; x++) {
+            const size_t at = first + x / (size_t) side;
+            const double v = own_luminance(m, x, y, &taken, &lit);
+            m->least[at] = fmin(m->least[at], v);
+            m->most[at] = fmax(m->most[at], v);
+        }
+    }
 }
 
 gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
     const struct gp_frame *f, struct gp_pixel_floor *out)
 {
     const struct gp_kernel *const k = job->kernel;
-    const size_t h = (size_t) gp_frame_h(f);
     struct floors m = {.job = job, .f = f};
-    struct gp_pixel_floor o = {.least = INFINITY};
-    gp_status st = gp_alloc(job->log, "pixel bound", 2 * h, sizeof *m.least,
-                            &m.least);
+    struct gp_pixel_floor o = {.least = INFINITY, .lit = INFINITY};
+    m.cells = gp_bound_cells_choose(job->src->w, job->src->h, k);
+    const size_t n = (size_t) m.cells.columns * (size_t) m.cells.rows;
+    gp_status st = gp_alloc_zero(job->log, "pixel bound", 3 * n,
+                                 sizeof *m.least, &m.least);
     if (st)
         return st;
-    m.most = m.least + h;
+    double *const others = m.least + 2 * n;
+    m.most = m.least + n;
     for (int c = 0; c < 3; c++) {
         const double norm = sqrt(job->src->energy[c]);
         o.weight[c] = (double) f->luminance[c];
@@ -421,21 +433,27 @@ gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
             o.tail[c] = gp_tail_pixel_error(job->tail, k->tail, job->src, c) +
                         0x1p-24 * o.layer[c];
     }
-    gp_parallel_do((int) h, bound_row, &m);
-    for (size_t y = 0; y < h; y++) {
-        o.least = fmin(o.least, m.least[y]);
-        o.most = fmax(o.most, m.most[y]);
+    gp_parallel_do(m.cells.rows, bound_row, &m);
+    if (!k->negative)
+        GP_TRY(gp_bound_cells_faint(job->log, &m.cells, k, job->src, o.weight,
+                                    others));
+    for (size_t i = 0; i < n; i++) {
+        const double more = (double) job->params->gain * others[i];
+        o.least = fmin(o.least, m.least[i]);
+        o.lit = fmin(o.lit, m.least[i] + more);
+        o.most = fmax(o.most, m.most[i] + more);
     }
-    gp_free(m.least);
     *out = o;
-    return GP_OK;
+out:
+    gp_free(m.least);
+    return st;
 }
 
 double gp_pixel_bound(const struct gp_pixel_floor *f,
                       const struct gp_pixel_error *e, double gain)
 {
     const double peak = 1e-6 * (f->most - f->less);
-    const double dark = fmax(f->least - f->less, 0.0) + peak;
+    const double dark = fmax(f->lit - f->less, 0.0) + peak;
     double sum = 0.0;
     if (!(peak > 0.0) || !(e->share < INFINITY))
         return INFINITY;

@@ -267,6 +267,7 @@ static void add_band(void *ctx, int i, int thread)
         // a pixel more on each side: the chords are rounded
         const int x0 = within(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
         const int x1 = within(ceil(l->x + outer) + 1.0, x0, rect.x1);
+        // (a whole one that add_edge() takes counts the same)
         int in0 = x1, in1 = x1;
         if (inner > 0.0) {
             in0 = within(ceil(l->x - inner) + 1.0, x0, x1);

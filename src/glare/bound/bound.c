@@ -389,8 +389,8 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     // are side by side, |e|^2 <= max e * sum e where they are far apart
     if (shrink->left_out > 0.0) {
         if (!d->has_most) // blurs carry light half a box and a pixel away
-            GP_TRY(gp_bound_table_make(log, &s->cells, kernel, tail,
-                                       border / 2 + 1, &d->most));
+            GP_TRY(gp_bound_table_make(log, &s->cells, kernel, GP_BOUND_MOST,
+                                       tail, border / 2 + 1, &d->most));
         d->has_most = true;
         GP_TRY(gp_bound_cells_left(log, &s->cells, polygons, shrink, &d->most,
                                    most));

@@ -1,7 +1,7 @@
 /* The bound's parts:
  *   spectrum.c  the error of grouping, by the kernel's spectrum
  *   left_out.c  the light that shrinking leaves out, by cells of the frame and
- *               by rings of the kernel
+ *               by rings of the kernel; the least light between cells
  *   bound.c     the lower limit of the layer, and the sum of all parts */
 #ifndef GP_GLARE_BOUND_BOUND_PRIV_H
 #define GP_GLARE_BOUND_BOUND_PRIV_H
@@ -89,17 +89,6 @@ GP_MUST_CHECK gp_status gp_power_bound(const struct gp_log *log,
 
 /* -- left_out.c: light that polygons lack where their kernel is cut -------- */
 
-/* Cells of side x side pixels from the frame's corner; those at the right and
- * at the bottom may be cut. */
-struct gp_bound_cells {
-    int w, h;           // of the frame
-    int side, columns, rows;
-};
-
-/* The smallest cells, a power of two, for which the sums below stay cheap. */
-struct gp_bound_cells gp_bound_cells_choose(int w, int h,
-                                            const struct gp_kernel *kernel);
-
 /* Numbers by the offset from a source's cell to a pixel's:
  * at[c][(dy - y0) * w + dx - x0]; 0 beyond. Grey kernels have channel 0 only.
  * Free with gp_bound_table_free(). */
@@ -110,12 +99,13 @@ struct gp_bound_table {
 };
 void gp_bound_table_free(struct gp_bound_table *t);
 
-/* Finds the most that a unit of light up to `carry` pixels from a cell adds to
- * a pixel of another. Kernel without its core when `tail`.
+/* Finds the most, or the least, that a unit of light up to `carry` pixels from a
+ * cell adds to a pixel of another. Kernel without its core when `tail`.
  * Errors: GP_ERR_BUG out of memory. */
+enum gp_bound_end { GP_BOUND_MOST, GP_BOUND_LEAST };
 GP_MUST_CHECK gp_status gp_bound_table_make(const struct gp_log *log,
     const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
-    bool tail, int carry, struct gp_bound_table *out);
+    enum gp_bound_end end, bool tail, int carry, struct gp_bound_table *out);
 
 /* Finds the most light of each channel that shrinking leaves out in any pixel.
  * Errors: GP_ERR_BUG out of memory. */

@@ -1,5 +1,5 @@
-/* Bounds the light that polygons lack where shrinking cuts the kernel off.
- * Kernels without lobes. */
+/* Bounds the light that polygons lack where shrinking cuts the kernel off, and
+ * the least that cells of the frame get. Kernels without lobes. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -67,10 +67,11 @@ static void find_offsets(const struct window *w, int cells, int *first, int *n)
 
 gp_status gp_bound_table_make(const struct gp_log *log,
     const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
-    bool tail, int carry, struct gp_bound_table *out)
+    enum gp_bound_end end, bool tail, int carry, struct gp_bound_table *out)
 {
     gp_status st;
-    const int far = cells->side - 1 + carry;
+    const bool least = end == GP_BOUND_LEAST;
+    const int far = cells->side - 1 + carry, whole = 2 * far + 1;
     const struct gp_rect crop = gp_bound_crop(kernel, cells->w + carry,
                                               cells->h + carry);
     struct gp_blur b = {0};
@@ -87,23 +88,28 @@ gp_status gp_bound_table_make(const struct gp_log *log,
     for (int c = 0; c < t.channels; c++) {
         GP_TRY(gp_alloc(log, "bound", w * (size_t) t.h, sizeof(double),
                         &t.at[c]));
-        // the largest of each window, first along rows, then down
+        // the end of each window, first along rows, then down; the least of
+        // one that the kernel does not fill is 0
         for (int i = 0; i < b.h; i++) {
             const float *const row = b.k.c[c] + (size_t) i * (size_t) b.w;
             for (int j = 0; j < t.w; j++) {
-                float v = 0.0f;
                 find_window(&x, t.x0 + j, &from, &to);
+                float v = least && to - from == whole ? row[from] : 0.0f;
                 for (int k = from; k < to; k++)
-                    v = row[k] > v ? row[k] : v;
+                    v = (row[k] > v) != least ? row[k] : v;
                 rows[(size_t) i * w + (size_t) j] = v;
             }
         }
         for (int j = 0; j < t.h; j++) {
             find_window(&y, t.y0 + j, &from, &to);
             for (size_t i = 0; i < w; i++) {
-                float v = 0.0f;
-                for (int k = from; k < to; k++)
-                    v = fmaxf(v, rows[(size_t) k * w + i]);
+                const float *const column = rows + i;
+                float v = least && to - from == whole
+                              ? column[(size_t) from * w] : 0.0f;
+                for (int k = from; k < to; k++) {
+                    const float u = column[(size_t) k * w];
+                    v = (u > v) != least ? u : v;
+                }
                 t.at[c][(size_t) j * w + i] = (double) v;
             }
         }
@@ -226,6 +232,71 @@ out:
         gp_free(l.at[c]);
     gp_free(l.line);
     gp_free(l.most);
+    return st;
+}
+
+/* -- the least light of a cell --------------------------------------------- */
+
+struct faint {
+    const struct gp_bound_cells *cells;
+    const struct gp_bound_table *table;
+    double *light;       // of the sources of each cell
+    int c;               // channel
+    double *out;
+};
+
+/* Adds up one row of cells. */
+static void faint_row(void *ctx, int y, int thread)
+{
+    const struct faint *const f = ctx;
+    const struct gp_bound_table *const t = f->table;
+    const int columns = f->cells->columns;
+    double *const line = f->out + (size_t) y * (size_t) columns;
+    (void) thread;
+    for (int dy = t->y0; dy < t->y0 + t->h; dy++) {
+        const double *const k = t->at[t->channels == 1 ? 0 : f->c] +
+                                (size_t) (dy - t->y0) * (size_t) t->w;
+        if (y - dy < 0 || y - dy >= f->cells->rows)
+            continue;
+        for (int i = 0; i < t->w; i++) {
+            const int dx = t->x0 + i;
+            const int from = gp_max(dx, 0), end = columns + gp_min(dx, 0);
+            if (k[i] > 0.0 && from < end && (dx || dy))
+                add_scaled(line + from,
+                           f->light + (size_t) (y - dy) * (size_t) columns +
+                               (from - dx), end - from, k[i]);
+        }
+    }
+}
+
+gp_status gp_bound_cells_faint(const struct gp_log *log,
+    const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
+    const struct gp_sources *src, const double weight[3], double *out)
+{
+    gp_status st;
+    struct gp_bound_table table = {0};
+    struct faint f = {.cells = cells, .table = &table, .out = out};
+    const size_t n = (size_t) cells->columns * (size_t) cells->rows;
+    memset(out, 0, n * sizeof *out);
+    GP_TRY(gp_bound_table_make(log, cells, kernel, GP_BOUND_LEAST, false, 0,
+                               &table));
+    GP_TRY(gp_alloc(log, "bound", n, sizeof *f.light, &f.light));
+    for (f.c = 0; f.c < 3; f.c++) {
+        if (!(weight[f.c] > 0.0))
+            continue;
+        memset(f.light, 0, n * sizeof *f.light);
+        for (int y = 0; y < src->h; y++) {
+            double *const row = f.light + (size_t) (y / cells->side) *
+                                              (size_t) cells->columns;
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+                row[src->x[i] / cells->side] +=
+                    weight[f.c] * (1.0 - 1e-9) * (double) src->rgb[f.c][i];
+        }
+        gp_parallel_do(cells->rows, faint_row, &f);
+    }
+out:
+    gp_bound_table_free(&table);
+    gp_free(f.light);
     return st;
 }
 

@@ -193,11 +193,12 @@ gp_status gp_splat_plan_make(const struct gp_glare_job *job,
         o.bound = k->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
     }
     if (o.turned && !(o.params.shrink > 0.0f)) {
-        // turned quads sample at most `place` pixels off by rounding
-        // (splat_turn.frag). Each sample is then wrong by at most 2 * place of
-        // its four taps' sum, no more than four samples share their taps, and
-        // flux times that error's norm is the most that all sources can make
-        // of it (Young's inequality)
+        // turned quads sample at most `place` pixels off in x and in y by
+        // rounding (splat_turn.frag). Each sample is then wrong by at most
+        // 2 * place of the largest of its taps, as none is negative; at most
+        // five points of a turned grid are within a pixel of a tap in x and y;
+        // and flux times that error's norm is the most that all sources can
+        // make of it (Young's inequality)
         const struct gp_unturned *const u = k->unturned;
         const double radius = hypot(fabs((double) u->cx) + u->w,
                                     fabs((double) u->cy) + u->h);
@@ -209,7 +210,7 @@ gp_status gp_splat_plan_make(const struct gp_glare_job *job,
             for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
                 sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
             const double e =
-                job->src->flux[c] * 2.0 * place * 4.0 * 2.0 * sqrt(sum);
+                job->src->flux[c] * 2.0 * place * sqrt(5.0 * sum);
             wrong += e * e;
         }
         o.bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;

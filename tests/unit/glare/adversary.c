@@ -433,6 +433,49 @@ static void samples_places_are_in_the_bound(void **state)
     free(layer);
 }
 
+/* Four blocks, each bright at the corner where they meet and a little at its
+ * far one, are blurred over the same pixels: light left out of all adds up to
+ * nearly twice what it would be side by side. */
+static void blocks_may_share_pixels(void **state)
+{
+    enum { SIDE = 64, N = 3 * SIDE * SIDE, FAR = 8 };
+    const struct gp_splat_params p = {.group = 16, .method = GP_GROUP_MOMENTS};
+    struct gp_kernel_params kp = {0};
+    struct gp_frame f = scene_frame(SIDE, SIDE, 0, 0, BLACK, 0);
+    struct gp_frame image = scene_frame(2 * FAR + 1, 1, 0, 0, BLACK, 0);
+    struct gp_kernel kernel;
+    struct gp_bound_rings rings;
+    struct gp_polygons q;
+    struct gp_shrink all, none = {0};
+    double sum[3], norm[3];
+    double *const layer = scene_alloc(N, sizeof *layer);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < 4; i++) {
+            const int right = i % 2, low = i / 2;
+            f.rgb.c[c][(31 + low) * SIDE + 31 + right] = 9.0f;
+            f.rgb.c[c][(16 + 31 * low) * SIDE + 16 + 31 * right] = 1.0f;
+        }
+        image.rgb.c[c][2 * FAR] = 1.0f;
+    }
+    assert_ok(gp_kernel_from_frame(NULL, &kp, &image, &kernel));
+    struct scene s = scene_make(f, kernel, &open_all);
+    assert_ok(gp_polygons_make(NULL, &s.src, &p, &q));
+    assert_ok(gp_shrink_make(NULL, &s.k, &p, &q, &all));
+    assert_ok(gp_bound_rings_make(NULL, &s.k, false, SIDE, SIDE, &rings));
+    assert_ok(gp_bound_rings_left(NULL, &rings, &q, &none, sum, norm));
+    assert_ok(gp_group_reference(NULL, &s.src, &s.k, &p, &q, &all, layer));
+    const double share =
+        norm_of(layer, N) / sqrt(norm[0] * norm[0] + norm[1] * norm[1] +
+                                 norm[2] * norm[2]);
+    print_message("shared pixels: %.3f of the bound\n", share);
+    assert_true(share > 0.55 && share <= 1.0);
+    gp_bound_rings_free(&rings);
+    gp_polygons_free(&q);
+    gp_frame_free(&image);
+    scene_free(&s);
+    free(layer);
+}
+
 /* Rounding to float of the difference of sources and polygons is within what
  * is said of it: a worst case of signs, of which chance leaves a 20th. */
 static void residues_know_their_rounding(void **state)
@@ -527,5 +570,5 @@ static void spectra_are_never_too_small(void **state)
 
 SUITE_OF(adversary, NULL, NULL, no_frame_is_over_its_bound,
          bounds_are_not_twice_too_large, samples_places_are_in_the_bound,
-         residues_know_their_rounding,
+         blocks_may_share_pixels, residues_know_their_rounding,
          spectra_are_never_too_small)

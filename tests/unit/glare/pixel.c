@@ -248,6 +248,83 @@ static void no_pixel_is_over_its_bound(void **state)
     }
 }
 
+/* The limits of the composite are on the safe side; the least one counts the
+ * light of other pixels: for even light to a kernel's reach, nearly all. */
+static void composites_keep_their_limits(void **state)
+{
+    double nearest = 0.0;
+    for (uint32_t i = 0; i < 40; i++) {
+        uint32_t seed = 700u + i;
+        struct scene s = i ? search_scene(&seed)
+                           : scene_make(scene_frame(90, 70, 0, 0, ALL, 1u),
+                                        scene_kernel(61, 61, MID, 0, BOX),
+                                        &usual);
+        const size_t n = gp_frame_pixels(&s.f);
+        for (int scatter = 0; scatter < 2; scatter++) {
+            struct gp_glare_params p = GP_GLARE_DEFAULTS;
+            const struct gp_glare_job job = {
+                .params = &p, .src = &s.src, .kernel = &s.k,
+            };
+            struct gp_pixel_floor floor;
+            double *const y = scene_alloc(n, sizeof *y);
+            double least = INFINITY, most = 0.0;
+            p.taken = scatter ? &s.src : NULL;
+            assert_ok(gp_pixel_floor_find(&job, &s.f, &floor));
+            for (size_t j = 0; j < 3 * n; j++)
+                y[j % n] += (double) s.f.luminance[j / n] *
+                            ((double) s.f.rgb.c[j / n][j % n] + s.exact[j]);
+            for (uint32_t j = 0, row = 0; scatter && j < s.src.n; j++) {
+                while (s.src.row[row + 1] <= j)
+                    row++;
+                for (int c = 0; c < 3; c++)
+                    y[row * (uint32_t) s.src.w + (uint32_t) s.src.x[j]] -=
+                        (double) s.f.luminance[c] * (double) s.src.rgb[c][j];
+            }
+            for (size_t j = 0; j < n; j++) {
+                least = fmin(least, y[j]);
+                most = fmax(most, y[j]);
+            }
+            free(y);
+            const double slack = 1e-9 * most;
+            if (!(floor.lit <= least + slack && floor.least <= floor.lit &&
+                  floor.most <= most + slack))
+                fail_msg("seed %u: from %.9g to %.9g, not %.9g to %.9g", i,
+                         floor.lit, floor.most, least, most);
+            if (!i)
+                nearest = (floor.lit - floor.least) / (least - floor.least);
+        }
+        scene_free(&s);
+    }
+    print_message("least light of others: %.3f of it\n", nearest);
+    assert_true(nearest > 0.5);
+}
+
+/* Lamps in the dark: the darkest pixel is lit by a hundred others, and the
+ * bound of fft knows it. */
+static void lamps_light_the_dark(void **state)
+{
+    uint32_t seed = 5u;
+    struct gp_frame f = scene_frame(200, 150, 0, 0, BLACK, 1u);
+    for (int i = 0; i < 200 * 150; i++) {
+        const bool lit = scene_random(&seed) < 0.2f;
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
+    }
+    struct scene s = scene_make(f, scene_kernel(90, 80, MID, 0, PEAK), &usual);
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare g = {0};
+    struct gp_glare_stats stats;
+    struct gp_glare_error error;
+    p.engine = "fft";
+    p.tolerance_pixel = 1e-3f;
+    assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
+    gp_glare_measure(&s.f, &s.f.layer, s.exact, p.gain, NULL, &error);
+    assert_true(error.max_rel <= stats.bound_pixel);
+    assert_true(stats.bound_pixel < 2e-4);
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
 /* auto takes fft where its bound keeps the tolerance, direct where only that
  * one does, and says so where none does. */
 static void auto_keeps_the_tolerance_of_a_pixel(void **state)
@@ -282,4 +359,5 @@ static void auto_keeps_the_tolerance_of_a_pixel(void **state)
 
 SUITE_OF(pixel, NULL, NULL, no_light_where_no_light_reaches,
          only_noise_out_of_reach_is_cleared, no_pixel_is_over_its_bound,
+         composites_keep_their_limits, lamps_light_the_dark,
          auto_keeps_the_tolerance_of_a_pixel)

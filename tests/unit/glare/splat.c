@@ -192,6 +192,45 @@ static void counts_are_right(void **state)
     scene_free(&s);
 }
 
+/* One light and many that are each swallowed by the sum so far: every rounding
+ * goes the same way. A blended one may be twice as large, as GL leaves its
+ * direction to the driver. */
+static void roundings_are_not_twice_too_many(void **state)
+{
+    static const struct {
+        enum gp_primitive primitive;
+        int lights, parts; // that are summed by themselves
+        double least, most;
+    } rows_of[] = {
+        {GP_PRIMITIVE_QUAD, 64, 1, 0.4, 0.5},
+        {GP_PRIMITIVE_TILE, 1024, 32, 0.7, 1.0},
+    };
+    void *kept = open_or_skip(GP_GL_AUTO);
+    for (size_t i = 0; i < COUNT(rows_of); i++) {
+        const int n = rows_of[i].lights, part = n / rows_of[i].parts;
+        struct gp_frame f = scene_frame(n, 1, 0, 0, BLACK, 0);
+        struct gp_kernel k = scene_kernel(2 * n - 1, 1, MID, 0, BOX);
+        for (int c = 0; c < 3; c++) {
+            for (int j = 0; j < n; j++)
+                f.rgb.c[c][j] = j == 0      ? 1.0f
+                                : j < part  ? 0x1.fffffep-25f
+                                            : 0x1.fffffep-25f / (float) part;
+            for (int j = 0; j < k.w; j++)
+                k.k.c[c][j] = 1.0f;
+        }
+        struct scene s = scene_sense(f, k, &open_all);
+        how.primitive = rows_of[i].primitive;
+        assert_ok(splat(GP_GL_AUTO, &s, &kept));
+        const double share = splat_error(&s) / stats.bound;
+        print_message("roundings: %.3f of the bound %.2g\n", share,
+                      stats.bound);
+        assert_true(share > rows_of[i].least && share <= rows_of[i].most);
+        scene_free(&s);
+    }
+    how = (struct gp_splat_params) GP_SPLAT_EXACT;
+    gp_engine_splat.close(&kept);
+}
+
 /* -- limits and counts ------------------------------------------------ */
 
 static void large_points_are_refused(void **state)
@@ -332,6 +371,7 @@ SUITE(splat)
         cmocka_unit_test(no_stale_kernel),
         cmocka_unit_test(contexts_in_turns),
         cmocka_unit_test(counts_are_right),
+        cmocka_unit_test(roundings_are_not_twice_too_many),
         cmocka_unit_test(large_points_are_refused),
         cmocka_unit_test(counts_are_those_of_the_groups),
         cmocka_unit_test(shrinking_leaves_out_what_it_may),

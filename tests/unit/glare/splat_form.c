@@ -209,6 +209,42 @@ static void quads_turn_as_the_kernel_does(void **state)
     gp_engine_splat.close(&kept);
 }
 
+/* Samples of a single tap, turned by half a right angle, each as far off as its
+ * place may be: over half of what the bound adds to one light's roundings. */
+static void places_of_turned_samples_are_in_the_bound(void **state)
+{
+    const double place = 0x1p-23, half = sqrt(0.5);
+    const double roundings = 2.0 * (1.0 + 1.0 + 9.0) * 0x1p-24;
+    struct gp_frame f = scene_frame(9, 9, 0, 0, BLACK, 0);
+    void *kept = NULL;
+    double bound, wrong = 0.0, square = 0.0;
+    for (int c = 0; c < 3; c++)
+        f.rgb.c[c][4 * 9 + 4] = 5.0f;
+    struct scene s = scene_sense(
+        f, scene_kernel_times(scene_kernel(1, 1, 0, 0, BOX), 1.0, 45.0f),
+        &open_all);
+    struct gp_glare_params params = {.splat = GP_SPLAT_EXACT};
+    params.splat.primitive = GP_PRIMITIVE_QUAD;
+    const struct gp_glare_job job = {
+        .log = &kept_log, .params = &params, .src = &s.src, .kernel = &s.k,
+    };
+    assert_ok(gp_engine_splat.bound(&job, &kept, &bound));
+    for (int i = 0; i < 9; i++) {
+        const double x = fabs(half * (i / 3 - 1) - half * (i % 3 - 1));
+        const double y = fabs(half * (i / 3 - 1) + half * (i % 3 - 1));
+        if (x < 1.0 && y < 1.0) {
+            wrong += pow(place * (2.0 - x - y), 2.0);
+            square += pow((1.0 - x) * (1.0 - y), 2.0);
+        }
+    }
+    const double share =
+        sqrt(wrong / square) / (bound - roundings / (1.0 - roundings));
+    print_message("places: %.3f of the bound\n", share);
+    assert_true(share > 0.5 && share <= 1.0);
+    gp_engine_splat.close(&kept);
+    scene_free(&s);
+}
+
 /* -- threads --------------------------------------------------------------- */
 
 /* A line with the sums of layers with overlaps, chunks and several fields: the
@@ -270,6 +306,7 @@ SUITE(splat_form)
         cmocka_unit_test(small_targets_change_nothing),
         cmocka_unit_test(runs_give_the_same_bytes),
         cmocka_unit_test(quads_turn_as_the_kernel_does),
+        cmocka_unit_test(places_of_turned_samples_are_in_the_bound),
         cmocka_unit_test(threads_change_no_byte),
     };
     if (argc > 1 && strcmp(argv[1], "--hash") == 0)

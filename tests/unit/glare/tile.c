@@ -319,6 +319,40 @@ static void batches_equal_the_sum(void **state)
     gp_engine_splat.close(&kept);
 }
 
+/* One light and many that are each swallowed by the sum so far, in parts as the
+ * shader's: every rounding goes the same way. */
+static void roundings_are_not_twice_too_many(void **state)
+{
+    enum { PARTS = 30, N = PARTS * PARTS };
+    static const struct row row = {1, 1, N, WHOLE, 1, 0, 1, 1, 0, 0, BOX,
+                                   {0}, false};
+    void *kept = open_or_skip(GP_GL_AUTO);
+    struct gp_splat *const to = kept;
+    struct gathered g = gather(&row, 5u);
+    double roundings, want = 0.0;
+    for (int i = 0; i < N; i++) {
+        const float light = i == 0      ? 1.0f
+                            : i < PARTS ? 0x1.fffffep-25f
+                                        : 0x1.fffffep-25f / (float) PARTS;
+        for (int c = 0; c < 3; c++)
+            g.polygons.at[i].rgb[c] = light;
+        g.polygons.at[i].light = light;
+        want += (double) light;
+    }
+    for (int c = 0; c < 3; c++)
+        g.s.k.k.c[c][0] = 1.0f;
+    assert_ok(draw(to, &g, &to->tiles, &roundings));
+    const double error = fabs((double) g.s.f.layer.c[1][0] - want) / want;
+    const double share = error / (roundings * 0x1p-24);
+    const double before = error / (gp_tiles_roundings(&g.polygons) * 0x1p-24);
+    print_message("roundings: %.3f of the bound, %.3f of that before\n", share,
+                  before);
+    assert_true(share > 0.5 && share <= 1.0);
+    assert_true(before > 0.5 && before <= share);
+    free_gathered(&g);
+    gp_engine_splat.close(&kept);
+}
+
 /* -- sequences ------------------------------------------------------------- */
 
 /* Kernels, crops and tails that change under one state leave no trace. */
@@ -357,6 +391,7 @@ SUITE(tile)
         cmocka_unit_test(over_the_limit_fails_with_words),
         cmocka_unit_test(batches_are_large),
         cmocka_unit_test(batches_equal_the_sum),
+        cmocka_unit_test(roundings_are_not_twice_too_many),
         cmocka_unit_test(no_stale_kernel),
     };
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind

@@ -99,8 +99,6 @@ static void sizes_that_lie(void **state)
     }
 }
 
-/* Pictures show the display window, so that of a frame counts; planes, of
- * which no picture is made, need none. */
 /* DEFLATE makes at most 1032 bytes of one: a chunk that claims more is refused
  * before memory is taken for it. */
 static void chunks_that_claim_too_much(void **state)
@@ -121,6 +119,8 @@ static void chunks_that_claim_too_much(void **state)
     assert_refused(path, GP_ERR_DATA, "it is too small for its pixels");
 }
 
+/* Pictures show the display window, so that of a frame counts; planes, of
+ * which no picture is made, need none. */
 static void display_windows_that_lie(void **state)
 {
     static const struct {
