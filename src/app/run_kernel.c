@@ -5,6 +5,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "io/plane.h"
 #include "io/read.h"
 
 #include <string.h>
@@ -120,7 +121,7 @@ static bool is_same(const struct gp_run *r, const struct gp_field *a,
     for (int i = 0; i < r->wanted.recipes; i++)
         moves |= gp_recipe_moves(&r->wanted.recipe[i]);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
-           a->aspect == b->aspect && (!moves || a->frame == b->frame) &&
+           a->aspect == b->aspect && (!moves || (a->frame == b->frame && a->fps == b->fps)) &&
            memcmp(a->chromaticities, b->chromaticities,
                   8 * sizeof *a->chromaticities) == 0;
 }
@@ -174,8 +175,8 @@ static struct gp_field find_field(const struct gp_run *r, struct gp_frame_state 
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     double fov = (double) s->fov;
     fs->facts.fov_from = "option";
+    reader.about(&files, &fs->frame, &about);
     if (!(fov > 0.0)) {
-        reader.about(&files, &fs->frame, &about);
         fov = gp_suns_fov(&r->suns, &about, &fs->frame);
         fs->facts.fov_from = "camera";
     }
@@ -185,6 +186,8 @@ static struct gp_field find_field(const struct gp_run *r, struct gp_frame_state 
     }
     struct gp_field field = gp_field_of(&fs->frame, fov);
     field.rotate = (double) s->kernel.rotate;
+    const double rate = gp_frame_rate(&fs->frame);
+    field.fps = rate > 0.0 ? rate : field.fps;
     field.frame = about.number;
     const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
     fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;

@@ -586,3 +586,13 @@ char *gp_frame_text(const struct gp_frame *f, const char *name)
     return o && !exr_attr_get_string(o->exr, o->part, name, &length, &text)
                ? gp_strdup(text) : NULL;
 }
+
+double gp_frame_rate(const struct gp_frame *f)
+{
+    const struct gp_input *const o = gp_input_of(f);
+    exr_attr_rational_t rate;
+    if (!o || exr_attr_get_rational(o->exr, o->part, "framesPerSecond", &rate))
+        return 0.0;
+    return rate.num > 0 && rate.denom > 0 ? (double) rate.num / rate.denom
+                                          : 0.0;
+}

@@ -61,6 +61,10 @@ GP_MUST_CHECK gp_status gp_read_plane_file(const struct gp_log *log,
  * false, with m as it was, when there is none. */
 bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16]);
 
+/* Frames a second by the attribute framesPerSecond, a rational number; 0 where
+ * there is none that is positive. */
+double gp_frame_rate(const struct gp_frame *f);
+
 /* A string attribute of the frame's colour part, from gp_alloc(); NULL where
  * there is none, or memory is full. */
 char *gp_frame_text(const struct gp_frame *f, const char *name);
