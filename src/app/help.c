@@ -1,4 +1,5 @@
 #include "app/options.h"
+#include "glare/model/model.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -206,6 +207,33 @@ static void print_roff(FILE *f, const char *text)
     putc('\n', f);
 }
 
+/* A model of glare and its keys, as an item. */
+static void print_model(FILE *f, const struct gp_model *m)
+{
+    const struct gp_model_key *k = gp_model_keys(m);
+    char text[512];
+    fprintf(f, ".It Cm %s\n", gp_model_name(m));
+    snprintf(text, sizeof text, "%s; %s.", gp_model_text(m),
+             gp_model_source(m));
+    print_roff(f, text);
+    fprintf(f, ".Bl -tag -width Ds -compact\n");
+    for (; k->name; k++) {
+        int used = snprintf(text, sizeof text, "%s ", k->text);
+        if (k->file)
+            snprintf(text + used, sizeof text - (size_t) used, "(a path)");
+        else if (!k->words)
+            snprintf(text + used, sizeof text - (size_t) used,
+                     "(%g to %g; default %g)", k->lo, k->hi, k->preset);
+        for (int i = 0; k->words && k->words[i]; i++)
+            used += snprintf(text + used, sizeof text - (size_t) used, "%s%s%s",
+                             i ? ", " : "(", k->words[i],
+                             k->words[i + 1] ? "" : ")");
+        fprintf(f, ".It Cm %s\n", k->name);
+        print_roff(f, text);
+    }
+    fprintf(f, ".El\n");
+}
+
 void gp_help_man(FILE *f)
 {
     const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
@@ -252,6 +280,9 @@ void gp_help_man(FILE *f)
     }
     if (before)
         fprintf(f, "and\n.Fl \\-%s .\n", before);
+    fprintf(f, "@MODELS@\n");
+    for (int i = 0; gp_models[i]; i++)
+        print_model(f, gp_models[i]);
     fprintf(f, "@EXIT@\n");
 #define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
     GP_STATUS_LIST(ITEM)

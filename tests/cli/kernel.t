@@ -19,6 +19,63 @@ is "$(field r.json 'o["deg_per_pixel"], o["fov_from"]')" "(0.625, 'default')" \
 run -k k.exr --layer l.exr --report r.json in.exr
 is "$(field r.json '"deg_per_pixel" in o')" False 'an image has no angle'
 
+# one scene at 30 and at 60 lines, and the layers' distance after averaging
+cat >scene.py <<'PY'
+import array, math, sys
+
+def read(path):
+    with open(path, "rb") as f:
+        assert f.readline() == b"PF\n"
+        w = int(f.readline().split()[0])
+        f.readline()
+        v = array.array("f")
+        v.frombytes(f.read())
+    return v, w
+
+if sys.argv[1] == "make":
+    for n in 1, 2:
+        v = array.array("f")
+        for y in range(30 * n):
+            for x in range(40 * n):
+                lamp = (x // n * 13 + y // n * 7) % 97 == 0
+                v.extend([90., 60., 30.] if lamp else [0.2] * 3)
+        with open("scene.%d.pfm" % n, "wb") as f:
+            f.write(b"PF\n%d %d\n-1.0\n" % (40 * n, 30 * n) + v.tobytes())
+else:
+    (a, w), (b, _) = read("l.1.pfm"), read("l.2.pfm")
+    norm = error = 0.0
+    for i, v in enumerate(a):
+        c, x, y = i % 3, i // 3 % w, i // 3 // w
+        mean = sum(b[3 * ((2 * y + j) * 2 * w + 2 * x + k) + c]
+                   for j in (0, 1) for k in (0, 1)) / 4
+        norm, error = norm + v * v, error + (mean - v) ** 2
+    print(math.sqrt(error / norm) < 0.01)
+PY
+"$python" scene.py make
+for model in spencer cie:age=70 spencer:light=scotopic star cross streak ring \
+    circle moffat temporal; do
+    for n in 1 2; do
+        run -e direct -k $model --fov 5 -t 1 --layer l.$n.pfm scene.$n.pfm
+    done
+    is "$("$python" scene.py compare)" True "$model: one glare at both sizes"
+done
+
+# -- time ----------------------------------------------------------------------
+
+for rate in 24 48; do # the frame's rate, and its number
+    for i in 1 2; do
+        frame move.$i.exr seed=3 "attr=framesPerSecond:rational:$rate,1"
+    done
+    run --fov 5 -k temporal -e direct --layer "t$rate.#.exr" 'move.#.exr'
+    quiet_success "a pupil that moves, at $rate frames a second"
+done
+no 'it moves with the frames' "$glarepp" compare --no-flip --fail-rel 1e-6 \
+    t24.1.exr t24.2.exr
+no 'frames of another rate are at another time' "$glarepp" compare --no-flip \
+    --fail-rel 1e-6 t24.1.exr t48.1.exr
+ok 'but the same time is the same pupil' "$glarepp" compare --no-flip --fail 0 \
+    t24.1.exr t48.2.exr
+
 # -- several -------------------------------------------------------------------
 
 run -k cie:age=70 -k star:share=.2 -k k.exr -e direct --layer l.exr \
