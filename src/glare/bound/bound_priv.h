@@ -99,8 +99,8 @@ struct gp_bound_table {
 };
 void gp_bound_table_free(struct gp_bound_table *t);
 
-/* Finds the most, or the least, that a unit of light up to `carry` pixels from a
- * cell adds to a pixel of another. Kernel without its core when `tail`.
+/* Finds the most, or the least, that a unit of light up to `carry` pixels from
+ * a cell adds to a pixel of another. Kernel without its core when `tail`.
  * Errors: GP_ERR_BUG out of memory. */
 enum gp_bound_end { GP_BOUND_MOST, GP_BOUND_LEAST };
 GP_MUST_CHECK gp_status gp_bound_table_make(const struct gp_log *log,

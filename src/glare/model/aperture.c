@@ -73,16 +73,15 @@ static double opening(const struct iris *s, double x, double y, double cell)
     return square_share(best, normal[0], normal[1]);
 }
 
-/* Luminance of the mask's pixel (x, y), 0 outside it. */
+/* Luminance of the mask's pixel nearest to (x, y). */
 static double mask_pixel(const struct gp_frame *m, int x, int y)
 {
     const int w = gp_frame_w(m), h = gp_frame_h(m);
+    const size_t at = (size_t) gp_clamp(y, 0, h - 1) * (size_t) w +
+                      (size_t) gp_clamp(x, 0, w - 1);
     double sum = 0.0;
-    if (x < 0 || y < 0 || x >= w || y >= h)
-        return 0.0;
     for (int c = 0; c < 3; c++)
-        sum += (double) m->luminance[c] *
-               (double) m->rgb.c[c][(size_t) y * (size_t) w + (size_t) x];
+        sum += (double) m->luminance[c] * (double) m->rgb.c[c][at];
     return fmin(fmax(sum, 0.0), 1.0);
 }
 
@@ -94,7 +93,12 @@ static double mask_share(const struct gp_frame *m, double x, double y,
     const double w = gp_frame_w(m), h = gp_frame_h(m);
     const double scale = 0.5 * fmax(w, h);
     const int parts = (int) fmin(ceil(2.0 * cell * scale), 8.0);
+    const double inside =
+        fmin(fmax(0.5 + (0.5 * w / scale - fabs(x)) / cell, 0.0), 1.0) *
+        fmin(fmax(0.5 + (0.5 * h / scale - fabs(y)) / cell, 0.0), 1.0);
     double sum = 0.0;
+    if (!(inside > 0.0))
+        return 0.0;
     for (int i = 0; i < parts * parts; i++) {
         const double u = (x + cell * ((i % parts + 0.5) / parts - 0.5)) *
                          scale + 0.5 * w - 0.5;
@@ -107,7 +111,7 @@ static double mask_share(const struct gp_frame *m, double x, double y,
                b * ((1.0 - a) * mask_pixel(m, ix, iy + 1) +
                     a * mask_pixel(m, ix + 1, iy + 1));
     }
-    return sum / (parts * parts);
+    return inside * sum / (parts * parts);
 }
 
 static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
@@ -286,9 +290,11 @@ static gp_status open_aperture(const struct gp_log *log,
                          2.0 * sqrt(6.0) * fabs(s->z6) +
                          7.0 * sqrt(8.0) * fabs(s->z8) +
                          12.0 * sqrt(5.0) * fabs(s->z11);
+    // a mask's corners, turned
+    const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {
         .name = mask ? mask : "aperture",
-        .diameter = 2.0 * s->radius, .reach = gp_recipe_value(r, "reach"),
+        .diameter = 2.0 * s->radius * wide, .reach = gp_recipe_value(r, "reach"),
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),
         .steep = steep / s->radius, .draw = draw_iris, .ctx = s,

@@ -3,10 +3,10 @@
  *   I(q)    = |sum over cells of t exp(2 pi i path / l) exp(-2 pi i q x)|^2
  *   A(u)    = sum over q of I(q) exp(2 pi i q u) / sum over q of I(q)
  *   OTF_c(f) = sum over wavelengths l of w_c(l) A(l f)
- *   kernel_c(x) = sum over f of OTF_c(f) sinc(f) exp(-2 pi i f x)
+ *   kernel_c(x) = sum over f of OTF_c(f) sinc(f)^2 exp(-2 pi i f x)
  *
  * A is the pupil's autocorrelation by the lag u in mm, f is in cycles per
- * radian, sinc is the pixel's: Goodman, Introduction to Fourier Optics,
+ * radian, sinc is a pixel's: Goodman, Introduction to Fourier Optics,
  * sections 4.3 and 6.3. The spectrum is summed in the transfer function, one
  * transform a channel; OTF_c(0) is 1, so no light is lost.
  *
@@ -83,13 +83,15 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
         const int k = (int) i - m.edge;
         // a mean over steps to both sides, by a hat of their width
         const double low = (k - 1.0) * step, high = (k + 1.0) * step;
-        const double pixel = gp_sinc((double) k / period) / (step * step);
+        // the pixel that shines and the one that is lit
+        const double pixel = gp_sinc((double) k / period) / step;
         const int first = gp_max((int) floor(low), -n);
         const int last = gp_min((int) ceil(high), n);
         m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
         for (int u = first; u <= last; u++)
-            m.weight[at++] = (float) (pixel * (ramp(high - u) + ramp(low - u) -
-                                               2.0 * ramp(k * step - u)));
+            m.weight[at++] = (float) (pixel * pixel *
+                                      (ramp(high - u) + ramp(low - u) -
+                                       2.0 * ramp(k * step - u)));
     }
     if (st)
         lag_matrix_free(&m);
@@ -345,8 +347,8 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
 
 /* The pupil's cells, so that light up to `reach` degrees is resolved and its
  * path changes by under a sixteenth of a wave from cell to cell: the mean over
- * a cell is near its middle. Aberrations that are too strong for MOST_CELLS stay
- * under half a wave, where they are still told from others. */
+ * a cell is near its middle. Aberrations too strong for MOST_CELLS stay under
+ * half a wave, where they are still told from others. */
 static int cells_of(const struct gp_diffraction *d, double reach)
 {
     const double nm = d->nm > 0.0 ? d->nm : 450.0; // shorter ones are dim

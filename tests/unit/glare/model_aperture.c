@@ -206,16 +206,17 @@ static void turning_is_in_the_formula(void **state)
     gp_kernel_free(&b);
 }
 
-/* Pixels of any size and aspect share out the same light: one is what those
- * hold that it is made of, on axes along which frequencies fold back and on
- * axes along which they do not. */
+/* Pixels of any size and aspect share out the same light, that of an even pixel
+ * to all of those that another is made of, on axes along which frequencies fold
+ * back and on axes along which they do not. */
 static void pixels_add_up(void **state)
 {
     (void) state;
     static const struct {
         double degrees, aspect;
         int across, down; // fine pixels of one
-    } rows[] = {{0.12, 1.0, 5, 5}, {0.024, 3.0, 3, 1}, {0.072, 1.0 / 3.0, 1, 3}};
+    } rows[] = {{0.12, 1.0, 5, 5}, {0.024, 3.0, 3, 1},
+                {0.072, 1.0 / 3.0, 1, 3}};
     static const char text[] = "aperture:share=1,blades=5,pupil=1,wavelengths="
                                "4,reach=8,dust=0.3";
     const struct gp_field fine = field(400, 400, 0.024, 1.0);
@@ -229,18 +230,23 @@ static void pixels_add_up(void **state)
         make(text, &f, &b);
         for (int y = -80 / ny; y <= 80 / ny; y++) {
             for (int x = -80 / nx; x <= 80 / nx; x++) {
+                // pairs of fine pixels that are as far apart
                 double sum = 0.0;
-                for (int k = 0; k < nx * ny; k++)
-                    sum += sample(&a, 1, nx * x + k % nx - nx / 2,
-                                  ny * y + k / nx - ny / 2);
+                for (int j = 1 - ny; j < ny; j++) {
+                    for (int k = 1 - nx; k < nx; k++)
+                        sum += (double) ((nx - abs(k)) * (ny - abs(j))) /
+                               (nx * ny) *
+                               sample(&a, 1, nx * x + k, ny * y + j);
+                }
                 const double d = fabs(sample(&b, 1, x, y) - sum);
                 worst = fmax(worst, d / sum);
                 error += d;
                 norm += sum;
             }
         }
-        // in the dark between spikes other periods bring other light back
-        if (!(error < 1e-5 * norm) || !(worst < 0.01))
+        // in the dark between spikes other periods bring other light back; a
+        // period's window bends over wide pixels by 3 / 104^2
+        if (!(error < 2e-5 * norm) || !(worst < 0.01))
             fail_msg("row %zu: %g of the light, %g of a pixel", i,
                      error / norm, worst);
         gp_kernel_free(&b);
@@ -290,7 +296,8 @@ static void aberrations_dim_the_peak(void **state)
     gp_kernel_free(&sharp);
 }
 
-/* A mask of white is a square opening: light falls as sinc^2 on the axes. */
+/* A mask of white is a square opening: light falls as sinc^2 on its axes, also
+ * on those of one that is turned. */
 static void masks_are_openings(void **state)
 {
     (void) state;
@@ -310,18 +317,28 @@ static void masks_are_openings(void **state)
                               &r));
     r.image = &image;
     assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
+    const double middle = sample(&k, 1, 0, 0);
     for (int i = 0; i < 2; i++) {
         // the zeros at lambda / D, of which a pixel is wider, and what is
         // between them
         const double zero = sample(&k, 1, i ? 0 : 8, i ? 8 : 0);
         const double peak = sample(&k, 1, i ? 0 : 12, i ? 12 : 0);
-        const double middle = sample(&k, 1, 0, 0);
         const double side = 4.0 / (9.0 * PI * PI);
-        if (!(zero < 0.003 * middle) ||
+        if (!(zero < 0.0035 * middle) ||
             !(fabs(peak / middle / side - 1) < 0.03))
             fail_msg("axis %d: %g, %g of the peak", i, zero / middle,
                      peak / middle);
     }
+    gp_kernel_free(&k);
+    struct gp_field turned = f;
+    turned.rotate = 45.0;
+    assert_ok(gp_model_kernel(NULL, &r, 1, &turned, &k));
+    // the first side light 1.43 lambda / D away, on the diagonal now
+    const double side = sample(&k, 1, 8, 8) / sample(&k, 1, 0, 0);
+    if (!(fabs(sample(&k, 1, 0, 0) / middle - 1.0) < 0.01) ||
+        !(side > 0.04 && side < 0.05))
+        fail_msg("turned: %g of the peak, %g of it aside",
+                 sample(&k, 1, 0, 0) / middle, side);
     gp_kernel_free(&k);
     for (int c = 0; c < 3; c++)
         image.rgb.c[c] = black;
@@ -444,8 +461,37 @@ static void pupils_shimmer(void **state)
     gp_kernel_free(&b);
 }
 
+/* Fibres of the lens make a halo at l n / (2 pi r), Simpson 1953: those from
+ * 1.5 to 2.5 mm away from the axis at 2.2 to 3.7 degrees. */
+static void fibres_make_a_halo(void **state)
+{
+    (void) state;
+    const struct gp_field f = field(100, 100, 0.05, 1.0);
+    double light[2][2] = {{0}, {0}}; // within, of the halo
+    for (int i = 0; i < 2; i++) {
+        struct gp_kernel k;
+        make(i ? "temporal:pupil=5,hippus=0,particles=0,lashes=0,grating=1"
+               : "temporal:pupil=5,hippus=0,particles=0,lashes=0,grating=0",
+             &f, &k);
+        for (int y = -99; y <= 99; y++) {
+            for (int x = -99; x <= 99; x++) {
+                const double t = 0.05 * hypot(x, y);
+                light[i][0] += t > 0.5 && t < 1.5 ? sample(&k, 1, x, y) : 0.0;
+                light[i][1] += t > 2.2 && t < 3.7 ? sample(&k, 1, x, y) : 0.0;
+            }
+        }
+        gp_kernel_free(&k);
+    }
+    // a cosine's first orders have an eighth of what passes the fibres, which
+    // is half of a share of the light
+    if (!(light[1][1] > 0.03 && light[1][1] < 0.12 &&
+          light[0][1] < 0.002 && light[1][0] < 0.01))
+        fail_msg("halo: %g of the light, %g without; %g within it",
+                 light[1][1], light[0][1], light[1][0]);
+}
+
 SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
     blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
     turning_is_in_the_formula, pixels_add_up, aberrations_dim_the_peak,
     masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
-    pupils_shimmer)
+    pupils_shimmer, fibres_make_a_halo)
