@@ -374,9 +374,8 @@ static gp_status make_spectra(const struct gp_log *log,
     const struct gp_pupil *p, const int period[2], const double pixel[2],
     struct spectra *s)
 {
-    enum { MOST_BANDS = 256 };
-    double nm[MOST_BANDS], rgb[MOST_BANDS][3];
-    int bands = gp_min(d->bands, MOST_BANDS);
+    double nm[GP_BANDS], rgb[GP_BANDS][3];
+    int bands = gp_min(d->bands, GP_BANDS);
     struct gp_transform t = {0};
     struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
     gp_status st;

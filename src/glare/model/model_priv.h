@@ -130,15 +130,15 @@ double gp_cie_general(double age, double p, double t);
 
 // -- spectrum.c ---------------------------------------------------------------
 
-enum { GP_NM_FROM = 380, GP_NM_TO = 780 };
+enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
 
 /* XYZ of light of one wavelength, nm. */
 void gp_spectrum_xyz(double nm, double xyz[3]);
 
-/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm: nm[i]
- * is the middle of band i. Equal energy light is the primaries' white: each
- * channel's weights sum to 1. Out of gamut is folded in towards grey at
- * constant luminance, so that none is negative. */
+/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm, n up to
+ * GP_BANDS: nm[i] is the middle of band i. Equal energy light is the primaries'
+ * white: each channel's weights sum to 1. Out of gamut is folded in towards
+ * grey at constant luminance, so that none is negative. */
 void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
                          double (*rgb)[3]);
 

@@ -26,10 +26,26 @@ void gp_spectrum_xyz(double nm, double xyz[3])
              lobe(nm, 0.681, 459.0, 26.0, 13.8);
 }
 
+/* Folds bands in towards grey of their own luminance until none is negative,
+ * and adds them up. */
+static void fold(int n, const double *y, double (*rgb)[3], double sum[3])
+{
+    sum[0] = sum[1] = sum[2] = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double least = fmin(fmin(rgb[i][0], rgb[i][1]), rgb[i][2]);
+        const double keep = least < 0.0 ? y[i] / (y[i] - least) : 1.0;
+        for (int c = 0; c < 3; c++) {
+            rgb[i][c] = fmax(y[i] + keep * (rgb[i][c] - y[i]), 0.0);
+            sum[c] += rgb[i][c];
+        }
+    }
+}
+
 void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
                          double (*rgb)[3])
 {
-    double to_xyz[9], from_xyz[9], sum[3] = {0}, white[3] = {0};
+    enum { STEPS = 100 }; // luminances to 1e-3
+    double to_xyz[9], from_xyz[9], y[GP_BANDS], sum[3], white[3] = {0};
     if (!gp_rgb_to_xyz(f->chromaticities, to_xyz))
         gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
     gp_invert3(to_xyz, from_xyz);
@@ -46,19 +62,21 @@ void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
         for (int c = 0; c < 3; c++)
             v[c] = rgb[i][c] / white[c] *
                    (to_xyz[3 * c] + to_xyz[3 * c + 1] + to_xyz[3 * c + 2]);
-        double least = 0.0;
-        for (int c = 0; c < 3; c++) {
+        y[i] = v[1];
+        for (int c = 0; c < 3; c++)
             rgb[i][c] = from_xyz[3 * c] * v[0] + from_xyz[3 * c + 1] * v[1] +
                         from_xyz[3 * c + 2] * v[2];
-            least = fmin(least, rgb[i][c]);
-        }
-        // out of gamut: towards grey of its own luminance until none is < 0
-        const double y = v[1], keep = least < 0.0 ? y / (y - least) : 1.0;
-        for (int c = 0; c < 3; c++) {
-            rgb[i][c] = fmax(y + keep * (rgb[i][c] - y), 0.0);
-            sum[c] += rgb[i][c];
+    }
+    // what folding takes from a channel and gives to others has no luminance:
+    // it is spread over all bands, which are folded again
+    for (int step = 0; step < STEPS; step++) {
+        fold(n, y, rgb, sum);
+        for (int i = 0; i < n; i++) {
+            for (int c = 0; c < 3; c++)
+                rgb[i][c] += (1.0 - sum[c]) * y[i];
         }
     }
+    fold(n, y, rgb, sum);
     for (int i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
             rgb[i][c] /= sum[c];

@@ -490,8 +490,59 @@ static void fibres_make_a_halo(void **state)
                  light[1][1], light[0][1], light[1][0]);
 }
 
+/* The observer's fit against the CIE's table of 1931, and weights of bands: of
+ * sum 1, none negative, of the observer's luminance where the primaries hold
+ * the colour and where they do not. */
+static void spectra_are_the_observers(void **state)
+{
+    (void) state;
+    static const double table[][4] = {
+        {400, .01431, .000396, .06785}, {420, .13438, .004, .6456},
+        {440, .34828, .023, 1.74706},   {460, .2908, .06, 1.6692},
+        {480, .09564, .13902, .81295},  {500, .0049, .323, .272},
+        {520, .06327, .71, .07825},     {540, .2904, .954, .0203},
+        {560, .5945, .995, .0039},      {580, .9163, .87, .00165},
+        {600, 1.0622, .631, .0008},     {620, .85445, .381, .00019},
+        {640, .4479, .175, .00002},     {660, .1649, .061, 0},
+        {680, .04677, .017, 0},         {700, .011359, .004102, 0},
+    };
+    static const double peak[3] = {1.0622, 0.995, 1.7826};
+    for (size_t i = 0; i < COUNT(table); i++) {
+        double xyz[3];
+        gp_spectrum_xyz(table[i][0], xyz);
+        for (int c = 0; c < 3; c++) {
+            if (!(fabs(xyz[c] - table[i][c + 1]) < 0.01 * peak[c]))
+                fail_msg("%g nm: %g, not %g", table[i][0], xyz[c],
+                         table[i][c + 1]);
+        }
+    }
+    enum { BANDS = 40 };
+    const struct gp_field f = field(1, 1, 1.0, 1.0);
+    double nm[BANDS], rgb[BANDS][3], sum[3] = {0}, all = 0.0, xyz[3];
+    gp_spectrum_weights(&f, BANDS, nm, rgb);
+    for (int i = 0; i < BANDS; i++) {
+        gp_spectrum_xyz(nm[i], xyz);
+        all += xyz[1];
+        for (int c = 0; c < 3; c++) {
+            assert_true(rgb[i][c] >= 0.0);
+            sum[c] += rgb[i][c];
+        }
+    }
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs(sum[c] - 1.0) < 1e-12);
+    for (int i = 0; i < BANDS; i++) {
+        double y = 0.0;
+        gp_spectrum_xyz(nm[i], xyz);
+        for (int c = 0; c < 3; c++)
+            y += (double) f.luminance[c] * rgb[i][c];
+        if (!(fabs(y - xyz[1] / all) < 1e-3 * xyz[1] / all))
+            fail_msg("%g nm: luminance %g, not %g", nm[i], y, xyz[1] / all);
+    }
+}
+
 SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
     blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
     turning_is_in_the_formula, pixels_add_up, aberrations_dim_the_peak,
     masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
-    pupils_shimmer, fibres_make_a_halo)
+    pupils_shimmer, fibres_make_a_halo,
+    spectra_are_the_observers)
