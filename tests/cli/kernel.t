@@ -53,7 +53,7 @@ else:
 PY
 "$python" scene.py make
 for model in spencer cie:age=70 spencer:light=scotopic star cross streak ring \
-    circle moffat temporal; do
+    circle moffat aperture temporal; do
     for n in 1 2; do
         run -e direct -k $model --fov 5 -t 1 --layer l.$n.pfm scene.$n.pfm
     done

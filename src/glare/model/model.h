@@ -117,10 +117,10 @@ struct gp_field {
  * the frame. */
 struct gp_field gp_field_of(const struct gp_frame *f, double fov);
 
-/* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: samples of
- * offsets within `radius` pixels at full rate in k (its core), and what lies
- * beyond as the whole field needs it: in out->tail where every recipe is smooth
- * there, else all in k. Not normalised: sum + left_out = 1 in luminance.
+/* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: where every
+ * recipe is smooth far out, a core at full rate in out->k and the rest in
+ * out->tail, else all in out->k. Not normalised: sum + left_out = 1 in
+ * luminance.
  *
  * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE an angle that is not finite, a key that this field
