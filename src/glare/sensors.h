@@ -3,7 +3,7 @@
  *
  * glare/ as a room: cleaned frame and kernel in, one layer out.
  *   sensors  frame  -> sources (a sparse list of bright pixels)
- *   kernel   file or builtin -> normalised point-spread function
+ *   kernel   image or models -> point-spread function
  *   engines  sources * kernel -> layer (direct, fft, splat; auto picks) */
 #ifndef GP_GLARE_SENSORS_H
 #define GP_GLARE_SENSORS_H
