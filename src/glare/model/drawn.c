@@ -325,7 +325,7 @@ static void halo_value(const void *ctx, double t, double out[3])
 }
 
 static const struct gp_model_key ring_keys[] = {
-    GP_MODEL_SHARE(0.12),
+    GP_MODEL_SHARE(0.07),
     {"radius", "of the first bright ring at 550 nm, degrees", 2.4, 0.02, 29.0,
      NULL, false},
     {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL,

@@ -3,6 +3,8 @@
 #include "glare/model/model_priv.h"
 
 #include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
 
 #define PI 3.14159265358979323846
 
@@ -72,6 +74,9 @@ static const struct gp_model_key spencer_keys[] = {
      lights, false},
     {"pupil", "diameter in mm, 3 by day to 7 by night, in place of light; 0: "
      "by light", 0.0, 0.0, 9.0, NULL, false},
+    {"needles", "rays into which the ciliary corona breaks up; 0: none, it is "
+     "even", 0.0, 0.0, 1000.0, NULL, false},
+    {"seed", "which needles", 1.0, 0.0, 1e9, NULL, false},
     {0},
 };
 
@@ -102,6 +107,151 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     return GP_OK;
 }
 
+/* The ciliary corona, f1 and f2, as needles: section 3.1 has it made of rays of
+ * random strength, which the cells of the lens scatter. A pixel's corona at
+ * distance t and angle phi is multiplied by
+ *
+ *   1 + a(t) (mean of m(phi) over what the pixels cover - 1)
+ *
+ * where m has mean 1 over the circle, so that each circle keeps its light, and
+ * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
+ * be wide. What sums over pixels miss goes to the light's own pixel. */
+enum { CIRCLE = 1 << 14 }; // steps of m
+static const double NEEDLE_END = 5.0, CONTRAST = 0.8;
+
+struct needles {
+    struct gp_shape eye;
+    int rx, ry;        // offsets that `add` has
+    float *add;        // what needles add to the even corona; owned
+    bool grey;
+};
+
+/* The sums of m up to each step, of mean 1. */
+static void make_circle(const struct gp_recipe *r, double sum[CIRCLE + 1])
+{
+    const int n = (int) gp_recipe_value(r, "needles");
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    double total = 0.0;
+    memset(sum, 0, (CIRCLE + 1) * sizeof *sum);
+    for (int i = 0; i < n; i++) {
+        const uint64_t key = 3 * (uint64_t) i;
+        const double at = CIRCLE * gp_model_random(seed, key);
+        // a few are strong, as of an exponential distribution
+        const double strength = -log(1.0 - gp_model_random(seed, key + 1));
+        const double width = CIRCLE * (0.3 + gp_model_random(seed, key + 2)) *
+                             0.35 / fmax(n, 32.0);
+        const int reach = (int) ceil(4.0 * width);
+        for (int k = -reach; k <= reach; k++) {
+            const double z = (floor(at) + k + 0.5 - at) / width;
+            const double v = strength * exp(-0.5 * z * z) / width;
+            const int step = (((int) at + k) % CIRCLE + CIRCLE) % CIRCLE;
+            sum[step + 1] += v;
+            total += v;
+        }
+    }
+    for (int i = 0; i < CIRCLE; i++)
+        sum[i + 1] = sum[i] + (1.0 - CONTRAST) / CIRCLE +
+                     CONTRAST * sum[i + 1] / total;
+}
+
+/* The sum up to a place in turns, on and on around the circle. */
+static double circle_sum(const double sum[CIRCLE + 1], double turns)
+{
+    const double whole = floor(turns), at = (turns - whole) * CIRCLE;
+    const int i = (int) fmin(at, CIRCLE - 1);
+    return whole + sum[i] + (at - i) * (sum[i + 1] - sum[i]);
+}
+
+static void needles_row(const void *state, int x, int y, int n,
+                        double *const out[3])
+{
+    const struct needles *const s = state;
+    s->eye.row(s->eye.state, x, y, n, out);
+    if (abs(y) > s->ry)
+        return;
+    const float *const row =
+        s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1);
+    for (int i = 0; i < n; i++) {
+        for (int c = 0; c < (s->grey ? 1 : 3) && abs(x + i) <= s->rx; c++)
+            out[c][i] = fmax(out[c][i] + (double) row[x + i + s->rx], 0.0);
+    }
+}
+
+static void free_needles(void *state)
+{
+    struct needles *const s = state;
+    s->eye.free(s->eye.state);
+    gp_free(s->add);
+    gp_free(s);
+}
+
+/* Breaks the corona of *shape up. */
+static gp_status add_needles(const struct gp_log *log,
+    const struct gp_recipe *r, const struct spencer *eye,
+    const struct gp_field *f, struct gp_shape *shape)
+{
+    gp_status st;
+    struct spencer even = *eye;
+    struct gp_shape corona = {0};
+    double *circle = NULL, rest = 0.0;
+    struct needles *s = NULL;
+    const double b = f->degrees, a = b * f->aspect;
+    even.weight[0] = even.weight[3] = 0.0;
+    even.channels = 1;
+    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
+    s->rx = (int) fmin(ceil(NEEDLE_END / a), f->w - 1);
+    s->ry = (int) fmin(ceil(NEEDLE_END / b), f->h - 1);
+    const int w = 2 * s->rx + 1, h = 2 * s->ry + 1;
+    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) w * (size_t) h,
+                         sizeof *s->add, &s->add));
+    GP_TRY(gp_alloc(log, "kernel", CIRCLE + 1, sizeof *circle, &circle));
+    GP_TRY(gp_radial_shape(log, spencer_profile, &even, 1, 0.0, f, &corona));
+    make_circle(r, circle);
+    for (int y = -s->ry; y <= s->ry; y++) {
+        float *const row = s->add + (size_t) (y + s->ry) * (size_t) w + s->rx;
+        for (int from = -s->rx; from <= s->rx; from += GP_SHAPE_STRIP) {
+            const int n = s->rx + 1 - from < GP_SHAPE_STRIP ? s->rx + 1 - from
+                                                           : GP_SHAPE_STRIP;
+            double strip[GP_SHAPE_STRIP];
+            double *const out[3] = {strip, NULL, NULL};
+            corona.row(corona.state, from, y, n, out);
+            for (int i = 0; i < n; i++) {
+                const double u = a * (from + i), v = b * y, t = hypot(u, v);
+                const double end = fmin(2.0 * (1.0 - t / NEEDLE_END), 1.0);
+                if (!(t > 0.0) || end <= 0.0)
+                    continue;
+                // both pixels' widths across the ray, as a box about it
+                const double half = sqrt(0.5) * hypot(a * v, b * u) / t / t;
+                const double at = atan2(-v, u) / (2.0 * PI) - f->rotate / 360.0;
+                const double turns = fmin(half / (2.0 * PI), 0.5);
+                const double mean = (circle_sum(circle, at + turns) -
+                                     circle_sum(circle, at - turns)) /
+                                    (2.0 * turns);
+                const double fade = end * end * (3.0 - 2.0 * end);
+                row[from + i] = (float) (strip[i] * fade * (mean - 1.0));
+                rest += (double) row[from + i];
+            }
+        }
+    }
+    s->add[(size_t) s->ry * (size_t) w + (size_t) s->rx] = (float) -rest;
+    s->eye = *shape;
+    s->grey = shape->grey;
+    shape->state = s;
+    shape->row = needles_row;
+    shape->free = free_needles;
+    shape->even = false;
+    shape->smooth = (NEEDLE_END + 0.2) / fmin(a, b);
+    s = NULL;
+out:
+    if (corona.free)
+        corona.free(corona.state);
+    gp_free(circle);
+    if (s)
+        gp_free(s->add);
+    gp_free(s);
+    return st;
+}
+
 static gp_status open_spencer(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
@@ -114,6 +264,11 @@ static gp_status open_spencer(const struct gp_log *log,
     if (!st)
         out->smooth = (s.channels == 3 ? 5.2 : 0.1) /
                       (f->degrees * fmin(f->aspect, 1.0));
+    if (st || gp_recipe_value(r, "needles") < 1.0)
+        return st;
+    st = add_needles(log, r, &s, f, out);
+    if (st)
+        out->free(out->state);
     return st;
 }
 

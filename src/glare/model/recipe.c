@@ -16,7 +16,8 @@ const struct gp_model *const gp_models[] = {
 
 const struct gp_model_preset gp_model_presets[] = {
     {"eye", "spencer", "the human eye in daylight (Spencer et al. 1995)"},
-    {"eye-night", "spencer:light=scotopic", "the same at night, with its halo"},
+    {"eye-night", "spencer:light=mesopic,needles=200", "the eye at night, with "
+     "its halo and the needles of its corona"},
     {"eye-old", "cie:age=70", "the eye of a 70-year-old (CIE 135/1)"},
     {"star", "star", "six rays of a stop with six blades, redder far out"},
     {"cross", "cross", "four rays of a cross screen filter"},

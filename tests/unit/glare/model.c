@@ -232,7 +232,8 @@ static void light_is_kept(void **state)
         "gaussian:share=1", "gaussian:share=0", "moffat:share=0.5",
         "moffat:fwhm=1e-4,share=1", "gaussian:fwhm=90,share=1",
         "spencer", "spencer:light=scotopic", "cie:age=70",
-        "cie:equation=general", "star:share=1", "cross", "streak:share=1", "ring:share=1", "circle",
+        "cie:equation=general", "spencer:needles=90",
+        "spencer:light=scotopic,needles=7,seed=3", "star:share=1", "cross", "streak:share=1", "ring:share=1", "circle",
         "circle:size=0.01", "star:squeeze=3,points=5",
     };
     for (size_t i = 0; i < COUNT(texts); i++) {

@@ -104,6 +104,57 @@ static void pupil_chooses_the_light(void **state)
     gp_recipe_free(&mid);
 }
 
+/* Needles move light around circles, and none across them: each circle has the
+ * even corona's light; one seed is one picture, another is another. */
+static void needles_stay_on_their_circles(void **state)
+{
+    (void) state;
+    enum { RINGS = 8, WIDE = 40 };
+    struct gp_recipe even = recipe("spencer:light=mesopic");
+    struct gp_recipe rays = recipe("spencer:light=mesopic,needles=120,seed=5");
+    struct gp_recipe other = recipe("spencer:light=mesopic,needles=120,seed=6");
+    struct gp_kernel k[3];
+    double light[2][RINGS] = {{0}};
+    double uneven = 0.0, apart = 0.0;
+    const struct gp_recipe *const r[3] = {&even, &rays, &other};
+    struct gp_field f = plain;
+    f.w = f.h = RINGS * WIDE + 1;
+    f.degrees = 1.0 / 72.0; // needles end at 360 pixels
+    for (int i = 0; i < 3; i++) {
+        struct gp_kernel core;
+        assert_ok(gp_model_kernel(NULL, r[i], 1, &f, &core));
+        assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, &k[i]));
+        gp_kernel_free(&core);
+    }
+    assert_int_equal(k[0].w, k[1].w);
+    for (int y = 0; y < k[0].h; y++) {
+        for (int x = 0; x < k[0].w; x++) {
+            const int ring = (int) hypot(x - k[0].cx, y - k[0].cy) / WIDE;
+            const size_t at = (size_t) y * (size_t) k[0].w + (size_t) x;
+            if (ring >= RINGS)
+                continue;
+            const double v[3] = {(double) k[0].k.c[1][at],
+                                 (double) k[1].k.c[1][at],
+                                 (double) k[2].k.c[1][at]};
+            light[0][ring] += v[0];
+            light[1][ring] += v[1];
+            uneven = fmax(uneven, v[1] / v[0]);
+            apart = fmax(apart, fabs(v[1] - v[2]) / v[0]);
+        }
+    }
+    for (int i = 0; i < RINGS; i++) {
+        if (!(fabs(light[1][i] / light[0][i] - 1.0) < 2e-3))
+            fail_msg("from %d pixels on: %g times the light", i * WIDE,
+                     light[1][i] / light[0][i]);
+    }
+    assert_true(uneven > 2.0 && apart > 0.5);
+    for (int i = 0; i < 3; i++)
+        gp_kernel_free(&k[i]);
+    gp_recipe_free(&even);
+    gp_recipe_free(&rays);
+    gp_recipe_free(&other);
+}
+
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
     terms_are_normalised, general_equation_is_the_cies,
-    pupil_chooses_the_light)
+    pupil_chooses_the_light, needles_stay_on_their_circles)
