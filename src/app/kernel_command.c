@@ -162,8 +162,9 @@ static gp_status making_of_file(const struct gp_log *log,
         !find_number(f, "glarepp:frame", &frame) || fabs(frame) > 1e9)
         return gp_fail(log, GP_ERR_DATA, "%s: does not say how it was made "
                        "(no %s, or damaged); use a file of glarepp kernel",
-                       path, wanted->recipes ? "whole glarepp:size, fov, rotate "
-                                               "and frame" : "glarepp:recipe");
+                       path, wanted->recipes
+                                 ? "whole glarepp:size, fov, rotate and frame"
+                                 : "glarepp:recipe");
     m->frame = (int) frame;
     return gp_wanted_images_read(log, &limits, wanted);
 }

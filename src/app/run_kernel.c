@@ -121,7 +121,8 @@ static bool is_same(const struct gp_run *r, const struct gp_field *a,
     for (int i = 0; i < r->wanted.recipes; i++)
         moves |= gp_recipe_moves(&r->wanted.recipe[i]);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
-           a->aspect == b->aspect && (!moves || (a->frame == b->frame && a->fps == b->fps)) &&
+           a->aspect == b->aspect &&
+           (!moves || (a->frame == b->frame && a->fps == b->fps)) &&
            memcmp(a->chromaticities, b->chromaticities,
                   8 * sizeof *a->chromaticities) == 0;
 }
@@ -167,7 +168,8 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
 }
 
 /* The field of a frame, and where its angle comes from. */
-static struct gp_field find_field(const struct gp_run *r, struct gp_frame_state *fs)
+static struct gp_field find_field(const struct gp_run *r,
+                                  struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     struct gp_sun_files files = {s, fs->job};
