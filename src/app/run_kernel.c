@@ -1,5 +1,6 @@
 /* Makes the kernel of a run for the frames that need it, and keeps it while one
  * of them is in flight. */
+#include "app/options.h"
 #include "app/stages.h"
 
 #include "core/colour.h"
@@ -48,6 +49,11 @@ static gp_status check_image_options(const struct gp_log *log,
                        "several kernels (found %g,%g); write "
                        "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
                        s->kernel.center[0], s->kernel.center[1]);
+    if (gp_option_given(s, "kernel-normalize") && !one &&
+        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
+                       "several kernels share out a pixel's light (found "
+                       "luminance); give share=S to each, or leave it out");
     return GP_OK;
 }
 

@@ -76,6 +76,10 @@ no 'frames of another rate are at another time' "$glarepp" compare --no-flip \
 ok 'but the same time is the same pupil' "$glarepp" compare --no-flip --fail 0 \
     t24.1.exr t48.2.exr
 
+run -k star --kernel-normalize luminance -o o.png in.exr
+status_is 2 'a model is not normalised: usage'
+like "$(cat err)" '*--kernel-normalize*leave it out*' 'and a line says so'
+
 # -- several -------------------------------------------------------------------
 
 run -k cie:age=70 -k star:share=.2 -k k.exr -e direct --layer l.exr \
