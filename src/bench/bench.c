@@ -350,6 +350,8 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
         out->kernel = gp_strdup(source);
         out->kernel_w = kernel.w;
         out->kernel_h = kernel.h;
+        out->kernel_left_out =
+            !own && job->recipes ? kernel.left_out : (double) NAN;
         out->paper = paper ? &gp_paper_rates[i] : NULL;
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));

@@ -87,6 +87,7 @@ struct gp_bench_frame {
     long long sources;
     int kernel_w, kernel_h;
     char *kernel;              // name or path, owned
+    double kernel_left_out;    // as in struct gp_kernel; NaN: no model's
     const struct gp_paper_rate *paper; // or NULL
     struct gp_bench_row row[GP_BENCH_ROWS];
     int rows;

@@ -121,9 +121,11 @@ static void print_table(const struct gp_bench_table *t)
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
         const char *gl = NULL; // where it ran
-        printf("%s: %dx%d, %lld sources, kernel %s %dx%d; bright pass to "
-               "layer, median of %d runs, %d threads\n", f->input, f->width,
-               f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h,
+        printf("%s: %dx%d, %lld sources, kernel %s %dx%d", f->input, f->width,
+               f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h);
+        if (!isnan(f->kernel_left_out))
+            printf(", kernel_left_out %.2e", f->kernel_left_out);
+        printf("; bright pass to layer, median of %d runs, %d threads\n",
                t->runs, gp_threads());
         if (f->paper)
             printf("beside the %s of the paper's frame rates (GeForce 7800 "
@@ -192,7 +194,7 @@ struct cell {
     double number;     // NaN: nothing
     enum { REAL, WHOLE, TRUTH } kind; // of the number
 };
-enum { CELLS = 23 };
+enum { CELLS = 24 };
 
 /* All cells of a row; those of the same index have the same name. */
 static void make_cells(const struct gp_bench_frame *f,
@@ -218,6 +220,7 @@ static void make_cells(const struct gp_bench_frame *f,
         {"max_abs", NULL, e ? e->max_abs : none, REAL},
         {"flip", NULL, r->flip, REAL},
         {"bound", NULL, r->bound, REAL},
+        {"kernel_left_out", NULL, f->kernel_left_out, REAL},
         {"polygons", NULL, drew ? r->polygons : none, WHOLE},
         {"polygon_pixels", NULL, drew ? r->polygon_pixels : none, REAL},
         {"pareto", NULL, r->pareto, TRUTH},

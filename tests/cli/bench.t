@@ -133,6 +133,34 @@ like "$(head -1 out)" 'in.exr: 64x48, * sources, kernel kernel.exr 33x32; *' \
 ok 'the table: a mark on the Pareto front' grep -q '^> ' out
 is "$(awk 'length > 140' out | grep -cv '^  auto took')" 0 'no line is too wide'
 
+no 'an image leaves nothing out that is known' \
+    grep -q kernel_left_out out t.json
+
+# the model's light outside the frame, beside the bound and the error
+run bench --runs 1 --threshold .5 -k cie:age=70 --csv m.csv --json m.json in.exr
+quiet_success 'bench with a model'
+"$glarepp" --threshold .5 -k cie:age=70 --report m.report --layer m.exr in.exr \
+    >out2 2>err2
+"$python" - >verdicts 2>&1 <<'PY' || echo 'not ok kernel_left_out' >>verdicts
+import csv, json, re
+says = json.load(open("m.report"))["kernel_left_out"]
+rows = json.load(open("m.json"))["frames"][0]["rows"]
+lines = list(csv.DictReader(open("m.csv", newline="")))
+head = re.match(r"in.exr: .*, kernel_left_out (\S+); ", open("out").readline())
+def verdict(fine, what):
+    print(("ok " if fine else "not ok ") + what)
+def is_near(got, by=1e-8):
+    return abs(float(got) - says) <= by * says
+verdict(says > .01, "the report's kernel_left_out is a share of the light")
+verdict(all(is_near(r["kernel_left_out"]) for r in rows), "JSON has the same")
+verdict(all(is_near(r["kernel_left_out"]) for r in lines), "CSV has the same")
+verdict(head and is_near(head[1], .005), "the table's head has the same")
+exact = [r for r in rows if r["name"] in ("direct", "fft")]
+verdict(len(exact) == 2 and all(0 < r["rel_l2"] <= r["bound"] for r in exact),
+        "bound and rel_l2 are beside it")
+PY
+verdicts verdicts
+
 run bench --runs 1 -k kernel.exr --json - in.exr
 ok '--json -: stdout is JSON alone' "$python" -m json.tool out
 run bench --runs 1 -k kernel.exr --csv - in.exr
@@ -152,7 +180,7 @@ print(list(csv.DictReader(open("q.csv", newline="")))[0]["input"],
     'a,"b".exr a,"b".exr' 'a file name with a comma and quotes'
 # the word is the command, a path is a file
 cp in.exr bench
-run --engine direct -k kernel.exr -o bench.png ./bench
+run -q --engine direct -k kernel.exr -o bench.png ./bench
 quiet_success './bench is a file'
 
 run bench --runs 1 --csv d.csv --json d.json dark.exr
