@@ -30,6 +30,7 @@ struct hard_bars {
     double direct, fft, splat;
 };
 #define BARS .bar = {1e-6, 1e-6, 2e-6}
+#define OF_KERNEL BARS, .of_kernel = true
 
 struct hard_case {
     const char *name;
@@ -43,7 +44,13 @@ struct hard_case {
     int x0, y0;     // corner of the data window
     double own;     // bar of fft's error of a pixel over its own value; 0 none
     bool faint;     // light or kernel have values under FLT_MIN
+    bool under;     // the layer has values under FLT_MIN, which GL may lose
     double light_gain, kernel_gain; // times what is usual; 0: 1
+    bool of_kernel; // hard for its kernel alone
+    const char *recipe; // of the kernel for the frame's field, in place of kw
+                        // to shape and kernel_gain
+    bool has_tail;  // that kernel must
+    double fov;     // its display's height, degrees; 0: the usual
     size_t sources; // that there must be; 0 is not checked
     struct gp_rect display; // 0: from the origin, as large as the data window
     bool grown;             // to the union of data and display window
@@ -55,7 +62,7 @@ struct hard_case {
 static const struct hard_case hard_cases[] = {
     // sizes
     {"1x1", 1, 1, ALL, 9, 7, MID, 0, PEAK, BARS, .sources = 1},
-    {"1x1, kernel 1x1", 1, 1, ALL, 1, 1, MID, 0, PEAK, BARS},
+    {"1x1, kernel 1x1", 1, 1, ALL, 1, 1, MID, 0, PEAK, OF_KERNEL},
     {"1xN", 1, 97, FEW, 33, 33, MID, 0, PEAK, BARS},
     {"Nx1", 97, 1, FEW, 33, 33, MID, 0, TINTED, BARS},
     {"2x2", 2, 2, CORNERS, 3, 3, MID, 0, PEAK, BARS, .sources = 4},
@@ -67,51 +74,53 @@ static const struct hard_case hard_cases[] = {
     {"16384 high", 3, 16384, CORNERS, 5, 65, MID, 0, PEAK, BARS},
 
     // kernels
-    {"kernel 1x1", 64, 48, FEW, 1, 1, MID, 0, BOX, BARS},
-    {"even kernel", 64, 48, FEW, 16, 10, MID, 0, PEAK, BARS},
-    {"kernel 1x31", 64, 48, FEW, 1, 31, MID, 0, PEAK, BARS},
-    {"kernel over the frame", 40, 30, CORNERS, 200, 151, MID, 0, PEAK, BARS,
-     .sources = 4},
+    {"kernel 1x1", 64, 48, FEW, 1, 1, MID, 0, BOX, OF_KERNEL},
+    {"even kernel", 64, 48, FEW, 16, 10, MID, 0, PEAK, OF_KERNEL},
+    {"kernel 1x31", 64, 48, FEW, 1, 31, MID, 0, PEAK, OF_KERNEL},
+    {"kernel over the frame", 40, 30, CORNERS, 200, 151, MID, 0, PEAK,
+     OF_KERNEL, .sources = 4},
     {"kernel over the frame, all lit", 40, 30, ALL, 200, 151, MID, 0, TINTED,
-     BARS, .sources = 1200},
-    {"zero borders", 64, 48, FEW, 33, 31, MID, 0, BORDER, BARS},
-    {"negative lobes", 64, 48, FEW, 31, 31, MID, 0, LOBES, BARS},
-    {"negative lobes, all lit", 50, 41, ALL, 31, 31, MID, 0, LOBES, BARS},
+     OF_KERNEL, .sources = 1200},
+    {"zero borders", 64, 48, FEW, 33, 31, MID, 0, BORDER, OF_KERNEL},
+    {"negative lobes", 64, 48, FEW, 31, 31, MID, 0, LOBES, OF_KERNEL},
+    {"negative lobes, all lit", 50, 41, ALL, 31, 31, MID, 0, LOBES, OF_KERNEL},
     {"coloured light, grey kernel", 64, 48, COLOURED, 21, 21, MID, 0, PEAK,
-     BARS},
+     OF_KERNEL},
     {"coloured light and kernel", 64, 48, COLOURED, 21, 21, MID, 0, TINTED,
-     BARS},
-    {"ring", 64, 48, FEW, 41, 41, MID, 0, RING, BARS},
-    {"ring that the frame cuts off", 9, 9, HOT, 20, 20, MID, 0, RING, BARS,
+     OF_KERNEL},
+    {"ring", 64, 48, FEW, 41, 41, MID, 0, RING, OF_KERNEL},
+    {"ring that the frame cuts off", 9, 9, HOT, 20, 20, MID, 0, RING, OF_KERNEL,
      .all_light = true, .max_value = 1e10f},
 
     // centres
-    {"centre in a corner", 64, 48, FEW, 13, 11, 0, 10, PEAK, BARS},
-    {"centre left of the kernel", 64, 48, FEW, 13, 11, -20, 5, PEAK, BARS},
+    {"centre in a corner", 64, 48, FEW, 13, 11, 0, 10, PEAK, OF_KERNEL},
+    {"centre left of the kernel", 64, 48, FEW, 13, 11, -20, 5, PEAK, OF_KERNEL},
     {"centre right below the kernel", 64, 48, FEW, 13, 11, 30, 25, TINTED,
-     BARS},
-    {"centre far left, one source", 97, 1, CORNERS, 3, 1, -50, 0, PEAK, BARS},
-    {"centre far above, one source", 1, 97, CORNERS, 1, 3, 0, 60, PEAK, BARS},
+     OF_KERNEL},
+    {"centre far left, one source", 97, 1, CORNERS, 3, 1, -50, 0, PEAK,
+     OF_KERNEL},
+    {"centre far above, one source", 1, 97, CORNERS, 1, 3, 0, 60, PEAK,
+     OF_KERNEL},
     {"centre far right, a block", 251, 83, BLOCK, 61, 61, 111, 30, TINTED,
-     BARS, .sources = 33 * 33},
+     OF_KERNEL, .sources = 33 * 33},
     {"centre far left and below, a block", 167, 151, BLOCK, 61, 61, -60, 80,
-     PEAK, BARS, .sources = 33 * 33},
-    {"centre out of reach", 64, 48, FEW, 13, 11, 2000, 5, PEAK, BARS},
+     PEAK, OF_KERNEL, .sources = 33 * 33},
+    {"centre out of reach", 64, 48, FEW, 13, 11, 2000, 5, PEAK, OF_KERNEL},
     {"centre as far as it goes", 64, 48, ALL, 13, 11, 1048575, -1048576, PEAK,
-     BARS},
+     OF_KERNEL},
 
     // light
     {"none bright", 64, 48, DARK, 31, 31, MID, 0, PEAK, BARS},
     {"all bright", 131, 67, ALL, 31, 30, MID, 0, PEAK, BARS,
      .sources = 131 * 67},
-    {"all bright, large kernel", 97, 83, ALL, 51, 51, MID, 0, TINTED, BARS,
+    {"all bright, large kernel", 97, 83, ALL, 51, 51, MID, 0, TINTED, OF_KERNEL,
      .sources = 97 * 83},
     {"1e9 in 1e-3", 128, 96, HOT, 63, 63, MID, 0, PEAK, BARS,
      .max_value = 1e10f, .own = 1e-5, .sources = 1},
     {"1e9 in 1e-3, all lit", 96, 64, HOT, 47, 47, MID, 0, PEAK, BARS,
      .all_light = true, .max_value = 1e10f, .own = 1e-5, .sources = 96 * 64},
     {"1e9 in 1e-3, kernel over the frame", 48, 40, HOT, 129, 129, MID, 0,
-     TINTED, BARS, .all_light = true, .max_value = 1e10f, .own = 1e-5,
+     TINTED, OF_KERNEL, .all_light = true, .max_value = 1e10f, .own = 1e-5,
      .sources = 48 * 40},
     {"NaN, Inf, denormals, negative", 89, 53, BAD, 21, 21, MID, 0, PEAK, BARS},
     {"the same, threshold 0", 89, 53, BAD, 21, 21, MID, 0, TINTED, BARS,
@@ -121,14 +130,15 @@ static const struct hard_case hard_cases[] = {
     {"denormals alone", 31, 29, DENORMAL, 9, 9, MID, 0, PEAK, BARS,
      .all_light = true, .faint = true},
     {"denormals under a kernel of 1e-30", 30, 31, DENORMAL, 9, 9, MID, 0, PEAK,
-     BARS, .all_light = true, .kernel_gain = 1e-30, .faint = true},
-    {"kernel partly of denormals", 67, 48, FEW, 33, 33, MID, 0, TINTED, BARS,
-     .kernel_gain = 1e-34, .faint = true},
+     OF_KERNEL, .all_light = true, .kernel_gain = 1e-30, .faint = true},
+    {"kernel partly of denormals", 67, 48, FEW, 33, 33, MID, 0, TINTED,
+     OF_KERNEL, .kernel_gain = 1e-34, .faint = true},
     {"light partly of denormals, kernel of 1e30", 64, 48, FEW, 33, 33, MID, 0,
-     PEAK, BARS, .all_light = true, .light_gain = 1e-37, .kernel_gain = 1e30,
+     PEAK,
+     OF_KERNEL, .all_light = true, .light_gain = 1e-37, .kernel_gain = 1e30,
      .faint = true},
     {"light of 1e-9, kernel of 1e-20", 64, 48, FEW, 33, 33, MID, 0, TINTED,
-     BARS, .all_light = true, .light_gain = 1e-13, .kernel_gain = 1e-20},
+     OF_KERNEL, .all_light = true, .light_gain = 1e-13, .kernel_gain = 1e-20},
     // a third of the pixels is over the threshold, by one step
     {"at the threshold", 63, 47, EDGE, 15, 15, MID, 0, PEAK, BARS,
      .sources = 63 * 47 / 3},
@@ -161,9 +171,9 @@ static const struct hard_case hard_cases[] = {
     {"light beside as much negative light", 64, 48, CANCEL, 21, 21, MID, 0,
      PEAK, BARS, .all_light = true, .sources = 64 * 48 / 2},
     {"kernel of sum 0 over even light", 64, 48, FLAT, 2, 1, MID, 0, DIPOLE,
-     BARS, .sources = 64 * 48},
+     OF_KERNEL, .sources = 64 * 48},
     {"groups that cancel, kernel of sum 0", 64, 48, BLOCK, 8, 8, MID, 0,
-     DIPOLE, BARS, .sources = 33 * 33},
+     DIPOLE, OF_KERNEL, .sources = 33 * 33},
     {"over half's 65504", 61, 47, OVER, 21, 21, MID, 0, TINTED, BARS,
      .max_value = 1e7f},
     {"at the ends of half and float", 61, 47, ENDS, 3, 3, MID, 0, PEAK, BARS,
@@ -208,6 +218,54 @@ static const struct hard_case hard_cases[] = {
      .sun = {30.0, 25.0, 400.0}},
 };
 enum { HARD_CASES = sizeof hard_cases / sizeof *hard_cases };
+
+/* Frames of over 300 pixels a side for kernels over the whole field, which
+ * have their tail there; a recipe takes the place of these kernels. */
+#define WIDE(name, w, h, light) name, w, h, light, 1, 1, MID, 0, PEAK, BARS
+static const struct hard_case hard_wide[] = {
+    {WIDE("wide, few bright", 331, 257, FEW)},
+    {WIDE("wide, its corners", 317, 211, CORNERS), .sources = 4},
+    {WIDE("wide, none bright", 320, 180, DARK)},
+    {WIDE("wide, all bright", 401, 10, ALL), .sources = 4010},
+    {WIDE("wide, even light", 384, 10, FLAT), .sources = 3840},
+    {WIDE("wide, colours", 320, 41, COLOURED)},
+    {WIDE("wide, 1e9 in 1e-3", 320, 200, HOT), .max_value = 1e10f,
+     .own = 1e-3, .sources = 1},
+    {WIDE("wide, 1e9 in 1e-3, all lit", 400, 10, HOT), .max_value = 1e10f,
+     .all_light = true, .own = 1e-3, .sources = 4000},
+    {WIDE("wide, NaN, Inf, denormals, negative", 331, 97, BAD)},
+    {WIDE("wide, the same, 1e30 allowed", 331, 97, BAD), .max_value = 1e30f},
+    {WIDE("wide, the same, threshold 0", 331, 12, BAD), .all_light = true,
+     .faint = true},
+    {WIDE("wide, denormals alone", 300, 13, DENORMAL), .all_light = true,
+     .faint = true},
+    {WIDE("wide, light of 1e-9", 320, 12, FEW), .all_light = true,
+     .light_gain = 1e-13},
+    {WIDE("wide, light partly of denormals", 320, 12, FEW), .all_light = true,
+     .light_gain = 1e-37, .faint = true, .under = true},
+    {WIDE("wide, at the threshold", 333, 12, EDGE), .sources = 333 * 12 / 3},
+    {WIDE("wide, knee", 341, 12, RAMP), .knee = 0.5f},
+    {WIDE("wide, light beside as much negative light", 400, 10, CANCEL),
+     .all_light = true, .sources = 2000},
+    {WIDE("wide, over half's 65504", 389, 10, OVER), .max_value = 1e7f},
+    {WIDE("wide, at the ends of half and float", 383, 10, ENDS),
+     .max_value = 1e7f},
+    {WIDE("wide, 1xN", 1, 701, ALL)},
+    {WIDE("wide, Nx1", 701, 1, ALL), .fov = 0.05},
+    {WIDE("wide, 16384 at 36 pixels a degree", 16384, 3, FEW),
+     .fov = 3.0 / 36.0},
+    {WIDE("wide, 16384 high", 3, 16384, FEW)},
+    {WIDE("wide, 120 degrees", 331, 97, FEW), .fov = 120.0},
+    {WIDE("wide, negative window beside the display", 320, 31, FEW),
+     .x0 = -1000, .y0 = -77, .sun = {120.0, 15.0, 4.0}},
+    {WIDE("wide, window over the display's corner, grown", 280, 40, FEW),
+     .x0 = -70, .y0 = -20, .display = {0, 0, 300, 48}, .grown = true,
+     .sun = {200.0, 20.0, 5.0}},
+    {WIDE("wide, sun partly outside", 300, 60, FEW),
+     .sun = {2.3, 20.7, 9.0}},
+};
+#undef WIDE
+enum { HARD_WIDE = sizeof hard_wide / sizeof *hard_wide };
 
 /* Rows about windows, depth and suns have the sun's light in their frame. */
 static inline bool hard_is_sunny(const struct hard_case *h)

@@ -1,7 +1,7 @@
-/* Every format that io writes itself, and TIFF, over the hard cases: what is read back against what was
- * to be stored, windows and the rules for NaN, Inf and overflow included. EXR
- * is read by io's reader, the others by the plain readers of files_read.c, TIFF
- * through OpenImageIO. */
+/* Every format that io writes itself, and TIFF, over the hard cases: what is
+ * read back against what was to be stored, windows and the rules for NaN, Inf
+ * and overflow included. EXR is read by io's reader, the others by the plain
+ * readers of files_read.c, TIFF through OpenImageIO. */
 #include "files_lossy.h"
 #include "files_plain.h"
 #include "files_read.h"
@@ -268,7 +268,7 @@ static void print_same_bytes(void)
         same[i].name = columns[i].name;
     hard_table("Files, the same bytes",
                "files that differ from those of one thread", same);
-    hard_thread_rows(COLUMNS, hard_is_threaded, count_differing);
+    hard_thread_rows(COLUMNS, HARD_CASES, hard_is_threaded, count_differing);
     hard_table_end();
 }
 

@@ -276,7 +276,7 @@ void hard_other_files(void)
         columns[i].bar = 0.0;
     hard_table("Files by OpenImageIO, the same bytes",
                "files that differ from those of one thread", columns);
-    hard_thread_rows(FORMATS, hard_is_threaded, count_differing);
+    hard_thread_rows(FORMATS, HARD_CASES, hard_is_threaded, count_differing);
     hard_table_end();
     if (rmdir(folder))
         hard_die(folder, "something is left in it");

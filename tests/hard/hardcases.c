@@ -1,8 +1,8 @@
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *
- *   hardcases [FAMILY|names]   all families, one (glare, slide, tone, sun,
- *                              files, formats), or the names of the cases
+ *   hardcases [FAMILY|names]   all families, one (glare, field, slide, tone,
+ *                              sun, files, formats), or the names of the cases
  *
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
@@ -23,7 +23,7 @@ _Noreturn void hard_die(const char *what, const char *why)
     exit(2);
 }
 
-void hard_thread_rows(int columns, hard_picked picked,
+void hard_thread_rows(int columns, int rows, hard_picked picked,
                       hard_count_differing count)
 {
     double differ[16];
@@ -33,7 +33,7 @@ void hard_thread_rows(int columns, hard_picked picked,
         char name[32];
         snprintf(name, sizeof name, "%d threads", hard_threads[t]);
         memset(differ, 0, sizeof differ);
-        for (int row = 0; row < HARD_CASES; row++) {
+        for (int row = 0; row < rows; row++) {
             if (picked(row))
                 count(row, hard_threads[t], differ);
         }
@@ -65,8 +65,8 @@ int main(int argc, char *argv[])
         const char *name;
         void (*run)(void);
     } families[] = {
-        {"glare", hard_glare}, {"slide", hard_slide}, {"tone", hard_tone},
-        {"sun", hard_sun},     {"files", hard_files},
+        {"glare", hard_glare}, {"field", hard_field}, {"slide", hard_slide},
+        {"tone", hard_tone}, {"sun", hard_sun}, {"files", hard_files},
         {"formats", hard_other_files},
     };
     gp_gl_prepare();
@@ -74,6 +74,8 @@ int main(int argc, char *argv[])
     if (argc > 1 && strcmp(argv[1], "names") == 0) {
         for (int i = 0; i < HARD_CASES; i++)
             puts(hard_cases[i].name);
+        for (int i = 0; i < HARD_WIDE; i++)
+            puts(hard_wide[i].name);
         return 0;
     }
     find_bridge();

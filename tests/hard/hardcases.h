@@ -25,12 +25,12 @@ static inline int hard_is_threaded(int i)
 }
 
 /* The rows "N threads" of a table of `columns` columns: for each number of
- * threads, what count() adds up over the cases that are picked. It adds to
- * differ[column] how many things of that case are not those of one thread, or
- * NAN where they cannot be made here; the bar is 0. */
+ * threads, what count() adds up over those of `rows` cases that are picked. It
+ * adds to differ[column] how many things of that case are not those of one
+ * thread, or NAN where they cannot be made here; the bar is 0. */
 typedef int (*hard_picked)(int row);
 typedef void (*hard_count_differing)(int row, int threads, double *differ);
-void hard_thread_rows(int columns, hard_picked picked,
+void hard_thread_rows(int columns, int rows, hard_picked picked,
                       hard_count_differing count);
 
 /* The frame as it was made, not cleaned, and in f.lit that plus its exact
@@ -59,6 +59,7 @@ static inline double hard_worse(double a, double b)
 _Noreturn void hard_die(const char *what, const char *why);
 
 void hard_glare(void);
+void hard_field(void);
 void hard_slide(void);
 void hard_tone(void);
 void hard_sun(void);

@@ -56,25 +56,47 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
     free(list);
 }
 
-/* Normalised, times the row's gain. */
-static inline struct gp_kernel hard_kernel(const struct hard_case *h)
+/* The row's kernel: normalised, times the row's gain, or that of its recipe. */
+static inline struct gp_kernel hard_kernel(const struct hard_case *h,
+                                           const struct gp_frame *f)
 {
-    struct gp_kernel k = scene_kernel(h->kw, h->kh, h->cx, h->cy, h->shape);
+    struct gp_kernel k;
+    if (h->recipe) {
+        const struct gp_field field =
+            gp_field_of(f, h->fov > 0.0 ? h->fov : GP_USUAL_FOV);
+        struct gp_recipe r;
+        if (gp_recipe_parse(NULL, h->recipe, &r) ||
+            gp_model_kernel(NULL, &r, 1, &field, &k))
+            abort();
+        gp_recipe_free(&r);
+        return k;
+    }
+    k = scene_kernel(h->kw, h->kh, h->cx, h->cy, h->shape);
     return h->kernel_gain > 0.0 ? scene_kernel_times(k, h->kernel_gain, 0.0f)
                                 : k;
 }
 
-static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)
+/* The case's sources, without a kernel. */
+static inline struct scene hard_light(const struct hard_case *h, bool plain)
 {
+    const struct gp_kernel none = {0};
     struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     p.threshold = h->all_light ? 0.0f : 1.0f;
     p.knee = h->knee;
     p.mode = GP_THRESHOLD_WHOLE; // as the frames were made for
     if (h->max_value > 0.0f)
         p.max_value = h->max_value;
-    struct scene s = scene_sense(hard_frame(h), hard_kernel(h), &p);
+    struct scene s = scene_sense(hard_frame(h), none, &p);
     if (hard_is_sunny(h))
         hard_add_sun(h, hard_share(h, plain), &s);
+    return s;
+}
+
+/* The case without its exact layer. */
+static inline struct scene hard_sense(const struct hard_case *h)
+{
+    struct scene s = hard_light(h, false);
+    s.k = hard_kernel(h, &s.f);
     double faint = 0.0;
     for (int c = 0; c < 3; c++)
         faint += s.src.faint[c] + s.k.faint[c];
@@ -85,16 +107,12 @@ static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)
     return s;
 }
 
-/* The case without its exact layer. */
-static inline struct scene hard_sense(const struct hard_case *h)
-{
-    return hard_sense_by(h, false);
-}
-
 static inline struct scene hard_scene(const struct hard_case *h)
 {
-    struct scene s = hard_sense_by(h, false), plain = hard_sense_by(h, true);
+    struct scene s = hard_sense(h), plain = hard_light(h, true);
+    plain.k = s.k;
     scene_find_exact(&plain);
+    plain.k = (struct gp_kernel) {0};
     s.exact = plain.exact;
     plain.exact = NULL;
     scene_free(&plain);

@@ -170,7 +170,7 @@ static void print_same_bits(void)
     static const struct hard_column same[] = {{"exact", 0}, {NULL, 0}};
     hard_table("Suns, the same bits", "shares that differ from those of one "
                                       "thread", same);
-    hard_thread_rows(1, is_run, count_differing);
+    hard_thread_rows(1, HARD_CASES, is_run, count_differing);
     hard_table_end();
 }
 

@@ -215,7 +215,7 @@ static void print_same_bytes(struct hard_column *column)
         column[i].bar = 0.0;
     hard_table("Tone curves, the same bytes",
                "pictures that differ from those of one thread", column);
-    hard_thread_rows(WAYS, hard_is_threaded, count_differing);
+    hard_thread_rows(WAYS, HARD_CASES, hard_is_threaded, count_differing);
     hard_table_end();
 }
 
