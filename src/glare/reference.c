@@ -96,19 +96,11 @@ static void transform(const struct gp_fftwd *lib, size_t nx, size_t ny,
     }
 }
 
-gp_status gp_glare_reference(const struct gp_log *log,
+/* The sum with a kernel that has no tail. */
+static gp_status sum_plain(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
     gp_status st;
-    if (k->tail) {
-        struct gp_kernel whole;
-        st = gp_kernel_whole(log, k, src->w, src->h, &whole);
-        if (st)
-            return st;
-        st = gp_glare_reference(log, src, &whole, layer);
-        gp_kernel_free(&whole);
-        return st;
-    }
     if (3.0 * gp_direct_work(src, k->w, k->h, k->cx, k->cy) <= MOST_TAPS) {
         gp_glare_reference_direct(src, k, layer);
         return GP_OK;
@@ -174,6 +166,20 @@ out:
     gp_free(a);
     gp_free(b);
     gp_free(z);
+    return st;
+}
+
+gp_status gp_glare_reference(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_kernel *k, double *layer)
+{
+    struct gp_kernel whole;
+    if (!k->tail)
+        return sum_plain(log, src, k, layer);
+    gp_status st = gp_kernel_whole(log, k, src->w, src->h, &whole);
+    if (st)
+        return st;
+    st = sum_plain(log, src, &whole, layer);
+    gp_kernel_free(&whole);
     return st;
 }
 

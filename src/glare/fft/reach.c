@@ -96,17 +96,21 @@ void gp_fft_shape_free(struct gp_fft_shape *s)
     *s = (struct gp_fft_shape) {0};
 }
 
-/* Fills in the node of rows [from, to) and, after it, those of its halves. */
-static void make_node(const struct gp_fft_shape *s, int from, int to,
+/* Rows [from, to) of a node. */
+struct node_rows {
+    int from, to;
+};
+
+/* Fills in node i of those rows; its halves, which are after it, are there. */
+static void make_node(const struct gp_fft_shape *s, struct node_rows rows,
                       struct gp_fft_node *node)
 {
     struct gp_fft_node n = {{0, 0}, {0, 0}, true};
+    const int from = rows.from, to = rows.to;
     if (to - from > 1) {
         const int half = (from + to) / 2;
-        struct gp_fft_node *const a = node + 1;
-        struct gp_fft_node *const b = node + 2 * (half - from);
-        make_node(s, from, half, a);
-        make_node(s, half, to, b);
+        const struct gp_fft_node *const a = node + 1;
+        const struct gp_fft_node *const b = node + 2 * (half - from);
         n.most = a->most.to <= a->most.from   ? b->most
                  : b->most.to <= b->most.from ? a->most
                      : (struct gp_fft_run) {gp_min(a->most.from, b->most.from),
@@ -124,6 +128,29 @@ static void make_node(const struct gp_fft_shape *s, int from, int to,
         n.full = s->row[to] - s->row[from] == 1;
     }
     *node = n;
+}
+
+/* Fills in all nodes of h rows, from the last to the first. */
+static gp_status make_nodes(const struct gp_log *log, int h,
+                            struct gp_fft_shape *s)
+{
+    struct node_rows *rows;
+    const int n = 2 * h - 1;
+    gp_status st = gp_alloc(log, "reach", (size_t) n, sizeof *rows, &rows);
+    if (st)
+        return st;
+    rows[0] = (struct node_rows) {0, h};
+    for (int i = 0; i < n; i++) {
+        const int from = rows[i].from, to = rows[i].to, half = (from + to) / 2;
+        if (to - from == 1)
+            continue;
+        rows[i + 1] = (struct node_rows) {from, half};
+        rows[i + 2 * (half - from)] = (struct node_rows) {half, to};
+    }
+    for (int i = n - 1; i >= 0; i--)
+        make_node(s, rows[i], s->node + i);
+    gp_free(rows);
+    return GP_OK;
 }
 
 /* Runs of a row of w samples, the first of them at offset x0, from `run` on;
@@ -177,14 +204,15 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
         if (!st)
             n += row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
     }
-    if (st) {
-        gp_fft_shape_free(&s);
-        return st;
+    if (!st) {
+        s.row[h] = (uint32_t) n;
+        st = make_nodes(log, k->h, &s);
     }
-    s.row[h] = (uint32_t) n;
-    make_node(&s, 0, k->h, s.node);
-    *out = s;
-    return GP_OK;
+    if (st)
+        gp_fft_shape_free(&s);
+    else
+        *out = s;
+    return st;
 }
 
 static bool same_shape(const struct gp_fft_shape *a,
@@ -219,7 +247,7 @@ GP_CLONES static uint64_t lit_bits(const float *v, int n)
     int lit = 0;
     for (int i = 0; i < n; i++)
         lit += v[i] > 0.0f;
-    if (lit == n)
+    if (lit == n && n > 0)
         return ~0ull >> (64 - n);
     uint64_t bits = 0;
     for (int i = 0; i < n; i++)
@@ -275,7 +303,7 @@ static gp_status make_light(const struct gp_log *log,
         .src = src, .c = c, .y0 = src->box.y0, .h = gp_rect_h(src->box),
         .words = (src->w + 63) / 64, .levels = 1,
     };
-    while (m.levels < LEVELS && 1 << m.levels <= gp_min(m.h, kernel_h))
+    while (m.levels < LEVELS - 1 && gp_min(m.h, kernel_h) >> m.levels)
         m.levels++;
     const size_t rows = (size_t) m.levels * (size_t) m.h;
     gp_status st = gp_alloc_zero(log, "reach", (size_t) m.h + 1,
@@ -338,63 +366,85 @@ static const uint64_t *joined_rows(const struct row *r, int from, int to)
     return r->joined;
 }
 
-/* Adds what kernel rows [from, to) reach of words [first, end) of a row; `node`
- * is theirs. */
-static void look(const struct row *r, const struct gp_fft_node *node, int from,
-                 int to, int first, int end)
+/* Kernel rows [from, to), whose node it is, to be looked at for words [first,
+ * end) of a row. */
+struct look {
+    const struct gp_fft_node *node;
+    int from, to, first, end;
+};
+
+/* Adds what those rows reach; true where their halves must be looked at, of
+ * which *l then has the words. */
+static bool look_at(const struct row *r, struct look *l)
 {
     static const int FEW = 2; // rows that cost less than all of them in one
     const struct gp_fft_shape *const k = r->m->shape;
     const struct light *const s = &r->m->light;
+    const struct gp_fft_node *const node = l->node;
     const int above = r->y + r->m->k->cy - s->y0; // light of kernel row 0
-    const int start = gp_max(above - to + 1, 0);
-    const int past = gp_min(above - from + 1, s->h);
+    const int start = gp_max(above - l->to + 1, 0);
+    const int past = gp_min(above - l->from + 1, s->h);
     if (start >= past || node->most.from >= node->most.to)
-        return;
+        return false;
     const int lit = past - start - (s->dark[past] - s->dark[start]);
     if (!lit)
-        return;
-    while (first < end && r->reached[first] == ~0ull)
-        first++;
-    while (first < end && r->reached[end - 1] == ~0ull)
-        end--;
-    if (first == end)
-        return;
-    if (lit <= FEW || to - from == 1) {
+        return false;
+    while (l->first < l->end && r->reached[l->first] == ~0ull)
+        l->first++;
+    while (l->first < l->end && r->reached[l->end - 1] == ~0ull)
+        l->end--;
+    if (l->first == l->end)
+        return false;
+    if (lit <= FEW || l->to - l->from == 1) {
         for (int row = start; row < past; row++) {
             const uint32_t *const runs = k->row + (above - row);
             if (s->dark[row + 1] > s->dark[row])
                 continue;
             for (uint32_t i = runs[0]; i < runs[1]; i++)
                 dilate(bits_at(s, 0, row), s->words, k->run[i], r->reached,
-                       first, end);
+                       l->first, l->end);
         }
-        return;
+        return false;
     }
     const uint64_t *const light = joined_rows(r, start, past);
     if (node->least.from < node->least.to) {
-        dilate(light, s->words, node->least, r->reached, first, end);
+        dilate(light, s->words, node->least, r->reached, l->first, l->end);
         if (node->full)
-            return;
+            return false;
     }
-    memset(r->maybe + first, 0, (size_t) (end - first) * sizeof *r->maybe);
-    dilate(light, s->words, node->most, r->maybe, first, end);
-    while (first < end && !(r->maybe[first] & ~r->reached[first]))
-        first++;
-    while (first < end && !(r->maybe[end - 1] & ~r->reached[end - 1]))
-        end--;
-    if (first == end)
-        return;
-    // the half that surely reaches further is first
-    const int half = (from + to) / 2;
-    const struct gp_fft_node *const a = node + 1;
-    const struct gp_fft_node *const b = node + 2 * (half - from);
-    if (a->least.to - a->least.from >= b->least.to - b->least.from) {
-        look(r, a, from, half, first, end);
-        look(r, b, half, to, first, end);
-    } else {
-        look(r, b, half, to, first, end);
-        look(r, a, from, half, first, end);
+    memset(r->maybe + l->first, 0,
+           (size_t) (l->end - l->first) * sizeof *r->maybe);
+    dilate(light, s->words, node->most, r->maybe, l->first, l->end);
+    while (l->first < l->end && !(r->maybe[l->first] & ~r->reached[l->first]))
+        l->first++;
+    while (l->first < l->end &&
+           !(r->maybe[l->end - 1] & ~r->reached[l->end - 1]))
+        l->end--;
+    return l->first < l->end;
+}
+
+/* Adds what all kernel rows reach of a row. */
+static void look(const struct row *r)
+{
+    struct look stack[LEVELS + 2] = {
+        {r->m->shape->node, 0, r->m->k->h, 0, r->m->light.words},
+    };
+    int n = 1; // each level leaves one
+    while (n > 0) {
+        struct look l = stack[--n];
+        if (!look_at(r, &l))
+            continue;
+        const int half = (l.from + l.to) / 2;
+        struct look a = l, b = l;
+        a.node = l.node + 1;
+        a.to = half;
+        b.node = l.node + 2 * (half - l.from);
+        b.from = half;
+        // the half that surely reaches further is first
+        const bool first = a.node->least.to - a.node->least.from >=
+                           b.node->least.to - b.node->least.from;
+        stack[n++] = first ? b : a;
+        stack[n++] = first ? a : b;
     }
 }
 
@@ -426,7 +476,7 @@ static void clear_row(void *ctx, int y, int thread)
     memset(r.reached, 0, (size_t) words * sizeof *r.reached);
     if (w % 64) // no pixels
         r.reached[words - 1] = ~0ull << w % 64;
-    look(&r, m->shape->node, 0, m->k->h, 0, words);
+    look(&r);
     for (int c = 0; c < 3; c++) {
         float *const row = m->layer->c[c] + (size_t) y * (size_t) w;
         if (!m->in[c] || !m->noise->row[c][y])
@@ -445,7 +495,7 @@ gp_status gp_fft_clear_unreached(const struct gp_log *log,
     bool left[3];
     gp_status st = GP_OK;
     for (int c = 0; c < 3; c++)
-        left[c] = memchr(noise->row[c], true, (size_t) src->h) != NULL;
+        left[c] = memchr(noise->row[c], 1, (size_t) src->h) != NULL;
     for (int c = 0; c < 3 && !st; c++) {
         struct clearing m = {
             .k = k, .shape = shape[c], .noise = noise, .layer = layer,

@@ -212,7 +212,7 @@ static gp_status add_needles(const struct gp_log *log,
         for (int from = -s->rx; from <= s->rx; from += GP_SHAPE_STRIP) {
             const int n = s->rx + 1 - from < GP_SHAPE_STRIP ? s->rx + 1 - from
                                                            : GP_SHAPE_STRIP;
-            double strip[GP_SHAPE_STRIP];
+            double strip[GP_SHAPE_STRIP] = {0};
             double *const out[3] = {strip, NULL, NULL};
             corona.row(corona.state, from, y, n, out);
             for (int i = 0; i < n; i++) {

@@ -153,8 +153,8 @@ static void make_row(void *ctx, int i, int thread)
             {-s->sine, v * s->cosine, -side, side},
             {s->cosine, v * s->sine, -side, s->length + side},
         };
-        for (int i = 0; i < 2; i++) {
-            const double *const l = line[i];
+        for (int j = 0; j < 2; j++) {
+            const double *const l = line[j];
             if (fabs(l[0]) < 1e-12) {
                 if (l[1] < l[2] || l[1] > l[3])
                     to = -INFINITY;
