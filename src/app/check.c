@@ -181,7 +181,6 @@ static gp_status check_kernel_size(const struct gp_log *log,
 static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
-    char after;
     const bool makes = s->outputs.n > 0;
     if (m->list + (m->check != NULL) + makes != 1)
         return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp kernel -k "
@@ -200,10 +199,13 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
                        "leave the kernel's other options out", m->from);
     m->w = 1920;
     m->h = 1080;
-    if (m->size && (sscanf(m->size, "%5dx%5d%c", &m->w, &m->h, &after) != 2 ||
-                    m->w < 1 || m->h < 1 || m->w > 16384 || m->h > 16384))
+    int size[2] = {m->w, m->h};
+    if (m->size && (!gp_read_whole(m->size, "x", size) || size[0] < 1 ||
+                    size[1] < 1 || size[0] > 16384 || size[1] > 16384))
         return gp_fail(log, GP_ERR_USAGE, "--size: not a size (found \"%s\"); "
                        "give WxH, e.g. 1920x1080, each 1 to 16384", m->size);
+    m->w = size[0];
+    m->h = size[1];
     return GP_OK;
 }
 

@@ -1,6 +1,7 @@
 #include "app/kernel_command.h"
 
 #include "app/clobber.h"
+#include "app/options.h"
 #include "app/stages.h"
 #include "core/colour.h"
 #include "core/memory.h"
@@ -137,7 +138,7 @@ static gp_status making_of_file(const struct gp_log *log,
 {
     const struct gp_read_params limits = gp_read_limits(&s->read);
     struct gp_wanted_kernel *const wanted = &m->wanted;
-    char name[VALUE_BYTES], after;
+    char name[VALUE_BYTES];
     double frame = 0.0;
     gp_status st = GP_OK;
     for (int i = 0; i < GP_RECIPES && !st; i++) {
@@ -152,11 +153,13 @@ static gp_status making_of_file(const struct gp_log *log,
     if (st)
         return st;
     char *const size = gp_frame_text(f, "glarepp:size");
-    const bool sized = size && sscanf(size, "%5dx%5d,%5d%c", &m->w, &m->h,
-                                      &m->radius, &after) == 3 &&
-                       m->w > 0 && m->h > 0 && m->w <= 16384 &&
-                       m->h <= 16384 && m->radius >= 0;
+    int v[3] = {0};
+    const bool sized = size && gp_read_whole(size, "x,", v) && v[0] > 0 &&
+                       v[1] > 0 && v[0] <= 16384 && v[1] <= 16384;
     gp_free(size);
+    m->w = v[0];
+    m->h = v[1];
+    m->radius = v[2];
     if (!wanted->recipes || !sized || !find_number(f, "glarepp:fov", &m->fov) ||
         !find_number(f, "glarepp:rotate", &m->rotate) ||
         !find_number(f, "glarepp:frame", &frame) || fabs(frame) > 1e9)

@@ -125,6 +125,10 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands);
 /* True when the command line gave that option, even with its default. */
 bool gp_option_given(const struct gp_settings *s, const char *name);
 
+/* Reads whole numbers of 0 to 99999 with these characters between them, and
+ * nothing else: 1920x1080,255 with "x,". */
+bool gp_read_whole(const char *text, const char *between, int *v);
+
 /* The word of the i-th command, from GP_COMMAND_MAIN on; NULL after the last,
  * and *command is unchanged. */
 const char *gp_command_at(int i, enum gp_command *command);

@@ -40,7 +40,7 @@ done <<END_OF_ROWS
 31 pxr24 --exposure=1 stored out
 1 half --max-value=1.1 stored layer
 48 all --max-value=1.1 layer
-18 all --max-value=0.6 lobes
+28 all --max-value=0.6 lobes
 74 all -g=0.5 hdr
 74 all --exposure=0.01 picture
 END_OF_ROWS

@@ -47,7 +47,7 @@ quiet_success 'a dark frame'
 ok 'a dark frame: no FFT, no bridge, no GL' without $heavy fftw3
 loaded --engine direct -o out.png --hdr out.exr in.exr
 ok 'direct: no FFT, no bridge, no GL' without $heavy fftw3
-loaded --engine fft -k kernel.exr --hdr out.exr in.exr
+loaded -q --engine fft -k kernel.exr --hdr out.exr in.exr
 quiet_success 'fft with a kernel file'
 ok 'fft: no bridge, no GL' without $heavy
 ok 'fft: has FFTW in single precision' grep -q '^libfftw3f\.' loaded.list

@@ -31,8 +31,9 @@ def light(rng, kernel, large):
     words += [] if scatter else ["--mix", "add"]
     words += some(rng, 0.2, "--max-value", rng.choice([10, 1e5, 1e9, 1e30]))
     words += some(rng, 0.25, "--rotate", rng.choice([90, 180, -30, 12.5, 361]))
-    words += some(rng, 0.15, "--kernel-center", "%.3g,%.3g" %
+    center = some(rng, 0.15, "--kernel-center", "%.3g,%.3g" %
                   (rng.uniform(-3, 40), rng.uniform(-3, 40)))
+    words += center if kernel else []
     words += some(rng, 0.15, "--kernel-normalize", "none") if kernel else []
     return [str(w) for w in words]
 

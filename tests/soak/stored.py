@@ -5,11 +5,12 @@ OpenImageIO in the same compression, types and windows, and what it reads back
 must be what it reads from the program's file, value by value. Before that,
 what a type or compression cannot hold is cut as the program promises:
 
-  half         finite values beyond 65504 become that; the rest is rounded to
-               the nearest, even at ties
+  half         a pixel with a finite value over 65504 is scaled until it fits,
+               which keeps its hue; the rest is rounded to the nearest, even at
+               ties
   B44, B44A    halfs below -32752 become that
-  DWAA, DWAB   values beyond 57344 become that, of float channels too. One
-               channel alone is zip instead
+  DWAA, DWAB   the same at 57344, of float channels too. One channel alone is
+               zip instead
 
 Only colour is cut. Channels that pass through are what they were, and then
 what the compression makes of them.
@@ -61,15 +62,40 @@ def cut(v, half, compression):
     return v.astype(np.float16).astype(np.float32) if half else v
 
 
+def fit(image, colour, half, compression):
+    """The samples, each layer's colour scaled where a value is over what the
+    file can hold, in float32 as the program does it."""
+    px = image.px.astype(np.float32).copy()
+    dwa = compression in DWA
+    if not half and not dwa:
+        return px
+    limit = np.float32(57344 if dwa else 65504)
+    most = limit if dwa else np.nextafter(np.float32(65520), np.float32(0))
+    layers = collections.defaultdict(list)
+    for c, name in enumerate(image.names):
+        if name in colour and name.rsplit(".", 1)[-1] != "A":
+            layers[name.rpartition(".")[0]].append(c)
+    for at in layers.values():
+        v = px[..., at]
+        finite = v <= np.finfo(np.float32).max  # no NaN
+        over = (finite & (v > most)).any(-1, keepdims=True)
+        largest = np.where(finite, v, 0).max(-1, keepdims=True, initial=0)
+        with np.errstate(all="ignore"):
+            to = np.minimum(v * (limit / largest), limit)
+        px[..., at] = np.where(over & np.isfinite(v), to, v)
+    return px
+
+
 def expected(image, colour, half, compression, path):
     """What an EXR file of `image` must hold where the names in `colour` are
     stored as half, or float, in that compression. `path`: room for a file."""
     planes, types = [], []
     if compression in DWA and len(image.names) == 1:
         compression = "zip"
+    fitted = fit(image, colour, half, compression)
     for c, name in enumerate(image.names):
         own = name in colour
-        planes.append(cut(image.px[..., c], half, compression) if own
+        planes.append(cut(fitted[..., c], half, compression) if own
                       else image.px[..., c])
         types.append(("half" if half else "float") if own else image.types[c])
     if compression not in LOSSY:
