@@ -296,6 +296,23 @@ out:
     return st;
 }
 
+/* The field of a frame as the main job has it: by --fov, by a camera, else of
+ * the usual angle. */
+static struct gp_field field_of(const struct gp_bench_job *job,
+                                const struct gp_suns *suns,
+                                const struct gp_frame *f)
+{
+    struct gp_sun_about about = {0};
+    double fov = job->fov;
+    if (!(fov > 0.0) && !job->params->paper) {
+        job->reader->about(job->reader->user, f, &about);
+        fov = gp_suns_fov(suns, &about, f);
+    }
+    struct gp_field field = gp_field_of(f, fov > 0.0 ? fov : GP_USUAL_FOV);
+    field.rotate = (double) job->kernel->rotate;
+    return field;
+}
+
 gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
 {
     gp_status st;
@@ -307,6 +324,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     struct gp_frame f = {0};
     struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
     struct gp_bench_table table = {.runs = p->runs};
+    struct gp_suns suns = {0}; // for the camera
     char *answer;
     // first check the names: minutes of measuring must not end at one that
     // cannot be written
@@ -325,6 +343,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     }
     if (gp_suns_wanted(job->sun))
         return gp_bench_sun(log, job);
+    GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &suns));
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
@@ -332,9 +351,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
                      : gp_read_frame(log, job->read, job->input, &f));
         // the kernel given, else the paper's own
         struct gp_frame image = {0};
-        struct gp_field field =
-            gp_field_of(&f, job->fov > 0.0 ? job->fov : GP_USUAL_FOV);
-        field.rotate = (double) job->kernel->rotate;
+        const struct gp_field field = field_of(job, &suns, &f);
         gp_kernel_free(&kernel);
         if (own)
             GP_TRY(gp_paper_kernel(log, GP_PAPER_KERNEL, &image));
@@ -360,6 +377,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     }
     GP_TRY(gp_bench_write(log, p, &table));
 out:
+    gp_suns_close(&suns);
     gp_bench_table_free(&table);
     gp_frame_free(&f);
     gp_kernel_free(&kernel);

@@ -34,12 +34,12 @@ struct gp_bench_job {
     const struct gp_frame *kernel_image;   // where there are no recipes
     const struct gp_recipe *recipe;
     int recipes;
-    double fov;                            // 0: the usual
+    double fov;                            // 0: the camera's, or the usual
     const struct gp_glare_params *glare;
     const struct gp_compose_params *compose;
     const struct gp_tone_params *tone;
     const struct gp_sun_params *sun;
-    const struct gp_sun_reader *reader;  // for the sun
+    const struct gp_sun_reader *reader;  // for the sun and the camera
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;

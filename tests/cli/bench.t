@@ -161,6 +161,16 @@ verdict(len(exact) == 2 and all(0 < r["rel_l2"] <= r["bound"] for r in exact),
 PY
 verdicts verdicts
 
+cp "$root/examples/foliage.1004.exr" camera.exr
+"$glarepp" -q -k spencer -e fft --report c.report --layer c.exr camera.exr
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
+    "$glarepp" bench --runs 1 -k spencer --json c.json camera.exr >out 2>err
+is "$("$python" -c 'import json
+r = json.load(open("c.report"))
+b = json.load(open("c.json"))["frames"][0]["rows"][0]["kernel_left_out"]
+print(r["fov_from"], abs(b - r["kernel_left_out"]) < 1e-8)')" 'camera True' \
+    'the angle is that of the frame'"'"'s camera, as in the main job'
+
 run bench --runs 1 -k kernel.exr --json - in.exr
 ok '--json -: stdout is JSON alone' "$python" -m json.tool out
 run bench --runs 1 -k kernel.exr --csv - in.exr
