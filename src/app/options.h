@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Kinds of values. The field's type gives the kind; a field of another type
  * does not compile. */
@@ -127,7 +128,21 @@ bool gp_option_given(const struct gp_settings *s, const char *name);
 
 /* Reads whole numbers of 0 to 99999 with these characters between them, and
  * nothing else: 1920x1080,255 with "x,". */
-bool gp_read_whole(const char *text, const char *between, int *v);
+static inline bool gp_read_whole(const char *text, const char *between, int *v)
+{
+    for (;; between++, v++) {
+        char *end;
+        if (*text < '0' || *text > '9')
+            return false;
+        const long n = strtol(text, &end, 10);
+        if (n > 99999 || *end != *between)
+            return false;
+        *v = (int) n;
+        if (!*between)
+            return true;
+        text = end + 1;
+    }
+}
 
 /* The word of the i-th command, from GP_COMMAND_MAIN on; NULL after the last,
  * and *command is unchanged. */

@@ -63,22 +63,6 @@ static bool read_double(const char **s, double *out)
     return read;
 }
 
-bool gp_read_whole(const char *text, const char *between, int *v)
-{
-    for (;; between++, v++) {
-        char *end;
-        if (*text < '0' || *text > '9')
-            return false;
-        const long n = strtol(text, &end, 10);
-        if (n > 99999 || *end != *between)
-            return false;
-        *v = (int) n;
-        if (!*between)
-            return true;
-        text = end + 1;
-    }
-}
-
 static gp_status set_number(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;

@@ -179,6 +179,18 @@ static bool is_named_depth(const char *name)
     return depth_rank(&(struct gp_frame) {0}, name, 0) < RANKS;
 }
 
+/* True for what is beside depth and is no light either: the back of a sample,
+ * depth by other names or as a vector's part, numbers of objects. `own` is
+ * `name` without its layer. */
+static bool is_other_data(const char *name, const char *own)
+{
+    const size_t layer = (size_t) (own - name);
+    return strcasecmp(own, "zback") == 0 || strcasecmp(own, "depth") == 0 ||
+           strcasecmp(own, "id") == 0 || strcmp(name, "z") == 0 ||
+           (strcmp(own, "V") == 0 && layer >= 6 &&
+            strncasecmp(own - 6, "depth.", 6) == 0);
+}
+
 /* -- colour --------------------------------------------------------------- */
 
 static const char *const letters[3] = {"R", "G", "B"};
@@ -322,7 +334,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         const bool alpha = strcmp(own, "A") == 0 ||
                            strcasecmp(own, "alpha") == 0;
         if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]) ||
-            is_named_depth(name[i]))
+            is_named_depth(name[i]) || is_other_data(name[i], own))
             continue;
         if (only >= 0)
             return false;
