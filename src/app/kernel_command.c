@@ -203,12 +203,18 @@ static gp_status frame_of(const struct gp_log *log, const struct gp_kernel *k,
     return GP_OK;
 }
 
-/* Makes the kernel at full rate, as far as it was asked for. */
-static gp_status make_kernel(const struct gp_log *log, const struct making *m,
-                             struct gp_kernel *out)
+/* Makes the kernel at full rate, as far as it was asked for, of `most` pixels;
+ * `name` for messages. */
+static gp_status make_kernel(const struct gp_log *log, const char *name,
+    const struct making *m, long long most, struct gp_kernel *out)
 {
     struct gp_kernel k = {0};
     const struct gp_field field = field_of(m);
+    const long long w = 2LL * field.w - 1, h = 2LL * field.h - 1;
+    if (w * h > most)
+        return gp_fail(log, GP_ERR_DATA, "%s: the kernel is too large (%lldx"
+                       "%lld, at most %lld pixels); give a smaller --size, a "
+                       "--radius, or raise --max-pixels", name, w, h, most);
     gp_status st = gp_model_kernel(log, m->wanted.recipe, m->wanted.recipes,
                                    &field, &k);
     if (!st)
@@ -250,7 +256,7 @@ static gp_status write_kernel(const struct gp_log *log,
     GP_TRY(s->making.from
                ? making_of_file(log, s, s->making.from, &from, &m)
                : making_of_settings(log, s, &m));
-    GP_TRY(make_kernel(log, &m, &k));
+    GP_TRY(make_kernel(log, s->outputs.at[0], &m, s->read.max_pixels, &k));
     GP_TRY(frame_of(log, &k, &f));
     GP_TRY(label(log, &m, k.left_out, &labels));
     write.added = labels.at;
@@ -339,7 +345,7 @@ static gp_status check_of_model(const struct gp_log *log,
     own.kernels = (struct gp_texts) {(const char **) &c->name, 1};
     gp_status st = making_of_settings(log, &own, &m);
     if (!st)
-        st = make_kernel(log, &m, &c->k);
+        st = make_kernel(log, c->name, &m, s->read.max_pixels, &c->k);
     gp_wanted_kernel_free(&m.wanted);
     memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
     c->use.ends = m.radius > 0;

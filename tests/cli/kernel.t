@@ -76,6 +76,9 @@ no 'frames of another rate are at another time' "$glarepp" compare --no-flip \
 ok 'but the same time is the same pupil' "$glarepp" compare --no-flip --fail 0 \
     t24.1.exr t48.2.exr
 
+run kernel -k eye --size 16384x16384 -o big.exr
+status_is 4 'a kernel over --max-pixels: status 4'
+no 'and it is not there' test -e big.exr
 run -k star --kernel-normalize luminance -o o.png in.exr
 status_is 2 'a model is not normalised: usage'
 like "$(cat err)" '*--kernel-normalize*leave it out*' 'and a line says so'
