@@ -39,6 +39,7 @@ share/doc/glarepp/man/dependencies.md
 share/doc/glarepp/man/engines.md
 share/doc/glarepp/man/files.md
 share/doc/glarepp/man/hardcases.md
+share/doc/glarepp/man/kernels.md
 share/doc/glarepp/man/promises.md
 share/doc/glarepp/man/sequences.md
 share/doc/glarepp/man/sun.md
@@ -113,6 +114,7 @@ usr/share/doc/glarepp/man/dependencies.md
 usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
 usr/share/doc/glarepp/man/hardcases.md
+usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/promises.md
 usr/share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md
