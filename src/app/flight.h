@@ -57,7 +57,7 @@ GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
 
 /* True when one more unit may start beside `in_flight` others: all of them take
  * half of the memory at most, each as much as the largest so far. The first
- * is read alone, as nothing is known before.
+ * is read by itself, as nothing is known before.
  *   memory, largest  bytes; 0 is unknown */
 bool gp_flight_has_room(size_t memory, size_t largest, int in_flight);
 

@@ -20,7 +20,7 @@
 
 // -- the recipe ---------------------------------------------------------------
 
-/* What a kernel is made of: all that its file's attributes say. */
+/* All that a kernel is made of, as its file's attributes say. */
 struct making {
     struct gp_wanted_kernel wanted; // images included
     double fov;                     // degrees, of the frame's height
@@ -328,7 +328,7 @@ static gp_status list_models(const struct gp_log *log)
 
 // -- --check ------------------------------------------------------------------
 
-/* A kernel to be checked. */
+/* A kernel and the frame to check it for. */
 struct checked {
     struct gp_kernel k;
     long long nonfinite;    // samples; then `k` is empty

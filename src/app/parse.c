@@ -414,7 +414,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         const struct gp_option *const o =
             word[0] == '-' && word[1] ? split_word(word, out->command, &value)
                                      : NULL;
-        // `glarepp help --gain` asks about an option
+        // `glarepp help --gain` is about an option
         const bool topic = out->command == GP_COMMAND_HELP &&
                            !(o && (o->commands & GP_COMMAND_HELP));
         if (options && strcmp(word, "--") == 0)

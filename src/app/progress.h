@@ -55,8 +55,8 @@ void gp_progress_end(struct gp_progress *p);
 void gp_progress_fail(struct gp_progress *p, int n);
 
 /* Shows that `done` of `total` frames are made or failed, and that `stage` of
- * the file `name`, without its folder, comes next. In a pipe it draws at most ten lines
- * a second. */
+ * the file `name`, without its folder, comes next. In a pipe it draws at most ten
+ * lines a second. */
 void gp_progress_update(struct gp_progress *p, int done, int total,
                         const char *name, const char *stage);
 

@@ -327,7 +327,7 @@ static gp_status write_failed(const struct gp_log *log,
                    strerror(errno));
 }
 
-/* Truncates a regular file to `size`; leaves others alone. */
+/* Truncates a regular file to `size`; leaves other kinds as they are. */
 static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;

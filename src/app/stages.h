@@ -50,7 +50,7 @@ struct gp_light_group {
     struct gp_sources sources;
 };
 
-/* What --kernel asks for: recipes, or one image. */
+/* The recipes, or the one image, that --kernel asks for. */
 struct gp_wanted_kernel {
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_frame image[GP_RECIPES]; // of the recipe's file, or of the kernel

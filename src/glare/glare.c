@@ -17,9 +17,10 @@ static void clear_plane(void *ctx, int c, int thread)
     memset(f->layer.c[c], 0, gp_frame_pixels(f) * sizeof(float));
 }
 
-/* Light and kernels up to which no engine leaves the range of float: its sums,
- * transforms of 2^30 points among them, are under 2^127. More is halved as
- * often as it takes, which is exact, and the layer is doubled as often. */
+/* Limits of light and kernels within which no engine leaves the range of
+ * float: its sums, transforms of 2^30 points among them, are under 2^127.
+ * Larger values are halved until they fit, which is exact, and the layer is
+ * doubled as often. */
 static const double MOST = 0x1p80;
 
 static int halvings(double sum)

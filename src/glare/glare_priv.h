@@ -150,8 +150,8 @@ GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
     double *bound);
 
 /* Finds the error that underflow, and the kernel's tail, add to an engine's
- * bound of rel_l2, which is about what it draws, in floats that never leave
- * their range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
+ * bound of rel_l2, which is for the core in floats that never leave their
+ * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
  * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
  * *keep is NULL at first and kept from frame to frame.
  * Errors: GP_ERR_BUG out of memory. */

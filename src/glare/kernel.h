@@ -9,7 +9,7 @@
 
 enum gp_normalize { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
-/* How an image becomes a kernel. */
+/* Settings by which an image becomes a kernel. */
 struct gp_kernel_params {
     bool centered;                 // `center` was given
     double center[2];              // x, y in EXR pixel space of the kernel's
@@ -39,7 +39,7 @@ struct gp_tail; // glare/tail/tail.h
 
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q), and
- * that of the tail, where there is one: then k is the core alone.
+ * that of the tail, where there is one: then k is only the core.
  * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
  * under FLT_MIN, 1.2e-38, are 0. */
 struct gp_kernel {
@@ -47,7 +47,7 @@ struct gp_kernel {
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
-    struct gp_tail *tail; // what lies beyond the core; NULL: nothing; owned
+    struct gp_tail *tail; // the rest beyond the core; NULL: nothing; owned
     double sum[3];        // of each channel, with the tail
     double norm2[3];      // sqrt of the sum of squares of each channel, and
     double norm1[3];      // sum of magnitudes; no less than those with the tail

@@ -86,8 +86,8 @@ void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
 
 // -- faults -------------------------------------------------------------------
 
-/* The half-pixel trap: made about the middle of an even number of pixels, and
- * so half a pixel beside the centre's. */
+/* True for a kernel made about the middle of an even number of pixels, half a
+ * pixel off the centre's. */
 static bool is_half_beside(const struct gp_kernel_figures *f)
 {
     const double x = fabs(fabs(f->centroid[0]) - 0.5);
@@ -101,7 +101,7 @@ bool gp_kernel_fault(const struct gp_kernel_figures *f,
 {
     const double glow = f->rim * use->brightest;
     line[0] = '\0';
-    // a disc or box ends at its own brightness; what falls off should reach 0
+    // a disc or box ends at its own brightness; a falloff should reach 0
     if (i == 0 && use->ends && f->rim < 0.1 * f->centre && glow > half_code)
         snprintf(line, GP_FAULT_BYTES, "its edge shows: %.2g beside a source "
                  "of %.3g, over half a code value of 8 bits (%.2g); use a "

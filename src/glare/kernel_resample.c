@@ -41,7 +41,7 @@ static double part(int j, double a, double b)
 
 // -- the centroid -------------------------------------------------------------
 
-/* How far the new samples' centroid is from where the old one's belongs, in new
+/* Distance of the new samples' centroid from the old one's place, in new
  * samples; `line` has the old sums across the axis. */
 static double drift(const struct axis *s, const double *line)
 {

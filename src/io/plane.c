@@ -403,7 +403,7 @@ out:
 
 /* -- beside a frame ------------------------------------------------------- */
 
-/* Finds the channel that is asked for among all parts of the frame's file, and
+/* Finds the wanted channel among all parts of the frame's file, and
  * its name; nothing when `at` has no part. Free the list in any case. */
 static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
     const char *name, bool depth, struct gp_plane_list *list,

@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* The names that a config is asked for. Strings are borrowed. */
+/* Names to look up in a config. Strings are borrowed. */
 struct gp_ocio_params {
     const char *config;   // file, or ocio://NAME; "" or "env": what $OCIO
                           // says. NULL: no OCIO

@@ -1,4 +1,4 @@
-/* What the parts of `costs` share. */
+/* Shared by the parts of `costs`. */
 #ifndef GP_BENCH_COSTS_H
 #define GP_BENCH_COSTS_H
 

@@ -1,4 +1,4 @@
-/* What direct costs. */
+/* Cost of direct. */
 #include "costs_scene.h"
 
 #include "glare/direct/direct.h"

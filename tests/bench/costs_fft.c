@@ -1,4 +1,4 @@
-/* What fft costs. */
+/* Cost of fft. */
 #include "costs_scene.h"
 
 #include "core/memory.h"

@@ -1,4 +1,4 @@
-/* What splat costs on the context that `auto` would open. */
+/* Cost of splat on the context that `auto` would open. */
 #include "costs_scene.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* How long models' kernels take to make.
+/* Times of making models' kernels.
  *
  *   models [RUNS]
  *

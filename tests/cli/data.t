@@ -51,8 +51,8 @@ while read -r f; do
         note "status $status, made $(ls -A made | xargs): $(head -c 500 err)"
 done <damaged
 
-# What OpenEXR's own library reads whole is read, and read the same. Of these
-# 78 it is 2, both of a part type that is not the true one. Three more are read
+# Files that OpenEXR's own library reads whole are read, and read the same: 2 of
+# these 78, both of a part type that is not the true one. Three more are read
 # by some ways of OpenEXR 3.1 without an exception, and are not whole:
 #
 #   memory_DOS_2.1             complete, but its one chunk holds 8 bytes of the

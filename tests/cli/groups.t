@@ -6,7 +6,7 @@
 need_python
 [ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to compare pixels"
 
-# What the tests ask of files:
+# Questions of the tests about files:
 #   make FILE HOW  beauty = key + rim + fill in floats, with A and Z; HOW is
 #                  plain, dark (rim has no light), nan (rim has one NaN),
 #                  huge (a pixel of 3e38 in each), parts (rim and fill in parts

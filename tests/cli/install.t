@@ -1,5 +1,5 @@
 #!/bin/sh
-# What make install, make uninstall and make deb put in place and take away;
+# Files that make install, make uninstall and make deb install and remove;
 # shells complete with what is installed; glarepp help.
 . "$(dirname "$0")/lib.sh"
 

@@ -106,7 +106,7 @@ for row in "KILL files $times" "INT files $times" "TERM files $fewer" \
     verdicts verdicts
 done
 
-# What a killed run left is no matter for the next one
+# The next run ignores files that a killed run left
 rm -rf m && mkdir m
 run -e direct --hdr m/h.####.exr -o m/p.####.png in.####.exr
 quiet_success 'the run after'

@@ -6,7 +6,7 @@ need_python
 [ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to compare pixels"
 no_provenance
 
-# What the tests ask of files:
+# Questions of the tests about files:
 #   same A B PART BUT...    every channel of the part but those named has the
 #                           same type and bits in both, and those named differ
 #   parts A B BUT           every part but that one has the same chunks

@@ -1,4 +1,4 @@
-# What the command-line tests share; each does  . "$(dirname "$0")/lib.sh"
+# Shared by the command-line tests; each does  . "$(dirname "$0")/lib.sh"
 #
 # Afterwards the working folder is a fresh one that goes away at exit, and
 #   $glarepp  the program: env GLAREPP, else build/glarepp

@@ -1,5 +1,6 @@
 #!/bin/sh
-# What is said: the report's fields, -q, -v, --progress, --help, --version.
+# Reports and messages: the report's fields, -q, -v, --progress, --help,
+# --version.
 . "$(dirname "$0")/lib.sh"
 need_python
 

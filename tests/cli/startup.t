@@ -1,5 +1,6 @@
 #!/bin/sh
-# What a run does not need is not loaded: neither time nor a package is lost.
+# A run does not load libraries that it does not need: no time is lost, and no
+# package is needed.
 . "$(dirname "$0")/lib.sh"
 need_python
 [ "$(uname)" = Linux ] || skip_all 'asks the dynamic loader of Linux'

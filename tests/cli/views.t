@@ -7,7 +7,7 @@ need_python
 [ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to make stereo files"
 no_provenance
 
-# What the tests ask of files:
+# Questions of the tests about files:
 #   make N           s.N.exr, parts rgba.left, rgba.right and depth of both; of
 #                    the same eyes m.N.exr, one multiView part; and left.N.exr
 #                    and right.N.exr, each eye alone

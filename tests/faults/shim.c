@@ -269,7 +269,7 @@ static bool alter_input(int fd, bool grow)
                    grow ? s.st_size + 4096 : s.st_size / 2) == 0;
 }
 
-/* What of `size` bytes the read may give; negative: none, it fails. */
+/* Bytes of `size` that the read may give; negative: it fails. */
 static ssize_t before_read(int fd, size_t size, const void *caller)
 {
     if (fails(KIND_read, caller))
@@ -315,7 +315,7 @@ ssize_t __pread_chk(int fd, void *to, size_t size, off_t at, size_t room)
     return n < 0 ? -1 : next(fd, to, (size_t) n, at);
 }
 
-/* What of `size` bytes may be written: the disk has room for nth - 1. */
+/* Bytes of `size` that may be written: the disk has room for nth - 1. */
 static ssize_t before_write(int fd, size_t size, const void *caller)
 {
     if (fd == STDERR_FILENO || !atomic_load(&counting) || !is_ours(caller))

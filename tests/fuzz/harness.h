@@ -1,4 +1,4 @@
-/* What the fuzz targets share: a log that checks its lines, a meter of the
+/* Shared by the fuzz targets: a log that checks its lines, a meter of the
  * heap, and the input as a file or a pipe.
  *
  * A target stands between fuzz_begin() and fuzz_end(). Every broken promise

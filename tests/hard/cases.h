@@ -8,7 +8,7 @@
 #include "io/grow.h"
 #include "sun/occluder.h"
 
-/* What the depth plane holds. Background and surfaces lie in blocks. */
+/* Contents of the depth plane. Background and surfaces are in blocks. */
 enum hard_depth {
     DEPTH_MIXED,    // near and far, 1e10, Inf, NaN, 0 beside each other
     DEPTH_ZERO,     // background 0

@@ -13,7 +13,7 @@
 
 #include <unistd.h>
 
-/* How a format holds a sample, and so what its error is counted in. */
+/* A format's form of samples, and so the unit of its error. */
 enum store { HALF_ULP, SAME_FLOAT, CODE, LOSSY };
 
 static const struct format {

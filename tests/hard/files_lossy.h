@@ -1,4 +1,4 @@
-/* What lossy EXR compressions may change, by what their encoders do. Each
+/* Limits of the change by lossy EXR compressions, from their encoders. Each
  * gives the largest error of `got`, a frame as it was read back, against f.lit,
  * or HARD_NO_BAR where a value is lost. Sources: OpenEXR 3.1.5,
  * ImfPxr24Compressor, ImfB44Compressor, ImfDwaCompressor. */

@@ -119,7 +119,7 @@ static void save(const char *path, const struct gp_stream *from)
     free(bytes);
 }
 
-/* What OpenImageIO makes of these codes of 8 bits, decoded. */
+/* These codes of 8 bits as OpenImageIO decodes them. */
 static struct hard_picture by_itself(const struct format *t,
                                      const struct hard_picture *codes)
 {

@@ -1,4 +1,4 @@
-/* What files.c and files_other.c share: what the right sample is, in double. */
+/* Shared by files.c and files_other.c: the right sample, in double. */
 #ifndef GP_TESTS_HARD_FILES_PLAIN_H
 #define GP_TESTS_HARD_FILES_PLAIN_H
 
@@ -16,7 +16,7 @@ static inline double hard_srgb(double v)
     return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
 }
 
-/* How far a code of `bits` bits is from that of a sample. */
+/* Distance of a code of `bits` bits from that of a sample. */
 static inline double hard_code_error(double got, float from, int bits)
 {
     const double max = (1 << bits) - 1;

@@ -11,7 +11,7 @@
  * of a sunny row adds up to. */
 static const double hard_flux[3] = {3e5, 2e5, 1e5};
 
-/* How much of the sun shows in the frame, by the row's depth. */
+/* The share of the sun that shows in the frame, by the row's depth. */
 static inline double hard_share(const struct hard_case *h, bool plain)
 {
     struct hard_sky s = hard_sky_make(h);

@@ -120,7 +120,7 @@ static inline struct gp_rect hard_frame_of(const struct hard_case *h,
 
 // -- plain sums ---------------------------------------------------------------
 
-/* What a pixel shows of a sun beyond everything. */
+/* The share of a sun beyond everything that a pixel shows. */
 static inline double hard_plain_show(const struct hard_sky *s, int planes,
                                      int x, int y)
 {

@@ -61,8 +61,8 @@ static double plain_scale(const struct way *w, const struct gp_frame *f)
     return fmin(fmax(scale, scale_min), scale_max);
 }
 
-/* What a curve sees of a pixel: negative light is none, but for those that
- * mix it into wider primaries first; no number is the lower end. */
+/* The light of a pixel that a curve gets: negative light is none, but for those
+ * that mix it into wider primaries first; NaN is the lower end. */
 static void plain_light(const struct way *w, const struct gp_frame *f,
                         double scale, size_t i, double out[3])
 {

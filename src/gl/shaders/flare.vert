@@ -2,7 +2,7 @@
 // light is hidden (Maughan 2002: the intensity map is fetched, and nothing is
 // read back).
 //
-// in   quads      five texels each, columns after columns of them:
+// in   quads      five texels each, quad after quad, row after row:
 //                 0  target pixels of the element's rect, before `tile`
 //                 1  first pixel's centre less the place; cosine and sine
 //                 2  radius of each channel; the light's number

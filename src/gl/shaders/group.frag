@@ -88,7 +88,7 @@ void main()
         float(bright) < fill * float(inside.x * inside.y))
         return;
 
-    // again about the mean, which takes its rounding away
+    // again about the mean, which cancels its rounding error
     vec2 mean = vec2(0.5 * float(side.x - 1));
     float spread = 0.0;
     if (sum.a > 0.0) {

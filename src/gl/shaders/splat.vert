@@ -14,7 +14,7 @@
 //      offset    target pixel at the corner of cell (0, 0)
 //      extent    columns and rows of the kernel
 //      centre    of the kernel, its whole part, in kernel pixels
-//      rest      what `centre` lacks: 0 or 1/2 each
+//      rest      the rest of the centre: 0 or 1/2 each
 //      form      x: vertices of a polygon, 6 for quads and 1 for points;
 //                y: 1 when polygons shrink
 //      view      corner of the view in target pixels
@@ -41,10 +41,10 @@ uniform ivec2 viewed;
 
 flat out vec3 light;    // of the polygon
 flat out ivec2 corner;  // target pixel of kernel pixel (0, 0)
-flat out vec2 fraction; // in [0, 1): the kernel lies so much right and below
+flat out vec2 fraction; // in [0, 1): of the kernel, right and below `corner`
 flat out ivec4 limits;  // first column and row, those after the last
 
-const int QUADS = 64; // of one instance; the same as in splat_draw.c
+const int QUADS = 64; // of one instance; the same as in splat/draw.c
 
 // Clip coordinates of a place in half pixels from the view's corner.
 vec4 clip_of_half(ivec2 twice)

@@ -1,5 +1,5 @@
 // The glare image on a point sprite: as splat_smooth.frag, but a sprite is a
-// square, so what lies beyond the polygon is not drawn.
+// square, so pixels outside the polygon are discarded.
 //
 // in   kernel    share of a polygon's light, in a border of one texel of 0
 //      light     of the polygon, scene-linear rgb

@@ -6,12 +6,12 @@
 //      centre  of the kernel, in its pixels
 //      most    cosine and sine of the angle, rounded to 1/1024: their products
 //              with whole pixels are exact
-//      least   what `most` lacks
+//      least   the rest of cosine and sine
 //      light   of the source, scene-linear rgb
 //      middle  target pixel of the source
 //      far     pixels from there that are drawn
 // out  scene-linear rgb to be added to the target; a is not used
-// CPU twin: turn.c
+// CPU twin: direct.c with the rotated kernel, gp_rotate()
 uniform sampler2D kernel;
 uniform ivec2 extent;
 uniform ivec2 centre;

@@ -14,7 +14,7 @@
 //      view      corner of the view in target pixels
 //      viewed    its size; the open quads that meet the target lie inside
 // out  quads around the kernel and its border of zeros
-// CPU twin: turn.c
+// CPU twin: direct.c with the rotated kernel, gp_rotate()
 uniform sampler2D sensors;
 layout(std140) uniform reaches
 {
@@ -34,7 +34,7 @@ flat out vec3 light;   // of the source
 flat out ivec2 middle; // target pixel of the source
 flat out int far;      // pixels from there that are drawn
 
-const int QUADS = 64;     // of one instance; the same as in splat_draw.c
+const int QUADS = 64;     // of one instance; the same as in splat/draw.c
 const float MORE = 0.125; // pixels; the rasterizer rounds to 1/256
 
 void main()

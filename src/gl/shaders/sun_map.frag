@@ -6,13 +6,13 @@
 //               scale of depth (EMPTY: no surface) and coverage, twice
 //      frame    columns and rows of the frame
 //      form     x: texels of a map's side; y: 1 a disc, 0 a square
-//      outside  x: share shown by what is outside the frame; y: its weight
+//      outside  x: share that shows outside the frame; y: its weight
 //      from sun_map.vert, the light's:
 //      place    centre x and y in pixels of the frame, each as the sum of two
 //               floats
 //      extent   radius as the sum of two floats; k (0: behind the camera);
 //               place at which surfaces are no longer nearer
-//      shift    what leads from a pixel of the frame to one of `pixels`
+//      shift    of a pixel of the frame to that of `pixels`
 //      corner   its map's first texel; PIXELS: less the frame's pixel there
 // out  r share shown times g, g weight
 // CPU twin: map_readback.c
@@ -54,7 +54,7 @@ const double NUDGE = 1.0lf / 1048576.0lf; // GP_SUN_NUDGE
 
 // Concentric map (Shirley and Chiu 1997) of [-1, 1]^2, without its axes, to
 // the unit disc: the angle is pi / 4 times t, whose sine and cosine are
-// Taylor's, exact to 1e-11 over the eighth of a turn that they are asked for.
+// Taylor's, exact to 1e-11 over an eighth of a turn.
 dvec2 disc_place(dvec2 p)
 {
     const double quarter = 0.78539816339744830962lf;
@@ -83,7 +83,7 @@ void main()
     double wide = 2.0lf / double(form.x * max(k, 1));
     vec2 sum = vec2(0.0);
     ivec2 at = ivec2(0);
-    // asks at its end: llvmpipe runs what follows a break once more, masked
+    // tested at its end: llvmpipe runs code after a break once more, masked
     do {
         dvec2 p = (dvec2(first + at) + 0.5lf) * wide - 1.0lf;
         if (form.y != 0)

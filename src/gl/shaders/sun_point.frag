@@ -7,7 +7,7 @@
 //   BYTE:
 //      scale  of the 8-bit sum: 1 / 255 for a map of 256 texels
 // out  to be added: r and g in 256ths, which add up exactly in a float target
-//      (65536 texels at most), and in b and a what is left of each.
+//      (65536 texels at most), and in b and a the rest of each.
 //      BYTE: r and g times scale, for an 8-bit target
 // CPU twin: map_readback.c
 uniform sampler2D atlas;

@@ -1,4 +1,4 @@
-// Intensity map from what the points have added up: one texel a light.
+// Intensity map from the sums of the points: one texel a light.
 //
 // in   sums   as sun_point.frag leaves them
 //      map    y: lights in a row of them

@@ -102,7 +102,7 @@ GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
     const struct gp_kernel *k, int c, struct gp_fft_shape *out);
 void gp_fft_shape_free(struct gp_fft_shape *s);
 
-/* Which samples of a layer may be noise where no light is. */
+/* The samples of a layer that may be noise where no light is. */
 struct gp_fft_noise {
     float most[3]; // of noise, by channels
     bool *row[3];  // whether a row may hold samples in (0, most]

@@ -1,4 +1,4 @@
-/* The model `aperture`: diffraction by a lens' iris and what is on the lens. */
+/* The model `aperture`: diffraction by a lens' iris and stains on the lens. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"

@@ -11,15 +11,15 @@
  * transform a channel; OTF_c(0) is 1, so no light is lost.
  *
  * A is linear between lags, as that of a pupil of square cells; I is divided by
- * what cells, and the means over them, take from its far parts. Pixels wider
- * than the finest light fold frequencies over their own back: two sparse
- * matrices take A's rows and columns to frequencies, and a matrix' row holds
- * all the lags that meet in one.
+ * the falloff of cells, and of means over them, in its far parts. Pixels wider
+ * than the finest light alias frequencies: two sparse matrices map A's rows and
+ * columns to frequencies, and a row of a matrix holds all the lags that fall on
+ * one frequency.
  *
- * The kernel is periodic: light from beyond N / 2 pixels comes back on the
- * other side. OTFs are means over steps of frequency by a hat, which multiplies
+* The kernel is periodic: light from beyond N / 2 pixels wraps to the other
+ * side. OTFs are means over steps of frequency by a hat, which multiplies
  * the unbounded kernel by sinc(x / N)^2 in x and y, and the result is divided
- * by it: what comes back to x from x - N is down to (x / (N - x))^2, a quarter
+ * by it: light that wraps to x from x - N is down to (x / (N - x))^2, a quarter
  * at the reach, a 25th at half of it, as N is three times the reach. */
 #include "core/cpu.h"
 #include "core/memory.h"
@@ -100,7 +100,7 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
     return st;
 }
 
-/* The first row whose frequency comes back as k of [0, period). */
+/* The first row whose frequency is k modulo the period. */
 static int first_row(const struct lag_matrix *m, int k)
 {
     return (k + m->edge) % m->period;
@@ -348,7 +348,7 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
 /* The pupil's cells, so that light up to `reach` degrees is resolved and its
  * path changes by under a sixteenth of a wave from cell to cell: the mean over
  * a cell is near its middle. Aberrations too strong for MOST_CELLS stay under
- * half a wave, where they are still told from others. */
+ * half a wave from cell to cell, where they do not alias. */
 static int cells_of(const struct gp_diffraction *d, double reach)
 {
     const double nm = d->nm > 0.0 ? d->nm : 450.0; // shorter ones are dim

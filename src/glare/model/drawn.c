@@ -93,7 +93,7 @@ const struct gp_model gp_model_gaussian = {
 // -- moffat -------------------------------------------------------------------
 
 /* (beta - 1) / (pi a^2) (1 + t^2 / a^2)^-beta, Moffat 1969 eq. 7: a blur with
- * wings, as air and emulsions make it. 1 over the plane; what lies beyond 90
+ * wings, as air and emulsions make it. 1 over the plane; light beyond 90
  * degrees is left out. */
 struct moffat {
     double a, beta, factor;
@@ -297,7 +297,8 @@ const struct gp_model gp_model_circle = {
  *   x      = pi d sin t / l
  *
  * an aureole and rings, blue inside and red outside. `radius` is the first
- * ring's at 550 nm, x = 5.1356; drops are `spread` apart, and from 2 to 3 radii on all fades. */
+ * ring's at 550 nm, x = 5.1356; drops are `spread` apart, and all
+ * fades between 2 and 3 radii. */
 enum { BANDS = 24, DROPS = 5 };
 struct halo {
     double size, spread, end; // of a drop: x is size sin t at 550 nm

@@ -115,7 +115,7 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
  *
  * where m has mean 1 over the circle, so that each circle keeps its light, and
  * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
- * be wide. What sums over pixels miss goes to the light's own pixel. */
+ * be wide. Light that sums over pixels miss goes to the light's own pixel. */
 enum { CIRCLE = 1 << 14 }; // steps of m
 static const double NEEDLE_END = 5.0, CONTRAST = 0.8;
 
@@ -154,7 +154,7 @@ static void make_circle(const struct gp_recipe *r, double sum[CIRCLE + 1])
                      CONTRAST * sum[i + 1] / total;
 }
 
-/* The sum up to a place in turns, on and on around the circle. */
+/* The sum up to a place, in turns, of any number of turns. */
 static double circle_sum(const double sum[CIRCLE + 1], double turns)
 {
     const double whole = floor(turns), at = (turns - whole) * CIRCLE;
@@ -185,7 +185,7 @@ static void free_needles(void *state)
     gp_free(s);
 }
 
-/* Breaks the corona of *shape up. */
+/* Makes needles of the corona of *shape. */
 static gp_status add_needles(const struct gp_log *log,
     const struct gp_recipe *r, const struct spencer *eye,
     const struct gp_field *f, struct gp_shape *shape)
@@ -296,8 +296,8 @@ const struct gp_model gp_model_spencer = {
  * even, so that no edge shows:
  *   10 / t^3 + (5 / t^2 + 0.1 p / t) (1 + (A/62.5)^4) + 0.0025 p
  *
- * The total is divided by its integral over the hemisphere; the general one is
- * what scatters, and the rest of 1 stays in its pixel. */
+ * The total is divided by its integral over the hemisphere; the general one
+ * is the scattered light only, and the rest of 1 stays in its pixel. */
 struct cie {
     double age, pigment, factor;
     bool general;

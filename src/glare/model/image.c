@@ -1,5 +1,5 @@
-/* An image as one of several recipes: what a lens was measured or painted to
- * leave of a point of light. */
+/* An image as one of several recipes: a lens' measured or painted picture of a
+ * point of light. */
 #include "core/memory.h"
 #include "glare/model/model_priv.h"
 

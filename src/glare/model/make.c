@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What a kernel was made of, for gp_kernel_whole(). */
+/* The recipes and the field of a kernel, for gp_kernel_whole(). */
 struct gp_kernel_origin {
     struct gp_recipe recipe[GP_RECIPES];
     int n;

@@ -7,17 +7,17 @@
 #include <stdint.h>
 #include <string.h>
 
-/* A model for one field: the light that a source of 1 leaves in each pixel. Both
- * are areas: a pixel shines evenly, so that a scene has one glare at all
+/* A model for one field: the light that a source of 1 leaves in each pixel.
+ * Both are areas: a pixel shines evenly, so that a scene has one glare at all
  * resolutions. */
 struct gp_shape {
     void *state;            // owned, freed by `free`
     void (*free)(void *state);
 
-    /* Integrals over the pixels of offsets (x, y) .. (x + n - 1, y), mean of all
-     * places in the light's pixel, n <= GP_SHAPE_STRIP, to out[c][0 .. n):
-     * about 1e-7 of the value, never point-sampled. Called from several threads; a pixel's value does not
-     * depend on the strip it is in. */
+    /* Integrals over the pixels of offsets (x, y) .. (x + n - 1, y), mean of
+     * all places in the light's pixel, n <= GP_SHAPE_STRIP, to out[c][0 .. n):
+     * about 1e-7 of the value, never point-sampled. Called from several
+     * threads; a pixel's value does not depend on the strip it is in. */
     void (*row)(const void *state, int x, int y, int n, double *const out[3]);
 
     bool grey;       // the three channels are equal: row writes out[0] only
@@ -106,8 +106,8 @@ typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
-/* A shape of a profile that is smooth but at 0. Fills all of `out` but `smooth`;
- * `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may bend on a
+/* A shape of a profile that is smooth but at 0. Fills all of `out` but
+ * `smooth`; `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may bend on a
  * scale of a few pixels. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
@@ -135,8 +135,8 @@ enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
 /* XYZ of light of one wavelength, nm. */
 void gp_spectrum_xyz(double nm, double xyz[3]);
 
-/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm, n up to
- * GP_BANDS: nm[i] is the middle of band i. Equal energy light is the primaries'
+/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm, n up
+ * to GP_BANDS: nm[i] is the middle of band i. Equal energy light is the primaries'
  * white: each channel's weights sum to 1. Out of gamut is folded in towards
  * grey at constant luminance, so that none is negative. */
 void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
@@ -174,7 +174,7 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
 
 // -- stain.c ------------------------------------------------------------------
 
-/* What covers a part of a pupil: a capsule around a line from one point to the
+/* A cover of a part of a pupil: a capsule around a line from one point to the
  * other, mm, that tapers; points alike: a disc. */
 struct gp_stain {
     double x[2], y[2], radius[2];

@@ -1,5 +1,5 @@
 /* The model `temporal`: diffraction by an eye's pupil, which changes in time,
- * and by what is in the eye: Ritschel, Ihrke, Frisvad, Coppens, Myszkowski,
+ * and by particles in the eye: Ritschel, Ihrke, Frisvad, Coppens, Myszkowski,
  * Seidel: Temporal Glare: Real-Time Dynamic Simulation of the Scattering in the
  * Human Eye, Eurographics 2009. */
 #include "core/memory.h"
@@ -84,8 +84,8 @@ static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
     gp_stain_row(e->stain, e->stains, p, y);
 }
 
-/* Particles of the lens and of what is before and behind it, which drift as the
- * eye moves. */
+/* Particles in the lens, before it and behind it, which drift as the eye
+ * moves. */
 static void add_particles(struct eye *e, int n, double t, uint64_t seed)
 {
     for (int k = 0; k < n; k++) {

@@ -284,7 +284,7 @@ static void free_radial(void *state)
     gp_free(t);
 }
 
-/* Room for squares of distances from `least` to `most`. */
+/* Allocates entries for squares of distances from `least` to `most`. */
 static gp_status make_table(const struct gp_log *log, int channels,
                             double least, double most, struct table *out)
 {

@@ -124,7 +124,7 @@ static void add_name(struct names *n, const char *name, const char *found,
     }
 }
 
-/* What it could have been, for the end of a line. */
+/* Fails with the names that it could have been at the end of the line. */
 static gp_status no_such(const struct gp_log *log, const char *text,
     const char *what, const char *found, const char *end, struct names *n)
 {

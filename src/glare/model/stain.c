@@ -1,4 +1,4 @@
-/* What lies on a lens or in an eye: dust, scratches, lashes. */
+/* Stains on a lens or in an eye: dust, scratches, lashes. */
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
@@ -6,8 +6,8 @@
 
 #define PI 3.14159265358979323846
 
-/* How much of a cell lies within `radius` of a line `away` from its middle, all
- * in cells. */
+/* The share of a cell within `radius` of a line `away` from its middle, all in
+ * cells. */
 static double cover(double radius, double away)
 {
     const double to = fmin(fmax(0.5 + radius - away, 0.0), 1.0);

@@ -61,7 +61,7 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
         z[2 * ((x + r->nx) % r->nx)] = row[x];
 }
 
-/* What the spline keeps of frequency f, in periods a step: `kept` of the band,
+/* The spline's transform at frequency f, in periods a step: `kept` in the band,
  * and the sum and the sum of squares of it and its images; all over its own
  * samples' transform. */
 static void keep_of(double f, double *kept, double *sum, double *square)

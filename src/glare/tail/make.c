@@ -65,8 +65,8 @@ struct sampling {
 };
 
 /* Beyond the offsets that frames meet the tail fades out over GP_TAIL_FADE
- * steps, so that it ends nowhere: nothing there is seen, and what the splines
- * and the transform leave is that of a smooth function all over. */
+ * steps, so that it has no edge: no frame shows that part, and the error of the
+ * splines and the transform is that of a smooth function everywhere. */
 static double fade(int i, int r)
 {
     const int past = abs(i) - (r - GP_TAIL_FADE);

@@ -13,8 +13,8 @@
  * sum, so that at whole steps the two splines give T itself. The middle sum is
  * a convolution of 1/64 of the pixels, by Fourier transforms.
  *
- * What that leaves is periodic in s on each axis: it moves light of one
- * frequency to those 1/s apart. For each frequency f of the coarse band let F
+ * The error is periodic in s on each axis: it moves light of one frequency to
+ * those 1/s apart. For each frequency f of the coarse band let F
  * be T's samples' transform, times s^2, beta what the splines keep of it, and
  * eps and eta the 2-norm and sum of what they let through of its images, 1/s
  * apart. Then by Parseval the error's norm is at most
@@ -32,7 +32,7 @@
 
 #include <stdbool.h>
 
-/* Where a kernel becomes its tail. */
+/* The distances at which a kernel becomes its tail. */
 struct gp_tail_split {
     double from, to; // pixels from the centre: only core, only tail
     int step;        // of the coarse grid; 0: no tail, all is core
@@ -44,7 +44,8 @@ struct gp_tail_split {
 struct gp_tail_split gp_tail_choose(double smooth, int w, int h);
 
 /* The tail's share of the sample at offset (x, y), in [0, 1]; the core's is 1
- * less that. A step of degree 11 in the distance, with five derivatives. */
+ * less that. A step of degree 11 in the distance; five derivatives are
+ * continuous. */
 double gp_tail_share(const struct gp_tail_split *s, int x, int y);
 
 /* The whole kernel's sample at offset (x, y), >= 0; out[0] only where grey. */

@@ -360,7 +360,7 @@ struct gp_exr_header {
     bool full;      // memory ran out
 };
 
-/* Which attributes of the input a part gets. */
+/* The attributes of the input that a part gets. */
 enum gp_exr_kept {
     GP_EXR_KEEP_ALL,       // --hdr: the frame as it was, with glare
     GP_EXR_KEEP_CONVERTED, // the same in another colour space

@@ -1,4 +1,4 @@
-/* Starts, limits and asks helpers; see io/oiio/oiio.h and protocol.h. */
+/* Starts, limits and queries helpers; see io/oiio/oiio.h and protocol.h. */
 #include "io/oiio/oiio.h"
 
 #include "core/bridge.h"

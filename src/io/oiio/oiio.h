@@ -78,7 +78,7 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * what --type says, and without it floats for a scene-linear picture and
  * --depth-bits for one to be shown. All show the display window. Radiance HDR
  * holds three mantissas and an exponent: the nearest of those are stored, NaN
- * and negative values as 0, what lies beyond as the largest. GP_ALPHA_KEEP
+ * and negative values as 0, larger values as the largest. GP_ALPHA_KEEP
  * keeps alpha in TIFF, TGA, WebP and SGI; others are over black. SGI does not
  * define it, and readers take it as associated: colour is that over black. */
 GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,

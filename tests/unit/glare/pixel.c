@@ -69,7 +69,7 @@ static void no_light_where_no_light_reaches(void **state)
 
 enum support { FULL, DISC, HOLLOW, SPECKLED, ROWS, SUPPORTS };
 
-/* Whether a kernel of n x m samples is not 0 at (x, y). */
+/* True where a kernel of n x m samples is not 0 at (x, y). */
 static bool in_support(enum support s, int x, int y, int n, int m, float dense,
                        uint32_t *seed)
 {

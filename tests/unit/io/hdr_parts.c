@@ -1,6 +1,6 @@
-/* What --hdr keeps when layers and parts are made anew: bits of carried
- * channels in every lossless compression, chunks of other parts, and all of
- * real frames. */
+/* --hdr with layers and parts made again keeps the bits of carried channels in
+ * every lossless compression, the chunks of other parts, and all of real
+ * frames. */
 #include "unit.h"
 #include "exr_fixture.h"
 #include "write_fixture.h"

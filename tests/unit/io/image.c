@@ -91,7 +91,7 @@ static void values_outside(void **state)
     gp_frame_free(&f);
 }
 
-/* Which channels are the colour. */
+/* Channels that are the colour. */
 static void names(void **state)
 {
     static const struct {

@@ -1,5 +1,5 @@
-/* Which layer, part and view of a file is the frame: every way of naming one,
- * and the lines for names that are not there. */
+/* The layer, part and view of a file that is the frame: every way of naming
+ * one, and the lines for names that do not exist. */
 #include "unit.h"
 #include "exr_fixture.h"
 #include "reading.h"

@@ -25,7 +25,7 @@ static char folder[] = "/tmp/glarepp-helper-XXXXXX";
 
 // -- a helper that is made up -----------------------------------------------
 
-/* What it says of a picture of W x H x 1, whose samples are its process. */
+/* Its reply about a picture of W x H x 1, whose samples are its process. */
 static const struct gp_oiio_reply sound = {
     .protocol = GP_OIIO_PROTOCOL, .bytes = 10, .spec = {
         .w = W, .h = H, .channels = 1, .block = BLOCK, .attributes = 1,

@@ -42,7 +42,7 @@ static struct gp_image picture(float *pixels, int channels, const char *space)
 
 // -- out and in again ---------------------------------------------------------
 
-/* What is written with a curve comes back without it. */
+/* Pictures that are written with a curve come back without it. */
 static void written_formats_come_back(void **state)
 {
     static const struct {

@@ -1,4 +1,4 @@
-/* What tests of io/plane share: a file with parts, and a check of a plane
+/* Shared by the tests of io/plane: a file with parts, and a check of a plane
  * against the fixture's formula. */
 #ifndef PLANE_FIXTURE_H
 #define PLANE_FIXTURE_H

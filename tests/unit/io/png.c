@@ -157,8 +157,8 @@ static void alpha_keeps_light(void **state)
     gp_frame_free(&f);
 }
 
-/* What OpenImageIO would put in: the time into TIFF, its stack into SGI, the
- * number of a descriptor into DPX. */
+/* OpenImageIO would write the time into TIFF, its stack into SGI, the number of
+ * a descriptor into DPX. */
 static void bytes_hold_no_time_and_no_memory(void **state)
 {
     static const struct {

@@ -118,8 +118,8 @@ static size_t put_rows(uint8_t *to, int samples, int bits, const int size[2],
     return (size_t) (to - start);
 }
 
-/* What a reader must make of a pixel, by PNG's rules; codes of 8 or 16 bits.
- * Returns how many channels there are. */
+/* The codes of 8 or 16 bits that PNG's rules give for a pixel. Returns the
+ * number of channels. */
 static int expected(int type, int bits, const char *transparent, int x, int y,
                     unsigned code[4])
 {
