@@ -68,7 +68,7 @@ UNIT_BIN := $(UNIT_ROOMS:%=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 
 CHECKS := check-headers check-house check-symbols check-man \
-          check-manual check-tidy check-cppcheck
+          check-manual check-clang check-tidy check-cppcheck
 
 .PHONY: all help demo check check-built check-all check-alone check-asan check-ubsan check-tsan check-valgrind \
         coverage coverage-run $(CHECKS) lint hardcases hardcases-manual bench man install uninstall deb deps clean
@@ -321,6 +321,22 @@ check-manual: $(B)/tests/hardcases ## checks that the manual has every hard case
 	    grep -qF "| $$name |" man/hardcases.md || \
 	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
+
+# The warnings of clang, over sources and tests, by a build's flags
+CLANG_CC = printf '%s\n' $(1) | xargs -P2 -n16 $(CLANG) -fsyntax-only $(2)
+CLANG_C = $(call CLANG_CC,$(1),-std=c11 $(WARN) $(DEFS) -Isrc \
+          $(call pc,--cflags,$(PACKAGES)) $(2))
+CLANG_CXX = $(call CLANG_CC,$(1),-std=c++17 -Wall -Wextra -Werror -Isrc \
+            $(patsubst -I%,-isystem%,$(2)))
+check-clang: ## compiles sources, tests and benches with clang, for its warnings
+	@test -n "$(CLANG)" || { echo "skipped: no clang"; exit 0; }; \
+	$(call CLANG_C,$(SRC)) && \
+	$(call CLANG_C,$(UNIT) $(UNIT_COMMON:$(B)/tests/obj/%.o=tests/unit/%.c) \
+	    $(HARD) $(wildcard tests/faults/*.c),$(UNIT_CFLAGS)) && \
+	$(call CLANG_C,$(wildcard tests/bench/*.c tests/fuzz/*.c),-Itests/fuzz) && \
+	$(call CLANG_CXX,$(BRIDGE_SRC),$(call pc,--cflags,OpenImageIO)) && \
+	$(call CLANG_CXX,$(OCIO_SRC),$(call pc,--cflags,OpenColorIO)) && \
+	$(call CLANG_CXX,tests/bench/plain.cpp,$(call pc,--cflags,OpenEXR))
 
 # clang-tidy and cppcheck. `make lint` runs all checks; `make check` leaves out
 # clang's analyzer, which takes ten times as long as the rest

@@ -150,7 +150,7 @@ static int compare(struct gp_frame *f, const struct gp_kernel *k,
         if (!st)
             st = gp_glare_run(&stage_log, &params, &g, &src, k, f, &stats);
         if (st)
-            return st;
+            return (int) st;
         const double a = gp_now_ms() - t;
         gp_sources_free(&src);
         settle();
@@ -195,7 +195,7 @@ int main(int argc, char **argv)
     if (!st)
         st = gp_kernel_from_frame(&stage_log, &kernel, &image, &k);
     if (st)
-        return st;
+        return (int) st;
     struct plain p = {.w = atoi(argv[3]), .h = atoi(argv[4])};
     // the plain form is always at its best: measured plans
     plain_open(&p, &k, FFTW_MEASURE);

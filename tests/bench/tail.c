@@ -131,5 +131,5 @@ int main(int argc, char **argv)
         st = compare(&r, runs < 1 ? 1 : runs > MOST_RUNS ? MOST_RUNS : runs,
                      argv[i]);
     gp_recipe_free(&r);
-    return st;
+    return (int) st;
 }

@@ -30,9 +30,10 @@ struct seen {
 };
 
 /* A different pause for each step, the same in every run. */
-static void pause_a_little(int unit, int phase)
+static void pause_a_little(int unit, enum gp_phase phase)
 {
-    const unsigned mixed = (unsigned) (unit * 7 + phase * 3 + 1) * 2654435761u;
+    const unsigned mixed = ((unsigned) unit * 7 + (unsigned) phase * 3 + 1) *
+                           2654435761u;
     const struct timespec t = {0, (long) (mixed >> 16 & 0x3f) * 8000};
     nanosleep(&t, NULL);
 }

@@ -145,16 +145,18 @@ static void json_is_whole_or_null(void **state)
 static void statuses_have_texts(void **state)
 {
 #define ROW(name, code, text) {name, code, text},
-    static const struct { int status, code; const char *text; } rows[] = {
+    static const struct { gp_status status; int code; const char *text; }
+        rows[] = {
         GP_STATUS_LIST(ROW) };
 #undef ROW
     for (size_t i = 0; i < COUNT(rows); i++) {
         assert_int_equal(rows[i].status, rows[i].code);
-        assert_string_equal(gp_status_text(rows[i].code), rows[i].text);
+        assert_string_equal(gp_status_text(rows[i].status), rows[i].text);
     }
     static const int others[] = {-1, 1, 7, 69, 71, 255, INT_MAX, INT_MIN};
     for (size_t i = 0; i < COUNT(others); i++)
-        assert_string_equal(gp_status_text(others[i]), "unknown status");
+        assert_string_equal(gp_status_text((gp_status) others[i]),
+                            "unknown status");
 }
 
 static void bridges_are_looked_for(void **state)

@@ -519,7 +519,8 @@ static void primaries(void **state)
 {
     struct gp_frame f = wf_sized(4, 4, wf_rgb);
     for (int other = 0; other < 2; other++) {
-        for (int kind = GP_PICTURE_SCENE; kind <= GP_PICTURE_SHOWN; kind++) {
+        for (enum gp_picture_kind kind = GP_PICTURE_SCENE;
+             kind <= GP_PICTURE_SHOWN; kind++) {
             f.chromaticities[0] = other ? 0.7f : 0.64f;
             assert_ok(wf_write(NULL, "a.exr", &f, kind));
             struct gp_frame b = wf_read_back("a.exr");

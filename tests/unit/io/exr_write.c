@@ -75,7 +75,8 @@ static void every_compression(void **state)
         for (int k = 0; row[i].list == wf_rgb && k < 3; k++)
             memset(f.rgb.c[k] + 32, 0, 32 * sizeof(float));
         for (int c = 0; c <= wf_last_compression(); c++) {
-            for (int type = GP_OUT_AUTO; type <= GP_OUT_FLOAT; type++) {
+            for (enum gp_out_type type = GP_OUT_AUTO; type <= GP_OUT_FLOAT;
+                 type++) {
                 struct gp_frame b = wf_trip(&f, c, type);
                 assert_int_equal(b.colour_type, type == GP_OUT_FLOAT
                                                     ? GP_FLOAT : GP_HALF);
@@ -185,7 +186,8 @@ static void automatic_type_and_compression(void **state)
     };
     struct gp_frame made = wf_sized(33, 40, wf_all);
     for (size_t i = 0; i < COUNT(row); i++) {
-        for (int type = GP_OUT_HALF; type <= GP_OUT_FLOAT; type++) {
+        for (enum gp_out_type type = GP_OUT_HALF; type <= GP_OUT_FLOAT;
+             type++) {
             struct gp_frame a = wf_trip(&made, row[i][0], type);
             struct gp_frame b = wf_trip(&a, GP_COMPRESSION_AUTO, GP_OUT_AUTO);
             assert_int_equal(b.colour_type, a.colour_type);
@@ -419,7 +421,7 @@ static void lossy_channels(void **state)
     static const char *const last[] = {"A", "B", "BY", "G", "R", "RY", "Y",
                                        "Z", "r", "red", "x"};
     enum { LAST = COUNT(last) };
-    for (int type = GP_UINT; type <= GP_FLOAT; type++) {
+    for (enum gp_pixel_type type = GP_UINT; type <= GP_FLOAT; type++) {
         char name[LAST][16];
         struct wf_channel list[LAST + 4];
         memcpy(list, wf_rgb, sizeof wf_rgb);

@@ -337,7 +337,8 @@ static int start(void **state)
     for (size_t i = 0; i < COUNT(texts); i++)
         fixture_save(wf_path(texts[i].name), texts[i].text,
                      strlen(texts[i].text));
-    return gp_read_frame(NULL, &limits, wf_path("parts.exr"), &from_parts);
+    return (int) gp_read_frame(NULL, &limits, wf_path("parts.exr"),
+                               &from_parts);
 }
 
 static int end(void **state)

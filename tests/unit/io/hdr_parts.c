@@ -103,7 +103,8 @@ static void carried_bits(void **state)
     struct gp_frame made = wf_frame(window, window, mixed);
     wf_fill_bits(&made, false);
     for (int c = GP_COMPRESSION_NONE; c <= GP_COMPRESSION_PIZ; c++) {
-        for (int type = GP_OUT_AUTO; type <= GP_OUT_FLOAT; type++) {
+        for (enum gp_out_type type = GP_OUT_AUTO; type <= GP_OUT_FLOAT;
+             type++) {
             struct gp_write_params p = GP_WRITE_DEFAULTS;
             p.compression = c;
             p.type = type;

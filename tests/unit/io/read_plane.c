@@ -455,7 +455,7 @@ static void planes_of_other_formats(void **state)
             assert_string_equal(p.name, image.channel_name[c]);
             for (int k = 0; k < N; k++)
                 assert_float_equal(p.v[k], v[k * n + c],
-                                   real ? 0.0f : 0.5f / row[i].scale);
+                                   (real ? 0.0f : 0.5f / row[i].scale));
             gp_plane_free(&p);
         }
         assert_int_equal(read_plane("Z", true, &p), GP_ERR_USAGE);

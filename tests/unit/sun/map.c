@@ -101,7 +101,8 @@ static void maps_equal_the_reference(void **state)
         make_frame(&f, window, k % 4, 1 + k % 3);
         for (int i = 0; i < machine_count; i++) {
             const struct gp_map_params p = {
-                .pattern = k % 8 / 4, .outside = k / 8,
+                .pattern = (enum gp_sun_pattern) (k % 8 / 4),
+                .outside = (enum gp_sun_outside) (k / 8),
                 .side = sizes[(k + 4 * i) % 9],
             };
             try_params(machine_at(i), &f, p);
@@ -206,7 +207,9 @@ static void many_equal_single_ones(void **state)
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 3 * machine_count; k++) {
         struct machine *const m = machine_at(k / 3);
-        const struct gp_map_params p = {.side = 16, .sum = k % 3};
+        const struct gp_map_params p = {
+            .side = 16, .sum = (enum gp_sun_sum) (k % 3),
+        };
         struct gp_light all[N];
         for (int i = 0; i < N; i++)
             all[i] = light_at(-45.0 + 170.0 * uniform01(),
@@ -314,7 +317,8 @@ static void readback_is_a_plain_count(void **state)
     for (int k = 0; k < 24 * machine_count; k++) {
         struct machine *const m = machine_at(k / 24);
         const struct gp_map_params p = {
-            .side = 16, .pattern = k % 2, .outside = k / 2 % 3,
+            .side = 16, .pattern = (enum gp_sun_pattern) (k % 2),
+            .outside = (enum gp_sun_outside) (k / 2 % 3),
         };
         struct sun_frame f;
         struct gp_light l[N];
@@ -365,7 +369,7 @@ static void ends_of_the_scale(void **state)
         for (int method = 0; method < 3; method++) {
             const struct gp_map_params p = {
                 .side = 16, .outside = rows[k % 9].outside,
-                .pattern = method % 2,
+                .pattern = (enum gp_sun_pattern) (method % 2),
             };
             struct gp_light l = light_at(rows[k % 9].x, 32.0, 5.0);
             l.behind = l.x == 99.0;
