@@ -109,7 +109,7 @@ static gp_status run_bench(const struct gp_log *log,
     gp_status st = gp_wanted_kernel_read(log, s, &wanted);
     if (st)
         return st;
-    const struct gp_bench_job job = {
+    const struct gp_bench_request job = {
         .params = &s->bench,
         .input = input,
         .default_kernel = !gp_option_given(s, "kernel"),
@@ -213,7 +213,7 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
         return GP_ERR_BUG;
     struct gp_write_params write = s->write;
     write.command = command;
-    const struct gp_compare_job job = {
+    const struct gp_compare_request job = {
         .params = &s->compare,
         .input = {s->inputs.at[0], s->inputs.at[1]},
         .frames = s->frames,

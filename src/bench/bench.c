@@ -19,7 +19,7 @@ static const double ROW_MS = 15e3;  // no further run is started after this
 /* A frame, and the exact layer that its rows are compared with. */
 struct bench {
     const struct gp_log *log;
-    const struct gp_bench_job *job;
+    const struct gp_bench_request *req;
     const struct gp_kernel *kernel;
     struct gp_frame *f;
     struct gp_sources src;
@@ -56,7 +56,7 @@ static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
 {
     struct gp_sources src = {0};
     const double start = gp_now_ms();
-    gp_status st = gp_sense(&t->log, t->b->job->sensor, f, &src);
+    gp_status st = gp_sense(&t->log, t->b->req->sensor, f, &src);
     const double middle = gp_now_ms();
     if (!st)
         st = gp_glare_run(&t->log, &t->params, &t->glare, &src,
@@ -144,13 +144,13 @@ static gp_status time_row(struct trial *t)
     const struct bench *const b = t->b;
     struct gp_bench_row *const row = t->row;
     struct gp_glare_stats stats = {0};
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .log = &t->log, .params = &t->params, .src = &b->src,
         .kernel = b->kernel, .layer = &b->f->layer, .stats = &stats,
     };
     // auto chooses what is fast; the work of fft does not grow with the sources
     const double expected = !t->engine || t->engine == &gp_engine_fft
-                                ? 0.0 : t->engine->predict(&job, NULL).ms;
+                                ? 0.0 : t->engine->predict(&req, NULL).ms;
     gp_status st = GP_OK;
     if (expected > LONG_MS)
         st = run_part(t, expected > 10.0 * PART_MS ? 100 : 10);
@@ -158,7 +158,7 @@ static gp_status time_row(struct trial *t)
         // the whole frame's bound, where the engine has one without a run
         row->bound = NAN;
         if (!st && t->engine && t->engine->bound)
-            st = t->engine->bound(&job, &t->glare.state[t->state], &row->bound);
+            st = t->engine->bound(&req, &t->glare.state[t->state], &row->bound);
         return st;
     }
     row->extrapolated = false; // faster than predicted
@@ -166,7 +166,7 @@ static gp_status time_row(struct trial *t)
     st = run_once(t, b->f, &r);
     double total = row->ms_first = t->ms[0] = r.ms;
     int n = 0;
-    while (!st && n < b->job->params->runs && total < ROW_MS) {
+    while (!st && n < b->req->params->runs && total < ROW_MS) {
         st = run_once(t, b->f, &r);
         total += t->ms[n++] = r.ms;
     }
@@ -185,15 +185,15 @@ static gp_status time_row(struct trial *t)
 /* Composes and tone maps f->layer. */
 static gp_status show_layer(const struct bench *b)
 {
-    gp_status st = gp_compose(b->log, b->job->compose, &b->src, b->f);
-    return st ? st : gp_tone_map(b->log, b->job->tone, b->f, NULL);
+    gp_status st = gp_compose(b->log, b->req->compose, &b->src, b->f);
+    return st ? st : gp_tone_map(b->log, b->req->tone, b->f, NULL);
 }
 
 static gp_status run_technique(const struct bench *b, double *ms,
     const struct gp_bench_technique *technique, struct gp_bench_row *row)
 {
     struct trial t = {
-        .b = b, .params = *b->job->glare, .row = row, .ms = ms,
+        .b = b, .params = *b->req->glare, .row = row, .ms = ms,
         .log = {keep_line, row, GP_LEVEL_ERROR},
     };
     t.params.engine = technique->engine;
@@ -207,8 +207,8 @@ static gp_status run_technique(const struct bench *b, double *ms,
     gp_status st = time_row(&t);
     if (!st && !row->extrapolated) {
         gp_glare_measure(
-            b->f, &b->f->layer, b->exact, b->job->compose->gain,
-            b->job->compose->mix == GP_MIX_SCATTER ? &b->src : NULL,
+            b->f, &b->f->layer, b->exact, b->req->compose->gain,
+            b->req->compose->mix == GP_MIX_SCATTER ? &b->src : NULL,
             &row->error);
         row->measured = true;
         if (b->shown.c[0])
@@ -249,9 +249,9 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     gp_status st;
     const size_t n = gp_frame_pixels(b->f);
     double *ms = NULL;
-    GP_TRY(gp_alloc(b->log, "times", (size_t) b->job->params->runs, sizeof *ms,
+    GP_TRY(gp_alloc(b->log, "times", (size_t) b->req->params->runs, sizeof *ms,
                     &ms));
-    GP_TRY(gp_sense(b->log, b->job->sensor, b->f, &b->src));
+    GP_TRY(gp_sense(b->log, b->req->sensor, b->f, &b->src));
     out->width = gp_frame_w(b->f);
     out->height = gp_frame_h(b->f);
     out->sources = (long long) b->src.n;
@@ -262,7 +262,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
     }
     // FLIP judges the tone-mapped composite, not light
-    if (b->src.n > 0 && strcmp(b->job->tone->curve, "none") != 0) {
+    if (b->src.n > 0 && strcmp(b->req->tone->curve, "none") != 0) {
         for (size_t i = 0; i < 3 * n; i++)
             b->f->layer.c[i / n][i % n] = (float) b->exact[i];
         GP_TRY(show_layer(b));
@@ -277,7 +277,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
             .name = technique->name, .share = 1.0, .bound = NAN, .flip = NAN,
             .why = "no pixel is over the threshold",
         };
-        gp_bench_options(technique, b->job->glare->tolerance, row->options,
+        gp_bench_options(technique, b->req->glare->tolerance, row->options,
                          sizeof row->options);
         if (b->src.n == 0) {
             gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
@@ -298,31 +298,32 @@ out:
 
 /* The field of a frame as the main job has it: by --fov, by a camera, else of
  * the usual angle. */
-static struct gp_field field_of(const struct gp_bench_job *job,
+static struct gp_field field_of(const struct gp_bench_request *req,
                                 const struct gp_suns *suns,
                                 const struct gp_frame *f)
 {
     struct gp_sun_about about = {0};
-    double fov = job->fov;
-    if (!(fov > 0.0) && !job->params->paper) {
-        job->reader->about(job->reader->user, f, &about);
+    double fov = req->fov;
+    if (!(fov > 0.0) && !req->params->paper) {
+        req->reader->about(req->reader->user, f, &about);
         fov = gp_suns_fov(suns, &about, f);
     }
     struct gp_field field = gp_field_of(f, fov > 0.0 ? fov : GP_USUAL_FOV);
-    field.rotate = (double) job->kernel->rotate;
+    field.rotate = (double) req->kernel->rotate;
     return field;
 }
 
-gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
+gp_status gp_bench_run(const struct gp_log *log,
+                       const struct gp_bench_request *req)
 {
     gp_status st;
-    const struct gp_bench_params *const p = job->params;
-    const bool paper = p->paper, own = paper && job->default_kernel;
-    const char *const source = own ? "streaks" : job->kernel_name;
+    const struct gp_bench_params *const p = req->params;
+    const bool paper = p->paper, own = paper && req->default_kernel;
+    const char *const source = own ? "streaks" : req->kernel_name;
     const char *const files[] = {p->csv, p->json, p->plot};
     struct gp_kernel kernel = {0};
     struct gp_frame f = {0};
-    struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
+    struct bench b = {.log = log, .req = req, .kernel = &kernel, .f = &f};
     struct gp_bench_table table = {.runs = p->runs};
     struct gp_suns suns = {0}; // for the camera
     char *answer;
@@ -341,25 +342,25 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
         GP_TRY(gp_gnuplot(log, "exit\n", &answer, &n));
         free(answer);
     }
-    if (gp_suns_wanted(job->sun))
-        return gp_bench_sun(log, job);
-    GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &suns));
+    if (gp_suns_wanted(req->sun))
+        return gp_bench_sun(log, req);
+    GP_TRY(gp_suns_begin(log, req->sun, req->glare->gl, req->reader, &suns));
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
                                       GP_PAPER_H, &f)
-                     : gp_read_frame(log, job->read, job->input, &f));
+                     : gp_read_frame(log, req->read, req->input, &f));
         // the kernel given, else the paper's own
         struct gp_frame image = {0};
-        const struct gp_field field = field_of(job, &suns, &f);
+        const struct gp_field field = field_of(req, &suns, &f);
         gp_kernel_free(&kernel);
         if (own)
             GP_TRY(gp_paper_kernel(log, GP_PAPER_KERNEL, &image));
-        st = !own && job->recipes
-                 ? gp_model_kernel(log, job->recipe, job->recipes, &field,
+        st = !own && req->recipes
+                 ? gp_model_kernel(log, req->recipe, req->recipes, &field,
                                    &kernel)
-                 : gp_kernel_from_frame(log, job->kernel,
-                                        own ? &image : job->kernel_image,
+                 : gp_kernel_from_frame(log, req->kernel,
+                                        own ? &image : req->kernel_image,
                                         &kernel);
         gp_frame_free(&image);
         GP_TRY(st);
@@ -368,7 +369,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
         out->kernel_w = kernel.w;
         out->kernel_h = kernel.h;
         out->kernel_left_out =
-            !own && job->recipes ? kernel.left_out : (double) NAN;
+            !own && req->recipes ? kernel.left_out : (double) NAN;
         out->paper = paper ? &gp_paper_rates[i] : NULL;
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));

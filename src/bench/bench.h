@@ -23,7 +23,7 @@ struct gp_bench_params {
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
 /* A run; all is borrowed. */
-struct gp_bench_job {
+struct gp_bench_request {
     const struct gp_bench_params *params;
     const char *input;         // not with params->paper
     bool default_kernel;       // no --kernel: --paper brings its own
@@ -56,6 +56,6 @@ struct gp_bench_job {
  * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when
  * gnuplot, which --plot needs, is not installed or fails. */
 GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
-                                     const struct gp_bench_job *job);
+                                     const struct gp_bench_request *req);
 
 #endif

@@ -160,6 +160,6 @@ GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
  * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A
  * method that cannot run is a row that says why. */
 GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
-                                     const struct gp_bench_job *job);
+                                     const struct gp_bench_request *req);
 
 #endif

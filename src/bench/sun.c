@@ -28,7 +28,7 @@ struct row {
 
 struct bench {
     const struct gp_log *log;
-    const struct gp_bench_job *job;
+    const struct gp_bench_request *req;
     struct gp_frame frame;
     struct gp_suns suns;
     double *exact;         // visibility of each light
@@ -48,7 +48,7 @@ static void make_rows(struct bench *b)
     for (int i = 0; i < ROWS; i++) {
         struct row *const r = &b->row[i];
         struct gp_map_params *const m = &r->p.map;
-        r->p = *b->job->sun;
+        r->p = *b->req->sun;
         r->p.method = i == 0 ? GP_SUN_EXACT : i == 1 ? GP_SUN_READBACK
                                                      : GP_SUN_MASK;
         m->sum = i < MASK ? GP_SUM_FLOAT : (enum gp_sun_sum) ((i - MASK) % 3);
@@ -116,7 +116,7 @@ static gp_status measure_row(struct bench *b, struct row *r)
 {
     const struct gp_log log = {keep_line, r, GP_LEVEL_ERROR};
     gp_status st;
-    const int runs = b->job->params->runs;
+    const int runs = b->req->params->runs;
     GP_TRY(time_runs(b, &log, r, 1, 1, &r->first));
     GP_TRY(time_runs(b, &log, r, runs, FLIGHT, &r->flight));
     GP_TRY(time_runs(b, &log, r, runs, 1, &r->ms));
@@ -154,7 +154,7 @@ static void print_table(const struct bench *b)
            "median of %d runs, %d threads\n", b->frame.path,
            gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
            b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
-           b->job->params->runs, gp_threads());
+           b->req->params->runs, gp_threads());
     printf("  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method", "ms",
         "min", "max", "first", "in flight", "visible", "mean error", "worst");
     for (int i = 0; i < ROWS; i++) {
@@ -220,27 +220,28 @@ static gp_status save_json(const struct bench *b, const char *path)
     }
     json_t *const all = json_pack("{so si si si so}", "input",
         gp_json_name(b->frame.path), "lights", b->suns.n, "runs",
-        b->job->params->runs, "threads", gp_threads(), "rows", rows);
+        b->req->params->runs, "threads", gp_threads(), "rows", rows);
     return gp_bench_save_json(b->log, all, path);
 }
 
-gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
+gp_status gp_bench_sun(const struct gp_log *log,
+                       const struct gp_bench_request *req)
 {
     gp_status st;
-    const struct gp_bench_params *const p = job->params;
-    struct bench b = {.log = log, .job = job};
+    const struct gp_bench_params *const p = req->params;
+    struct bench b = {.log = log, .req = req};
     if (p->plot)
         return gp_fail(log, GP_ERR_USAGE,
             "--plot: cannot plot the sun's table; use --csv or --json");
-    GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &b.suns));
-    GP_TRY(gp_read_frame(log, job->read, job->input, &b.frame));
-    GP_TRY(gp_suns_place(log, job->reader, &b.frame, &b.suns));
+    GP_TRY(gp_suns_begin(log, req->sun, req->glare->gl, req->reader, &b.suns));
+    GP_TRY(gp_read_frame(log, req->read, req->input, &b.frame));
+    GP_TRY(gp_suns_place(log, req->reader, &b.frame, &b.suns));
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof *b.exact,
                          &b.exact));
     GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     if (!b.suns.n)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-               "%s: no lights; add one, or give --sun", job->sun->lights));
+               "%s: no lights; add one, or give --sun", req->sun->lights));
     make_rows(&b);
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));

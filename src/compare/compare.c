@@ -27,7 +27,7 @@ struct row {
 /* A run, and its present pair. */
 struct run {
     const struct gp_log *log;
-    const struct gp_compare_job *job;
+    const struct gp_compare_request *req;
     struct gp_compare_names names;
     FILE *json;                    // NULL: not wanted
     bool full;                     // a line of it could not be written
@@ -41,7 +41,7 @@ struct run {
 /* True when the figures are printed for readers. */
 static bool prints(const struct run *r)
 {
-    return r->log->level != GP_LEVEL_ERROR && !gp_is_dash(r->job->json);
+    return r->log->level != GP_LEVEL_ERROR && !gp_is_dash(r->req->json);
 }
 
 // -- text --------------------------------------------------------------------
@@ -241,7 +241,7 @@ static void report_pair(struct run *r, enum gp_compare_result result,
         free(text);
     }
     if (prints(r) && in_full(r)) {
-        print_block(row, r->job->params);
+        print_block(row, r->req->params);
     } else if (prints(r)) { // one line, for a frame of a sequence
         const struct gp_compare_figures *const f = row->figures;
         printf("%d", row->frame);
@@ -280,12 +280,12 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     struct gp_compare_flip flip = {0};
     char *name = NULL;
     bool unwritten = false;
-    const struct gp_compare_params *const p = r->job->params;
+    const struct gp_compare_params *const p = r->req->params;
     GP_TRY(gp_compare_match_make(r->log, a, b, &m));
     // windows far apart would make a union much larger than both files
     const long long w = (long long) m.window.x1 - m.window.x0;
     const long long h = (long long) m.window.y1 - m.window.y0;
-    const long long most = r->job->read->max_pixels;
+    const long long most = r->req->read->max_pixels;
     if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
         GP_TRY(gp_fail(r->log, GP_ERR_DATA, "%s: its window and that of %s are "
                        "too far apart (%lld x %lld pixels over both, at most "
@@ -295,7 +295,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     GP_TRY(gp_compare_flip(r->log, p, &m, &flip));
     if (p->heatmap && !r->drawn && flip.known) {
         GP_TRY(name_picture(r, &r->names.heatmap, &name));
-        GP_TRY(gp_compare_heatmap(r->log, r->job->write, name, &m, &flip));
+        GP_TRY(gp_compare_heatmap(r->log, r->req->write, name, &m, &flip));
         r->drawn = true;
     } else if (p->heatmap && !flip.known) {
         gp_say(r->log, GP_LEVEL_WARN, "%s: has no colour for FLIP; --heatmap "
@@ -304,7 +304,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     if (p->difference && !r->subtracted && !a->deep &&
         (figures.max > 0.0 || !p->only_different)) {
         GP_TRY(name_picture(r, &r->names.difference, &name));
-        st = gp_compare_subtract(r->log, r->job->write, p, name, &m);
+        st = gp_compare_subtract(r->log, r->req->write, p, name, &m);
         unwritten = st == GP_ERR_IO;
         GP_TRY(unwritten ? GP_OK : st);
         r->subtracted = true;
@@ -344,7 +344,7 @@ static gp_status compare_frame(struct run *r, int frame)
         gp_pattern_name(&r->names.in[1], frame, NULL),
     };
     gp_status st = path[0] && path[1]
-                       ? GP_OK : gp_no_memory(r->log, r->job->input[0]);
+                       ? GP_OK : gp_no_memory(r->log, r->req->input[0]);
     r->row = (struct row) {.a = path[0], .b = path[1], .frame = frame,
                            .parts = 1};
     r->drawn = r->subtracted = false;
@@ -353,8 +353,8 @@ static gp_status compare_frame(struct run *r, int frame)
         putchar('\n');
     }
     for (int i = 0; i < 2 && !st; i++)
-        st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
-    const bool all = r->job->params->all_parts;
+        st = gp_stored_open(r->log, r->req->read, path[i], &f[i]);
+    const bool all = r->req->params->all_parts;
     const int both = st ? 0 : all ? gp_min(f[0].parts, f[1].parts) : 1;
     if (!st && all)
         r->row.parts = gp_max(f[0].parts, f[1].parts);
@@ -362,7 +362,7 @@ static gp_status compare_frame(struct run *r, int frame)
         struct gp_stored_image image[2] = {0};
         r->row.part = part;
         for (int i = 0; i < 2 && !st; i++)
-            st = gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]);
+            st = gp_stored_read(r->log, r->req->read, &f[i], part, &image[i]);
         if (!st && image[0].deep != image[1].deep)
             report_pair(r, GP_COMPARE_DIFFERENT,
                         "one is deep, the other is not");
@@ -397,31 +397,31 @@ static gp_status compare_frame(struct run *r, int frame)
 /* Finds the patterns and frames of the names, and compares them all. */
 static gp_status compare_all(struct run *r)
 {
-    const struct gp_compare_job *const job = r->job;
+    const struct gp_compare_request *const req = r->req;
     struct gp_compare_names *const n = &r->names;
     struct gp_frames more = {0};
     gp_status st = GP_OK;
     for (int i = 0; i < 2; i++)
-        GP_TRY(gp_pattern_of_input(r->log, job->input[i], &n->in[i]));
+        GP_TRY(gp_pattern_of_input(r->log, req->input[i], &n->in[i]));
     const bool sequence = n->in[0].len || n->in[1].len;
-    if (job->frames && !sequence)
+    if (req->frames && !sequence)
         return gp_fail(r->log, GP_ERR_USAGE, "%s: --frames needs a pattern "
                        "(found plain names); write a pattern, e.g. "
-                       "shot.####.exr, or leave --frames out", job->input[0]);
-    if (job->frames)
-        GP_TRY(gp_frames_parse(r->log, job->frames, &n->frames));
-    for (int i = 0; i < 2 && !job->frames; i++) {
+                       "shot.####.exr, or leave --frames out", req->input[0]);
+    if (req->frames)
+        GP_TRY(gp_frames_parse(r->log, req->frames, &n->frames));
+    for (int i = 0; i < 2 && !req->frames; i++) {
         if (!n->in[i].len)
             continue;
         GP_TRY(gp_frames_on_disk(r->log, &n->in[i], NULL, &more));
         if (!gp_frames_join(&n->frames, &more))
-            GP_TRY(gp_no_memory(r->log, job->input[i]));
+            GP_TRY(gp_no_memory(r->log, req->input[i]));
         gp_frames_free(&more);
     }
     // before any work: check that the outputs may be written
     for (int i = 0; i < 2; i++) {
-        const char *const picture = i ? job->params->difference
-                                      : job->params->heatmap;
+        const char *const picture = i ? req->params->difference
+                                      : req->params->heatmap;
         struct gp_pattern *const name = i ? &n->difference : &n->heatmap;
         if (!picture)
             continue;
@@ -431,13 +431,13 @@ static gp_status compare_all(struct run *r)
                            "of a sequence; write a pattern, e.g. heat.####.png",
                            picture);
         // the pair is compared even where its difference cannot be written
-        if (!i || gp_write_check(NULL, job->write, picture) != GP_ERR_IO)
-            GP_TRY(gp_write_check(r->log, job->write, picture));
+        if (!i || gp_write_check(NULL, req->write, picture) != GP_ERR_IO)
+            GP_TRY(gp_write_check(r->log, req->write, picture));
     }
-    if (job->json && !gp_is_dash(job->json))
-        GP_TRY(gp_file_check(r->log, job->json, false));
-    if (job->check_names)
-        GP_TRY(job->check_names(r->log, job->user, n));
+    if (req->json && !gp_is_dash(req->json))
+        GP_TRY(gp_file_check(r->log, req->json, false));
+    if (req->check_names)
+        GP_TRY(req->check_names(r->log, req->user, n));
     if (!n->frames.n)
         GP_TRY(compare_frame(r, 0));
     for (int i = 0; i < n->frames.n; i++)
@@ -453,35 +453,36 @@ static gp_status compare_all(struct run *r)
     }
     if (prints(r))
         puts(last_word(r->worst));
-    else if (!gp_is_dash(job->json) && r->worst >= GP_COMPARE_FAILURE)
+    else if (!gp_is_dash(req->json) && r->worst >= GP_COMPARE_FAILURE)
         fputs("FAILURE\n", stderr); // as idiff -q
 out:
     gp_frames_free(&more);
     return st;
 }
 
-int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job)
+int gp_compare_run(const struct gp_log *log,
+                   const struct gp_compare_request *req)
 {
-    struct run r = {.log = log, .job = job};
+    struct run r = {.log = log, .req = req};
     char *text = NULL;
     size_t size = 0;
     gp_status st;
-    r.json = job->json ? open_memstream(&text, &size) : NULL;
-    if (job->json && !r.json)
-        GP_TRY(gp_no_memory(log, job->json));
+    r.json = req->json ? open_memstream(&text, &size) : NULL;
+    if (req->json && !r.json)
+        GP_TRY(gp_no_memory(log, req->json));
     GP_TRY(compare_all(&r));
     if (r.json) {
         const bool lost = ferror(r.json) || r.full;
         const bool closed = fclose(r.json) == 0;
         r.json = NULL;
         if (lost || !closed)
-            GP_TRY(gp_no_memory(log, job->json));
+            GP_TRY(gp_no_memory(log, req->json));
     }
     if (fflush(stdout) != 0 || ferror(stdout))
         GP_TRY(gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
                        "the program that reads it", strerror(errno)));
-    if (job->json)
-        GP_TRY(gp_file_save(log, job->json, text, size));
+    if (req->json)
+        GP_TRY(gp_file_save(log, req->json, text, size));
 out:
     if (r.json)
         fclose(r.json);

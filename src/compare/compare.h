@@ -57,7 +57,7 @@ struct gp_compare_names {
 };
 
 /* A run; all is borrowed. */
-struct gp_compare_job {
+struct gp_compare_request {
     const struct gp_compare_params *params;
     const char *input[2];
     const char *frames;  // list as written; NULL: the frames on disk
@@ -82,7 +82,8 @@ struct gp_compare_job {
  * Returns the program's exit status: the worst enum gp_compare_result of all
  * pairs (a frame that cannot be read is a file error, and the next frame is
  * compared); GP_COMPARE_USAGE; GP_ERR_BUG when memory is full. */
-int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job);
+int gp_compare_run(const struct gp_log *log,
+                   const struct gp_compare_request *req);
 
 /* Checks what the option table cannot.
  * Errors: GP_ERR_USAGE with one line. */

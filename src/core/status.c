@@ -43,8 +43,8 @@ void gp_make_printable(char *text)
 
 // -- messages ----------------------------------------------------------------
 
-static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
-                va_list args)
+static void send_line(const struct gp_log *log, enum gp_level level,
+                      const char *fmt, va_list args)
 {
     if (!log || !log->sink || (level > log->level && level != GP_LEVEL_BARE))
         return;
@@ -59,7 +59,7 @@ gp_status (gp_fail)(const struct gp_log *log, gp_status status,
 {
     va_list args;
     va_start(args, fmt);
-    say(log, GP_LEVEL_ERROR, fmt, args);
+    send_line(log, GP_LEVEL_ERROR, fmt, args);
     va_end(args);
     return status;
 }
@@ -69,7 +69,7 @@ gp_status (gp_fail_bare)(const struct gp_log *log, gp_status status,
 {
     va_list args;
     va_start(args, fmt);
-    say(log, GP_LEVEL_BARE, fmt, args);
+    send_line(log, GP_LEVEL_BARE, fmt, args);
     va_end(args);
     return status;
 }
@@ -90,7 +90,7 @@ void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);
-    say(log, level, fmt, args);
+    send_line(log, level, fmt, args);
     va_end(args);
 }
 

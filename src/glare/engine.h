@@ -90,7 +90,7 @@ struct gp_glare_stats {
 };
 
 /* Direct work: every source's kernel, cut to the frame. */
-struct gp_glare_job {
+struct gp_glare_request {
     const struct gp_log *log;
     const struct gp_glare_params *params;
     const struct gp_sources *src;
@@ -124,26 +124,26 @@ struct gp_engine {
      * be NULL) already holds. Cheap: no pass over pixels. Independent of the
      * number of threads, else the choice of `auto`, and with it the bytes,
      * would depend on it. */
-    struct gp_prediction (*predict)(const struct gp_glare_job *job,
+    struct gp_prediction (*predict)(const struct gp_glare_request *req,
                                     const void *state);
 
     /* Bounds rel_l2 before any drawing. May cost a few milliseconds and keep
      * its work in *state. INFINITY where nothing can be guaranteed.
      * Errors: GP_ERR_BUG out of memory. */
-    gp_status (*bound)(const struct gp_glare_job *job, void **state,
+    gp_status (*bound)(const struct gp_glare_request *req, void **state,
                        double *out);
 
     /* Bounds the error of a pixel before any drawing; share is INFINITY where
      * nothing can be guaranteed. NULL: the engine never guarantees one.
      * Errors: GP_ERR_BUG out of memory. */
-    gp_status (*pixel)(const struct gp_glare_job *job, void **state,
+    gp_status (*pixel)(const struct gp_glare_request *req, void **state,
                        struct gp_pixel_error *out);
 
-    /* Writes every sample of job->layer, and job->stats; a bound over 0 that
+    /* Writes every sample of req->layer, and req->stats; a bound over 0 that
      * is there already may stay, as bound() gave it. *state is NULL at first,
      * kept by the caller from frame to frame, and freed by close(): spectra,
      * plans, GL objects. It never changes a result. */
-    gp_status (*run)(const struct gp_glare_job *job, void **state);
+    gp_status (*run)(const struct gp_glare_request *req, void **state);
     void (*close)(void **state);
 };
 extern const struct gp_engine gp_engine_direct, gp_engine_fft, gp_engine_splat;

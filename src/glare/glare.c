@@ -167,16 +167,16 @@ gp_status gp_glare_run(const struct gp_log *log,
         GP_TRY(gp_sources_halve(log, src, light_times, &less));
     struct gp_candidate taken = {.engine = named, .splat = p->splat};
     struct gp_glare_params params = *p;
-    struct gp_glare_job job = {
+    struct gp_glare_request req = {
         .log = log, .params = &params, .src = light_times ? &less : src,
         .kernel = kernel_times ? &small : drawn,
         .tail = drawn->tail ? g->tail : NULL,
         .layer = &f->layer, .stats = stats,
     };
-    GP_TRY(gp_floor_find(&job, &g->floor, &job.floor));
+    GP_TRY(gp_floor_find(&req, &g->floor, &req.floor));
     struct gp_pixel_floor floor = {0};
     if (p->tolerance_pixel > 0.0f) {
-        struct gp_glare_job whole = job; // as bright as the frame is
+        struct gp_glare_request whole = req; // as bright as the frame is
         whole.src = src;
         whole.kernel = kernel;
         GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
@@ -190,16 +190,16 @@ gp_status gp_glare_run(const struct gp_log *log,
         }
     }
     if (p->tolerance_pixel > 0.0f && named >= 0)
-        GP_TRY(gp_plan_pixel(&job, g, named, &floor, &taken.pixel));
+        GP_TRY(gp_plan_pixel(&req, g, named, &floor, &taken.pixel));
     if (named < 0) {
-        GP_TRY(gp_plan(&job, g, path, &floor, &taken));
+        GP_TRY(gp_plan(&req, g, path, &floor, &taken));
         stats->bound = taken.bound;
     } else {
         snprintf(stats->why, sizeof stats->why, "named by --engine");
         // on a farm, a slow choice should be known before the hour is spent
-        const double ms = gp_engines[named]->predict(&job, g->state[named]).ms;
+        const double ms = gp_engines[named]->predict(&req, g->state[named]).ms;
         struct gp_candidate c[GP_CANDIDATES];
-        struct gp_glare_job other = job;
+        struct gp_glare_request other = req;
         if (drawn != kernel)
             other.kernel = kernel;
         const int n = ms > LONG_MS ? gp_plan_candidates(&other, g, c) : 0;
@@ -216,14 +216,14 @@ gp_status gp_glare_run(const struct gp_log *log,
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
-    GP_TRY(gp_engines[taken.engine]->run(&job, &g->state[taken.engine]));
-    if (job.tail) {
+    GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
+    if (req.tail) {
         const double from = gp_now_ms();
-        GP_TRY(gp_tail_add(log, kernel->tail, g->tail, job.src, &f->layer));
+        GP_TRY(gp_tail_add(log, kernel->tail, g->tail, req.src, &f->layer));
         stats->tail_step = kernel->tail->split.step;
         stats->tail_ms = gp_now_ms() - from;
     }
-    stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
+    stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
 out:

@@ -68,7 +68,7 @@ struct gp_pixel_floor {
     double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
     double tail[3];        // most error of a sample by the kernel's tail
 };
-GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
+GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_frame *f, struct gp_pixel_floor *out);
 
 /* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
@@ -129,23 +129,24 @@ GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
     double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
     struct gp_choice *out);
 
-/* Lists the candidates for a job, predicted with g's states: each engine, and
- * splat as given, exact, and with coarser and coarser groups, with and without
- * shrinking by half the tolerance. Their order is fixed. Returns their number;
- * opens no context. */
-int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
+/* Lists the candidates for a request, predicted with g's states: each engine,
+ * and splat as given, exact, and with coarser and coarser groups, with and
+ * without shrinking by half the tolerance. Their order is fixed. Returns their
+ * number; opens no context. */
+int gp_plan_candidates(const struct gp_glare_request *req,
+                       const struct gp_glare *g,
                        struct gp_candidate c[GP_CANDIDATES]);
 
-/* Chooses the candidate for a job and writes stats->why. Warns once in a
+/* Chooses the candidate for a request and writes stats->why. Warns once in a
  * sequence, naming `path`, when no candidate keeps the tolerance.
  * Errors: an engine's bound. */
-GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
+GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_request *req,
     struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,
     struct gp_candidate *out);
 
 /* Bounds max_rel of engine i; INFINITY where nothing is guaranteed. Errors: its
  * own. */
-GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
+GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_request *req,
     struct gp_glare *g, int engine, const struct gp_pixel_floor *floor,
     double *bound);
 
@@ -156,7 +157,7 @@ GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
  * *keep is NULL at first and kept from frame to frame.
  * Errors: GP_ERR_BUG out of memory. */
 struct gp_floor;
-GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_job *job,
+GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
                                       struct gp_floor **keep, double *floor);
 void gp_floor_free(struct gp_floor **f);
 

@@ -25,7 +25,7 @@ struct axis {
 
 /* Returns the first old sample that a new one covers, and the line from *a to
  * *b, in samples from the edge of the first. */
-static int cover(const struct axis *s, int i, double *a, double *b)
+static int covered_span(const struct axis *s, int i, double *a, double *b)
 {
     const double mid = (i - s->to_c - s->shift) * s->step + s->c + 0.5;
     *a = fmin(fmax(mid - 0.5 * s->step, 0.0), s->n);
@@ -34,7 +34,7 @@ static int cover(const struct axis *s, int i, double *a, double *b)
 }
 
 /* The part of old sample j that lies on the line. */
-static double part(int j, double a, double b)
+static double covered_share(int j, double a, double b)
 {
     return fmin(j + 1.0, b) - fmax(j, a);
 }
@@ -51,8 +51,8 @@ static double drift(const struct axis *s, const double *line)
         wanted += line[j] * (j - s->c);
     }
     for (int i = 0; i < s->to_n; i++) {
-        for (int j = cover(s, i, &a, &b); j < b; j++)
-            moment += part(j, a, b) * line[j] * (i - s->to_c);
+        for (int j = covered_span(s, i, &a, &b); j < b; j++)
+            moment += covered_share(j, a, b) * line[j] * (i - s->to_c);
     }
     return (moment - wanted / s->step) / sum;
 }
@@ -106,8 +106,8 @@ static void resample_row(void *ctx, int y, int thread)
     (void) thread;
     for (int i = 0; i < r->x.to_n; i++) {
         double sum = 0.0;
-        for (int j = cover(&r->x, i, &a, &b); j < b; j++)
-            sum += part(j, a, b) * (double) in[j];
+        for (int j = covered_span(&r->x, i, &a, &b); j < b; j++)
+            sum += covered_share(j, a, b) * (double) in[j];
         out[i] = (float) sum;
     }
 }
@@ -120,13 +120,13 @@ static void resample_columns(void *ctx, int i, int thread)
     float *const out = r->out + (size_t) i * (size_t) w;
     double sum[STRIP], a, b;
     (void) thread;
-    const int first = cover(&r->y, i, &a, &b);
+    const int first = covered_span(&r->y, i, &a, &b);
     for (int x = 0; x < w; x += STRIP) {
         const int n = gp_min(w - x, STRIP);
         memset(sum, 0, sizeof sum);
         for (int j = first; j < b; j++) {
             const float *const in = r->across + (size_t) j * (size_t) w + x;
-            const double share = part(j, a, b);
+            const double share = covered_share(j, a, b);
             for (int k = 0; k < n; k++)
                 sum[k] += share * (double) in[k];
         }

@@ -165,11 +165,11 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
 // -- the candidates -----------------------------------------------------------
 
 static struct gp_prediction
-predict(const struct gp_glare_job *job, const struct gp_glare *g, int engine,
-        const struct gp_splat_params *splat, double enough)
+predict(const struct gp_glare_request *req, const struct gp_glare *g,
+        int engine, const struct gp_splat_params *splat, double enough)
 {
-    struct gp_glare_params params = *job->params;
-    struct gp_glare_job asked = *job;
+    struct gp_glare_params params = *req->params;
+    struct gp_glare_request asked = *req;
     params.splat = *splat;
     asked.params = &params;
     asked.enough = enough;
@@ -181,7 +181,8 @@ static bool is_splat(int engine)
     return gp_engines[engine] == &gp_engine_splat;
 }
 
-int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
+int gp_plan_candidates(const struct gp_glare_request *req,
+                       const struct gp_glare *g,
                        struct gp_candidate c[GP_CANDIDATES])
 {
     static const struct { int group, cluster; bool shrink; } setting[] = {
@@ -189,16 +190,16 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
         {2, 4, true},  {2, 4, false},  {1, 0, true}, {1, 0, false},
     };
     enum { SETTINGS = sizeof setting / sizeof *setting };
-    const struct gp_glare_params *const asked = job->params;
-    const struct gp_tail *const tail = job->kernel->tail;
-    const double later = tail ? gp_tail_ms(tail, job->src) : 0.0;
+    const struct gp_glare_params *const asked = req->params;
+    const struct gp_tail *const tail = req->kernel->tail;
+    const double later = tail ? gp_tail_ms(tail, req->src) : 0.0;
     const double first = tail ? later + gp_tail_open_ms(tail, g->tail) : 0.0;
     int n = 0;
     double least = INFINITY;
     for (int i = 0; gp_engines[i] && !is_splat(i); i++) {
         const double enough = n ? ENOUGH * least : 0.0;
         const struct gp_prediction p =
-            predict(job, g, i, &asked->splat, enough);
+            predict(req, g, i, &asked->splat, enough);
         c[n++] = (struct gp_candidate) {
             .engine = i, .splat = asked->splat, .exact = true,
             .bound = NAN, .ms = p.ms, .later_ms = p.later_ms, .more = p.more,
@@ -220,7 +221,7 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
         }
         const bool counted = i < 2 || c[splat + 1].ms < least;
         if (counted)
-            p = predict(job, g, splat, &s, ENOUGH * least);
+            p = predict(req, g, splat, &s, ENOUGH * least);
         c[n++] = (struct gp_candidate) {
             .engine = splat, .splat = s, .bound = NAN,
             .exact = counted && s.group == 1 && s.cluster == 0 &&
@@ -285,18 +286,18 @@ void gp_floor_free(struct gp_floor **f)
 /* Values under 2^-126 are lost. A lost kernel sample costs a pixel up to 2^-126
  * of all light, a lost source that of the kernel's sum, products and sums that
  * each. Times 2^6, as engines have more steps than one. */
-gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
-                        double *floor)
+gp_status gp_floor_find(const struct gp_glare_request *req,
+                        struct gp_floor **keep, double *floor)
 {
     static const double NEGLIGIBLE = 1e-12, SMALL = 1e-5;
-    const struct gp_sources *const src = job->src;
-    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const src = req->src;
+    const struct gp_kernel *const k = req->kernel;
     const double flux = fmax(src->flux[0], fmax(src->flux[1], src->flux[2]));
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
     const double wrong = // what the tail leaves
-        job->tail ? gp_tail_error_of(job->tail)->norm *
+        req->tail ? gp_tail_error_of(req->tail)->norm *
                         sqrt(src->energy[0] + src->energy[1] + src->energy[2])
                   : 0.0;
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
@@ -315,7 +316,7 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
     if (least < enough) { // light of sources, wherever they are
         if (!*keep) {
             gp_status st =
-                gp_alloc_zero(job->log, "bound", 1, sizeof **keep, keep);
+                gp_alloc_zero(req->log, "bound", 1, sizeof **keep, keep);
             if (st)
                 return st;
         }
@@ -331,20 +332,20 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
     }
     if (least < enough) { // light of these sources
         gp_status st =
-            gp_layer_least(job->log, src, k, &(*keep)->least, &least);
+            gp_layer_least(req->log, src, k, &(*keep)->least, &least);
         if (st)
             return st;
     }
     // (adding the tail rounds the sum once)
     *floor = least > 0.0 ? (lost + wrong) / least : INFINITY;
-    *floor += job->tail ? 0x1p-24 : 0.0;
+    *floor += req->tail ? 0x1p-24 : 0.0;
     return GP_OK;
 }
 
 // -- the worst pixel of the composite -----------------------------------------
 
 struct floors {
-    const struct gp_glare_job *job;
+    const struct gp_glare_request *req;
     const struct gp_frame *f;
     double centre[3];   // kernel samples that a source's own pixel gets
     struct gp_bound_cells cells;
@@ -356,8 +357,8 @@ struct floors {
 static double own_luminance(const struct floors *m, size_t x, size_t y,
                             uint32_t *taken, uint32_t *lit)
 {
-    const struct gp_glare_params *const p = m->job->params;
-    const struct gp_sources *const t = p->taken, *const s = m->job->src;
+    const struct gp_glare_params *const p = m->req->params;
+    const struct gp_sources *const t = p->taken, *const s = m->req->src;
     const size_t at = y * (size_t) gp_frame_w(m->f) + x;
     const double gain = (double) p->gain;
     double sum = 0.0;
@@ -381,7 +382,7 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
 static void bound_row(void *ctx, int row, int thread)
 {
     const struct floors *const m = ctx;
-    const struct gp_sources *const t = m->job->params->taken;
+    const struct gp_sources *const t = m->req->params->taken;
     const int side = m->cells.side;
     const size_t w = (size_t) gp_frame_w(m->f);
     const size_t end = (size_t) gp_min((row + 1) * side, m->cells.h);
@@ -392,7 +393,7 @@ static void bound_row(void *ctx, int row, int thread)
         m->most[first + (size_t) x] = -INFINITY;
     }
     for (size_t y = (size_t) row * (size_t) side; y < end; y++) {
-        uint32_t taken = t ? t->row[y] : 0, lit = m->job->src->row[y];
+        uint32_t taken = t ? t->row[y] : 0, lit = m->req->src->row[y];
         for (size_t x = 0; x < w; x++) {
             const size_t at = first + x / (size_t) side;
             const double v = own_luminance(m, x, y, &taken, &lit);
@@ -402,43 +403,43 @@ static void bound_row(void *ctx, int row, int thread)
     }
 }
 
-gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
+gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_frame *f, struct gp_pixel_floor *out)
 {
-    const struct gp_kernel *const k = job->kernel;
-    struct floors m = {.job = job, .f = f};
+    const struct gp_kernel *const k = req->kernel;
+    struct floors m = {.req = req, .f = f};
     struct gp_pixel_floor o = {.least = INFINITY, .lit = INFINITY};
-    m.cells = gp_bound_cells_choose(job->src->w, job->src->h, k);
+    m.cells = gp_bound_cells_choose(req->src->w, req->src->h, k);
     const size_t n = (size_t) m.cells.columns * (size_t) m.cells.rows;
-    gp_status st = gp_alloc_zero(job->log, "pixel bound", 3 * n,
+    gp_status st = gp_alloc_zero(req->log, "pixel bound", 3 * n,
                                  sizeof *m.least, &m.least);
     if (st)
         return st;
     double *const others = m.least + 2 * n;
     m.most = m.least + n;
     for (int c = 0; c < 3; c++) {
-        const double norm = sqrt(job->src->energy[c]);
+        const double norm = sqrt(req->src->energy[c]);
         o.weight[c] = (double) f->luminance[c];
-        o.layer[c] = fmin((double) job->src->brightest * k->norm1[c],
+        o.layer[c] = fmin((double) req->src->brightest * k->norm1[c],
                           norm * k->norm2[c]);
         if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h)
             m.centre[c] = (double) k->k.c[c][(size_t) k->cy * (size_t) k->w +
                                              (size_t) k->cx];
         // primaries outside the visible colours have negative luminance
         o.less += fmax(-o.weight[c], 0.0) * o.layer[c] *
-                  (double) job->params->gain;
-        o.lost[c] = 0x1p-120 * (job->src->flux[c] + k->norm1[c] +
-                                2.0 * (double) job->src->n);
-        if (job->tail)
-            o.tail[c] = gp_tail_pixel_error(job->tail, k->tail, job->src, c) +
+                  (double) req->params->gain;
+        o.lost[c] = 0x1p-120 * (req->src->flux[c] + k->norm1[c] +
+                                2.0 * (double) req->src->n);
+        if (req->tail)
+            o.tail[c] = gp_tail_pixel_error(req->tail, k->tail, req->src, c) +
                         0x1p-24 * o.layer[c];
     }
     gp_parallel_do(m.cells.rows, bound_row, &m);
     if (!k->negative)
-        GP_TRY(gp_bound_cells_faint(job->log, &m.cells, k, job->src, o.weight,
+        GP_TRY(gp_bound_cells_faint(req->log, &m.cells, k, req->src, o.weight,
                                     others));
     for (size_t i = 0; i < n; i++) {
-        const double more = (double) job->params->gain * others[i];
+        const double more = (double) req->params->gain * others[i];
         o.least = fmin(o.least, m.least[i]);
         o.lit = fmin(o.lit, m.least[i] + more);
         o.most = fmax(o.most, m.most[i] + more);
@@ -470,21 +471,21 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
 // -- the plan -----------------------------------------------------------------
 
 struct planning {
-    const struct gp_glare_job *job;
+    const struct gp_glare_request *req;
     struct gp_glare *g;
     const struct gp_pixel_floor *floor;
     double rel_l2[GP_CANDIDATES]; // bounds that were asked
     struct gp_candidate c[GP_CANDIDATES];
 };
 
-gp_status gp_plan_pixel(const struct gp_glare_job *job, struct gp_glare *g,
+gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
     int engine, const struct gp_pixel_floor *floor, double *bound)
 {
     const struct gp_engine *const e = gp_engines[engine];
     struct gp_pixel_error error = {.share = INFINITY};
-    gp_status st = e->pixel ? e->pixel(job, &g->state[engine], &error) : GP_OK;
+    gp_status st = e->pixel ? e->pixel(req, &g->state[engine], &error) : GP_OK;
     *bound = st ? INFINITY
-                : gp_pixel_bound(floor, &error, (double) job->params->gain);
+                : gp_pixel_bound(floor, &error, (double) req->params->gain);
     return st;
 }
 
@@ -492,34 +493,34 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
 {
     struct planning *const p = ctx;
     struct gp_candidate *const c = &p->c[i];
-    struct gp_glare_params params = *p->job->params;
-    struct gp_glare_job job = *p->job;
+    struct gp_glare_params params = *p->req->params;
+    struct gp_glare_request req = *p->req;
     params.splat = c->splat;
-    job.params = &params;
+    req.params = &params;
     *bound = INFINITY;
     if (!gp_engines[c->engine]->bound)
         return GP_OK;
     gp_status st = gp_engines[c->engine]->bound(
-        &job, &p->g->state[c->engine], bound);
-    *bound += job.floor;
+        &req, &p->g->state[c->engine], bound);
+    *bound += req.floor;
     p->rel_l2[i] = *bound;
     const double most = (double) params.tolerance_pixel;
     if (st || !(most > 0.0))
         return st;
-    st = gp_plan_pixel(&job, p->g, c->engine, p->floor, &c->pixel);
+    st = gp_plan_pixel(&req, p->g, c->engine, p->floor, &c->pixel);
     if (c->pixel > most) // over the tolerance by the same factor
         *bound = fmax(*bound, (double) params.tolerance * c->pixel / most);
     return st;
 }
 
-gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
+gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                   const char *path, const struct gp_pixel_floor *floor,
                   struct gp_candidate *out)
 {
-    struct planning p = {.job = job, .g = g, .floor = floor};
+    struct planning p = {.req = req, .g = g, .floor = floor};
     struct gp_choice choice;
-    const double tolerance = (double) job->params->tolerance;
-    const int n = gp_plan_candidates(job, g, p.c);
+    const double tolerance = (double) req->params->tolerance;
+    const int n = gp_plan_candidates(req, g, p.c);
     gp_status st = gp_plan_choose(p.c, n, tolerance, &g->past, ask_engine, &p,
                                   &choice);
     if (st)
@@ -530,7 +531,7 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
 
     // names every candidate whose bound was asked, the exact engines, and the
     // fastest splat: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"
-    struct words w = {job->stats->why, sizeof job->stats->why};
+    struct words w = {req->stats->why, sizeof req->stats->why};
     int splat = -1;
     for (int i = 0; i < n; i++) {
         if (is_splat(p.c[i].engine) && p.c[i].ms < INFINITY &&
@@ -556,19 +557,19 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
         add_words(&w, c->more ? " over %.3g" : " %.3g", c->ms);
         if (!isnan(c->bound) && !(p.rel_l2[i] <= tolerance))
             add_words(&w, " of bound %.2g", p.rel_l2[i]);
-        if (c->pixel > (double) job->params->tolerance_pixel)
+        if (c->pixel > (double) req->params->tolerance_pixel)
             add_words(&w, " of bound %.2g in a pixel", c->pixel);
         between = ", ";
     }
     if (!choice.within && !g->past.warned) {
         g->past.warned = true;
         if (pixel)
-            gp_say(job->log, GP_LEVEL_WARN,
+            gp_say(req->log, GP_LEVEL_WARN,
                    "%s: no engine guarantees --tolerance-pixel %.3g (the "
                    "lowest bound is %.2g, of %s, which runs); raise it", path,
-                   (double) job->params->tolerance_pixel, out->pixel,
+                   (double) req->params->tolerance_pixel, out->pixel,
                    gp_engines[out->engine]->name);
-        else gp_say(job->log, GP_LEVEL_WARN,
+        else gp_say(req->log, GP_LEVEL_WARN,
                "%s: no engine guarantees --tolerance %.3g (the lowest bound is "
                "%.2g, of %s, which runs); a larger tolerance may be faster",
                path, tolerance, out->bound, gp_engines[out->engine]->name);

@@ -325,7 +325,7 @@ static gp_status flush(struct gp_file *f)
     return GP_OK;
 }
 
-static gp_status grow(struct gp_file *f, size_t size)
+static gp_status grow_buffer(struct gp_file *f, size_t size)
 {
     size_t want = f->room, need;
     const bool fits = !__builtin_add_overflow(f->held, size, &need);
@@ -346,7 +346,7 @@ gp_status gp_file_write(struct gp_file *f, const void *data, size_t size)
     if (f->st)
         return f->st;
     if (size > f->room - f->held) {
-        gp_status st = f->temp.name ? flush(f) : grow(f, size);
+        gp_status st = f->temp.name ? flush(f) : grow_buffer(f, size);
         if (st)
             return st;
     }

@@ -42,7 +42,7 @@ struct split {
     double whole, rest;
 };
 
-static struct split split(double v)
+static struct split split_number(double v)
 {
     const double whole = rint(v);
     return (struct split) {whole, v - whole};
@@ -134,7 +134,8 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
     if (!(r > 0.0 && x1 > x0 && y1 > y0) || !(cx + r > x0 && cx - r < x1) ||
         !(cy + r > y0 && cy - r < y1))
         return 0.0;
-    const struct circle c = {split(cx), split(cy), split(r), r};
+    const struct circle c = {split_number(cx), split_number(cy),
+                             split_number(r), r};
 
     // the pieces of the edges, which run through the corners (x0, y0),
     // (x1, y0), (x1, y1), (x0, y1)
@@ -310,7 +311,7 @@ static struct sums sum_rect(const struct gp_occluders *o,
 // -- the frame ---------------------------------------------------------------
 
 /* The part of the frame in which a plane has samples; empty for NULL. */
-static struct gp_rect known(const struct gp_plane *p, struct gp_rect frame)
+static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame)
 {
     if (!p || !p->v)
         return (struct gp_rect) {0};
@@ -328,8 +329,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
 {
     // only pixels in a plane's window are visited: a display window may be
     // larger than any plane by any factor
-    const struct gp_rect depth = known(o->depth, o->frame);
-    const struct gp_rect mask = known(o->mask, o->frame);
+    const struct gp_rect depth = known_rect(o->depth, o->frame);
+    const struct gp_rect mask = known_rect(o->mask, o->frame);
     const struct gp_rect both = gp_rect_meet(mask, depth);
     const bool apart = gp_rect_empty(both);
     const int parts = apart ? 2 : 5;

@@ -59,14 +59,14 @@ static double predict(struct frame *w, int i)
 {
     const struct gp_engine *const e =
         i == 0 ? &gp_engine_direct : &gp_engine_fft;
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .params = &w->t[i].p, .src = &w->src, .kernel = w->k,
         .layer = &w->f.layer, .stats = &w->t[i].stats,
     };
-    return e->predict(&job, NULL).later_ms;
+    return e->predict(&req, NULL).later_ms;
 }
 
-static double run(struct frame *w, int i)
+static double run_engine(struct frame *w, int i)
 {
     struct technique *const t = &w->t[i];
     const double start = gp_now_ms();
@@ -91,7 +91,7 @@ static void measure(struct frame *w, int runs)
                  t->predicted > HOPELESS * w->t[1 - i].predicted;
         for (int k = 0; !t->out && k < (i < 2 ? 3 : WARM_UPS) && all < WARM_MS;
              k++)
-            all += run(w, i);
+            all += run_engine(w, i);
     }
     for (int k = 0; k < runs; k++) {
         // each follows each other as often: caches and clock remember
@@ -101,8 +101,8 @@ static void measure(struct frame *w, int runs)
         for (int j = 0; j < TECHNIQUES; j++) {
             const int i = order[k % 6][j];
             if (!w->t[i].out)
-                run(w, i);
-            w->t[i].ms[k] = w->t[i].out ? INFINITY : run(w, i);
+                run_engine(w, i);
+            w->t[i].ms[k] = w->t[i].out ? INFINITY : run_engine(w, i);
         }
     }
     for (int i = 0; i < TECHNIQUES; i++) {

@@ -6,7 +6,7 @@
 enum { STRIP = GP_TAPS_PAD };
 
 /* Rows of strips that the sources' kernels cover. */
-static double source_rows(const struct costs_job *j)
+static double source_rows(const struct costs_run *j)
 {
     const struct gp_sources *const s = &j->src;
     double rows = 0.0;
@@ -44,7 +44,7 @@ static double empty_ms(int w, int h)
  * frame so small that its own rows are a small part. */
 static double row_ms(int w, int h, int kernel, int spots, int side)
 {
-    struct costs_job j = costs_make(&gp_engine_direct, w, h, spots, side,
+    struct costs_run j = costs_make(&gp_engine_direct, w, h, spots, side,
                                     kernel);
     const double ms = costs_time(costs_run, &j), rows = source_rows(&j);
     costs_free(&j);
@@ -64,7 +64,7 @@ static void measure_rows(double run)
 /* ms of a tile of a quad, where kernels of 64 x 64 hardly leave the frame. */
 static double tile_ms(void)
 {
-    struct costs_job j =
+    struct costs_run j =
         costs_make(&gp_engine_direct, 800, 600, 250, 6, 64);
     const double ms = costs_time(costs_run, &j);
     const double tiles = gp_direct_quads(&j.src) * (64 + 15) / 16 *

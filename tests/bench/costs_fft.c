@@ -99,7 +99,7 @@ static void measure_passes(void)
     if (!costs_wants("GP_COST_FFT_PASS"))
         return;
     for (int i = 0; i < 3; i++) {
-        struct costs_job j = costs_make(&gp_engine_fft, size[i][0], size[i][1],
+        struct costs_run j = costs_make(&gp_engine_fft, size[i][0], size[i][1],
                                         4000, 1, 129);
         const struct gp_fft_placing p = gp_fft_place(&j.src, &j.k);
         j.params.gain = 1e-30f;

@@ -63,8 +63,8 @@ static inline struct gp_kernel costs_kernel(int size)
     return k;
 }
 
-/* A job that an engine can run. */
-struct costs_job {
+/* A request that an engine can run. */
+struct costs_run {
     struct gp_frame f;
     struct gp_kernel k;
     struct gp_sources src;
@@ -74,12 +74,12 @@ struct costs_job {
     void *state;
 };
 
-static inline struct costs_job costs_make(const struct gp_engine *engine,
+static inline struct costs_run costs_make(const struct gp_engine *engine,
                                           int w, int h, int spots, int side,
                                           int kernel)
 {
     const struct gp_sensor_params sense = GP_SENSOR_DEFAULTS;
-    struct costs_job j = {
+    struct costs_run j = {
         .f = costs_frame(w, h, spots, side), .k = costs_kernel(kernel),
         .params = GP_GLARE_DEFAULTS, .engine = engine,
     };
@@ -88,9 +88,9 @@ static inline struct costs_job costs_make(const struct gp_engine *engine,
     return j;
 }
 
-static inline struct gp_glare_job costs_glare_job(struct costs_job *j)
+static inline struct gp_glare_request costs_request(struct costs_run *j)
 {
-    return (struct gp_glare_job) {
+    return (struct gp_glare_request) {
         .params = &j->params, .src = &j->src, .kernel = &j->k,
         .layer = &j->f.layer, .stats = &j->stats,
     };
@@ -98,13 +98,13 @@ static inline struct gp_glare_job costs_glare_job(struct costs_job *j)
 
 static inline void costs_run(void *ctx)
 {
-    struct costs_job *const j = ctx;
-    const struct gp_glare_job job = costs_glare_job(j);
-    if (j->engine->run(&job, &j->state))
+    struct costs_run *const j = ctx;
+    const struct gp_glare_request req = costs_request(j);
+    if (j->engine->run(&req, &j->state))
         costs_die(j->engine->name);
 }
 
-static inline void costs_free(struct costs_job *j)
+static inline void costs_free(struct costs_run *j)
 {
     j->engine->close(&j->state);
     gp_sources_free(&j->src);
@@ -119,7 +119,7 @@ static inline double costs_engine_ms(const struct gp_engine *engine, int w,
                                      int h, int spots, int side, int kernel,
                                      double *sources)
 {
-    struct costs_job j = costs_make(engine, w, h, spots, side, kernel);
+    struct costs_run j = costs_make(engine, w, h, spots, side, kernel);
     const double ms = costs_time(costs_run, &j);
     if (sources)
         *sources = (double) j.src.n;

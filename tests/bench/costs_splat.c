@@ -7,12 +7,12 @@
 static double first_ms(const struct gp_splat_params *p, int w, int h, int spots,
                        int side, int kernel, double *ms, double *sources)
 {
-    struct costs_job j =
+    struct costs_run j =
         costs_make(&gp_engine_splat, w, h, spots, side, kernel);
-    const struct gp_glare_job job = costs_glare_job(&j);
+    const struct gp_glare_request req = costs_request(&j);
     j.params.splat = *p;
     const double t = costs_now();
-    if (j.engine->run(&job, &j.state)) {
+    if (j.engine->run(&req, &j.state)) {
         fprintf(stderr, "costs: no GL context: what splat costs stays\n");
         costs_free(&j);
         return -1.0;

@@ -33,7 +33,7 @@ static double now(void)
     return (double) t.tv_sec * 1e3 + (double) t.tv_nsec * 1e-6;
 }
 
-static struct reading run(char **command)
+static struct reading run_command(char **command)
 {
     const double start = now();
     const pid_t child = fork();
@@ -84,7 +84,8 @@ int main(int argc, char **argv)
     static double v[6][MOST_RUNS];
     double peak = 0.0;
     for (int i = -1; i < runs; i++) {
-        const struct reading a = run(argv + 2), b = run(argv + split + 1);
+        const struct reading a = run_command(argv + 2);
+        const struct reading b = run_command(argv + split + 1);
         if (i < 0)
             continue;
         const double row[6] = {a.wall, a.cpu, b.wall, b.cpu,

@@ -47,8 +47,8 @@ static double median(double *v, int n)
 enum { MOST_RUNS = 200 };
 
 /* The two kernels: a field's, and its middle 511 pixels. */
-static gp_status make(const struct gp_recipe *r, const struct gp_frame *f,
-                      struct gp_kernel k[2], double *ms)
+static gp_status make_both(const struct gp_recipe *r, const struct gp_frame *f,
+                           struct gp_kernel k[2], double *ms)
 {
     const struct gp_field field = {
         .w = gp_frame_w(f), .h = gp_frame_h(f), .aspect = 1.0, .fps = 24.0,
@@ -77,7 +77,7 @@ static gp_status compare(const struct gp_recipe *r, int runs, const char *path)
     gp_status st;
     params.engine = "fft";
     GP_TRY(gp_read_frame(&tail_log, &read, path, &f));
-    GP_TRY(make(r, &f, k, &making));
+    GP_TRY(make_both(r, &f, k, &making));
     GP_TRY(gp_sense(&tail_log, &sense, &f, &src));
     for (int i = -2; i < runs; i++) { // two warm-ups
         double ms[2];

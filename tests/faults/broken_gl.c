@@ -9,7 +9,7 @@
  *   silent     it has no version
  *   unnamed    its renderer has no name
  *   missing    glCreateTextures is not there
- *   compile    no shader compiles, and why is said in two lines
+ *   compile    no shader compiles; the log has two lines
  *   link       no program links
  *   framebuffer  no framebuffer is complete
  *   memory     texture storage ends in GL_OUT_OF_MEMORY

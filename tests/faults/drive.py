@@ -176,14 +176,14 @@ def faults_of_stderr(name, run):
     if lines.pop() != "":
         yield "stderr does not end its line"
     wrong = [l for l in lines if not l.startswith("glarepp: ")]
-    said = [l for l in lines if not l.startswith("glarepp: warning: ")]
+    errors = [l for l in lines if not l.startswith("glarepp: warning: ")]
     if wrong:
         yield "stderr has " + repr(wrong[0][:200])
-    if run.status == 0 and said:
-        yield "an error without its status: " + repr(said[0][:200])
-    if run.status not in (0, 6) and len(said) != (run.status not in BY_SIGNAL):
-        yield f"{len(said)} lines of error: " + repr(said[:3])
-    for line in said:
+    if run.status == 0 and errors:
+        yield "an error without its status: " + repr(errors[0][:200])
+    if run.status not in (0, 6) and len(errors) != (run.status not in BY_SIGNAL):
+        yield f"{len(errors)} lines of error: " + repr(errors[:3])
+    for line in errors:
         if "(0 bytes)" in line:
             yield "nothing is more than there is: " + repr(line[:200])
         if (line + ": ").split(": ")[1] not in NAMES[name] and \

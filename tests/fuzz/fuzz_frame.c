@@ -31,13 +31,14 @@ static void touch_plane(struct gp_plane *p)
     gp_plane_free(p);
 }
 
-static void look(const struct gp_read_params *p, const struct gp_frame *f)
+static void look_at_planes(const struct gp_read_params *p,
+                           const struct gp_frame *f)
 {
     struct gp_plane plane = {0};
     double m[16];
-    if (!fuzz_said(gp_read_plane(&fuzz_log, p, f, NULL, true, &plane)))
+    if (!fuzz_line(gp_read_plane(&fuzz_log, p, f, NULL, true, &plane)))
         touch_plane(&plane);
-    if (!fuzz_said(gp_read_plane(&fuzz_log, p, f, "A", false, &plane)))
+    if (!fuzz_line(gp_read_plane(&fuzz_log, p, f, "A", false, &plane)))
         touch_plane(&plane);
     gp_frame_matrix(f, "worldToCamera", m);
     gp_frame_matrix(f, "worldToNDC", m);
@@ -47,14 +48,14 @@ static void write_again(const struct gp_hdr_colour *set, int n)
 {
     const struct gp_write_params w = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
-    fuzz_said(gp_write_hdr(&fuzz_log, &w, "/dev/null", set, n, &stats));
+    fuzz_line(gp_write_hdr(&fuzz_log, &w, "/dev/null", set, n, &stats));
 }
 
 static void sense(struct gp_frame *f)
 {
     struct gp_sources sources;
     const struct gp_sensor_params s = GP_SENSOR_DEFAULTS;
-    if (!fuzz_said(gp_sense(&fuzz_log, &s, f, &sources)))
+    if (!fuzz_line(gp_sense(&fuzz_log, &s, f, &sources)))
         gp_sources_free(&sources);
 }
 
@@ -65,7 +66,7 @@ static void look_at_layer(const struct gp_read_params *p,
     const char *const dot = strrchr(channel, '.');
     char *const layer = dot ? strndup(channel, (size_t) (dot - channel)) : NULL;
     struct gp_frame other = {0};
-    if (layer && !fuzz_said(gp_read_layer(&fuzz_log, p, f, layer, &other))) {
+    if (layer && !fuzz_line(gp_read_layer(&fuzz_log, p, f, layer, &other))) {
         const struct gp_hdr_colour set[] = {{f, &f->rgb}, {&other, &other.rgb}};
         touch_frame(&other);
         write_again(set, 2);
@@ -80,9 +81,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_stream s = gp_stream_of(data, size);
     struct gp_frame f = {0};
     fuzz_begin();
-    if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
+    if (!fuzz_line(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
         touch_frame(&f);
-        look(&p, &f);
+        look_at_planes(&p, &f);
         sense(&f);
         write_again(&(struct gp_hdr_colour) {&f, &f.rgb}, 1);
         for (int i = 0; i < f.channels && i < 3; i++)

@@ -10,7 +10,7 @@
 static void check_list(const char *text)
 {
     struct gp_frames f = {0};
-    if (fuzz_said(gp_frames_parse(&fuzz_log, text, &f)))
+    if (fuzz_line(gp_frames_parse(&fuzz_log, text, &f)))
         return;
     if (f.n < 1 || f.n > GP_FRAME_LIST_MAX)
         abort();
@@ -22,7 +22,7 @@ static void check_list(const char *text)
 static void check_views(const char *text)
 {
     struct gp_views v = {0};
-    if (fuzz_said(gp_views_parse(&fuzz_log, text, &v)))
+    if (fuzz_line(gp_views_parse(&fuzz_log, text, &v)))
         return;
     if (v.n < 1)
         abort();
@@ -56,7 +56,7 @@ static void check_name(const char *text)
     int back;
     gp_frame_number(text, &back);
     check_views(text);
-    if (fuzz_said(gp_pattern_find(&fuzz_log, text, &p)))
+    if (fuzz_line(gp_pattern_find(&fuzz_log, text, &p)))
         return;
     for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
         char *const name = gp_pattern_name(&p, number[i],

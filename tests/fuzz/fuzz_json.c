@@ -18,12 +18,12 @@ static void use_lights(const char *path)
     };
     struct gp_light_spec *spec = NULL;
     int n = 0;
-    if (fuzz_said(gp_lights_read(&fuzz_log, path, &spec, &n)))
+    if (fuzz_line(gp_lights_read(&fuzz_log, path, &spec, &n)))
         return;
     for (int i = 0; i < n; i++) {
         struct gp_light light;
         const enum gp_depth_type type = i & 1 ? GP_DEPTH_RAY : GP_DEPTH_Z;
-        if (!fuzz_said(gp_light_place_in(&fuzz_log, "input", &spec[i], &camera,
+        if (!fuzz_line(gp_light_place_in(&fuzz_log, "input", &spec[i], &camera,
                                          type, display, &light)) &&
             !(isfinite(light.x) && isfinite(light.y) && light.radius >= 0.0))
             abort();
@@ -39,15 +39,15 @@ static void use_flare(const char *path)
     struct gp_planes layer;
     light.x = light.y = 1.5;
     light.flux[0] = light.flux[1] = light.flux[2] = 1.0f;
-    if (fuzz_said(gp_flare_read(&fuzz_log, path, &flare)))
+    if (fuzz_line(gp_flare_read(&fuzz_log, path, &flare)))
         return;
     if (flare.n <= MOST &&
-        !fuzz_said(gp_planes_make(&fuzz_log, "layer", 8 * 6, &layer))) {
+        !fuzz_line(gp_planes_make(&fuzz_log, "layer", 8 * 6, &layer))) {
         for (int c = 0; c < 3; c++) {
             for (int i = 0; i < 8 * 6; i++)
                 layer.c[c][i] = 0.0f;
         }
-        fuzz_said(gp_flare_add(&fuzz_log, &flare, &light, 1, display, display,
+        fuzz_line(gp_flare_add(&fuzz_log, &flare, &light, 1, display, display,
                                &layer));
         for (int i = 0; i < 8 * 6; i++) {
             if (!isfinite(layer.c[0][i]))
@@ -62,7 +62,7 @@ static void use_cameras(const char *path)
 {
     static const double at[3] = {1.0, -2.0, 3.0};
     struct gp_camera_file file = {0};
-    if (fuzz_said(gp_camera_read(&fuzz_log, path, &file)))
+    if (fuzz_line(gp_camera_read(&fuzz_log, path, &file)))
         return;
     for (int i = 0; i < file.n; i++) {
         const struct gp_camera *const c = &file.at[i].camera;

@@ -12,7 +12,7 @@ static void make_kernel(const struct gp_frame *f, uint8_t choice)
     p.center[1] = f->data.y1 - 0.5;
     p.normalize = choice & 2 ? GP_NORMALIZE_NONE : p.normalize;
     p.rotate = choice & 4 ? 30.0f : choice & 8 ? -90.0f : 0.0f;
-    if (fuzz_said(gp_kernel_from_frame(&fuzz_log, &p, f, &k)))
+    if (fuzz_line(gp_kernel_from_frame(&fuzz_log, &p, f, &k)))
         return;
     for (int c = 0; c < 3; c++)
         fuzz_touch(k.k.c[c], (size_t) k.w * (size_t) k.h * sizeof(float));
@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_stream s = gp_stream_of(data, size);
     struct gp_frame f = {0};
     fuzz_begin();
-    if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
+    if (!fuzz_line(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
         make_kernel(&f, data[size - 1]);
         gp_frame_free(&f);
     }

@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_members m = {.stream = GP_STREAM_EMPTY};
     const char *const path = fuzz_pipe(data, size);
     fuzz_begin();
-    if (path && !fuzz_said(gp_members_read(&fuzz_log, &p, path, &m))) {
+    if (path && !fuzz_line(gp_members_read(&fuzz_log, &p, path, &m))) {
         uint64_t end = 0;
         for (int i = 0; i < m.n; i++) { // in order, none over another
             if (m.member[i].at < end || m.member[i].size == 0 ||
@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         for (int i = 0; i < m.n && i < MOST; i++) {
             struct gp_frame f = {0};
-            if (!fuzz_said(gp_members_frame(&fuzz_log, &p, "input", &m, i,
+            if (!fuzz_line(gp_members_frame(&fuzz_log, &p, "input", &m, i,
                                             &f)))
                 gp_frame_free(&f);
         }

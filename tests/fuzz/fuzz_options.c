@@ -22,7 +22,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     while (rest && argc <= MOST_WORDS)
         argv[argc++] = strsep(&rest, "\n");
     fuzz_begin();
-    fuzz_said(gp_options_parse(&fuzz_log, argc, argv, &s));
+    fuzz_line(gp_options_parse(&fuzz_log, argc, argv, &s));
     gp_settings_free(&s);
     fuzz_end(FUZZ_FIXED);
     free(text);

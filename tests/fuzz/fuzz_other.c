@@ -37,7 +37,7 @@ static uint64_t read_picture(const uint8_t *data, size_t size, int variant)
     struct gp_frame f = {0};
     uint64_t hash = 0xcbf29ce484222325u;
     fuzz_begin();
-    const gp_status st = fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s,
+    const gp_status st = fuzz_line(gp_read_stream(&fuzz_log, &p, "input", &s,
                                                   &f));
     if (!st) {
         const size_t bytes = gp_frame_pixels(&f) * sizeof(float);

@@ -7,7 +7,7 @@ static void read_plane(const char *path, const char *name, bool depth)
 {
     const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
     struct gp_plane plane = {0};
-    if (fuzz_said(gp_read_plane_file(&fuzz_log, &p, path, name, depth,
+    if (fuzz_line(gp_read_plane_file(&fuzz_log, &p, path, name, depth,
                                      &plane)))
         return;
     fuzz_touch(plane.v, (size_t) gp_rect_w(plane.window) *

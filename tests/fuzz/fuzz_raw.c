@@ -20,9 +20,9 @@ static void compare(const struct gp_stored_image *a, const struct gp_stored_imag
     if (a->deep != b->deep)
         return;
     // rows of compare's loops count in int, as its own check of the union
-    if (!fuzz_said(gp_compare_match_make(&fuzz_log, a, b, &m)) &&
+    if (!fuzz_line(gp_compare_match_make(&fuzz_log, a, b, &m)) &&
         fits(m.window) && m.pairs &&
-        !fuzz_said(gp_compare_measure(&fuzz_log, &limits, &m, &f)) &&
+        !fuzz_line(gp_compare_measure(&fuzz_log, &limits, &m, &f)) &&
         a == b && gp_compare_judge(&limits, &f, &(struct gp_compare_flip) {0}) !=
                       GP_COMPARE_MATCH)
         abort();
@@ -37,12 +37,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_stored_image image[2] = {0};
     const char *const path = size ? fuzz_file(data, size) : NULL;
     fuzz_begin();
-    if (path && !fuzz_said(gp_stored_open(&fuzz_log, &p, path, &f))) {
+    if (path && !fuzz_line(gp_stored_open(&fuzz_log, &p, path, &f))) {
         bool before = false;
         for (int i = 0; i < f.parts && i < MOST; i++) {
             struct gp_stored_image *const a = &image[i & 1];
             gp_stored_image_free(a);
-            if (fuzz_said(gp_stored_read(&fuzz_log, &p, &f, i, a))) {
+            if (fuzz_line(gp_stored_read(&fuzz_log, &p, &f, i, a))) {
                 before = false;
                 continue;
             }

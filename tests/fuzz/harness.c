@@ -17,7 +17,7 @@ int __sanitizer_install_malloc_and_free_hooks(
     void (*on_free)(const volatile void *));
 size_t __sanitizer_get_allocated_size(const volatile void *p);
 
-/* -- what is said ----------------------------------------------------------- */
+/* -- lines of a call -------------------------------------------------------- */
 
 static int errors;
 static char last[4200];
@@ -40,7 +40,7 @@ static void broken(const char *promise, long long value)
     abort();
 }
 
-gp_status fuzz_said(gp_status st)
+gp_status fuzz_line(gp_status st)
 {
     if (errors != (st != GP_OK))
         broken("one line for an error, none for success", errors);

@@ -31,9 +31,10 @@ void fuzz_begin(void);
  * time. Checks FUZZ_SECONDS too. */
 void fuzz_end(uint64_t allowed);
 
-/* Checks what a call said: an error has one line, "what is wrong; what to do",
- * success has none, and no file makes GP_ERR_BUG. Returns `st`, and forgets the lines. */
-gp_status fuzz_said(gp_status st);
+/* Checks the lines of a call, and forgets them: an error has one, "what is
+ * wrong; what to do", success has none, and no file makes GP_ERR_BUG. Returns
+ * `st`. */
+gp_status fuzz_line(gp_status st);
 
 /* Bytes of heap that an EXR of `size` bytes may take when its reader accepts
  * FUZZ_PIXELS: FUZZ_FIXED, and for each pixel of the largest window that the

@@ -37,7 +37,7 @@ static void run_file(const char *path)
     inputs++;
 }
 
-static void run(const char *path)
+static void run_target(const char *path)
 {
     struct stat about;
     if (stat(path, &about) || !S_ISDIR(about.st_mode)) {
@@ -61,7 +61,7 @@ int main(int argc, char *argv[])
 {
     for (int i = 1; i < argc; i++) {
         if (argv[i][0] != '-')
-            run(argv[i]);
+            run_target(argv[i]);
     }
     fprintf(stderr, "%d inputs\n", inputs);
     return 0;

@@ -108,7 +108,7 @@ static double picture_error(const struct format *t,
     return worst;
 }
 
-static void save(const char *path, const struct gp_stream *from)
+static void save_stream(const char *path, const struct gp_stream *from)
 {
     void *const bytes = scene_alloc(from->size, 1);
     FILE *const to = fopen(path, "wb");
@@ -142,7 +142,7 @@ static struct hard_picture by_itself(const struct format *t,
     if (gp_oiio_write(&kept_log, &img, NULL, &pixels, t->ending, "uint8", "",
                       &file))
         hard_die(t->name, kept_line);
-    save(path, &file);
+    save_stream(path, &file);
     gp_stream_close(&file);
     gp_shared_free(&pixels);
     t->read(path, &out);

@@ -19,7 +19,7 @@ uint8_t *hard_read_bytes(const char *path, size_t *size)
     return bytes;
 }
 
-static void make(struct hard_picture *p)
+static void make_planes(struct hard_picture *p)
 {
     p->v = scene_alloc((size_t) p->w * (size_t) p->h, 3 * sizeof *p->v);
 }
@@ -41,7 +41,7 @@ void hard_read_png(const char *path, struct hard_picture *out)
     out->h = (int) png_get_image_height(png, info);
     if (png_get_channels(png, info) != 3)
         hard_die(path, "is not RGB");
-    make(out);
+    make_planes(out);
     float *to = out->v;
     for (int y = 0; y < out->h; y++) {
         const png_byte *row = png_get_rows(png, info)[y];
@@ -86,7 +86,7 @@ static void read_raw(const char *path, struct hard_picture *out, size_t bytes,
     const size_t n = 3 * (size_t) out->w * (size_t) out->h;
     if (size != n * bytes)
         hard_die(path, "has another size than its frame");
-    make(out);
+    make_planes(out);
     for (size_t i = 0; i < n; i++)
         out->v[i] = sample(all + i * bytes);
     free(all);
@@ -124,7 +124,7 @@ void hard_read_pfm(const char *path, struct hard_picture *out)
     const size_t row = 3 * (size_t) out->w;
     if (size != (size_t) head + 1 + 4 * row * (size_t) out->h)
         hard_die(path, "has another size than its header says");
-    make(out);
+    make_planes(out);
     for (size_t i = 0; i < row * (size_t) out->h; i++) {
         const size_t y = (size_t) out->h - 1 - i / row;
         out->v[y * row + i % row] = float32le(all + head + 1 + 4 * i);
@@ -147,7 +147,7 @@ static void read_image(const char *path, float largest,
         hard_die(path, "is not RGB");
     out->w = gp_rect_w(image.data);
     out->h = gp_rect_h(image.data);
-    make(out);
+    make_planes(out);
     for (size_t i = 0; i < 3 * (size_t) out->w * (size_t) out->h; i++) {
         const float v = ((const float *) image.channel[i % 3].v)[i / 3];
         out->v[i] = image.integers ? rintf(v * largest) : v;

@@ -27,8 +27,8 @@ static const double tolerance = 1e-3;
 static int no_gl;
 
 /* False where there is no GL for it. */
-static bool run(int way, struct scene *s, struct gp_glare *g,
-                struct gp_glare_stats *stats, const char *what)
+static bool run_way(int way, struct scene *s, struct gp_glare *g,
+                    struct gp_glare_stats *stats, const char *what)
 {
     const struct way *const w = &ways[way];
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
@@ -57,7 +57,7 @@ static bool run_alone(int way, struct scene *s, const char *what)
 {
     struct gp_glare g = {0};
     struct gp_glare_stats stats;
-    const bool yes = run(way, s, &g, &stats, what);
+    const bool yes = run_way(way, s, &g, &stats, what);
     gp_glare_close(&g);
     return yes;
 }
@@ -91,8 +91,9 @@ static double bar_of(const struct hard_case *h, int way, double error,
     return error <= bound && !(h->under && ways[way].gl) ? bar : bound;
 }
 
-static void look(const struct hard_case *h, int way, const struct scene *s,
-                 const struct gp_glare_stats *stats, struct result *r)
+static void judge_layer(const struct hard_case *h, int way,
+                        const struct scene *s,
+                        const struct gp_glare_stats *stats, struct result *r)
 {
     struct gp_glare_error e;
     gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
@@ -122,10 +123,10 @@ static void run_case(int row, const struct hard_case *h,
     for (int i = 0; i < WAYS; i++) {
         struct gp_glare_stats stats;
         struct result *const r = &result[i];
-        r->ran = run(i, &s, &kept[i], &stats, h->name);
+        r->ran = run_way(i, &s, &kept[i], &stats, h->name);
         if (!r->ran)
             continue;
-        look(h, i, &s, &stats, r);
+        judge_layer(h, i, &s, &stats, r);
         const uint64_t hash = scene_hash(&s);
         if (is_compared(row, i) && run_alone(i, &s, h->name))
             r->differs = scene_hash(&s) != hash;
@@ -327,7 +328,7 @@ static struct motion_result slide(int way, const struct gp_kernel *kernel,
         struct gp_glare_stats stats;
         struct scene s = scene_make(motion_frame(shape, i), *kernel,
                                     &motion_sensors);
-        *ran = run(way, &s, &g, &stats, motion_shapes[shape]);
+        *ran = run_way(way, &s, &g, &stats, motion_shapes[shape]);
         for (int k = 0; k < N && *ran; k++)
             layer[k] = (double) s.f.layer.c[1][k];
         if (*ran)

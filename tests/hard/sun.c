@@ -67,8 +67,9 @@ static void must(gp_status st, const char *what)
         hard_die(what, kept_line);
 }
 
-static void draw(const struct gp_occluders *o, const struct gp_map_params *p,
-                 int way, struct gp_light *l, const char *what)
+static void draw_light(const struct gp_occluders *o,
+                       const struct gp_map_params *p, int way,
+                       struct gp_light *l, const char *what)
 {
     l->visibility = -1.0; // must be written
     if (way == READBACK) {
@@ -91,7 +92,7 @@ static void try_gl(const struct hard_sky *s, int planes,
         p.pattern = (enum gp_sun_pattern) pattern;
         for (int way = READBACK; way <= MASK_64; way++) {
             p.side = way == MASK_64 ? 64 : 16;
-            draw(o, &p, way, l, what);
+            draw_light(o, &p, way, l, what);
             const double want =
                 way == READBACK
                     ? plain_count(s, planes, o->frame, (int) p.outside,

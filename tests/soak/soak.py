@@ -204,7 +204,7 @@ class Case:
             if exr and self.compression in stored.LOSSY:
                 self.compared["lossy"] += 1
 
-    def check_layer(self, rows, a, b, said):
+    def check_layer(self, rows, a, b, warnings):
         for i, row in enumerate(rows):
             bounds = [o[i].get("bound", 0.0) for o in (a, b)]
             self.engines[a[i]["engine"]] += 1
@@ -219,7 +219,7 @@ class Case:
             self.compared["layers"] += 1
             tolerance = self.tolerance()
             if tolerance is not None and a[i]["engine"] != "none" and \
-                    "tolerance" not in said:  # which the warning names
+                    "tolerance" not in warnings:  # which the warning names
                 self.hold("bound", bounds[0], tolerance * (1 + 1e-6))
 
     def check_reports(self, a, p):
@@ -308,15 +308,15 @@ class Case:
                 raise Fault("again: %s and %s differ" % (path, other))
 
     def check(self):
-        a, said = self.make("a", self.engine + ["--verify"] * self.verify,
+        a, warnings = self.make("a", self.engine + ["--verify"] * self.verify,
                             self.runs[0])
         b, _ = self.make("b", WHOLE + ["--engine", "direct"], self.runs[1])
         self.whole, p = "a", a
         if self.half or self.compression in stored.LOSSY:
             self.whole = "p"
-            p, said = self.make("p", self.engine + WHOLE, self.runs[2])
+            p, warnings = self.make("p", self.engine + WHOLE, self.runs[2])
         rows = self.compare("layer")
-        self.check_layer(rows, p, b, said)
+        self.check_layer(rows, p, b, warnings)
         self.check_hdr(rows)
         self.check_pictures()
         for i in range(self.count):

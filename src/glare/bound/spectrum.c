@@ -78,7 +78,7 @@ gp_status gp_power_make(const struct gp_log *log,
     const struct reaching part = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
     struct gp_fft_matrix in = {0}, spectrum = {0};
-    const struct gp_fft_job job = {log, &p.x, &p.y, 0, p.channels};
+    const struct gp_fft_request req = {log, &p.x, &p.y, 0, p.channels};
     const int rows = gp_rect_h(crop);
     int *place = NULL;
     gp_status st = GP_OK;
@@ -103,9 +103,9 @@ gp_status gp_power_make(const struct gp_log *log,
             place[y] = y;
         GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, rows, &in));
         GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, p.ny, &spectrum));
-        GP_TRY(gp_fft_rows_in(&job, rows, load_kernel, &part, &in));
+        GP_TRY(gp_fft_rows_in(&req, rows, load_kernel, &part, &in));
         // the matrix holds twice the spectrum
-        GP_TRY(gp_fft_columns(&job, &in, rows, place, 0.5f, &spectrum));
+        GP_TRY(gp_fft_columns(&req, &in, rows, place, 0.5f, &spectrum));
     }
     // magnitudes, largest and mean ones. The kernel's place on the torus does
     // not change |K|
@@ -367,7 +367,7 @@ gp_status gp_power_bound(const struct gp_log *log, const struct gp_power *p,
     gp_status st = GP_OK;
     double sum[3] = {0}; // |K|^2 |2 D|^2
     struct gp_fft_matrix m = {0};
-    const struct gp_fft_job job = {log, &p->x, &p->y, 0, 3};
+    const struct gp_fft_request req = {log, &p->x, &p->y, 0, 3};
     struct adding a = {
         .p = p, .r = r, .m = &m, .tasks = (p->nx / 2 + COLUMNS) / COLUMNS,
     };
@@ -380,7 +380,7 @@ gp_status gp_power_bound(const struct gp_log *log, const struct gp_power *p,
         GP_TRY(gp_alloc(log, "bound",
                         4 * (size_t) p->ny * (size_t) gp_threads(),
                         sizeof *a.buffer, &a.buffer));
-        GP_TRY(gp_fft_rows_in(&job, r->rows, load_residue, r, &m));
+        GP_TRY(gp_fft_rows_in(&req, r->rows, load_residue, r, &m));
         gp_parallel_do(3 * a.tasks, add_columns, &a);
         for (int i = 0; i < 3 * a.tasks; i++)
             sum[i / a.tasks] += a.sum[i];

@@ -253,7 +253,7 @@ static double cost_at(const double value[3], double size, double first)
     return value[i] + (at - i) * (value[i + 1] - value[i]);
 }
 
-static struct gp_prediction predict_direct(const struct gp_glare_job *job,
+static struct gp_prediction predict_direct(const struct gp_glare_request *req,
                                            const void *state)
 {
     static const double near_row[3] = GP_COST_DIRECT_NEAR_ROW;
@@ -264,8 +264,8 @@ static struct gp_prediction predict_direct(const struct gp_glare_job *job,
         NEAR = 8,    // pixels: half a cache line
         TILE_W = 16, // pixels; as high as a quad
     };
-    const struct gp_kernel *const k = job->kernel;
-    const struct gp_sources *const s = job->src;
+    const struct gp_kernel *const k = req->kernel;
+    const struct gp_sources *const s = req->src;
     // from every step-th source: with many of them direct loses anyway
     const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
     uint32_t i = step / 2, taken = 0;
@@ -327,37 +327,37 @@ static void close_direct(void **state)
     GP_FREE(*state);
 }
 
-static gp_status run_direct(const struct gp_glare_job *job, void **state)
+static gp_status run_direct(const struct gp_glare_request *req, void **state)
 {
     struct direct_state *s = *state;
-    if (!is_laid_out(s, job->kernel)) {
+    if (!is_laid_out(s, req->kernel)) {
         close_direct(state);
-        gp_status st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
+        gp_status st = gp_alloc_zero(req->log, "direct", 1, sizeof *s, state);
         if (st)
             return st;
         s = *state;
-        st = gp_taps_make(job->log, job->kernel, -1, &s->taps);
+        st = gp_taps_make(req->log, req->kernel, -1, &s->taps);
         if (st)
             return st;
-        s->kernel = job->kernel->serial;
+        s->kernel = req->kernel->serial;
     }
-    job->stats->bound = gp_direct_bound(job->kernel, job->src->n);
-    return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
+    req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
+    return gp_direct_sum(req->log, req->src, &s->taps, false, req->layer);
 }
 
-static gp_status bound_direct(const struct gp_glare_job *job, void **state,
+static gp_status bound_direct(const struct gp_glare_request *req, void **state,
                               double *out)
 {
     (void) state;
-    *out = gp_direct_bound(job->kernel, job->src->n);
+    *out = gp_direct_bound(req->kernel, req->src->n);
     return GP_OK;
 }
 
-static gp_status pixel_direct(const struct gp_glare_job *job, void **state,
+static gp_status pixel_direct(const struct gp_glare_request *req, void **state,
                               struct gp_pixel_error *out)
 {
     (void) state;
-    out->share = gp_direct_bound(job->kernel, job->src->n);
+    out->share = gp_direct_bound(req->kernel, req->src->n);
     return GP_OK;
 }
 

@@ -47,7 +47,7 @@ static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
 }
 
 /* Returns v modulo n, in [0, n). */
-static int wrap(int v, int n)
+static int wrap_index(int v, int n)
 {
     return v % n < 0 ? v % n + n : v % n;
 }
@@ -80,11 +80,12 @@ static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how)
 
 /* The plans of length n, from the state or made; they stay when one more
  * length is asked for, but may move. */
-static gp_status find_plan(const struct gp_glare_job *job, struct fft_state *s,
+static gp_status find_plan(const struct gp_glare_request *req,
+                           struct fft_state *s,
                            int n, const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
-    const int i = plan_at(s, n, job->params->fft_plan);
+    const int i = plan_at(s, n, req->params->fft_plan);
     if (i < s->plans) {
         const struct gp_fft_plan_pair found = s->plan[i];
         memmove(s->plan + i, s->plan + i + 1,
@@ -98,8 +99,8 @@ static gp_status find_plan(const struct gp_glare_job *job, struct fft_state *s,
         memmove(s->plan, s->plan + 1, sizeof *s->plan * (size_t) (room - 1));
         s->plans--;
     }
-    gp_status st = gp_fft_plan_make(job->log, n, job->params->fft_plan,
-                                    job->params->wisdom, &s->plan[s->plans]);
+    gp_status st = gp_fft_plan_make(req->log, n, req->params->fft_plan,
+                                    req->params->wisdom, &s->plan[s->plans]);
     if (!st)
         *out = &s->plan[s->plans++];
     return st;
@@ -123,7 +124,7 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     const float *const row =
         k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
     for (int from = taps.x0, end; from < taps.x1; from = end) {
-        const int at = wrap(from, nx);
+        const int at = wrap_index(from, nx);
         end = gp_min(taps.x1, from + nx - at);
         for (int dx = from; dx < end; dx++)
             z[2 * (at + dx - from)] = row[dx];
@@ -132,7 +133,7 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
         return;
     for (int dx = gp_max(-r->core, taps.x0);
          dx <= r->core && dx < taps.x1; dx++)
-        z[2 * wrap(dx, nx)] = 0.0f;
+        z[2 * wrap_index(dx, nx)] = 0.0f;
 }
 
 /* A matrix of one plane, as the plane of channel c; borrowed. */
@@ -147,29 +148,29 @@ static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
  * and y left out (-1: none), unless the state has that spectrum: one channel
  * (a grey kernel) or three of p->ny rows, scaled so that the passes need no
  * more factors. fft has the plans of p->nx and p->ny and one channel. */
-static gp_status make_spectrum(const struct gp_glare_job *job,
-    struct fft_state *s, const struct gp_fft_job *fft,
+static gp_status make_spectrum(const struct gp_glare_request *req,
+    struct fft_state *s, const struct gp_fft_request *fft,
     const struct gp_fft_placing *p, int core)
 {
     gp_status st = GP_OK;
-    const struct gp_kernel *const k = job->kernel;
+    const struct gp_kernel *const k = req->kernel;
     const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
     const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
     struct gp_fft_matrix rows = {0}, spectrum = {0};
     int *places = NULL;
-    struct gp_fft_job one = *fft;
+    struct gp_fft_request one = *fft;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
     const float scale = (float) (0.25 / ((double) p->nx * p->ny));
     if (has_spectrum(s, k, p, core))
         return GP_OK;
     gp_fft_matrix_free(&s->spectrum);
-    GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, n, &rows));
-    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny, &spectrum));
-    GP_TRY(gp_alloc(job->log, "transform", (size_t) n, sizeof *places,
+    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, n, &rows));
+    GP_TRY(gp_fft_matrix_make(req->log, channels, p->nx, p->ny, &spectrum));
+    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *places,
                     &places));
     for (int j = 0; j < n; j++)
-        places[j] = wrap(p->taps.y0 + j, p->ny);
+        places[j] = wrap_index(p->taps.y0 + j, p->ny);
     for (one.channel = 0; one.channel < channels; one.channel++) {
         struct gp_fft_matrix m = one_channel(&rows, one.channel);
         GP_TRY(gp_fft_rows_in(&one, n, load_kernel_row, &from, &m));
@@ -229,7 +230,7 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     const int w = r->src->w;
     float *const row = r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
-    const int first = wrap(p->out.x0 - p->in.x0, p->nx);
+    const int first = wrap_index(p->out.x0 - p->in.x0, p->nx);
     const int end = p->out.x0 + p->nx - first;
     const int seam = end < p->out.x1 ? end : p->out.x1;
     for (int x = p->out.x0; x < seam; x++)
@@ -242,20 +243,20 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
-static void clear_rows(const struct gp_glare_job *job, int from, int to)
+static void clear_rows(const struct gp_glare_request *req, int from, int to)
 {
-    const size_t w = (size_t) job->src->w;
+    const size_t w = (size_t) req->src->w;
     for (int c = 0; c < 3 && to > from; c++)
-        memset(job->layer->c[c] + (size_t) from * w, 0,
+        memset(req->layer->c[c] + (size_t) from * w, 0,
                (size_t) (to - from) * w * sizeof(float));
 }
 
 /* Clears the layer's rounding noise where no light reaches. */
-static gp_status clear_unreached(const struct gp_glare_job *job,
+static gp_status clear_unreached(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_sources *src,
     const struct gp_fft_noise *noise)
 {
-    const struct gp_kernel *const k = job->kernel;
+    const struct gp_kernel *const k = req->kernel;
     const struct gp_fft_shape *shape[3];
     if (!is_known(s->shape_kernel, k)) {
         for (int c = 0; c < 3; c++)
@@ -266,33 +267,34 @@ static gp_status clear_unreached(const struct gp_glare_job *job,
         struct gp_fft_shape *const own = &s->shape[k->grey ? 0 : c];
         gp_status st = GP_OK;
         if (!own->row)
-            st = gp_fft_shape_make(job->log, k, c, own);
+            st = gp_fft_shape_make(req->log, k, c, own);
         if (st)
             return st;
         shape[c] = own;
     }
-    return gp_fft_clear_unreached(job->log, src, k, shape, noise, job->layer);
+    return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer);
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */
-static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
+static gp_status transform(const struct gp_glare_request *req,
+    struct fft_state *s,
     const struct gp_sources *src, const struct gp_fft_placing *p, int core)
 {
     gp_status st;
-    struct gp_fft_job fft = {.log = job->log, .channels = 1};
+    struct gp_fft_request fft = {.log = req->log, .channels = 1};
     struct gp_fft_noise noise = {0};
-    struct light_rows light = {.src = src, .p = p, .layer = job->layer,
+    struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .noise = &noise,
-                               .negative = job->kernel->negative};
+                               .negative = req->kernel->negative};
     const int count = gp_rect_h(p->out);
-    GP_TRY(find_plan(job, s, p->ny, &fft.y));
+    GP_TRY(find_plan(req, s, p->ny, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
-    GP_TRY(find_plan(job, s, p->nx, &fft.x));
+    GP_TRY(find_plan(req, s, p->nx, &fft.x));
     fft.y = &kept;
-    GP_TRY(make_spectrum(job, s, &fft, p, core));
+    GP_TRY(make_spectrum(req, s, &fft, p, core));
     const size_t lit = (size_t) gp_rect_h(p->in);
-    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &light.y));
-    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &light.place));
+    GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.y));
+    GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.place));
     for (int row = p->in.y0; row < p->in.y1; row++) {
         if (src->row[row + 1] > src->row[row]) {
             light.y[light.n] = row;
@@ -303,30 +305,30 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
     if (s->work.columns != (p->nx / 2 + 4) / 4 * 4 ||
         s->work_rows != (size_t) rows) {
         gp_fft_matrix_free(&s->work);
-        GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, rows, &s->work));
+        GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, rows, &s->work));
         s->work_rows = (size_t) rows;
     }
-    clear_rows(job, 0, p->out.y0);
-    clear_rows(job, p->out.y1, src->h);
+    clear_rows(req, 0, p->out.y0);
+    clear_rows(req, p->out.y1, src->h);
     for (int c = 0; c < 3; c++) {
-        const struct gp_kernel *const k = job->kernel;
+        const struct gp_kernel *const k = req->kernel;
         const double norm = sqrt(src->energy[c]);
         noise.most[c] = (float) gp_fft_pixel_error(
             p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
             fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
-        GP_TRY(gp_alloc_zero(job->log, "transform", (size_t) src->h,
+        GP_TRY(gp_alloc_zero(req->log, "transform", (size_t) src->h,
                              sizeof(bool), &noise.row[c]));
     }
-    const int first = wrap(p->out.y0 - p->in.y0, p->ny);
+    const int first = wrap_index(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
         struct gp_fft_matrix m = one_channel(&s->work, fft.channel);
         GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
-                               job->kernel->grey ? 1 : 3, first, count));
+                               req->kernel->grey ? 1 : 3, first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
-    if (!job->kernel->negative)
-        GP_TRY(clear_unreached(job, s, src, &noise));
+    if (!req->kernel->negative)
+        GP_TRY(clear_unreached(req, s, src, &noise));
 out:
     for (int c = 0; c < 3; c++)
         gp_free(noise.row[c]);
@@ -337,13 +339,13 @@ out:
 
 /* Opens the state, places all sources, and chooses the part of the sum that
  * goes direct; p->nx is 0 when no light reaches the frame. */
-static gp_status place_and_split(const struct gp_glare_job *job, void **state,
-    struct gp_fft_placing *p, struct gp_fft_split *split)
+static gp_status place_and_split(const struct gp_glare_request *req,
+    void **state, struct gp_fft_placing *p, struct gp_fft_split *split)
 {
-    const struct gp_kernel *const k = job->kernel;
-    const struct gp_sources *const src = job->src;
+    const struct gp_kernel *const k = req->kernel;
+    const struct gp_sources *const src = req->src;
     if (!*state) {
-        gp_status st = gp_alloc_zero(job->log, "fft", 1,
+        gp_status st = gp_alloc_zero(req->log, "fft", 1,
                                      sizeof(struct fft_state), state);
         if (st)
             return st;
@@ -364,44 +366,44 @@ static gp_status place_and_split(const struct gp_glare_job *job, void **state,
     // never by how plans are made: the layer would then depend on it
     gp_fft_split_choose(src, k, s->tail, (double) p->nx * p->ny,
                         gp_fft_passes_ms(src, p, GP_FFT_PLAN_MEASURE),
-                        (double) job->params->gain, split);
+                        (double) req->params->gain, split);
     return GP_OK;
 }
 
 /* Adds the bounds of the parts, each relative to its own share of the layer,
  * whose norm is at least `least`. */
-static double bound_of(const struct gp_glare_job *job,
+static double bound_of(const struct gp_glare_request *req,
                        const struct gp_fft_placing *p,
                        const struct gp_fft_split *split, double least)
 {
-    const size_t n = job->src->n;
+    const size_t n = req->src->n;
     const int parts = (split->core >= 0) + (split->hot_count > 0);
-    double sum = parts ? parts * gp_direct_bound(job->kernel, n) : 0.0;
+    double sum = parts ? parts * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
-        sum += gp_fft_bound(job->src, job->kernel, least, p);
+        sum += gp_fft_bound(req->src, req->kernel, least, p);
     return sum;
 }
 
 /* Bounds by the lower limit of the layer of sources anywhere and, where that is
  * over the tolerance, by the limit for these sources, which takes longer to
  * find than the layer. */
-static gp_status bound_fft(const struct gp_glare_job *job, void **state,
+static gp_status bound_fft(const struct gp_glare_request *req, void **state,
                            double *out)
 {
     struct gp_fft_placing p;
     struct gp_fft_split split;
     double least;
-    gp_status st = place_and_split(job, state, &p, &split);
+    gp_status st = place_and_split(req, state, &p, &split);
     if (st)
         return st;
     struct fft_state *const s = *state;
-    const double anywhere = gp_fft_least(job->src, &s->quarters);
-    *out = bound_of(job, &p, &split, anywhere);
-    if (*out <= (double) job->params->tolerance || job->kernel->negative)
+    const double anywhere = gp_fft_least(req->src, &s->quarters);
+    *out = bound_of(req, &p, &split, anywhere);
+    if (*out <= (double) req->params->tolerance || req->kernel->negative)
         return GP_OK;
-    st = gp_layer_least(job->log, job->src, job->kernel, &s->least, &least);
+    st = gp_layer_least(req->log, req->src, req->kernel, &s->least, &least);
     if (!st)
-        *out = bound_of(job, &p, &split, fmax(least, anywhere));
+        *out = bound_of(req, &p, &split, fmax(least, anywhere));
     return st;
 }
 
@@ -454,49 +456,49 @@ static double cool_error(const struct gp_fft_placing *p,
 }
 
 /* Bounds the pixel error: direct parts by their share, the rest by split.c. */
-static gp_status pixel_fft(const struct gp_glare_job *job, void **state,
+static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
                            struct gp_pixel_error *out)
 {
     struct gp_fft_placing p;
     struct gp_fft_split split;
-    const size_t n = job->src->n;
-    gp_status st = place_and_split(job, state, &p, &split);
+    const size_t n = req->src->n;
+    gp_status st = place_and_split(req, state, &p, &split);
     if (st)
         return st;
     const int parts = (split.core >= 0) + (split.hot_count > 0);
     *out = (struct gp_pixel_error) {
-        .share = job->kernel->negative ? INFINITY
-                 : parts ? parts * gp_direct_bound(job->kernel, n) : 0.0,
+        .share = req->kernel->negative ? INFINITY
+                 : parts ? parts * gp_direct_bound(req->kernel, n) : 0.0,
     };
-    const struct cool cool = find_cool(job->src, split.hot);
+    const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
-        out->of[c] = cool_error(&p, job->kernel, &cool, c, split.core);
+        out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core);
     return GP_OK;
 }
 
-static gp_status run_fft(const struct gp_glare_job *job, void **state)
+static gp_status run_fft(const struct gp_glare_request *req, void **state)
 {
     struct gp_sources hot = {0}, rest = {0};
-    const struct gp_sources *src = job->src;
-    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *src = req->src;
+    const struct gp_kernel *const k = req->kernel;
     struct gp_fft_split split;
     struct gp_fft_placing p;
-    gp_status st = place_and_split(job, state, &p, &split);
+    gp_status st = place_and_split(req, state, &p, &split);
     if (st)
         return st;
     struct fft_state *const s = *state;
-    if (!(job->stats->bound > 0.0))
-        job->stats->bound =
-            bound_of(job, &p, &split, gp_fft_least(src, &s->quarters));
+    if (!(req->stats->bound > 0.0))
+        req->stats->bound =
+            bound_of(req, &p, &split, gp_fft_least(src, &s->quarters));
     if (split.hot_count) {
-        GP_TRY(gp_sources_split(job->log, src, split.hot, &hot, &rest));
+        GP_TRY(gp_sources_split(req->log, src, split.hot, &hot, &rest));
         src = &rest;
         p = src->n ? gp_fft_place(src, k) : (struct gp_fft_placing) {0};
     }
     if (p.nx)
-        GP_TRY(transform(job, s, src, &p, split.core));
+        GP_TRY(transform(req, s, src, &p, split.core));
     else
-        clear_rows(job, 0, job->src->h);
+        clear_rows(req, 0, req->src->h);
     // add the direct parts: the core for all that was transformed, and hot
     // sources whole
     if (!is_known(s->taps_kernel, k)) {
@@ -507,20 +509,20 @@ static gp_status run_fft(const struct gp_glare_job *job, void **state)
     if (split.core >= 0 && src->n) {
         if (!s->core_taps.k[0] || s->core_taps_radius != split.core) {
             gp_taps_free(&s->core_taps);
-            GP_TRY(gp_taps_make(job->log, k, split.core, &s->core_taps));
+            GP_TRY(gp_taps_make(req->log, k, split.core, &s->core_taps));
             s->core_taps_radius = split.core;
         }
-        GP_TRY(gp_direct_sum(job->log, src, &s->core_taps, true, job->layer));
+        GP_TRY(gp_direct_sum(req->log, src, &s->core_taps, true, req->layer));
     }
     if (hot.n) {
         if (!s->all_taps.k[0])
-            GP_TRY(gp_taps_make(job->log, k, -1, &s->all_taps));
-        GP_TRY(gp_direct_sum(job->log, &hot, &s->all_taps, true, job->layer));
+            GP_TRY(gp_taps_make(req->log, k, -1, &s->all_taps));
+        GP_TRY(gp_direct_sum(req->log, &hot, &s->all_taps, true, req->layer));
     }
-    job->stats->fft_w = p.nx;
-    job->stats->fft_h = p.ny;
-    job->stats->fft_core = split.core;
-    job->stats->hot = split.hot_count;
+    req->stats->fft_w = p.nx;
+    req->stats->fft_h = p.ny;
+    req->stats->fft_core = split.core;
+    req->stats->hot = split.hot_count;
 out:
     gp_sources_free(&hot);
     gp_sources_free(&rest);
@@ -529,14 +531,14 @@ out:
 
 // -- prediction --------------------------------------------------------------
 
-static struct gp_prediction predict_fft(const struct gp_glare_job *job,
+static struct gp_prediction predict_fft(const struct gp_glare_request *req,
                                         const void *state)
 {
     static const struct fft_state empty;
     const struct fft_state *const s = state ? state : &empty;
-    const struct gp_sources *const src = job->src;
-    const struct gp_kernel *const k = job->kernel;
-    const struct gp_glare_params *const params = job->params;
+    const struct gp_sources *const src = req->src;
+    const struct gp_kernel *const k = req->kernel;
+    const struct gp_glare_params *const params = req->params;
     const enum gp_fft_plan how = params->fft_plan;
     const double sources = 3.0 * GP_COST_FFT_SOURCE * (double) src->n;
     struct gp_fft_placing p = gp_fft_place(src, k);
@@ -545,7 +547,7 @@ static struct gp_prediction predict_fft(const struct gp_glare_job *job,
     if (!p.nx)
         return ms;
     const double passes = sources + gp_fft_passes_ms(src, &p, how);
-    if (job->enough > 0.0 && passes > job->enough) {
+    if (req->enough > 0.0 && passes > req->enough) {
         ms.ms = ms.later_ms = GP_COST_FFT_RUN + passes;
         ms.more = true;
         return ms;

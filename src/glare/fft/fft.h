@@ -85,7 +85,7 @@ GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
 /* State that the passes share. */
-struct gp_fft_job {
+struct gp_fft_request {
     const struct gp_log *log;
     const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny
     int channel, channels; // the first, and how many
@@ -97,19 +97,19 @@ typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
 
 /* Transforms `rows` rows into m->z[c][column][j]; factors of 1/2 are left out:
  * the matrix holds twice the spectrum. */
-GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
-    gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
+GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
+    int rows, gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
 
 /* Transforms columns of `rows` rows, row j at place[j] of ny, to
  * whole columns of `out` (pitch >= ny), times `scale`. */
-GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_job *job,
+GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
     struct gp_fft_matrix *out);
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)
  * in, places first .. first + count (modulo ny) out to rows [0, count).
  * The kernel has one channel (grey) or three. */
-GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_job *job,
+GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
     struct gp_fft_matrix *m, int rows, const int *place,
     const struct gp_fft_matrix *kernel, int kernel_channels, int first,
     int count);
@@ -118,7 +118,7 @@ GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_job *job,
 typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);
 
 /* Transforms rows [0, rows) back. */
-GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_job *job,
+GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, gp_fft_store store,
     const void *ctx);
 

@@ -157,7 +157,7 @@ void gp_fft_matrix_free(struct gp_fft_matrix *m)
 /* A pass under way: scratch for each thread, and what its tasks read. */
 struct pass {
     const struct gp_fftwf *lib;
-    const struct gp_fft_job *job;
+    const struct gp_fft_request *req;
     struct gp_fft_matrix *m;
     const struct gp_fft_matrix *kernel;
     int kernel_channels;
@@ -174,15 +174,15 @@ struct pass {
 
 static gp_status run_pass(struct pass *s, size_t scratch, gp_task task)
 {
-    gp_status st = gp_fftwf_open(s->job->log, &s->lib);
+    gp_status st = gp_fftwf_open(s->req->log, &s->lib);
     if (st)
         return st;
     s->scratch = (scratch + 15) / 16 * 16;
-    st = gp_alloc(s->job->log, "transform", s->scratch * (size_t) gp_threads(),
+    st = gp_alloc(s->req->log, "transform", s->scratch * (size_t) gp_threads(),
                   sizeof(float), &s->buffer);
     if (st)
         return st;
-    gp_parallel_do(s->tasks * s->job->channels, task, s);
+    gp_parallel_do(s->tasks * s->req->channels, task, s);
     gp_free(s->buffer);
     return GP_OK;
 }
@@ -206,7 +206,7 @@ static struct pass_task task_of(const struct pass *s, int i, int thread,
                                 int step, int n)
 {
     struct pass_task p = {
-        .c = s->job->channel + i / s->tasks, .first = i % s->tasks * step,
+        .c = s->req->channel + i / s->tasks, .first = i % s->tasks * step,
         .pitch = row_floats(n),
         .line = s->buffer + s->scratch * (size_t) thread,
     };
@@ -217,7 +217,7 @@ static struct pass_task task_of(const struct pass *s, int i, int thread,
 static void rows_in(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int nx = s->job->x->n;
+    const int nx = s->req->x->n;
     const struct pass_task t = task_of(s, i, thread, ROWS, nx);
     for (int p = 0; p < PAIRS; p++) {
         float *const out = t.next + (size_t) p * t.pitch;
@@ -230,7 +230,7 @@ static void rows_in(void *ctx, int i, int thread)
         s->load(s->ctx, t.c, j, t.line);
         if (j + 1 < s->rows)
             s->load(s->ctx, t.c, j + 1, t.line + 1);
-        s->lib->execute_dft(s->job->x->forward, (void *) t.line, (void *) out);
+        s->lib->execute_dft(s->req->x->forward, (void *) t.line, (void *) out);
         out[2 * nx] = out[0];
         out[2 * nx + 1] = out[1];
     }
@@ -238,21 +238,21 @@ static void rows_in(void *ctx, int i, int thread)
            s->m->pitch);
 }
 
-gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
+gp_status gp_fft_rows_in(const struct gp_fft_request *req, int rows,
     gp_fft_load load, const void *ctx, struct gp_fft_matrix *m)
 {
     struct pass s = {
-        .job = job, .m = m, .rows = rows, .load = load, .ctx = ctx,
+        .req = req, .m = m, .rows = rows, .load = load, .ctx = ctx,
         .tasks = (rows + ROWS - 1) / ROWS,
     };
-    return run_pass(&s, (PAIRS + 1) * row_floats(job->x->n), rows_in);
+    return run_pass(&s, (PAIRS + 1) * row_floats(req->x->n), rows_in);
 }
 
 /* Transforms one column into `out`, its rows at their places. */
 static void column_forward(const struct pass *s, const float *column,
                            float *spread, float *out)
 {
-    const int ny = s->job->y->n;
+    const int ny = s->req->y->n;
     const size_t one = 2 * sizeof(float); // complex number
     if (s->rows && s->place[s->rows - 1] - s->place[0] == s->rows - 1) {
         const int first = s->place[0], end = first + s->rows; // no gap
@@ -264,15 +264,15 @@ static void column_forward(const struct pass *s, const float *column,
         for (int j = 0; j < s->rows; j++)
             memcpy(spread + 2 * s->place[j], column + 2 * j, one);
     }
-    s->lib->execute_dft(s->job->y->forward, (void *) spread, (void *) out);
+    s->lib->execute_dft(s->req->y->forward, (void *) spread, (void *) out);
 }
 
 static void columns_forward(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int ny = s->job->y->n;
+    const int ny = s->req->y->n;
     const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
-    const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
+    const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
     for (int k = t.first; k < end; k++) {
         column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
                        t.next);
@@ -283,31 +283,31 @@ static void columns_forward(void *ctx, int i, int thread)
     }
 }
 
-gp_status gp_fft_columns(const struct gp_fft_job *job,
+gp_status gp_fft_columns(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
     struct gp_fft_matrix *out)
 {
     struct gp_fft_matrix in = *m;
     struct pass s = {
-        .job = job, .m = &in, .kernel = out, .rows = rows, .place = place,
-        .scale = scale, .tasks = (job->x->n / 2 + COLUMNS) / COLUMNS,
+        .req = req, .m = &in, .kernel = out, .rows = rows, .place = place,
+        .scale = scale, .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
     };
-    return run_pass(&s, 2 * row_floats(job->y->n), columns_forward);
+    return run_pass(&s, 2 * row_floats(req->y->n), columns_forward);
 }
 
 static void columns_multiply(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int ny = s->job->y->n;
+    const int ny = s->req->y->n;
     const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
-    const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
+    const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
     const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : t.c];
     const int upper = gp_min(s->count, ny - s->first);
     for (int k = t.first; k < end; k++) {
         float *const column = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
         column_forward(s, column, t.line, t.next);
         multiply(t.next, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
-        s->lib->execute_dft(s->job->y->backward, (void *) t.next,
+        s->lib->execute_dft(s->req->y->backward, (void *) t.next,
                             (void *) t.line);
         memcpy(column, t.line + 2 * (size_t) s->first,
                2 * sizeof(float) * (size_t) upper);
@@ -320,27 +320,28 @@ static void columns_multiply(void *ctx, int i, int thread)
     }
 }
 
-gp_status gp_fft_multiply(const struct gp_fft_job *job, struct gp_fft_matrix *m,
+gp_status gp_fft_multiply(const struct gp_fft_request *req,
+    struct gp_fft_matrix *m,
     int rows, const int *place, const struct gp_fft_matrix *kernel,
     int kernel_channels, int first, int count)
 {
     struct pass s = {
-        .job = job, .m = m, .kernel = kernel, .rows = rows, .place = place,
+        .req = req, .m = m, .kernel = kernel, .rows = rows, .place = place,
         .kernel_channels = kernel_channels, .first = first, .count = count,
-        .tasks = (job->x->n / 2 + COLUMNS) / COLUMNS,
+        .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
     };
-    return run_pass(&s, 2 * row_floats(job->y->n), columns_multiply);
+    return run_pass(&s, 2 * row_floats(req->y->n), columns_multiply);
 }
 
 static void rows_out(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int nx = s->job->x->n;
+    const int nx = s->req->x->n;
     const struct pass_task t = task_of(s, i, thread, ROWS, nx);
     float *in = t.next;
     pack(s->m->z[t.c] + 2 * (size_t) t.first, s->m->pitch, nx, in, t.pitch);
     for (int j = t.first; j < t.first + ROWS && j < s->rows; j += 2) {
-        s->lib->execute_dft(s->job->x->backward, (void *) in, (void *) t.line);
+        s->lib->execute_dft(s->req->x->backward, (void *) in, (void *) t.line);
         s->store(s->ctx, t.c, j, t.line);
         if (j + 1 < s->rows)
             s->store(s->ctx, t.c, j + 1, t.line + 1);
@@ -348,14 +349,14 @@ static void rows_out(void *ctx, int i, int thread)
     }
 }
 
-gp_status gp_fft_rows_out(const struct gp_fft_job *job,
+gp_status gp_fft_rows_out(const struct gp_fft_request *req,
                           const struct gp_fft_matrix *m, int rows,
                           gp_fft_store store, const void *ctx)
 {
     struct gp_fft_matrix in = *m;
     struct pass s = {
-        .job = job, .m = &in, .rows = rows, .store = store, .ctx = ctx,
+        .req = req, .m = &in, .rows = rows, .store = store, .ctx = ctx,
         .tasks = (rows + ROWS - 1) / ROWS,
     };
-    return run_pass(&s, (PAIRS + 1) * row_floats(job->x->n), rows_out);
+    return run_pass(&s, (PAIRS + 1) * row_floats(req->x->n), rows_out);
 }

@@ -424,7 +424,7 @@ static bool look_at(const struct row *r, struct look *l)
 }
 
 /* Adds what all kernel rows reach of a row. */
-static void look(const struct row *r)
+static void reach_row(const struct row *r)
 {
     struct look stack[LEVELS + 2] = {
         {r->m->shape->node, 0, r->m->k->h, 0, r->m->light.words},
@@ -476,7 +476,7 @@ static void clear_row(void *ctx, int y, int thread)
     memset(r.reached, 0, (size_t) words * sizeof *r.reached);
     if (w % 64) // no pixels
         r.reached[words - 1] = ~0ull << w % 64;
-    look(&r);
+    reach_row(&r);
     for (int c = 0; c < 3; c++) {
         float *const row = m->layer->c[c] + (size_t) y * (size_t) w;
         if (!m->in[c] || !m->noise->row[c][y])

@@ -8,7 +8,7 @@
 
 /* The share of a cell within `radius` of a line `away` from its middle, all in
  * cells. */
-static double cover(double radius, double away)
+static double cell_share(double radius, double away)
 {
     const double to = fmin(fmax(0.5 + radius - away, 0.0), 1.0);
     const double from = fmin(fmax(0.5 - radius - away, 0.0), 1.0);
@@ -41,7 +41,7 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
             const double away = hypot(a - at * dx, b - at * dy);
             const double radius = one->radius[0] +
                                   at * (one->radius[1] - one->radius[0]);
-            const double covered = cover(radius / cell, away / cell);
+            const double covered = cell_share(radius / cell, away / cell);
             row[x] *= (float) (1.0 - one->hides * covered);
         }
     }

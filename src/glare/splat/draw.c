@@ -3,7 +3,7 @@
  *
  * A frame larger than a target is drawn field by field, and the sensors that
  * reach a field patch by patch. Blending adds in float, one polygon after
- * another, so plan->chunk of them at a time are summed in a target of their
+ * another, so layout->chunk of them at a time are summed in a target of their
  * own, which is then added to the total. */
 #include "core/minmax.h"
 #include "glare/splat/splat_priv.h"
@@ -21,9 +21,9 @@ enum {
 };
 
 struct drawing {
-    const struct gp_glare_job *job;
+    const struct gp_glare_request *req;
     struct gp_splat *s;
-    const struct gp_splat_plan *plan;
+    const struct gp_splat_layout *layout;
     bool points;
     bool turned;          // quads turn, and the kernel stays as it was
     int sprite;           // points: pixels of the largest; quads: 0
@@ -47,7 +47,7 @@ struct grid {
     size_t n;
 };
 
-static int reach_of(const struct gp_splat_plan *p, float light)
+static int reach_of(const struct gp_splat_layout *p, float light)
 {
     return gp_min(p->shrink.reach[gp_source_bin(light)], FAR);
 }
@@ -65,14 +65,14 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         : k->points              ? GP_SPLAT_POINT
         : g->places              ? GP_SPLAT_SMOOTH_QUAD
                                  : GP_SPLAT_EXACT_QUAD;
-    gp_status st = gp_splat_need_kernel(k->job->log, s, k->job->kernel, which);
+    gp_status st = gp_splat_need_kernel(k->req->log, s, k->req->kernel, which);
     // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): always has its s
     if (st || !o->w)
         return st;
-    st = gp_splat_use(k->job->log, s, program);
+    st = gp_splat_use(k->req->log, s, program);
     if (st)
         return st;
-    const bool shrinks = k->plan->params.shrink > 0.0f &&
+    const bool shrinks = k->layout->params.shrink > 0.0f &&
                          which != GP_SPLAT_CORE;
     const struct gp_rect view = {-k->margin, -k->margin,
                                  to->colour.w + k->margin,
@@ -97,7 +97,7 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     if (which == GP_SPLAT_TURNED) {
         // cosine and sine in two parts: the first, in 1/1024, times a whole
         // number of pixels is exact in float
-        const struct gp_unturned *const u = k->job->kernel->unturned;
+        const struct gp_unturned *const u = k->req->kernel->unturned;
         const double cos = round(u->cos * 1024.0) / 1024.0;
         const double sin = round(u->sin * 1024.0) / 1024.0;
         *own++ = (struct gp_uniform) {
@@ -122,7 +122,7 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         .vertices = QUADS * (k->points ? 1 : QUAD_VERTICES),
         .instances = (end - first + QUADS - 1) / QUADS, .points = k->points,
     };
-    return gp_draw_run(k->job->log, s->gl, &draw);
+    return gp_draw_run(k->req->log, s->gl, &draw);
 }
 
 /* Draws cells [first, end) in row order, blur after blur. */
@@ -154,9 +154,9 @@ static gp_status flush_chunk(struct drawing *k)
         .program = &s->program[GP_SPLAT_ADD], .target = &s->total, .cut = rows,
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_status st = gp_splat_use(k->job->log, s, GP_SPLAT_ADD);
+    gp_status st = gp_splat_use(k->req->log, s, GP_SPLAT_ADD);
     if (!st)
-        st = gp_draw_run(k->job->log, s->gl, &draw);
+        st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, rows);
     k->held = 0;
     return st;
@@ -169,7 +169,7 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
     const struct gp_cells *const c = &g->cells;
     const struct gp_rect r = gp_cells_rect(c);
     const int end = c->w * c->h;
-    if (k->plan->polygons.n <= k->plan->chunk)
+    if (k->layout->polygons.n <= k->layout->chunk)
         return draw_range(k, g, &k->s->total, 0, end);
     gp_status st = GP_OK;
     const double rows = gp_rect_h(k->field);
@@ -189,7 +189,7 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
         k->bottom = k->held ? gp_max(k->bottom, low) : low;
         k->held++;
         pending = true;
-        if (k->held < k->plan->chunk)
+        if (k->held < k->layout->chunk)
             continue;
         const int next = (y - r.y0) / c->side * c->w + (x - r.x0) / c->side + 1;
         st = draw_range(k, g, &k->s->chunk, first, next);
@@ -210,10 +210,10 @@ static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
 {
     gp_status st;
     struct gp_splat *const s = k->s;
-    const struct gp_log *const log = k->job->log;
-    const struct gp_sources *const src = k->job->src;
-    const struct gp_splat_params *const p = &k->plan->params;
-    const struct gp_polygons *const all = &k->plan->polygons;
+    const struct gp_log *const log = k->req->log;
+    const struct gp_sources *const src = k->req->src;
+    const struct gp_splat_params *const p = &k->layout->params;
+    const struct gp_polygons *const all = &k->layout->polygons;
     const struct gp_rect rect = gp_rect_meet(
         gp_cells_rect(coarse), (struct gp_rect) {0, 0, src->w, src->h});
     const struct grid pixels = {
@@ -221,12 +221,12 @@ static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
         .sensors = &s->sources, .at = all->at, .n = all->n,
     };
     GP_TRY(gp_splat_upload(log, s, src, rect));
-    if (k->plan->single)
+    if (k->layout->single)
         return draw_grid(k, &pixels);
-    if (k->plan->core)
+    if (k->layout->core)
         GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_CORE, 0,
                          pixels.cells.w * pixels.cells.h));
-    if (!k->plan->tail)
+    if (!k->layout->tail)
         return GP_OK;
     // clusters first: their cells hold no groups
     const bool clustered = p->cluster && all->clusters;
@@ -268,13 +268,13 @@ static gp_status draw_field(struct drawing *k)
     // the pixels whose polygons meet the field
     const struct gp_rect near = gp_rect_meet(
         (struct gp_rect) {f.x0 - m.x1 - 1, f.y0 - m.y1 - 1, f.x1 - m.x0 + 1,
-                          f.y1 - m.y0 + 1}, k->job->src->box);
+                          f.y1 - m.y0 + 1}, k->req->src->box);
     gp_target_clear(s->gl, &s->total, whole);
-    if (k->plan->polygons.n > k->plan->chunk)
+    if (k->layout->polygons.n > k->layout->chunk)
         gp_target_clear(s->gl, &s->chunk, whole);
     gp_status st = GP_OK;
     if (!gp_rect_empty(near)) {
-        const struct gp_cells all = gp_cells_over(k->job->src, near, k->span);
+        const struct gp_cells all = gp_cells_over(k->req->src, near, k->span);
         const int most = k->patch_side / k->span; // cells of a patch's side
         for (int y = 0; !st && y < all.h; y += most) {
             for (int x = 0; !st && x < all.w; x += most) {
@@ -297,16 +297,16 @@ static gp_status draw_field(struct drawing *k)
         gp_target_read(s->gl, &s->total, 0, band, s->band);
         for (int y = y0; y < band.y1; y++) {
             const size_t to =
-                (size_t) (f.y0 + y) * (size_t) k->job->src->w + (size_t) f.x0;
+                (size_t) (f.y0 + y) * (size_t) k->req->src->w + (size_t) f.x0;
             const float *const from =
                 s->band + 4 * (size_t) (y - y0) * (size_t) w;
             for (int c = 0; c < 3; c++) {
                 for (int x = 0; x < w; x++)
-                    k->job->layer->c[c][to + (size_t) x] = from[4 * x + c];
+                    k->req->layer->c[c][to + (size_t) x] = from[4 * x + c];
             }
         }
     }
-    return gp_gl_check(k->job->log, s->gl, "drawing glare polygons");
+    return gp_gl_check(k->req->log, s->gl, "drawing glare polygons");
 }
 
 static int parts_of(int size, int side)
@@ -318,17 +318,17 @@ static int parts_of(int size, int side)
 static gp_status draw_fields(struct drawing *k)
 {
     struct gp_splat *const s = k->s;
-    const int w = k->job->src->w, h = k->job->src->h;
+    const int w = k->req->src->w, h = k->req->src->h;
     const int field_w = parts_of(w, parts_of(w, k->field_side));
     const int field_h = parts_of(h, parts_of(h, k->field_side));
-    const int targets = k->plan->polygons.n > k->plan->chunk ? 2 : 1;
+    const int targets = k->layout->polygons.n > k->layout->chunk ? 2 : 1;
     gp_status st = GP_OK;
     for (int i = 0; !st && i < targets; i++) {
         struct gp_target *const t = i ? &s->chunk : &s->total;
         if (t->colour.w == field_w && t->colour.h == field_h)
             continue;
         gp_target_free(s->gl, t);
-        st = gp_target_make(k->job->log, s->gl, "layer", GP_TEXEL_FLOAT, 1,
+        st = gp_target_make(k->req->log, s->gl, "layer", GP_TEXEL_FLOAT, 1,
                             field_w, field_h, t);
     }
     for (int y = 0; !st && y < h; y += field_h) {
@@ -351,21 +351,21 @@ static unsigned blurs_of(const struct gp_polygon *at, size_t n)
     return used;
 }
 
-gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
+gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
                         bool points)
 {
-    const struct gp_splat_plan *const p = &s->plan;
+    const struct gp_splat_layout *const p = &s->layout;
     const struct gp_polygons *const q = &p->polygons;
     const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     const int span = gp_max(p->params.cluster, p->params.group);
     const int more = p->single ? 0 : span / 2 + 1; // half a box, and bilinear
     struct drawing k = {
-        .job = job, .s = s, .plan = p, .points = points, .span = span,
+        .req = req, .s = s, .layout = p, .points = points, .span = span,
         .patch_side = gp_min(gl->max_size, FIELD_MAX),
-        .meets = {p->crop.x0 - job->kernel->cx - more,
-                  p->crop.y0 - job->kernel->cy - more,
-                  p->crop.x1 - job->kernel->cx + more,
-                  p->crop.y1 - job->kernel->cy + more},
+        .meets = {p->crop.x0 - req->kernel->cx - more,
+                  p->crop.y0 - req->kernel->cy - more,
+                  p->crop.x1 - req->kernel->cx + more,
+                  p->crop.y1 - req->kernel->cy + more},
         .group_blurs = blurs_of(q->at + q->clusters, q->groups),
         .cluster_blurs = blurs_of(q->at, q->clusters),
     };
@@ -385,7 +385,7 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     // ones, whose kernel would need too large a view, are not turned there
     k.margin = k.sprite;
     if (p->turned && !points) { // to the farthest corner of a quad
-        const struct gp_unturned *const u = job->kernel->unturned;
+        const struct gp_unturned *const u = req->kernel->unturned;
         const double x = fmax(u->cx, u->w - u->cx);
         const double y = fmax(u->cy, u->h - u->cy);
         const int radius = (int) fmin(hypot(x + 2.0, y + 2.0), FAR) + 1;
@@ -395,13 +395,13 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     }
     k.field_side = gp_min(k.patch_side, gl->max_size - 2 * k.margin);
     if ((float) k.sprite > gl->max_point)
-        return gp_fail_bare(job->log, GP_ERR_GL,
+        return gp_fail_bare(req->log, GP_ERR_GL,
                             "%s: the driver draws no point sprites of %d "
                             "pixels (the limit is %.0f); use --primitive quad "
                             "or tile, a smaller kernel, or a larger --shrink",
                             gl->name, k.sprite, (double) gl->max_point);
     if (k.patch_side / span < 1 || k.field_side < 1)
-        return gp_fail_bare(job->log, GP_ERR_GL,
+        return gp_fail_bare(req->log, GP_ERR_GL,
                             "%s: polygons of %d pixels in groups of %d do not "
                             "fit into a texture (the limit is %d pixels); use "
                             "--engine fft or direct", gl->name, k.sprite, span,
@@ -409,13 +409,13 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)
-        st = gp_buffer_make(job->log, s->gl, "reaches", GP_BUFFER_BLOCK,
+        st = gp_buffer_make(req->log, s->gl, "reaches", GP_BUFFER_BLOCK,
                             GP_SOURCE_BINS / 4, &s->reaches);
     if (st)
         return st;
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) reach_of(p, gp_source_bin_start(i));
     gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
-    gp_splat_set_kernel(s, job->kernel, p->crop, p->core, points);
+    gp_splat_set_kernel(s, req->kernel, p->crop, p->core, points);
     return draw_fields(&k);
 }

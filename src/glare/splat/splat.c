@@ -37,7 +37,7 @@ static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
     };
 }
 
-/* -- the plan's key -------------------------------------------------------- */
+/* -- the layout's key ------------------------------------------------------ */
 
 static uint64_t mix_bytes(uint64_t hash, const void *data, size_t bytes)
 {
@@ -51,16 +51,16 @@ static uint64_t mix_bytes(uint64_t hash, const void *data, size_t bytes)
     return hash;
 }
 
-/* Hashes all that a plan depends on, the kernel by its unique serial; 0 is
- * never the key of a plan. */
-static uint64_t key_of(const struct gp_glare_job *job)
+/* Hashes all that a layout depends on, the kernel by its unique serial; 0 is
+ * never the key of a layout. */
+static uint64_t key_of(const struct gp_glare_request *req)
 {
-    const struct gp_sources *const s = job->src;
-    const struct gp_splat_params *const p = &job->params->splat;
+    const struct gp_sources *const s = req->src;
+    const struct gp_splat_params *const p = &req->params->splat;
     const long long whole[] = {
         s->w, s->h, s->x0, s->y0, (long long) s->n, p->group, p->cluster,
-        p->method, p->primitive, job->params->gl,
-        (long long) job->kernel->serial,
+        p->method, p->primitive, req->params->gl,
+        (long long) req->kernel->serial,
     };
     const float real[] = {p->cluster_fill, p->shrink, s->luminance[0],
                           s->luminance[1], s->luminance[2]};
@@ -73,14 +73,14 @@ static uint64_t key_of(const struct gp_glare_job *job)
     return key ? key : 1;
 }
 
-/* -- the plan's bound ------------------------------------------------------ */
+/* -- the layout's bound ---------------------------------------------------- */
 
 /* Float roundings that a pixel may take, each 2^-24 of what is summed so far.
  * In a blended layer each may be up to 2^-23, as GL leaves the direction to
  * the driver: so two of 2^-24. One product, the sums in a chunk, and one for
  * each chunk. The form is known only with a context, so AUTO takes the worse
  * of both. */
-static double roundings(const struct gp_splat_plan *p)
+static double roundings(const struct gp_splat_layout *p)
 {
     const double n = (double) p->polygons.n, chunk = (double) p->chunk;
     double sums = n <= chunk ? n : chunk + n / chunk + 1.0;
@@ -107,7 +107,7 @@ static double roundings(const struct gp_splat_plan *p)
     return fmax(blended, tiled);
 }
 
-/* -- the plan's area ------------------------------------------------------- */
+/* -- the layout's area ----------------------------------------------------- */
 
 /* Pixels from low to high, ends included, that lie in [0, limit). */
 static double overlap(double low, double high, int limit)
@@ -117,11 +117,11 @@ static double overlap(double low, double high, int limit)
 }
 
 /* Pixels of cores and polygons on the layer. */
-static double count_pixels(const struct gp_glare_job *job,
-                           const struct gp_splat_plan *p)
+static double count_pixels(const struct gp_glare_request *req,
+                           const struct gp_splat_layout *p)
 {
-    const struct gp_sources *const s = job->src;
-    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const s = req->src;
+    const struct gp_kernel *const k = req->kernel;
     double pixels = 0.0;
     for (int y = s->box.y0; p->core && y < s->box.y1; y++) {
         double columns = 0.0;
@@ -146,44 +146,44 @@ static double count_pixels(const struct gp_glare_job *job,
     return pixels;
 }
 
-/* -- the plan -------------------------------------------------------------- */
+/* -- the layout ------------------------------------------------------------ */
 
-void gp_splat_plan_free(struct gp_splat_plan *p)
+void gp_splat_layout_free(struct gp_splat_layout *p)
 {
     gp_polygons_free(&p->polygons);
-    *p = (struct gp_splat_plan) {0};
+    *p = (struct gp_splat_layout) {0};
 }
 
-gp_status gp_splat_plan_make(const struct gp_glare_job *job,
-    struct gp_bound_cache *cache, struct gp_splat_plan *p)
+gp_status gp_splat_layout_make(const struct gp_glare_request *req,
+    struct gp_bound_cache *cache, struct gp_splat_layout *p)
 {
     gp_status st;
-    const struct gp_kernel *const k = job->kernel;
-    const uint64_t key = key_of(job);
+    const struct gp_kernel *const k = req->kernel;
+    const uint64_t key = key_of(req);
     if (p->made && p->key == key && k->serial)
         return GP_OK;
-    gp_splat_plan_free(p);
-    struct gp_splat_plan o = {.made = true, .key = key,
-                              .params = job->params->splat};
+    gp_splat_layout_free(p);
+    struct gp_splat_layout o = {.made = true, .key = key,
+                              .params = req->params->splat};
     o.single = o.params.group == 1 && !o.params.cluster;
     if (o.single)
         o.params.method = GP_GROUP_CENTROID; // core and tail are one
     o.turned = o.single && k->unturned &&
                (o.params.primitive == GP_PRIMITIVE_QUAD ||
                 (o.params.primitive == GP_PRIMITIVE_AUTO &&
-                 job->params->gl == GP_GL_EGL)); // a GPU may be there
+                 req->params->gl == GP_GL_EGL)); // a GPU may be there
     o.core = o.params.method == GP_GROUP_CORE;
-    o.crop = crop_of(k, job->src->w, job->src->h,
+    o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
     const long long cx = k->cx, cy = k->cy, r = GP_CORE_RADIUS;
     o.tail = !o.core || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
              o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
-    GP_TRY(gp_polygons_make(job->log, job->src, &o.params, &o.polygons));
+    GP_TRY(gp_polygons_make(req->log, req->src, &o.params, &o.polygons));
     const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
     o.chunk = root > CHUNK_MIN ? root : CHUNK_MIN;
-    GP_TRY(gp_shrink_make(job->log, k, &o.params, &o.polygons, &o.shrink));
+    GP_TRY(gp_shrink_make(req->log, k, &o.params, &o.polygons, &o.shrink));
     if (!o.single || o.params.shrink > 0.0f) {
-        GP_TRY(gp_group_bound(job->log, job->src, k, &o.params, &o.polygons,
+        GP_TRY(gp_group_bound(req->log, req->src, k, &o.params, &o.polygons,
                               &o.shrink, roundings(&o), cache, &o.bound));
     } else {
         // exact but for rounding. Negative samples may cancel while the
@@ -204,22 +204,22 @@ gp_status gp_splat_plan_make(const struct gp_glare_job *job,
                                     fabs((double) u->cy) + u->h);
         const double place = 0x1p-23 + 0x1p-31 * radius;
         double least = 0.0, wrong = 0.0;
-        GP_TRY(gp_layer_least(job->log, job->src, k, cache, &least));
+        GP_TRY(gp_layer_least(req->log, req->src, k, cache, &least));
         for (int c = 0; c < 3; c++) {
             double sum = 0.0;
             for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
                 sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
             const double e =
-                job->src->flux[c] * 2.0 * place * sqrt(5.0 * sum);
+                req->src->flux[c] * 2.0 * place * sqrt(5.0 * sum);
             wrong += e * e;
         }
         o.bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
     }
-    o.polygon_pixels = count_pixels(job, &o);
+    o.polygon_pixels = count_pixels(req, &o);
     *p = o;
     return GP_OK;
 out:
-    gp_splat_plan_free(&o);
+    gp_splat_layout_free(&o);
     return st;
 }
 
@@ -248,7 +248,7 @@ static void close_splat(void **state)
     if (!s)
         return;
     close_context(s);
-    gp_splat_plan_free(&s->plan);
+    gp_splat_layout_free(&s->layout);
     gp_bound_cache_free(&s->bounds);
     gp_free(s->band);
     GP_FREE(*state);
@@ -296,18 +296,18 @@ static double mean_overlap(int from, int to, int low, int high, int limit)
     return to > from ? sum / (to - from) : 0.0;
 }
 
-static struct gp_prediction predict_splat(const struct gp_glare_job *job,
+static struct gp_prediction predict_splat(const struct gp_glare_request *req,
                                           const void *state)
 {
     const struct gp_splat *const kept = state;
-    const struct gp_sources *const s = job->src;
-    const struct gp_kernel *const k = job->kernel;
-    const struct gp_splat_params *const p = &job->params->splat;
+    const struct gp_sources *const s = req->src;
+    const struct gp_kernel *const k = req->kernel;
+    const struct gp_splat_params *const p = &req->params->splat;
     const struct gp_rect crop = crop_of(k, s->w, s->h, 1);
     if (s->n == 0 || gp_rect_empty(crop))
         return (struct gp_prediction) {.ms = 0.0};
     const double start = kept && kept->gl ? 0.0 : GP_COST_GL_START;
-    if (job->enough > 0.0 && start > job->enough)
+    if (req->enough > 0.0 && start > req->enough)
         return (struct gp_prediction) {.ms = start, .more = true};
     // one polygon for each full group
     const double n = (double) s->n;
@@ -332,80 +332,80 @@ static struct gp_prediction predict_splat(const struct gp_glare_job *job,
     return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};
 }
 
-static bool reaches_nothing(const struct gp_glare_job *job)
+static bool reaches_nothing(const struct gp_glare_request *req)
 {
-    const struct gp_sources *const s = job->src;
-    return s->n == 0 || gp_rect_empty(crop_of(job->kernel, s->w, s->h, 1));
+    const struct gp_sources *const s = req->src;
+    return s->n == 0 || gp_rect_empty(crop_of(req->kernel, s->w, s->h, 1));
 }
 
-static gp_status find_plan_bound(const struct gp_glare_job *job, void **state,
-                                 double *out)
+static gp_status find_bound(const struct gp_glare_request *req, void **state,
+                            double *out)
 {
     *out = 0.0;
-    if (reaches_nothing(job))
+    if (reaches_nothing(req))
         return GP_OK;
-    gp_status st = gp_splat_make(job->log, state);
+    gp_status st = gp_splat_make(req->log, state);
     if (st)
         return st;
     struct gp_splat *const s = *state;
-    st = gp_splat_plan_make(job, &s->bounds, &s->plan);
+    st = gp_splat_layout_make(req, &s->bounds, &s->layout);
     if (!st)
-        *out = s->plan.bound;
+        *out = s->layout.bound;
     return st;
 }
 
-static void clear_layer(const struct gp_glare_job *job)
+static void clear_layer(const struct gp_glare_request *req)
 {
     for (int c = 0; c < 3; c++)
-        memset(job->layer->c[c], 0,
-               (size_t) job->src->w * (size_t) job->src->h * sizeof(float));
+        memset(req->layer->c[c], 0,
+               (size_t) req->src->w * (size_t) req->src->h * sizeof(float));
 }
 
-static gp_status run_splat(const struct gp_glare_job *job, void **state)
+static gp_status run_splat(const struct gp_glare_request *req, void **state)
 {
     static const char *const forms[] = {
         [GP_PRIMITIVE_QUAD] = "blended quads",
         [GP_PRIMITIVE_POINT] = "blended points",
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
-    if (reaches_nothing(job)) {
-        clear_layer(job);
+    if (reaches_nothing(req)) {
+        clear_layer(req);
         return GP_OK;
     }
     gp_status st;
     struct gp_taps taps = {0};
     double most;
-    GP_TRY(gp_splat_make(job->log, state));
+    GP_TRY(gp_splat_make(req->log, state));
     struct gp_splat *const s = *state;
-    const struct gp_splat_plan *const p = &s->plan;
-    GP_TRY(gp_splat_open(job->log, s, job->params->gl));
-    GP_TRY(gp_splat_plan_make(job, &s->bounds, &s->plan));
+    const struct gp_splat_layout *const p = &s->layout;
+    GP_TRY(gp_splat_open(req->log, s, req->params->gl));
+    GP_TRY(gp_splat_layout_make(req, &s->bounds, &s->layout));
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
                                            : GP_PRIMITIVE_QUAD;
     if (form != GP_PRIMITIVE_TILE)
-        GP_TRY(gp_splat_draw(job, s, form == GP_PRIMITIVE_POINT));
+        GP_TRY(gp_splat_draw(req, s, form == GP_PRIMITIVE_POINT));
     else if (p->tail)
-        GP_TRY(gp_tiles_draw(job->log, s->gl, job->kernel, p->crop, p->core,
-                             &p->polygons, &p->shrink, job->src->w,
-                             job->src->h, job->layer, &s->tiles, &most));
+        GP_TRY(gp_tiles_draw(req->log, s->gl, req->kernel, p->crop, p->core,
+                             &p->polygons, &p->shrink, req->src->w,
+                             req->src->h, req->layer, &s->tiles, &most));
     else
-        clear_layer(job);
+        clear_layer(req);
     if (form == GP_PRIMITIVE_TILE && p->core) {
         // the core of each single source goes by direct: a software context
         // has no faster place, and blending squares of 17 pixels is what it
         // does worst
-        GP_TRY(gp_taps_make(job->log, job->kernel, GP_CORE_RADIUS, &taps));
-        GP_TRY(gp_direct_sum(job->log, job->src, &taps, true, job->layer));
+        GP_TRY(gp_taps_make(req->log, req->kernel, GP_CORE_RADIUS, &taps));
+        GP_TRY(gp_direct_sum(req->log, req->src, &taps, true, req->layer));
     }
-    struct gp_glare_stats *const stats = job->stats;
+    struct gp_glare_stats *const stats = req->stats;
     if (p->tail) {
         stats->groups = p->polygons.groups;
         stats->clusters = p->polygons.clusters;
         stats->polygons = p->polygons.n;
     }
-    stats->cores = p->core ? job->src->n : 0;
+    stats->cores = p->core ? req->src->n : 0;
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form];
     stats->bound = p->bound;
@@ -419,7 +419,7 @@ const struct gp_engine gp_engine_splat = {
     .name = "splat",
     .text = "glare polygons for bright pixels and groups of them, on GL",
     .predict = predict_splat,
-    .bound = find_plan_bound,
+    .bound = find_bound,
     .run = run_splat,
     .close = close_splat,
 };

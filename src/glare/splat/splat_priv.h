@@ -3,7 +3,7 @@
  *   tile.c     polygons gathered per tile, and the list of each tile's
  *              polygons
  *   draw.c     polygons as blended quads or point sprites
- *   splat.c    the plan of what is drawn, and the engine */
+ *   splat.c    the layout of what is drawn, and the engine */
 #ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
 #define GP_GLARE_SPLAT_SPLAT_PRIV_H
 
@@ -11,11 +11,11 @@
 #include "glare/bound/bound.h"
 #include "glare/splat/polygons.h"
 
-/* -- the plan -------------------------------------------------------------- */
+/* -- the layout ------------------------------------------------------------ */
 
 /* The drawing, and the bound of its error: made on the CPU before any
  * drawing. */
-struct gp_splat_plan {
+struct gp_splat_layout {
     bool made;
     uint64_t key;                  // of what it was made from
     struct gp_splat_params params; // in force: method CENTROID when single
@@ -35,12 +35,12 @@ struct gp_splat_plan {
     double bound;                  // of rel_l2, for any way to draw
 };
 
-/* Makes the plan of a job, or keeps *p when it was made from the same light,
- * kernel and parameters. src->n is over 0.
+/* Makes the layout of a request, or keeps *p when it was made from the same
+ * light, kernel and parameters. src->n is over 0.
  * Errors: GP_ERR_BUG out of memory; *p is then empty. */
-GP_MUST_CHECK gp_status gp_splat_plan_make(const struct gp_glare_job *job,
-    struct gp_bound_cache *cache, struct gp_splat_plan *p);
-void gp_splat_plan_free(struct gp_splat_plan *p);
+GP_MUST_CHECK gp_status gp_splat_layout_make(const struct gp_glare_request *req,
+    struct gp_bound_cache *cache, struct gp_splat_layout *p);
+void gp_splat_layout_free(struct gp_splat_layout *p);
 
 /* -- the engine's state ---------------------------------------------------- */
 
@@ -92,7 +92,7 @@ struct gp_splat {
     struct gp_rect crop;
     bool tail, bordered;
 
-    struct gp_splat_plan plan;
+    struct gp_splat_layout layout;
     struct gp_bound_cache bounds;
 };
 
@@ -165,12 +165,12 @@ GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
 
 /* -- drawing --------------------------------------------------------------- */
 
-/* Draws the layer of s->plan, by blended quads or by points. The
+/* Draws the layer of s->layout, by blended quads or by points. The
  * context is open and current. Nothing is read back before a field of the
  * layer is done.
  * Errors: GP_ERR_GL, as when a point would be larger than the driver draws;
  * GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_job *job,
+GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
                                       struct gp_splat *s, bool points);
 
 /* Programs, packed kernels and targets of tiles, kept from frame to frame. */

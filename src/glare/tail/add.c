@@ -170,7 +170,7 @@ gp_status gp_tail_open(const struct gp_log *log, const struct gp_tail *t,
     GP_TRY(gp_fft_matrix_make(log, channels, nx, ny, &s->spectrum));
     GP_TRY(gp_fft_matrix_make(log, channels, nx, rows, &m));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
-    const struct gp_fft_job fft = {
+    const struct gp_fft_request fft = {
         .log = log, .x = &s->x, .y = &s->y, .channels = channels,
     };
     const struct kernel_rows from = {t, nx};
@@ -388,7 +388,7 @@ gp_status gp_tail_add(const struct gp_log *log, const struct gp_tail *t,
                               &m));
     for (int j = 0; j < rows; j++)
         places[j] = a.first + j;
-    const struct gp_fft_job fft = {
+    const struct gp_fft_request fft = {
         .log = log, .x = &state->x, .y = &state->y, .channels = 3,
     };
     gp_parallel_do(a.last - a.first, spread_step, &a);

@@ -23,10 +23,10 @@ struct seen {
     enum gp_phase fail_in;
     bool skip, ordered, narrow;
     atomic_int writing;
-    struct gp_frame_log said[GP_FLIGHT_MOST];
+    struct gp_frame_log logs[GP_FLIGHT_MOST];
     char name[GP_FLIGHT_MOST][16];
     struct gp_log log;
-    char text[16384];              // what was said, in that order
+    char text[16384];              // all messages, in their order
 };
 
 /* A different pause for each step, the same in every run. */
@@ -74,16 +74,16 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
     check_step(s, slot, unit, phase);
     if (phase == GP_PHASE_READ) {
         snprintf(s->name[slot], sizeof s->name[slot], "u%d", unit);
-        gp_frame_log_open(&s->said[slot], &s->log, &s->flight, unit,
+        gp_frame_log_open(&s->logs[slot], &s->log, &s->flight, unit,
                       s->name[slot]);
     }
     pause_a_little(unit, phase);
-    gp_say(&s->said[slot].log, GP_LEVEL_WARN, "%d.%d", unit, phase);
+    gp_say(&s->logs[slot].log, GP_LEVEL_WARN, "%d.%d", unit, phase);
     if (phase == GP_PHASE_WRITE && s->ordered)
         atomic_fetch_sub(&s->writing, 1);
     atomic_fetch_sub(&s->at_slot[slot], 1);
     return fails(s, unit, phase)
-               ? gp_fail_bare(&s->said[slot].log, GP_ERR_DATA, "bad %d", unit)
+               ? gp_fail_bare(&s->logs[slot].log, GP_ERR_DATA, "bad %d", unit)
                : GP_OK;
 }
 
@@ -107,8 +107,8 @@ static gp_status end(void *user, int slot, int unit, gp_status st)
     atomic_fetch_sub(&s->in_flight, 1);
     if (st)
         s->failed[s->fails++] = unit;
-    gp_frame_log_flush(&s->said[slot]);
-    gp_frame_log_close(&s->said[slot]);
+    gp_frame_log_flush(&s->logs[slot]);
+    gp_frame_log_close(&s->logs[slot]);
     return st && !s->skip ? st : GP_OK;
 }
 
@@ -140,7 +140,7 @@ static void fly(const struct row *r, gp_status want)
     gp_set_threads(r->threads);
     assert_int_equal(gp_flight_run(&p, &work, &seen.flight), want);
     for (int i = 0; i < r->slots; i++)
-        gp_frame_log_close(&seen.said[i]);
+        gp_frame_log_close(&seen.logs[i]);
     assert_int_equal(seen.wrong, 0);
     assert_true(want || seen.ended == r->units);
 }

@@ -1,4 +1,4 @@
-/* Command lines as text, parsed, and what is said of them. */
+/* Command lines as text, parsed, and their messages. */
 #ifndef GP_TESTS_OPTION_LINE_H
 #define GP_TESTS_OPTION_LINE_H
 

@@ -1,4 +1,4 @@
-/* app/options: what right lines set, and what is said of wrong ones. */
+/* app/options: what right lines set, and the messages of wrong ones. */
 #include "unit.h"
 #include "app/option_line.h"
 
@@ -356,7 +356,7 @@ static void errors_say_what_is_wrong(void **state)
     }
 }
 
-/* Settings that are right and do nothing; NULL: no word is said. */
+/* Settings that are right and do nothing; NULL: no message. */
 static void warnings(void **state)
 {
     static const char *const rows[][2] = {

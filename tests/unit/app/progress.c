@@ -9,7 +9,7 @@
 
 /* The list in the last message, "" when it has none; *whole: --frames would
  * take it. */
-static const char *list_said(bool *whole)
+static const char *printed_list(bool *whole)
 {
     static char list[2 * GP_FAILURES_BYTES];
     const char *const from = strstr(kept_line, "failed (");
@@ -41,7 +41,7 @@ static const char *list_of(const struct gp_frames *f, bool *whole)
     gp_failures_free(&failed);
     gp_failures_free(&failed);
     gp_jobs_free(&j);
-    return list_said(whole);
+    return printed_list(whole);
 }
 
 static void failed_lists(void **state)
@@ -102,11 +102,11 @@ static void names_without_numbers(void **state)
     assert_ok(gp_failures_make(NULL, &j, &f));
     gp_failures_add(&f, 1);
     assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
-    assert_string_equal(list_said(&whole), "7");
+    assert_string_equal(printed_list(&whole), "7");
     assert_true(whole);
     gp_failures_add(&f, 0); // one without a number: names
     assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
-    assert_string_equal(list_said(&whole), "a.exr, b.0007.exr");
+    assert_string_equal(printed_list(&whole), "a.exr, b.0007.exr");
     assert_false(whole);
     gp_failures_free(&f);
 }
@@ -150,7 +150,7 @@ static void failed_views(void **state)
         }
         assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
         assert_int_equal(f.bad, rows[i].frames);
-        assert_string_equal(list_said(&whole), rows[i].list);
+        assert_string_equal(printed_list(&whole), rows[i].list);
         gp_failures_free(&f);
     }
 }

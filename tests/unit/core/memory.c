@@ -144,7 +144,7 @@ static void threads_share(void **state)
 
 static void sizes_are_checked(void **state)
 {
-    static const struct { size_t count, size; const char *said; } rows[] = {
+    static const struct { size_t count, size; const char *text; } rows[] = {
         {SIZE_MAX, 2, "size overflows"},
         {SIZE_MAX, SIZE_MAX, "size overflows"},
         {SIZE_MAX, 1, "size overflows"},
@@ -159,11 +159,11 @@ static void sizes_are_checked(void **state)
             kept_clear();
             const gp_status st = (zero ? gp_alloc_zero : gp_alloc)(
                 &kept_log, "it", rows[i].count, rows[i].size, &p);
-            assert_int_equal(st, rows[i].said ? GP_ERR_BUG : GP_OK);
-            assert_true((p != NULL) == !rows[i].said);
-            assert_int_equal(kept_errors, rows[i].said ? 1 : 0);
-            if (rows[i].said)
-                assert_kept(rows[i].said);
+            assert_int_equal(st, rows[i].text ? GP_ERR_BUG : GP_OK);
+            assert_true((p != NULL) == !rows[i].text);
+            assert_int_equal(kept_errors, rows[i].text ? 1 : 0);
+            if (rows[i].text)
+                assert_kept(rows[i].text);
             assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
             GP_FREE(p);
             assert_null(p);

@@ -171,7 +171,7 @@ static void bridges_are_looked_for(void **state)
     fclose(f);
     memset(longest, 'a', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
-    const struct { const char *folder, *name, *said; } rows[] = {
+    const struct { const char *folder, *name, *text; } rows[] = {
         {folder, "odd.so", "odd.so"},         // there, but no library
         {folder, "none.so", "none.so not found"},
         {"", "odd.so", "odd.so not found"},
@@ -186,7 +186,7 @@ static void bridges_are_looked_for(void **state)
         for (int lost = 0; lost < 2; lost++) {
             fail_always.links = lost; // the program does not know where it is
             assert_null(gp_bridge_open(rows[i].name, "none", why, sizeof why));
-            if (!strstr(why, rows[i].said))
+            if (!strstr(why, rows[i].text))
                 fail_msg("row %zu: \"%s\"", i, why);
         }
     }

@@ -29,7 +29,7 @@ static void bad_libraries_are_named(void **state)
 {
     static const struct {
         enum gp_gl_api api;
-        const char *env, *library, *said[2];
+        const char *env, *library, *text[2];
     } rows[] = {
         {GP_GL_OSMESA, "GLAREPP_OSMESA", "/none/lib.so",
          {"/none/lib.so", "libosmesa6"}},
@@ -43,8 +43,8 @@ static void bad_libraries_are_named(void **state)
         setenv(rows[i].env, rows[i].library, 1);
         assert_int_equal(gp_gl_open(&kept_log, rows[i].api, &gl), GP_ERR_GL);
         assert_null(gl);
-        assert_kept(rows[i].said[0]);
-        assert_kept(rows[i].said[1]);
+        assert_kept(rows[i].text[0]);
+        assert_kept(rows[i].text[1]);
         unsetenv(rows[i].env);
     }
 }
@@ -249,7 +249,7 @@ static void blocks_and_lists_have_limits(void **state)
     const struct {
         enum gp_buffer_kind kind;
         int limit, least; // entries
-        const char *said;
+        const char *text;
     } rows[] = {
         {GP_BUFFER_BLOCK, gp_gl_info(gl)->max_block / 16, 1024,
          "a uniform block"},
@@ -263,7 +263,7 @@ static void blocks_and_lists_have_limits(void **state)
         for (size_t k = 0; k < COUNT(refused); k++) {
             assert_int_equal(gp_buffer_make(&kept_log, gl, "a", rows[i].kind,
                                             refused[k], &b), GP_ERR_GL);
-            assert_kept(rows[i].said);
+            assert_kept(rows[i].text);
             assert_int_equal(b.id, 0);
         }
         assert_ok(gp_buffer_make(&kept_log, gl, "a", rows[i].kind,

@@ -52,7 +52,7 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
 
 /* A break, and the line that says so; NULL: a context all the same. */
 struct broken {
-    const char *what, *said;
+    const char *what, *text;
 };
 
 static void refuse(enum gp_gl_api api, const char *variable,
@@ -61,12 +61,12 @@ static void refuse(enum gp_gl_api api, const char *variable,
     for (size_t i = 0; i < n; i++) {
         setenv(variable, rows[i].what, 1);
         const gp_status st = try_open(api);
-        if (rows[i].said || st != GP_OK) {
+        if (rows[i].text || st != GP_OK) {
             assert_int_equal(st, GP_ERR_GL);
             // Mesa's older contexts are of a version that may be enough, or not
-            assert_true(rows[i].said || strcmp(rows[i].what, "core") == 0);
+            assert_true(rows[i].text || strcmp(rows[i].what, "core") == 0);
             assert_line(rows[i].what,
-                        rows[i].said ? rows[i].said : "needs OpenGL 4.5");
+                        rows[i].text ? rows[i].text : "needs OpenGL 4.5");
         }
         unsetenv(variable);
     }
@@ -93,11 +93,11 @@ static void missing_functions_are_named(void **state)
 #undef NAME
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     for (size_t i = 0; i < COUNT(names); i++) {
-        char said[96];
-        snprintf(said, sizeof said, "%s is missing", names[i]);
+        char text[96];
+        snprintf(text, sizeof text, "%s is missing", names[i]);
         setenv("BROKEN_GL_MISSING", names[i], 1);
         assert_int_equal(try_open(GP_GL_OSMESA), GP_ERR_GL);
-        assert_line(names[i], said);
+        assert_line(names[i], text);
     }
     unsetenv("BROKEN_GL_MISSING");
     unsetenv("GLAREPP_OSMESA");

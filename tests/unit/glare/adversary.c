@@ -93,7 +93,7 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
     void *state = NULL;
     double bound, worst = 0.0;
     scene_clear_layer(s);
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .params = &p, .src = &s->src, .kernel = &s->k, .stats = &stats,
         .layer = &s->f.layer,
     };
@@ -108,9 +108,9 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
         gp_glare_measure(&s->f, &s->f.layer, s->exact, p.gain, NULL, &error);
         return error.max_rel / stats.bound_pixel;
     }
-    assert_ok(e->bound(&job, &state, &bound));
-    assert_ok(e->pixel(&job, &state, &of));
-    assert_ok(e->run(&job, &state));
+    assert_ok(e->bound(&req, &state, &bound));
+    assert_ok(e->pixel(&req, &state, &of));
+    assert_ok(e->run(&req, &state));
     e->close(&state);
     if (scope == LAYER)
         return scene_rel_l2(s) / bound;
@@ -218,35 +218,35 @@ static uint32_t mixed_seed(uint32_t seed)
     return seed;
 }
 
-static int pick(uint32_t *seed, int n)
+static int below(uint32_t *seed, int n)
 {
     return (int) (scene_random(seed) * (float) n);
 }
 
 static void random_letters(char *to, int n, uint32_t *seed)
 {
-    const int dark = pick(seed, 4), from = 1 + pick(seed, LEVELS - 1);
-    const int wide = 1 + pick(seed, LEVELS - from);
+    const int dark = below(seed, 4), from = 1 + below(seed, LEVELS - 1);
+    const int wide = 1 + below(seed, LEVELS - from);
     for (int i = 0; i < n; i++)
-        to[i] = pick(seed, 4) < dark ? '.' : letters[from + pick(seed, wide)];
+        to[i] = below(seed, 4) < dark ? '.' : letters[from + below(seed, wide)];
     to[n] = '\0';
 }
 
 static void change(char *at, int n, uint32_t *seed)
 {
-    const int from = pick(seed, n), to = from + 1 + pick(seed, 3);
-    const char c = letters[pick(seed, LEVELS)];
+    const int from = below(seed, n), to = from + 1 + below(seed, 3);
+    const char c = letters[below(seed, LEVELS)];
     for (int i = from; i < to && i < n; i++)
-        at[i] = pick(seed, 3) ? c : at[pick(seed, n)];
+        at[i] = below(seed, 3) ? c : at[below(seed, n)];
 }
 
 static struct toy make_toy(int side, uint32_t *seed)
 {
-    struct toy t = {.w = 1 + pick(seed, side), .h = 1 + pick(seed, side)};
-    t.kw = 1 + pick(seed, side);
-    t.kh = 1 + pick(seed, side);
-    t.cx = pick(seed, t.kw + 2) - 1;
-    t.cy = pick(seed, t.kh + 2) - 1;
+    struct toy t = {.w = 1 + below(seed, side), .h = 1 + below(seed, side)};
+    t.kw = 1 + below(seed, side);
+    t.kh = 1 + below(seed, side);
+    t.cx = below(seed, t.kw + 2) - 1;
+    t.cy = below(seed, t.kh + 2) - 1;
     random_letters(t.light, t.w * t.h, seed);
     random_letters(t.taps, t.kw * t.kh, seed);
     return t;
@@ -259,7 +259,7 @@ static double climb(enum bound b, uint32_t *seed, int steps, struct toy *t)
     double best = measure(b, t);
     for (int i = 0; i < steps; i++) {
         struct toy u = *t;
-        if (pick(seed, 2))
+        if (below(seed, 2))
             change(u.light, (int) strlen(u.light), seed);
         else
             change(u.taps, (int) strlen(u.taps), seed);
@@ -476,8 +476,8 @@ static void blocks_may_share_pixels(void **state)
     free(layer);
 }
 
-/* Rounding to float of the difference of sources and polygons is within what
- * is said of it: a worst case of signs, of which chance leaves a 20th. */
+/* Rounding to float of the difference of sources and polygons is within its
+ * bound: a worst case of signs, of which chance leaves a 20th. */
 static void residues_know_their_rounding(void **state)
 {
     static const enum light lights[] = {ALL, MANY, EQUAL, RAMP, FEW};

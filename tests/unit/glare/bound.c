@@ -5,7 +5,7 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-static int pick(uint32_t *seed, int low, int high)
+static int between(uint32_t *seed, int low, int high)
 {
     return low + (int) (scene_random(seed) * (float) (high - low + 1));
 }
@@ -53,9 +53,9 @@ static float light_of(enum content what, int x, int y, int step, uint32_t *seed)
 static struct gp_frame make_frame(enum content what, int w, int h,
                                   uint32_t *seed)
 {
-    struct gp_frame f = scene_frame(w, h, pick(seed, -70, 70),
-                                    pick(seed, -70, 70), DARK, 1u);
-    const int step = pick(seed, 2, 12), tint = pick(seed, 0, 2);
+    struct gp_frame f = scene_frame(w, h, between(seed, -70, 70),
+                                    between(seed, -70, 70), DARK, 1u);
+    const int step = between(seed, 2, 12), tint = between(seed, 0, 2);
     for (int y = 0; y < h; y++) {
         for (int x = 0; x < w; x++) {
             const float v = light_of(what, x, y, step, seed);
@@ -99,8 +99,8 @@ static struct gp_kernel make_kernel(enum kind kind, int w, int h,
         h &= ~1;
     }
     if (kind == ASIDE) {
-        cx = pick(seed, -w / 2, w + w / 2);
-        cy = pick(seed, -h / 2, h);
+        cx = between(seed, -w / 2, w + w / 2);
+        cy = between(seed, -h / 2, h);
     }
     return scene_kernel(w, h, cx, cy, kinds[kind].shape);
 }
@@ -111,13 +111,13 @@ static struct gp_splat_params make_params(uint32_t *seed)
 {
     static const float shares[] = {0.0f, 0.0f, 1e-4f, 1e-3f, 1e-2f, 0.2f};
     struct gp_splat_params p = {
-        .group = 1 << pick(seed, 0, scene_random(seed) < 0.2f ? 6 : 4),
+        .group = 1 << between(seed, 0, scene_random(seed) < 0.2f ? 6 : 4),
         .cluster_fill = 0.25f + 0.75f * scene_random(seed),
-        .shrink = shares[pick(seed, 0, 5)],
-        .method = (enum gp_group_method) pick(seed, 0, 2),
+        .shrink = shares[between(seed, 0, 5)],
+        .method = (enum gp_group_method) between(seed, 0, 2),
     };
     if (p.group < 64 && scene_random(seed) < 0.6f)
-        p.cluster = p.group << pick(seed, 1, p.group < 32 ? 2 : 1);
+        p.cluster = p.group << between(seed, 1, p.group < 32 ? 2 : 1);
     return p;
 }
 
@@ -137,14 +137,14 @@ static struct trial make_trial(uint32_t seed)
     for (int i = 0; i < 8; i++)
         scene_random(&seed);
     struct trial t = {
-        .content = (enum content) pick(&seed, 0, CONTENTS - 1),
-        .kind = (enum kind) pick(&seed, 0, KINDS - 1),
+        .content = (enum content) between(&seed, 0, CONTENTS - 1),
+        .kind = (enum kind) between(&seed, 0, KINDS - 1),
     };
     const int small = getenv("GLAREPP_TEST_QUICK") != NULL;
-    const int most = small ? 40 : pick(&seed, 0, 3) ? 80 : 160;
-    const int w = pick(&seed, 16, most), h = pick(&seed, 16, most);
-    int kw = pick(&seed, 3, small ? 40 : 90);
-    int kh = pick(&seed, 3, small ? 40 : 90);
+    const int most = small ? 40 : between(&seed, 0, 3) ? 80 : 160;
+    const int w = between(&seed, 16, most), h = between(&seed, 16, most);
+    int kw = between(&seed, 3, small ? 40 : 90);
+    int kh = between(&seed, 3, small ? 40 : 90);
     if (t.kind == LARGE) {
         kw = 2 * w + 5;
         kh = 2 * h + 9;
@@ -308,7 +308,7 @@ static struct trial simple_trial(enum light light, struct gp_kernel k,
     return t;
 }
 
-/* Nothing is said of lobes; light that is not there, or does not reach the
+/* Lobes have no bound; light that is not there, or does not reach the
  * frame, makes no layer, and no bound is refused. */
 static void no_layer_has_no_least(void **state)
 {

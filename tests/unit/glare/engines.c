@@ -45,11 +45,11 @@ static void bounds_hold(void **state)
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
             struct gp_glare_params p = GP_GLARE_DEFAULTS;
-            const struct gp_glare_job job = {
+            const struct gp_glare_request req = {
                 .params = &p, .src = &s.src, .kernel = &s.k, .stats = &stats,
             };
             double bound;
-            assert_ok(gp_engines[e]->bound(&job, &g.state[e], &bound));
+            assert_ok(gp_engines[e]->bound(&req, &g.state[e], &bound));
             assert_ok(scene_run(gp_engines[e]->name, &s, &g, &stats));
             const double rel_l2 = scene_rel_l2(&s);
             // a run does not look for the least that these sources leave
@@ -157,14 +157,14 @@ static void auto_takes_the_fastest(void **state)
     for (int k = 0; k < THREAD_SCENES && !quick; k++) {
         struct scene s = thread_scene(k);
         struct gp_glare_stats first = {0}, stats;
-        const struct gp_glare_job job = {
+        const struct gp_glare_request req = {
             .params = &p, .src = &s.src, .kernel = &s.k,
         };
         const struct gp_engine *best = gp_engines[0];
         for (int i = 0; gp_engines[i]; i++) {
-            const double ms = gp_engines[i]->predict(&job, NULL).ms;
+            const double ms = gp_engines[i]->predict(&req, NULL).ms;
             assert_true(ms > 0.0);
-            if (ms < best->predict(&job, NULL).ms)
+            if (ms < best->predict(&req, NULL).ms)
                 best = gp_engines[i];
         }
         for (size_t t = 0; t < COUNT(threads); t++) {

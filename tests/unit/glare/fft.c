@@ -138,8 +138,8 @@ static void check_passes(const struct pass_row *p)
         place[j] = (3 * j + 1) % p->ny;
     assert_ok(gp_fft_plan_make(NULL, p->nx, GP_FFT_PLAN_ESTIMATE, NULL, &x));
     assert_ok(gp_fft_plan_make(NULL, p->ny, GP_FFT_PLAN_ESTIMATE, NULL, &y));
-    const struct gp_fft_job job = {.x = &x, .y = &y, .channels = 3};
-    const struct gp_fft_job kernel_job = {
+    const struct gp_fft_request req = {.x = &x, .y = &y, .channels = 3};
+    const struct gp_fft_request kernel_req = {
         .x = &x, .y = &y, .channels = p->kernel_channels,
     };
     assert_ok(gp_fft_matrix_make(NULL, 3, p->nx, room, &m));
@@ -147,18 +147,18 @@ static void check_passes(const struct pass_row *p)
         gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, 1, &kernel_rows));
     assert_ok(
         gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, p->ny, &kernel));
-    assert_ok(gp_fft_rows_in(&job, p->rows, load_row, &r, &m));
+    assert_ok(gp_fft_rows_in(&req, p->rows, load_row, &r, &m));
     for (int j = 0; j < p->rows; j += 5) {
         for (int f = 0; f <= p->nx / 2; f += p->nx / 8)
             assert_spectrum(&r, j % 3, j, f, m.z[j % 3] +
                             2 * ((size_t) f * m.pitch + (size_t) j));
     }
-    assert_ok(gp_fft_rows_in(&kernel_job, 1, load_row, &k, &kernel_rows));
-    assert_ok(gp_fft_columns(&kernel_job, &kernel_rows, 1, (const int[]){2},
+    assert_ok(gp_fft_rows_in(&kernel_req, 1, load_row, &k, &kernel_rows));
+    assert_ok(gp_fft_columns(&kernel_req, &kernel_rows, 1, (const int[]){2},
                              (float) (0.25 / (p->nx * p->ny)), &kernel));
-    assert_ok(gp_fft_multiply(&job, &m, p->rows, place, &kernel,
+    assert_ok(gp_fft_multiply(&req, &m, p->rows, place, &kernel,
                               p->kernel_channels, p->first, p->count));
-    assert_ok(gp_fft_rows_out(&job, &m, p->count, store_row, &r));
+    assert_ok(gp_fft_rows_out(&req, &m, p->count, store_row, &r));
     assert_moved(p, &r, place);
     gp_fft_matrix_free(&m);
     gp_fft_matrix_free(&kernel_rows);
@@ -487,7 +487,7 @@ static struct gp_frame make_view(enum view view, int w, int h, uint32_t seed)
 }
 
 /* If the split says that no pixel is off by over 1e-6 of its own value, none
- * is; elsewhere it is off by no more than a few times what was said. */
+ * is; elsewhere it is off by no more than a few times the bound. */
 static void check_promise(struct scene *s, const struct chosen *c,
                           enum view view)
 {

@@ -283,7 +283,8 @@ static void too_much_light_stays_finite(void **state)
 
 /* -- what is drawn ----------------------------------------------------------*/
 
-static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
+static double *draw_reference(
+    const struct gp_sources *s, const struct gp_kernel *k,
     const struct gp_splat_params *p, const struct gp_polygons *q)
 {
     double *const layer =
@@ -307,7 +308,7 @@ static void moments_are_kept(void **state)
         };
         const struct gp_polygons q = {1, 1, 0, &at};
         const struct gp_splat_params p = {.group = 64};
-        double *const layer = draw(&s, &point, &p, &q);
+        double *const layer = draw_reference(&s, &point, &p, &q);
         double m0 = 0.0, mx = 0.0, my = 0.0, m2 = 0.0;
         for (int i = 0; i < 96 * 96; i++) {
             const double dx = i % 96 - (double) at.x;
@@ -342,7 +343,7 @@ static void ungrouped_is_exact(void **state)
         p.method = (enum gp_group_method) (i % 3);
         struct gp_polygons q = group(&s.src, &p);
         assert_int_equal(q.n, s.src.n);
-        double *const layer = draw(&s.src, &s.k, &p, &q);
+        double *const layer = draw_reference(&s.src, &s.k, &p, &q);
         for (size_t k = 0; k < 3 * gp_frame_pixels(&s.f); k++)
             assert_true(fabs(layer[k] - s.exact[k]) <=
                         1e-12 * fabs(s.exact[k]));
@@ -364,7 +365,7 @@ static void reach_cuts(void **state)
     };
     const struct gp_polygons q = {1, 1, 0, &at};
     const struct gp_splat_params p = {.group = 4};
-    double *const whole = draw(&s, &k, &p, &q);
+    double *const whole = draw_reference(&s, &k, &p, &q);
     double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
     struct gp_shrink shrink = {.reach = {0}};
     shrink.reach[gp_source_bin(1.0f)] = 10;

@@ -16,8 +16,8 @@ static struct gp_field field(int w, int h, double degrees, double aspect)
     };
 }
 
-static void make(const char *text, const struct gp_field *f,
-                 struct gp_kernel *k)
+static void make_kernel(const char *text, const struct gp_field *f,
+                        struct gp_kernel *k)
 {
     struct gp_recipe r;
     assert_ok(gp_recipe_parse(NULL, text, &r));
@@ -44,7 +44,7 @@ static void a_circle_makes_airys_pattern(void **state)
     const double unit = 550e-6 / 1.0 * 180.0 / PI; // lambda / D, degrees
     const struct gp_field f = field(321, 321, unit / 20.0, 1.0);
     struct gp_kernel k;
-    make(airy, &f, &k);
+    make_kernel(airy, &f, &k);
     double within = 0.0;
     for (int dy = -30; dy <= 30; dy++) {
         for (int dx = -30; dx <= 30; dx++) {
@@ -110,7 +110,7 @@ static void blades_make_spikes(void **state)
         snprintf(text, sizeof text, "aperture:share=1,blades=%d,roundness=0,"
                  "dust=0,scratches=0,wavelengths=8,rotation=%g", rows[i].blades,
                  rows[i].rotation);
-        make(text, &f, &k);
+        make_kernel(text, &f, &k);
         find_spikes(&k, light, STEPS, 60.0, 250.0);
         double all = 0.0, inside = 0.0;
         for (int j = 0; j < STEPS; j++)
@@ -150,7 +150,7 @@ static void light_is_kept_and_white(void **state)
     (void) state;
     const struct gp_field f = field(256, 256, 1.0 / 36.0, 1.0);
     struct gp_kernel k;
-    make("aperture:share=1,blades=0,dust=0,scratches=0,pupil=2", &f, &k);
+    make_kernel("aperture:share=1,blades=0,dust=0,scratches=0,pupil=2", &f, &k);
     // 1 - E(r) = l L / (2 pi^2 S r), L / S = 4 / D; half is left in the fade
     const double r = 255.0 / 36.0 * PI / 180.0;
     const double beyond = 550e-6 * 4.0 / 2.0 / (2.0 * PI * PI * r);
@@ -172,8 +172,8 @@ static void frames_of_all_sizes_agree(void **state)
     const struct gp_field small = field(64, 48, 1.0 / 36.0, 1.0);
     const struct gp_field large = field(400, 400, 1.0 / 36.0, 1.0);
     struct gp_kernel a, b;
-    make(text, &small, &a);
-    make(text, &large, &b);
+    make_kernel(text, &small, &a);
+    make_kernel(text, &large, &b);
     double error = 0.0, norm = 0.0;
     for (int y = -47; y <= 47; y++) {
         for (int x = -63; x <= 63; x++) {
@@ -195,9 +195,9 @@ static void turning_is_in_the_formula(void **state)
     (void) state;
     struct gp_field f = field(128, 128, 0.05, 1.0);
     struct gp_kernel a, b;
-    make("aperture:share=1,blades=3,rotation=30,wavelengths=4", &f, &a);
+    make_kernel("aperture:share=1,blades=3,rotation=30,wavelengths=4", &f, &a);
     f.rotate = 20.0;
-    make("aperture:share=1,blades=3,rotation=10,wavelengths=4", &f, &b);
+    make_kernel("aperture:share=1,blades=3,rotation=10,wavelengths=4", &f, &b);
     assert_int_equal(a.w, b.w);
     for (int i = 0; i < a.w * a.h; i++)
         assert_true(fabsf(a.k.c[1][i] - b.k.c[1][i]) <=
@@ -221,13 +221,13 @@ static void pixels_add_up(void **state)
                                "4,reach=8,dust=0.3";
     const struct gp_field fine = field(400, 400, 0.024, 1.0);
     struct gp_kernel a, b;
-    make(text, &fine, &a);
+    make_kernel(text, &fine, &a);
     for (size_t i = 0; i < COUNT(rows); i++) {
         const int nx = rows[i].across, ny = rows[i].down;
         const struct gp_field f = field(400, 400, rows[i].degrees,
                                         rows[i].aspect);
         double error = 0.0, norm = 0.0, worst = 0.0;
-        make(text, &f, &b);
+        make_kernel(text, &f, &b);
         for (int y = -80 / ny; y <= 80 / ny; y++) {
             for (int x = -80 / nx; x <= 80 / nx; x++) {
                 // pairs of fine pixels that are as far apart
@@ -264,11 +264,11 @@ static void aberrations_dim_the_peak(void **state)
     const double unit = 550e-6 * 180.0 / PI;
     const struct gp_field f = field(65, 65, unit / 8.0, 1.0);
     struct gp_kernel sharp, k;
-    make(airy, &f, &sharp);
+    make_kernel(airy, &f, &sharp);
     for (size_t i = 0; i < COUNT(names); i++) {
         char text[200];
         snprintf(text, sizeof text, "%s,%s=0.05", airy, names[i]);
-        make(text, &f, &k);
+        make_kernel(text, &f, &k);
         const double strehl = sample(&k, 1, 0, 0) / sample(&sharp, 1, 0, 0);
         const double phase = 2.0 * PI * 0.05;
         if (!(fabs(strehl / exp(-phase * phase) - 1.0) < 5e-3))
@@ -281,7 +281,7 @@ static void aberrations_dim_the_peak(void **state)
         char text[200];
         double at = 0.0;
         snprintf(text, sizeof text, "%s,coma=%g", airy, 0.3 * s);
-        make(text, &f, &k);
+        make_kernel(text, &f, &k);
         for (int y = -64; y <= 64; y++) {
             for (int x = -64; x <= 64; x++)
                 at += s * x * sample(&k, 1, x, y);
@@ -388,9 +388,9 @@ static void keys_change_kernels(void **state)
         char text[200];
         snprintf(text, sizeof text, "%s:wavelengths=4", name);
         gp_set_threads(1);
-        make(text, &f, &made[n++]);
+        make_kernel(text, &f, &made[n++]);
         gp_set_threads(3);
-        make(text, &f, &made[n]);
+        make_kernel(text, &f, &made[n]);
         assert_true(same(&made[0], &made[n]));
         gp_kernel_free(&made[n]);
         for (size_t i = 0; i < COUNT(keys); i++) {
@@ -399,7 +399,7 @@ static void keys_change_kernels(void **state)
             if (gp_recipe_parse(NULL, text, &r) != GP_OK)
                 continue; // the other model's
             gp_recipe_free(&r);
-            make(text, &f, &made[n]);
+            make_kernel(text, &f, &made[n]);
             for (size_t j = 0; j < n; j++) {
                 if (same(&made[j], &made[n]))
                     fail_msg("%s is as one before it", text);
@@ -453,9 +453,9 @@ static void pupils_shimmer(void **state)
     // frames of a run
     struct gp_field f = field(32, 32, 0.1, 1.0);
     struct gp_kernel a, b;
-    make("temporal:wavelengths=2", &f, &a);
+    make_kernel("temporal:wavelengths=2", &f, &a);
     f.frame = 1;
-    make("temporal:wavelengths=2", &f, &b);
+    make_kernel("temporal:wavelengths=2", &f, &b);
     assert_false(same(&a, &b));
     gp_kernel_free(&a);
     gp_kernel_free(&b);
@@ -470,7 +470,7 @@ static void fibres_make_a_halo(void **state)
     double light[2][2] = {{0}, {0}}; // within, of the halo
     for (int i = 0; i < 2; i++) {
         struct gp_kernel k;
-        make(i ? "temporal:pupil=5,hippus=0,particles=0,lashes=0,grating=1"
+        make_kernel(i ? "temporal:pupil=5,hippus=0,particles=0,lashes=0,grating=1"
                : "temporal:pupil=5,hippus=0,particles=0,lashes=0,grating=0",
              &f, &k);
         for (int y = -99; y <= 99; y++) {

@@ -160,8 +160,8 @@ static void light_slides_evenly(void **state)
     }
 }
 
-static void check(const char *name, const char *shape, const char *what,
-                  double got, double bar)
+static void check_motion(const char *name, const char *shape, const char *what,
+                         double got, double bar)
 {
     if (!(got <= bar))
         fail_msg("%s, %s: %s is %.3g, over %.3g", name, shape, what, got, bar);
@@ -176,9 +176,9 @@ static void techniques_stay_steady(void **state)
         for (int s = 0; s < MOTION_SHAPES && ran[i]; s++) {
             const struct motion_result *const r = &results[i][s];
             const char *const shape = motion_shapes[s];
-            check(t->name, shape, "flux ripple", r->ripple, t->ripple);
-            check(t->name, shape, "centroid error", r->centroid, t->centroid);
-            check(t->name, shape, "jump", r->jump, t->jump);
+            check_motion(t->name, shape, "flux ripple", r->ripple, t->ripple);
+            check_motion(t->name, shape, "centroid error", r->centroid, t->centroid);
+            check_motion(t->name, shape, "jump", r->jump, t->jump);
         }
     }
     if (skipped)

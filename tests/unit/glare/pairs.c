@@ -293,11 +293,11 @@ static void draw_by_splat(void *ctx, float *out)
     struct gp_glare_params params = GP_GLARE_DEFAULTS;
     params.splat = *(const struct gp_splat_params *) p->pair->how;
     scene_clear_layer(&p->s);
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .log = &kept_log, .params = &params, .src = &p->s.src,
         .kernel = &p->s.k, .layer = &p->s.f.layer, .stats = &stats,
     };
-    if (gp_engine_splat.run(&job, &splat_state))
+    if (gp_engine_splat.run(&req, &splat_state))
         fail_msg("%s: %s", p->pair->name, kept_line);
     copy_layer(&p->s.f, out);
 }

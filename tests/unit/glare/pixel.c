@@ -273,14 +273,14 @@ static void composites_keep_their_limits(void **state)
         const size_t n = gp_frame_pixels(&s.f);
         for (int scatter = 0; scatter < 2; scatter++) {
             struct gp_glare_params p = GP_GLARE_DEFAULTS;
-            const struct gp_glare_job job = {
+            const struct gp_glare_request req = {
                 .params = &p, .src = &s.src, .kernel = &s.k,
             };
             struct gp_pixel_floor floor;
             double *const y = scene_alloc(n, sizeof *y);
             double least = INFINITY, most = 0.0;
             p.taken = scatter ? &s.src : NULL;
-            assert_ok(gp_pixel_floor_find(&job, &s.f, &floor));
+            assert_ok(gp_pixel_floor_find(&req, &s.f, &floor));
             for (size_t j = 0; j < 3 * n; j++)
                 y[j % n] += (double) s.f.luminance[j / n] *
                             ((double) s.f.rgb.c[j / n][j % n] + s.exact[j]);

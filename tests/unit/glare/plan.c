@@ -255,11 +255,11 @@ static int collect(struct scene *s, const struct gp_glare *g,
 {
     static const struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare_stats stats = {0};
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .params = &p, .src = &s->src, .kernel = &s->k, .layer = &s->f.layer,
         .stats = &stats,
     };
-    return gp_plan_candidates(&job, g, c);
+    return gp_plan_candidates(&req, g, c);
 }
 
 static void candidates_are_whole(void **state)
@@ -313,14 +313,14 @@ static void states_count(void **state)
         struct gp_glare g = {0};
         struct gp_glare_stats stats;
         const struct gp_engine *const e = gp_engines[i];
-        const struct gp_glare_job job = {
+        const struct gp_glare_request req = {
             .params = &p, .src = &s.src, .kernel = &s.k, .layer = &s.f.layer,
             .stats = &stats,
         };
         p.engine = e->name;
-        const struct gp_prediction cold = e->predict(&job, NULL);
+        const struct gp_prediction cold = e->predict(&req, NULL);
         assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
-        const struct gp_prediction warm = e->predict(&job, g.state[i]);
+        const struct gp_prediction warm = e->predict(&req, g.state[i]);
         assert_true(warm.ms < cold.ms);
         assert_true(warm.ms == warm.later_ms);
         assert_true(warm.later_ms == cold.later_ms);
@@ -342,7 +342,7 @@ static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
 
 /* The bound keeps the tolerance, or one warning and the report say that none
  * does; and the layer keeps the bound. */
-static void the_tolerance_is_kept_or_said(void **state)
+static void the_tolerance_is_kept_or_a_warning_printed(void **state)
 {
     static const double tolerance[] = {1.0, 1e-3, 1e-9, 0.0};
     for (int i = 0; i < 4; i++) {
@@ -367,4 +367,4 @@ static void the_tolerance_is_kept_or_said(void **state)
 SUITE_OF(plan, NULL, NULL,
     one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
     no_flicker, candidates_are_whole, fields_cost, states_count,
-    the_tolerance_is_kept_or_said)
+    the_tolerance_is_kept_or_a_warning_printed)

@@ -180,13 +180,13 @@ static void counts_are_right(void **state)
     struct scene s =
         splat_scene(40, 30, CORNERS, scene_kernel(9, 7, MID, 0, PEAK));
     const struct gp_glare_params params = {.splat = how};
-    const struct gp_glare_job job = {.params = &params, .src = &s.src,
+    const struct gp_glare_request req = {.params = &params, .src = &s.src,
                                      .kernel = &s.k};
     assert_ok(splat(GP_GL_AUTO, &s, &kept));
     assert_int_equal(stats.polygons, 4);
     assert_true(stats.polygon_pixels == 4 * 5 * 4);
     assert_true(stats.bound > 0 && stats.bound < 1e-5);
-    assert_true(gp_engine_splat.predict(&job, NULL).ms > 0);
+    assert_true(gp_engine_splat.predict(&req, NULL).ms > 0);
     gp_engine_splat.close(&kept);
     gp_engine_splat.close(&kept);
     scene_free(&s);
@@ -335,21 +335,21 @@ static void shrinking_leaves_out_what_it_may(void **state)
     gp_engine_splat.close(&kept);
 }
 
-/* bound() before run() says what run() publishes, and a plan that is kept
+/* bound() before run() says what run() publishes, and a layout that is kept
  * never outlives its light. */
-static void plans_are_kept_for_their_light_alone(void **state)
+static void layouts_are_kept_for_their_light_only(void **state)
 {
     void *kept = open_or_skip(GP_GL_AUTO);
     struct scene s =
         splat_scene(50, 40, FEW, scene_kernel(31, 31, MID, 0, PEAK));
     const struct gp_glare_params params = {.splat = how};
-    const struct gp_glare_job job = {.log = &kept_log, .params = &params,
+    const struct gp_glare_request req = {.log = &kept_log, .params = &params,
                                      .src = &s.src, .kernel = &s.k,
                                      .stats = &stats};
     for (int i = 0; i < 4; i++) {
         double bound = -1.0;
         if (i % 2 == 0)
-            assert_ok(gp_engine_splat.bound(&job, &kept, &bound));
+            assert_ok(gp_engine_splat.bound(&req, &kept, &bound));
         if (i == 2)
             s.src.rgb[1][s.src.n / 2] *= 2.0f; // at the same address
         assert_ok(splat(GP_GL_AUTO, &s, &kept));
@@ -375,7 +375,7 @@ SUITE(splat)
         cmocka_unit_test(large_points_are_refused),
         cmocka_unit_test(counts_are_those_of_the_groups),
         cmocka_unit_test(shrinking_leaves_out_what_it_may),
-        cmocka_unit_test(plans_are_kept_for_their_light_alone),
+        cmocka_unit_test(layouts_are_kept_for_their_light_only),
     };
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
         cmocka_set_test_filter("no_stale_kernel");

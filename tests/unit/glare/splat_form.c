@@ -225,10 +225,10 @@ static void places_of_turned_samples_are_in_the_bound(void **state)
         &open_all);
     struct gp_glare_params params = {.splat = GP_SPLAT_EXACT};
     params.splat.primitive = GP_PRIMITIVE_QUAD;
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .log = &kept_log, .params = &params, .src = &s.src, .kernel = &s.k,
     };
-    assert_ok(gp_engine_splat.bound(&job, &kept, &bound));
+    assert_ok(gp_engine_splat.bound(&req, &kept, &bound));
     for (int i = 0; i < 9; i++) {
         const double x = fabs(half * (i / 3 - 1) - half * (i % 3 - 1));
         const double y = fabs(half * (i / 3 - 1) + half * (i % 3 - 1));
@@ -279,9 +279,9 @@ static int hash_with(const char *threads, char *line, int size)
              "LP_NUM_THREADS=%s '%s' splat_form --hash", threads, self);
     FILE *p = popen(command, "r");
     assert_non_null(p);
-    const bool said = fgets(line, size, p) != NULL;
+    const bool text = fgets(line, size, p) != NULL;
     const int status = pclose(p);
-    return WIFEXITED(status) && (said || WEXITSTATUS(status))
+    return WIFEXITED(status) && (text || WEXITSTATUS(status))
                ? WEXITSTATUS(status) : -1;
 }
 

@@ -36,13 +36,13 @@ static inline gp_status splat(enum gp_gl_api gl, struct scene *s, void **state)
 {
     const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
                                            .gl = gl, .splat = how};
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .log = &kept_log, .params = &params, .src = &s->src, .kernel = &s->k,
         .layer = &s->f.layer, .stats = &stats,
     };
     stats = (struct gp_glare_stats) {0};
     scene_clear_layer(s);
-    return gp_engine_splat.run(&job, state);
+    return gp_engine_splat.run(&req, state);
 }
 
 /* Makes the engine's state with a context, or skips the test without one. */

@@ -80,14 +80,14 @@ static gp_status run_bound(void)
     double least = 0.0;
     p.splat = row->splat;
     p.tolerance = row->tolerance;
-    const struct gp_glare_job job = {
+    const struct gp_glare_request req = {
         .log = &kept_log, .params = &p, .src = &scene.src, .kernel = &scene.k,
         .layer = &none, .stats = &stats,
     };
     for (int i = 0; gp_engines[i]; i++) {
         if (strcmp(gp_engines[i]->name, row->engine) != 0)
             continue;
-        const gp_status st = gp_engines[i]->bound(&job, &state, &least);
+        const gp_status st = gp_engines[i]->bound(&req, &state, &least);
         gp_engines[i]->close(&state);
         hash = hash_more(HASH_NONE, &least, sizeof least);
         return st;
@@ -343,7 +343,7 @@ static bool is_drawn(const struct starved *r)
 
 /* A fault at the n-th call of a class. */
 struct fault {
-    const char *name, *said;
+    const char *name, *text;
     gp_status status;
     enum fail_class class;
 };
@@ -368,7 +368,7 @@ static bool fail_once(const struct fault *f, long n, uint64_t want)
         assert_true(hash == want);
         return false;
     }
-    if (st != f->status || kept_errors != 1 || !strstr(kept_line, f->said))
+    if (st != f->status || kept_errors != 1 || !strstr(kept_line, f->text))
         fail_msg("%s, %ld: status %d, %d lines, \"%s\"", row->name, n,
                  (int) st, kept_errors, kept_line);
     if (!engine) {
@@ -410,7 +410,7 @@ static struct gp_kernel kernel_of(const struct starved *r, int side)
     return k;
 }
 
-static void begin(const struct starved *r, int times)
+static void begin_row(const struct starved *r, int times)
 {
     const int w = r->side ? r->side : times * W;
     const int h = r->side ? r->side : times * H;
@@ -427,7 +427,7 @@ static void close_glare(void)
     glare = (struct gp_glare) {0};
 }
 
-static void end(void)
+static void end_row(void)
 {
     scene_free(&scene);
     gp_kernel_free(&other);
@@ -437,7 +437,7 @@ static void faults_leave_nothing(void **state)
 {
     gp_set_threads(2);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        begin(&rows[i], 1);
+        begin_row(&rows[i], 1);
         const long blocks = fail_blocks();
         kept_clear();
         fail_end();
@@ -453,7 +453,7 @@ static void faults_leave_nothing(void **state)
         close_glare();
         gp_planes_free(&scene.f.layer);
         assert_int_equal(fail_blocks(), blocks); // none is lost
-        end();
+        end_row();
     }
     gp_set_threads(0);
 }
@@ -464,7 +464,7 @@ static void threads_change_no_byte(void **state)
     static const int threads[] = {1, 2, 4, 7};
     for (size_t i = 0; i < COUNT(rows); i++) {
         uint64_t first = 0;
-        begin(&rows[i], 3);
+        begin_row(&rows[i], 3);
         for (size_t t = 0; t < COUNT(threads); t++) {
             gp_set_threads(threads[t]);
             const gp_status st = row->run();
@@ -477,7 +477,7 @@ static void threads_change_no_byte(void **state)
                          threads[t]);
             close_glare();
         }
-        end();
+        end_row();
     }
     gp_set_threads(0);
 }

@@ -138,14 +138,14 @@ static void kernels_that_reach_nothing(void **state)
         assert_ok(scene_run(gp_engines[i]->name, &s, &g, &stats));
         for (int k = 0; k < 3 * 200; k++)
             assert_true(s.f.layer.c[k % 3][k / 3] == 0.0f);
-        const struct gp_glare_job job = {
+        const struct gp_glare_request req = {
             .log = &kept_log, .params = &p, .src = &s.src, .kernel = &s.k,
             .layer = &s.f.layer, .stats = &stats,
         };
         double bound = NAN;
         void *kept = NULL;
-        assert_true(gp_engines[i]->predict(&job, NULL).ms <= 1.0);
-        assert_ok(gp_engines[i]->bound(&job, &kept, &bound));
+        assert_true(gp_engines[i]->predict(&req, NULL).ms <= 1.0);
+        assert_ok(gp_engines[i]->bound(&req, &kept, &bound));
         assert_true(bound >= 0.0 && bound < 1e-3);
         gp_engines[i]->close(&kept);
     }

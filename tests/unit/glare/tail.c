@@ -26,7 +26,7 @@ struct made {
     struct gp_tail_state *s;
 };
 
-static struct made make(int w, int h, bool grey, const double *degrees)
+static struct made make_tail(int w, int h, bool grey, const double *degrees)
 {
     const struct gp_tail_split split = gp_tail_choose(0.0, w, h);
     struct made m = {0};
@@ -37,7 +37,7 @@ static struct made make(int w, int h, bool grey, const double *degrees)
     return m;
 }
 
-static void drop(struct made *m)
+static void drop_tail(struct made *m)
 {
     gp_tail_close(&m->s);
     gp_tail_free(m->t);
@@ -150,7 +150,7 @@ static void sums_are_those_of_the_kernel(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const int w = rows[i].w, h = rows[i].h;
-        struct made m = make(w, h, rows[i].grey, rows[i].degrees);
+        struct made m = make_tail(w, h, rows[i].grey, rows[i].degrees);
         struct gp_sources s = lights(w, h, rows[i].n, rows[i].light,
                                      (uint32_t) i);
         const struct error e = compare(&m, &s, rows[i].degrees);
@@ -158,7 +158,7 @@ static void sums_are_those_of_the_kernel(void **state)
                       e.norm, e.pixel, e.layer);
         assert_true(e.norm <= 1.0 && e.pixel <= 1.0 && e.layer < 1e-3);
         gp_sources_free(&s);
-        drop(&m);
+        drop_tail(&m);
     }
 }
 
@@ -168,7 +168,7 @@ static void sums_are_those_of_the_kernel(void **state)
 static void limits_are_reached(void **state)
 {
     enum { W = 640, H = 400 };
-    struct made m = make(W, H, true, &fine);
+    struct made m = make_tail(W, H, true, &fine);
     double most = 0.0;
     (void) state;
     for (int period = 38; period <= 90; period += 20) {
@@ -188,13 +188,13 @@ static void limits_are_reached(void **state)
         scene_free(&s);
     }
     assert_true(most > 0.1);
-    drop(&m);
+    drop_tail(&m);
 }
 
 static void laws_hold(void **state)
 {
     enum { W = 300, H = 250 };
-    struct made m = make(W, H, false, &fine);
+    struct made m = make_tail(W, H, false, &fine);
     const int step = m.t->split.step;
     struct gp_sources a = lights(W, H, 60, 1.0f, 1u), half, moved, one;
     (void) state;
@@ -237,7 +237,7 @@ static void laws_hold(void **state)
     }
     gp_sources_free(&a);
     gp_sources_free(&half);
-    drop(&m);
+    drop_tail(&m);
 }
 
 /* The sum that a tail says it has is that of its samples, and light in the
@@ -247,7 +247,7 @@ static void sums_are_kept(void **state)
     static const int size[][2] = {{300, 250}, {1, 400}, {411, 283}};
     (void) state;
     for (size_t i = 0; i < COUNT(size); i++) {
-        struct made m = make(size[i][0], size[i][1], false, &fine);
+        struct made m = make_tail(size[i][0], size[i][1], false, &fine);
         struct gp_kernel k = plain(&m, &fine);
         for (int c = 0; c < 3; c++) {
             assert_true(fabs(k.sum[c] - m.t->sum[c]) < 1e-8);
@@ -255,7 +255,7 @@ static void sums_are_kept(void **state)
             assert_true(m.t->norm2[c] >= k.norm2[c]);
         }
         gp_kernel_free(&k);
-        drop(&m);
+        drop_tail(&m);
     }
 }
 
@@ -266,13 +266,13 @@ static void threads_change_nothing(void **state)
     (void) state;
     for (int i = 0; i < 3; i++) {
         gp_set_threads(1 + 3 * i);
-        struct made m = make(W, H, i % 2, &fine);
+        struct made m = make_tail(W, H, i % 2, &fine);
         struct gp_sources s = lights(W, H, 4000, 1.0f, 7u);
         struct gp_planes p = added(&m, &s);
         hash[i] = hash_layer(&p, W * H);
         gp_planes_free(&p);
         gp_sources_free(&s);
-        drop(&m);
+        drop_tail(&m);
     }
     gp_set_threads(0);
     assert_true(hash[0] == hash[2] && hash[0] != hash[1]);
@@ -283,7 +283,7 @@ static void discs_have_tails(void **state)
 {
     enum { W = 400, H = 300, REACH = 9, SIDE = 2 * REACH + 1 };
     const double degrees = fine;
-    struct made m = make(W, H, false, &degrees);
+    struct made m = make_tail(W, H, false, &degrees);
     const struct gp_kernel k = {.tail = m.t};
     const int step = m.t->split.step;
     struct gp_spread_kernel out;
@@ -315,7 +315,7 @@ static void discs_have_tails(void **state)
         }
     }
     gp_planes_free(&out.k);
-    drop(&m);
+    drop_tail(&m);
 }
 
 static void splits_are_for_smooth_kernels(void **state)
@@ -340,7 +340,7 @@ static void splits_are_for_smooth_kernels(void **state)
 
 static void larger_frames_are_refused(void **state)
 {
-    struct made m = make(300, 200, true, &fine);
+    struct made m = make_tail(300, 200, true, &fine);
     struct gp_sources s = lights(301, 200, 3, 1.0f, 1u);
     struct gp_planes p;
     (void) state;
@@ -349,7 +349,7 @@ static void larger_frames_are_refused(void **state)
     assert_non_null(strstr(kept_line, "300x200"));
     gp_planes_free(&p);
     gp_sources_free(&s);
-    drop(&m);
+    drop_tail(&m);
 }
 
 // -- engines with kernels over the whole field --------------------------------
@@ -519,7 +519,7 @@ static gp_status run_making(void)
     return st;
 }
 
-static void full_memory_is_said(void **state)
+static void full_memory_is_an_error(void **state)
 {
     static const char *const engines[] = {"fft", "direct", "auto"};
     (void) state;
@@ -538,4 +538,4 @@ SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
     threads_change_nothing, discs_have_tails,
     splits_are_for_smooth_kernels, larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
-    pixels_are_within_their_bounds, full_memory_is_said)
+    pixels_are_within_their_bounds, full_memory_is_an_error)

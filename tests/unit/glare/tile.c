@@ -27,7 +27,7 @@ struct gathered {
     struct gp_shrink shrink;
 };
 
-static float place(enum where where, int i, int size, uint32_t *seed)
+static float place_of(enum where where, int i, int size, uint32_t *seed)
 {
     const float at = scene_random(seed) * (float) (size - 1);
     return where == WHOLE || (where == MIXED && i % 2) ? floorf(at) : at;
@@ -44,8 +44,8 @@ static struct gathered gather(const struct row *r, uint32_t seed)
     g.polygons.at = scene_alloc((size_t) r->n, sizeof *g.polygons.at);
     for (int i = 0; i < r->n; i++) {
         struct gp_polygon *const q = &g.polygons.at[i];
-        q->x = place(r->where, i, r->w, &seed);
-        q->y = place(r->where, i, r->h, &seed);
+        q->x = place_of(r->where, i, r->w, &seed);
+        q->y = place_of(r->where, i, r->h, &seed);
         q->blur = (uint8_t) (i % r->blurs);
         for (int c = 0; c < 3; c++)
             q->rgb[c] = i % 11 == c ? 0.0f : i % 5 == 0
@@ -65,8 +65,8 @@ static void free_gathered(struct gathered *g)
     scene_free(&g->s);
 }
 
-static gp_status draw(struct gp_splat *to, struct gathered *g,
-                      struct gp_tiles **tiles, double *roundings)
+static gp_status draw_tiles(struct gp_splat *to, struct gathered *g,
+                            struct gp_tiles **tiles, double *roundings)
 {
     scene_clear_layer(&g->s);
     return gp_tiles_draw(&kept_log, to->gl, &g->s.k, g->crop, g->tail,
@@ -185,7 +185,7 @@ static void run_row(struct gp_splat *to, const struct row *r, int row)
 {
     struct gathered g = gather(r, 2007u + (uint32_t) row);
     double roundings;
-    if (draw(to, &g, &to->tiles, &roundings) != GP_OK)
+    if (draw_tiles(to, &g, &to->tiles, &roundings) != GP_OK)
         fail_msg("row %d: %s", row, kept_line);
     assert_true(roundings <= gp_tiles_roundings(&g.polygons));
     for (int c = 0; c < 3; c++)
@@ -249,7 +249,7 @@ static void over_the_limit_fails_with_words(void **state)
     struct gp_splat *const to = kept;
     double roundings;
     struct gathered g = gather(&large, 5u);
-    assert_int_equal(draw(to, &g, &to->tiles, &roundings), GP_ERR_GL);
+    assert_int_equal(draw_tiles(to, &g, &to->tiles, &roundings), GP_ERR_GL);
     assert_kept("kernel: 17x9");
     free_gathered(&g);
     run_row(to, &fits, 0); // the state is whole
@@ -304,7 +304,7 @@ static void batches_equal_the_sum(void **state)
     struct gp_splat *const to = kept;
     double roundings;
     struct gathered g = gather(&row, 5u);
-    assert_ok(draw(to, &g, &to->tiles, &roundings));
+    assert_ok(draw_tiles(to, &g, &to->tiles, &roundings));
     assert_true(roundings <= gp_tiles_roundings(&g.polygons));
     for (int c = 0; c < 3; c++) {
         double want = 0.0;
@@ -341,7 +341,7 @@ static void roundings_are_not_twice_too_many(void **state)
     }
     for (int c = 0; c < 3; c++)
         g.s.k.k.c[c][0] = 1.0f;
-    assert_ok(draw(to, &g, &to->tiles, &roundings));
+    assert_ok(draw_tiles(to, &g, &to->tiles, &roundings));
     const double error = fabs((double) g.s.f.layer.c[1][0] - want) / want;
     const double share = error / (roundings * 0x1p-24);
     const double before = error / (gp_tiles_roundings(&g.polygons) * 0x1p-24);
@@ -372,9 +372,9 @@ static void no_stale_kernel(void **state)
         g.s.k.serial = i < 5 ? 1000000u : 0u;
         for (int c = 0; i >= 5 && c < 3; c++) // the same serial, 0, each time
             g.s.k.k.c[c][40] = (float) i;
-        assert_ok(draw(to, &g, &to->tiles, &roundings));
+        assert_ok(draw_tiles(to, &g, &to->tiles, &roundings));
         const uint64_t hash = scene_hash(&g.s);
-        assert_ok(draw(to, &g, &fresh, &roundings));
+        assert_ok(draw_tiles(to, &g, &fresh, &roundings));
         assert_true(scene_hash(&g.s) == hash);
         gp_tiles_free(to->gl, &fresh);
         free_gathered(&g);

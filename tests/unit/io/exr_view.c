@@ -165,7 +165,7 @@ static void planes_of_a_view(void **state)
         gp_status st;
         const char *want; // the plane's name, NULL: none
         int from;
-        const char *said; // NULL: nothing
+        const char *text; // NULL: nothing
     } row[] = {
         // the view's own, by search and by its bare name
         {{PART("p", RGB(HALVES), HALF_CH("Z"), RIGHT, HALF_CH("right.Z"))},
@@ -202,8 +202,8 @@ static void planes_of_a_view(void **state)
         kept_clear();
         assert_int_equal(gp_read_plane(&kept_all, &of_right, &frame, row[i].name,
                                        row[i].depth, &p), row[i].st);
-        assert_int_equal(kept_lines != 0, row[i].said != NULL);
-        if (row[i].said && !strstr(kept_line, row[i].said))
+        assert_int_equal(kept_lines != 0, row[i].text != NULL);
+        if (row[i].text && !strstr(kept_line, row[i].text))
             fail_msg("row %zu: %s", i, kept_line);
         assert_int_equal(p.v != NULL, row[i].want != NULL);
         if (row[i].want) {

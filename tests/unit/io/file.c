@@ -395,7 +395,7 @@ static void checks(void **state)
         enum gp_compression compression;
         int bits;
         gp_status st;
-        const char *said;
+        const char *text;
     } rows[] = {
         {"a.exr", GP_COMPRESSION_AUTO, 8, GP_OK, ""},
         {"a.png", GP_COMPRESSION_PIZ, 16, GP_OK, ""},
@@ -414,7 +414,7 @@ static void checks(void **state)
         kept_clear();
         assert_int_equal(gp_write_check(&kept_all, &p, rows[i].path),
                          rows[i].st);
-        assert_kept(rows[i].said);
+        assert_kept(rows[i].text);
         const bool exr = strstr(rows[i].path, ".exr") ||
                          strchr("-/", rows[i].path[0]);
         assert_int_equal(gp_write_hdr_check(&kept_all, &p, rows[i].path),

@@ -69,7 +69,7 @@ static const struct lie {
 };
 enum { LIES = sizeof lies / sizeof *lies };
 
-static void say(const struct gp_oiio_reply *reply, const char *text)
+static void reply_with(const struct gp_oiio_reply *reply, const char *text)
 {
     (void) send(0, reply, sizeof *reply, MSG_NOSIGNAL);
     (void) send(0, text, reply->bytes > 10 ? 10 : reply->bytes, MSG_NOSIGNAL);
@@ -96,7 +96,7 @@ static int hear(struct gp_oiio_ask *ask)
 }
 
 /* Floats of the shared memory at `at`. */
-static void show(const struct gp_oiio_ask *ask, int fd)
+static void show_picture(const struct gp_oiio_ask *ask, int fd)
 {
     static char *shared;
     if (fd >= 0)
@@ -122,15 +122,15 @@ __attribute__((constructor)) static void play(void)
         _exit(3);
     if (strcmp(part, "says nothing") == 0)
         pause();
-    say(&hello, "");
+    reply_with(&hello, "");
     for (;;) {
         const int fd = hear(&ask);
         if (ask.call == GP_OIIO_ROWS && strcmp(part, "ends in rows") == 0 &&
             ask.y > 0)
             raise(SIGSEGV);
         if (ask.call == GP_OIIO_ROWS) {
-            show(&ask, fd);
-            say(&hello, "");
+            show_picture(&ask, fd);
+            reply_with(&hello, "");
             continue;
         }
         if (strcmp(part, "ends") == 0)
@@ -145,13 +145,13 @@ __attribute__((constructor)) static void play(void)
                                               : GP_OIIO_REFUSED;
         no.bytes = 3;
         if (strcmp(part, "is full") == 0 || strcmp(part, "refuses") == 0)
-            say(&no, "why");
+            reply_with(&no, "why");
         else if (strcmp(part, "writes nothing") == 0)
-            say(&hello, "");
+            reply_with(&hello, "");
         else if (*part >= '0' && *part <= '9')
-            say(&lies[atoi(part)].reply, lies[atoi(part)].text);
+            reply_with(&lies[atoi(part)].reply, lies[atoi(part)].text);
         else
-            say(&sound, sound_text);
+            reply_with(&sound, sound_text);
         if (strcmp(part, "is sound") != 0 && strcmp(part, "ends in rows") != 0)
             _exit(0);
     }

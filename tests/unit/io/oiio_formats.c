@@ -23,7 +23,7 @@ static void need_oiio(void)
 }
 
 /* A smooth picture in [0,1] with the ends in it. */
-static float value(int x, int y, int c)
+static float code_value(int x, int y, int c)
 {
     float v = ((float) x + (float) y * (c == 1 ? 0.5f : 1.0f)) /
               (float) (W - 1 + H - 1);
@@ -35,7 +35,7 @@ static struct gp_image picture(float *pixels, int channels, const char *space)
     static const char *const grey[] = {"Y"};
     for (int i = 0; i < PIXELS; i++) {
         for (int c = 0; c < channels; c++)
-            pixels[i * channels + c] = value(i % W, i / W, c);
+            pixels[i * channels + c] = code_value(i % W, i / W, c);
     }
     return image_of(pixels, W, H, channels == 1 ? grey : rgba, channels, space);
 }
@@ -78,7 +78,7 @@ static void written_formats_come_back(void **state)
                             sizeof f.luminance);
         const bool curve = strcmp(row[i].space, "Linear") != 0;
         for (int k = 0; k < 3 * PIXELS; k++) {
-            float want = value(k / 3 % W, k / 3 / W, n == 1 ? 0 : k % 3);
+            float want = code_value(k / 3 % W, k / 3 / W, n == 1 ? 0 : k % 3);
             float got = f.rgb.c[k % 3][k / 3];
             if (curve)
                 got = gp_srgb_encode(got);

@@ -46,7 +46,7 @@ static void depth_of_any_part(void **state)
         int parts;
         int from;             // part that has it, -1 none
         const char *channel, *name;
-        const char *said;     // a warning, or NULL
+        const char *text;     // a warning, or NULL
     } row[] = {
         {{COLOUR("c")}, 1, -1, NULL, NULL, NULL},
         {{PART("c", 4, RGB(HALVES), HALF_CH("Z")), Z_PART("depth", 5)},
@@ -100,9 +100,9 @@ static void depth_of_any_part(void **state)
         open_fixture(&f, &frame);
         kept_clear();
         assert_ok(gp_read_plane(&kept_all, &limits, &frame, NULL, true, &p));
-        assert_int_equal(kept_lines != 0, row[i].said != NULL);
-        if (row[i].said)
-            assert_kept(row[i].said);
+        assert_int_equal(kept_lines != 0, row[i].text != NULL);
+        if (row[i].text)
+            assert_kept(row[i].text);
         if (row[i].from < 0) {
             assert_null(p.v);
             assert_null(p.name);

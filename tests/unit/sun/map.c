@@ -431,7 +431,7 @@ static void mask_64_is_near_exact(void **state)
 }
 
 static void refused(struct machine *m, const struct gp_occluders *o, int map,
-                    int n, gp_status want, const char *said)
+                    int n, gp_status want, const char *text)
 {
     const struct gp_map_params p = {.side = map};
     static struct gp_light l[GP_LIGHTS_MAX];
@@ -440,8 +440,8 @@ static void refused(struct machine *m, const struct gp_occluders *o, int map,
     kept_clear();
     assert_int_equal(gp_sun_map_draw(&kept_log, m->gl, o, &p, l, n, &m->map),
                      want);
-    if (!strstr(kept_line, said))
-        fail_msg("\"%s\" is not in \"%s\"", said, kept_line);
+    if (!strstr(kept_line, text))
+        fail_msg("\"%s\" is not in \"%s\"", text, kept_line);
     // nothing was drawn, so nothing is read
     assert_int_equal(gp_sun_map_read(&kept_log, m->gl, m->map, l, 1),
                      GP_ERR_BUG);

@@ -304,7 +304,7 @@ static void bad_configs(void **state)
     static const struct {
         const char *name;
         enum gp_status status;
-        const char *said;
+        const char *text;
     } rows[] = {
         {"deep.ocio", GP_ERR_DATA, "refuses it"},
         {"empty.ocio", GP_ERR_DATA, "refuses it"},
@@ -319,7 +319,7 @@ static void bad_configs(void **state)
         struct gp_ocio *o;
         assert_int_equal(gp_ocio_open(&kept_all, &p, &o), rows[i].status);
         assert_kept(p.config);
-        assert_kept(rows[i].said);
+        assert_kept(rows[i].text);
         assert_kept("; ");
         assert_null(strchr(kept_line, '\n'));
     }

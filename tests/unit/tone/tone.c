@@ -113,8 +113,8 @@ static void none_copies(void **state)
 }
 
 /* One colour through `linear` at -2 EV. */
-static void show(const float chromaticities[8], const double in[3],
-                 double out[3])
+static void show_colour(const float chromaticities[8], const double in[3],
+                        double out[3])
 {
     struct gp_frame f = make_frame(1, 1);
     struct gp_tone_params p = {.curve = "linear", .exposure = -2.0f};
@@ -159,7 +159,7 @@ static void primaries_become_bt709(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (size_t k = 0; k < COUNT(colours); k++) {
             double got[3], want[3];
-            show(rows[i].ch, colours[k], got);
+            show_colour(rows[i].ch, colours[k], got);
             multiply(rows[i].m, colours[k], want);
             for (int c = 0; c < 3; c++) {
                 if (!(fabs(got[c] - want[c]) <= rows[i].tolerance + 1e-6))
@@ -178,7 +178,7 @@ static void white_stays_white(void **state)
         double got[3];
         ch[6] = 0.27f + 0.015f * (float) i;
         ch[7] = 0.28f + 0.011f * (float) i;
-        show(ch, grey, got);
+        show_colour(ch, grey, got);
         for (int c = 0; c < 3; c++)
             assert_true(fabs(got[c] - 0.7) < 1e-6);
     }
