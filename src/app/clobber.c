@@ -157,7 +157,7 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
         link = exists && S_ISLNK(info.st_mode);
         if (link)
             exists = stat(path, &info) == 0;
-        file.open = exists && *path == '/' && gp_file_is_straight(path);
+        file.open = exists && gp_file_descriptor(path) >= 0;
     }
     if (exists && !S_ISREG(info.st_mode))
         return GP_OK;

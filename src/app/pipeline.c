@@ -280,7 +280,8 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     struct gp_texts also = {0};
     gp_status st;
     for (int i = 0; i < r->jobs->targets; i++)
-        r->ordered = r->ordered || gp_is_dash(r->jobs->target[i].name.path);
+        r->ordered = r->ordered ||
+                     gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
     GP_TRY(gp_run_kernel_begin(log, r));
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));

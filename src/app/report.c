@@ -7,7 +7,6 @@
 #include "io/file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
@@ -281,36 +280,37 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 
 // -- the file ----------------------------------------------------------------
 
+/* Removes the file that this run made, if any. */
+static void remove_made(struct gp_report *r)
+{
+    if (r->made)
+        unlink(r->made);
+}
+
 gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, bool append, struct gp_report *out)
 {
     struct gp_report r = {.path = path, .append = append};
-    // O_APPEND: a line is written whole, after those of other tasks of a farm
-    const int flags = O_CLOEXEC | (append ? O_RDWR | O_APPEND : O_WRONLY);
     const int given = gp_file_descriptor(path);
-    int fd = -1;
     r.given = given >= 0;
     if (given == STDOUT_FILENO) {
         r.file = stdout;
-    } else if (r.given) {
-        fd = fcntl(given, F_DUPFD_CLOEXEC, 0);
-    } else if (!create_dir || gp_file_make_folders(path) == 0) {
-        fd = open(path, flags | O_CREAT | O_EXCL, 0666);
-        r.made = fd >= 0;
-        if (!r.made && errno == EEXIST)
-            fd = open(path, flags);
-    }
-    if (fd >= 0)
+    } else {
+        int fd;
+        // (append: a line is written whole, after those of other tasks of a
+        // farm)
+        gp_status st = gp_file_open_lines(log, path, create_dir, append, &fd,
+                                          &r.made);
+        if (st)
+            return st;
         r.file = fdopen(fd, append ? "a" : "w");
-    if (fd >= 0 && !r.file) {
-        close(fd);
-        if (r.made)
-            unlink(path);
-        return gp_no_memory(log, path);
+        if (!r.file) {
+            close(fd);
+            remove_made(&r);
+            gp_free(r.made);
+            return gp_no_memory(log, path);
+        }
     }
-    if (!r.file)
-        return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); "
-                       "check the folder", path, strerror(errno));
     if (append && r.file != stdout) {
         (void) setvbuf(r.file, NULL, _IOFBF, 1 << 16);
         (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
@@ -466,8 +466,9 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
         return GP_OK;
     bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
     gp_status st = fine ? GP_OK : write_failed(log, r);
-    if (r->made && r->lines == 0)
-        unlink(r->path);
+    if (r->lines == 0)
+        remove_made(r);
+    gp_free(r->made);
     json_decref(r->settings);
     *r = (struct gp_report) {0};
     return st;

@@ -84,7 +84,7 @@ struct gp_facts {
 struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
-    bool made;         // the file did not exist
+    char *made;        // owned: the file that did not exist; NULL: it did
     bool given;        // an open descriptor's, whose file is never cut
     bool append;
     long long lines;

@@ -18,42 +18,89 @@ enum {
     LINKS = 40, // as many as the system follows
 };
 
-int gp_file_descriptor(const char *path)
-{
-    static const char *const folder[] = {"/dev/fd/", "/proc/self/fd/"};
-    if (gp_is_dash(path) || strcmp(path, "/dev/stdout") == 0)
-        return STDOUT_FILENO;
-    if (strcmp(path, "/dev/stderr") == 0)
-        return STDERR_FILENO;
-    for (int i = 0; i < 2; i++) {
-        const size_t n = strlen(folder[i]);
-        char *end;
-        if (strncmp(path, folder[i], n) != 0 || path[n] < '0' || path[n] > '9')
-            continue;
-        const long fd = strtol(path + n, &end, 10);
-        return *end || fd > INT_MAX ? -1 : (int) fd;
-    }
-    return -1;
-}
-
-bool gp_file_is_straight(const char *path)
-{
-    struct stat s;
-    static const char *const own[] = {"/dev/fd/", "/dev/std", "/proc/"};
-    for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
-        if (strncmp(path, own[i], strlen(own[i])) == 0)
-            return true;
-    }
-    if (gp_is_dash(path))
-        return true;
-    return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
-}
-
 /* Returns where the last component starts. */
 static const char *base_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
+}
+
+/* Copies the folder of a path with all links followed; "" when it does not
+ * exist. */
+static void real_folder(const char *path, char real[PATH_MAX])
+{
+    char folder[PATH_MAX];
+    const size_t n = (size_t) (base_of(path) - path);
+    snprintf(folder, sizeof folder, "%.*s", n ? (int) n : 1, n ? path : ".");
+    if (n >= sizeof folder || !realpath(folder, real))
+        real[0] = '\0';
+}
+
+/* Returns the descriptor that `path` names by itself, its last component being
+ * in the folder `real`; -1 for other names. */
+static int named_descriptor(const char *path, const char *real)
+{
+    static const char digits[] = "0123456789", task[] = "/task/";
+    char own[PATH_MAX], *end;
+    const char *const number = base_of(path);
+    if (strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    const long fd = strtol(number, &end, 10);
+    if (!strchr(digits, *number) || end == number || *end || fd > INT_MAX ||
+        !realpath("/proc/self", own) ||
+        strncmp(real, own, strlen(own)) != 0)
+        return -1;
+    real += strlen(own);
+    if (strncmp(real, task, strlen(task)) == 0) // of one thread
+        real += strlen(task) + strspn(real + strlen(task), digits);
+    return strcmp(real, "/fd") == 0 ? (int) fd : -1;
+}
+
+/* Follows the links of a name. Returns its descriptor, or -1; sets *system for
+ * one that is, or leads to, a name in /proc, /dev/fd or /dev/std*. */
+static int follow_names(const char *path, bool *system)
+{
+    static const char *const own[] = {"/dev/fd/", "/dev/std", "/proc/"};
+    char at[PATH_MAX], to[PATH_MAX], real[PATH_MAX];
+    *system = gp_is_dash(path);
+    if (gp_is_dash(path))
+        return STDOUT_FILENO;
+    if (strlen(path) >= sizeof at)
+        return -1;
+    strcpy(at, path);
+    for (int links = 0; links < LINKS; links++) {
+        real_folder(at, real);
+        for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+            *system |= strncmp(at, own[i], strlen(own[i])) == 0;
+        *system |= strncmp(real, "/proc/", 6) == 0;
+        const int fd = named_descriptor(at, real);
+        const ssize_t n = fd < 0 ? readlink(at, to, sizeof to - 1) : -1;
+        if (n <= 0)
+            return fd;
+        to[n] = '\0'; // seen from the folder of the link
+        const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(at) - at);
+        if (folder + (size_t) n >= sizeof at)
+            return -1;
+        strcpy(at + folder, to);
+    }
+    return -1;
+}
+
+int gp_file_descriptor(const char *path)
+{
+    bool system;
+    return follow_names(path, &system);
+}
+
+bool gp_file_is_straight(const char *path)
+{
+    struct stat s;
+    bool system;
+    (void) follow_names(path, &system);
+    return system || (stat(path, &s) == 0 && !S_ISREG(s.st_mode) &&
+                      !S_ISDIR(s.st_mode));
 }
 
 char *gp_file_folder(const char *path)
@@ -197,17 +244,27 @@ bool gp_file_exists(const char *path)
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
+/* Refuses a regular file in /proc that is no descriptor of this process: it
+ * may be another's log. */
+static gp_status check_system(const struct gp_log *log, const char *path,
+                              bool *straight)
+{
+    *straight = gp_file_is_straight(path);
+    return *straight && gp_file_descriptor(path) < 0 && gp_file_exists(path)
+               ? gp_fail(log, GP_ERR_IO,
+                         "%s: cannot be written (a file under a name in "
+                         "/proc); give the name in its own folder", path)
+               : GP_OK;
+}
+
 gp_status gp_file_check(const struct gp_log *log, const char *path,
                         bool create_dir)
 {
     struct stat s;
-    const bool straight = gp_file_is_straight(path);
-    if (straight && gp_file_descriptor(path) < 0 && gp_file_exists(path))
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: cannot be written (a file under a name in /proc); "
-                       "give the name in its own folder", path);
-    if (straight)
-        return GP_OK;
+    bool straight;
+    gp_status st = check_system(log, path, &straight);
+    if (st || straight)
+        return st;
     bool there = stat(path, &s) == 0;
     if (there && S_ISDIR(s.st_mode))
         return gp_fail(log, GP_ERR_IO,
@@ -218,7 +275,6 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     char *folder = gp_file_folder(path);
     if (!folder)
         return gp_no_memory(log, path);
-    gp_status st = GP_OK;
     if (stat(folder, &s) && errno == ENOENT && create_dir)
         st = GP_OK; // it will be made
     else if (stat(folder, &s))
@@ -235,18 +291,25 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     return st;
 }
 
+/* Finds the file to write, links followed, and makes its folders. */
+static gp_status find_target(const struct gp_log *log, const char *path,
+                             bool create_dir, char **target)
+{
+    *target = gp_file_resolve(path);
+    if (!*target && errno == ENOMEM)
+        return gp_no_memory(log, path);
+    return !*target || (create_dir && gp_file_make_folders(*target))
+               ? cannot_write(log, path, errno) : GP_OK;
+}
+
 /* Opens the temporary file with the permissions of the one it replaces; never,
  * not even before fchmod(), with more. */
 static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
     struct stat old;
-    f->target = gp_file_resolve(f->path);
-    if (!f->target && errno != ENOMEM)
-        return cannot_write(f->log, f->path, errno);
-    if (!f->target)
-        return gp_no_memory(f->log, f->path);
-    if (create_dir && gp_file_make_folders(f->target))
-        return cannot_write(f->log, f->path, errno);
+    gp_status st = find_target(f->log, f->path, create_dir, &f->target);
+    if (st)
+        return st;
     const bool replaces = stat(f->target, &old) == 0;
     const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
     f->fd = gp_temp_make(&f->temp, f->target, mode);
@@ -258,6 +321,14 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
     if (replaces && fchmod(f->fd, mode)) // the bits that umask took
         return cannot_write(f->log, f->path, errno);
     return GP_OK;
+}
+
+/* Duplicates a descriptor, or opens a pipe or device. */
+static int open_straight(const char *path, int flags)
+{
+    const int given = gp_file_descriptor(path);
+    return given < 0 ? open(path, flags | O_CLOEXEC)
+                     : fcntl(given, F_DUPFD_CLOEXEC, 0);
 }
 
 gp_status gp_file_open(const struct gp_log *log, const char *path,
@@ -273,12 +344,10 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     f->room = BUFFER_BYTES;
     if (!f->path || !f->buffer)
         GP_TRY(gp_no_memory(log, path));
-    const int given = gp_file_descriptor(path);
     if (gp_is_dash(path)) {
         f->fd = STDOUT_FILENO;
     } else if (gp_file_is_straight(path)) {
-        f->fd = given < 0 ? open(f->path, O_WRONLY | O_CLOEXEC)
-                          : fcntl(given, F_DUPFD_CLOEXEC, 0);
+        f->fd = open_straight(path, O_WRONLY);
         f->own_fd = true;
         if (f->fd < 0)
             GP_TRY(cannot_write(log, f->path, errno));
@@ -289,6 +358,37 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     f = NULL;
 out:
     gp_file_discard(&f);
+    return st;
+}
+
+gp_status gp_file_open_lines(const struct gp_log *log, const char *path,
+                             bool create_dir, bool append, int *out,
+                             char **made)
+{
+    const int flags = append ? O_RDWR | O_APPEND : O_WRONLY;
+    bool straight;
+    char *target = NULL;
+    int fd = -1;
+    gp_status st;
+    *made = NULL;
+    GP_TRY(check_system(log, path, &straight));
+    if (straight) {
+        fd = open_straight(path, flags);
+    } else {
+        GP_TRY(find_target(log, path, create_dir, &target));
+        fd = open(target, flags | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno == EEXIST)
+            fd = open(target, flags | O_CLOEXEC);
+        else if (fd >= 0)
+            *made = target;
+    }
+    if (fd < 0)
+        GP_TRY(cannot_write(log, path, errno));
+    *out = fd;
+    if (*made)
+        target = NULL;
+out:
+    gp_free(target);
     return st;
 }
 

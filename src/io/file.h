@@ -63,6 +63,17 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 /* Removes what was written and frees *f; NULL is fine. */
 void gp_file_discard(struct gp_file **f);
 
+/* Opens a file that grows line by line: not replaced, for others read it, and
+ * not cut. Follows links as above. Starts at the end with `append`, else at the
+ * start; a descriptor of the process where it is.
+ *
+ *   out   descriptor; close() it
+ *   made  the file's own name where there was none, gp_free() it; else NULL
+ *
+ * Errors: those of gp_file_open(). */
+GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
+    const char *path, bool create_dir, bool append, int *out, char **made);
+
 /* Writes a whole file of `size` bytes. Errors: as above. */
 GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log, const char *path,
                                      const void *data, size_t size);
@@ -79,14 +90,15 @@ bool gp_file_exists(const char *path);
 /* -- names ----------------------------------------------------------------- */
 
 /* Returns the descriptor that a name stands for: 1 for "-" and /dev/stdout, 2
- * for /dev/stderr, N for /dev/fd/N and /proc/self/fd/N; -1 for other names.
- * It is written where it is, after what is there, and never opened again: that
- * would begin at the file's start. */
+ * for /dev/stderr, N for /dev/fd/N, and for N in any folder of /proc that lists
+ * the descriptors of this process or of a thread of it; the same for links to
+ * these. -1 for other names. It is written where it is, after what is there,
+ * and never opened again: that would begin at the file's start. */
 int gp_file_descriptor(const char *path);
 
 /* True for targets that are written to directly: "-", pipes, devices and
- * sockets that exist, and all names in /dev/fd, /dev/std* and /proc, whatever
- * these stand for. */
+ * sockets that exist, and all names in /dev/fd, /dev/std* and /proc, and links
+ * to these, whatever they stand for. */
 bool gp_file_is_straight(const char *path);
 
 /* Return strings from malloc, NULL when memory is full: the folder of a path

@@ -241,11 +241,70 @@ cat log >logged
 "$glarepp" -q -o one.png --report /dev/stderr w/i.exr 2>>logged
 is "$(head -c 99999 logged | cmp - log; tail -n 1 logged | cut -c 1-100001 |
     tr -d l | cut -c 1)" '{' 'a report by /dev/stderr, appended to a log'
+
+# appended LABEL ARGUMENT...: what the log held stays in front of the output
+appended()
+{
+    label=$1
+    shift
+    cat log >logged
+    "$glarepp" "$@" >>logged 2>err </dev/null
+    is "$? $(head -c 99999 logged | cmp - log) $(($(wc -c <logged) > 99999))" \
+        '0  1' "$label: appended to a log" || note "$(cat err)"
+}
+ln -s /dev/stdout ln
+ln -s /proc/self/fd/1 ln.exr
+ln -s ln.exr ln.png
+ln -s /proc/thread-self/fd descriptors
+names="ln ln.exr descriptors/1 /proc/thread-self/fd/1 /dev/../dev/stdout"
+for to in $names /proc/self/task/../fd/1; do
+    appended "--report $to" -q -o one.png --report $to w/i.exr
+    appended "--report $to --report-append" -q -o one.png --report $to \
+        --report-append w/i.exr
+    appended "-o $to" -q -o $to --stdout-format png w/i.exr
+    appended "--json $to" compare -q --json $to w/i.exr w/i.exr
+done
+for to in ln.exr ln.png; do
+    appended "-o $to" -q -o $to w/i.exr
+    appended "--layer $to" -q --layer $to w/i.exr
+    appended "--debug sensors=$to" -q --debug sensors=$to w/i.exr
+    appended "--heatmap $to" compare -q --heatmap $to w/i.exr w/i.exr
+done
+appended '--hdr ln.exr' -q --hdr ln.exr w/i.exr
+appended 'kernel -o ln.exr' kernel -q -k star -o ln.exr
+ln -s ln.exr ln.svg
+for option in '--csv ln' '--json ln' '--plot ln.svg'; do
+    # shellcheck disable=SC2086
+    appended "bench $option" bench -q --runs 1 $option w/i.exr
+done
+rm ln ln.exr ln.png ln.svg descriptors
+# the log of another process, and a name of /proc for a file
+cat log >logged
+sleep 60 >>logged &
+other=/proc/$!/fd/1
+ln -s "$other" w/other.exr
 cp log w/log
-run -o /proc/self/cwd/w/log --stdout-format png w/i.exr
-fails_with 3 /proc/self/cwd/w/log 'a file by a name in /proc'
+for name in /proc/self/cwd/w/log "$other" w/other.exr; do
+    for option in "-o $name --stdout-format png" "-o o.png --report $name" \
+        "-o o.png --report $name --report-append" \
+        "--hdr $name --stdout-format exr"; do
+        # shellcheck disable=SC2086
+        run -q $option w/i.exr
+        fails_with 3 "$name" "a file by a name in /proc: $option"
+    done
+done
+kill $!
+wait $! 2>/dev/null
 same w/log log 'a file by a name in /proc: as it was'
-rm w/log
+same logged log 'the log of another process: as it was'
+rm w/log w/other.exr
+# a report by a link to nothing makes what it leads to, as other outputs do
+ln -s there.json w/link.json
+run -q -o one.png --report w/link.json w/i.exr
+quiet_success 'a report by a link to nothing'
+is "$(readlink w/link.json) $(wc -l <w/there.json)" 'there.json 1' \
+    'a report by a link to nothing: the file'
+rm w/link.json w/there.json
 
 # modes: those of a replaced file, else by umask
 for mask in 022 027 077; do

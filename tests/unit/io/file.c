@@ -322,6 +322,9 @@ static void descriptors(void **state)
         {"/proc/self/fd/12", 12}, {"/dev/fd/", -1}, {"/dev/fd/-1", -1},
         {"/dev/fd/1x", -1}, {"/dev/fd/99999999999", -1}, {"dev/fd/1", -1},
         {"/proc/1/fd/1", -1}, {"stdout", -1},
+        {"/proc/thread-self/fd/9", 9}, {"/dev/../dev/stdout", 1},
+        {"/proc/self/fdinfo/1", -1}, {"/proc/self/fd/", -1},
+        {"/proc/self/task/1/fd/1", -1},
     };
     for (size_t i = 0; i < COUNT(row); i++)
         assert_int_equal(gp_file_descriptor(row[i].name), row[i].fd);
@@ -336,6 +339,9 @@ static void descriptors(void **state)
         assert_ok(gp_file_commit(&f));
     }
     assert_text(wf_path("log"), "a long old log;newnew");
+    assert_int_equal(symlink(path, wf_path("link")), 0);
+    assert_int_equal(gp_file_descriptor(wf_path("link")), fd);
+    assert_true(gp_file_is_straight(wf_path("link")));
     close(fd);
     wf_write_text(wf_path("f"), "old");
     snprintf(path, sizeof path, "/proc/self/root%s", wf_path("f"));
