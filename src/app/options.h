@@ -10,6 +10,7 @@
 #define GP_APP_OPTIONS_H
 
 #include "app/settings.h"
+#include "core/nearest.h"
 #include "core/status.h"
 
 #include <jansson.h>
@@ -187,24 +188,6 @@ void gp_help(FILE *f, enum gp_command command);
 /* Prints the parts of the man page that come from the table and the status
  * list: mdoc items, each part after a line @NAME@ that names its place. */
 void gp_help_man(FILE *f);
-
-/* A search for the nearest name: start with gp_nearest_to(), try each name,
- * read `name`. */
-struct gp_nearest {
-    const char *word;
-    size_t length;
-    int most;          // edits allowed, then those of `name`
-    const char *name;  // the nearest so far, the first of equals; NULL: none
-};
-
-/* Starts a search for a word of that many bytes, borrowed; names more than
- * `most` edits away, or half the word's bytes, do not match. */
-struct gp_nearest gp_nearest_to(const char *word, size_t length, int most);
-
-/* Tries one name, borrowed. An edit inserts, deletes or replaces a byte, or
- * swaps two neighbours (the optimal string alignment distance). Words and names
- * over 31 bytes do not match. */
-void gp_nearest_try(struct gp_nearest *search, const char *name);
 
 /* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
  * topic is a command, the word of a group, an option's name or letter with or

@@ -5,10 +5,10 @@
 
 #include "core/colour.h"
 #include "glare/engine.h"
-#include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "hash.h"
 #include "kept_log.h"
+#include "model_scene.h"
 #include "unit.h"
 
 #include <float.h>
@@ -226,21 +226,24 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
 
 enum { MID = INT_MIN }; // the centre that design.md gives a kernel
 
-/* The kernel of a recipe for a square field, `size` pixels wide at most, of 36
- * pixels a degree as 1080 lines are by default. */
+/* The square field of kernels `size` pixels wide at most, of 36 pixels a degree
+ * as 1080 lines are by default. */
+static inline struct gp_field scene_model_field(int size, double rotate)
+{
+    const int most = size / 2 + 1; // of an offset, and 1
+    struct gp_field f = scene_field(most, most, 1.0 / 36.0, 1.0);
+    f.rotate = rotate;
+    return f;
+}
+
+/* The kernel of a recipe for that field. */
 static inline struct gp_kernel scene_model(const char *recipe, int size,
                                            double rotate)
 {
-    const struct gp_field field = {
-        .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
-        .aspect = 1.0, .rotate = rotate, .fps = 24.0,
-        .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance,
-    };
-    struct gp_recipe r;
+    const struct gp_field field = scene_model_field(size, rotate);
+    struct gp_recipe r = scene_recipe(recipe);
     struct gp_kernel k, whole;
-    if (gp_recipe_parse(NULL, recipe, &r) ||
-        gp_model_kernel(NULL, &r, 1, &field, &k) ||
+    if (gp_model_kernel(NULL, &r, 1, &field, &k) ||
         gp_kernel_whole(NULL, &k, field.w, field.h, &whole))
         abort();
     gp_recipe_free(&r);

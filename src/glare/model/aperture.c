@@ -252,7 +252,7 @@ static gp_status open_aperture(const struct gp_log *log,
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double pupil = gp_recipe_value(r, "pupil");
     const int blades = (int) gp_recipe_value(r, "blades");
-    const char *const mask = gp_recipe_path(r);
+    const char *const mask = gp_recipe_file(r);
     if (mask && !r->image)
         return gp_fail(log, GP_ERR_USAGE, "%s: the mask was not read; give an "
                        "image file", mask);

@@ -59,16 +59,6 @@ static inline double gp_recipe_value(const struct gp_recipe *r,
     return r->value[i];
 }
 
-/* The path that the recipe gives; NULL: none. */
-static inline const char *gp_recipe_path(const struct gp_recipe *r)
-{
-    for (int i = 0; r->model->keys[i].name; i++) {
-        if (r->file[i])
-            return r->file[i];
-    }
-    return NULL;
-}
-
 /* The key that all models begin with; `preset` is the model's own share. */
 #define GP_MODEL_SHARE(preset)                                                \
     { "share", "share of a pixel's light that the model takes", preset, 0.0,  \

@@ -1,5 +1,6 @@
 /* Recipes: MODEL:key=value,key=value and the names of some. */
 #include "core/memory.h"
+#include "core/nearest.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
@@ -82,86 +83,92 @@ bool gp_recipe_is(const char *text)
            find_model(text, end) || (!*end && find_preset(text, end));
 }
 
-/* Steps of one letter between two words (Levenshtein), for "did you mean". */
-static int distance(const char *a, const char *b, const char *b_end)
-{
-    enum { MOST = 32 };
-    int row[MOST + 1];
-    const int n = (int) (b_end - b);
-    if (n > MOST)
-        return MOST;
-    for (int j = 0; j <= n; j++)
-        row[j] = j;
-    for (int i = 1; a[i - 1]; i++) {
-        int before = row[0];
-        row[0] = i;
-        for (int j = 1; j <= n; j++) {
-            const int keep = before + (a[i - 1] != b[j - 1]);
-            before = row[j];
-            row[j] = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
-            row[j] = row[j] < keep ? row[j] : keep;
-        }
-    }
-    return row[n];
-}
+// -- messages -----------------------------------------------------------------
 
-struct names {
-    char list[1024];
-    const char *nearest;
-    int steps;
+enum { SHOWN = 72 }; // bytes of a text, which may be long
+
+/* A text of a recipe for messages, cut where it is long. */
+struct shown {
+    char text[SHOWN + 8];
 };
 
-static void add_name(struct names *n, const char *name, const char *found,
-                     const char *end)
+static struct shown show(const char *text, size_t length)
 {
-    const size_t used = strlen(n->list);
-    const int steps = distance(name, found, end);
-    snprintf(n->list + used, sizeof n->list - used, "%s%s", used ? ", " : "",
-             name);
-    if (!n->nearest || steps < n->steps) {
-        n->nearest = name;
-        n->steps = steps;
+    struct shown s;
+    size_t n = 0;
+    while (n < length && text[n]) {
+        const size_t bytes = gp_utf8_bytes(text + n);
+        if (n + (bytes ? bytes : 1) > SHOWN)
+            break;
+        n += bytes ? bytes : 1;
     }
+    n = n < length ? n : length;
+    snprintf(s.text, sizeof s.text, "%.*s%s", (int) n, text,
+             n < length && text[n] ? "..." : "");
+    return s;
 }
 
-/* Fails with the names that it could have been at the end of the line. */
+/* Names that there are, and the nearest to the one that was found. */
+struct names {
+    char list[1024];
+    struct gp_nearest near;
+};
+
+static struct names names_for(const char *found, const char *end)
+{
+    return (struct names) {
+        .near = gp_nearest_to(found, (size_t) (end - found), 2),
+    };
+}
+
+static void add_name(struct names *n, const char *name)
+{
+    const size_t used = strlen(n->list);
+    snprintf(n->list + used, sizeof n->list - used, "%s%s", used ? ", " : "",
+             name);
+    gp_nearest_try(&n->near, name);
+}
+
+/* Fails with the nearest name and all that there are. */
 static gp_status no_such(const struct gp_log *log, const char *text,
-    const char *what, const char *found, const char *end, struct names *n)
+                         const char *what, const struct names *n)
 {
     char near[80] = "";
-    if (n->steps <= 2)
-        snprintf(near, sizeof near, "did you mean %s? ", n->nearest);
-    return gp_fail(log, GP_ERR_USAGE, "%s: no %s has the name \"%.*s\"; %sgive "
-                   "one of %s", text, what, (int) (end - found), found, near,
-                   n->list);
+    if (n->near.name)
+        snprintf(near, sizeof near, "did you mean %s? ", n->near.name);
+    return gp_fail(log, GP_ERR_USAGE, "%s: no %s has the name \"%s\"; %sgive "
+                   "one of %s", show(text, SIZE_MAX).text, what,
+                   show(n->near.word, n->near.length).text, near, n->list);
 }
+
+// -- parsing ------------------------------------------------------------------
 
 static gp_status read_value(const struct gp_log *log, const char *text,
     const struct gp_model_key *key, const char *from, const char *end,
     double *out)
 {
-    const int length = (int) (end - from);
+    const size_t length = (size_t) (end - from);
     if (key->words) {
-        struct names n = {.steps = 0};
+        struct names n = names_for(from, end);
         for (int i = 0; key->words[i]; i++) {
             if (is_name(key->words[i], from, end)) {
                 *out = i;
                 return GP_OK;
             }
-            add_name(&n, key->words[i], from, end);
+            add_name(&n, key->words[i]);
         }
-        return no_such(log, text, key->name, from, end, &n);
+        return no_such(log, text, key->name, &n);
     }
     char *stop = NULL;
     *out = length ? strtod(from, &stop) : NAN;
     if (!length || strchr(" \t\n\v\f\r", *from) || stop != end)
         return gp_fail(log, GP_ERR_USAGE, "%s: %s is no number (found "
-                       "\"%.*s\"); give %g to %g", text, key->name, length,
-                       from, key->lo, key->hi);
+                       "\"%s\"); give %g to %g", show(text, SIZE_MAX).text,
+                       key->name, show(from, length).text, key->lo, key->hi);
     if (!(*out >= key->lo && *out <= key->hi))
         return gp_fail(log, GP_ERR_USAGE, "%s: %s is out of range (found "
-                       "%.*s); give %g to %g", text, key->name, length, from,
-                       key->lo, key->hi);
+                       "%s); give %g to %g", show(text, SIZE_MAX).text,
+                       key->name, show(from, length).text, key->lo, key->hi);
     return GP_OK;
 }
 
@@ -200,22 +207,21 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
     while (*keys) {
         const char *end = keys + strcspn(keys, ",");
         const char *const name_end = keys + strcspn(keys, "=,");
-        struct names n = {.steps = 0};
+        struct names n = names_for(keys, name_end);
         int i = 0;
         while (r->model->keys[i].name &&
-               !is_name(r->model->keys[i].name, keys, name_end)) {
-            add_name(&n, r->model->keys[i].name, keys, name_end);
-            i++;
-        }
+               !is_name(r->model->keys[i].name, keys, name_end))
+            add_name(&n, r->model->keys[i++].name);
         const struct gp_model_key *const key = &r->model->keys[i];
         if (!key->name)
-            return no_such(log, text, "key of the model", keys, name_end, &n);
+            return no_such(log, text, "key of the model", &n);
         if (*name_end != '=')
             return gp_fail(log, GP_ERR_USAGE, "%s: %s has no value; write "
-                           "%s=VALUE", text, key->name, key->name);
+                           "%s=VALUE", show(text, SIZE_MAX).text, key->name,
+                           key->name);
         if (given >> i & 1)
             return gp_fail(log, GP_ERR_USAGE, "%s: %s is given twice; keep one",
-                           text, key->name);
+                           show(text, SIZE_MAX).text, key->name);
         given |= 1u << i;
         const char *const value = name_end + 1;
         if (key->file) {
@@ -246,12 +252,14 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
     const char *const recipe_end = recipe + strcspn(recipe, ":");
     struct gp_recipe r = {.model = find_model(recipe, recipe_end)};
     if (!r.model) {
-        struct names n = {.steps = 0};
+        struct names n = names_for(name, end);
         for (int i = 0; gp_models[i]; i++)
-            add_name(&n, gp_models[i]->name, name, end);
-        for (int i = 0; gp_model_presets[i].name; i++)
-            add_name(&n, gp_model_presets[i].name, name, end);
-        return no_such(log, text, "model of glare", name, end, &n);
+            add_name(&n, gp_models[i]->name);
+        for (const struct gp_model_preset *p = gp_model_presets; p->name; p++) {
+            if (!find_model(p->name, p->name + strlen(p->name)))
+                add_name(&n, p->name);
+        }
+        return no_such(log, text, "model of glare", &n);
     }
     for (int i = 0; r.model->keys[i].name; i++)
         r.value[i] = r.model->keys[i].preset;
@@ -264,7 +272,8 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         const struct gp_model_key *const key = &r.model->keys[i];
         if (key->file && (r.file[i] ? !*r.file[i] : key->preset > 0.0))
             st = gp_fail(log, GP_ERR_USAGE, "%s: has no %s; write %s:%s=PATH",
-                         text, key->name, r.model->name, key->name);
+                         show(text, SIZE_MAX).text, key->name, r.model->name,
+                         key->name);
     }
     if (st)
         gp_recipe_free(&r);
@@ -345,7 +354,11 @@ bool gp_recipe_moves(const struct gp_recipe *r)
 
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
-    return gp_recipe_path(r);
+    for (int i = 0; r->model->keys[i].name; i++) {
+        if (r->file[i])
+            return r->file[i];
+    }
+    return NULL;
 }
 
 char *gp_kernel_path(const char *word)

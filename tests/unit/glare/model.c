@@ -1,26 +1,10 @@
 /* glare/model: recipes, quadrature, and laws that hold for each model. */
 #include "unit.h"
-#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
-
-static struct gp_field field(int w, int h, double degrees, double aspect)
-{
-    return (struct gp_field) {
-        .w = w, .h = h, .degrees = degrees, .aspect = aspect, .fps = 24.0,
-        .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance,
-    };
-}
-
-static struct gp_recipe recipe(const char *text)
-{
-    struct gp_recipe r;
-    if (gp_recipe_parse(NULL, text, &r) != GP_OK)
-        fail_msg("%s", text);
-    return r;
-}
+#include "kept_log.h"
+#include "model_scene.h"
 
 static double luminance(const struct gp_kernel *k)
 {
@@ -80,6 +64,50 @@ static void recipes_are_read(void **state)
     assert_false(gp_recipe_is("./moffat"));
 }
 
+/* Names in a message are listed once, the nearest first, and long texts are
+ * cut, not in the middle of a character. */
+static void messages_are_short(void **state)
+{
+    (void) state;
+    enum { LONG = 100000 };
+    static const struct {
+        const char *text, *says;
+    } rows[] = {
+        {"builtin:staer", "did you mean star? give one of spencer, cie, "
+         "aperture, temporal, star, cross, streak, ring, circle, gaussian, "
+         "moffat, image, eye, eye-night, eye-old"},
+        {"star:ponits=3", "did you mean points?"},
+        {"cie:equation=totla", "did you mean total?"},
+        {"cie:zzzzz=1", "\"zzzzz\"; give one of share, equation, age, pigment"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_recipe r;
+        kept_clear();
+        assert_int_equal(gp_recipe_parse(&kept_log, rows[i].text, &r),
+                         GP_ERR_USAGE);
+        assert_kept(rows[i].says);
+    }
+    static const char *const starts[] = {
+        "builtin:", "star:share=", "star:share=1,share=", "star:", "star:share",
+        "cie:equation=", "image:file=,share=1,size=",
+    };
+    char *const text = malloc(LONG + 40);
+    for (size_t i = 0; i < COUNT(starts); i++) {
+        struct gp_recipe r;
+        const size_t n = strlen(starts[i]);
+        memcpy(text, starts[i], n);
+        for (size_t k = 0; k < LONG; k += 2)
+            memcpy(text + n + k, "\xc3\xa9", 2); // é
+        text[n + LONG] = '\0';
+        kept_clear();
+        assert_int_equal(gp_recipe_parse(&kept_log, text, &r), GP_ERR_USAGE);
+        assert_in_range(strlen(kept_line), 1, 500);
+        for (const char *c = kept_line; *c; c += gp_utf8_bytes(c))
+            assert_true(gp_utf8_bytes(c) > 0);
+    }
+    free(text);
+}
+
 /* Every model writes all its keys' ranges so that presets are inside. */
 static void presets_are_in_range(void **state)
 {
@@ -94,7 +122,7 @@ static void presets_are_in_range(void **state)
         assert_true(n <= GP_MODEL_KEYS);
     }
     for (int i = 0; gp_model_presets[i].name; i++) {
-        struct gp_recipe r = recipe(gp_model_presets[i].name);
+        struct gp_recipe r = scene_recipe(gp_model_presets[i].name);
         gp_recipe_free(&r);
     }
 }
@@ -137,7 +165,8 @@ static void pixels_add_up(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         enum { N = 20 };
         const double a = rows[i].a;
-        const struct gp_field f = field(1, 1, rows[i].degrees, rows[i].aspect);
+        const struct gp_field f =
+            scene_field(1, 1, rows[i].degrees, rows[i].aspect);
         struct gp_shape s;
         double sum = 0.0;
         assert_ok(gp_radial_shape(NULL, power_law, &a, 1, 0.0, &f, &s));
@@ -190,9 +219,9 @@ static void resolution_does_not_matter(void **state)
         {"streak:share=1", 2e-3},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_field coarse = field(41, 41, 1.0 / 18.0, 1.0);
-        const struct gp_field fine = field(84, 84, 1.0 / 36.0, 1.0);
-        struct gp_recipe r = recipe(rows[i].text);
+        const struct gp_field coarse = scene_field(41, 41, 1.0 / 18.0, 1.0);
+        const struct gp_field fine = scene_field(84, 84, 1.0 / 36.0, 1.0);
+        struct gp_recipe r = scene_recipe(rows[i].text);
         struct gp_shape a, b;
         double worst = 0.0, most = 0.0;
         assert_ok(r.model->open(NULL, &r, &coarse, &a));
@@ -237,8 +266,8 @@ static void light_is_kept(void **state)
         "circle:size=0.01", "star:squeeze=3,points=5",
     };
     for (size_t i = 0; i < COUNT(texts); i++) {
-        struct gp_recipe r = recipe(texts[i]);
-        const struct gp_field f = field(301, 201, 1.0 / 36.0, 1.0);
+        struct gp_recipe r = scene_recipe(texts[i]);
+        const struct gp_field f = scene_field(301, 201, 1.0 / 36.0, 1.0);
         struct gp_kernel k;
         assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
         if (!(fabs(luminance(&k) + k.left_out - 1.0) < 1e-6) ||
@@ -255,11 +284,11 @@ static void light_is_kept(void **state)
 static void recipes_add_up(void **state)
 {
     (void) state;
-    const struct gp_field f = field(101, 101, 0.1, 1.0);
-    struct gp_recipe r[2] = {recipe("gaussian:share=0.8,fwhm=1"),
-                             recipe("moffat:share=0.8,fwhm=0.5")};
-    struct gp_recipe one[2] = {recipe("gaussian:share=1,fwhm=1"),
-                               recipe("moffat:share=1,fwhm=0.5")};
+    const struct gp_field f = scene_field(101, 101, 0.1, 1.0);
+    struct gp_recipe r[2] = {scene_recipe("gaussian:share=0.8,fwhm=1"),
+                             scene_recipe("moffat:share=0.8,fwhm=0.5")};
+    struct gp_recipe one[2] = {scene_recipe("gaussian:share=1,fwhm=1"),
+                               scene_recipe("moffat:share=1,fwhm=0.5")};
     struct gp_kernel both, a, b;
     assert_ok(gp_model_kernel(NULL, r, 2, &f, &both));
     assert_ok(gp_model_kernel(NULL, &one[0], 1, &f, &a));
@@ -290,9 +319,9 @@ static void recipes_add_up(void **state)
 static void images_are_recipes(void **state)
 {
     (void) state;
-    const struct gp_field f = field(200, 100, 0.05, 1.0);
-    struct gp_recipe r[2] = {recipe("image:file=f,share=0.25,size=2"),
-                             recipe("gaussian:share=0.5,fwhm=0.2")};
+    const struct gp_field f = scene_field(200, 100, 0.05, 1.0);
+    struct gp_recipe r[2] = {scene_recipe("image:file=f,share=0.25,size=2"),
+                             scene_recipe("gaussian:share=0.5,fwhm=0.2")};
     float v[3][48] = {{0}};
     const struct gp_frame image = {
         .data = {5, -3, 13, 3}, .rgb = {{v[0], v[1], v[2]}},
@@ -325,9 +354,9 @@ static void images_are_recipes(void **state)
 static void threads_do_not_matter(void **state)
 {
     (void) state;
-    const struct gp_field f = field(700, 60, 0.05, 1.5);
+    const struct gp_field f = scene_field(700, 60, 0.05, 1.5);
     for (int i = 0; gp_models[i] != &gp_model_image; i++) {
-        struct gp_recipe r = recipe(gp_model_name(gp_models[i]));
+        struct gp_recipe r = scene_recipe(gp_model_name(gp_models[i]));
         struct gp_kernel one, many, whole;
         gp_set_threads(1);
         assert_ok(gp_model_kernel(NULL, &r, 1, &f, &one));
@@ -347,7 +376,7 @@ static void threads_do_not_matter(void **state)
 }
 
 SUITE_OF(model, NULL, NULL,
-    recipes_are_read,
+    recipes_are_read, messages_are_short,
     presets_are_in_range,
     pixels_add_up,
     resolution_does_not_matter,

@@ -1,20 +1,11 @@
 /* glare/model/aperture.c, pupil.c and diffract.c against published values and
  * closed forms. */
 #include "unit.h"
-#include "core/colour.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
+#include "model_scene.h"
 
 #define PI 3.14159265358979323846
-
-static struct gp_field field(int w, int h, double degrees, double aspect)
-{
-    return (struct gp_field) {
-        .w = w, .h = h, .degrees = degrees, .aspect = aspect, .fps = 24.0,
-        .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance,
-    };
-}
 
 static void make_kernel(const char *text, const struct gp_field *f,
                         struct gp_kernel *k)
@@ -42,7 +33,7 @@ static void a_circle_makes_airys_pattern(void **state)
 {
     (void) state;
     const double unit = 550e-6 / 1.0 * 180.0 / PI; // lambda / D, degrees
-    const struct gp_field f = field(321, 321, unit / 20.0, 1.0);
+    const struct gp_field f = scene_field(321, 321, unit / 20.0, 1.0);
     struct gp_kernel k;
     make_kernel(airy, &f, &k);
     double within = 0.0;
@@ -102,7 +93,7 @@ static void blades_make_spikes(void **state)
                 {8, 8, -11.0}};
     enum { STEPS = 3600 };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_field f = field(256, 256, 1.0 / 36.0, 1.0);
+        const struct gp_field f = scene_field(256, 256, 1.0 / 36.0, 1.0);
         char text[200];
         struct gp_kernel k;
         double light[STEPS];
@@ -148,7 +139,7 @@ static void blades_make_spikes(void **state)
 static void light_is_kept_and_white(void **state)
 {
     (void) state;
-    const struct gp_field f = field(256, 256, 1.0 / 36.0, 1.0);
+    const struct gp_field f = scene_field(256, 256, 1.0 / 36.0, 1.0);
     struct gp_kernel k;
     make_kernel("aperture:share=1,blades=0,dust=0,scratches=0,pupil=2", &f, &k);
     // 1 - E(r) = l L / (2 pi^2 S r), L / S = 4 / D; half is left in the fade
@@ -169,8 +160,8 @@ static void frames_of_all_sizes_agree(void **state)
     (void) state;
     static const char text[] = "aperture:share=1,blades=5,reach=20,pupil=0.5,"
                                "wavelengths=8";
-    const struct gp_field small = field(64, 48, 1.0 / 36.0, 1.0);
-    const struct gp_field large = field(400, 400, 1.0 / 36.0, 1.0);
+    const struct gp_field small = scene_field(64, 48, 1.0 / 36.0, 1.0);
+    const struct gp_field large = scene_field(400, 400, 1.0 / 36.0, 1.0);
     struct gp_kernel a, b;
     make_kernel(text, &small, &a);
     make_kernel(text, &large, &b);
@@ -193,7 +184,7 @@ static void frames_of_all_sizes_agree(void **state)
 static void turning_is_in_the_formula(void **state)
 {
     (void) state;
-    struct gp_field f = field(128, 128, 0.05, 1.0);
+    struct gp_field f = scene_field(128, 128, 0.05, 1.0);
     struct gp_kernel a, b;
     make_kernel("aperture:share=1,blades=3,rotation=30,wavelengths=4", &f, &a);
     f.rotate = 20.0;
@@ -219,12 +210,12 @@ static void pixels_add_up(void **state)
                 {0.072, 1.0 / 3.0, 1, 3}};
     static const char text[] = "aperture:share=1,blades=5,pupil=1,wavelengths="
                                "4,reach=8,dust=0.3";
-    const struct gp_field fine = field(400, 400, 0.024, 1.0);
+    const struct gp_field fine = scene_field(400, 400, 0.024, 1.0);
     struct gp_kernel a, b;
     make_kernel(text, &fine, &a);
     for (size_t i = 0; i < COUNT(rows); i++) {
         const int nx = rows[i].across, ny = rows[i].down;
-        const struct gp_field f = field(400, 400, rows[i].degrees,
+        const struct gp_field f = scene_field(400, 400, rows[i].degrees,
                                         rows[i].aspect);
         double error = 0.0, norm = 0.0, worst = 0.0;
         make_kernel(text, &f, &b);
@@ -262,7 +253,7 @@ static void aberrations_dim_the_peak(void **state)
     static const char *const names[] = {"defocus", "astigmatism", "coma",
                                         "spherical"};
     const double unit = 550e-6 * 180.0 / PI;
-    const struct gp_field f = field(65, 65, unit / 8.0, 1.0);
+    const struct gp_field f = scene_field(65, 65, unit / 8.0, 1.0);
     struct gp_kernel sharp, k;
     make_kernel(airy, &f, &sharp);
     for (size_t i = 0; i < COUNT(names); i++) {
@@ -309,7 +300,7 @@ static void masks_are_openings(void **state)
         .rgb.c = {white, white, white},
     };
     const double unit = 550e-6 * 180.0 / PI;
-    const struct gp_field f = field(129, 129, unit / 8.0, 1.0);
+    const struct gp_field f = scene_field(129, 129, unit / 8.0, 1.0);
     struct gp_recipe r;
     struct gp_kernel k = {0};
     assert_ok(gp_recipe_parse(NULL, "aperture:share=1,mask=F,dust=0,"
@@ -347,7 +338,7 @@ static void masks_are_openings(void **state)
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
     gp_recipe_free(&r);
     // a metre's mirror behind a pixel of 4 degrees
-    const struct gp_field coarse = field(30, 30, 4.0, 1.0);
+    const struct gp_field coarse = scene_field(30, 30, 4.0, 1.0);
     assert_ok(gp_recipe_parse(NULL, "aperture:pupil=1000", &r));
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &coarse, &k), GP_ERR_USAGE);
     gp_recipe_free(&r);
@@ -379,7 +370,7 @@ static void keys_change_kernels(void **state)
         "grating=0.05", "formula=watson", "formula=watson,age=60",
         "grating=0.5,fibres=20",
     };
-    struct gp_field f = field(64, 64, 0.05, 1.0);
+    struct gp_field f = scene_field(64, 64, 0.05, 1.0);
     f.frame = 7;
     for (int m = 0; m < 2; m++) {
         const char *const name = m ? "temporal" : "aperture";
@@ -451,7 +442,7 @@ static void pupils_shimmer(void **state)
     assert_true(gp_pupil_hippus(9.0, 1.7, 1.0, 3) == 9.0);
     assert_true(gp_pupil_hippus(p, 1.7, 0.0, 3) == p);
     // frames of a run
-    struct gp_field f = field(32, 32, 0.1, 1.0);
+    struct gp_field f = scene_field(32, 32, 0.1, 1.0);
     struct gp_kernel a, b;
     make_kernel("temporal:wavelengths=2", &f, &a);
     f.frame = 1;
@@ -466,7 +457,7 @@ static void pupils_shimmer(void **state)
 static void fibres_make_a_halo(void **state)
 {
     (void) state;
-    const struct gp_field f = field(100, 100, 0.05, 1.0);
+    const struct gp_field f = scene_field(100, 100, 0.05, 1.0);
     double light[2][2] = {{0}, {0}}; // within, of the halo
     for (int i = 0; i < 2; i++) {
         struct gp_kernel k;
@@ -517,7 +508,7 @@ static void spectra_are_the_observers(void **state)
         }
     }
     enum { BANDS = 40 };
-    const struct gp_field f = field(1, 1, 1.0, 1.0);
+    const struct gp_field f = scene_field(1, 1, 1.0, 1.0);
     double nm[BANDS], rgb[BANDS][3], sum[3] = {0}, all = 0.0, xyz[3];
     gp_spectrum_weights(&f, BANDS, nm, rgb);
     for (int i = 0; i < BANDS; i++) {

@@ -2,20 +2,13 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "glare/model/model_priv.h"
+#include "model_scene.h"
 
 static const struct gp_field plain = {
     .w = 512, .h = 512, .degrees = 1.0 / 36.0, .aspect = 1.0, .fps = 24.0,
     .chromaticities = gp_rec709_chromaticities,
     .luminance = gp_rec709_luminance,
 };
-
-static struct gp_recipe recipe(const char *text)
-{
-    struct gp_recipe r;
-    if (gp_recipe_parse(NULL, text, &r) != GP_OK)
-        fail_msg("%s", text);
-    return r;
-}
 
 /* Shares of light beyond 0.1 to 60 degrees: Spencer's photopic function, and
  * the CIE's at 35 and 70 years. */
@@ -32,7 +25,7 @@ static void light_goes_as_far_as_published(void **state)
         {"cie:age=70", {.382, .170, .131, .104, .084, .067, .051, .035, .015}},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_recipe r = recipe(rows[i].text);
+        struct gp_recipe r = scene_recipe(rows[i].text);
         for (int k = 0; k < 9; k++) {
             const double got = gp_eye_beyond(&r, &plain, angles[k]);
             // (three digits; 0.1305 of 70 years beyond 1 degree is given as
@@ -88,14 +81,15 @@ static void pupil_chooses_the_light(void **state)
         {"spencer:light=scotopic", "spencer:pupil=7"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_recipe a = recipe(rows[i][0]), b = recipe(rows[i][1]);
+        struct gp_recipe a = scene_recipe(rows[i][0]);
+        struct gp_recipe b = scene_recipe(rows[i][1]);
         assert_true(gp_eye_beyond(&a, &plain, 1.0) ==
                     gp_eye_beyond(&b, &plain, 1.0));
         gp_recipe_free(&a);
         gp_recipe_free(&b);
     }
-    struct gp_recipe low = recipe("spencer:pupil=5"), high = recipe(
-        "spencer:pupil=7"), mid = recipe("spencer:pupil=6");
+    struct gp_recipe low = scene_recipe("spencer:pupil=5"), high = scene_recipe(
+        "spencer:pupil=7"), mid = scene_recipe("spencer:pupil=6");
     const double l = gp_eye_beyond(&low, &plain, 2.0);
     const double h = gp_eye_beyond(&high, &plain, 2.0);
     assert_true(fabs(gp_eye_beyond(&mid, &plain, 2.0) - 0.5 * (l + h)) < 1e-3);
@@ -110,9 +104,11 @@ static void needles_stay_on_their_circles(void **state)
 {
     (void) state;
     enum { RINGS = 8, WIDE = 40 };
-    struct gp_recipe even = recipe("spencer:light=mesopic");
-    struct gp_recipe rays = recipe("spencer:light=mesopic,needles=120,seed=5");
-    struct gp_recipe other = recipe("spencer:light=mesopic,needles=120,seed=6");
+    struct gp_recipe even = scene_recipe("spencer:light=mesopic");
+    struct gp_recipe rays =
+        scene_recipe("spencer:light=mesopic,needles=120,seed=5");
+    struct gp_recipe other =
+        scene_recipe("spencer:light=mesopic,needles=120,seed=6");
     struct gp_kernel k[3];
     double light[2][RINGS] = {{0}};
     double uneven = 0.0, apart = 0.0;

@@ -310,9 +310,8 @@ static void composites_keep_their_limits(void **state)
     assert_true(nearest > 0.5);
 }
 
-/* Lamps in the dark: the darkest pixel is lit by a hundred others, and the
- * bound of fft knows it. */
-static void lamps_light_the_dark(void **state)
+/* A frame in which each fifth pixel is a lamp and the others are black. */
+static struct gp_frame lamps(void)
 {
     uint32_t seed = 5u;
     struct gp_frame f = scene_frame(200, 150, 0, 0, BLACK, 1u);
@@ -321,7 +320,15 @@ static void lamps_light_the_dark(void **state)
         for (int c = 0; c < 3; c++)
             f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
     }
-    struct scene s = scene_make(f, scene_kernel(90, 80, MID, 0, PEAK), &usual);
+    return f;
+}
+
+/* Lamps in the dark: the darkest pixel is lit by a hundred others, and the
+ * bound of fft knows it. */
+static void lamps_light_the_dark(void **state)
+{
+    struct scene s =
+        scene_make(lamps(), scene_kernel(90, 80, MID, 0, PEAK), &usual);
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare g = {0};
     struct gp_glare_stats stats;
@@ -340,15 +347,8 @@ static void lamps_light_the_dark(void **state)
  * one does, and says so where none does. */
 static void auto_keeps_the_tolerance_of_a_pixel(void **state)
 {
-    uint32_t seed = 5u;
-    struct gp_frame f = scene_frame(200, 150, 0, 0, BLACK, 1u);
-    for (int i = 0; i < 200 * 150; i++) {
-        const bool lit = scene_random(&seed) < 0.2f;
-        for (int c = 0; c < 3; c++)
-            f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
-    }
     struct scene s =
-        scene_make(f, scene_kernel(90, 80, MID, 0, SPECKS), &usual);
+        scene_make(lamps(), scene_kernel(90, 80, MID, 0, SPECKS), &usual);
     double fft = 0.0;
     for (int i = 0; i < 3; i++) {
         struct gp_glare_params p = GP_GLARE_DEFAULTS;

@@ -206,12 +206,7 @@ static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 
 static gp_status make_model(const char *text, double rotate)
 {
-    const struct gp_field field = {
-        .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
-        .aspect = 1.0, .rotate = rotate, .fps = 24.0,
-        .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance,
-    };
+    const struct gp_field field = scene_model_field(size, rotate);
     struct gp_recipe r;
     struct gp_kernel k = {0};
     gp_status st = gp_recipe_parse(&kept_log, text, &r);
