@@ -1,4 +1,4 @@
-/* Finds options by name or letter, and their values. */
+/* Finds options by name or letter, their values, and commands. */
 #include "app/options.h"
 
 #include <float.h>
@@ -57,4 +57,32 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands)
             return o;
     }
     return NULL;
+}
+
+// -- commands ----------------------------------------------------------------
+
+static const struct {
+    const char *word;
+    enum gp_command command;
+} commands[] = {
+    {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
+    {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
+    {"help", GP_COMMAND_HELP},
+};
+enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
+
+const char *gp_command_word(unsigned command)
+{
+    int i = 0;
+    while (i < COMMANDS - 1 && !(commands[i].command & command))
+        i++;
+    return commands[i].word;
+}
+
+const char *gp_command_at(int i, enum gp_command *command)
+{
+    if (i < 0 || i >= COMMANDS)
+        return NULL;
+    *command = commands[i].command;
+    return commands[i].word;
 }

@@ -233,26 +233,6 @@ static const char *curve_name(int i, const char **text)
     return c ? c->name : NULL;
 }
 
-static const char *kernel_name(int i, const char **text)
-{
-    static char name[64]; // one line of help at a time
-    const struct gp_model_preset *const p = gp_model_presets;
-    int presets = 0, models = 0;
-    while (p[presets].name)
-        presets++;
-    if (i < presets) {
-        *text = p[i].text;
-        snprintf(name, sizeof name, "builtin:%s", p[i].name);
-        return name;
-    }
-    while (gp_models[models])
-        models++;
-    if (i >= presets + models)
-        return NULL;
-    *text = gp_model_text(gp_models[i - presets]);
-    return gp_model_name(gp_models[i - presets]);
-}
-
 static const char *grow_word(int i, const char **text)
 {
     static const char *const words[][2] = {
@@ -367,7 +347,7 @@ const struct gp_option gp_options[] = {
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
     OPT(kernels, .name = "kernel", .letter = 'k', LENS(LIGHT),
-        .arg = "FILE", .list = kernel_name, .open = true,
+        .arg = "FILE", .list = gp_kernel_word, .open = true,
         .help = "Point-spread function, without it builtin:eye: an image file "
                 "or a model and its keys, as MODEL:key=value,key=value; "
                 "several add up by their shares"),

@@ -10,7 +10,6 @@
 #define GP_APP_OPTIONS_H
 
 #include "app/settings.h"
-#include "core/nearest.h"
 #include "core/status.h"
 
 #include <jansson.h>
@@ -148,6 +147,9 @@ static inline bool gp_read_whole(const char *text, const char *between, int *v)
 /* The word of the i-th command, from GP_COMMAND_MAIN on; NULL after the last,
  * and *command is unchanged. */
 const char *gp_command_at(int i, enum gp_command *command);
+
+/* The word of a command, of several bits the first; "" for GP_COMMAND_MAIN. */
+const char *gp_command_word(unsigned command);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
  * of an option wins, unless it is `once`. The first word may be a command's;

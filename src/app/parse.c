@@ -240,36 +240,6 @@ static gp_status set_text(const struct use *u, void *field)
     return GP_OK;
 }
 
-// -- commands ----------------------------------------------------------------
-
-static const struct {
-    const char *word;
-    enum gp_command command;
-} commands[] = {
-    {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
-    {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
-    {"help", GP_COMMAND_HELP},
-};
-enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
-
-/* Returns the word of a command, of several bits the first; "" for
- * GP_COMMAND_MAIN. */
-static const char *word_of(unsigned command)
-{
-    int i = 0;
-    while (i < COMMANDS - 1 && !(commands[i].command & command))
-        i++;
-    return commands[i].word;
-}
-
-const char *gp_command_at(int i, enum gp_command *command)
-{
-    if (i < 0 || i >= COMMANDS)
-        return NULL;
-    *command = commands[i].command;
-    return commands[i].word;
-}
-
 // -- words -------------------------------------------------------------------
 
 /* Finds the option that `word` names. *value is the rest of the word
@@ -319,18 +289,18 @@ static gp_status read_option(const struct gp_log *log, int argc,
                            "you mean --%s?", shown, word, near.name);
         return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
                        "%s%s--help lists them", shown, word,
-                       word_of(s->command),
+                       gp_command_word(s->command),
                        s->command == GP_COMMAND_MAIN ? "" : " ");
     }
     const char *const name = u.option->name, *const arg = u.option->arg;
     if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE, "--%s: not for pictures; write "
                        "glarepp %s --%s, or leave it out", name,
-                       word_of(u.option->commands), name);
+                       gp_command_word(u.option->commands), name);
     if (!(u.option->commands & s->command))
         return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; see "
-                       "glarepp %s --help", name, word_of(s->command),
-                       word_of(s->command));
+                       "glarepp %s --help", name, gp_command_word(s->command),
+                       gp_command_word(s->command));
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
                        "value (found \"%s\"); leave it out", word, u.value);
@@ -397,12 +367,14 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
     struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
-    for (int c = 1; c < COMMANDS && i == 1; c++) {
-        if (strcmp(first, commands[c].word) == 0) {
-            out->command = commands[c].command;
+    enum gp_command command;
+    const char *name;
+    for (int c = 1; i == 1 && (name = gp_command_at(c, &command)); c++) {
+        if (strcmp(first, name) == 0) {
+            out->command = command;
             i++;
         }
-        gp_nearest_try(&near, commands[c].word);
+        gp_nearest_try(&near, name);
     }
     if (i == 1 && near.name &&
         !first[strspn(first, LETTERS)] &&

@@ -4,7 +4,9 @@
 
 #include "core/colour.h"
 #include "glare/model/model.h"
-#include "unit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
 
 /* Frames in Rec.709 with pixels so many degrees high. */
 static inline struct gp_field scene_field(int w, int h, double degrees,
@@ -17,11 +19,14 @@ static inline struct gp_field scene_field(int w, int h, double degrees,
     };
 }
 
+/* A recipe that is right. */
 static inline struct gp_recipe scene_recipe(const char *text)
 {
     struct gp_recipe r;
-    if (gp_recipe_parse(NULL, text, &r) != GP_OK)
-        fail_msg("%s", text);
+    if (gp_recipe_parse(NULL, text, &r)) {
+        fprintf(stderr, "%s: cannot be parsed\n", text);
+        abort();
+    }
     return r;
 }
 

@@ -252,10 +252,7 @@ static gp_status open_aperture(const struct gp_log *log,
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double pupil = gp_recipe_value(r, "pupil");
     const int blades = (int) gp_recipe_value(r, "blades");
-    const char *const mask = gp_recipe_file(r);
-    if (mask && !r->image)
-        return gp_fail(log, GP_ERR_USAGE, "%s: the mask was not read; give an "
-                       "image file", mask);
+    const struct gp_frame *const mask = r->image;
     if (blades == 1 || blades == 2)
         return gp_fail(log, GP_ERR_USAGE, "aperture: %d blades make no "
                        "opening; give 0 or 3 to 32", blades);
@@ -273,7 +270,7 @@ static gp_status open_aperture(const struct gp_log *log,
     s->arc = gp_recipe_value(r, "arc") * PI / 360.0;
     s->grating = gp_recipe_value(r, "grating");
     s->fibres = floor(gp_recipe_value(r, "fibres"));
-    s->mask = mask ? r->image : NULL;
+    s->mask = mask;
     add_dust(s, (int) (DUST * gp_recipe_value(r, "dust")), seed);
     add_scratches(s, (int) (SCRATCHES * gp_recipe_value(r, "scratches")),
                   seed + 1);
@@ -293,7 +290,7 @@ static gp_status open_aperture(const struct gp_log *log,
     // a mask's corners, turned
     const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {
-        .name = mask ? mask : "aperture",
+        .name = mask && mask->path ? mask->path : "aperture",
         .diameter = 2.0 * s->radius * wide, .reach = gp_recipe_value(r, "reach"),
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),

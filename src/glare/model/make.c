@@ -82,7 +82,12 @@ static gp_status open_mixture(const struct gp_log *log,
     double sum = 0.0;
     *m = (struct mixture) {.grey = true, .even = true};
     for (int i = 0; i < n; i++) {
-        gp_status st = r[i].model->open(log, &r[i], field, &m->shape[i]);
+        const char *const file = gp_recipe_file(&r[i]);
+        gp_status st =
+            file && !r[i].image
+                ? gp_fail(log, GP_ERR_USAGE, "%s: the image of a kernel was "
+                          "not read; give an image file", file)
+                : r[i].model->open(log, &r[i], field, &m->shape[i]);
         if (st) {
             close_mixture(m);
             return st;
