@@ -81,8 +81,8 @@ static gp_status make_dark_layer(struct gp_frame_state *fs)
     struct gp_planes *const p = &fs->frame.layer;
     const size_t n = gp_frame_pixels(&fs->frame);
     gp_status st = gp_planes_make(fs->log, "layer", n, p);
-    for (int c = 0; c < 3 && !st; c++)
-        memset(p->c[c], 0, n * sizeof(float));
+    if (!st)
+        gp_planes_clear(p, 0, n);
     return st;
 }
 

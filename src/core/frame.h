@@ -168,6 +168,9 @@ GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
     const char *what, size_t samples, struct gp_planes *p);
 void gp_planes_free(struct gp_planes *p);
 
+/* Sets samples [from, from + n) of each plane to 0. */
+void gp_planes_clear(const struct gp_planes *p, size_t from, size_t n);
+
 /* Frees what it owns and clears it; an empty one is fine. */
 void gp_plane_free(struct gp_plane *p);
 

@@ -10,13 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void clear_plane(void *ctx, int c, int thread)
-{
-    const struct gp_frame *const f = ctx;
-    (void) thread;
-    memset(f->layer.c[c], 0, gp_frame_pixels(f) * sizeof(float));
-}
-
 /* Limits of light and kernels within which no engine leaves the range of
  * float: its sums, transforms of 2^30 points among them, are under 2^127.
  * Larger values are halved until they fit, which is exact, and the layer is
@@ -143,7 +136,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     if (st)
         return st;
     if (!src->n) {
-        gp_parallel_do(3, clear_plane, f);
+        gp_planes_clear(&f->layer, 0, gp_frame_pixels(f));
         return GP_OK;
     }
     // a kernel with a tail is a model's, of norm 1 at most

@@ -226,8 +226,8 @@ gp_status gp_sources_planes(const struct gp_log *log,
     gp_status st = gp_planes_make(log, "sources", n, p);
     if (st)
         return st;
+    gp_planes_clear(p, 0, n);
     for (int k = 0; k < 3; k++) {
-        memset(p->c[k], 0, n * sizeof(float));
         for (int y = 0; y < s->h; y++) {
             float *const row = p->c[k] + (size_t) y * (size_t) s->w;
             for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)

@@ -243,14 +243,6 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
-static void clear_rows(const struct gp_glare_request *req, int from, int to)
-{
-    const size_t w = (size_t) req->src->w;
-    for (int c = 0; c < 3 && to > from; c++)
-        memset(req->layer->c[c] + (size_t) from * w, 0,
-               (size_t) (to - from) * w * sizeof(float));
-}
-
 /* Clears the layer's rounding noise where no light reaches. */
 static gp_status clear_unreached(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_sources *src,
@@ -308,8 +300,10 @@ static gp_status transform(const struct gp_glare_request *req,
         GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, rows, &s->work));
         s->work_rows = (size_t) rows;
     }
-    clear_rows(req, 0, p->out.y0);
-    clear_rows(req, p->out.y1, src->h);
+    const size_t w = (size_t) src->w;
+    gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
+    gp_planes_clear(req->layer, w * (size_t) p->out.y1,
+                    w * (size_t) (src->h - p->out.y1));
     for (int c = 0; c < 3; c++) {
         const struct gp_kernel *const k = req->kernel;
         const double norm = sqrt(src->energy[c]);
@@ -498,7 +492,8 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     if (p.nx)
         GP_TRY(transform(req, s, src, &p, split.core));
     else
-        clear_rows(req, 0, req->src->h);
+        gp_planes_clear(req->layer, 0, (size_t) req->src->w *
+                                           (size_t) req->src->h);
     // add the direct parts: the core for all that was transformed, and hot
     // sources whole
     if (!is_known(s->taps_kernel, k)) {

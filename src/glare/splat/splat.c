@@ -354,13 +354,6 @@ static gp_status find_bound(const struct gp_glare_request *req, void **state,
     return st;
 }
 
-static void clear_layer(const struct gp_glare_request *req)
-{
-    for (int c = 0; c < 3; c++)
-        memset(req->layer->c[c], 0,
-               (size_t) req->src->w * (size_t) req->src->h * sizeof(float));
-}
-
 static gp_status run_splat(const struct gp_glare_request *req, void **state)
 {
     static const char *const forms[] = {
@@ -368,8 +361,9 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         [GP_PRIMITIVE_POINT] = "blended points",
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
+    const size_t pixels = (size_t) req->src->w * (size_t) req->src->h;
     if (reaches_nothing(req)) {
-        clear_layer(req);
+        gp_planes_clear(req->layer, 0, pixels);
         return GP_OK;
     }
     gp_status st;
@@ -391,7 +385,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
                              &p->polygons, &p->shrink, req->src->w,
                              req->src->h, req->layer, &s->tiles, &most));
     else
-        clear_layer(req);
+        gp_planes_clear(req->layer, 0, pixels);
     if (form == GP_PRIMITIVE_TILE && p->core) {
         // the core of each single source goes by direct: a software context
         // has no faster place, and blending squares of 17 pixels is what it

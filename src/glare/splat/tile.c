@@ -396,15 +396,6 @@ out:
     return st;
 }
 
-static void clear_layer(const struct gathering *k, struct gp_rect r)
-{
-    for (int c = 0; c < 3; c++) {
-        for (int y = r.y0; y < r.y1; y++)
-            memset(k->layer->c[c] + (size_t) y * (size_t) k->w + r.x0, 0,
-                   (size_t) gp_rect_w(r) * sizeof(float));
-    }
-}
-
 static gp_status draw_field(struct gathering *k)
 {
     int draws = 0;
@@ -422,7 +413,10 @@ static gp_status draw_field(struct gathering *k)
     if (st)
         return st;
     if (draws == 0) {
-        clear_layer(k, k->field);
+        for (int y = k->field.y0; y < k->field.y1; y++)
+            gp_planes_clear(k->layer, (size_t) y * (size_t) k->w +
+                                          (size_t) k->field.x0,
+                            (size_t) gp_rect_w(k->field));
         return GP_OK;
     }
     for (int i = 0; i < ATTACHMENTS; i++) {
@@ -468,7 +462,7 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
     gp_status st;
     *roundings = 0.0;
     if (polygons->n == 0 || gp_rect_empty(crop)) {
-        clear_layer(&k, frame);
+        gp_planes_clear(layer, 0, (size_t) w * (size_t) h);
         return GP_OK;
     }
     if (!*state) {
