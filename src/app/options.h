@@ -2,7 +2,7 @@
  *
  * app/ as a room: argv in, exit status out.
  *   options   the one table of options: lookup.c, parse.c, check.c, help.c,
- *             record.c, complete.c read it
+ *             report.c, complete.c read it
  *   jobs      the frames of a run and the names of its files
  *   pipeline  frame after frame through the stages
  *   report    JSON lines; progress: the line on the terminal */
@@ -12,7 +12,6 @@
 #include "app/settings.h"
 #include "core/status.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -178,11 +177,6 @@ GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
     const struct gp_settings *s, const char *const *input, int inputs,
     char **out);
-
-/* The settings of a picture, by option name with _ for -: those that can change
- * a pixel and do something together with the others, given or not; unset
- * numbers and words are left out. Errors: as gp_json_print(). */
-json_t *gp_settings_json(const struct gp_settings *s);
 
 /* --help of a command, to `f`. */
 void gp_help(FILE *f, enum gp_command command);

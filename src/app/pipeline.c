@@ -3,7 +3,6 @@
 #include "app/flight.h"
 #include "app/stages.h"
 #include "core/clock.h"
-#include "core/limits.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"

@@ -135,7 +135,7 @@ GP_MUST_CHECK gp_status gp_bench_part(
     const struct gp_log *log, const struct gp_frame *f,
     const struct gp_sources *src, int parts, struct gp_frame *out);
 
-// -- plot.c ------------------------------------------------------------------
+// -- table.c: the plot --------------------------------------------------------
 
 /* Milliseconds against rel_l2, both logarithmic, a picture below the other
  * for each frame: SVG. Rows without an error are not in it.

@@ -78,7 +78,7 @@ GP_MUST_CHECK gp_status gp_compare_light(
 /* Counts the pixels whose difference is visible; NaN against a number is
  * seen. Primaries are taken as BT.709. Both images must be lit; the same for
  * any number of threads. Errors: GP_ERR_BUG out of memory.
- * Source: Yee 2004, as visible.c has it. */
+ * Source: Yee 2004, as figures.c has it. */
 GP_MUST_CHECK gp_status gp_compare_see(const struct gp_log *log,
     const struct gp_compare_match *m, long long *seen);
 

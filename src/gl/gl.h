@@ -1,9 +1,9 @@
 /* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * Float planes in, float planes out; nothing here knows what is drawn.
- *   context.c  opens a context          osmesa.c, egl.c: the systems it uses
- *   texture.c  textures, targets, buffers
- *   program.c  shaders (files of shaders/), and the one way to draw
+ *   context.c  opens a context          systems.c: OSMesa and EGL
+ *   draw.c     textures, targets, buffers, programs of the files of shaders/,
+ *              and the one way to draw
  * Libraries come by dlopen, functions by the context's own GetProcAddress.
  *
  * A context belongs to the thread that opened it. Several may live at once;

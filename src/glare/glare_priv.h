@@ -19,7 +19,7 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y);
 void gp_glare_reference_direct(const struct gp_sources *src,
                                const struct gp_kernel *kernel, double *layer);
 
-// -- kernel_rotate.c ----------------------------------------------------------
+// -- kernel_warp.c: rotation --------------------------------------------------
 
 /* A rotated kernel: every whole offset at which it can be other than 0. */
 struct gp_rotated {
@@ -47,7 +47,7 @@ enum { GP_ROTATED_PIXELS = 1 << 28 };
 GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
     const struct gp_unturned *u, bool grey, struct gp_rotated *out);
 
-// -- kernel_resample.c --------------------------------------------------------
+// -- kernel_warp.c: resampling ------------------------------------------------
 
 /* Resamples a kernel to `across` and `down` new pixels for an old one, > 0: new
  * samples are the areas of old ones that they cover, so sums stay. The centre

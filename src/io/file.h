@@ -116,25 +116,7 @@ int gp_file_make_folders(const char *path);
  * a hidden file without an ending. */
 void gp_file_ending(const char *path, char *ending, int room);
 
-/* -- temporary files and signals ------------------------------------------- */
-
-/* One temporary file; all zero: none. */
-struct gp_temp {
-    char *name; // owned; gone after gp_temp_end()
-    int live;   // where a signal finds the name, or -1
-};
-
-/* Makes the temporary file of `target`, with `mode` less umask, open for
- * writing; its descriptor, or -1 with errno set and nothing made. */
-int gp_temp_make(struct gp_temp *temp, const char *target, mode_t mode);
-
-/* Renames it to `target`, or removes it when that is NULL; 0, or -1 with
- * errno set: then it stays to be removed. Does nothing where there is none. */
-int gp_temp_end(struct gp_temp *temp, const char *target);
-
-/* Never returns once a signal has these removed: errors from then on are its
- * doing and need no line. */
-void gp_temp_wait(void);
+/* -- signals --------------------------------------------------------------- */
 
 /* Makes signals that end the process (from the terminal, a batch system or a
  * timer) remove its temporary files first; a signal that the parent set to be

@@ -40,7 +40,6 @@ SHORT, LONG = 80, 700
 SIZES = {
     "core/colour.c": "primaries and the sRGB curve; nothing else belongs there",
     "core/cpu.c": "features of the CPU; nothing else belongs there",
-    "core/frame.c": "the frame is its header: shapes, owners, units",
     "glare/model/spectrum.c": "colours of wavelengths, which four models share",
     "core/status.c": "the error line; the list of statuses is its header",
 }

@@ -15,7 +15,7 @@
 //      shift    of a pixel of the frame to that of `pixels`
 //      corner   its map's first texel; PIXELS: less the frame's pixel there
 // out  r share shown times g, g weight
-// CPU twin: map_readback.c
+// CPU twin: map.c, gp_sun_map_reference()
 uniform sampler2D pixels;
 
 flat in vec4 place;

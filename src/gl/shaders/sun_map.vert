@@ -10,7 +10,7 @@
 //      size    pixels of the region, and of the target
 //      light   x: row of `lights`
 // out  clip coordinates, and the light's inputs of sun_map.frag
-// CPU twin: map_readback.c
+// CPU twin: map.c, gp_sun_map_reference()
 uniform sampler2D lights;
 uniform ivec2 size;
 

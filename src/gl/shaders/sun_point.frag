@@ -9,7 +9,7 @@
 // out  to be added: r and g in 256ths, which add up exactly in a float target
 //      (65536 texels at most), and in b and a the rest of each.
 //      BYTE: r and g times scale, for an 8-bit target
-// CPU twin: map_readback.c
+// CPU twin: map.c, gp_sun_map_reference()
 uniform sampler2D atlas;
 uniform ivec2 map;
 

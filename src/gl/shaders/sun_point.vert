@@ -8,7 +8,7 @@
 //      tiles   x: tiles in a row, y: rows of them; the view is as large
 //      width   x: of a tile, pixels
 // out  texel   of every light's map; BILINEAR: corner between 2 x 2 of them
-// CPU twin: map_readback.c
+// CPU twin: map.c, gp_sun_map_reference()
 uniform ivec2 map;
 uniform ivec2 tiles;
 uniform ivec2 width;

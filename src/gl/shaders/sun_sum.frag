@@ -4,7 +4,7 @@
 //      map    y: lights in a row of them
 //      scale  1 / count of a map's texels; 1 for 8-bit sums
 // out  r share shown times g, g weight; visibility = r / g
-// CPU twin: map_readback.c
+// CPU twin: map.c, gp_sun_map_reference()
 uniform sampler2D sums;
 uniform ivec2 map;
 uniform float scale;

@@ -1,8 +1,8 @@
 /* The splat engine's parts, from the bottom up:
- *   objects.c  programs, kernels, sensors and groups on GL
  *   tile.c     polygons gathered per tile, and the list of each tile's
  *              polygons
- *   draw.c     polygons as blended quads or point sprites
+ *   draw.c     programs, kernels, sensors and groups on GL; polygons as blended
+ *              quads or point sprites
  *   splat.c    the layout of what is drawn, and the engine */
 #ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
 #define GP_GLARE_SPLAT_SPLAT_PRIV_H

@@ -1,6 +1,6 @@
-/* core/limits: memory that control groups leave, in trees made up here. */
+/* core/memory: limits of control groups, in trees made here. */
 #include "unit.h"
-#include "core/limits_priv.h"
+#include "core/memory_priv.h"
 #include "folder.h"
 
 #include <sys/stat.h>

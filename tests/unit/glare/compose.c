@@ -1,4 +1,4 @@
-/* glare/compose.c: both mixes, empty layers, energy, threads. */
+/* glare/compose.h: both mixes, empty layers, energy, threads. */
 #include "unit.h"
 #include "glare/compose.h"
 #include "glare_scene.h"
