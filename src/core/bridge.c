@@ -11,28 +11,53 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+/* The program's folder; "" where /proc is not mounted. */
+static void find_program(char folder[PATH_MAX])
+{
+    const ssize_t at = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+    folder[at > 0 ? at : 0] = '\0';
+    char *const slash = strrchr(folder, '/');
+    *(slash ? slash : folder) = '\0';
+}
+
+/* Finds the first of n places, each two parts of a folder, that has `name`. */
+static bool find_in(const char *const (*place)[2], size_t n, const char *name,
+                    char *path, size_t size)
+{
+    for (size_t i = 0; i < n; i++) {
+        const char *const folder = place[i][0];
+        if (!folder || !folder[0])
+            continue;
+        const int bytes = snprintf(path, size, "%s%s/%s", folder, place[i][1],
+                                   name);
+        if ((size_t) bytes < size && access(path, F_OK) == 0)
+            return true;
+    }
+    return false;
+}
+
 bool gp_bridge_find(const char *name, char *path, size_t size)
 {
     char program[PATH_MAX];
-    // "" where /proc is not mounted
-    const ssize_t at = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[at > 0 ? at : 0] = '\0';
-    char *const slash = strrchr(program, '/');
-    *(slash ? slash : program) = '\0';
+    find_program(program);
     const char *const place[][2] = {
         {getenv("GLAREPP_BRIDGES"), ""}, {program, ""},
         {program, "/../lib/glarepp"}, {GP_BRIDGE_DIR, ""},
     };
-    for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
-        const char *const folder = place[i][0];
-        if (!folder || !folder[0])
-            continue;
-        const int n = snprintf(path, size, "%s%s/%s", folder, place[i][1],
-                               name);
-        if ((size_t) n < size && access(path, F_OK) == 0)
-            return true;
-    }
-    return false;
+    return find_in(place, sizeof place / sizeof *place, name, path, size);
+}
+
+bool gp_example_find(const char *name, char *path, size_t size)
+{
+    char program[PATH_MAX];
+    find_program(program);
+    const char *const place[][2] = {
+        {getenv("GLAREPP_EXAMPLES"), ""},
+        {program, "/../share/doc/glarepp/examples"},
+        {program, "/../examples"}, {program, "/../../examples"},
+        {GP_BRIDGE_DIR, "/../../share/doc/glarepp/examples"},
+    };
+    return find_in(place, sizeof place / sizeof *place, name, path, size);
 }
 
 const void *gp_bridge_open(const char *name, const char *entry, char *why,

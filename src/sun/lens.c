@@ -1,0 +1,348 @@
+/* First-order optics of a lens and of its ghosts. Source: Lee and Eisemann,
+ * Practical Real-Time Lens-Flare Rendering, 2013, with matrices of (height,
+ * slope) along the unfolded path: after a reflection, radii change sign. */
+#include "sun/lens.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846;
+
+// -- glass and coats ----------------------------------------------------------
+
+double gp_lens_index(double n, double v, double nm)
+{
+    // Fraunhofer lines in micrometres
+    const double d = 0.5875618, f = 0.4861327, c = 0.6562725;
+    if (!(v > 0.0) || n == 1.0)
+        return n;
+    const double b = (n - 1.0) / v / (1.0 / (f * f) - 1.0 / (c * c));
+    const double um = nm * 1e-3;
+    return n + b * (1.0 / (um * um) - 1.0 / (d * d));
+}
+
+/* Amplitudes of two boundaries with a layer of phase `twice` (there and back)
+ * between them, as a share of the light. */
+static double of_layer(double r1, double r2, double twice)
+{
+    const double both = 2.0 * r1 * r2 * cos(twice);
+    return (r1 * r1 + r2 * r2 + both) / (1.0 + r1 * r1 * r2 * r2 + both);
+}
+
+double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
+                           double nm)
+{
+    const double fluoride = 1.38; // of magnesium, the hard coat of one layer
+    const double sine2 = 1.0 - cosine * cosine;
+    const double t2 = 1.0 - n1 * n1 / (n2 * n2) * sine2;
+    if (t2 <= 0.0)
+        return 1.0; // total
+    const double c1 = cosine, c2 = sqrt(t2);
+    if (!(coat > 0.0)) {
+        const double s = (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2);
+        const double p = (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2);
+        return 0.5 * (s * s + p * p);
+    }
+    const double n = fmax(sqrt(n1 * n2), fluoride);
+    const double tm = 1.0 - n1 * n1 / (n * n) * sine2;
+    if (tm <= 0.0)
+        return 1.0;
+    const double cm = sqrt(tm);
+    const double phase = pi * coat / nm * cm; // 2 * 2 pi n d cm / nm, n d = 1/4
+    const double s1 = (n1 * c1 - n * cm) / (n1 * c1 + n * cm);
+    const double s2 = (n * cm - n2 * c2) / (n * cm + n2 * c2);
+    const double p1 = (n * c1 - n1 * cm) / (n * c1 + n1 * cm);
+    const double p2 = (n2 * cm - n * c2) / (n2 * cm + n * c2);
+    return 0.5 * (of_layer(s1, s2, phase) + of_layer(p1, p2, phase));
+}
+
+// -- paths and matrices -------------------------------------------------------
+
+/* The index before surface i, in the order of the lens. */
+static double before(const struct gp_lens *lens, int i, double nm)
+{
+    return i == 0 ? 1.0 : gp_lens_index(lens->at[i - 1].n, lens->at[i - 1].v,
+                                        nm);
+}
+
+static double after(const struct gp_lens *lens, int i, double nm)
+{
+    return gp_lens_index(lens->at[i].n, lens->at[i].v, nm);
+}
+
+/* Returns true where the index changes. */
+static bool reflects(const struct gp_lens *lens, int i)
+{
+    const double n = i == 0 ? 1.0 : lens->at[i - 1].n;
+    const double v = i == 0 ? 0.0 : lens->at[i - 1].v;
+    return i != lens->stop && (n != lens->at[i].n || v != lens->at[i].v);
+}
+
+void gp_lens_path(const struct gp_lens *lens, int first, int second,
+                  struct gp_lens_path *out)
+{
+    const int turn = first < 0 ? lens->n : first;
+    out->first = first;
+    out->second = second;
+    out->steps = 0;
+    for (int i = 0; i < turn; i++)
+        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
+    if (first < 0)
+        return;
+    out->step[out->steps++] = (struct gp_lens_step) {
+        .surface = first, .reflects = true};
+    for (int i = first - 1; i > second; i--)
+        out->step[out->steps++] = (struct gp_lens_step) {
+            .surface = i, .back = true};
+    out->step[out->steps++] = (struct gp_lens_step) {
+        .surface = second, .back = true, .reflects = true};
+    for (int i = second + 1; i < lens->n; i++)
+        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
+}
+
+/* Returns the way between the surfaces of two steps of a path. */
+static double way_between(const struct gp_lens *lens, int from, int to)
+{
+    const int low = from < to ? from : to, high = from < to ? to : from;
+    double way = 0.0;
+    for (int i = low; i < high; i++)
+        way += lens->at[i].gap;
+    return way;
+}
+
+static struct gp_lens_matrix times(struct gp_lens_matrix p,
+                                   struct gp_lens_matrix q)
+{
+    return (struct gp_lens_matrix) {
+        p.a * q.a + p.b * q.c, p.a * q.b + p.b * q.d,
+        p.c * q.a + p.d * q.c, p.c * q.b + p.d * q.d,
+    };
+}
+
+/* The matrix of one step: T of the way from the step before, then R or L. */
+static struct gp_lens_matrix of_step(const struct gp_lens *lens,
+    const struct gp_lens_path *path, int k, double nm)
+{
+    const struct gp_lens_step *const s = &path->step[k];
+    const double way = k == 0 ? 0.0 : way_between(lens,
+                                                  path->step[k - 1].surface,
+                                                  s->surface);
+    const double curvature = s->back ? -lens->at[s->surface].curvature
+                                     : lens->at[s->surface].curvature;
+    const double n1 = s->back ? after(lens, s->surface, nm)
+                              : before(lens, s->surface, nm);
+    const double n2 = s->back ? before(lens, s->surface, nm)
+                              : after(lens, s->surface, nm);
+    const struct gp_lens_matrix t = {1.0, way, 0.0, 1.0};
+    const struct gp_lens_matrix bend =
+        s->reflects ? (struct gp_lens_matrix) {1.0, 0.0, 2.0 * curvature, 1.0}
+                    : (struct gp_lens_matrix) {1.0, 0.0, (n1 - n2) / n2 *
+                                                         curvature, n1 / n2};
+    return times(bend, t);
+}
+
+struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
+    const struct gp_lens_path *path, int steps, double nm, bool to_sensor)
+{
+    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
+    for (int k = 0; k < steps; k++)
+        m = times(of_step(lens, path, k, nm), m);
+    if (to_sensor)
+        m = times((struct gp_lens_matrix) {1.0, lens->at[lens->n - 1].gap, 0.0,
+                                           1.0}, m);
+    return m;
+}
+
+// -- the whole lens -----------------------------------------------------------
+
+static const double d_line = 587.5618;
+
+/* The matrix from the front to the last surface. */
+static struct gp_lens_matrix whole(const struct gp_lens *lens, int surfaces)
+{
+    struct gp_lens_path path;
+    gp_lens_path(lens, -1, -1, &path);
+    return gp_lens_matrix(lens, &path, surfaces, d_line, false);
+}
+
+gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
+                        double distance, double f_number)
+{
+    const struct gp_lens_matrix m = whole(lens, lens->n);
+    const struct gp_lens_matrix to_stop = whole(lens, lens->stop + 1);
+    const double focal = m.c < 0.0 ? -1.0 / m.c : 0.0;
+    if (!(focal >= 0.1 && focal <= 1e5))
+        return gp_fail(log, GP_ERR_DATA, "%s: does not collect light (power "
+                       "%g per mm); check the signs of the radii", lens->name,
+                       -m.c);
+    // a ray from the axis at the object: height = distance * slope
+    const double far = isinf(distance) ? 0.0 : 1.0 / distance;
+    const double y = m.a + m.b * far, slope = m.c + m.d * far;
+    const double gap = -y / slope;
+    if (!(slope < 0.0 && gap > 0.0 && gap <= 1e5))
+        return gp_fail(log, GP_ERR_USAGE, "%s: makes no image of an object %g "
+                       "m away; give a longer --focus-distance", lens->name,
+                       distance * 1e-3);
+    lens->at[lens->n - 1].gap = gap;
+    const double own = focal / (2.0 * lens->at[lens->stop].semi /
+                                fabs(to_stop.a));
+    if (f_number > 0.0 && f_number < own * 0.995)
+        return gp_fail(log, GP_ERR_USAGE, "%s: opens to f/%.4g only (found "
+                       "f/%g); give a larger --f-number", lens->name, own,
+                       f_number);
+    if (f_number > own)
+        lens->at[lens->stop].semi *= own / f_number;
+    return GP_OK;
+}
+
+/* The slope at which the chief ray, through the middle of the stop, meets the
+ * first rim. */
+static double field_of(const struct gp_lens *lens)
+{
+    struct gp_lens_path path;
+    gp_lens_path(lens, -1, -1, &path);
+    const struct gp_lens_matrix s =
+        gp_lens_matrix(lens, &path, lens->stop + 1, d_line, false);
+    double least = INFINITY;
+    for (int k = 0; k < lens->n; k++) {
+        const struct gp_lens_matrix m =
+            gp_lens_matrix(lens, &path, k + 1, d_line, false);
+        const double height = fabs(m.b - m.a * s.b / s.a); // at slope 1
+        if (k != lens->stop && height * least > lens->at[k].semi)
+            least = lens->at[k].semi / height;
+    }
+    return least;
+}
+
+void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
+{
+    const struct gp_lens_matrix m = whole(lens, lens->n);
+    const struct gp_lens_matrix s = whole(lens, lens->stop + 1);
+    struct gp_lens_figures f = {
+        .focal = -1.0 / m.c, .back = -m.a / m.c,
+        .pupil = lens->at[lens->stop].semi / fabs(s.a),
+        .pupil_at = s.b / s.a, .through = 1.0,
+    };
+    f.f_number = f.focal / (2.0 * f.pupil);
+    const double field = field_of(lens);
+    f.height = isfinite(field) ? f.focal * field : 0.0;
+    for (int i = 0; i < lens->n; i++)
+        f.through *= 1.0 - gp_lens_reflectance(
+                               before(lens, i, d_line), after(lens, i, d_line),
+                               1.0, lens->at[i].coat, d_line);
+    *out = f;
+}
+
+// -- ghosts -------------------------------------------------------------------
+
+/* A disc of rays before the lens that pass a rim: half-width, and the place of
+ * its middle for a slope of 1. */
+struct disc {
+    double radius, shift;
+};
+
+/* Lists the discs of all rims of a path; returns how many bound it. */
+static int discs_of(const struct gp_lens *lens, const struct gp_lens_path *path,
+                    double nm, struct disc out[GP_LENS_STEPS])
+{
+    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
+    int n = 0;
+    for (int k = 0; k < path->steps; k++) {
+        m = times(of_step(lens, path, k, nm), m);
+        const double semi = lens->at[path->step[k].surface].semi;
+        if (fabs(m.a) * 1e6 > semi) // else parallel light that all passes
+            out[n++] = (struct disc) {semi / fabs(m.a), -m.b / m.a};
+    }
+    return n;
+}
+
+static double through(const struct gp_lens *lens,
+                      const struct gp_lens_path *path, double nm)
+{
+    double t = 1.0;
+    for (int k = 0; k < path->steps; k++) {
+        const int i = path->step[k].surface;
+        const double r = gp_lens_reflectance(before(lens, i, nm),
+                                             after(lens, i, nm), 1.0,
+                                             lens->at[i].coat, nm);
+        t *= path->step[k].reflects ? r : 1.0 - r;
+    }
+    return t;
+}
+
+/* The stop's step that light passes last. */
+static int last_stop(const struct gp_lens *lens,
+                     const struct gp_lens_path *path)
+{
+    int k = path->steps - 1;
+    while (k > 0 && path->step[k].surface != lens->stop)
+        k--;
+    return k;
+}
+
+int gp_lens_ghosts(const struct gp_lens *lens, double nm,
+                   struct gp_lens_ghost out[GP_LENS_GHOSTS])
+{
+    int n = 0;
+    for (int first = 1; first < lens->n; first++) {
+        for (int second = 0; second < first; second++) {
+            struct gp_lens_path path;
+            struct disc disc[GP_LENS_STEPS];
+            if (!reflects(lens, first) || !reflects(lens, second))
+                continue;
+            gp_lens_path(lens, first, second, &path);
+            struct gp_lens_ghost g = {
+                .first = first, .second = second, .radius = INFINITY,
+                .m = gp_lens_matrix(lens, &path, path.steps, nm, true),
+                .through = through(lens, &path, nm),
+            };
+            const int discs = discs_of(lens, &path, nm, disc);
+            for (int k = 0; k < discs; k++) {
+                if (disc[k].radius < g.radius) {
+                    g.radius = disc[k].radius;
+                    g.shift = disc[k].shift;
+                }
+            }
+            // from the stop to the sensor: m = after * s
+            const struct gp_lens_matrix s =
+                gp_lens_matrix(lens, &path, last_stop(lens, &path) + 1, nm,
+                               false);
+            const double det = s.a * s.d - s.b * s.c;
+            const double b = (g.m.b * s.a - g.m.a * s.b) / det;
+            g.stop_scale = s.a;
+            // Collins' integral from the stop: a fringe of sqrt(nm |A B|),
+            // with A the size of the ghost over that of the stop
+            g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
+            out[n++] = g;
+        }
+    }
+    return n;
+}
+
+double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
+                    double u, double nm)
+{
+    enum { STRIPS = 2000 };
+    struct disc disc[GP_LENS_STEPS];
+    const int n = discs_of(lens, path, nm, disc);
+    double low = -INFINITY, high = INFINITY, sum = 0.0;
+    for (int k = 0; k < n; k++) {
+        low = fmax(low, disc[k].shift * u - disc[k].radius);
+        high = fmin(high, disc[k].shift * u + disc[k].radius);
+    }
+    if (!(low < high))
+        return 0.0;
+    // chords of the discs, at strips that are fine where a disc ends:
+    // t - sin t / ... of a circle is smooth in the angle
+    for (int i = 0; i < STRIPS; i++) {
+        const double t = pi * (i + 0.5) / STRIPS;
+        const double x = 0.5 * (low + high) - 0.5 * (high - low) * cos(t);
+        double chord = INFINITY;
+        for (int k = 0; k < n; k++) {
+            const double d = x - disc[k].shift * u;
+            const double h = disc[k].radius * disc[k].radius - d * d;
+            chord = fmin(chord, h > 0.0 ? sqrt(h) : 0.0);
+        }
+        sum += 2.0 * chord * 0.5 * (high - low) * sin(t) * pi / STRIPS;
+    }
+    return sum;
+}

@@ -1,0 +1,157 @@
+/* Real lenses: their prescription, first-order optics, and the ghosts that two
+ * reflections inside make of a light.
+ *
+ *   lens_file   the prescription, from JSON
+ *   lens        first order: focal length, pupils, each ghost's matrices
+ *   lens_trace  rays through the spheres: where a ghost's light lands
+ *   lens_draw   ghosts of many lights into a layer; SVG of a lens
+ *
+ * Lengths are in millimetres along the axis z, which points from the scene to
+ * the sensor. Slopes are dy/dz of rays in air before the lens: a light of slope
+ * u has its image at y = focal length * u on the sensor.
+ *
+ * JSON, one object:
+ *   {"name": text, "patent": text, "note": text,
+ *    "claims": {"focal_length": mm, "f_number": N, "back_focus": mm,
+ *               "image_height": mm, half the image's diagonal},
+ *    "blades": 0 a round stop, or 3 to 32; "blade_turn": degrees,
+ *    "coating": nm, of all surfaces between glass and air (0: bare),
+ *    "surfaces": [
+ *      {"radius": mm, over 0 with its centre towards the sensor; without it
+ *                 flat,
+ *       "thickness": mm to the next surface, but of the last one,
+ *       "n": index at 587.6 nm after the surface (1, air),
+ *       "v": Abbe number of it (0: no dispersion),
+ *       "semi": mm, half of the clear diameter,
+ *       "coating": nm, that of this surface},
+ *      {"stop": true, "thickness": mm, "semi": mm}, ...]}
+ * Surfaces are in the order in which light meets them; one is the stop, the
+ * first and the last are in air. name and surfaces must be there.
+ */
+#ifndef GP_SUN_LENS_H
+#define GP_SUN_LENS_H
+
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+enum {
+    GP_LENS_SURFACES = 64,
+    GP_LENS_TEXT = 128, // bytes of a text with its null
+    // pairs of surfaces that reflect
+    GP_LENS_GHOSTS = GP_LENS_SURFACES * (GP_LENS_SURFACES - 1) / 2,
+    // of one path: to the sensor, back and forth
+    GP_LENS_STEPS = 3 * GP_LENS_SURFACES,
+};
+
+struct gp_lens_surface {
+    double curvature; // 1 / radius; 0: flat
+    double gap;       // to the next surface, of the last to the sensor
+    double n, v;      // index at the d line and Abbe number after it
+    double semi;
+    double coat;      // wavelength in nm of a quarter-wave layer; 0: bare
+};
+
+/* Zeroed is none. Owns nothing. */
+struct gp_lens {
+    char name[GP_LENS_TEXT], patent[GP_LENS_TEXT], note[2 * GP_LENS_TEXT];
+    double claims_focal, claims_f_number, claims_back, claims_height; // 0: none
+    struct gp_lens_surface at[GP_LENS_SURFACES];
+    int n, stop;      // surfaces; index of the stop
+    int blades;       // of the stop; 0: round
+    double turn;      // degrees, counter-clockwise
+};
+
+/* A surface on the path of a ghost, in the order of the path. */
+struct gp_lens_step {
+    int surface;
+    bool back;        // light arrives from the sensor's side
+    bool reflects;
+};
+
+/* A path through the lens: straight to the sensor, or by two reflections. */
+struct gp_lens_path {
+    int first, second; // surfaces that reflect, first > second; -1: none
+    int steps;
+    struct gp_lens_step step[GP_LENS_STEPS];
+};
+
+/* Rows of [[a, b], [c, d]], from (height, slope) to (height, slope). */
+struct gp_lens_matrix {
+    double a, b, c, d;
+};
+
+/* First-order optics at the d line. */
+struct gp_lens_figures {
+    double focal, back;    // focal length; last surface to the focus
+    double pupil;          // half the entrance pupil's diameter
+    double pupil_at;       // its place after the first surface
+    double f_number;
+    double height;         // half of the image's diagonal that the claimed
+                           // field or the rims let through, 0: unknown
+    double through;        // share of light that crosses on the axis
+};
+
+/* A ghost in first order, of a light of slope u: rays enter at heights r from
+ * the axis and reach the sensor at m.a * r + m.b * u. They pass every rim in
+ * the disc of half-width `radius` around shift * u. */
+struct gp_lens_ghost {
+    int first, second;
+    struct gp_lens_matrix m;
+    double stop_scale;     // height at the stop for a height of 1 at the front
+    double radius, shift;  // of the rim that cuts most on the axis
+    double through;        // product of transmissions and both reflections
+    double blur;           // width in mm of the stop's Fresnel fringe
+};
+
+/* Reads a prescription.
+ *   name  a file, or the name of an installed lens: "heliar"
+ *   out   written on GP_OK only
+ * Errors: GP_ERR_IO cannot be read; GP_ERR_DATA as the header of this file
+ * says: the line names file, surface and key. Files over 1 MiB are refused. */
+GP_MUST_CHECK gp_status gp_lens_read(const struct gp_log *log, const char *name,
+                                     struct gp_lens *out);
+
+/* Returns the index of glass at a wavelength: n + B / nm^2 (Cauchy), which
+ * meets n at the d line and V between the lines F and C. */
+double gp_lens_index(double n, double v, double nm);
+
+/* Returns the share that a surface reflects of unpolarised light.
+ *   cosine  of the angle of incidence, in n1
+ *   coat    wavelength of a quarter-wave layer of magnesium fluoride, or of
+ *           the square root of n1 n2 where that is higher; 0: bare
+ * Source: Fresnel; two beams of a layer as in Hullin et al. 2011, appendix. */
+double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
+                           double nm);
+
+/* Focuses: sets the last gap so that an object at `distance` mm before the
+ * first surface (INFINITY: far) is sharp, and closes the stop to f_number where
+ * that is over 0 and over the lens's own. Errors: GP_ERR_USAGE no image of such
+ * an object; the lens has no focal length over 0; f_number is under its own. */
+GP_MUST_CHECK gp_status gp_lens_focus(const struct gp_log *log,
+    struct gp_lens *lens, double distance, double f_number);
+
+/* Measures in first order, with the lens focused far away. */
+void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out);
+
+/* Fills in the path by surfaces first > second, or straight with -1, -1. */
+void gp_lens_path(const struct gp_lens *lens, int first, int second,
+                  struct gp_lens_path *out);
+
+/* Returns the first-order matrix of the path's steps [0, steps), each with the
+ * way to it and its refraction; then to the sensor if `to_sensor`.
+ * Source: Lee and Eisemann 2013, section 3. */
+struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
+    const struct gp_lens_path *path, int steps, double nm, bool to_sensor);
+
+/* Lists the ghosts of all pairs of surfaces that reflect; returns how many. */
+int gp_lens_ghosts(const struct gp_lens *lens, double nm,
+                   struct gp_lens_ghost out[GP_LENS_GHOSTS]);
+
+/* Returns the area in mm^2, before the lens, through which light of slope u
+ * reaches the sensor on a path in first order: what all rims' discs share. */
+double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
+                    double u, double nm);
+
+#endif

@@ -1,0 +1,94 @@
+/* Shared by the files of lenses, and private to them: rays and meshes. */
+#ifndef GP_SUN_LENS_PRIV_H
+#define GP_SUN_LENS_PRIV_H
+
+#include "sun/lens.h"
+
+enum {
+    GP_LENS_TABLE = 512,   // steps of the cosine
+    GP_LENS_NODES = 3,     // traced wavelengths
+    GP_LENS_PASSES = 3,    // of the stop on one path
+    GP_LENS_CELLS = 64,    // most of a mesh, a side
+};
+
+/* The lens at one wavelength. */
+struct gp_lens_optics {
+    const struct gp_lens *lens; // borrowed
+    double nm;
+    double n[GP_LENS_SURFACES + 1]; // before each surface, after the last
+    double z[GP_LENS_SURFACES + 1]; // of each surface and of the sensor
+    // share reflected by the cosine in the first medium, forwards and back
+    float reflected[GP_LENS_SURFACES][2][GP_LENS_TABLE + 2];
+};
+
+/* Where a ray lands. */
+struct gp_lens_hit {
+    double x, y;     // on the sensor
+    float through;   // share of the ray's light; negative: it does not arrive
+    float rim;       // largest height over semi of any surface but the stop
+    float stop[GP_LENS_PASSES][2]; // place over the stop's semi, at each pass
+};
+
+/* Rays of one ghost of one light: (cells + 1) times (cells / 2 + 1) places
+ * before the lens for each wavelength, over x in [x0, x1] and y in [0, y1]; the
+ * light is in the plane y = 0, which mirrors the rest. */
+struct gp_lens_mesh {
+    int cells;          // a side, even; 0: none arrives
+    int passes;         // of the stop
+    double x0, x1, y1;  // mm
+    double flux[GP_LENS_NODES]; // mm^2 times share that arrives
+    double scale;       // of the cells' light, towards an endless mesh
+    double lost;        // mm^2 of cells with rays that do not arrive
+    struct gp_lens_hit *hit; // owned; [node][row of y][column of x]
+};
+
+/* A convex outline of stop's blades: n.x * x + n.y * y <= apothem. None: the
+ * unit circle. */
+struct gp_lens_blades {
+    int n;
+    double normal[32][2], apothem;
+};
+
+/* A corner of a piece of a cell. */
+struct gp_lens_corner {
+    double p, q;   // before the lens
+    double x, y;   // on the sensor
+    double through, rim;
+    double stop[GP_LENS_PASSES][2];
+};
+enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
+
+void gp_lens_optics_make(const struct gp_lens *lens, double nm,
+                         struct gp_lens_optics *out);
+
+/* Traces a ray that meets the plane of the first surface at (x, y), with slope
+ * u in x. `at`, if not NULL, gets a point for each step, and the one on the
+ * sensor: (x, y, z). Source: sphere and refraction in vectors, as in Hullin et
+ * al. 2011. */
+struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
+    const struct gp_lens_path *path, double x, double y, double u,
+    double (*at)[3]);
+
+/* The blades as seen with the x axis turned by `angle` (radians, from x to
+ * y); of the area of no circle, but with corners on it. */
+struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
+                                        double angle);
+
+/* Traces meshes of a path with 8, 16, ... cells, until the light that arrives
+ * and the area that it covers change by less than ten times `tolerance`, and
+ * sets `scale` by Richardson's rule, as both err with the square of a cell.
+ *   optics  GP_LENS_NODES of them
+ *   out     free with gp_lens_mesh_free()
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lens_mesh_make(const struct gp_log *log,
+    const struct gp_lens_optics *optics, const struct gp_lens_path *path,
+    const struct gp_lens_blades *blades, double u, double tolerance,
+    struct gp_lens_mesh *out);
+void gp_lens_mesh_free(struct gp_lens_mesh *m);
+
+/* Cuts the cell of corners c[0..3], in turn, by rims and blades, in place;
+ * c has room for GP_LENS_CORNERS. Returns the corners left, 0: nothing. */
+int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
+                struct gp_lens_corner c[GP_LENS_CORNERS]);
+
+#endif

@@ -1,0 +1,427 @@
+/* Rays through the spheres of a lens, and meshes of them. Source: Hullin,
+ * Eisemann, Seidel and Lee, Physically-Based Real-Time Lens Flare Rendering,
+ * 2011: a sparse grid of rays for each ghost, whose cells carry the light. */
+#include "sun/lens_priv.h"
+
+#include "core/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- the lens at a wavelength -------------------------------------------------
+
+void gp_lens_optics_make(const struct gp_lens *lens, double nm,
+                         struct gp_lens_optics *out)
+{
+    out->lens = lens;
+    out->nm = nm;
+    out->n[0] = 1.0;
+    out->z[0] = 0.0;
+    for (int i = 0; i < lens->n; i++) {
+        const struct gp_lens_surface *const s = &lens->at[i];
+        out->n[i + 1] = gp_lens_index(s->n, s->v, nm);
+        out->z[i + 1] = out->z[i] + s->gap;
+        for (int back = 0; back < 2; back++) {
+            float *const table = out->reflected[i][back];
+            for (int k = 0; k <= GP_LENS_TABLE; k++)
+                table[k] = (float) gp_lens_reflectance(
+                    out->n[i + back], out->n[i + 1 - back],
+                    k / (double) GP_LENS_TABLE, s->coat, nm);
+            table[GP_LENS_TABLE + 1] = table[GP_LENS_TABLE];
+        }
+    }
+}
+
+// -- one ray ------------------------------------------------------------------
+
+/* Moves a ray at p (z from the surface's vertex) along d to the surface; false
+ * where it misses. The root nearest the vertex, in the form without loss. */
+static bool meet(double curvature, double p[3], const double d[3])
+{
+    // to the plane of the vertex, then to the sphere
+    const double plane = -p[2] / d[2];
+    p[0] += plane * d[0];
+    p[1] += plane * d[1];
+    p[2] = 0.0;
+    const double b = curvature * (p[0] * d[0] + p[1] * d[1]) - d[2];
+    const double q = 0.5 * curvature * (p[0] * p[0] + p[1] * p[1]);
+    const double root = b * b - 2.0 * curvature * q;
+    if (!(root >= 0.0))
+        return false;
+    const double t = 2.0 * q / (-b + (b < 0.0 ? sqrt(root) : -sqrt(root)));
+    for (int i = 0; i < 3; i++)
+        p[i] += t * d[i];
+    return isfinite(t);
+}
+
+/* Bends or mirrors d at a surface point p; returns the cosine of incidence, or
+ * a negative number where all light is reflected that should pass. */
+static double bend(double curvature, const double p[3], double ratio,
+                   bool mirrors, double d[3])
+{
+    double n[3] = {curvature * p[0], curvature * p[1], curvature * p[2] - 1.0};
+    double cosine = -(d[0] * n[0] + d[1] * n[1] + d[2] * n[2]);
+    if (cosine < 0.0) { // against the ray
+        cosine = -cosine;
+        for (int i = 0; i < 3; i++)
+            n[i] = -n[i];
+    }
+    if (mirrors) {
+        for (int i = 0; i < 3; i++)
+            d[i] += 2.0 * cosine * n[i];
+        return cosine;
+    }
+    const double left = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if (!(left > 0.0))
+        return -1.0;
+    const double along = ratio * cosine - sqrt(left);
+    for (int i = 0; i < 3; i++)
+        d[i] = ratio * d[i] + along * n[i];
+    return cosine;
+}
+
+static float reflected(const float *table, double cosine)
+{
+    const float at = (float) fmin(cosine, 1.0) * GP_LENS_TABLE;
+    const int k = (int) at;
+    return table[k] + (at - (float) k) * (table[k + 1] - table[k]);
+}
+
+struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
+    const struct gp_lens_path *path, double x, double y, double u,
+    double (*at)[3])
+{
+    const struct gp_lens *const lens = o->lens;
+    const double length = sqrt(1.0 + u * u);
+    double p[3] = {x, y, 0.0}, d[3] = {u / length, 0.0, 1.0 / length};
+    double rim2 = 0.0, z = 0.0;
+    struct gp_lens_hit hit = {.through = 1.0f};
+    int passes = 0;
+    for (int k = 0; k < path->steps; k++) {
+        const struct gp_lens_step s = path->step[k];
+        const struct gp_lens_surface *const surface = &lens->at[s.surface];
+        p[2] += z - o->z[s.surface];
+        z = o->z[s.surface];
+        if (!meet(surface->curvature, p, d)) {
+            hit.through = -1.0f;
+            return hit;
+        }
+        const double height2 = (p[0] * p[0] + p[1] * p[1]) /
+                               (surface->semi * surface->semi);
+        if (at) {
+            at[k][0] = p[0];
+            at[k][1] = p[1];
+            at[k][2] = p[2] + z;
+        }
+        if (s.surface == lens->stop) {
+            hit.stop[passes][0] = (float) (p[0] / surface->semi);
+            hit.stop[passes][1] = (float) (p[1] / surface->semi);
+            passes++;
+            if (lens->blades == 0)
+                rim2 = fmax(rim2, height2);
+            continue;
+        }
+        rim2 = fmax(rim2, height2);
+        const double n1 = o->n[s.surface + s.back];
+        const double n2 = o->n[s.surface + 1 - s.back];
+        const double cosine = bend(surface->curvature, p, n1 / n2, s.reflects,
+                                   d);
+        // far outside the rim a ray may turn round
+        if (cosine < 0.0 || (d[2] < 0.0) != (s.back != s.reflects)) {
+            hit.through = -1.0f;
+            return hit;
+        }
+        const float r = reflected(o->reflected[s.surface][s.back], cosine);
+        hit.through *= s.reflects ? r : 1.0f - r;
+    }
+    p[2] += z - o->z[lens->n];
+    const double t = -p[2] / d[2];
+    hit.x = p[0] + t * d[0];
+    hit.y = p[1] + t * d[1];
+    hit.rim = (float) fmin(sqrt(rim2), 1e6);
+    if (at) {
+        at[path->steps][0] = hit.x;
+        at[path->steps][1] = hit.y;
+        at[path->steps][2] = o->z[lens->n];
+    }
+    return hit;
+}
+
+// -- the outline of the light -------------------------------------------------
+
+struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
+                                        double angle)
+{
+    const double pi = acos(-1.0);
+    struct gp_lens_blades b = {.n = lens->blades};
+    for (int i = 0; i < b.n; i++) {
+        // counter-clockwise as seen, where y points down
+        const double a = (2.0 * i + 1.0) * pi / b.n - lens->turn * pi / 180.0 -
+                         angle;
+        b.normal[i][0] = cos(a);
+        b.normal[i][1] = sin(a);
+    }
+    b.apothem = b.n ? cos(pi / b.n) : 0.0;
+    return b;
+}
+
+static struct gp_lens_corner between(const struct gp_lens_corner *a,
+                                     const struct gp_lens_corner *b, double t)
+{
+    struct gp_lens_corner c = {
+        a->p + t * (b->p - a->p), a->q + t * (b->q - a->q),
+        a->x + t * (b->x - a->x), a->y + t * (b->y - a->y),
+        a->through + t * (b->through - a->through),
+        a->rim + t * (b->rim - a->rim), {{0.0}},
+    };
+    for (int k = 0; k < GP_LENS_PASSES; k++) {
+        for (int i = 0; i < 2; i++)
+            c.stop[k][i] = a->stop[k][i] + t * (b->stop[k][i] - a->stop[k][i]);
+    }
+    return c;
+}
+
+/* Excess of a corner over a limit: over 0 outside. The limit of the rims where
+ * `normal` is NULL. */
+static double excess(const struct gp_lens_corner *c, int pass,
+                     const double *normal, double apothem)
+{
+    return normal ? normal[0] * c->stop[pass][0] +
+                        normal[1] * c->stop[pass][1] - apothem
+                  : c->rim - 1.0;
+}
+
+/* Cuts by one limit: Sutherland and Hodgman 1974. */
+static int cut_by(struct gp_lens_corner *c, int n, int pass,
+                  const double *normal, double apothem)
+{
+    struct gp_lens_corner out[GP_LENS_CORNERS];
+    double e[GP_LENS_CORNERS];
+    int m = 0;
+    bool cuts = false;
+    for (int i = 0; i < n; i++) {
+        e[i] = excess(&c[i], pass, normal, apothem);
+        cuts = cuts || e[i] > 0.0;
+    }
+    if (!cuts)
+        return n;
+    for (int i = 0; i < n && m + 2 < GP_LENS_CORNERS; i++) {
+        const int next = i + 1 < n ? i + 1 : 0;
+        if (e[i] <= 0.0)
+            out[m++] = c[i];
+        if ((e[i] <= 0.0) != (e[next] <= 0.0))
+            out[m++] = between(&c[i], &c[next], e[i] / (e[i] - e[next]));
+    }
+    memcpy(c, out, (size_t) m * sizeof *c);
+    return m < 3 ? 0 : m;
+}
+
+int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
+                struct gp_lens_corner c[GP_LENS_CORNERS])
+{
+    int n = cut_by(c, 4, 0, NULL, 0.0);
+    for (int pass = 0; pass < passes; pass++) {
+        for (int i = 0; i < blades->n && n; i++)
+            n = cut_by(c, n, pass, blades->normal[i], blades->apothem);
+    }
+    return n;
+}
+
+// -- meshes -------------------------------------------------------------------
+
+/* Half of a grid's rays, of one wavelength. */
+static void trace_rays(const struct gp_lens_optics *o,
+                       const struct gp_lens_path *path, double u,
+                       const struct gp_lens_mesh *m, struct gp_lens_hit *hit)
+{
+    for (int j = 0; j <= m->cells / 2; j++) {
+        const double y = m->y1 * j / (m->cells / 2);
+        for (int i = 0; i <= m->cells; i++)
+            *hit++ = gp_lens_trace(o, path,
+                                   m->x0 + (m->x1 - m->x0) * i / m->cells, y, u,
+                                   NULL);
+    }
+}
+
+static struct gp_lens_corner corner_of(const struct gp_lens_hit *h, double p,
+                                       double q)
+{
+    struct gp_lens_corner c = {.p = p, .q = q, .x = h->x, .y = h->y,
+                               .through = (double) h->through,
+                               .rim = (double) h->rim};
+    for (int k = 0; k < GP_LENS_PASSES; k++) {
+        c.stop[k][0] = (double) h->stop[k][0];
+        c.stop[k][1] = (double) h->stop[k][1];
+    }
+    return c;
+}
+
+/* Light that arrives through half of a mesh of one wavelength, and the area
+ * that it covers. `every`: rays between those that are used. */
+struct sum {
+    double light, area, lost;
+};
+static struct sum sum_of(const struct gp_lens_mesh *m,
+                         const struct gp_lens_blades *blades,
+                         const struct gp_lens_hit *hit, int every)
+{
+    struct sum sum = {0};
+    const int w = m->cells + 1;
+    const double dx = (m->x1 - m->x0) / m->cells;
+    const double dy = m->y1 / (m->cells / 2);
+    // both halves: blades need not be the mirror of themselves
+    for (int half = 0; half < 2; half++) {
+        const double sign = half ? -1.0 : 1.0;
+        for (int j = 0; j + every <= m->cells / 2; j += every) {
+            for (int i = 0; i + every <= m->cells; i += every) {
+                struct gp_lens_corner c[GP_LENS_CORNERS];
+                bool arrives = true;
+                for (int k = 0; k < 4; k++) {
+                    const int x = i + (k == 1 || k == 2 ? every : 0);
+                    const int y = j + (k >= 2 ? every : 0);
+                    const struct gp_lens_hit *const h = &hit[y * w + x];
+                    arrives = arrives && h->through >= 0.0f;
+                    c[k] = corner_of(h, m->x0 + dx * x, sign * dy * y);
+                    for (int s = 0; s < m->passes; s++)
+                        c[k].stop[s][1] *= sign;
+                }
+                if (!arrives) {
+                    sum.lost += dx * dy * every * every;
+                    continue;
+                }
+                const int n = gp_lens_cut(blades, m->passes, c);
+                double before = 0.0, after = 0.0, through = 0.0;
+                for (int k = 0; k < n; k++) {
+                    const struct gp_lens_corner *const a = &c[k];
+                    const struct gp_lens_corner *const b = &c[(k + 1) % n];
+                    before += 0.5 * (a->p * b->q - b->p * a->q);
+                    after += 0.5 * (a->x * b->y - b->x * a->y);
+                    through += a->through / n;
+                }
+                sum.light += fabs(before) * through;
+                sum.area += fabs(after);
+            }
+        }
+    }
+    return sum;
+}
+
+/* Returns true when light passes at the border of a mesh, which is then too
+ * small. */
+static bool passes_border(const struct gp_lens_mesh *m,
+                          const struct gp_lens_hit *hit)
+{
+    const int w = m->cells + 1, h = m->cells / 2 + 1;
+    for (int j = 0; j < h; j++) {
+        for (int i = 0; i < w; i++) {
+            const struct gp_lens_hit *const a = &hit[j * w + i];
+            const float stop = a->stop[0][0] * a->stop[0][0] +
+                               a->stop[0][1] * a->stop[0][1];
+            if ((i == 0 || i == w - 1 || j == h - 1) && a->through >= 0.0f &&
+                a->rim < 1.0f && stop < 1.0f)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* The rays that may arrive, by first order: a box around what all rims' discs
+ * share, each a tenth wider. */
+static void place_mesh(const struct gp_lens *lens,
+                       const struct gp_lens_path *path, double nm, double u,
+                       struct gp_lens_mesh *m)
+{
+    const double wider = 1.1;
+    m->x0 = -INFINITY;
+    m->x1 = m->y1 = INFINITY;
+    for (int k = 0; k < path->steps; k++) {
+        const struct gp_lens_matrix a = gp_lens_matrix(lens, path, k + 1, nm,
+                                                       false);
+        const double semi = lens->at[path->step[k].surface].semi;
+        m->passes += path->step[k].surface == lens->stop;
+        if (!(fabs(a.a) * 1e6 > semi))
+            continue;
+        const double radius = wider * semi / fabs(a.a);
+        const double middle = -a.b / a.a * u;
+        m->x0 = fmax(m->x0, middle - radius);
+        m->x1 = fmin(m->x1, middle + radius);
+        m->y1 = fmin(m->y1, radius);
+    }
+}
+
+gp_status gp_lens_mesh_make(const struct gp_log *log,
+    const struct gp_lens_optics *optics, const struct gp_lens_path *path,
+    const struct gp_lens_blades *blades, double u, double tolerance,
+    struct gp_lens_mesh *out)
+{
+    enum { FIRST = 8, GROW = 6, MIDDLE = GP_LENS_NODES / 2 };
+    const struct gp_lens *const lens = optics->lens;
+    const double front = lens->at[0].semi;
+    const double cosine = 1.0 / sqrt(1.0 + u * u);
+    struct gp_lens_mesh m = {0};
+    struct gp_lens_hit *hit = NULL;
+    gp_status st = GP_OK;
+    place_mesh(lens, path, optics[MIDDLE].nm, u, &m);
+    *out = (struct gp_lens_mesh) {.passes = m.passes, .scale = 1.0};
+    if (!(m.x0 < m.x1))
+        return GP_OK;
+    int grown = 0;
+    bool found = false;
+    for (m.cells = FIRST; m.cells <= GP_LENS_CELLS;) {
+        const size_t rays = (size_t) (m.cells + 1) *
+                            (size_t) (m.cells / 2 + 1);
+        GP_FREE(hit);
+        GP_TRY(gp_alloc(log, "rays of a lens", rays, sizeof *hit, &hit));
+        trace_rays(&optics[MIDDLE], path, u, &m, hit);
+        if (m.cells == FIRST && grown < GROW && passes_border(&m, hit)) {
+            // aberrations reach beyond first order
+            const double more = 0.25 * (m.x1 - m.x0);
+            m.x0 = fmax(m.x0 - more, -1.05 * front);
+            m.x1 = fmin(m.x1 + more, 1.05 * front);
+            m.y1 = fmin(1.5 * m.y1, 1.05 * front);
+            grown++;
+            continue;
+        }
+        const struct sum fine = sum_of(&m, blades, hit, 1);
+        const struct sum coarse = sum_of(&m, blades, hit, 2);
+        if (!(fine.light > 0.0) && m.cells > FIRST)
+            break;
+        const double change = fmax(fabs(fine.light - coarse.light) / fine.light,
+                                   fabs(fine.area - coarse.area) / fine.area);
+        if (m.cells * 2 > GP_LENS_CELLS || change <= 10.0 * tolerance) {
+            out->scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
+            out->scale = fmin(fmax(out->scale, 0.8), 1.25);
+            out->lost = fine.lost * cosine;
+            found = true;
+            break;
+        }
+        m.cells *= 2;
+    }
+    if (!found || !(out->scale > 0.0))
+        goto out;
+    // all wavelengths
+    const size_t rays = (size_t) (m.cells + 1) * (size_t) (m.cells / 2 + 1);
+    GP_TRY(gp_alloc(log, "rays of a lens", rays * GP_LENS_NODES, sizeof *hit,
+                    &out->hit));
+    out->cells = m.cells;
+    out->x0 = m.x0;
+    out->x1 = m.x1;
+    out->y1 = m.y1;
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        struct gp_lens_hit *const own = out->hit + (size_t) k * rays;
+        if (k == MIDDLE)
+            memcpy(own, hit, rays * sizeof *hit);
+        else
+            trace_rays(&optics[k], path, u, &m, own);
+        out->flux[k] = sum_of(&m, blades, own, 1).light * cosine * out->scale;
+    }
+out:
+    gp_free(hit);
+    return st;
+}
+
+void gp_lens_mesh_free(struct gp_lens_mesh *m)
+{
+    gp_free(m->hit);
+    *m = (struct gp_lens_mesh) {0};
+}
