@@ -209,6 +209,24 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+/* Checks that glarepp lens has one thing to do. */
+static gp_status check_lens(const struct gp_log *log,
+                            const struct gp_settings *s)
+{
+    const struct gp_making *const m = &s->making;
+    if (s->inputs.n)
+        return gp_fail(log, GP_ERR_USAGE, "%s: lens reads no frames; write "
+                       "--check FILE for a lens", s->inputs.at[0]);
+    if (m->list == (m->check != NULL))
+        return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp lens "
+                       "--check FILE|NAME and --list",
+                       m->list ? "too much to do" : "nothing to do");
+    if (m->draw && !m->check)
+        return gp_fail(log, GP_ERR_USAGE, "--draw: needs a lens; add --check "
+                       "FILE|NAME");
+    return GP_OK;
+}
+
 static bool is_power_of_two(int n)
 {
     return n > 0 && (n & (n - 1)) == 0;
@@ -241,6 +259,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     s->kernel.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)
         return check_making(log, s);
+    if (s->command == GP_COMMAND_LENS)
+        return check_lens(log, s);
     // something must be read and made
     const bool bench = s->command == GP_COMMAND_BENCH;
     for (int i = 0; i < GP_DEBUG_KINDS; i++)

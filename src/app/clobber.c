@@ -24,6 +24,7 @@ static const struct single {
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
     SINGLE(making.from, "--from", false),
+    SINGLE(making.draw, "--draw", true),
     SINGLE(sun.camera, "--camera", false),
     SINGLE(sun.lights, "--lights", false),
     SINGLE(sun.flare, "--flare", false),

@@ -152,6 +152,13 @@ void gp_help(FILE *f, enum gp_command command)
                    "-k names the model; FILE is an EXR, with the recipe in its "
                    "attributes.\n--check looks at what FRAME would show; exit "
                    "status 1 for a fault.\n");
+    else if (command == GP_COMMAND_LENS)
+        fprintf(f, "Checks a lens, or draws it.\n\n"
+                   "  glarepp lens --check FILE|NAME [--draw FILE]\n"
+                   "  glarepp lens --list\n\n"
+                   "FILE is a prescription in JSON, NAME one of --list. Exit "
+                   "status 1 where the\nsurfaces do not make what the file "
+                   "claims.\n");
     else
         fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
                    "  glarepp [options] -o OUTPUT INPUT...\n"
@@ -161,6 +168,8 @@ void gp_help(FILE *f, enum gp_command command)
                    "(see glarepp compare --help)\n"
                    "  glarepp kernel [options] -o FILE "
                    "(see glarepp kernel --help)\n"
+                   "  glarepp lens [options]           "
+                   "(see glarepp lens --help)\n"
                    "  glarepp help [TOPIC]\n\n"
                    "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
                    "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
@@ -174,6 +183,7 @@ void gp_help(FILE *f, enum gp_command command)
             command == GP_COMMAND_BENCH     ? "glarepp bench frame.exr"
             : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
             : command == GP_COMMAND_KERNEL  ? "glarepp kernel --list"
+            : command == GP_COMMAND_LENS    ? "glarepp lens --list"
                                         : "glarepp -o out.png frame.exr");
 }
 

@@ -67,6 +67,7 @@ static const struct {
 } commands[] = {
     {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
     {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
+    {"lens", GP_COMMAND_LENS},
     {"help", GP_COMMAND_HELP},
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };

@@ -1,6 +1,7 @@
 #include "app/clobber.h"
 #include "app/jobs.h"
 #include "app/kernel_command.h"
+#include "app/lens_command.h"
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
@@ -288,6 +289,10 @@ int main(int argc, char *argv[])
         status = run_compare(&log, &s);
     } else if (!st && s.command == GP_COMMAND_KERNEL) {
         status = run_kernel(&log, &s);
+    } else if (!st && s.command == GP_COMMAND_LENS) {
+        bool faulty;
+        st = gp_lens_command(&log, &s, &faulty);
+        status = faulty;
     } else if (!st) {
         st = make_frames(&log, &voice, &s);
     }

@@ -186,64 +186,6 @@ static const struct gp_option_choice gp_shells[] = {
     {"fish", GP_SHELL_FISH, NULL}, {0},
 };
 
-const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
-    [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",
-        "glarepp -o out.png --hdr lit.exr --layer glare.exr frame.exr"},
-    [GP_GROUP_INPUT] = {"Frames to read", "inputs",
-        "glarepp -f 1-100x2 -o out.####.png shot.####.exr"},
-    [GP_GROUP_LIGHT] = {"Light and kernel", "kernels",
-        "glarepp -t 2 -k builtin:streak --rotate 10 -o out.png frame.exr"},
-    [GP_GROUP_SUN] = {"Suns, lamps and lens flare", "lights",
-        "glarepp --sun 960,200,12 --sun-color 5e4 -o out.png frame.exr"},
-    [GP_GROUP_ENGINE] = {"Engines", "engines",
-        "glarepp --tolerance 1e-4 --threads 2 -o out.png frame.exr"},
-    [GP_GROUP_TONE] = {"Tone mapping", "tone",
-        "glarepp --tonemap agx --exposure -1 -o out.png frame.exr"},
-    [GP_GROUP_FILE] = {"Files", "files",
-        "glarepp --type half --compression piz --hdr lit.exr frame.exr"},
-    [GP_GROUP_REPORT] = {"Reports and progress", "report",
-        "glarepp --verify --report - --layer glare.exr frame.exr"},
-    [GP_GROUP_KERNEL] = {"Kernels of glarepp kernel", "making",
-        "glarepp kernel -k cie:age=70 -k star --size 2048x858 -o k.exr"},
-    [GP_GROUP_BENCH] = {"Tables and plots of glarepp bench", "measuring",
-        "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
-    [GP_GROUP_COMPARE] = {"Limits and pictures of glarepp compare", "comparing",
-        "glarepp compare --fail 0.004 --heatmap diff.png a.exr b.exr"},
-    [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
-};
-
-// -- values by name ----------------------------------------------------------
-
-static const char *engine_name(int i, const char **text)
-{
-    if (i == 0) {
-        *text = "the engine and setting with the shortest predicted time "
-                "whose bound is within the tolerance, chosen for each frame";
-        return "auto";
-    }
-    const struct gp_engine *e = gp_engines[i - 1];
-    *text = e ? e->text : NULL;
-    return e ? e->name : NULL;
-}
-
-static const char *curve_name(int i, const char **text)
-{
-    const struct gp_tone_curve *c = gp_tone_curves[i];
-    *text = c ? c->text : NULL;
-    return c ? c->name : NULL;
-}
-
-static const char *grow_word(int i, const char **text)
-{
-    static const char *const words[][2] = {
-        {"kernel", "as far as the kernel reaches"},
-        {"none", "outputs keep the data window, and glare ends at its edges"},
-        {NULL, NULL},
-    };
-    *text = words[i][1];
-    return words[i][0];
-}
-
 // -- the table ---------------------------------------------------------------
 
 #define FIELD(f) (&((struct gp_settings *) 0)->f)
@@ -279,6 +221,7 @@ static const char *grow_word(int i, const char **text)
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL
 #define MAKES(g) .group = GP_GROUP_##g,                                       \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL
+#define OPTICS .group = GP_GROUP_LENS, .commands = GP_COMMAND_LENS
 #define BENCH .group = GP_GROUP_BENCH, .commands = GP_COMMAND_BENCH
 #define COMPARE .group = GP_GROUP_COMPARE, .commands = GP_COMMAND_COMPARE
 #define ALL(g) .group = GP_GROUP_##g,                                         \
@@ -296,7 +239,7 @@ const struct gp_option gp_options[] = {
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once"),
-    OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = grow_word,
+    OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = gp_grow_word,
         .open = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
@@ -443,7 +386,7 @@ const struct gp_option gp_options[] = {
         .help = "Read coverage from this file (or pattern)"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
-        .arg = "NAME", .list = engine_name, .help = "Compute the glare layer "
+        .arg = "NAME", .list = gp_engine_name, .help = "Compute the glare layer "
         "with this engine; all make the same layer within their bounds"),
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
         .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error in "
@@ -486,7 +429,7 @@ const struct gp_option gp_options[] = {
         "or as many as fit into half of the memory; no output depends on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
-        .needs = GP_NEED_NO_CONFIG, .list = curve_name,
+        .needs = GP_NEED_NO_CONFIG, .list = gp_curve_name,
         .help = "Map tones with this operator"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .needs = GP_NEED_CURVE, .hi = 32,
@@ -585,10 +528,17 @@ const struct gp_option gp_options[] = {
         .hi = 1e9, .help = "Make models that change in time for this frame"),
     OPT(making.from, .name = "from", KERNEL, .arg = "FILE",
         .help = "Make a kernel again that glarepp kernel wrote, byte by byte"),
-    OPT(making.check, .name = "check", KERNEL, .arg = "FILE|MODEL",
-        .help = "Print a kernel's figures and faults; exit 1 on a fault"),
-    OPT(making.list, .name = "list", KERNEL,
-        .help = "Print the models, their keys with ranges, and the presets"),
+    OPT(making.check, .name = "check", .group = GP_GROUP_KERNEL,
+        .commands = GP_COMMAND_KERNEL | GP_COMMAND_LENS, .arg = "FILE|NAME",
+        .help = "Print the figures and faults of a kernel, or of a lens "
+        "against what it claims; exit 1 on a fault"),
+    OPT(making.list, .name = "list", .group = GP_GROUP_KERNEL,
+        .commands = GP_COMMAND_KERNEL | GP_COMMAND_LENS,
+        .help = "Print the models, their keys with ranges, and the presets; "
+        "or the installed lenses"),
+    OPT(making.draw, .name = "draw", OPTICS, .arg = "FILE", .once = true,
+        .help = "Draw the lens of --check with the rays of its brightest "
+        "ghost, as SVG; - is stdout"),
 
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),

@@ -38,7 +38,8 @@ enum gp_option_kind {
 enum gp_option_group {
     GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_SUN,
     GP_GROUP_ENGINE, GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT,
-    GP_GROUP_KERNEL, GP_GROUP_BENCH, GP_GROUP_COMPARE, GP_GROUP_GENERAL,
+    GP_GROUP_KERNEL, GP_GROUP_LENS, GP_GROUP_BENCH, GP_GROUP_COMPARE,
+    GP_GROUP_GENERAL,
     GP_GROUPS,
 };
 struct gp_option_heading {
@@ -110,6 +111,12 @@ extern const struct gp_option gp_options[];  // NULL name at the end
  * the last. */
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
+
+/* Lists of values for the table's `list`: engines, tone curves, words of
+ * --grow. */
+const char *gp_engine_name(int i, const char **text);
+const char *gp_curve_name(int i, const char **text);
+const char *gp_grow_word(int i, const char **text);
 
 /* The range of a number in words: "0 to 1", "0 or more", "any number". */
 struct gp_range_text {

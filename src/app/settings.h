@@ -47,6 +47,7 @@ enum gp_command {
     GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
     GP_COMMAND_COMPARE = 1 << 2, // "compare": error between two images
     GP_COMMAND_KERNEL = 1 << 3, // "kernel": a kernel as a file
+    GP_COMMAND_LENS = 1 << 4,   // "lens": figures of a lens
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
@@ -101,13 +102,14 @@ struct gp_settings {
     const char *kernel_size;           // as given; NULL: 100 percent
     double kernel_percent;             // ... as checked
     double kernel_degrees;             // 0: by percent
-    struct gp_making {                 // glarepp kernel
+    struct gp_making {                 // glarepp kernel, glarepp lens
         bool list;
         const char *from, *check;      // NULL: not given
         const char *size;              // of the frame, as given
         int w, h;                      // ... as checked
         int radius;                    // most of an offset; 0: the frame's
         int frame;                     // number, for models that move
+        const char *draw;              // SVG of the lens that `check` names
     } making;
     const char *report;
     bool report_append;

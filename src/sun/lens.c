@@ -154,14 +154,12 @@ struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
 
 // -- the whole lens -----------------------------------------------------------
 
-static const double d_line = 587.5618;
-
 /* The matrix from the front to the last surface. */
 static struct gp_lens_matrix whole(const struct gp_lens *lens, int surfaces)
 {
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);
-    return gp_lens_matrix(lens, &path, surfaces, d_line, false);
+    return gp_lens_matrix(lens, &path, surfaces, GP_D_LINE, false);
 }
 
 gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
@@ -201,11 +199,11 @@ static double field_of(const struct gp_lens *lens)
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);
     const struct gp_lens_matrix s =
-        gp_lens_matrix(lens, &path, lens->stop + 1, d_line, false);
+        gp_lens_matrix(lens, &path, lens->stop + 1, GP_D_LINE, false);
     double least = INFINITY;
     for (int k = 0; k < lens->n; k++) {
         const struct gp_lens_matrix m =
-            gp_lens_matrix(lens, &path, k + 1, d_line, false);
+            gp_lens_matrix(lens, &path, k + 1, GP_D_LINE, false);
         const double height = fabs(m.b - m.a * s.b / s.a); // at slope 1
         if (k != lens->stop && height * least > lens->at[k].semi)
             least = lens->at[k].semi / height;
@@ -227,8 +225,8 @@ void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
     f.height = isfinite(field) ? f.focal * field : 0.0;
     for (int i = 0; i < lens->n; i++)
         f.through *= 1.0 - gp_lens_reflectance(
-                               before(lens, i, d_line), after(lens, i, d_line),
-                               1.0, lens->at[i].coat, d_line);
+                               before(lens, i, GP_D_LINE), after(lens, i, GP_D_LINE),
+                               1.0, lens->at[i].coat, GP_D_LINE);
     *out = f;
 }
 

@@ -53,6 +53,8 @@ struct gp_lens_surface {
     double coat;      // wavelength in nm of a quarter-wave layer; 0: bare
 };
 
+#define GP_D_LINE 587.5618 // nm, of helium: n and V are given for it
+
 /* Zeroed is none. Owns nothing. */
 struct gp_lens {
     char name[GP_LENS_TEXT], patent[GP_LENS_TEXT], note[2 * GP_LENS_TEXT];
@@ -148,6 +150,11 @@ struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
 /* Lists the ghosts of all pairs of surfaces that reflect; returns how many. */
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
                    struct gp_lens_ghost out[GP_LENS_GHOSTS]);
+
+/* Draws the lens in section as SVG, with the rays of a ghost, which may be
+ * NULL. `f` keeps errors of writing. */
+void gp_lens_svg(FILE *f, const struct gp_lens *lens,
+                 const struct gp_lens_ghost *ghost);
 
 /* Returns the area in mm^2, before the lens, through which light of slope u
  * reaches the sensor on a path in first order: what all rims' discs share. */

@@ -32,6 +32,12 @@ share/bash-completion/completions/glarepp
 share/doc/glarepp/LICENSE
 share/doc/glarepp/README.md
 share/doc/glarepp/examples/blender_camera.py
+share/doc/glarepp/examples/lenses/double-gauss.json
+share/doc/glarepp/examples/lenses/heliar.json
+share/doc/glarepp/examples/lenses/telephoto.json
+share/doc/glarepp/examples/lenses/tessar.json
+share/doc/glarepp/examples/lenses/zoom-tele.json
+share/doc/glarepp/examples/lenses/zoom-wide.json
 share/doc/glarepp/examples/openjd.yaml
 share/doc/glarepp/examples/parallel.sh
 share/doc/glarepp/examples/slurm.sh

@@ -4,7 +4,6 @@
 #include "json_file.h"
 #include "sun/lens_priv.h"
 
-static const double d_line = 587.5618;
 static const char *const installed[] = {
     "heliar", "double-gauss", "tessar", "telephoto", "zoom-wide", "zoom-tele"};
 
@@ -122,8 +121,8 @@ static void middles_agree(void **state)
     const struct gp_lens lens = installed_lens("heliar");
     struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
     struct gp_lens_optics o;
-    gp_lens_optics_make(&lens, d_line, &o);
-    const int n = gp_lens_ghosts(&lens, d_line, ghost);
+    gp_lens_optics_make(&lens, GP_D_LINE, &o);
+    const int n = gp_lens_ghosts(&lens, GP_D_LINE, ghost);
     assert_int_equal(n, 28);
     for (int i = 0; i < n; i++) {
         struct gp_lens_path path;
@@ -152,7 +151,7 @@ static void images_land(void **state)
         struct gp_lens_optics o;
         struct gp_lens_figures f;
         gp_lens_measure(&lens, &f);
-        gp_lens_optics_make(&lens, d_line, &o);
+        gp_lens_optics_make(&lens, GP_D_LINE, &o);
         gp_lens_path(&lens, -1, -1, &path);
         const struct gp_lens_hit h = gp_lens_trace(
             &o, &path, -f.pupil_at * 0.01, 0.0, 0.01, NULL);
@@ -171,7 +170,7 @@ static double mesh_light(const struct gp_lens *lens, int first, int second,
     struct gp_lens_mesh m;
     const struct gp_lens_blades blades = gp_lens_blades_of(lens, 0.0);
     for (int k = 0; k < GP_LENS_NODES; k++)
-        gp_lens_optics_make(lens, d_line, &o[k]);
+        gp_lens_optics_make(lens, GP_D_LINE, &o[k]);
     gp_lens_path(lens, first, second, &path);
     assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, 1e-4, &m));
     const double light = m.flux[1];
@@ -220,7 +219,7 @@ static void thin_lens_in_closed_form(void **state)
     // the straight way, and the area that first order says
     struct gp_lens_path path;
     gp_lens_path(&lens, 2, 1, &path);
-    assert_near(gp_lens_area(&lens, &path, 0.0, d_line), pi * 4.0, 1e-3, "area",
+    assert_near(gp_lens_area(&lens, &path, 0.0, GP_D_LINE), pi * 4.0, 1e-3, "area",
                 0);
     assert_near(mesh_light(&lens, -1, -1, 0.0) / (pi * 4.0 * 0.96 * 0.96), 1.0,
                 1e-3, "straight", 0);
@@ -248,7 +247,7 @@ static void energy_is_kept(void **state)
     for (size_t l = 0; l < COUNT(installed); l++) {
         const struct gp_lens lens = installed_lens(installed[l]);
         struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
-        const int n = gp_lens_ghosts(&lens, d_line, ghost);
+        const int n = gp_lens_ghosts(&lens, GP_D_LINE, ghost);
         for (int i = 0; i < 3; i++) {
             const double u = 0.02 * i, cosine = 1.0 / sqrt(1.0 + u * u);
             const double enters = pi * lens.at[0].semi * lens.at[0].semi *

@@ -1,0 +1,66 @@
+/* Lists that the table of options names: its headings, and values that other
+ * rooms list. */
+#include "app/options.h"
+
+#include "glare/engine.h"
+#include "tone/tone.h"
+
+const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
+    [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",
+        "glarepp -o out.png --hdr lit.exr --layer glare.exr frame.exr"},
+    [GP_GROUP_INPUT] = {"Frames to read", "inputs",
+        "glarepp -f 1-100x2 -o out.####.png shot.####.exr"},
+    [GP_GROUP_LIGHT] = {"Light and kernel", "kernels",
+        "glarepp -t 2 -k builtin:streak --rotate 10 -o out.png frame.exr"},
+    [GP_GROUP_SUN] = {"Suns, lamps and lens flare", "lights",
+        "glarepp --sun 960,200,12 --sun-color 5e4 -o out.png frame.exr"},
+    [GP_GROUP_ENGINE] = {"Engines", "engines",
+        "glarepp --tolerance 1e-4 --threads 2 -o out.png frame.exr"},
+    [GP_GROUP_TONE] = {"Tone mapping", "tone",
+        "glarepp --tonemap agx --exposure -1 -o out.png frame.exr"},
+    [GP_GROUP_FILE] = {"Files", "files",
+        "glarepp --type half --compression piz --hdr lit.exr frame.exr"},
+    [GP_GROUP_REPORT] = {"Reports and progress", "report",
+        "glarepp --verify --report - --layer glare.exr frame.exr"},
+    [GP_GROUP_KERNEL] = {"Kernels of glarepp kernel", "making",
+        "glarepp kernel -k cie:age=70 -k star --size 2048x858 -o k.exr"},
+    [GP_GROUP_LENS] = {"Lenses of glarepp lens", "optics",
+        "glarepp lens --check heliar --draw heliar.svg"},
+    [GP_GROUP_BENCH] = {"Tables and plots of glarepp bench", "measuring",
+        "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
+    [GP_GROUP_COMPARE] = {"Limits and pictures of glarepp compare", "comparing",
+        "glarepp compare --fail 0.004 --heatmap diff.png a.exr b.exr"},
+    [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
+};
+
+// -- values by name ----------------------------------------------------------
+
+const char *gp_engine_name(int i, const char **text)
+{
+    if (i == 0) {
+        *text = "the engine and setting with the shortest predicted time "
+                "whose bound is within the tolerance, chosen for each frame";
+        return "auto";
+    }
+    const struct gp_engine *e = gp_engines[i - 1];
+    *text = e ? e->text : NULL;
+    return e ? e->name : NULL;
+}
+
+const char *gp_curve_name(int i, const char **text)
+{
+    const struct gp_tone_curve *c = gp_tone_curves[i];
+    *text = c ? c->text : NULL;
+    return c ? c->name : NULL;
+}
+
+const char *gp_grow_word(int i, const char **text)
+{
+    static const char *const words[][2] = {
+        {"kernel", "as far as the kernel reaches"},
+        {"none", "outputs keep the data window, and glare ends at its edges"},
+        {NULL, NULL},
+    };
+    *text = words[i][1];
+    return words[i][0];
+}
