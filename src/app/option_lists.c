@@ -33,6 +33,29 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
 };
 
+const struct gp_option_choice gp_progresses[] = {
+    {"auto", GP_PROGRESS_AUTO, "on a terminal, after one second"},
+    {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},
+    {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
+    {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
+     "openjd_progress: 41.7, openjd_status: TEXT"},
+    {"json", GP_PROGRESS_JSON, "an object a line: done, failed, total, "
+     "percent, seconds, seconds_left, file, stage"},
+    {0},
+};
+
+const struct gp_option_choice gp_debugs[] = {
+    {"sensors", GP_DEBUG_SENSORS, "the light that the engines spread, "
+     "scene-linear"},
+    {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
+     "draws, in green over the tone-mapped picture"},
+    {"sunmap", GP_DEBUG_SUNMAP, "the sun maps of all lights, side by side: "
+     "white where a light is visible"},
+    {"intensity", GP_DEBUG_INTENSITY, "the intensity map: one pixel per light, "
+     "as bright as its visible share"},
+    {0},
+};
+
 // -- values by name ----------------------------------------------------------
 
 const char *gp_engine_name(int i, const char **text)

@@ -160,27 +160,6 @@ static const struct gp_option_choice gp_raws[] = {
     {"rgb48be", GP_RAW_RGB48BE, "16 bits, sRGB, high byte first"},
     {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"}, {0},
 };
-static const struct gp_option_choice gp_progresses[] = {
-    {"auto", GP_PROGRESS_AUTO, "on a terminal, after one second"},
-    {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},
-    {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
-    {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
-     "openjd_progress: 41.7, openjd_status: TEXT"},
-    {"json", GP_PROGRESS_JSON, "an object a line: done, failed, total, "
-     "percent, seconds, seconds_left, file, stage"},
-    {0},
-};
-static const struct gp_option_choice gp_debugs[] = {
-    {"sensors", GP_DEBUG_SENSORS, "the light that the engines spread, "
-     "scene-linear"},
-    {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
-     "draws, in green over the tone-mapped picture"},
-    {"sunmap", GP_DEBUG_SUNMAP, "the sun maps of all lights, side by side: "
-     "white where a light is visible"},
-    {"intensity", GP_DEBUG_INTENSITY, "the intensity map: one pixel per light, "
-     "as bright as its visible share"},
-    {0},
-};
 static const struct gp_option_choice gp_shells[] = {
     {"bash", GP_SHELL_BASH, NULL}, {"zsh", GP_SHELL_ZSH, NULL},
     {"fish", GP_SHELL_FISH, NULL}, {0},

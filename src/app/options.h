@@ -55,6 +55,9 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name suffices
 };
 
+// Values of --progress and --debug, in option_lists.c
+extern const struct gp_option_choice gp_progresses[], gp_debugs[];
+
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
     GP_NEED_OWN_FRAMES = 1 << 0,  // no input
