@@ -1,117 +1,10 @@
-/* Every function of glare with a plain form: one table of pairs that proves
- * that they agree, and times them.
- *
- *   build/tests/glare pairs                 proves all
- *   build/tests/glare pairs --time [NAME]   times those whose name begins so;
- *                                           GLAREPP_TIME proves and times
- *   GLAREPP_SEED=N   another seed; failures print the one they had
- *
- * Times are printed, never asserted. */
+/* Every function of glare with a plain form, as pairs.h has it. */
 #include "unit.h"
-#include "core/clock.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
-
-/* -- the harness: both forms run on the same generated frames --------------*/
-
-#define PAIR_KINDS(X)                                                         \
-    X(PAIR_UNIFORM, "uniform in [0, 2)")                                      \
-    X(PAIR_NEAR_ZERO, "near 0")                                               \
-    X(PAIR_DENORMAL, "denormals")                                             \
-    X(PAIR_NEAR_MAX, "near the maximum")                                      \
-    X(PAIR_HOT, "one hot pixel")                                              \
-    X(PAIR_SPRINKLED, "NaN, Inf and negative values sprinkled")
-#define PAIR_ENUM(name, text) name,
-#define PAIR_TEXT(name, text) text,
-enum pair_kind { PAIR_KINDS(PAIR_ENUM) PAIR_KIND_COUNT };
-static const char *const pair_text[] = {PAIR_KINDS(PAIR_TEXT)};
-
-struct pair {
-    const char *name;
-    float max;    // what "near the maximum" and the hot pixel are near to
-    double bar;   // of |fast - reference|_2 / |reference|_2; 0: equal samples
-    double lost;  // differences up to this are none: underflow
-    int w, h;     // of the frame that is timed
-    bool gl;      // needs a context
-    const void *how; // settings, for open()
-
-    /* Makes all that both forms need of the frame, which it takes. */
-    void *(*open)(const struct pair *pair, struct gp_frame f);
-    void (*reference)(void *ctx, double *out); // 3 * w * h samples
-    void (*fast)(void *ctx, float *out);
-    void (*close)(void *ctx);
-};
-
-static struct gp_frame pair_frame(int w, int h, enum pair_kind kind, float max,
-                                  uint32_t seed)
-{
-    static const float bad[] = {
-        NAN, INFINITY, -INFINITY, -1.0f, FLT_MAX, -FLT_MAX, -0.0f, 1e-42f,
-    };
-    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, seed);
-    for (int i = 0; i < 3 * w * h; i++) {
-        const int at = i % (w * h);
-        const float u = scene_random(&seed);
-        float v = 2.0f * u;
-        if (kind == PAIR_NEAR_ZERO)
-            v = FLT_MIN * (1.0f + 1e6f * u);
-        else if (kind == PAIR_DENORMAL)
-            v = FLT_MIN * u;
-        else if (kind == PAIR_NEAR_MAX)
-            v = max * (1.0f - 0.01f * u);
-        else if (kind == PAIR_HOT)
-            v = at == w * h / 2 ? max : 1e-3f * (1.0f + u);
-        else if (kind == PAIR_SPRINKLED && at % 13 == 5)
-            v = bad[at / 13 % 8];
-        f.rgb.c[i / (w * h)][at] = v;
-    }
-    return f;
-}
-
-/* Proves one pair on one frame; or, when `timed`, prints how long the forms
- * take at best. */
-static void pair_run(const struct pair *p, int w, int h, enum pair_kind kind,
-                     uint32_t seed, bool timed)
-{
-    const size_t n = 3 * (size_t) w * (size_t) h;
-    double *const want = scene_alloc(n, sizeof *want);
-    float *const got = scene_alloc(n, sizeof *got);
-    double slow = INFINITY, fast = INFINITY, wrong = 0.0, all = 0.0;
-    memset(got, 0xff, n * sizeof *got); // every sample must be written
-    void *const ctx = p->open(p, pair_frame(w, h, kind, p->max, seed));
-    for (int i = 0; i < (timed ? 5 : 1); i++) {
-        const double start = gp_now_ms();
-        p->reference(ctx, want);
-        const double between = gp_now_ms();
-        p->fast(ctx, got);
-        slow = fmin(slow, between - start);
-        fast = fmin(fast, gp_now_ms() - between);
-    }
-    p->close(ctx);
-    for (size_t i = 0; i < n; i++) {
-        const double d = fabs((double) got[i] - want[i]);
-        wrong += d <= p->lost ? 0.0 : d * d;
-        all += want[i] * want[i];
-    }
-    const double error = wrong == 0.0 ? 0.0 : sqrt(wrong / all);
-    if (timed)
-        printf("%s: %dx%d, %s, seed %u: reference %.3f ms, fast %.3f ms, "
-               "%.1f times\n", p->name, w, h, pair_text[kind], seed, slow, fast,
-               slow / fast);
-    if (!timed && !(error <= p->bar))
-        fail_msg("%s: %dx%d, %s, GLAREPP_SEED=%u: %g over %g", p->name, w, h,
-                 pair_text[kind], seed, error, p->bar);
-    free(want);
-    free(got);
-}
-
-static uint32_t pair_seed(void)
-{
-    const char *const s = getenv("GLAREPP_SEED");
-    return s ? (uint32_t) strtoul(s, NULL, 10) : 20071u;
-}
+#include "pairs.h"
 
 /* -- sensors, by the contract's words ---------------------------------------
  */
@@ -410,22 +303,9 @@ static const struct pair pairs[] = {
     ROTATED("kernel rotated back", 2),
 };
 
-/* All kinds at odd and at whole sizes. */
 static void fast_forms_equal_the_plain_ones(void **state)
 {
-    static const int sizes[][2] = {
-        {1, 1}, {1, 37}, {41, 1}, {2, 3}, {31, 17}, {32, 16}, {33, 65},
-        {97, 53},
-    };
-    for (size_t i = 0; i < COUNT(pairs) * COUNT(sizes); i++) {
-        const struct pair *const p = &pairs[i / COUNT(sizes)];
-        const size_t at = i % COUNT(sizes);
-        for (int kind = 0; kind < PAIR_KIND_COUNT; kind++) {
-            if (!p->gl || !no_context)
-                pair_run(p, sizes[at][0], sizes[at][1], (enum pair_kind) kind,
-                         pair_seed() + (uint32_t) at, false);
-        }
-    }
+    pairs_prove(pairs, COUNT(pairs), !no_context);
 }
 
 /* Rows of every length: what vectors leave over. */
@@ -455,18 +335,12 @@ SUITE(pairs)
         cmocka_unit_test(fast_forms_equal_the_plain_ones),
         cmocka_unit_test(sensors_of_any_length),
     };
-    const bool only_time = argc > 1 && strcmp(argv[1], "--time") == 0;
-    const char *const name = argc > 2 ? argv[2] : "";
     no_context = gp_splat_make(NULL, &splat_state) ||
                  gp_splat_open(&kept_log, splat_state, GP_GL_AUTO);
     if (no_context)
         printf("no context: %s\n", kept_line);
-    for (size_t i = 0; i < COUNT(pairs); i++) {
-        const struct pair *const p = &pairs[i];
-        if ((only_time || getenv("GLAREPP_TIME")) && !(p->gl && no_context) &&
-            strncmp(p->name, name, strlen(name)) == 0)
-            pair_run(p, p->w, p->h, PAIR_UNIFORM, pair_seed(), true);
-    }
+    const bool only_time =
+        pairs_time(pairs, COUNT(pairs), !no_context, argc, argv);
     const int failed =
         only_time ? 0 : cmocka_run_group_tests(tests, NULL, NULL);
     gp_engine_splat.close(&splat_state);
