@@ -165,6 +165,25 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
+/* A zlib stream in pieces that follow each other. */
+struct gp_zlib_stream {
+    struct gp_bytes {
+        uint8_t *data; // into the stream's
+        size_t size;
+    } *piece;          // owned
+    int pieces;        // at least 1
+    uint8_t *data;     // owned
+};
+
+/* Packs n bytes, in parallel: the same stream for any number of threads.
+ *
+ *   out  empty on failure; free with gp_zlib_stream_free()
+ *
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_zlib_pack(const struct gp_log *log,
+    const uint8_t *raw, size_t n, struct gp_zlib_stream *out);
+void gp_zlib_stream_free(struct gp_zlib_stream *s);
+
 /* -- PFM ------------------------------------------------------------------- */
 
 /* For gp_reader and gp_writer. Writes unclamped values over black, in the

@@ -1,6 +1,6 @@
 /* libpng does all of the reading. When writing, it makes the container; rows
- * are filtered and deflated here, all at once, because libdeflate is twice as
- * fast as zlib, and filters that use one row only can run in parallel. */
+ * are filtered here and packed by deflate.c, all at once, because libdeflate is
+ * twice as fast as zlib, and both run in parallel. */
 #include "io/io_priv.h"
 
 #include "core/colour.h"
@@ -10,7 +10,6 @@
 #include "io/picture.h"
 
 #include <errno.h>
-#include <libdeflate.h>
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
@@ -364,9 +363,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
  *   Sub, libdeflate 6        117    0.68      28    1.00       40    0.50
  *   Paeth, libdeflate 3       93    0.97      32    1.03       27    0.47
  *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47 */
-enum { FILTER_SUB = 1, LEVEL = 3 };
-
-enum { IDAT_BYTES = 1 << 20 }; // readers buffer a chunk
+enum { FILTER_SUB = 1 };
 
 struct filtering {
     const struct gp_picture *pic;
@@ -492,7 +489,7 @@ static struct tags tags_of(const struct gp_write_params *p,
  * only what the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     const struct gp_frame *f, const struct tags *tags, const char *command,
-    const void *data, size_t size)
+    const struct gp_zlib_stream *data)
 {
     const double unit = 10000.0; // pixels of no unit; only their ratio counts
     const double aspect = (double) f->pixel_aspect;
@@ -533,10 +530,9 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (tags->cicp[0])
         png_write_chunk(png, (png_const_bytep) "cICP", tags->cicp,
                         sizeof tags->cicp);
-    for (size_t at = 0; at < size; at += IDAT_BYTES)
-        png_write_chunk(png, (png_const_bytep) "IDAT",
-                        (png_const_bytep) data + at,
-                        size - at < IDAT_BYTES ? size - at : IDAT_BYTES);
+    for (int i = 0; i < data->pieces; i++)
+        png_write_chunk(png, (png_const_bytep) "IDAT", data->piece[i].data,
+                        data->piece[i].size);
     png_write_chunk(png, (png_const_bytep) "IEND", NULL, 0);
     png_destroy_write_struct(&png, &info);
     return GP_OK;
@@ -550,34 +546,26 @@ gp_status gp_png_write(const struct gp_log *log,
 {
     gp_status st;
     struct gp_picture pic = {0};
-    struct libdeflate_compressor *c = libdeflate_alloc_compressor(LEVEL);
     struct filtering f = {.pic = &pic};
     struct target t = {.log = log};
-    void *raw = NULL, *data = NULL;
+    struct gp_zlib_stream data = {0};
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
     GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, true, &pic));
-    if (!c)
-        GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
     f.stride = 1 + (size_t) pic.width * (size_t) pic.channels *
                    (size_t) (pic.bits / 8);
     const size_t n = f.stride * (size_t) pic.height;
-    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
-    f.to = raw;
+    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &f.to));
     GP_TRY(gp_picture_each_row(log, &pic, filter_row, &f));
-    // one zlib stream of all rows
-    const size_t room = libdeflate_zlib_compress_bound(c, n);
-    GP_TRY(gp_alloc(log, "PNG data", room, 1, &data));
-    const size_t size = libdeflate_zlib_compress(c, raw, n, data, room);
-    GP_FREE(raw);
+    GP_TRY(gp_zlib_pack(log, f.to, n, &data));
+    GP_FREE(f.to);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
-    GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, data, size));
+    GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, &data));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);
-    libdeflate_free_compressor(c);
-    gp_free(raw);
-    gp_free(data);
+    gp_free(f.to);
+    gp_zlib_stream_free(&data);
     gp_picture_free(&pic);
     return st;
 }

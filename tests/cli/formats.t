@@ -114,6 +114,25 @@ echo "shown.exr shown8.png srgb:4e-3 8-bit PNG is EXR with the sRGB curve" >>lis
 echo "smooth.shown.exr shown.jpg srgb:5e-2 JPEG is EXR with the sRGB curve" >>list
 echo "shown.exr shown.dpx 1e9 DPX can be read" >>list
 
+# a PNG of several pieces, each packed by itself: one stream for every reader
+run --threads 1 --no-dither --tonemap linear --type float -o pieces.exr -o pieces.png large.exr
+run --threads 2 --no-dither --tonemap linear -o pieces2.png large.exr
+ok 'PNG of pieces: the same bytes for any threads' cmp pieces.png pieces2.png
+echo "pieces.exr pieces.png srgb:4e-3 PNG of pieces, by OpenImageIO" >>list
+run -t 1e9 -g 0 --type float --hdr pieces.libpng.exr pieces.png
+echo "pieces.libpng.exr pieces.png srgb:1e-6 PNG of pieces, by libpng" >>list
+if command -v ffmpeg >/dev/null; then
+    ok 'PNG of pieces, by ffmpeg' ffmpeg -v error -xerror -y -i pieces.png -c:v targa pieces.tga
+    echo "pieces.tga pieces.png equal PNG of pieces, by ffmpeg: pixels" >>list
+else
+    skip 2 'no ffmpeg'
+fi
+if command -v pngcheck >/dev/null; then
+    ok 'PNG of pieces, by pngcheck' pngcheck pieces.png
+else
+    skip 1 'no pngcheck'
+fi
+
 # -- EXR out: every compression and type ---------------------------------------
 
 for type in half float; do

@@ -3,9 +3,12 @@
 #include "write_fixture.h"
 #include "core/bytes.h"
 #include "core/colour.h"
+#include "core/parallel.h"
 #include "io/io_priv.h"
 
+#include <libdeflate.h>
 #include <png.h>
+#include <zlib.h>
 
 /* A PNG read back by libpng, and its bytes. */
 struct png {
@@ -240,5 +243,66 @@ static void colour_chunks(void **state)
     gp_frame_free(&f);
 }
 
+/* Bytes whose blocks libdeflate stores, gives a fixed or its own code, or
+ * splits often. */
+static uint8_t byte_of(int kind, size_t i)
+{
+    const uint32_t noise = (uint32_t) (i * 2654435761u) ^ (uint32_t) (i >> 7);
+    const uint8_t mixed = i / 20000 % 2 ? (uint8_t) (noise >> 13)
+                                        : (uint8_t) (i * i >> 9);
+    return kind == 0 ? 0 : kind == 1 ? (uint8_t) (noise * noise >> 11) : mixed;
+}
+
+/* One zlib stream of any number of pieces: zlib unpacks it to the same bytes,
+ * it is the same for any number of threads, and not larger by 1 % and 64 bytes
+ * than libdeflate's own of one piece. */
+static void pieces_are_one_stream(void **state)
+{
+    static const size_t piece = 1 << 18;
+    const size_t size[] = {1, 2, 9999, piece - 1, piece, piece + 1,
+                           2 * piece + 7, 7 * piece - 3};
+    struct libdeflate_compressor *const c = libdeflate_alloc_compressor(3);
+    for (size_t i = 0; i < 3 * COUNT(size); i++) {
+        const size_t n = size[i / 3];
+        uint8_t *const raw = malloc(n), *const back = malloc(n);
+        uint8_t *packed[2];
+        size_t length[2] = {0};
+        for (size_t k = 0; k < n; k++)
+            raw[k] = byte_of((int) (i % 3), k);
+        for (int t = 0; t < 2; t++) {
+            struct gp_zlib_stream s;
+            gp_set_threads(t ? 3 : 1);
+            assert_ok(gp_zlib_pack(NULL, raw, n, &s));
+            assert_int_equal(s.pieces, (int) ((n + piece - 1) / piece));
+            packed[t] = malloc(2 * n + 100);
+            for (int k = 0; k < s.pieces; k++) {
+                memcpy(packed[t] + length[t], s.piece[k].data,
+                       s.piece[k].size);
+                length[t] += s.piece[k].size;
+            }
+            gp_zlib_stream_free(&s);
+        }
+        gp_set_threads(0);
+        assert_int_equal(length[0], length[1]);
+        assert_memory_equal(packed[0], packed[1], length[0]);
+        uLongf got = n;
+        uLong taken = length[0];
+        assert_int_equal(uncompress2(back, &got, packed[0], &taken), Z_OK);
+        assert_int_equal(got, n);
+        assert_int_equal(taken, length[0]);
+        assert_memory_equal(back, raw, n);
+        const size_t whole = libdeflate_zlib_compress(c, raw, n, packed[1],
+                                                      2 * n + 100);
+        assert_true(length[0] <= whole + whole / 100 + 64);
+        if (n <= piece)
+            assert_memory_equal(packed[0], packed[1], whole);
+        free(packed[0]);
+        free(packed[1]);
+        free(raw);
+        free(back);
+    }
+    libdeflate_free_compressor(c);
+}
+
 SUITE_OF_EACH(png, wf_start, remove_folder, pixels_and_windows, alpha_keeps_light,
-              colour_chunks, bytes_hold_no_time_and_no_memory)
+              colour_chunks, bytes_hold_no_time_and_no_memory, pieces_are_one_stream)
