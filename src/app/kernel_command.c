@@ -432,7 +432,7 @@ static gp_status check_kernel(const struct gp_log *log,
     if (st)
         goto out;
     *faulty = c.nonfinite > 0;
-    printf("kernel     %s\n", c.name);
+    printf("kernel     %s\n", gp_printable(c.name).text);
     if (c.nonfinite) {
         printf("fault: %lld samples are NaN or infinite; replace them\n",
                c.nonfinite);
@@ -444,7 +444,7 @@ static gp_status check_kernel(const struct gp_log *log,
         for (int i = 0; i < GP_KERNEL_FAULTS; i++) {
             if (!gp_kernel_fault(&f, &c.use, i, line))
                 continue;
-            printf("fault: %s\n", line);
+            printf("fault: %s\n", gp_printable(line).text);
             *faulty = true;
         }
     }

@@ -42,6 +42,7 @@ static void print_line(void *user, enum gp_level level, const char *line)
     snprintf(whole, sizeof whole, "glarepp: %s%s%s%s",
              level == GP_LEVEL_WARN ? "warning: " : "",
              names ? voice->file : "", names ? ": " : "", line);
+    gp_make_printable(whole);
     if (voice->progress)
         gp_progress_say(voice->progress, stderr, whole);
     else

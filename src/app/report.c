@@ -45,8 +45,8 @@ static void print_word(FILE *f, const char *head, size_t n, const char *word)
         const char c = i < n ? head[i] : *word++;
         if (c == '\'')
             fputs("'\\''", f);
-        else // control characters would break listings of the file
-            fputc((unsigned char) c < 0x20 || c == 0x7f ? '?' : c, f);
+        else
+            fputc(c, f);
     }
     if (!bare)
         fputc('\'', f);
@@ -100,6 +100,8 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     const bool full = ferror(f);
     // (glibc's fclose() succeeds even when the last block cannot be allocated)
     const bool whole = fclose(f) == 0 && !full && text;
+    if (whole) // control characters would break listings of the file
+        gp_make_printable(text);
     json_t *const clean = whole ? gp_json_name(text) : NULL;
     free(text);
     *out = clean ? strdup(json_string_value(clean)) : NULL;

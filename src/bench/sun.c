@@ -151,7 +151,8 @@ static const struct row *find_row(const struct bench *b, const char *name)
 static void print_table(const struct bench *b)
 {
     printf("%s: %dx%d, %d lights, the first at %.2f,%.2f of radius %.2f; "
-           "median of %d runs, %d threads\n", b->frame.path,
+           "median of %d runs, %d threads\n",
+           gp_printable(b->frame.path).text,
            gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
            b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
            b->req->params->runs, gp_threads());
@@ -160,7 +161,8 @@ static void print_table(const struct bench *b)
     for (int i = 0; i < ROWS; i++) {
         const struct row *const r = &b->row[i];
         if (r->why[0])
-            printf("  %-26s cannot run: %s\n", r->name, r->why);
+            printf("  %-26s cannot run: %s\n", r->name,
+                   gp_printable(r->why).text);
         else
             printf("  %-26s %8.3f %8.3f %8.3f %8.1f %9.3f %10.6f %10.2g "
                    "%10.2g\n", r->name, r->ms, r->least, r->most, r->first,
@@ -175,7 +177,7 @@ static void print_table(const struct bench *b)
     printf("in flight: ms a frame when the mask is waited for after the "
            "last of %d; error: to exact\n", FLIGHT);
     if (b->gl[0])
-        printf("GL ran on %s\n", b->gl);
+        printf("GL ran on %s\n", gp_printable(b->gl).text);
 }
 
 static gp_status save_csv(const struct bench *b, const char *path)

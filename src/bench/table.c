@@ -125,8 +125,9 @@ static void print_table(const struct gp_bench_table *t)
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
         const char *gl = NULL; // where it ran
-        printf("%s: %dx%d, %lld sources, kernel %s %dx%d", f->input, f->width,
-               f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h);
+        printf("%s: %dx%d, %lld sources, kernel %s %dx%d",
+               gp_printable(f->input).text, f->width, f->height, f->sources,
+               gp_printable(f->kernel).text, f->kernel_w, f->kernel_h);
         if (!isnan(f->kernel_left_out))
             printf(", kernel_left_out %.2e", f->kernel_left_out);
         printf("; bright pass to layer, median of %d runs, %d threads\n",
@@ -143,7 +144,8 @@ static void print_table(const struct gp_bench_table *t)
             const struct gp_bench_row *const r = &f->row[k];
             const bool drew = r->polygons > 0.0;
             if (r->why[0]) {
-                printf("  %-26s cannot run: %.*s%s\n", r->name, WHY, r->why,
+                printf("  %-26s cannot run: %.*s%s\n", r->name, WHY,
+                       gp_printable(r->why).text,
                        strlen(r->why) > WHY ? "..." : "");
                 continue;
             }
@@ -171,7 +173,7 @@ static void print_table(const struct gp_bench_table *t)
             gl = !gl && r->gl[0] ? r->gl : gl;
         }
         if (gl)
-            printf("  splat ran on %s\n", gl);
+            printf("  splat ran on %s\n", gp_printable(gl).text);
         putchar('\n');
     }
     printf("> on the Pareto front: no other row is both faster and nearer\n"
@@ -267,8 +269,8 @@ static gp_status save_csv(const struct gp_log *log,
         for (int k = 0; k < t->frame[i].rows; k++) {
             make_cells(&t->frame[i], &t->frame[i].row[k], c);
             for (int n = 0; n < CELLS; n++) {
-                if (c[n].text)
-                    print_csv_text(to, c[n].text);
+                if (c[n].text) // a CSV may go to a terminal
+                    print_csv_text(to, gp_printable(c[n].text).text);
                 else if (c[n].kind == TRUTH)
                     fputs(c[n].number > 0.0 ? "true" : "false", to);
                 else if (!isnan(c[n].number))

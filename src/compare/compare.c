@@ -56,26 +56,13 @@ static const char *result_word(enum gp_compare_result r)
     return word[r];
 }
 
-/* Prints text with names of files or channels, which may hold any bytes. */
-GP_PRINTF(1, 2)
-static void print_names(const char *fmt, ...)
-{
-    char text[2 * GP_LINE_BYTES];
-    va_list args;
-    va_start(args, fmt);
-    vsnprintf(text, sizeof text, fmt, args);
-    va_end(args);
-    gp_make_printable(text);
-    fputs(text, stdout);
-}
-
 static void print_worst(const struct row *r)
 {
     const struct gp_compare_figures *const f = r->figures;
     printf("%g", f->max);
     if (f->max > 0.0)
-        print_names(" @ (%d, %d, %s)", f->x, f->y,
-                    gp_compare_name(r->match, f->channel));
+        printf(" @ (%d, %d, %s)", f->x, f->y,
+               gp_printable(gp_compare_name(r->match, f->channel)).text);
 }
 
 /* The values of all channels of an image at the largest error. */
@@ -102,7 +89,8 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
 {
     const struct gp_compare_figures *const f = r->figures;
     if (r->why) {
-        printf("  %s%s\n", r->parts > 1 ? "parts: " : "", r->why);
+        printf("  %s%s\n", r->parts > 1 ? "parts: " : "",
+               gp_printable(r->why).text);
         return;
     }
     const struct gp_compare_match *const m = r->match;
@@ -149,12 +137,13 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
         if (both && strcmp(at->a->name, at->b->name) == 0)
             continue;
         if (both)
-            print_names("  channel %s is compared with %s of B, by its number",
-                        at->a->name, at->b->name);
+            printf("  channel %s is compared with %s of B, by its number\n",
+                   gp_printable(at->a->name).text,
+                   gp_printable(at->b->name).text);
         else
-            print_names("  channel %s is only in %s (0 in the other)",
-                        gp_compare_name(m, i), at->a ? "A" : "B");
-        putchar('\n');
+            printf("  channel %s is only in %s (0 in the other)\n",
+                   gp_printable(gp_compare_name(m, i)).text,
+                   at->a ? "A" : "B");
     }
     if (memcmp(&a, &b, sizeof a) != 0)
         printf("  windows %dx%d at (%d, %d) and %dx%d at (%d, %d); 0 "
@@ -249,7 +238,7 @@ static void report_pair(struct run *r, enum gp_compare_result result,
             printf(", part %d", row->part);
         printf(": %s; ", result_word(result));
         if (why) {
-            printf("%s\n", why);
+            printf("%s\n", gp_printable(why).text);
             return;
         }
         printf("max ");
@@ -348,10 +337,9 @@ static gp_status compare_frame(struct run *r, int frame)
     r->row = (struct row) {.a = path[0], .b = path[1], .frame = frame,
                            .parts = 1};
     r->drawn = r->subtracted = false;
-    if (prints(r) && in_full(r) && !st) {
-        print_names("Comparing \"%s\" and \"%s\"", path[0], path[1]);
-        putchar('\n');
-    }
+    if (prints(r) && in_full(r) && !st)
+        printf("Comparing \"%s\" and \"%s\"\n", gp_printable(path[0]).text,
+               gp_printable(path[1]).text);
     for (int i = 0; i < 2 && !st; i++)
         st = gp_stored_open(r->log, r->req->read, path[i], &f[i]);
     const bool all = r->req->params->all_parts;

@@ -54,9 +54,37 @@ json_t *gp_json_name(const char *s)
     return value;
 }
 
+/* Returns the text with control characters over U+007E as \uXXXX, and frees
+ * `text`. (They are in strings only, where jansson escapes C0 alone.) */
+static char *escape_controls(char *text)
+{
+    enum { ESCAPE = 6 };
+    size_t more = 0;
+    for (const char *s = text; *s; s += gp_utf8_bytes(s))
+        more += (unsigned char) *s > '~' && gp_control_bytes(s) ? ESCAPE : 0;
+    if (!more)
+        return text;
+    char *const clean = allocate(strlen(text) + more + 1), *to = clean;
+    for (const char *s = text; clean && *s; s += gp_utf8_bytes(s)) {
+        const size_t n = gp_utf8_bytes(s);
+        unsigned code = (unsigned char) *s & (n == 1 ? 0x7fu : 0xffu >> n);
+        for (size_t i = 1; i < n; i++)
+            code = code << 6 | ((unsigned char) s[i] & 0x3fu);
+        if (code > '~' && gp_control_bytes(s))
+            to += snprintf(to, ESCAPE + 1, "\\u%04X", code);
+        else
+            to = (char *) memcpy(to, s, n) + n;
+    }
+    if (clean)
+        *to = '\0';
+    free(text);
+    return clean;
+}
+
 char *gp_json_print(json_t *o, size_t flags)
 {
     char *text = o ? json_dumps(o, flags) : NULL;
+    text = text ? escape_controls(text) : NULL;
     json_decref(o);
     if (full)
         GP_FREE(text);

@@ -27,20 +27,45 @@ size_t gp_utf8_bytes(const char *text)
     return n;
 }
 
+size_t gp_control_bytes(const char *text)
+{
+    const unsigned char *const s = (const unsigned char *) text;
+    const size_t n = gp_utf8_bytes(text);
+    switch (n) {
+    case 0: // C1 of 8-bit terminals
+        return s[0] < 0xa0;
+    case 1: // C0, DEL
+        return s[0] && (s[0] < ' ' || s[0] == 0x7f);
+    case 2: // C1; U+061C
+        return (s[0] == 0xc2 && s[1] < 0xa0) ||
+               (s[0] == 0xd8 && s[1] == 0x9c) ? n : 0;
+    case 3: // U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069
+        return s[0] == 0xe2 &&
+               ((s[1] == 0x80 && ((s[2] >= 0x8e && s[2] <= 0x8f) ||
+                                  (s[2] >= 0xa8 && s[2] <= 0xae))) ||
+                (s[1] == 0x81 && s[2] >= 0xa6 && s[2] <= 0xa9)) ? n : 0;
+    default:
+        return 0;
+    }
+}
+
 void gp_make_printable(char *text)
 {
     while (*text) {
-        const unsigned char *const s = (const unsigned char *) text;
-        const size_t n = gp_utf8_bytes(text);
-        // C1: U+0080 to U+009F, or in 8-bit terminals the bytes themselves
-        const bool c1 = n == 2 ? s[0] == 0xc2 && s[1] < 0xa0
-                               : n == 0 && s[0] < 0xa0;
-        if (strchr("\t\n\r", *text))
-            *text = ' ';
-        else if (s[0] < ' ' || s[0] == 127 || c1)
-            memset(text, '?', n ? n : 1);
-        text += n ? n : 1;
+        const size_t n = gp_control_bytes(text);
+        const size_t whole = gp_utf8_bytes(text);
+        if (n)
+            memset(text, strchr("\t\n\r", *text) ? ' ' : '?', n);
+        text += whole ? whole : 1;
     }
+}
+
+struct gp_printable gp_printable(const char *text)
+{
+    struct gp_printable p;
+    snprintf(p.text, sizeof p.text, "%s", text);
+    gp_make_printable(p.text);
+    return p;
 }
 
 // -- messages ----------------------------------------------------------------

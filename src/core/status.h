@@ -83,11 +83,24 @@ const char *gp_status_text(gp_status status);
  * (RFC 3629); 1 at the end of the text. */
 size_t gp_utf8_bytes(const char *text);
 
-/* Makes a name of a file, a channel or a library one line that moves no cursor,
- * in place: tabs and line breaks become spaces, other control characters '?':
- * C0, DEL, and C1 (ECMA-48) as UTF-8 or as single bytes. Names that are not
- * UTF-8 keep their other bytes. Every message goes through it. */
+/* Returns the bytes of the control character at `text`, 0 where there is none:
+ * C0, DEL and C1 (ECMA-48), these also as single bytes, and those that order
+ * text or end lines in Unicode (UAX 9: U+061C, U+200E, U+200F, U+202A to U+202E,
+ * U+2066 to U+2069; U+2028, U+2029). */
+size_t gp_control_bytes(const char *text);
+
+/* Makes a name of a file, a channel or a library one line that moves no cursor
+ * and reads in its own order, in place: tabs and line breaks become spaces,
+ * other control characters '?', one for each byte. Names that are not UTF-8
+ * keep their other bytes. Every message goes through it. */
 void gp_make_printable(char *text);
+
+/* Returns a printable copy of a name, cut at the length of a message's line:
+ * printf("%s", gp_printable(name).text). */
+struct gp_printable {
+    char text[GP_LINE_BYTES];
+};
+struct gp_printable gp_printable(const char *text);
 
 /* A search for the nearest name: start with gp_nearest_to(), try each name,
  * read `name`. */

@@ -108,9 +108,6 @@ bool gp_file_is_straight(const char *path);
 char *gp_file_folder(const char *path);
 char *gp_file_resolve(const char *path);
 
-/* Makes every missing folder above `path`; 0, or -1 with errno set. */
-int gp_file_make_folders(const char *path);
-
 /* Copies the ending of the name, in lower case and without its dot, to a buffer
  * of `room` bytes; "" when there is none or it does not fit. The name ".exr" is
  * a hidden file without an ending. */

@@ -295,4 +295,9 @@ GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
     const struct gp_plane_list *list, const char *name, bool depth,
     bool own_file, struct gp_plane_place *out);
 
+/* -- folders --------------------------------------------------------------- */
+
+/* Makes every missing folder above `path`; 0, or -1 with errno set. */
+int gp_file_make_folders(const char *path);
+
 #endif

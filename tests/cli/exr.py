@@ -24,6 +24,7 @@ usage: exr.py FILE [key=value...]
 Keys attr and part may come more than once.
 """
 import math
+import os
 import random
 import struct
 import sys
@@ -122,7 +123,7 @@ class Part:
         data = (self.x, self.y, self.x + self.w - 1, self.y + self.h - 1)
         shown = self.o["display"]
         shown = [int(n) for n in shown.split(",")] if shown else data
-        chlist = b"".join(n.encode() + b"\0" +
+        chlist = b"".join(os.fsencode(n) + b"\0" +
                           struct.pack("<iiii", TYPES[t][0], 0, *[2 if n in CHROMA else 1] * 2)
                           for n, t in self.channels) + b"\0"
         h = attribute("channels", "chlist", chlist)

@@ -130,7 +130,7 @@ static void commands_make_the_same_picture(void **state)
          "glarepp --ocio c.ocio --ocio-context SHOT=four --view A/B i"},
         {"--ocio ocio://default -o a it's", "glarepp --ocio ocio://default "
          "'it'\\''s'"},
-        {"-o a x\ny\xff", "glarepp 'x?y\xef\xbf\xbd'"},
+        {"-o a x\ny\xff", "glarepp 'x y\xef\xbf\xbd'"},
         {"compare --heatmap /h.png --fail 1 /x/a.exr b.exr",
          "glarepp compare --fail 1 a.exr b.exr"},
     };

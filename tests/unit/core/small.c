@@ -87,6 +87,16 @@ static void names_move_no_cursor(void **state)
     static const char *const row[][2] = {
         {"", ""}, {"a\tb\r\n", "a b  "}, {"\33[31m\7\177", "?[31m??"},
         {"\xc2\x9b" "31m", "??31m"}, {"a\x9b" "31m\x80", "a?31m?"}, // C1
+        // text in another order, ends of lines
+        {"a\xe2\x80\xaeg\xe2\x80\xaa.", "a???g???."},
+        {"\xe2\x81\xa6\xe2\x81\xa9\xe2\x80\x8e", "?????????"},
+        {"\xe2\x80\x8f\xd8\x9c\xe2\x80\xa8", "????????"},
+        // their neighbours
+        {"\xe2\x80\x8d\xe2\x80\x90\xe2\x80\xa7",
+         "\xe2\x80\x8d\xe2\x80\x90\xe2\x80\xa7"},
+        {"\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa",
+         "\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa"},
+        {"\xd8\x9b\xd8\x9d", "\xd8\x9b\xd8\x9d"},
         // letters, also whose last byte is that of a C1, and Latin-1
         {"\xc3\x9b\xe2\x82\xac", "\xc3\x9b\xe2\x82\xac"},
         {"\xc2\xa0\xf0\x9f\x8c\x9e", "\xc2\xa0\xf0\x9f\x8c\x9e"},
@@ -98,6 +108,7 @@ static void names_move_no_cursor(void **state)
         strcpy(text, row[i][0]);
         gp_make_printable(text);
         assert_string_equal(text, row[i][1]);
+        assert_string_equal(gp_printable(row[i][0]).text, row[i][1]);
     }
     gp_fail(&(struct gp_log) {kept_sink, NULL, GP_LEVEL_ERROR}, GP_ERR_IO,
             "%s: \x9b", "\xc2\x9b");
@@ -112,6 +123,9 @@ static void json_is_whole_or_null(void **state)
         {"\xe0\x80\x80", // overlong: three bytes that are none
          "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
         {"\xf0\x9f\x8c\x9e", "\"\xf0\x9f\x8c\x9e\""},
+        {"\x1b\x7f\xc2\x9b\xc2\xa0", // controls, the same for a reader
+         "\"\\u001B\\u007F\\u009B\xc2\xa0\""},
+        {"\xe2\x80\xae\xe2\x81\xa9\xd8\x9c", "\"\\u202E\\u2069\\u061C\""},
         {"\xed\xa0\x80", // half of a surrogate pair
          "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
     };
