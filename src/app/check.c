@@ -71,8 +71,6 @@ static gp_status check_needs(const struct gp_log *log,
         {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera, "needs --sun, "
          "--sun-dir or --camera; lights of --lights have flux of their own",
          "", ""},
-        {GP_NEED_FLUX, sun->color.n || sun->lights, "needs a light with flux; "
-         "give --sun-color, e.g. --sun-color 5e4", "", ""},
         {GP_NEED_CONFIG, config, "needs --ocio; give --ocio CONFIG or --ocio "
          "env", "", ""},
         {GP_NEED_NO_CONFIG, !config, "--ocio replaces it; leave one of the two "

@@ -345,9 +345,9 @@ const struct gp_option gp_options[] = {
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
     OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
-        .needs = GP_NEED_LIGHT | GP_NEED_FLUX,
         .help = "Read lens-flare elements from a JSON file; each light that "
-                "has flux draws them, scaled by its visible share"),
+                "has flux draws them, scaled by its visible share, or every "
+                "bright pixel does"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Read depth from this channel, in any part; without it, from "
                 "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "

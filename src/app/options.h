@@ -67,22 +67,21 @@ enum gp_need {
     GP_NEED_LIGHT = 1 << 4,       // a sun or lamp
     GP_NEED_NO_PLACE = 1 << 5,    // no --sun
     GP_NEED_SUN = 1 << 6,         // --sun, --sun-dir or --camera
-    GP_NEED_FLUX = 1 << 7,        // a light with flux
-    GP_NEED_CONFIG = 1 << 8,      // --ocio
-    GP_NEED_NO_CONFIG = 1 << 9,
-    GP_NEED_PICTURE = 1 << 10,    // a tone-mapped picture
-    GP_NEED_HDR = 1 << 11,        // --hdr
+    GP_NEED_CONFIG = 1 << 7,      // --ocio
+    GP_NEED_NO_CONFIG = 1 << 8,
+    GP_NEED_PICTURE = 1 << 9,    // a tone-mapped picture
+    GP_NEED_HDR = 1 << 10,        // --hdr
     // without these the option does nothing: a warning
-    GP_NEED_MASK = 1 << 12,       // --sun-method mask
-    GP_NEED_MAP = 1 << 13,        // --sun-method mask or --debug sunmap
-    GP_NEED_TONES = 1 << 14,      // no --ocio
-    GP_NEED_CURVE = 1 << 15,      // --ocio, or a curve other than none
-    GP_NEED_EXTENDED = 1 << 16,   // --tonemap reinhard-extended
-    GP_NEED_SPLAT = 1 << 17,      // --engine auto or splat, or --debug polygons
-    GP_NEED_AUTO = 1 << 18,       // --engine auto
-    GP_NEED_STREAM = 1 << 19,     // an output without an ending
-    GP_NEED_FILES = 1 << 20,      // an output file
-    GP_NEED_REPORT_FILE = 1 << 21, // --report
+    GP_NEED_MASK = 1 << 11,       // --sun-method mask
+    GP_NEED_MAP = 1 << 12,        // --sun-method mask or --debug sunmap
+    GP_NEED_TONES = 1 << 13,      // no --ocio
+    GP_NEED_CURVE = 1 << 14,      // --ocio, or a curve other than none
+    GP_NEED_EXTENDED = 1 << 15,   // --tonemap reinhard-extended
+    GP_NEED_SPLAT = 1 << 16,      // --engine auto or splat, or --debug polygons
+    GP_NEED_AUTO = 1 << 17,       // --engine auto
+    GP_NEED_STREAM = 1 << 18,     // an output without an ending
+    GP_NEED_FILES = 1 << 19,      // an output file
+    GP_NEED_REPORT_FILE = 1 << 20, // --report
 };
 
 struct gp_option {

@@ -355,6 +355,8 @@ out:;
     gp_failures_free(&p.failures);
     gp_glare_close(&p.run.engines);
     gp_glare_close(&p.run.group_engines);
+    gp_run_ghosts_free(&p.run.ghosts);
+    gp_run_ghosts_free(&p.run.group_ghosts);
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
     gp_run_kernel_free(&p.run.kernel);

@@ -316,6 +316,14 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         put_number(o, "bound", g->bound, 0.0);
     if (g->engine && f->sources && g->bound_pixel > 0.0)
         put_number(o, "bound_pixel", g->bound_pixel, 0.0);
+    if (f->flare.runs) {
+        json_t *const m = json_pack("{s:i,s:i}", "elements", f->flare.elements,
+                                    "runs", f->flare.runs);
+        put_name(m, "engine", f->flare.engine);
+        put_number(m, "bound", f->flare.bound, 0.0);
+        put_number(m, "ms", f->flare.ms, 1e-3);
+        json_object_set_new(o, "flare", m);
+    }
     if (f->verified) {
         json_t *const m = json_object();
         put_number(m, "rel_l2", f->error.rel_l2, 0.0);
@@ -424,6 +432,10 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
         append(line, size, &at, ", %zu cores", g->cores);
     if (g->polygons && g->form)
         append(line, size, &at, ", %s", g->form);
+    if (f->flare.runs)
+        append(line, size, &at, ", flare of bright pixels: %d elements in %d "
+               "runs (%s, bound %.3g, %.1f ms)", f->flare.elements,
+               f->flare.runs, f->flare.engine, f->flare.bound, f->flare.ms);
     if (g->gl)
         append(line, size, &at, " on %s", g->gl);
     for (int i = 0; i < f->lights && i < 8; i++)

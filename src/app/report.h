@@ -25,6 +25,14 @@ enum gp_time {
     GP_TIMES,
 };
 
+/* Facts about the flare of bright pixels. Its bound is of rel_l2 of that part
+ * of the layer, from the engines' bounds of each run. */
+struct gp_flare_facts {
+    int elements, runs;  // runs 0: none was needed
+    const char *engine;  // of all runs; "several"
+    double bound, ms;
+};
+
 struct gp_settings;
 
 /* The facts about one frame. Strings are borrowed. */
@@ -60,6 +68,7 @@ struct gp_facts {
     int peak_at[2];              // its pixel, in EXR pixel space
     long long clamped_out;       // values that an output's type cannot hold
     struct gp_glare_stats glare; // engine NULL: no glare stage
+    struct gp_flare_facts flare;
     bool verified;
     struct gp_glare_error error; // when verified
     const struct gp_light *light; // `lights` of them; NULL: none asked for

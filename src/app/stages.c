@@ -336,14 +336,25 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
+static bool flare_asked(const struct gp_settings *s)
+{
+    return suns_asked(s) || s->sun.flare;
+}
+
 /* Adds lens flare, and the glare of lights that are not among the sources. */
 static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
 {
+    struct gp_flare_facts *const facts = &fs->facts.flare;
     gp_status st = GP_OK;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs),
-                                  &fs->frame);
+    if (!st)
+        st = gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
+    if (!st)
+        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->ghosts, &fs->frame,
+                               facts);
+    fs->engine_ms = facts->ms;
+    return st;
 }
 
 /* Sums by rows, so that the number of threads changes no bit. */
@@ -398,11 +409,15 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
     for (int i = 0; i < fs->groups && r->s->hdr.n && !st; i++) {
         struct gp_light_group *const g = &fs->group[i];
         struct gp_glare_stats stats = {0};
+        struct gp_flare_facts flare = {0};
         const double start = gp_now_ms();
         if (g->sources.n > 0)
             st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
                               &g->sources, gp_run_kernel_of(fs), &g->frame,
                               &stats);
+        if (!st)
+            st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->group_ghosts,
+                                   &g->frame, &flare);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         if (!st)
             st = gp_compose(fs->log, &p, &g->sources, &g->frame);
@@ -645,8 +660,8 @@ const struct gp_stage gp_stages[GP_STAGES] = {
      run_glare, NULL},
     {"verify", GP_PHASE_COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER,
      GP_HAS_MEASURED, run_verify, NULL},
-    {"flare", GP_PHASE_COMPUTE, GP_TIME_SUN, LAYER | KERNEL | SUNS, FLARE,
-     run_flare, suns_asked},
+    {"flare", GP_PHASE_COMPUTE, GP_TIME_SUN,
+     SOURCES | LAYER | KERNEL | SUNS, FLARE, run_flare, flare_asked},
     {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
     {"compose", GP_PHASE_COMPUTE, GP_TIME_COMPOSE,
      RGB | SOURCES | KERNEL | LAYER | FLARE, LIT, run_compose, NULL},

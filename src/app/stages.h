@@ -14,6 +14,7 @@
 #include "glare/kernel_check.h"
 #include "glare/model/model.h"
 #include "glare/sensors.h"
+#include "sun/ghosts.h"
 #include "sun/stage.h"
 
 #include <stdatomic.h>
@@ -113,6 +114,23 @@ void gp_frame_state_end(struct gp_frame_state *fs);
 /* Frees data that no later stage needs; bits GP_HAS_*. */
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 
+/* Elements of --flare that are drawn for bright pixels, and their engines. */
+struct gp_run_ghosts {
+    struct gp_ghosts set;
+    struct gp_glare *engine; // owned; one a run: auto's choice, and what an
+    int engines;             // engine keeps of a kernel
+};
+
+/* Adds them for `src`, the sources of f, to f->layer, which is made where there
+ * is a run to do. Adds to *facts. Errors: those of gp_ghosts_make() and
+ * gp_glare_run(). */
+struct gp_run;
+GP_MUST_CHECK gp_status gp_run_ghosts_add(const struct gp_log *log,
+    const struct gp_run *r, const struct gp_sources *src,
+    struct gp_run_ghosts *ghosts, struct gp_frame *f,
+    struct gp_flare_facts *facts);
+void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
+
 /* Data that is made once for all frames. Stages of the COMPUTE phase, which run
  * on one thread, frame after frame, may change it; the write stage changes only
  * `raw`, and only when `ordered`. */
@@ -129,6 +147,7 @@ struct gp_run {
     struct gp_glare group_engines; // of light groups: auto's choice depends on
                                    // the frames before
     struct gp_suns suns;
+    struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
     bool ordered;                  // frames are written in order: some output

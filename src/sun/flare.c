@@ -326,7 +326,7 @@ static int quads_of(const struct gp_flare_element *e, const struct gp_light *l,
 {
     const bool dark = l->flux[0] <= 0.0f && l->flux[1] <= 0.0f &&
                       l->flux[2] <= 0.0f;
-    if (dark || (clear && !(l->visibility > 0.0)) ||
+    if (dark || e->source != GP_FLARE_LIGHTS || (clear && !(l->visibility > 0.0)) ||
         gp_rect_empty(gp_flare_reach(e, l, frame, display)))
         return 0;
     const bool dispersed = e->scale[0] != e->scale[1] ||
@@ -460,7 +460,8 @@ gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
 
 // -- reading -----------------------------------------------------------------
 
-#define COMMON_KEYS "shape", "position", "size", "color", "rotation", "scale"
+#define COMMON_KEYS \
+    "shape", "position", "size", "color", "rotation", "scale", "source"
 static const char *const all_keys[] = {COMMON_KEYS, "width", "sides", "image",
                                        NULL};
 static const char *const disc_keys[] = {COMMON_KEYS, NULL};
@@ -485,8 +486,18 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     return st;
 }
 
+static gp_status read_source(const struct gp_json_place *p, json_t *o,
+                             enum gp_flare_source *out)
+{
+    static const char *const names[] = {"lights", "bright", NULL};
+    int source = (int) *out;
+    const gp_status st = gp_json_choice(p, o, "source", names, &source, NULL);
+    *out = (enum gp_flare_source) source;
+    return st;
+}
+
 static gp_status read_element(const struct gp_json_place *p, json_t *o,
-                              struct gp_flare_element *e)
+    enum gp_flare_source source, struct gp_flare_element *e)
 {
     static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
                                          "image", NULL};
@@ -495,7 +506,7 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     bool found = false;
     gp_status st;
     *e = (struct gp_flare_element) {
-        .size = 0.1, .width = 0.1, .sides = 6,
+        .source = source, .size = 0.1, .width = 0.1, .sides = 6,
         .colour = {0.01f, 0.01f, 0.01f}, .scale = {1.0f, 1.0f, 1.0f},
     };
     GP_TRY(gp_json_keys(p, o, all_keys));
@@ -508,6 +519,7 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     e->shape = (enum gp_flare_shape) shape;
     if (e->shape == GP_FLARE_STREAK)
         e->width = 0.01;
+    GP_TRY(read_source(p, o, &e->source));
     GP_TRY(gp_json_number(p, o, "position", -10.0, 10.0, &e->at, NULL));
     GP_TRY(gp_json_number(p, o, "size", 0.0, 10.0, &e->size, NULL));
     GP_TRY(gp_json_number(p, o, "rotation", -36000.0, 36000.0, &e->rotation,
@@ -539,19 +551,28 @@ gp_status gp_flare_read(const struct gp_log *log, const char *path,
                         struct gp_flare *out)
 {
     enum { MOST_ELEMENTS = 1024 };
+    static const char *const keys[] = {"elements", "source", NULL};
     struct gp_json_place place = {log, path, "element", 0};
+    enum gp_flare_source source = GP_FLARE_LIGHTS;
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;
     gp_status st;
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
+    if (json_is_object(root)) {
+        GP_TRY(gp_json_keys(&place, root, keys));
+        GP_TRY(read_source(&place, root, &source));
+    }
+    f.path = gp_strdup(path);
+    if (!f.path)
+        GP_TRY(gp_no_memory(log, path));
     const int n = (int) json_array_size(array);
     GP_TRY(gp_alloc_zero(log, "flare elements", n ? (size_t) n : 1,
                          sizeof *f.element, &f.element));
     while (f.n < n) {
         json_t *const o = json_array_get(array, (size_t) f.n);
         place.index = ++f.n;
-        GP_TRY(read_element(&place, o, &f.element[place.index - 1]));
+        GP_TRY(read_element(&place, o, source, &f.element[place.index - 1]));
     }
     *out = f;
     f = (struct gp_flare) {0};
@@ -561,12 +582,22 @@ out:
     return st;
 }
 
+bool gp_flare_has(const struct gp_flare *f, enum gp_flare_source source)
+{
+    for (int i = 0; i < f->n; i++) {
+        if (f->element[i].source == source)
+            return true;
+    }
+    return false;
+}
+
 void gp_flare_free(struct gp_flare *f)
 {
     for (int i = 0; i < f->n; i++) {
         gp_free(f->element[i].path);
         gp_planes_free(&f->element[i].image.rgb);
     }
-    GP_FREE(f->element);
+    gp_free(f->element);
+    gp_free(f->path);
     *f = (struct gp_flare) {0};
 }

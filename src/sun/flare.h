@@ -1,4 +1,5 @@
 /* Lens flare: elements on the line from a light through the image's centre.
+ * Lights are those listed, or every bright pixel (sun/ghosts.h).
  *
  * An element's total over all pixels (of an unbounded picture) is colour *
  * flux * visibility in each channel, so that it looks the same at every
@@ -10,12 +11,14 @@
  * and a step of 1/8 pixel is a small change. No element is smaller, and no ring
  * or streak thinner, than a pixel.
  *
- * JSON, an array or {"elements": [...]}; every key has a default but shape:
+ * JSON, an array or {"elements": [...], "source": of elements without their
+ * own}; every key has a default but shape:
  *   {"shape": "disc" | "ring" | "polygon" | "streak" | "image",
  *    "position": 0, "size": 0.1, "color": [r,g,b] | grey (0.01),
  *    "rotation": degrees (0), "scale": [r,g,b] (1,1,1),
  *    "width": ring's or streak's share of the radius (0.1; streak 0.01),
- *    "sides": of the polygon (6), "image": file beside the JSON}
+ *    "sides": of the polygon (6), "image": file beside the JSON,
+ *    "source": "lights" | "bright" pixels of the frame (lights)}
  * disc: flat; ring: an annulus that ends at the radius; polygon: regular, its
  * corners on the radius; streak: a band along the rotation that fades to both
  * ends as (1 - |t|)^2; image: its luminance sum is scaled to 1, bilinear, and
@@ -38,6 +41,8 @@ enum gp_flare_shape {
     GP_FLARE_IMAGE,
 };
 
+enum gp_flare_source { GP_FLARE_LIGHTS, GP_FLARE_BRIGHT };
+
 /* Pixels of an image element; rows from the top. The middle of the image is at
  * (cx, cy) in its own continuous pixels. */
 struct gp_flare_image {
@@ -49,6 +54,7 @@ struct gp_flare_image {
 
 struct gp_flare_element {
     enum gp_flare_shape shape;
+    enum gp_flare_source source;
     double at, size, rotation, width;
     int sides;
     float colour[3], scale[3];
@@ -63,7 +69,11 @@ struct gp_flare_element {
 struct gp_flare {
     struct gp_flare_element *element; // owned
     int n;
+    char *path;                       // of the JSON, for messages; owned
 };
+
+/* Returns true when an element of f has that source. */
+bool gp_flare_has(const struct gp_flare *f, enum gp_flare_source source);
 
 /* Errors: GP_ERR_IO cannot be read; GP_ERR_DATA as above. Files over 1 MiB or
  * of over 1024 elements are refused. *out is written on GP_OK only; free:
@@ -72,7 +82,7 @@ GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
                                       const char *path, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
-/* Adds all elements of every light to `layer` (w * h of `frame`), in plain C:
+/* Adds all elements of lights, for every light, to `layer` (w * h of `frame`), in plain C:
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */
 GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,

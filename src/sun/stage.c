@@ -40,8 +40,6 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
-    if (!gp_suns_wanted(p))
-        return GP_OK;
     if (p->lights)
         GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
     const int sun = p->at.n || p->dir.n;
@@ -56,6 +54,13 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
+    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !p->color.n && !p->lights)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--flare: %s has elements of lights, "
+                       "and there is no light with flux; give %s, or \"source\""
+                       ": \"bright\" in the file", p->flare,
+                       gp_suns_wanted(p) ? "--sun-color, e.g. --sun-color 5e4"
+                                         : "--sun and --sun-color, or "
+                                           "--lights"));
     // images of flare elements become light: no NaN, no negative values
     for (int k = 0; k < out->flare.n; k++) {
         struct gp_flare_element *const e = &out->flare.element[k];

@@ -118,7 +118,8 @@ bool gp_suns_wanted(const struct gp_sun_params *p);
 /* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out
  *   out  zero; freed by gp_suns_close() in any case
- * Errors: those of the readers. */
+ * Errors: those of the readers; GP_ERR_USAGE elements of lights, and no light
+ * with flux. */
 GP_MUST_CHECK gp_status gp_suns_begin(
     const struct gp_log *log, const struct gp_sun_params *p, enum gp_gl_api api,
     const struct gp_sun_reader *reader, struct gp_suns *out);

@@ -353,7 +353,8 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
         }
         GP_TRY(find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
                            &sprite));
-        const struct gp_flare one = {sprite->element, sprite->n};
+        const struct gp_flare one = {.element = sprite->element,
+                                     .n = sprite->n};
         GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
     }
     if (!drawn && suns->flare.n)

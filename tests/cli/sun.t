@@ -133,6 +133,32 @@ if [ -n "$oiio" ]; then
     run --sun 30,6,2 --sun-color 1000 -k kernel.exr --layer plain.exr matte.exr
     is "$("$python" -c "print(round($(total flared.exr) - $(total plain.exr), 1))")" \
         20.0 'flare carries its share of the flux'
+    # elements of bright pixels: no light is listed
+    sed 's/{"shape"/{"source": "bright", "shape"/g' flare.json >bright.json
+    printf '{"source": "bright", "elements": %s}' "$(cat flare.json)" >all.json
+    frame bright.exr kind=lights size=200x120
+    run -k kernel.exr --layer plain.exr --report p.json bright.exr
+    run -k kernel.exr --flare bright.json --layer flared.exr --report r.json \
+        --no-provenance bright.exr
+    is "$("$python" -c "import json
+f = json.load(open('p.json'))['flux_in'][0]
+print(round(($(total flared.exr) - $(total plain.exr)) / f, 4))")" 0.02 \
+        'flare of bright pixels carries its share of their flux'
+    is "$(field r.json '[o["flare"]["elements"], o["flare"]["runs"]] + \
+        [0 < o["flare"]["bound"] < 1e-3, o["flare"]["ms"] > 0, "lights" in o]'
+        )" '[2, 2, True, True, False]' \
+        'flare of bright pixels: runs, bound and time'
+    run -k kernel.exr --flare all.json --layer all.exr --threads 3 \
+        --no-provenance bright.exr
+    same all.exr flared.exr '"source" for all elements; any threads'
+    run -k kernel.exr -v --flare bright.json --layer dark.exr matte.exr
+    is "$(total dark.exr)" 0 'flare of a frame without bright pixels'
+    run -k kernel.exr --sun 30,6,2 --flare bright.json --layer sun.exr \
+        bright.exr
+    status_is 0 'a sun without flux beside flare of bright pixels'
+    printf '{"elements": [], "sauce": 1}' >wrong.json
+    run --flare wrong.json --layer l.exr bright.exr
+    fails_with 4 sauce 'a flare file with a key that does not exist'
     run --sun 30,6,4 --sun-adapt 0.5 --hdr dim.exr --type float in.exr
     run --hdr full.exr --type float in.exr
     is "$("$python" -c "print(round($(total dim.exr) / $(total full.exr), 4))")" \
@@ -288,8 +314,8 @@ refuses --sun 'a negative radius' --sun 1,2,-3
 refuses --sun-dir 'two suns' --sun 1,2 --sun-dir 0,0,1
 refuses --sun-color 'two colours' --sun 1,2 --sun-color 1,2
 refuses --sun-map 'an odd map' --sun 1,2 --sun-method mask --sun-map 15
-refuses --flare 'flare without flux' --sun 1,2 --flare flare.json
-refuses --flare 'flare without light' --flare flare.json
+refuses --sun-color 'flare without flux' --sun 1,2 --flare flare.json
+refuses '"bright"' 'flare without light' --flare flare.json
 refuses --mask 'a mask without light' --mask A
 refuses --debug 'a sun map without light' --debug sunmap=m.png
 run --lights nowhere.json --report r.json in.exr

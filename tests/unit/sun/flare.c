@@ -39,9 +39,38 @@ static void reads_elements(void **state)
     gp_flare_free(&f);
 }
 
+static void reads_sources(void **state)
+{
+    struct gp_flare f = {0};
+    assert_ok(read_text("{'source': 'bright', 'elements': [{'shape': 'disc'},"
+                        "{'shape': 'ring', 'source': 'lights'}]}", &f));
+    assert_int_equal(f.element[0].source, GP_FLARE_BRIGHT);
+    assert_int_equal(f.element[1].source, GP_FLARE_LIGHTS);
+    assert_true(gp_flare_has(&f, GP_FLARE_LIGHTS));
+    assert_string_equal(f.path, path);
+    gp_flare_free(&f);
+    assert_ok(read_text("[{'shape': 'disc', 'source': 'bright'}]", &f));
+    assert_true(gp_flare_has(&f, GP_FLARE_BRIGHT));
+    assert_false(gp_flare_has(&f, GP_FLARE_LIGHTS));
+    gp_flare_free(&f);
+}
+
+/* Lights draw their own elements only. */
+static void lights_leave_bright_elements(void **state)
+{
+    struct picture p = picture_of(40, 30);
+    struct gp_flare_element e = ELEMENT(.size = 0.5);
+    e.source = GP_FLARE_BRIGHT;
+    add_one(&p, e, lamp_at(20.0, 15.0));
+    assert_true(total(&p, 0) == 0.0);
+    picture_free(&p);
+}
+
 static void refuses_elements(void **state)
 {
     static const char *const rows[] = {
+        "{'elements': [], 'source': 'sun'}",
+        "{'elements': [], 'sauce': 'lights'}", "disc', 'source': 3",
         "[{}]", "[{'size': 1}]", "[3]", "{'lights': []}", "[{'shape': 'disc'",
         "[{'shape': 'disc'}, {'shape': 'blob'}]",
         // the rest of an element, from its shape
@@ -355,7 +384,8 @@ static void threads_change_nothing(void **state)
     free_images(e, f.n);
 }
 
-SUITE_OF(flare, make_folder, remove_folder, reads_elements, refuses_elements,
+SUITE_OF(flare, make_folder, remove_folder, reads_elements, reads_sources,
+    lights_leave_bright_elements, refuses_elements,
     refuses_too_many, example_is_faint, totals_hold, places_lie_on_the_axis,
     rotation_is_counter_clockwise, small_steps_are_small, reach_holds_all,
     plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,

@@ -88,7 +88,7 @@ static void forms_agree(void **state)
     light[7].behind = true;
     const size_t step = getenv("GLAREPP_TEST_QUICK") ? 6 : 1;
     for (size_t i = 0; i < (size_t) s.all.n; i += step) {
-        const struct gp_flare f = {&s.e[i], 1};
+        const struct gp_flare f = {.element = &s.e[i], .n = 1};
         check_pair(&s, &f, light + 3, 1, frames[0], frames[0], i);
     }
     for (size_t k = 0; k < COUNT(frames); k += step)

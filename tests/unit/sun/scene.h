@@ -228,7 +228,7 @@ static inline void add(struct picture *p, const struct gp_flare *f,
 static inline void add_one(struct picture *p, struct gp_flare_element e,
                            struct gp_light l)
 {
-    add(p, &(struct gp_flare) {&e, 1}, &l, 1);
+    add(p, &(struct gp_flare) {.element = &e, .n = 1}, &l, 1);
 }
 
 static inline struct gp_light lamp_at(double x, double y)
@@ -318,7 +318,7 @@ static inline struct gp_flare all_shapes(struct gp_flare_element *out)
         out[n].image = image_make(80 + i, 40 + 9 * i, 40.0, 20.0, i > 1);
         out[n].scale[2] = i == 3 ? 1.25f : 1.0f;
     }
-    return (struct gp_flare) {out, n};
+    return (struct gp_flare) {.element = out, .n = n};
 }
 
 static inline void free_images(struct gp_flare_element *e, int n)
