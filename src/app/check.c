@@ -21,6 +21,22 @@ static bool open_ended(const char *path)
     return ending[0] == '\0';
 }
 
+/* Finds whether pictures are written, and one without an ending. */
+static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
+{
+    const struct gp_texts *const made[] = {&s->outputs, &s->hdr, &s->layer};
+    *stream = *files = false;
+    for (int k = 0; k < 3; k++) {
+        *files = *files || made[k]->n;
+        for (int i = 0; i < made[k]->n; i++)
+            *stream = *stream || open_ended(made[k]->at[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        *stream = *stream || open_ended(s->debug[i]);
+        *files = *files || s->debug[i];
+    }
+}
+
 /* Reports the first option with a need that is not met as an error, or with
  * `warns` each option that does nothing as a warning. With `unmet` it reports
  * nothing and adds the bits of all needs that are not met. */
@@ -38,17 +54,8 @@ static gp_status check_needs(const struct gp_log *log,
     const bool chosen = strcmp(engine, "auto") == 0;
     const bool raw = !gp_option_given(s, "stdout-format") ||
                      s->write.stdout_format == GP_STDOUT_RAW;
-    const struct gp_texts *const made[] = {&s->outputs, &s->hdr, &s->layer};
-    bool stream = false, files = false;
-    for (int k = 0; k < 3; k++) {
-        files = files || made[k]->n;
-        for (int i = 0; i < made[k]->n; i++)
-            stream = stream || open_ended(made[k]->at[i]);
-    }
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        stream = stream || open_ended(s->debug[i]);
-        files = files || s->debug[i];
-    }
+    bool stream, files;
+    find_outputs(s, &stream, &files);
     // in the order of the checks; a message follows "--NAME: ", and a value
     // goes between its two parts
     const struct {
@@ -230,12 +237,30 @@ static bool is_power_of_two(int n)
     return n > 0 && (n & (n - 1)) == 0;
 }
 
+static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_splat_params *const splat = &s->glare.splat;
+    if (!is_power_of_two(splat->group))
+        return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
+                       "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
+    // the default of --cluster must not refuse a larger --group
+    if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
+        splat->cluster = 0;
+    if (splat->cluster != 0 && !is_power_of_two(splat->cluster))
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
+            "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
+    if (splat->cluster != 0 && splat->cluster <= splat->group)
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: must be larger than "
+                       "--group (found %d and %d); give a larger one, or 0 "
+                       "for none", splat->cluster, splat->group);
+    return GP_OK;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
     const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
     const int words = s->completion ? 0 : 1;
-    struct gp_splat_params *const splat = &s->glare.splat;
     const struct gp_sun_params *const sun = &s->sun;
     bool wants = s->outputs.n || s->hdr.n || s->layer.n || s->report;
     if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
@@ -277,19 +302,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "out.png %s, or see glarepp --help", s->inputs.at[0]);
     GP_TRY(check_needs(log, s, false, NULL));
     GP_TRY(check_grow(log, s));
-    // the default of --cluster must not refuse a larger --group
-    if (!is_power_of_two(splat->group))
-        return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
-                       "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
-    if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
-        splat->cluster = 0;
-    if (splat->cluster != 0 && !is_power_of_two(splat->cluster))
-        return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
-            "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
-    if (splat->cluster != 0 && splat->cluster <= splat->group)
-        return gp_fail(log, GP_ERR_USAGE, "--cluster: must be larger than "
-                       "--group (found %d and %d); give a larger one, or 0 "
-                       "for none", splat->cluster, splat->group);
+    GP_TRY(check_groups(log, s));
     // lights
     if (sun->at.n == 3 && sun->at.v[2] < 0.0)
         return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "

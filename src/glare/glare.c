@@ -115,12 +115,47 @@ static gp_status find_whole(const struct gp_log *log, struct gp_glare *g,
     return GP_OK;
 }
 
+static void halve_floor(struct gp_pixel_floor *floor, int times)
+{
+    floor->least = ldexp(floor->least, -times);
+    floor->lit = ldexp(floor->lit, -times);
+    floor->most = ldexp(floor->most, -times);
+    floor->less = ldexp(floor->less, -times);
+    for (int c = 0; c < 3; c++) {
+        floor->layer[c] = ldexp(floor->layer[c], -times);
+        floor->tail[c] = ldexp(floor->tail[c], -times);
+    }
+}
+
+/* Warns where the named engine takes long and another one is faster: on a farm
+ * a slow choice should be known before the hour is spent. `kernel` is the one
+ * that other engines would draw. */
+static void warn_of_hours(const struct gp_glare_request *req,
+    const struct gp_kernel *kernel, const struct gp_glare *g, int named,
+    const char *path)
+{
+    static const double LONG_MS = 20e3;
+    const double ms = gp_engines[named]->predict(req, g->state[named]).ms;
+    struct gp_candidate c[GP_CANDIDATES];
+    struct gp_glare_request other = *req;
+    other.kernel = kernel;
+    const int n = ms > LONG_MS ? gp_plan_candidates(&other, g, c) : 0;
+    int best = 0;
+    for (int i = 1; i < n; i++)
+        best = c[i].exact && c[i].ms < c[best].ms ? i : best;
+    if (n && c[best].engine != named)
+        gp_say(req->log, GP_LEVEL_WARN,
+               "%s: --engine %s will take about %.0f s for %zu sources; use "
+               "--engine %s (%.3g s), or raise --threshold", path,
+               gp_engines[named]->name, ms * 1e-3, req->src->n,
+               gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
+}
+
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     struct gp_frame *f, struct gp_glare_stats *stats)
 {
-    static const double LONG_MS = 20e3;
     gp_status st = GP_OK;
     const char *const path = f->path ? f->path : "frame";
     int named = 0;
@@ -175,14 +210,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         whole.src = src;
         whole.kernel = kernel;
         GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
-        floor.least = ldexp(floor.least, -times);
-        floor.lit = ldexp(floor.lit, -times);
-        floor.most = ldexp(floor.most, -times);
-        floor.less = ldexp(floor.less, -times);
-        for (int c = 0; c < 3; c++) {
-            floor.layer[c] = ldexp(floor.layer[c], -times);
-            floor.tail[c] = ldexp(floor.tail[c], -times);
-        }
+        halve_floor(&floor, times);
     }
     if (p->tolerance_pixel > 0.0f && named >= 0)
         GP_TRY(gp_plan_pixel(&req, g, named, &floor, &taken.pixel));
@@ -191,22 +219,8 @@ gp_status gp_glare_run(const struct gp_log *log,
         stats->bound = taken.bound;
     } else {
         snprintf(stats->why, sizeof stats->why, "named by --engine");
-        // on a farm, a slow choice should be known before the hour is spent
-        const double ms = gp_engines[named]->predict(&req, g->state[named]).ms;
-        struct gp_candidate c[GP_CANDIDATES];
-        struct gp_glare_request other = req;
-        if (drawn != kernel)
-            other.kernel = kernel;
-        const int n = ms > LONG_MS ? gp_plan_candidates(&other, g, c) : 0;
-        int best = 0;
-        for (int i = 1; i < n; i++)
-            best = c[i].exact && c[i].ms < c[best].ms ? i : best;
-        if (n && c[best].engine != named)
-            gp_say(log, GP_LEVEL_WARN,
-                   "%s: --engine %s will take about %.0f s for %zu sources; "
-                   "use --engine %s (%.3g s), or raise --threshold", path,
-                   gp_engines[named]->name, ms * 1e-3, src->n,
-                   gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
+        warn_of_hours(&req, drawn != kernel ? kernel : req.kernel, g, named,
+                      path);
     }
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;
