@@ -56,66 +56,67 @@ static uint64_t hash_on(uint64_t h, const char *text, size_t n)
 }
 #define HASH_START 14695981039346656037u
 
+/* Finds the deepest folder of a name that exists, and adds the names of the
+ * rest, which --create-dir would make, to a hash. */
+static gp_status find_folder(const struct gp_log *log, const char *name,
+                             struct stat *info, uint64_t *hash)
+{
+    char *way;
+    const size_t room = strlen(name) + 3;
+    gp_status st = gp_alloc_zero(log, "file names", 2, room, &way);
+    if (st)
+        return st;
+    char *const rest = way + room;
+    size_t at = 1, left = 0, n; // bytes of these
+    way[0] = name[0] == '/' ? '/' : '.';
+    for (const char *p = name; *p; p += n, p += *p == '/') {
+        n = strcspn(p, "/");
+        if (n == 0 || (n == 1 && *p == '.'))
+            continue;
+        if (left && n == 2 && memcmp(p, "..", 2) == 0) {
+            while (rest[--left] != '/')
+                ;
+            rest[left] = '\0';
+            continue;
+        }
+        snprintf(way + at, room - at, "/%.*s", (int) n, p);
+        if (!left && stat(way, info) == 0 && S_ISDIR(info->st_mode)) {
+            at += n + 1;
+            continue;
+        }
+        way[at] = '\0';
+        left += (size_t) snprintf(rest + left, room - left, "/%.*s", (int) n,
+                                  p);
+    }
+    *hash = hash_on(*hash, rest, left);
+    if (stat(way, info) != 0) // removed meanwhile
+        info->st_dev = info->st_ino = 0;
+    gp_free(way);
+    return GP_OK;
+}
+
 /* Identifies the file that will be made under a name that does not exist: by
- * device and node of its folder, or of the deepest folder above that exists
- * where --create-dir would make it, and a hash of the rest. The folder is kept
- * in *c, as the next file is often in it. */
-static gp_status find_place(struct gp_clobber *c, const char *path,
+ * device and node of its folder, and a hash of its name there. */
+static gp_status find_place(const struct gp_log *log, const char *path,
                             struct gp_clobber_file *file)
 {
     struct stat info;
-    char *way, *const name = gp_file_folder(path);
-    if (!name)
-        return gp_no_memory(c->log, path);
-    const size_t room = strlen(name) + 3;
-    const bool kept = c->folder.path && strcmp(c->folder.path, name) == 0;
-    gp_free(kept ? name : c->folder.path);
-    if (!kept) {
-        c->folder.path = name;
-        c->folder.tail = HASH_START;
-    }
-    if (!kept && stat(name, &info) != 0) {
-        gp_status st = gp_alloc_zero(c->log, "file names", 2, room, &way);
-        if (st)
-            return st;
-        char *const rest = way + room;
-        size_t at = 1, left = 0, n; // bytes of these
-        way[0] = name[0] == '/' ? '/' : '.';
-        for (const char *p = name; *p; p += n, p += *p == '/') {
-            n = strcspn(p, "/");
-            if (n == 0 || (n == 1 && *p == '.'))
-                continue;
-            if (left && n == 2 && memcmp(p, "..", 2) == 0) {
-                while (rest[--left] != '/')
-                    ;
-                rest[left] = '\0';
-                continue;
-            }
-            snprintf(way + at, room - at, "/%.*s", (int) n, p);
-            if (!left && stat(way, &info) == 0 && S_ISDIR(info.st_mode)) {
-                at += n + 1;
-                continue;
-            }
-            way[at] = '\0';
-            left += (size_t) snprintf(rest + left, room - left, "/%.*s",
-                                      (int) n, p);
-        }
-        c->folder.tail = hash_on(HASH_START, rest, left);
-        if (stat(way, &info) != 0) // removed meanwhile
-            info.st_dev = info.st_ino = 0;
-        gp_free(way);
-    }
-    if (!kept) {
-        c->folder.device = info.st_dev;
-        c->folder.node = info.st_ino;
-    }
+    uint64_t hash = HASH_START;
+    char *const folder = gp_file_folder(path);
+    gp_status st = GP_OK;
+    if (!folder)
+        return gp_no_memory(log, path);
+    if (stat(folder, &info) != 0)
+        st = find_folder(log, folder, &info, &hash);
+    gp_free(folder);
+    if (st)
+        return st;
     const char *const slash = strrchr(path, '/');
     const char *const base = slash ? slash + 1 : path;
-    const uint64_t tail = hash_on(hash_on(c->folder.tail, "/", 1), base,
-                                  strlen(base));
-    file->device = c->folder.device;
-    file->node = c->folder.node;
-    file->tail = tail ? tail : 1;
+    hash = hash_on(hash_on(hash, "/", 1), base, strlen(base));
+    file->device = info.st_dev;
+    file->node = info.st_ino;
+    file->tail = hash ? hash : 1;
     return GP_OK;
 }
 
@@ -173,7 +174,7 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
     char *const end = link ? gp_file_resolve(path) : NULL;
     if (link && !end && errno == ENOMEM)
         return gp_no_memory(c->log, path);
-    const gp_status st = find_place(c, end ? end : path, &file);
+    const gp_status st = find_place(c->log, end ? end : path, &file);
     gp_free(end);
     return st ? st : add_file(c, file);
 }
@@ -198,7 +199,6 @@ gp_status gp_clobber_begin(
 
 void gp_clobber_end(struct gp_clobber *c)
 {
-    gp_free(c->folder.path);
     gp_free(c->file);
     *c = (struct gp_clobber) {0};
 }

@@ -48,12 +48,6 @@ struct gp_clobber {
     struct gp_clobber_file *file; // owned
     size_t n, room;
     bool exists;                  // some output exists: it may be an input
-    struct {                      // folder of the last output
-        char *path;               // owned
-        dev_t device;
-        ino_t node;
-        uint64_t tail;            // hash of folders that are to be made
-    } folder;
 };
 
 /* Starts with the files that options with plain names write.
