@@ -96,8 +96,8 @@ struct gp_fft_shape {
                               // of the others
 };
 
-/* Those of channel c; free with gp_fft_shape_free(). Errors: GP_ERR_BUG out of
- * memory. */
+/* Those of channel c, rows without gaps where the kernel has a tail, which fills
+ * them; free with gp_fft_shape_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
     const struct gp_kernel *k, int c, struct gp_fft_shape *out);
 void gp_fft_shape_free(struct gp_fft_shape *s);

@@ -201,8 +201,14 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
             s.run = runs;
         }
         s.row[y] = (uint32_t) n;
-        if (!st)
-            n += row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
+        if (st)
+            break;
+        uint32_t runs = row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
+        if (k->tail && runs > 1) { // its tail fills the gaps
+            s.run[n].to = s.run[n + runs - 1].to;
+            runs = 1;
+        }
+        n += runs;
     }
     if (!st) {
         s.row[h] = (uint32_t) n;

@@ -468,7 +468,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     *out = (struct gp_shape) {
         .state = k, .free = samples_free, .row = samples_row,
         .grey = k->channels == 1, .smooth = INFINITY,
-        .reach = gp_max(k->r[0], k->r[1]),
+        .reach = gp_max(k->r[0], k->r[1]), .rows = k->r[1],
     };
     k = NULL;
 out:

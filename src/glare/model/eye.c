@@ -1,7 +1,10 @@
 /* Models of the eye: Spencer et al. 1995, and the CIE's of 1999 and 2002. */
 #include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -119,11 +122,19 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
 enum { CIRCLE = 1 << 14 }; // steps of m
 static const double NEEDLE_END = 5.0, CONTRAST = 0.8;
 
-struct needles {
+/* Degrees beyond which there is no halo: that of 780 nm is around 4.1 and falls
+ * to 1e-7 of its height by then. */
+static const double HALO_END = 5.0;
+
+/* An eye that is more than even and grey: the part that is so, which goes on
+ * over the whole field, and what halo and needles add near the light. */
+struct night {
     struct gp_shape eye;
-    int rx, ry;        // offsets that `add` has
-    float *add;        // what needles add to the even corona; owned
-    bool grey;
+    double degrees;   // a pixel's shorter side
+    int rx, ry;       // offsets of what follows
+    double *even;     // eye, of offsets 0 .. rx, 0 .. ry
+    double *halo[3];  // the same; NULL: no halo
+    float *add;       // needles, of offsets -rx .. rx, -ry .. ry; NULL: none
 };
 
 /* The sums of m up to each step, of mean 1. */
@@ -162,93 +173,229 @@ static double circle_sum(const double sum[CIRCLE + 1], double turns)
     return whole + sum[i] + (at - i) * (sum[i + 1] - sum[i]);
 }
 
-static void needles_row(const void *state, int x, int y, int n,
-                        double *const out[3])
+/* The share of the needles' contrast that is left t degrees from the light. */
+static double needle_fade(double t)
 {
-    const struct needles *const s = state;
-    s->eye.row(s->eye.state, x, y, n, out);
-    if (abs(y) > s->ry)
+    const double end = fmin(fmax(2.0 * (1.0 - t / NEEDLE_END), 0.0), 1.0);
+    return end * end * (3.0 - 2.0 * end);
+}
+
+static void night_far(const void *state, int x, int y, int n, double *out)
+{
+    const struct night *const s = state;
+    double *const grey[3] = {out, NULL, NULL};
+    if (abs(y) > s->ry || x < -s->rx || x + n - 1 > s->rx) {
+        s->eye.row(s->eye.state, x, y, n, grey);
         return;
-    const float *const row =
-        s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1);
-    for (int i = 0; i < n; i++) {
-        for (int c = 0; c < (s->grey ? 1 : 3) && abs(x + i) <= s->rx; c++)
-            out[c][i] = fmax(out[c][i] + (double) row[x + i + s->rx], 0.0);
+    }
+    const double *const row =
+        s->even + (size_t) abs(y) * ((size_t) s->rx + 1);
+    for (int i = 0; i < n; i++)
+        out[i] = row[abs(x + i)];
+}
+
+static void night_row(const void *state, int x, int y, int n,
+                      double *const out[3])
+{
+    const struct night *const s = state;
+    const int from = x < -s->rx ? -s->rx : x;
+    const int to = x + n > s->rx + 1 ? s->rx + 1 : x + n;
+    const bool near = abs(y) <= s->ry && from < to;
+    night_far(state, x, y, n, out[0]);
+    if (near && s->add) {
+        const float *const row =
+            s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1);
+        for (int i = from; i < to; i++)
+            out[0][i - x] =
+                fmax(out[0][i - x] + (double) row[i + s->rx], 0.0);
+    }
+    for (int c = 1; c < 3 && s->halo[0]; c++)
+        memcpy(out[c], out[0], (size_t) n * sizeof *out[c]);
+    for (int c = 0; c < 3 && near && s->halo[0]; c++) {
+        const double *const row =
+            s->halo[c] + (size_t) abs(y) * ((size_t) s->rx + 1);
+        for (int i = from; i < to; i++)
+            out[c][i - x] += row[abs(i)];
     }
 }
 
-static void free_needles(void *state)
+static double night_least(const void *state, double pixels)
 {
-    struct needles *const s = state;
-    s->eye.free(s->eye.state);
+    const struct night *const s = state;
+    return s->add ? 1.0 - CONTRAST * needle_fade(pixels * s->degrees) : 1.0;
+}
+
+static void free_night(void *state)
+{
+    struct night *const s = state;
+    if (s->eye.free)
+        s->eye.free(s->eye.state);
+    gp_free(s->even);
+    gp_free(s->halo[0]);
     gp_free(s->add);
     gp_free(s);
 }
 
-/* Makes needles of the corona of *shape. */
+/* A shape's samples at the offsets of a night's tables. */
+struct tabling {
+    const struct night *s;
+    const struct gp_shape *shape;
+    double *out[3];
+};
+
+static void table_row(void *ctx, int y, int thread)
+{
+    const struct tabling *const t = ctx;
+    const int w = t->s->rx + 1;
+    (void) thread;
+    for (int x = 0; x < w; x += GP_SHAPE_STRIP) {
+        const size_t at = (size_t) y * (size_t) w + (size_t) x;
+        double *const to[3] = {
+            t->out[0] + at, t->out[1] ? t->out[1] + at : NULL,
+            t->out[2] ? t->out[2] + at : NULL,
+        };
+        t->shape->row(t->shape->state, x, y, gp_min(w - x, GP_SHAPE_STRIP),
+                      to);
+    }
+}
+
+/* Makes tables of a profile for s, owned by the caller in out[0]. */
+static gp_status make_table(const struct gp_log *log, const struct spencer *e,
+    double bends, const struct gp_field *f, const struct night *s,
+    double *out[3])
+{
+    struct gp_shape shape;
+    struct tabling t = {.s = s, .shape = &shape};
+    const size_t n = ((size_t) s->rx + 1) * ((size_t) s->ry + 1);
+    gp_status st = gp_radial_shape(log, spencer_profile, e, e->channels, bends,
+                                   f, &shape);
+    if (st)
+        return st;
+    st = gp_alloc(log, "kernel", (size_t) e->channels * n, sizeof(double),
+                  &t.out[0]);
+    for (int c = 1; c < e->channels && !st; c++)
+        t.out[c] = t.out[0] + (size_t) c * n;
+    if (!st) {
+        gp_parallel_do(s->ry + 1, table_row, &t);
+        memcpy(out, t.out, (size_t) e->channels * sizeof *out);
+    }
+    shape.free(shape.state);
+    return st;
+}
+
+struct needling {
+    const struct night *s;
+    const double *corona;  // a table of s
+    const double *circle;
+    double a, b, turn;     // degrees of a pixel; turns
+    double *sum;           // that rows add
+};
+
+/* The needles of the pixels y rows above and below the light. */
+static void needle_row(void *ctx, int y, int thread)
+{
+    const struct needling *const m = ctx;
+    const struct night *const s = m->s;
+    const size_t w = 2 * (size_t) s->rx + 1;
+    float *const up = s->add + (size_t) (s->ry - y) * w + s->rx;
+    float *const down = s->add + (size_t) (s->ry + y) * w + s->rx;
+    const double *const corona =
+        m->corona + (size_t) y * ((size_t) s->rx + 1);
+    double sum = 0.0;
+    (void) thread;
+    for (int x = 0; x <= s->rx; x++) {
+        const double u = m->a * x, v = m->b * y, t = hypot(u, v);
+        const double fade = needle_fade(t);
+        if (!(t > 0.0) || fade <= 0.0)
+            continue;
+        // both pixels' widths across the ray, as a box about it
+        const double half = sqrt(0.5) * hypot(m->a * v, m->b * u) / t / t;
+        const double turns = fmin(half / (2.0 * PI), 0.5);
+        const double angle = atan2(v, u) / (2.0 * PI);
+        for (int k = 0; k < 4; k++) { // counter-clockwise, y is down
+            const bool left = k == 1 || k == 2, low = k >= 2;
+            if ((left && x == 0) || (low && y == 0))
+                continue;
+            const double at = (left ? 0.5 - (low ? -angle : angle)
+                                    : low ? -angle : angle) - m->turn;
+            const double mean = (circle_sum(m->circle, at + turns) -
+                                 circle_sum(m->circle, at - turns)) /
+                                (2.0 * turns);
+            float *const to = (low ? down : up) + (left ? -x : x);
+            *to = (float) (corona[x] * fade * (mean - 1.0));
+            sum += (double) *to;
+        }
+    }
+    m->sum[y] = sum;
+}
+
+/* Makes needles of the corona, s->add. */
 static gp_status add_needles(const struct gp_log *log,
     const struct gp_recipe *r, const struct spencer *eye,
-    const struct gp_field *f, struct gp_shape *shape)
+    const struct gp_field *f, struct night *s)
 {
     gp_status st;
     struct spencer even = *eye;
-    struct gp_shape corona = {0};
-    double *circle = NULL, rest = 0.0;
-    struct needles *s = NULL;
-    const double b = f->degrees, a = b * f->aspect;
+    double *circle = NULL, *corona[3] = {NULL}, *sum = NULL, rest = 0.0;
+    const size_t w = 2 * (size_t) s->rx + 1, h = 2 * (size_t) s->ry + 1;
     even.weight[0] = even.weight[3] = 0.0;
     even.channels = 1;
-    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *s, &s));
-    s->rx = (int) fmin(ceil(NEEDLE_END / a), f->w - 1);
-    s->ry = (int) fmin(ceil(NEEDLE_END / b), f->h - 1);
-    const int w = 2 * s->rx + 1, h = 2 * s->ry + 1;
-    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) w * (size_t) h,
-                         sizeof *s->add, &s->add));
+    GP_TRY(gp_alloc_zero(log, "kernel", w * h, sizeof *s->add, &s->add));
     GP_TRY(gp_alloc(log, "kernel", CIRCLE + 1, sizeof *circle, &circle));
-    GP_TRY(gp_radial_shape(log, spencer_profile, &even, 1, 0.0, f, &corona));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) s->ry + 1, sizeof *sum, &sum));
+    GP_TRY(make_table(log, &even, 0.0, f, s, corona));
     make_circle(r, circle);
-    for (int y = -s->ry; y <= s->ry; y++) {
-        float *const row = s->add + (size_t) (y + s->ry) * (size_t) w + s->rx;
-        for (int from = -s->rx; from <= s->rx; from += GP_SHAPE_STRIP) {
-            const int n = s->rx + 1 - from < GP_SHAPE_STRIP ? s->rx + 1 - from
-                                                           : GP_SHAPE_STRIP;
-            double strip[GP_SHAPE_STRIP] = {0};
-            double *const out[3] = {strip, NULL, NULL};
-            corona.row(corona.state, from, y, n, out);
-            for (int i = 0; i < n; i++) {
-                const double u = a * (from + i), v = b * y, t = hypot(u, v);
-                const double end = fmin(2.0 * (1.0 - t / NEEDLE_END), 1.0);
-                if (!(t > 0.0) || end <= 0.0)
-                    continue;
-                // both pixels' widths across the ray, as a box about it
-                const double half = sqrt(0.5) * hypot(a * v, b * u) / t / t;
-                const double at = atan2(-v, u) / (2.0 * PI) - f->rotate / 360.0;
-                const double turns = fmin(half / (2.0 * PI), 0.5);
-                const double mean = (circle_sum(circle, at + turns) -
-                                     circle_sum(circle, at - turns)) /
-                                    (2.0 * turns);
-                const double fade = end * end * (3.0 - 2.0 * end);
-                row[from + i] = (float) (strip[i] * fade * (mean - 1.0));
-                rest += (double) row[from + i];
-            }
-        }
-    }
-    s->add[(size_t) s->ry * (size_t) w + (size_t) s->rx] = (float) -rest;
-    s->eye = *shape;
-    s->grey = shape->grey;
-    shape->state = s;
-    shape->row = needles_row;
-    shape->free = free_needles;
-    shape->even = false;
-    shape->smooth = (NEEDLE_END + 0.2) / fmin(a, b);
-    s = NULL;
+    struct needling m = {
+        .s = s, .corona = corona[0], .circle = circle, .sum = sum,
+        .a = f->degrees * f->aspect, .b = f->degrees,
+        .turn = f->rotate / 360.0,
+    };
+    gp_parallel_do(s->ry + 1, needle_row, &m);
+    for (int y = 0; y <= s->ry; y++)
+        rest += sum[y];
+    s->add[(size_t) s->ry * w + (size_t) s->rx] = (float) -rest;
 out:
-    if (corona.free)
-        corona.free(corona.state);
     gp_free(circle);
-    if (s)
-        gp_free(s->add);
-    gp_free(s);
+    gp_free(corona[0]);
+    gp_free(sum);
+    return st;
+}
+
+/* The eye with its halo, of s->channels 3, and with needles. */
+static gp_status open_night(const struct gp_log *log,
+    const struct gp_recipe *r, const struct spencer *s,
+    const struct gp_field *f, struct gp_shape *out)
+{
+    gp_status st;
+    struct night *n;
+    double *even[3];
+    struct spencer eye = *s, halo = *s;
+    const double far = fmax(HALO_END, NEEDLE_END);
+    eye.channels = 1;
+    for (int i = 0; i < 3; i++)
+        halo.weight[i] = 0.0;
+    st = gp_alloc_zero(log, "kernel", 1, sizeof *n, &n);
+    if (st)
+        return st;
+    n->degrees = f->degrees * fmin(f->aspect, 1.0);
+    n->rx = (int) fmin(ceil(far / (f->degrees * f->aspect)), f->w - 1);
+    n->ry = (int) fmin(ceil(far / f->degrees), f->h - 1);
+    GP_TRY(gp_radial_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
+    GP_TRY(make_table(log, &eye, 0.0, f, n, even));
+    n->even = even[0];
+    if (s->channels == 3)
+        GP_TRY(make_table(log, &halo, HALO_END, f, n, n->halo));
+    if (gp_recipe_value(r, "needles") >= 1.0)
+        GP_TRY(add_needles(log, r, s, f, n));
+    *out = (struct gp_shape) {
+        .state = n, .free = free_night, .row = night_row, .far = night_far,
+        .least = night_least, .grey = !n->halo[0], .even = !n->add,
+        .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
+    };
+    n = NULL;
+out:
+    if (n)
+        free_night(n);
     return st;
 }
 
@@ -257,18 +404,13 @@ static gp_status open_spencer(const struct gp_log *log,
 {
     struct spencer s;
     gp_status st = spencer_of(log, r, f, &s);
-    if (!st)
-        st = gp_radial_shape(log, spencer_profile, &s, s.channels,
-                             s.channels == 3 ? 5.2 : 0.0, f, out);
-    // the halo of 780 nm ends at 5 degrees
-    if (!st)
-        out->smooth = (s.channels == 3 ? 5.2 : 0.1) /
-                      (f->degrees * fmin(f->aspect, 1.0));
-    if (st || gp_recipe_value(r, "needles") < 1.0)
-        return st;
-    st = add_needles(log, r, &s, f, out);
     if (st)
-        out->free(out->state);
+        return st;
+    st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
+             ? open_night(log, r, &s, f, out)
+             : gp_radial_shape(log, spencer_profile, &s, 1, 0.0, f, out);
+    if (!st)
+        out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
     return st;
 }
 

@@ -63,10 +63,20 @@ struct mixture {
     double share[GP_RECIPES];
     double stays;        // light that stays in its pixel: delta's
     int n;
-    bool grey, even;
+    bool grey, even, negative;
     int reach;           // of the widest shape
-    double smooth;       // as struct gp_shape's, of all
+    // shapes that go on smoothly over the whole field: how many; whether their
+    // far parts are all that there is of the mixture; as struct gp_shape's
+    int tails;
+    bool only_tails, tail_grey, tail_even;
+    double smooth;
+    int sharp;           // offsets beyond which there are only far parts
 };
+
+static bool has_tail(const struct gp_shape *s)
+{
+    return s->smooth < INFINITY && s->reach == INT_MAX;
+}
 
 static void close_mixture(struct mixture *m)
 {
@@ -75,12 +85,34 @@ static void close_mixture(struct mixture *m)
     m->n = 0;
 }
 
+static void add_facts(struct mixture *m, const struct gp_shape *s)
+{
+    m->grey &= s->grey;
+    m->even &= s->even;
+    m->negative |= s->negative;
+    m->reach = gp_max(m->reach, s->reach);
+    m->only_tails &= has_tail(s) && !s->far;
+    if (!has_tail(s)) {
+        m->sharp = gp_max(m->sharp, s->reach);
+        return;
+    }
+    m->tails++;
+    m->tail_grey &= s->far || s->grey;
+    m->tail_even &= s->far || s->even;
+    m->smooth = fmax(m->smooth, s->smooth);
+    if (s->far)
+        m->sharp = gp_max(m->sharp, s->sharp);
+}
+
 static gp_status open_mixture(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
     struct mixture *m)
 {
     double sum = 0.0;
-    *m = (struct mixture) {.grey = true, .even = true};
+    *m = (struct mixture) {
+        .grey = true, .even = true, .only_tails = true, .tail_grey = true,
+        .tail_even = true,
+    };
     for (int i = 0; i < n; i++) {
         const char *const file = gp_recipe_file(&r[i]);
         gp_status st =
@@ -95,10 +127,7 @@ static gp_status open_mixture(const struct gp_log *log,
         m->n++;
         m->share[i] = gp_recipe_value(&r[i], "share");
         sum += m->share[i];
-        m->grey &= m->shape[i].grey;
-        m->even &= m->shape[i].even;
-        m->reach = gp_max(m->reach, m->shape[i].reach);
-        m->smooth = fmax(m->smooth, m->shape[i].smooth);
+        add_facts(m, &m->shape[i]);
     }
     for (int i = 0; i < n && sum > 1.0; i++)
         m->share[i] /= sum;
@@ -118,7 +147,7 @@ static void mix_row(const struct mixture *m, int x, int y, int n,
         const struct gp_shape *const s = &m->shape[i];
         const int from = gp_max(x, s->reach < INT_MAX ? -s->reach : x);
         const int to = s->reach < INT_MAX ? gp_min(x + n, s->reach + 1) : x + n;
-        if (abs(y) > s->reach || from >= to)
+        if (abs(y) > (s->rows ? s->rows : s->reach) || from >= to)
             continue;
         s->row(s->state, from, y, to - from, out);
         for (int c = 0; c < (m->grey ? 1 : 3); c++) {
@@ -133,6 +162,32 @@ static void mix_row(const struct mixture *m, int x, int y, int n,
     }
 }
 
+/* Adds up the far parts, as mix_row(); sum[0] only where m->tail_grey. At
+ * offsets beyond m->sharp the sums are the same to the last bit. */
+static void mix_far(const struct mixture *m, int x, int y, int n,
+                    double sum[3][GP_SHAPE_STRIP])
+{
+    double strip[3][GP_SHAPE_STRIP];
+    double *const out[3] = {strip[0], strip[1], strip[2]};
+    const int channels = m->tail_grey ? 1 : 3;
+    for (int c = 0; c < channels; c++)
+        memset(sum[c], 0, (size_t) n * sizeof **sum);
+    for (int i = 0; i < m->n; i++) {
+        const struct gp_shape *const s = &m->shape[i];
+        if (!has_tail(s))
+            continue;
+        if (s->far)
+            s->far(s->state, x, y, n, strip[0]);
+        else
+            s->row(s->state, x, y, n, out);
+        for (int c = 0; c < channels; c++) {
+            const double *const v = strip[s->grey || s->far ? 0 : c];
+            for (int k = 0; k < n; k++)
+                sum[c][k] += m->share[i] * v[k];
+        }
+    }
+}
+
 // -- planes -------------------------------------------------------------------
 
 /* Samples of offsets -rx .. rx, -ry .. ry; less the tail's share of each. */
@@ -142,6 +197,29 @@ struct filling {
     int rx, ry;
     struct gp_planes k;
 };
+
+/* Takes the tail's share of n samples from (x, y) on from them. */
+static void take_tail(const struct mixture *m,
+    const struct gp_tail_split *split, int x, int y, int n,
+    double sum[3][GP_SHAPE_STRIP])
+{
+    double share[GP_SHAPE_STRIP], far[3][GP_SHAPE_STRIP], most = 0.0;
+    for (int k = 0; k < n; k++) {
+        share[k] = gp_tail_share(split, x + k, y);
+        most = fmax(most, share[k]);
+    }
+    if (!(most > 0.0))
+        return;
+    if (!m->only_tails)
+        mix_far(m, x, y, n, far);
+    for (int c = 0; c < (m->grey ? 1 : 3); c++) {
+        const double *const v = m->only_tails ? sum[c]
+                                              : far[m->tail_grey ? 0 : c];
+        // the tail is no more than the whole but for rounding
+        for (int k = 0; k < n; k++)
+            sum[c][k] = fmax(sum[c][k] - share[k] * v[k], 0.0);
+    }
+}
 
 /* Row y - ry, or the two of that distance from the centre where shapes are
  * even; then only the right half is evaluated. */
@@ -157,11 +235,8 @@ static void make_row(void *ctx, int i, int thread)
     for (int x = m->even ? 0 : -f->rx; x <= f->rx; x += GP_SHAPE_STRIP) {
         const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
         mix_row(m, x, y, n, sum);
-        for (int k = 0; k < n && f->split->step; k++) {
-            const double core = 1.0 - gp_tail_share(f->split, x + k, y);
-            for (int c = 0; c < (m->grey ? 1 : 3); c++)
-                sum[c][k] *= core;
-        }
+        if (f->split->step)
+            take_tail(m, f->split, x, y, n, sum);
         for (int c = 0; c < (m->grey ? 1 : 3); c++) {
             float *const row = f->k.c[c] + at + f->rx;
             for (int k = 0; k < n; k++) {
@@ -192,32 +267,63 @@ static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
     return gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
 }
 
-/* The mixture's sample at one offset. */
+/* The far parts' sample at one offset. */
 static void mix_pixel(const void *ctx, int x, int y, double out[3])
 {
+    const struct mixture *const m = ctx;
     double sum[3][GP_SHAPE_STRIP];
-    mix_row(ctx, x, y, 1, sum);
-    for (int c = 0; c < 3; c++)
+    mix_far(m, x, y, 1, sum);
+    for (int c = 0; c < (m->tail_grey ? 1 : 3); c++)
         out[c] = sum[c][0];
 }
 
-/* Makes the kernel of a mixture for frames of w x h pixels, with a tail where
- * it is smooth far out; `whole`: without. */
+/* True where the tail is nowhere more than each shape that has one. */
+static bool is_within(const struct mixture *m, const struct gp_tail_split *s)
+{
+    for (int i = 0; i < m->n; i++) {
+        const struct gp_shape *const one = &m->shape[i];
+        if (!has_tail(one) || !one->far)
+            continue;
+        for (int r = (int) s->from; r <= s->to; r++) {
+            // neither falls with the distance
+            if (gp_tail_share(s, r + 1, 0) > one->least(one->state, r))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Chooses the split of a mixture; step 0: no tail. */
+static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
+{
+    struct gp_tail_split s = {0};
+    if (!m->tails || m->negative)
+        return s;
+    double smooth = m->smooth;
+    do {
+        s = gp_tail_choose(smooth, m->sharp, w, h);
+        smooth = s.from + 1.0;
+    } while (s.step && !is_within(m, &s));
+    return s;
+}
+
+/* Makes the kernel of a mixture for frames of w x h pixels, with a tail of the
+ * shapes that are smooth far out; `whole`: without. */
 static gp_status make_kernel(const struct gp_log *log, const struct mixture *m,
     const struct gp_field *field, int w, int h, bool whole,
     struct gp_kernel *out)
 {
     struct gp_tail_split split = {0};
     int far = m->reach;
-    if (!whole && m->reach == INT_MAX)
-        split = gp_tail_choose(m->smooth, w, h);
+    if (!whole)
+        split = choose_split(m, w, h);
     if (split.step)
-        far = (int) ceil(split.to) - 1;
+        far = gp_max((int) ceil(split.to) - 1, m->sharp);
     gp_status st = make_planes(log, m, &split, gp_min(w - 1, far),
                                gp_min(h - 1, far), out);
     if (!st && split.step)
-        st = gp_tail_make(log, &split, w, h, m->grey, m->even, mix_pixel, m,
-                          &out->tail);
+        st = gp_tail_make(log, &split, w, h, m->tail_grey, m->tail_even,
+                          mix_pixel, m, &out->tail);
     if (st) {
         gp_kernel_free(out);
         return st;

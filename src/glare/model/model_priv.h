@@ -22,9 +22,20 @@ struct gp_shape {
 
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
+    bool negative;   // samples may be
     double smooth;   // pixels from the centre from which on it bends only on
                      // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
+    int rows;        // the same in y alone; 0: as reach
+
+    /* The part of row() to which `smooth` applies: grey, even, and all of row()
+     * at offsets beyond `sharp`. NULL: all of it, `least` and `sharp` mean
+     * nothing. */
+    void (*far)(const void *state, int x, int y, int n, double *out);
+    /* At `pixels` from the centre row() is at least this share of far(), in
+     * [0, 1], and no less farther out. */
+    double (*least)(const void *state, double pixels);
+    int sharp;
 };
 enum { GP_SHAPE_STRIP = 256 };
 

@@ -307,7 +307,7 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
         s->tint[c] = light[c] > 0.0 ? tint[c] / (y * light[c]) : 0.0;
     *out = (struct gp_shape) {
         .state = s, .free = rays_free, .row = rays_row, .smooth = INFINITY,
-        .reach = gp_max(s->rx, s->ry),
+        .reach = gp_max(s->rx, s->ry), .rows = s->ry,
     };
     return GP_OK;
 out:

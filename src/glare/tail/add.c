@@ -57,27 +57,37 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     const struct kernel_rows *const r = ctx;
     const int rx = r->t->rx, w = 2 * rx + 1;
     const float *const row = r->t->c[c] + (size_t) j * (size_t) w + rx;
-    for (int x = -rx; x <= rx; x++)
-        z[2 * ((x + r->nx) % r->nx)] = row[x];
+    for (int x = 0; x <= rx; x++)
+        z[2 * x] = row[x];
+    for (int x = -rx; x < 0; x++)
+        z[2 * (x + r->nx)] = row[x];
 }
 
-/* The spline's transform at frequency f, in periods a step: `kept` in the band,
- * and the sum and the sum of squares of it and its images; all over its own
- * samples' transform. */
-static void keep_of(double f, double *kept, double *sum, double *square)
+/* A frequency of an axis, in periods a step: the transform of the spline's own
+ * samples; and over that, `kept` of the band by the spline, and the sum and the
+ * sum of squares of it and its images. */
+struct keeping {
+    double own, kept, sum, square;
+    bool edge; // near the end of the band, whose half is 0.5
+};
+
+static struct keeping keep_of(double f)
 {
     enum { IMAGES = 4 };
+    static const double EDGE = 0.45;
     const double pi = acos(-1.0);
-    const double own = (2.0 + cos(2.0 * pi * f)) / 3.0;
-    *kept = *sum = *square = 0.0;
+    struct keeping k = {
+        .own = (2.0 + cos(2.0 * pi * f)) / 3.0, .edge = fabs(f) > EDGE,
+    };
     for (int m = -IMAGES; m <= IMAGES; m++) {
         const double a = pi * (f + m);
         const double s = a == 0.0 ? 1.0 : sin(pi * f) / a; // up to its sign
-        const double v = s * s * s * s / own;
-        *kept = m == 0 ? v : *kept;
-        *sum += v;
-        *square += v * v;
+        const double v = s * s * s * s / k.own;
+        k.kept = m == 0 ? v : k.kept;
+        k.sum += v;
+        k.square += v * v;
     }
+    return k;
 }
 
 /* Of frequency i of n, -0.5 to 0.5 periods a step. */
@@ -90,23 +100,20 @@ static double frequency(int i, int n)
 static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
                             struct gp_tail_state *s)
 {
-    static const double EDGE = 0.45; // of the band, whose half is 0.5
     static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
                                           // a step's pixels and nodes, and more
     const int nx = s->x.n, ny = s->y.n;
     const double step = t->split.step, area = step * step;
-    double *axis; // kept, sum, square: of ny, then of nx / 2 + 1
+    struct keeping *down; // ny, then nx / 2 + 1 across
     gp_status st = gp_alloc(log, "tail", (size_t) ny + (size_t) nx,
-                            3 * sizeof *axis, &axis);
+                            sizeof *down, &down);
     if (st)
         return st;
-    double *const across = axis + 3 * ny;
+    struct keeping *const across = down + ny;
     for (int i = 0; i < ny; i++)
-        keep_of(frequency(i, ny), &axis[3 * i], &axis[3 * i + 1],
-                &axis[3 * i + 2]);
+        down[i] = keep_of(frequency(i, ny));
     for (int i = 0; i <= nx / 2; i++)
-        keep_of(frequency(i, nx), &across[3 * i], &across[3 * i + 1],
-                &across[3 * i + 2]);
+        across[i] = keep_of(frequency(i, nx));
     struct gp_tail_error e = {.share = ROUNDINGS * 0x1p-24};
     double norm1 = 0.0;
     for (int c = 0; c < (t->grey ? 1 : 3); c++) {
@@ -114,25 +121,23 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
         for (int x = 0; x <= nx / 2; x++) {
             const float *const z =
                 s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch;
-            const double fx = frequency(x, nx), *const a = &across[3 * x];
-            const double own_x = (2.0 + cos(2.0 * acos(-1.0) * fx)) / 3.0;
+            const struct keeping a = across[x];
             const double twice = x == 0 || 2 * x == nx ? 1.0 : 2.0;
             for (int y = 0; y < ny; y++) {
-                const double *const b = &axis[3 * y];
-                const double fy = frequency(y, ny);
-                const double own_y = (2.0 + cos(2.0 * acos(-1.0) * fy)) / 3.0;
-                const double own = own_x * own_y;
+                const struct keeping *const b = &down[y];
+                const double own = a.own * b->own;
+                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
                 // the passes' factor 1 / 2 of rows was left out once
-                const double f = 2.0 * nx * ny * area * own * own *
-                                 hypot((double) z[2 * y],
-                                       (double) z[2 * y + 1]);
-                const double kept = a[0] * b[0];
+                const double f =
+                    2.0 * nx * ny * area * own * own * sqrt(re * re + im * im);
+                const double kept = a.kept * b->kept;
                 const double lost = fabs(1.0 - kept * kept);
-                const double eps = sqrt(fmax(a[2] * b[2] - kept * kept, 0.0));
-                const double eta = a[1] * b[1] - kept;
+                const double eps =
+                    sqrt(fmax(a.square * b->square - kept * kept, 0.0));
+                const double eta = a.sum * b->sum - kept;
                 const double same = lost + kept * eta, other = kept + eta;
                 most = fmax(most, f * (lost + kept * eps + eps * eps));
-                if (fabs(fx) > EDGE || fabs(fy) > EDGE)
+                if (a.edge || b->edge)
                     edge = fmax(edge, f);
                 sum += twice * f * (lost + 2.0 * kept * eta + eta * eta);
                 square += twice * f * f *
@@ -148,7 +153,7 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
     }
     e.norm += e.share * norm1;
     s->error = e;
-    gp_free(axis);
+    gp_free(down);
     return st;
 }
 

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A step that spans this many pixels holds what samples every 8 pixels can:
  * within 1e-6 of the light for the eye, 1/36 degree a pixel. Twice as wide with
@@ -25,7 +26,7 @@ static double smooth_step(double u)
     return u <= 0.5 ? s : 1.0 - s;
 }
 
-struct gp_tail_split gp_tail_choose(double smooth, int w, int h)
+struct gp_tail_split gp_tail_choose(double smooth, int sharp, int w, int h)
 {
     static const int LEAST_STEP = 8, MOST_STEP = 32, NODES = 512;
     static const double WORTH = 1.5; // core and tail against the whole
@@ -36,7 +37,7 @@ struct gp_tail_split gp_tail_choose(double smooth, int w, int h)
     const double scale = (double) s.step / LEAST_STEP;
     s.from = fmax(NEAREST * scale, ceil(smooth));
     s.to = s.from + WIDE * scale;
-    if (!(s.to * WORTH < side)) // INFINITY too
+    if (!(fmax(s.to, sharp) * WORTH < side)) // INFINITY too
         s = (struct gp_tail_split) {0};
     return s;
 }
@@ -61,40 +62,58 @@ struct sampling {
     gp_tail_sample sample;
     const void *ctx;
     bool even;
-    double *at[3]; // as t->c
+    double *at[3];   // as t->c
+    double *fade[2]; // of offsets 0 .. rx, 0 .. ry
 };
 
 /* Beyond the offsets that frames meet the tail fades out over GP_TAIL_FADE
  * steps, so that it has no edge: no frame shows that part, and the error of the
  * splines and the transform is that of a smooth function everywhere. */
-static double fade(int i, int r)
+static gp_status make_fade(const struct gp_log *log, int r, double **out)
 {
-    const int past = abs(i) - (r - GP_TAIL_FADE);
-    return 1.0 - smooth_step((double) past / GP_TAIL_FADE);
+    double *fade;
+    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof *fade, &fade);
+    for (int i = 0; i <= r && !st; i++)
+        fade[i] = 1.0 - smooth_step((double) (i - (r - GP_TAIL_FADE)) /
+                                    GP_TAIL_FADE);
+    if (!st)
+        *out = fade;
+    return st;
 }
 
+/* The row of offset i - ry or, where samples are even, the right half of that of
+ * offset i. */
 static void sample_row(void *ctx, int i, int thread)
 {
     const struct sampling *const s = ctx;
     const struct gp_tail *const t = s->t;
     const int step = t->split.step, y = s->even ? i : i - t->ry;
-    const ptrdiff_t w = 2 * t->rx + 1;
-    const ptrdiff_t up = (t->ry - y) * w, down = (t->ry + y) * w;
+    const size_t row = (size_t) (t->ry + y) * (2 * (size_t) t->rx + 1) +
+                       (size_t) t->rx;
     (void) thread;
     for (int x = s->even ? 0 : -t->rx; x <= t->rx; x++) {
         double v[3];
         const double k = gp_tail_share(&t->split, x * step, y * step) *
-                         fade(x, t->rx) * fade(y, t->ry);
+                         s->fade[0][abs(x)] * s->fade[1][abs(y)];
         if (k > 0.0)
             s->sample(s->ctx, x * step, y * step, v);
-        for (int c = 0; c < (t->grey ? 1 : 3); c++) {
-            double *const at = s->at[c] + t->rx;
-            const double value = k > 0.0 ? k * v[c] : 0.0;
-            at[down + x] = value;
-            if (s->even)
-                at[down - x] = at[up + x] = at[up - x] = value;
-        }
+        for (int c = 0; c < (t->grey ? 1 : 3); c++)
+            s->at[c][row + (size_t) x] = k > 0.0 ? k * v[c] : 0.0;
     }
+}
+
+/* Fills the left half of rows, and then the upper half, from the other. */
+static void mirror(const struct gp_tail *t, double *at)
+{
+    const size_t w = 2 * (size_t) t->rx + 1;
+    for (int y = 0; y <= t->ry; y++) {
+        double *const middle = at + (size_t) (t->ry + y) * w + (size_t) t->rx;
+        for (int x = 1; x <= t->rx; x++)
+            middle[-x] = middle[x];
+    }
+    for (int y = 1; y <= t->ry; y++)
+        memcpy(at + (size_t) (t->ry - y) * w, at + (size_t) (t->ry + y) * w,
+               w * sizeof *at);
 }
 
 /* Norms of one channel from its samples. */
@@ -116,28 +135,85 @@ static void find_norms(struct gp_tail *t, int c, const double *at)
 
 /* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of n values
  * `pitch` apart, twice, zero beyond both ends: Unser et al. 1993, part II, eq.
- * 2.5. Of `lines` such rows side by side. */
-GP_CLONES static void divide(double *v, int n, size_t pitch, int lines)
+ * 2.5. Of `lines` such rows, `across` apart. */
+static inline __attribute__((always_inline)) void
+divide(double *v, int n, size_t pitch, int lines, size_t across)
 {
     static const double Z = -0.26794919243112270647; // sqrt 3 - 2
     for (int twice = 0; twice < 2; twice++) {
         double *at = v;
         for (int i = 1; i < n; i++, at += pitch) {
-            for (int k = 0; k < lines; k++)
-                at[pitch + (size_t) k] += Z * at[k];
+            for (size_t k = 0; k < (size_t) lines; k++)
+                at[pitch + k * across] += Z * at[k * across];
         }
-        for (int k = 0; k < lines; k++)
-            at[k] *= -Z / (1.0 - Z * Z);
+        for (size_t k = 0; k < (size_t) lines; k++)
+            at[k * across] *= 6.0 * -Z / (1.0 - Z * Z);
         for (int i = 1; i < n; i++) {
             at -= pitch;
-            for (int k = 0; k < lines; k++)
-                at[k] = Z * (at[pitch + (size_t) k] - at[k]);
-        }
-        for (int i = 0; i < n; i++, at += pitch) {
-            for (int k = 0; k < lines; k++)
-                at[k] *= 6.0;
+            for (size_t k = 0; k < (size_t) lines; k++)
+                at[k * across] =
+                    Z * (at[pitch + k * across] - 6.0 * at[k * across]);
         }
     }
+}
+
+enum { LINES = 16 }; // that go through together
+
+struct dividing {
+    double *at;
+    int w, h, first_x, first_y; // lines from these on
+};
+
+/* Rows side by side: each is a chain of sums that wait for one another. */
+GP_CLONES static void divide_rows(const struct dividing *d, int y, int n)
+{
+    const size_t w = (size_t) d->w;
+    double *const at = d->at + (size_t) y * w;
+    if (n == LINES)
+        divide(at, d->w, 1, LINES, w);
+    else
+        divide(at, d->w, 1, n, w);
+}
+
+static void divide_row_group(void *ctx, int i, int thread)
+{
+    const struct dividing *const d = ctx;
+    const int y = d->first_y + i * LINES;
+    (void) thread;
+    divide_rows(d, y, gp_min(d->h - y, LINES));
+}
+
+GP_CLONES static void divide_columns(const struct dividing *d, int x, int n)
+{
+    if (n == LINES)
+        divide(d->at + x, d->h, (size_t) d->w, LINES, 1);
+    else
+        divide(d->at + x, d->h, (size_t) d->w, n, 1);
+}
+
+static void divide_column_group(void *ctx, int i, int thread)
+{
+    const struct dividing *const d = ctx;
+    const int x = d->first_x + i * LINES;
+    (void) thread;
+    divide_columns(d, x, gp_min(d->w - x, LINES));
+}
+
+/* Divides the splines out of a channel's samples along both axes; of even ones
+ * the lower rows, then the right columns. */
+static void divide_out(const struct gp_tail *t, bool even, double *at)
+{
+    struct dividing d = {
+        .at = at, .w = 2 * t->rx + 1, .h = 2 * t->ry + 1,
+        .first_x = even ? t->rx : 0, .first_y = even ? t->ry : 0,
+    };
+    gp_parallel_do((d.h - d.first_y + LINES - 1) / LINES, divide_row_group, &d);
+    if (even)
+        mirror(t, at);
+    gp_parallel_do((d.w - d.first_x + LINES - 1) / LINES, divide_column_group,
+                   &d);
+    if (even)
+        mirror(t, at);
 }
 
 /* The sum over pixels x, |x| < n, of what a node adds to a row, or to a column,
@@ -201,12 +277,14 @@ gp_status gp_tail_make(const struct gp_log *log,
         GP_TRY(gp_alloc(log, "tail", n, sizeof(double), &s.at[c]));
         GP_TRY(gp_alloc(log, "tail", n, sizeof(float), &t->c[c]));
     }
+    GP_TRY(make_fade(log, t->rx, &s.fade[0]));
+    GP_TRY(make_fade(log, t->ry, &s.fade[1]));
     gp_parallel_do(even ? t->ry + 1 : down, sample_row, &s);
     for (int c = 0; c < (grey ? 1 : 3); c++) {
+        if (even)
+            mirror(t, s.at[c]);
         find_norms(t, c, s.at[c]);
-        for (int y = 0; y < down; y++)
-            divide(s.at[c] + (size_t) y * (size_t) across, across, 1, 1);
-        divide(s.at[c], down, (size_t) across, across);
+        divide_out(t, even, s.at[c]);
         GP_TRY(find_sum(log, t, c, s.at[c]));
         for (size_t i = 0; i < n; i++)
             t->c[c][i] = (float) s.at[c][i];
@@ -221,6 +299,8 @@ gp_status gp_tail_make(const struct gp_log *log,
 out:
     for (int c = 0; c < 3; c++)
         gp_free(s.at[c]);
+    for (int i = 0; i < 2; i++)
+        gp_free(s.fade[i]);
     gp_tail_free(t);
     return st;
 }

@@ -28,7 +28,7 @@ struct made {
 
 static struct made make_tail(int w, int h, bool grey, const double *degrees)
 {
-    const struct gp_tail_split split = gp_tail_choose(0.0, w, h);
+    const struct gp_tail_split split = gp_tail_choose(0.0, 0, w, h);
     struct made m = {0};
     assert_true(split.step > 0);
     assert_ok(gp_tail_make(NULL, &split, w, h, grey, true, veil, degrees,
@@ -321,12 +321,12 @@ static void discs_have_tails(void **state)
 static void splits_are_for_smooth_kernels(void **state)
 {
     (void) state;
-    assert_int_equal(gp_tail_choose(INFINITY, 1920, 1080).step, 0);
-    assert_int_equal(gp_tail_choose(0.0, 128, 72).step, 0);
-    assert_int_equal(gp_tail_choose(1500.0, 1920, 1080).step, 0);
-    assert_int_equal(gp_tail_choose(0.0, 1920, 1080).step, 8);
-    assert_int_equal(gp_tail_choose(0.0, 16384, 1).step, 32);
-    const struct gp_tail_split s = gp_tail_choose(150.0, 1920, 1080);
+    assert_int_equal(gp_tail_choose(INFINITY, 0, 1920, 1080).step, 0);
+    assert_int_equal(gp_tail_choose(0.0, 0, 128, 72).step, 0);
+    assert_int_equal(gp_tail_choose(1500.0, 0, 1920, 1080).step, 0);
+    assert_int_equal(gp_tail_choose(0.0, 0, 1920, 1080).step, 8);
+    assert_int_equal(gp_tail_choose(0.0, 0, 16384, 1).step, 32);
+    const struct gp_tail_split s = gp_tail_choose(150.0, 0, 1920, 1080);
     double before = 0.0;
     assert_true(s.from >= 150.0);
     for (int x = 0; x < 1920; x++) {
@@ -354,17 +354,32 @@ static void larger_frames_are_refused(void **state)
 
 // -- engines with kernels over the whole field --------------------------------
 
-/* A scene with the kernel of a recipe for its frame, 36 pixels a degree. */
+/* The kernel of recipes with a + between them, 36 pixels a degree. */
+static struct gp_kernel field_kernel(const struct gp_frame *f, const char *text)
+{
+    enum { MOST = 4 };
+    struct gp_field field = gp_field_of(f, 30.0);
+    struct gp_recipe r[MOST];
+    struct gp_kernel k;
+    char words[256];
+    int n = 0;
+    field.degrees = fine;
+    snprintf(words, sizeof words, "%s", text);
+    for (char *at = words, *next; at; at = next) {
+        next = strchr(at, '+');
+        if (next)
+            *next++ = '\0';
+        assert_ok(gp_recipe_parse(NULL, at, &r[n++]));
+    }
+    assert_ok(gp_model_kernel(NULL, r, n, &field, &k));
+    while (n > 0)
+        gp_recipe_free(&r[--n]);
+    return k;
+}
+
 static struct scene field_scene(struct gp_frame f, const char *text)
 {
-    struct gp_field field = gp_field_of(&f, 30.0);
-    struct gp_recipe r;
-    struct gp_kernel k;
-    field.degrees = fine;
-    assert_ok(gp_recipe_parse(NULL, text, &r));
-    assert_ok(gp_model_kernel(NULL, &r, 1, &field, &k));
-    gp_recipe_free(&r);
-    return scene_make(f, k, &usual);
+    return scene_make(f, field_kernel(&f, text), &usual);
 }
 
 /* Every engine's error against the whole kernel's sum is within its bound, and
@@ -424,6 +439,80 @@ static void engines_keep_their_bounds(void **state)
         check_engines(&s, h->name);
         scene_free(&s);
     }
+}
+
+/* Beside shapes that are smooth all over, sharp ones stay in the core and make
+ * neither it larger than they are nor the tail coloured. Core and tail are not
+ * negative, and add up to the whole within 1e-5. */
+static void sharp_shapes_stay_in_the_core(void **state)
+{
+    static const struct {
+        const char *text;
+        int reach;    // of the core, at most
+        bool turned;  // the same when halved by a line through the centre
+    } rows[] = {
+        {"cie+star", 185, true}, {"moffat+eye+cross:length=3", 130, true},
+        {"spencer:light=scotopic", 181, true}, {"eye-night", 200, false},
+        {"spencer:needles=40+circle", 200, false},
+        {"cie+temporal:reach=4", 150, false},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct scene s = field_scene(
+            scene_frame(430, 310, 0, 0, i % 2 ? MANY : FEW, (uint32_t) i),
+            rows[i].text);
+        struct gp_glare_stats stats;
+        if (!s.k.tail || !s.k.tail->grey || s.k.cx > rows[i].reach)
+            fail_msg("%s: %s, a core of %d pixels", rows[i].text,
+                     s.k.tail ? "a tail" : "no tail", s.k.cx);
+        assert_true(!s.k.negative);
+        for (int x = 0; x < s.k.w && rows[i].turned; x++) // across the centre
+            assert_true(fabsf(s.k.k.c[1][s.k.cy * s.k.w + x] -
+                              s.k.k.c[1][s.k.cy * s.k.w + s.k.w - 1 - x]) <=
+                        1e-4f * s.k.k.c[1][s.k.cy * s.k.w + x]);
+        check_engines(&s, rows[i].text);
+        assert_true(ran_once("fft", &s, &stats, rows[i].text));
+        const double error = scene_rel_l2(&s);
+        if (!(error < 1e-5))
+            fail_msg("%s: rel_l2 %g", rows[i].text, error);
+        scene_free(&s);
+    }
+}
+
+/* A sharp shape that reaches over the field, or lobes that a tail would fill,
+ * leave the kernel whole. */
+static void some_kernels_stay_whole(void **state)
+{
+    static const char *const rows[] = {"star:length=20", "cie+cross:length=12",
+                                       "gaussian:fwhm=20+eye"};
+    struct gp_frame f = scene_frame(430, 310, 0, 0, DARK, 0);
+    struct gp_frame lobes = scene_frame(3, 3, 0, 0, ALL, 0);
+    struct gp_field field = gp_field_of(&f, 30.0);
+    struct gp_recipe r[2];
+    struct gp_kernel k;
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        k = field_kernel(&f, rows[i]);
+        assert_true(!k.tail);
+        gp_kernel_free(&k);
+    }
+    for (int c = 0; c < 3; c++)
+        lobes.rgb.c[c][0] = -lobes.rgb.c[c][4];
+    assert_ok(gp_recipe_parse(NULL, "cie", &r[0]));
+    assert_ok(gp_recipe_of_image(NULL, "lobes", 0.0, 100.0, &r[1]));
+    r[1].image = &lobes;
+    field.degrees = fine;
+    for (int tail = 0; tail < 2; tail++) {
+        assert_ok(gp_model_kernel(NULL, r, 2, &field, &k));
+        assert_true(k.negative == !tail && !k.tail == !tail);
+        gp_kernel_free(&k);
+        for (int c = 0; c < 3; c++)
+            lobes.rgb.c[c][0] = 0.0f;
+    }
+    gp_recipe_free(&r[0]);
+    gp_recipe_free(&r[1]);
+    gp_frame_free(&lobes);
+    gp_frame_free(&f);
 }
 
 /* A lone lamp in the dark at +6 EV: no rim and no step where the core ends,
@@ -504,7 +593,7 @@ static gp_status run_making(void)
 {
     static const float weight[9] = {0.1f, 0.1f, 0.1f, 0.1f, 0.2f,
                                     0.1f, 0.1f, 0.1f, 0.1f};
-    const struct gp_tail_split split = gp_tail_choose(0.0, 300, 200);
+    const struct gp_tail_split split = gp_tail_choose(0.0, 0, 300, 200);
     struct gp_kernel k = {0};
     struct gp_spread_kernel wide;
     gp_status st = gp_tail_make(&kept_log, &split, 300, 200, false, true, veil,
@@ -537,5 +626,6 @@ static void full_memory_is_an_error(void **state)
 SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
     threads_change_nothing, discs_have_tails,
-    splits_are_for_smooth_kernels, larger_frames_are_refused, engines_keep_their_bounds, a_lamp_has_no_rim,
+    splits_are_for_smooth_kernels, larger_frames_are_refused, engines_keep_their_bounds,
+    sharp_shapes_stay_in_the_core, some_kernels_stay_whole, a_lamp_has_no_rim,
     pixels_are_within_their_bounds, full_memory_is_an_error)
