@@ -40,7 +40,7 @@ SHORT, LONG = 80, 700
 SIZES = {
     "core/colour.c": "primaries and the sRGB curve; nothing else belongs there",
     "core/cpu.c": "features of the CPU; nothing else belongs there",
-    "glare/model/spectrum.c": "colours of wavelengths, which four models share",
+    "core/spectrum.c": "colours of wavelengths, which models and lenses share",
     "core/status.c": "the error line; the list of statuses is its header",
 }
 SUBJECT = re.compile(

@@ -379,7 +379,7 @@ static gp_status make_spectra(const struct gp_log *log,
     struct gp_transform t = {0};
     struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
     gp_status st;
-    gp_spectrum_weights(f, bands, nm, rgb);
+    gp_spectrum_weights(f->chromaticities, bands, nm, rgb);
     if (d->nm > 0.0) {
         bands = 1;
         nm[0] = d->nm;

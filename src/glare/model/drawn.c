@@ -343,7 +343,7 @@ static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
         .size = first / sin(radius * PI / 180.0), .end = 3.0 * radius,
         .spread = gp_recipe_value(r, "spread"),
     };
-    gp_spectrum_weights(f, BANDS, h.nm, h.rgb);
+    gp_spectrum_weights(f->chromaticities, BANDS, h.nm, h.rgb);
     return make_radial(log, f, h.end, radius / first, false, halo_value, &h,
                        out);
 }

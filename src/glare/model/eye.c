@@ -97,7 +97,7 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
                       (at - i) * (spencer_weights[i + 1][k] -
                                   spencer_weights[i][k]);
     s.channels = s.weight[3] > 0.0 ? 3 : 1;
-    gp_spectrum_weights(f, BANDS, s.nm, s.rgb);
+    gp_spectrum_weights(f->chromaticities, BANDS, s.nm, s.rgb);
     double sum[3], y = 0.0;
     gp_profile_integral(spencer_profile, &s, s.channels, 0.0, 90.0, sum);
     for (int c = 0; c < 3; c++)

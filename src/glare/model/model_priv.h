@@ -2,6 +2,7 @@
 #ifndef GP_GLARE_MODEL_MODEL_PRIV_H
 #define GP_GLARE_MODEL_MODEL_PRIV_H
 
+#include "core/spectrum.h"
 #include "glare/model/model.h"
 
 #include <stdint.h>
@@ -128,20 +129,6 @@ double gp_eye_beyond(const struct gp_recipe *r, const struct gp_field *f,
 /* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
 double gp_spencer_term(int i, double t, double nm);
 double gp_cie_general(double age, double p, double t);
-
-// -- spectrum.c ---------------------------------------------------------------
-
-enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
-
-/* XYZ of light of one wavelength, nm. */
-void gp_spectrum_xyz(double nm, double xyz[3]);
-
-/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm, n up
- * to GP_BANDS: nm[i] is the middle of band i. Equal energy light is the primaries'
- * white: each channel's weights sum to 1. Out of gamut is folded in towards
- * grey at constant luminance, so that none is negative. */
-void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
-                         double (*rgb)[3]);
 
 // -- diffract.c ---------------------------------------------------------------
 

@@ -205,7 +205,7 @@ static void rays_free(void *state)
 static void make_curves(struct rays *r, double core, double dispersion)
 {
     double nm[BANDS], rgb[BANDS][3], sum[3] = {0};
-    gp_spectrum_weights(&r->f, BANDS, nm, rgb);
+    gp_spectrum_weights(r->f.chromaticities, BANDS, nm, rgb);
     for (int i = 0; i <= TABLE + 1; i++) {
         const double t = (double) i / TABLE;
         for (int k = 0; k < BANDS; k++) {

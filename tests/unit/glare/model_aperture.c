@@ -2,6 +2,7 @@
  * closed forms. */
 #include "unit.h"
 #include "core/parallel.h"
+#include "core/spectrum_priv.h"
 #include "glare/model/model_priv.h"
 #include "model_scene.h"
 
@@ -510,7 +511,7 @@ static void spectra_are_the_observers(void **state)
     enum { BANDS = 40 };
     const struct gp_field f = scene_field(1, 1, 1.0, 1.0);
     double nm[BANDS], rgb[BANDS][3], sum[3] = {0}, all = 0.0, xyz[3];
-    gp_spectrum_weights(&f, BANDS, nm, rgb);
+    gp_spectrum_weights(f.chromaticities, BANDS, nm, rgb);
     for (int i = 0; i < BANDS; i++) {
         gp_spectrum_xyz(nm[i], xyz);
         all += xyz[1];

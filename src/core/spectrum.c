@@ -1,6 +1,7 @@
-/* Colours of wavelengths. */
+#include "core/spectrum.h"
+
 #include "core/colour.h"
-#include "glare/model/model_priv.h"
+#include "core/spectrum_priv.h"
 
 #include <math.h>
 
@@ -41,12 +42,12 @@ static void fold(int n, const double *y, double (*rgb)[3], double sum[3])
     }
 }
 
-void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
+void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3])
 {
     enum { STEPS = 100 }; // luminances to 1e-3
     double to_xyz[9], from_xyz[9], y[GP_BANDS], sum[3], white[3] = {0};
-    if (!gp_rgb_to_xyz(f->chromaticities, to_xyz))
+    if (!gp_rgb_to_xyz(chromaticities, to_xyz))
         gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
     gp_invert3(to_xyz, from_xyz);
     for (int i = 0; i < n; i++) {

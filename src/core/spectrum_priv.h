@@ -1,0 +1,8 @@
+/* For tests of spectrum.c. */
+#ifndef GP_CORE_SPECTRUM_PRIV_H
+#define GP_CORE_SPECTRUM_PRIV_H
+
+/* XYZ of light of one wavelength, nm. */
+void gp_spectrum_xyz(double nm, double xyz[3]);
+
+#endif
