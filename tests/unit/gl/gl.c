@@ -237,7 +237,7 @@ static void errors_are_named_and_cleared(void **state)
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, -1, 1}, px);
     gp_texture_write(gl, &t, (struct gp_rect) {5, 0, 6, 1}, px);
     assert_int_equal(gp_gl_check(&kept_log, gl, "writing"), GP_ERR_GL);
-    assert_kept("GL_INVALID_VALUE while writing");
+    assert_kept("GL_INVALID_VALUE");
     assert_ok(gp_gl_check(&kept_log, gl, "writing"));
     gp_texture_free(gl, &t);
     gp_gl_close(&gl);
