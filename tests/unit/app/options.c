@@ -31,7 +31,9 @@ static void defaults_hold(void **state)
 /* A line that may take the option: its command, and what it needs. */
 static int line_for(const struct gp_option *o, char *line, size_t size)
 {
-    if (o->commands == GP_COMMAND_KERNEL)
+    if (o->commands == GP_COMMAND_LENS)
+        return snprintf(line, size, "lens --check f");
+    if (o->commands & GP_COMMAND_KERNEL && !(o->commands & GP_COMMAND_MAIN))
         return snprintf(line, size, strcmp(o->name, "list") == 0 ||
                                             strcmp(o->name, "check") == 0
                                         ? "kernel" : "kernel -o o");
