@@ -9,6 +9,8 @@
  * other's time is not run. The error is auto's, against the double-precision
  * reference.
  */
+#include "median.h"
+
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/colour.h"
@@ -26,13 +28,7 @@ enum { TECHNIQUES = 3, MOST_RUNS = 99, WARM_UPS = 40 };
 static const double LONG_MS = 20.0, HOPELESS = 5.0, WARM_MS = 1500.0;
 static const char *const names[TECHNIQUES] = {"direct", "fft", "auto"};
 
-static void print(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    fprintf(stderr, "auto: %s\n", line);
-}
-static const struct gp_log auto_log = {print, NULL, GP_LEVEL_WARN};
+static const struct gp_log auto_log = BENCH_LOG("auto");
 
 struct technique {
     struct gp_glare g;
@@ -48,12 +44,6 @@ struct frame {
     const struct gp_kernel *k;
     struct technique t[TECHNIQUES];
 };
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
-}
 
 static double predict(struct frame *w, int i)
 {
@@ -106,8 +96,7 @@ static void measure(struct frame *w, int runs)
         }
     }
     for (int i = 0; i < TECHNIQUES; i++) {
-        qsort(w->t[i].ms, (size_t) runs, sizeof *w->t[i].ms, by_value);
-        w->t[i].median = w->t[i].ms[runs / 2];
+        w->t[i].median = median(w->t[i].ms, runs);
     }
 }
 

@@ -7,6 +7,7 @@
  * what else the machine does must not decide what `auto` takes.
  */
 #include "costs.h"
+#include "median.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -32,12 +33,6 @@ double costs_now(void)
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double) t.tv_sec * 1e3 + (double) t.tv_nsec * 1e-6;
-}
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
 }
 
 double costs_time(costs_body body, void *ctx)

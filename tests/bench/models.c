@@ -4,6 +4,8 @@
  *
  * Prints the median of RUNS (5) in ms for each recipe and frame, with a pixel
  * of 1/36 degree. A kernel of 512 x 512 is that of a frame of 256 x 256. */
+#include "median.h"
+
 #include "core/clock.h"
 #include "core/colour.h"
 #include "core/parallel.h"
@@ -12,13 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static void print(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    fprintf(stderr, "models: %s\n", line);
-}
-static const struct gp_log models_log = {print, NULL, GP_LEVEL_WARN};
+static const struct gp_log models_log = BENCH_LOG("models");
 
 static const struct {
     const char *recipe;
@@ -32,12 +28,6 @@ static const struct {
     {"temporal", 256, 256},
     {"temporal", 1920, 1080},
 };
-
-static int by_size(const void *a, const void *b)
-{
-    const double *const x = a, *const y = b;
-    return (*x > *y) - (*x < *y);
-}
 
 int main(int argc, char **argv)
 {
@@ -64,9 +54,8 @@ int main(int argc, char **argv)
             gp_kernel_free(&k);
         }
         gp_recipe_free(&r);
-        qsort(ms, (size_t) runs, sizeof *ms, by_size);
         printf("%-36s %4dx%-4d  %7.1f ms, %d threads\n", rows[i].recipe,
-               rows[i].w, rows[i].h, ms[runs / 2], gp_threads());
+               rows[i].w, rows[i].h, median(ms, runs), gp_threads());
     }
     return 0;
 }

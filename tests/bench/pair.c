@@ -6,6 +6,8 @@
  * and the medians of the ratios A/B of each pair, after one uncounted run of
  * each. Output of the commands is thrown away.
  */
+#include "median.h"
+
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,18 +57,6 @@ static struct reading run_command(char **command)
         now() - start, ms(use.ru_utime) + ms(use.ru_stime),
         (double) use.ru_maxrss / 1024.0,
     };
-}
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *v, int n)
-{
-    qsort(v, (size_t) n, sizeof *v, by_value);
-    return v[n / 2];
 }
 
 int main(int argc, char **argv)

@@ -9,6 +9,8 @@
  * the frame's planes to the layer (plain: to frame + layer), bright pass
  * included; pairs alternate, so a machine whose speed drifts drifts for both.
  */
+#include "median.h"
+
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -21,13 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void print(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    fprintf(stderr, "stage: %s\n", line);
-}
-static const struct gp_log stage_log = {print, NULL, GP_LEVEL_WARN};
+static const struct gp_log stage_log = BENCH_LOG("stage");
 
 struct plain {
     int w, h;
@@ -106,18 +102,6 @@ static void plain_run(const struct plain *p, const struct gp_frame *f,
                     z[(size_t) y * p->pitch + (size_t) x];
         }
     }
-}
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *v, int n)
-{
-    qsort(v, (size_t) n, sizeof *v, by_value);
-    return v[n / 2];
 }
 
 /* OpenMP's threads spin for a while after a loop and would slow the other

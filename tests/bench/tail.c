@@ -6,6 +6,8 @@
  * Both take the engine fft, from the sources on; pairs alternate, so a machine
  * whose speed drifts drifts for both. Times are those of all threads together.
  * The error is against the whole kernel's sum in double. */
+#include "median.h"
+
 #include "core/memory.h"
 #include "glare/engine.h"
 #include "glare/model/model.h"
@@ -16,19 +18,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-static void print(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    fprintf(stderr, "tail: %s\n", line);
-}
-static const struct gp_log tail_log = {print, NULL, GP_LEVEL_WARN};
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
-}
+static const struct gp_log tail_log = BENCH_LOG("tail");
 
 /* Milliseconds of work of all threads. */
 static double work_ms(void)
@@ -36,12 +26,6 @@ static double work_ms(void)
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return 1e3 * (double) t.tv_sec + 1e-6 * (double) t.tv_nsec;
-}
-
-static double median(double *v, int n)
-{
-    qsort(v, (size_t) n, sizeof *v, by_value);
-    return v[n / 2];
 }
 
 enum { MOST_RUNS = 200 };
