@@ -57,8 +57,7 @@ static void option_text(const struct gp_option *o, bool values, char *text,
 
 // -- --help ------------------------------------------------------------------
 
-/* Prints `text` from column INDENT on, wrapped; the line is `column` long. */
-static void print_text(FILE *f, int column, const char *text)
+void gp_help_text(FILE *f, int column, const char *text)
 {
     if (column >= INDENT - 1)
         fprintf(f, "\n%*s", INDENT, "");
@@ -91,7 +90,7 @@ static void print_option(FILE *f, const struct gp_option *o)
     if (o->arg)
         column += fprintf(f, " %s", o->arg);
     option_text(o, true, text, sizeof text);
-    print_text(f, column, text);
+    gp_help_text(f, column, text);
 }
 
 /* Prints the heading of a group, its example, and those of its options that one
@@ -460,7 +459,7 @@ static int print_options_of(FILE *f, const char *topic, enum match match)
         print_option(f, o);
         for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
             if (text)
-                print_text(f, fprintf(f, "      %s", name), text);
+                gp_help_text(f, fprintf(f, "      %s", name), text);
         }
     }
     return found;

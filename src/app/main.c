@@ -111,13 +111,14 @@ static gp_status run_bench(const struct gp_log *log,
     gp_status st = gp_wanted_kernel_read(log, s, &wanted);
     if (st)
         return st;
+    const struct gp_kernel_params image = gp_wanted_params(s, &wanted);
     const struct gp_bench_request job = {
         .params = &s->bench,
         .input = input,
         .default_kernel = !gp_option_given(s, "kernel"),
         .read = &s->read,
         .sensor = &s->sensor,
-        .kernel = &s->kernel,
+        .kernel = &image,
         .kernel_name = s->kernels.n ? s->kernels.at[0] : "builtin:eye",
         .kernel_image = &wanted.image[0],
         .recipe = wanted.recipe,

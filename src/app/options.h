@@ -190,6 +190,10 @@ GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
 /* --help of a command, to `f`. */
 void gp_help(FILE *f, enum gp_command command);
 
+/* Ends a line of help that is `column` characters long with `text`, wrapped at
+ * 80 columns, the 29th its first. */
+void gp_help_text(FILE *f, int column, const char *text);
+
 /* Prints the parts of the man page that come from the table and the status
  * list: mdoc items, each part after a line @NAME@ that names its place. */
 void gp_help_man(FILE *f);

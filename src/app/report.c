@@ -279,6 +279,32 @@ static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
     json_object_set_new(o, "schema", json_integer(SCHEMA));
 }
 
+/* Adds what the kernel is and what it leaves out. */
+static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
+{
+    if (!k->w)
+        return;
+    json_t *const about = json_object();
+    json_t *const list = json_array();
+    for (int i = 0; i < k->recipes; i++) {
+        char *const recipe = gp_recipe_text(&k->recipe[i]);
+        json_array_append_new(list, recipe ? gp_json_name(recipe) : NULL);
+        gp_free(recipe);
+    }
+    if (k->recipes)
+        json_object_set(about, "recipes", list);
+    json_decref(list);
+    json_object_set_new(about, "width", json_integer(k->w));
+    json_object_set_new(about, "height", json_integer(k->h));
+    if (k->grid)
+        json_object_set_new(about, "grid", json_integer(k->grid));
+    if (k->modelled)
+        put_number(about, "missed", k->missed, 1e-9);
+    json_object_set_new(o, "kernel", about);
+    if (k->modelled)
+        put_number(o, "kernel_left_out", k->left_out, 0.0);
+}
+
 /* Adds the engine, its work and its result. */
 static void put_glare(json_t *o, const struct gp_facts *f)
 {
@@ -308,8 +334,8 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     if (f->deg_per_pixel > 0.0) {
         put_number(o, "deg_per_pixel", f->deg_per_pixel, 0.0);
         put_name(o, "fov_from", f->fov_from);
-        put_number(o, "kernel_left_out", f->kernel_left_out, 0.0);
     }
+    put_kernel(o, &f->kernel);
     if (f->has_flux_out)
         put_rgb(o, "flux_out", f->flux_out);
     if (g->engine && f->sources)

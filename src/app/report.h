@@ -5,6 +5,7 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
+#include "glare/model/model.h"
 #include "io/read.h"
 #include "sun/lights.h"
 #include "tone/ocio.h"
@@ -35,6 +36,17 @@ struct gp_flare_facts {
 
 struct gp_settings;
 
+/* The kernel of a frame; 0 x 0: none was needed. */
+struct gp_kernel_facts {
+    const struct gp_recipe *recipe; // `recipes` of them, borrowed
+    int recipes;                 // 0: an image
+    int w, h;                    // samples at full rate: all, or the core
+    int grid;                    // pixels between the others; 0: no others
+    bool modelled;               // the next two are known
+    double left_out;             // a model's light outside of what is computed
+    double missed;               // of which falls in the frame
+};
+
 /* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
     bool numbered;
@@ -52,7 +64,7 @@ struct gp_facts {
     double flux_in[3];           // of the sources, by channel
     double flux_faint[3];        // light under FLT_MIN, which counts as 0
     double kernel_faint[3];      // magnitudes of the kernel under FLT_MIN
-    double kernel_left_out;      // light of a model that nothing computes
+    struct gp_kernel_facts kernel;
     double deg_per_pixel;        // 0: the kernel is an image
     const char *fov_from;        // "option", "camera" or "default"
     double flux_out[3];          // of the layer inside the frame

@@ -6,9 +6,11 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/tail/tail.h"
 #include "io/plane.h"
 #include "io/read.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Pixels to which --grow kernel grows frames of models, which have no end. */
@@ -75,8 +77,12 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
     gp_status st = check_image_options(log, s, files, one);
     if (st)
         return st;
-    if (one)
-        return gp_read_frame(log, &limits, at[0], &out->image[0]);
+    if (one) {
+        st = gp_read_frame(log, &limits, at[0], &out->image[0]);
+        if (!st)
+            out->label[0] = gp_label_read(&out->image[0]);
+        return st;
+    }
     for (int i = 0; i < n; i++) {
         GP_TRY(read_recipe(log, s, at[i], &k.recipe[i]));
         k.recipes++;
@@ -101,8 +107,21 @@ gp_status gp_wanted_images_read(const struct gp_log *log,
         if (st)
             return st;
         k->recipe[i].image = file ? &k->image[i] : NULL;
+        if (file && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
+            k->label[i] = gp_label_read(&k->image[i]);
+        k->recipe[i].as_it_is = k->label[i].made;
     }
     return GP_OK;
+}
+
+struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
+                                         const struct gp_wanted_kernel *k)
+{
+    struct gp_kernel_params p = s->kernel;
+    if (k->label[0].made && !gp_option_given(s, "kernel-normalize"))
+        p.normalize = GP_NORMALIZE_NONE;
+    p.left_out = k->label[0].left_out;
+    return p;
 }
 
 // -- made for frames ----------------------------------------------------------
@@ -152,7 +171,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
     if (st)
         return st;
-    struct gp_kernel_params p = r->s->kernel;
+    struct gp_kernel_params p = gp_wanted_params(r->s, &r->wanted);
     p.aspect = field->aspect;
     p.scale = scale_of(r, field);
     st = r->wanted.recipes
@@ -202,27 +221,77 @@ static struct gp_field find_field(const struct gp_run *r,
     return field;
 }
 
-/* Warns once a run of each fault of the kernel that a frame shows. */
-static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs)
+/* How the frame uses the kernel: of several recipes, with the light that files
+ * among them miss. */
+static struct gp_kernel_use use_of(const struct gp_run *r,
+                                   const struct gp_frame_state *fs)
 {
-    const struct gp_settings *const s = r->s;
-    const struct gp_kernel *const k = &r->kernel->k;
+    const struct gp_wanted_kernel *const wanted = &r->wanted;
     const struct gp_frame *const f = &fs->frame;
-    const bool image = !r->wanted.recipes;
-    const struct gp_kernel_use use = {
-        .add = s->compose.mix == GP_MIX_ADD,
-        .ends = image && (k->w < 2 * gp_frame_w(f) - 1 ||
-                          k->h < 2 * gp_frame_h(f) - 1),
-        .brightest = (double) fs->sources.brightest * (double) s->compose.gain,
-    };
-    for (int i = 0; i < GP_KERNEL_FAULTS; i++) {
+    const struct gp_field *const field = &r->kernel->field;
+    struct gp_kernel_use use = {0};
+    double shares = 0.0, missed = 0.0;
+    for (int i = 0; i < gp_max(wanted->recipes, 1); i++) {
+        const double share =
+            wanted->recipes ? wanted->recipe[i].value[0] : 1.0;
+        const double scale = wanted->recipes ? 1.0 : scale_of(r, field);
+        gp_label_use(&wanted->label[i], scale, &r->kernel->k, gp_frame_w(f),
+                     gp_frame_h(f), &use);
+        missed += share * use.missed;
+        shares += share;
+    }
+    use.missed = missed / fmax(shares, 1.0);
+    use.ends = use.ends && !wanted->recipes;
+    use.add = r->s->compose.mix == GP_MIX_ADD;
+    use.brightest =
+        (double) fs->sources.brightest * (double) r->s->compose.gain;
+    return use;
+}
+
+/* Warns once a run of each fault of the kernel that a frame shows. */
+static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
+                           const struct gp_kernel_use *use)
+{
+    for (int i = 0; i < GP_KERNEL_RULES; i++) {
         char line[GP_FAULT_BYTES];
         if (r->faults_said >> i & 1 ||
-            !gp_kernel_fault(&r->kernel->figures, &use, i, line))
+            !gp_kernel_fault(&r->kernel->figures, use, (enum gp_kernel_rule) i,
+                             line))
             continue;
         gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
-               image ? r->wanted.image[0].path : "--kernel", line);
+               r->wanted.recipes ? "--kernel" : r->wanted.image[0].path, line);
         r->faults_said |= 1u << i;
+    }
+}
+
+/* The facts about the frame's kernel. */
+static void note_kernel(const struct gp_run *r,
+                        const struct gp_kernel_use *use, struct gp_facts *facts)
+{
+    const struct gp_kernel *const k = &r->kernel->k;
+    facts->kernel = (struct gp_kernel_facts) {
+        .recipe = r->wanted.recipe, .recipes = r->wanted.recipes,
+        .modelled = r->wanted.recipes || r->wanted.label[0].made,
+        .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
+        .left_out = k->left_out, .missed = use->missed,
+    };
+}
+
+/* Widens the field so that lights outside of the frame light all of it, up to
+ * three frames: in steps, as a light that moves must not remake the kernel for
+ * each frame. */
+static void reach_lights(const struct gp_run *r,
+                         const struct gp_frame_state *fs,
+                         struct gp_field *field)
+{
+    enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
+    int offset[2], *const size[2] = {&field->w, &field->h};
+    gp_suns_offsets(&r->suns, fs->frame.data, offset);
+    for (int i = 0; i < 2; i++) {
+        const int most = gp_min(3 * *size[i], MOST);
+        if (offset[i] >= *size[i])
+            *size[i] = gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) *
+                                                         STEP));
     }
 }
 
@@ -230,13 +299,15 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns)) {
-        const struct gp_field field = find_field(r, fs);
+        struct gp_field field = find_field(r, fs);
+        reach_lights(r, fs, &field);
         st = make_kernel(fs->log, r, &field);
     }
     if (!st && r->kernel) {
-        warn_of_faults(r, fs);
+        const struct gp_kernel_use use = use_of(r, fs);
+        warn_of_faults(r, fs, &use);
+        note_kernel(r, &use, &fs->facts);
         fs->kernel = r->kernel;
-        fs->facts.kernel_left_out = fs->kernel->k.left_out;
         atomic_fetch_add(&fs->kernel->holders, 1);
     }
     return st;

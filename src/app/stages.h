@@ -5,6 +5,7 @@
 
 #include "app/flight.h"
 #include "app/jobs.h"
+#include "app/kernel_label.h"
 #include "app/report.h"
 #include "app/settings.h"
 #include "core/frame.h"
@@ -55,6 +56,7 @@ struct gp_light_group {
 struct gp_wanted_kernel {
     struct gp_recipe recipe[GP_RECIPES];
     struct gp_frame image[GP_RECIPES]; // of the recipe's file, or of the kernel
+    struct gp_kernel_label label[GP_RECIPES]; // of image[i] as a kernel
     int recipes;                       // 0: image[0] is the kernel
 };
 
@@ -63,6 +65,11 @@ struct gp_wanted_kernel {
 GP_MUST_CHECK gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out);
 void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
+
+/* How image[0] becomes a kernel, where there are no recipes: by --kernel-... ,
+ * but a file of glarepp kernel as it is, unless --kernel-normalize is given. */
+struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
+                                         const struct gp_wanted_kernel *k);
 
 /* Reads the images that k's recipes name. Same errors. */
 GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,

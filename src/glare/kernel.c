@@ -354,7 +354,11 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
                        "%s: the kernel has no pixels (%dx%d); use another "
                        "image", raw.name, raw.w, raw.h);
     gp_status st = find_center(log, p, image->data, &raw);
-    return st ? st : make_rotated(log, p, &raw, out);
+    if (!st)
+        st = make_rotated(log, p, &raw, out);
+    if (!st)
+        out->left_out = p->left_out;
+    return st;
 }
 
 gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,

@@ -22,6 +22,8 @@ struct gp_kernel_params {
                                    // is made for; 0: square
     double scale;                  // their number for one pixel of the image's
                                    // height; 0: 1
+    double left_out;               // of a model whose kernel the image is:
+                                   // becomes the kernel's; else 0
 };
 
 /* The kernel before --rotate, scaled by the same factor, so that
@@ -59,7 +61,8 @@ struct gp_kernel {
     struct gp_unturned *unturned; // NULL when the kernel was not rotated, or
                           // by right angles, which need no sampling; owned
     double left_out;      // of a model: light that falls where nothing is
-                          // computed, in luminance; else 0
+                          // computed, in luminance, most of it outside of the
+                          // frame; else 0
     struct gp_kernel_origin *origin; // recipes and field of a model's kernel
     void (*free_origin)(struct gp_kernel_origin *); // (model/make.c); owned
 };

@@ -9,19 +9,26 @@
 
 /* Luminance by the weights given; offsets in pixels from the centre's pixel. */
 struct gp_kernel_figures {
-    double light;        // sum of all samples
+    int w, h;            // samples, without zero borders
+    double sum[3];       // of each channel
+    double light;        // their luminance
     double own;          // share of it that stays in its pixel
-    double centre;       // the centre's sample; 0 outside
-    double rim;          // how far the outermost rows and columns drop to 0
-                         // beyond what the slope before them drops
+    double rim;          // the largest step down to darkness, under a thousandth,
+                         // from one sample to the next, beyond the slope before
+                         // it; 0 for kernels of models, which have none
     double left_out;     // of a model, as in struct gp_kernel
     // by gp_kernel_measure() only
-    double peak;         // largest sample
+    double peak;         // largest sample, of equals the centre's
     int peak_at[2];
+    double mirrored;     // sample opposite to it
     double centroid[2];
     double border;       // share of magnitudes in the outermost rows, columns
-    double asymmetry;    // norm of k(d) - k(-d) over that of k
+    double outermost;    // share of samples there: what even light would have
+    double asymmetry;    // share of what leaves the pixel that has no
+                         // counterpart opposite to it
     long long negatives; // samples with a channel under 0
+    long long nonfinite; // NaN or infinite, counted by the caller: there is no
+                         // such kernel, and all else is 0
     bool measured;
 };
 
@@ -29,22 +36,41 @@ struct gp_kernel_figures {
 struct gp_kernel_use {
     bool add;            // --mix add
     bool ends;           // it ends where light still goes on, inside the frames
+    bool as_it_is;       // not normalised
+    double missed;       // a model's light that falls in the frames, but outside
+                         // of what was computed
     double brightest;    // luminance of the brightest source; 0: not known
 };
 
-/* Figures that cost no more than the kernel's outline. Of a kernel with a tail
- * `rim` is the core's. */
+/* Figures that cost a look at each sample, or for models nothing. Of a kernel
+ * with a tail they are those of both. */
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
                       struct gp_kernel_figures *out);
 /* All figures, of a kernel without tail. */
 void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
                        struct gp_kernel_figures *out);
 
-/* Writes fault `i`, from 0 on, as one line that says what to do. False, with
- * `line` empty, where the kernel does not have it. */
-enum { GP_KERNEL_FAULTS = 5, GP_FAULT_BYTES = 256 };
+/* Rules that a kernel can break. Those of SIZE to SYMMETRY need all figures. */
+enum gp_kernel_rule {
+    GP_RULE_NONFINITE,
+    GP_RULE_SIZE,
+    GP_RULE_SUM,
+    GP_RULE_PEAK,
+    GP_RULE_CENTROID,
+    GP_RULE_BORDER,
+    GP_RULE_NEGATIVE,
+    GP_RULE_SYMMETRY,
+    GP_RULE_OWN,
+    GP_RULE_RIM,
+    GP_RULE_LEFT_OUT,
+    GP_KERNEL_RULES,
+};
+enum { GP_FAULT_BYTES = 256 };
+
+/* Writes the fault against a rule as one line that says what to do. False, with
+ * `line` empty, where the kernel keeps the rule, or was not measured for it. */
 bool gp_kernel_fault(const struct gp_kernel_figures *f,
-                     const struct gp_kernel_use *use, int i,
+                     const struct gp_kernel_use *use, enum gp_kernel_rule rule,
                      char line[GP_FAULT_BYTES]);
 
 #endif

@@ -144,6 +144,11 @@ double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
 /* Returns true when a light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 
+/* The largest offsets in x and y from a light that gp_suns_spread() has to a
+ * pixel of the frame, so that the kernel can reach there; 0: no such light. */
+void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
+                     int offset[2]);
+
 /* Returns true when gp_suns_draw() may add light: a light with flux is not
  * known to be hidden. */
 bool gp_suns_add_light(const struct gp_suns *suns);

@@ -122,6 +122,22 @@ static bool is_source(const struct gp_suns *suns, const struct gp_light *l,
            !is_sprite(suns, l, data);
 }
 
+void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
+                     int offset[2])
+{
+    offset[0] = offset[1] = 0;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        const double r = fmax(l->radius, 0.5) + 1.5; // with bilinear shares
+        const double x = fmax(fabs(l->x - data.x0), fabs(l->x - data.x1)) + r;
+        const double y = fmax(fabs(l->y - data.y0), fabs(l->y - data.y1)) + r;
+        if (l->behind || !is_sprite(suns, l, data) || !(x < 1e8 && y < 1e8))
+            continue;
+        offset[0] = gp_max(offset[0], (int) ceil(x));
+        offset[1] = gp_max(offset[1], (int) ceil(y));
+    }
+}
+
 bool gp_suns_add_light(const struct gp_suns *suns)
 {
     if (on_gl(suns))

@@ -26,6 +26,7 @@ Keys attr and part may come more than once.
 import math
 import os
 import random
+import re
 import struct
 import sys
 import zlib
@@ -86,7 +87,10 @@ def attribute(name, kind, data):
 
 
 def given_attribute(text):
-    name, kind, value = text.split(":", 2)
+    # a name may have colons too
+    name, kind, value = re.match(
+        "(.+?):(string|stringvector|float|int|rational|v2f|m44f):(.*)", text,
+        re.S).groups()
     if kind == "string":
         return attribute(name, kind, value.encode())
     if kind == "stringvector":

@@ -130,8 +130,47 @@ run kernel -k cie:age=70 -k star:share=.05 -k image:file=k.exr,share=.1 \
 quiet_success 'kernel -o'
 run kernel --from a.exr -o b.exr
 same a.exr b.exr '--from: the same bytes'
+run kernel -k eye --size 64x48 --compression piz -o a.exr
+run kernel --from a.exr -o b.exr
+same a.exr b.exr '--from: the same bytes, of another compression'
+run kernel --from a.exr --compression zip -o b.exr
+no '--from: a compression that is given' cmp -s a.exr b.exr
 run kernel --from k.exr -o b.exr
 fails_with 4 k.exr '--from a file without a recipe'
+# hostile attributes
+long=$(printf '%050000d' 0 | tr 0 9)
+labelled() # RECIPE [NAME=VALUE...]
+{
+    recipe=$1
+    shift
+    fov=30 size=64x48,0 rotate=0 frame=0 compression=auto left_out=0 beyond=0
+    for word; do eval "${word%%=*}=\${word#*=}"; done
+    frame odd.exr kind=kernel size=9x9 "attr=glarepp:recipe:string:$recipe" \
+        attr=glarepp:fov:string:$fov attr=glarepp:size:string:$size \
+        attr=glarepp:rotate:string:$rotate attr=glarepp:frame:string:$frame \
+        attr=glarepp:compression:string:$compression \
+        attr=glarepp:left_out:string:$left_out \
+        attr=glarepp:beyond:string:$beyond
+}
+for recipe in nosuch "star:ponits=3" "star:share=$long" "$long" ''; do
+    labelled "$recipe"
+    run kernel --from odd.exr -o b.exr
+    fails_with 4 odd.exr "--from: a recipe of ${#recipe} bytes that is none"
+    ok 'in a short line' test "$(wc -c <err)" -lt 500
+done
+for value in fov=1e9 fov=nan fov=0 fov= size=0x0,0 size=99999x9,0 size=64x48 \
+    size=64x48,99999 rotate=inf frame=1e30 compression=lzw left_out=7 \
+    left_out=1e999 beyond=x; do
+    labelled star $value
+    run kernel --from odd.exr -o b.exr
+    fails_with 4 odd.exr "--from: $value"
+done
+labelled star
+run kernel --from odd.exr -o b.exr
+quiet_success '--from: the attributes decide'
+run kernel --check odd.exr
+like "$status $(cat out)" '1 *its light sums to *' \
+    '--check: samples that are not those of its attributes'
 run kernel --from a.exr -o a.exr
 fails_with 2 a.exr '--from a file that would be replaced'
 run kernel -k eye --size 64x48 --threads 1 -o a.exr
@@ -145,6 +184,7 @@ run kernel -k eye -o a.png
 fails_with 2 a.png 'a kernel is an EXR file'
 run kernel --list
 quiet_success '--list'
+is "$(awk 'length($0) > 79' out)" '' '--list: fits a terminal'
 is "$(grep -c '^[a-z]*: ' out)" "$(grep -c 'share=' out)" \
     '--list: each model has a share'
 for model in spencer cie star cross streak ring circle gaussian moffat image; do
@@ -154,26 +194,51 @@ is "$(cat missing)" '' '--list: every model'
 
 # -- faults --------------------------------------------------------------------
 
-# a cut kernel, one that fades to 0, a negative lobe, and half a pixel beside
-for kind in cut fade lobe beside; do
-    "$python" - $kind <<'PY'
+# images, and the rules that each breaks
+cat >images.py <<'PY'
 import array, math, sys
 kind = sys.argv[1]
-n = 16 if kind == "beside" else 15
+n = {"beside": 16, "box": 61, "one": 9}.get(kind, 15)
 v = array.array("f")
 for y in range(n):
     for x in range(n):
-        d = math.hypot(x - (n - 1) / 2, y - (n - 1) / 2)
-        a = 1 / (1 + d * d) if kind == "cut" else max(1 - d / 7.5, 0) ** 2
-        v.extend([-1e-3 if kind == "lobe" and d == 2 else a] * 3)
+        dx, dy = x - (n - 1) / 2, y - (n - 1) / 2
+        d = math.hypot(dx, dy)
+        a = max(1 - d / 7.5, 0) ** 2
+        if kind == "cut":
+            a = 1 / (1 + d * d)
+        if kind == "box":
+            a = 1.0 * (max(abs(dx), abs(dy)) <= 20)
+        if kind == "moved":
+            a = max(1 - math.hypot(dx - 3, dy) / 4, 0) ** 2
+        if kind == "side":
+            a = 1.0 * (d == 0) + (dy == 0) * (1 - d / 8) * (.1 if dx > 0 else .02)
+        if kind == "one":
+            a = 1.0 * (d == 0)
+        c = -1e-3 if kind == "lobe" and d == 2 else a
+        v.extend([c, c, 0.0 if kind == "yellow" else c])
 with open(kind + ".pfm", "wb") as f:
     f.write(b"PF\n%d %d\n-1.0\n" % (n, n) + v.tobytes())
 PY
-    run kernel --check $kind.pfm
-    [ $kind = fade ] && wanted=0 || wanted=1
-    status_is $wanted "--check: $kind"
-    is "$(grep -c '^fault: ' out)" $wanted "--check: faults of $kind"
-done
+# $1: an image; $2: the parts of fault lines, in their order
+faults()
+{
+    "$python" images.py $1
+    run kernel --check $1.pfm
+    [ -z "$2" ] && wanted=0 || wanted=1
+    status_is $wanted "--check: $1"
+    like "$(grep '^fault: ' out)" "$2" "--check: faults of $1"
+    is "$(grep -c '^fault: ' out)" "$3" "--check: no other of $1"
+}
+faults fade '' 0
+faults cut '*its outermost rows*its edge shows*' 2
+faults box '*its outermost rows*its edge shows*' 2
+faults lobe '*samples are negative*' 1
+faults beside '*its centroid is half a pixel*' 1
+faults moved '*its peak is 3,0 pixels*no counterpart*' 2
+faults side '*no counterpart opposite*' 1
+faults yellow '*its blue sums to 0*' 1
+faults one '*a single sample*' 1
 frame nan.exr kind=nan size=9x9
 run kernel --check nan.exr
 status_is 1 '--check: NaN'
@@ -182,22 +247,73 @@ run kernel --check fade.pfm
 like "$status $(cat out)" '0 *own pixel  3.388 %*' '--check: own pixel'
 run kernel --check circle:share=1 --mix add --size 200x200
 like "$status $(cat out)" '1 *use --mix scatter*' '--check: defocus with add'
+run kernel --check eye
+like "$status $(cat out)" '0 *left out   1.1? %, of which 0 % in the frame' \
+    "--check: light beside the frame is no fault"
 run kernel --check eye --radius 30
-like "$status $(cat out)" "1 *% of the model's light is outside*" \
+like "$status $(cat out)" "1 *% of its model's light falls in the frame*" \
     "--check: a model's share outside"
-run kernel -k eye --radius 30 -o small.exr
+run kernel -k eye --size 64x48 --radius 12 -o small.exr
 run kernel --check small.exr
-like "$status $(cat out)" "1 *% of the model's light is outside*" \
+like "$status $(cat out)" "1 *% of its model's light falls in the frame*" \
     "--check: a file's share outside"
+run kernel -k eye --size 64x48 -o whole.exr
+run kernel --check whole.exr
+status_is 0 '--check: a file as large as its frame'
+for preset in $("$glarepp" kernel --list | sed -n 's/^  \([a-z-]*\)  .*/\1/p'); do
+    run kernel --check builtin:$preset --size 320x180
+    status_is 0 "--check: builtin:$preset"
+done
 run kernel --check cut.pfm in.exr
 like "$status $(cat out)" '1 *edge shows*' "--check: by a frame's light"
 frame faint.exr kind=dark
 run kernel --check cut.pfm faint.exr
-like "$status $(cat out)" '0 *' '--check: too faint a light to show it'
+no '--check: too faint a light to show it' grep 'edge shows' out
 run -k cut.pfm --layer l.exr --report r.json in.exr
 like "$status $(cat err)" '0 *warning: cut.pfm: its edge shows*' \
     'a run warns of the edge'
 is "$(field r.json 'len(o["warnings"])')" 1 'and its report does'
+run -k small.exr -e direct --layer l.exr --report r.json in.exr
+like "$status $(cat err)" \
+    "0 *warning: small.exr: *% of its model's light falls in the frame*" \
+    'a run warns of light that its file lacks'
+is "$(field r.json 'o["kernel_left_out"] > o["kernel"]["missed"] + .01 > .02')" \
+    True 'and reports it, with what falls beside the frame'
+sums='abs(sum(f * (1 - o["kernel_left_out"]) for f in o["flux_in"]) / sum(o["flux_out"]) - 1)'
+is "$(field r.json "$sums < 0.1")" True 'it is not scaled up'
+run -k small.exr --kernel-normalize luminance -e direct --layer m.exr in.exr
+no 'but with --kernel-normalize it is' "$glarepp" compare --no-flip \
+    --fail-rel 0.01 l.exr m.exr
+run -k whole.exr -e direct --layer l.exr --report r.json in.exr
+quiet_success 'no warning of light that falls beside the frame'
+is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"]')" \
+    '(True, 0.0)' 'which the report has'
+run --layer m.exr --report r.json -e direct in.exr
+quiet_success 'nor by the model itself'
+is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
+    "(True, 0.0, ['spencer'])" 'which reports the same'
+ok 'and the same layer' "$glarepp" compare --no-flip --fail-rel 1e-6 l.exr m.exr
+frame large.exr size=128x96
+run -k whole.exr --layer l.exr large.exr
+like "$status $(cat err)" "0 *% of its model's light falls in the frame*" \
+    'a run warns of a kernel made for smaller frames'
+run -k image:file=small.exr,share=.5 -k star --layer l.exr --report r.json in.exr
+like "$status $(cat err)" "0 *--kernel: *% of its model's light falls in*" \
+    'a run warns of one of several'
+
+# a light outside of the frame lights all of it: 124 pixels are more than 63
+run -k eye --fov 5 -t 1e9 --sun=-60,20,2 --sun-color 1e6,1e6,1e6 \
+    --sun-outside visible --layer l.pfm in.exr
+is "$("$python" - <<'PY'
+import array
+with open("l.pfm", "rb") as f:
+    f.readline(), f.readline(), f.readline()
+    v = array.array("f")
+    v.frombytes(f.read())
+print(min(v) > 0, max(v[63 * 3::64 * 3]) > 0.1 * max(v[32 * 3::64 * 3]))
+PY
+)" 'True True' 'a light beside the frame lights all of it'
+
 run -k circle:share=1 --fov 1 --mix add --layer l.exr in.exr
 like "$status $(cat err)" '0 *--kernel: *use --mix scatter*' \
     'a run warns of defocus'

@@ -17,7 +17,7 @@ quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
 'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
-'fov_from', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
+'fov_from', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
 'clamped', 'depth', 'times_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \

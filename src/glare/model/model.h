@@ -69,6 +69,8 @@ struct gp_recipe {
     char *file[GP_MODEL_KEYS];     // owned; NULL where not given
     const struct gp_frame *image;  // what its file holds; borrowed, set by the
                                    // caller before a kernel is made
+    bool as_it_is;                 // an image of shares of light, as of a model:
+                                   // not normalised to a luminance of 1
 };
 
 /* True where `text` is a recipe or a preset, not a file's path: it begins with

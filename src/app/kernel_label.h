@@ -1,0 +1,61 @@
+/* The attributes of a kernel's file: what glarepp kernel made it of, for --from
+ * and for runs that use the file. man/kernels.md documents their names. */
+#ifndef GP_APP_KERNEL_LABEL_H
+#define GP_APP_KERNEL_LABEL_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/kernel_check.h"
+#include "glare/model/model.h"
+#include "io/write.h"
+
+#include <stdbool.h>
+
+/* All but the recipes. */
+struct gp_kernel_label {
+    bool made;           // read from a file of glarepp kernel, or to be written
+    int w, h;            // pixels of the frame it is for
+    int radius;          // most of an offset; 0: all that the frame meets
+    double fov;          // degrees, of the frame's height
+    double rotate;       // degrees
+    int frame;           // number, for models that move
+    enum gp_compression compression; // of the file
+    double left_out;     // the model's light outside of the file
+    double beyond;       // of which falls outside of the frame too
+};
+
+/* Texts for gp_write_params.added; names and texts are owned. */
+enum { GP_LABEL_TEXTS = GP_RECIPES + 8 };
+struct gp_label_texts {
+    struct gp_attribute at[GP_LABEL_TEXTS];
+    int n;
+};
+
+/* Writes the attributes of n recipes. *out is zero before; free it in any case
+ * with gp_label_texts_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_label_write(const struct gp_log *log,
+    const struct gp_kernel_label *l, const struct gp_recipe *r, int n,
+    struct gp_label_texts *out);
+void gp_label_texts_free(struct gp_label_texts *t);
+
+/* Reads the attributes but the recipes. All 0 where they are not whole, or out
+ * of their options' ranges. */
+struct gp_kernel_label gp_label_read(const struct gp_frame *f);
+
+/* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure:
+ * free them with gp_recipe_free().
+ * Errors: GP_ERR_DATA no recipe, or none that this program knows, with the
+ * file's and the attribute's name; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_label_recipes(const struct gp_log *log,
+    const struct gp_frame *f, struct gp_recipe *r, int *n);
+
+/* Sets how a kernel from the file is used for frames of w x h pixels, where a
+ * pixel of the file is `scale` of the frame's: use->missed, what the file leaves
+ * out less what falls outside of the frame it was made for (if these are no
+ * larger); use->ends, true for an image that does not say how it was made and
+ * is smaller than the frames' offsets; use->as_it_is. */
+void gp_label_use(const struct gp_kernel_label *l, double scale,
+                  const struct gp_kernel *k, int w, int h,
+                  struct gp_kernel_use *use);
+
+#endif

@@ -1,0 +1,204 @@
+/* glare/kernel_check.c: each rule has kernels that break it, and only it. */
+#include "unit.h"
+#include "core/memory.h"
+#include "glare/kernel_check.h"
+#include "model_scene.h"
+
+/* A sample at offset (dx, dy) from the middle of an image. */
+typedef double drawing(double dx, double dy);
+
+static double fade(double dx, double dy)
+{
+    return pow(fmax(1.0 - hypot(dx, dy) / 7.5, 0.0), 2.0);
+}
+
+static double cut(double dx, double dy)
+{
+    return 1.0 / (1.0 + dx * dx + dy * dy);
+}
+
+static double box(double dx, double dy)
+{
+    return fmax(fabs(dx), fabs(dy)) <= 20.0 ? 1.0 : 0.0;
+}
+
+/* A lamp in a faint disc with an edge: under 1 % of the light is on it. */
+static double halo(double dx, double dy)
+{
+    const double d = hypot(dx, dy);
+    return d < 0.5 ? 1.0 : d < 12.0 ? 1e-5 : 0.0;
+}
+
+static double cone(double dx, double dy)
+{
+    return fmax(1.0 - hypot(dx, dy) / 12.0, 0.0);
+}
+
+static double lobe(double dx, double dy)
+{
+    return hypot(dx, dy) == 2.0 ? -1e-3 : fade(dx, dy);
+}
+
+static double moved(double dx, double dy)
+{
+    return pow(fmax(1.0 - hypot(dx - 2.0, dy - 1.0) / 5.0, 0.0), 2.0) +
+           0.5 * pow(fmax(1.0 - hypot(dx + 2.0, dy + 1.0) / 5.0, 0.0), 4.0) *
+               (dx > -2.0 ? 0.5 : 1.0);
+}
+
+static double side(double dx, double dy)
+{
+    const double slope = 1.0 - fabs(dx) / 8.0;
+    return dy != 0.0 ? 0.0 : dx == 0.0 ? 1.0 : slope * (dx > 0.0 ? 0.1 : 0.02);
+}
+
+static double point(double dx, double dy)
+{
+    return dx == 0.0 && dy == 0.0 ? 1.0 : 0.0;
+}
+
+static double blur(double dx, double dy)
+{
+    return exp(-0.02 * (dx * dx + dy * dy)); // 0.03 % in its own pixel
+}
+
+static struct gp_kernel make(drawing *draw, int n, const double scale[3])
+{
+    struct gp_planes p;
+    struct gp_kernel k;
+    assert_ok(gp_planes_make(NULL, "kernel", (size_t) n * (size_t) n, &p));
+    for (int i = 0; i < n * n; i++) {
+        const double v = draw(i % n - 0.5 * (n - 1), i / n - 0.5 * (n - 1));
+        for (int c = 0; c < 3; c++)
+            p.c[c][i] = (float) (scale[c] * v);
+    }
+    assert_ok(gp_kernel_of_planes(NULL, "kernel", n, n, &p, &k));
+    return k;
+}
+
+#define BIT(rule) (1u << GP_RULE_##rule)
+#define WHITE {1.0, 1.0, 1.0}
+
+static void each_rule_finds_its_fault(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        drawing *draw;
+        int n;
+        double scale[3];
+        struct gp_kernel_use use;
+        unsigned faults;
+    } rows[] = {
+        {"fade", fade, 15, WHITE, {.ends = true, .brightest = 1e6}, 0},
+        {"cone", cone, 25, WHITE, {.ends = true, .brightest = 1e6}, 0},
+        {"cut", cut, 31, WHITE, {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"cut, by a faint light", cut, 31, WHITE,
+         {.ends = true, .brightest = 1e-3}, 0},
+        {"cut by the frame", cut, 31, WHITE, {.brightest = 1000.0}, 0},
+        {"box, with dark around it", box, 61, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM) | BIT(BORDER)},
+        {"halo", halo, 61, WHITE, {.ends = true, .brightest = 1000.0},
+         BIT(RIM)},
+        {"halo, of a faint light", halo, 61, WHITE,
+         {.ends = true, .brightest = 1.0}, 0},
+        {"lobe", lobe, 15, WHITE, {.ends = true}, BIT(NEGATIVE)},
+        {"half beside", fade, 16, WHITE, {.ends = true}, BIT(CENTROID)},
+        {"moved", moved, 21, WHITE, {.ends = true}, BIT(PEAK) | BIT(SYMMETRY)},
+        {"to one side", side, 21, WHITE, {.ends = true}, BIT(SYMMETRY)},
+        {"point", point, 9, WHITE, {.ends = true, .brightest = 1e9},
+         BIT(SIZE)},
+        {"no blue", fade, 15, {1.0, 1.0, 0.0}, {.ends = true}, BIT(SUM)},
+        {"red under 0", fade, 15, {-1.0, 1.0, 1.0}, {.ends = true},
+         BIT(SUM) | BIT(NEGATIVE)},
+        {"a sum that is normalised", fade, 15, WHITE, {.ends = true}, 0},
+        {"a sum that is not", fade, 15, WHITE,
+         {.ends = true, .as_it_is = true}, BIT(SUM)},
+        {"a blur that is added", blur, 51, WHITE, {.add = true}, BIT(OWN)},
+        {"a blur", blur, 51, WHITE, {.add = false}, 0},
+        {"light left out", fade, 15, WHITE, {.missed = 0.011},
+         BIT(LEFT_OUT)},
+        {"less of it", fade, 15, WHITE, {.missed = 0.009}, 0},
+    };
+    unsigned found = 0;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel k = make(rows[i].draw, rows[i].n, rows[i].scale);
+        struct gp_kernel_figures f;
+        gp_kernel_measure(&k, gp_rec709_luminance, &f);
+        unsigned faults = 0;
+        for (int rule = 0; rule < GP_KERNEL_RULES; rule++) {
+            char line[GP_FAULT_BYTES];
+            const bool broken = gp_kernel_fault(&f, &rows[i].use,
+                                                (enum gp_kernel_rule) rule,
+                                                line);
+            assert_true(broken == (line[0] != '\0'));
+            if (broken && !strchr(line, ';'))
+                fail_msg("does not say what to do: %s", line);
+            faults |= broken ? 1u << rule : 0u;
+        }
+        if (faults != rows[i].faults)
+            fail_msg("%s: faults %#x, not %#x", rows[i].name, faults,
+                     rows[i].faults);
+        found |= faults;
+        gp_kernel_free(&k);
+    }
+    // NaN makes no kernel: its count is all there is
+    const struct gp_kernel_figures bad = {.nonfinite = 3, .measured = true};
+    const struct gp_kernel_use use = {.add = true, .ends = true, .missed = 1.0,
+                                      .as_it_is = true, .brightest = 1.0};
+    for (int rule = 0; rule < GP_KERNEL_RULES; rule++) {
+        char line[GP_FAULT_BYTES];
+        const bool broken =
+            gp_kernel_fault(&bad, &use, (enum gp_kernel_rule) rule, line);
+        assert_true(broken == (rule == GP_RULE_NONFINITE));
+        found |= broken ? 1u << rule : 0u;
+    }
+    assert_int_equal(found, (1u << GP_KERNEL_RULES) - 1u); // none is left
+}
+
+/* Figures of a kernel that is known. */
+static void figures_are_those_of_the_samples(void **state)
+{
+    (void) state;
+    const double scale[3] = {2.0, 2.0, 2.0};
+    struct gp_kernel k = make(box, 61, scale);
+    struct gp_kernel_figures f;
+    gp_kernel_measure(&k, gp_rec709_luminance, &f);
+    assert_true(f.w == 41 && f.h == 41);
+    assert_true(fabs(f.light / (2.0 * 41.0 * 41.0) - 1.0) < 1e-6);
+    assert_true(fabs(f.own * 41.0 * 41.0 - 1.0) < 1e-6);
+    assert_true(fabs(f.rim - 2.0) < 1e-6);
+    assert_true(f.peak_at[0] == 0 && f.peak_at[1] == 0);
+    assert_true(fabs(f.border - 160.0 / (41.0 * 41.0)) < 1e-6);
+    assert_true(fabs(f.outermost - f.border) < 1e-6);
+    assert_true(f.asymmetry == 0.0 && f.negatives == 0);
+    assert_true(fabs(f.centroid[0]) < 1e-9 && fabs(f.centroid[1]) < 1e-9);
+    gp_kernel_free(&k);
+}
+
+/* A run looks only at what it can afford: of models not even at the rim. */
+static void a_glance_is_not_a_measurement(void **state)
+{
+    (void) state;
+    const double scale[3] = WHITE;
+    struct gp_kernel k = make(lobe, 16, scale);
+    struct gp_kernel_figures f;
+    const struct gp_kernel_use use = {.ends = true, .brightest = 1.0};
+    char line[GP_FAULT_BYTES];
+    gp_kernel_glance(&k, gp_rec709_luminance, &f);
+    for (int rule = 0; rule < GP_KERNEL_RULES; rule++)
+        assert_false(gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule,
+                                     line));
+    gp_kernel_free(&k);
+
+    const struct gp_field field = scene_field(400, 300, 0.05, 1.0);
+    struct gp_recipe r = scene_recipe("circle:size=2");
+    assert_ok(gp_model_kernel(NULL, &r, 1, &field, &k));
+    gp_kernel_glance(&k, gp_rec709_luminance, &f);
+    assert_true(f.rim == 0.0 && fabs(f.light - 1.0) < 1e-4);
+    gp_kernel_free(&k);
+    gp_recipe_free(&r);
+}
+
+SUITE_OF(kernel_check, NULL, NULL, each_rule_finds_its_fault,
+    figures_are_those_of_the_samples, a_glance_is_not_a_measurement)
