@@ -411,12 +411,62 @@ out:
     return st;
 }
 
+/* Pixels that hold `reach` in few of their own are cut into parts, which are
+ * then put together: light of a part is even over it too. */
+enum { LEAST_REACH = 16 };
+
+static void parts_row(const void *state, int x, int y, int n,
+                      double *const out[3])
+{
+    gp_deposit_row(state, 3, x, y, n, out);
+}
+
+static void parts_free(void *state)
+{
+    gp_deposit_free(state);
+    gp_free(state);
+}
+
+/* Puts samples of parts together, parts[i] to a pixel along axis i. */
+static gp_status join_parts(const struct gp_log *log, const struct samples *k,
+    const int parts[2], const struct gp_field *f, struct gp_shape *out)
+{
+    struct gp_deposit *d;
+    const int r[2] = {(k->r[0] - 1) / parts[0] + 1,
+                      (k->r[1] - 1) / parts[1] + 1};
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *d, &d);
+    if (!st)
+        st = gp_deposit_make(log, gp_min(r[0], f->w - 1),
+                             gp_min(r[1], f->h - 1), d);
+    if (st) {
+        gp_free(d);
+        return st;
+    }
+    const size_t w = 2 * (size_t) k->r[0] + 1;
+    for (int y = -k->r[1]; y <= k->r[1]; y++) {
+        for (int x = -k->r[0]; x <= k->r[0]; x++) {
+            const size_t at = (size_t) (y + k->r[1]) * w +
+                              (size_t) (x + k->r[0]);
+            double light[3];
+            for (int c = 0; c < 3; c++)
+                light[c] = (double) k->k.c[k->channels == 3 ? c : 0][at];
+            gp_deposit_add(d, (double) x / parts[0], (double) y / parts[1],
+                           light);
+        }
+    }
+    *out = (struct gp_shape) {
+        .state = d, .free = parts_free, .row = parts_row, .smooth = INFINITY,
+        .reach = gp_max(d->rx, d->ry), .rows = d->ry,
+    };
+    return GP_OK;
+}
+
 gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
                       const struct gp_field *f, struct gp_shape *out)
 {
-    const double pixel[2] = {f->degrees * f->aspect, f->degrees};
+    double pixel[2] = {f->degrees * f->aspect, f->degrees};
     const int size[2] = {f->w, f->h};
-    int period[2];
+    int period[2], parts[2];
     struct gp_pupil p = {0};
     struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
     struct gp_transform t[2] = {{0}, {0}};
@@ -431,18 +481,11 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     const double reach = fmin(d->reach, resolved);
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
     k->channels = s.channels;
-    // frequencies of a period within the pupil
-    const double most = d->diameter * 1e6 / (d->nm > 0.0 ? d->nm : GP_NM_FROM) *
-                        fmax(pixel[0], pixel[1]) * GP_PI / 180.0;
-    if (!(most < 1e4)) {
-        st = gp_fail(log, GP_ERR_USAGE, "%s: a pixel is as wide as %.3g "
-                     "wavelengths over diameters; give a narrower pupil, or "
-                     "--fov under %.3g", d->name, most,
-                     f->degrees * f->h * 1e4 / most);
-        goto out;
-    }
     for (int i = 0; i < 2; i++) {
-        k->r[i] = gp_min(size[i] - 1, (int) fmin(ceil(reach / pixel[i]), 1e6));
+        parts[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
+        pixel[i] /= parts[i];
+        k->r[i] = (int) fmin(ceil(reach / pixel[i]),
+                             parts[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
         period[i] = gp_fft_length(gp_max(3 * k->r[i] + 1, 64));
     }
     const size_t cells = (size_t) p.n * (size_t) p.n;
@@ -465,6 +508,10 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
     GP_TRY(finish(log, &s, t, pixel, reach, k));
+    if (parts[0] > 1 || parts[1] > 1) {
+        st = join_parts(log, k, parts, f, out);
+        goto out;
+    }
     *out = (struct gp_shape) {
         .state = k, .free = samples_free, .row = samples_row,
         .grey = k->channels == 1, .smooth = INFINITY,

@@ -136,7 +136,8 @@ const struct gp_model gp_model_moffat = {
 // -- discs and rings ----------------------------------------------------------
 
 /* Curves of the distance by channel, for shapes with edges. A pixel is
- * integrated by parts on which its curve bends little. */
+ * integrated by parts on which its curve bends little; where those would be
+ * many, the shape is shared out to pixels by its rings. */
 struct radial {
     struct gp_field f;
     int parts;        // of a pixel, in x and in y
@@ -144,13 +145,48 @@ struct radial {
     double step;      // degrees; the curve is 0 from n * step on
     double *curve[3]; // n + 2 each, owned
     bool grey;
+    struct gp_deposit rings; // of pixels too wide for parts
 };
 
 static void free_radial(void *state)
 {
     struct radial *const r = state;
+    gp_deposit_free(&r->rings);
     gp_free(r->curve[0]);
     gp_free(r);
+}
+
+static void curve_at(const void *ctx, double t, double out[3])
+{
+    const struct radial *const r = ctx;
+    const double at = fmin(t / r->step, r->n);
+    const int i = (int) at;
+    for (int c = 0; c < 3; c++)
+        out[c] = r->curve[c][i] + (at - i) * (r->curve[c][i + 1] -
+                                              r->curve[c][i]);
+}
+
+static void rings_row(const void *state, int x, int y, int n,
+                      double *const out[3])
+{
+    const struct radial *const r = state;
+    gp_deposit_row(&r->rings, r->grey ? 1 : 3, x, y, n, out);
+}
+
+/* Shares the curves out, of which each panel holds `bend`; all light is 1. */
+static gp_status make_rings(const struct gp_log *log, double end, double bend,
+                            int rx, int ry, struct radial *r)
+{
+    const int panels = (int) ceil(end / bend);
+    double light[3] = {0};
+    gp_status st = gp_deposit_make(log, rx, ry, &r->rings);
+    for (int i = 0; i < panels && !st; i++)
+        gp_deposit_rings(&r->rings, curve_at, r, &r->f, end * i / panels,
+                         end * (i + 1) / panels, light);
+    const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
+    for (size_t i = 0; i < 3 * n && !st; i++)
+        r->rings.v[0][i] /= light[i / n];
+    return st;
 }
 
 static void radial_row(const void *state, int x, int y, int n,
@@ -203,17 +239,17 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     void (*value)(const void *ctx, double t, double out[3]), const void *ctx,
     struct gp_shape *out)
 {
-    enum { MOST_STEPS = 1 << 20 };
+    enum { MOST_PARTS = 8 };
     struct radial *r;
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
     if (st)
         return st;
     r->f = *f;
     r->grey = grey;
-    r->step = fmax(fmin(bend / 32.0, f->degrees / 8.0), end / MOST_STEPS);
+    r->step = bend / 64.0;
     r->n = (int) ceil(end / r->step);
-    r->parts = (int) fmin(ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend),
-                          16.0);
+    const double parts = ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend);
+    r->parts = (int) fmin(parts, MOST_PARTS);
     const size_t room = (size_t) r->n + 2;
     st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
     if (st) {
@@ -236,10 +272,19 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     }
     for (size_t i = 0; i < 3 * room; i++)
         r->curve[0][i] /= sum[i / room];
-    const double pixel = f->degrees * fmin(f->aspect, 1.0);
-    const double reach = ceil(end / pixel) + 1.0;
+    const double reach_x = ceil(end / (f->degrees * f->aspect)) + 1.0;
+    const double reach_y = ceil(end / f->degrees) + 1.0;
+    const double reach = fmax(reach_x, reach_y);
+    if (parts > MOST_PARTS)
+        st = make_rings(log, end, bend, (int) fmin(reach_x, f->w - 1),
+                        (int) fmin(reach_y, f->h - 1), r);
+    if (st) {
+        free_radial(r);
+        return st;
+    }
     *out = (struct gp_shape) {
-        .state = r, .free = free_radial, .row = radial_row, .grey = grey,
+        .state = r, .free = free_radial, .grey = grey,
+        .row = parts > MOST_PARTS ? rings_row : radial_row,
         .even = true, .smooth = INFINITY,
         .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };

@@ -108,17 +108,46 @@ typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
-/* A shape of a profile that is smooth but at 0. Fills all of `out` but
- * `smooth`; `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may bend on a
- * scale of a few pixels. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
-    const void *ctx, int channels, double bends, const struct gp_field *f,
-    struct gp_shape *out);
-
 /* sin(t) / t of t degrees, times a square degree in steradians: what turns
  * light per steradian into light per square degree of the plane that pixels
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
+
+// -- deposit.c ----------------------------------------------------------------
+
+/* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light
+ * that is even over a pixel and moved by (u, v) pixels falls on pixel (x, y) by
+ * tent(u - x) tent(v - y), tent(t) = max(0, 1 - |t|): its integral over both
+ * pixels. Tents add up to 1, so all light is kept whatever points stand for a
+ * shape; what falls beyond rx and ry is dropped. */
+struct gp_deposit {
+    int rx, ry;
+    double *v[3]; // rows of 2 rx + 1; v[0] is owned
+};
+GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int rx,
+                                        int ry, struct gp_deposit *out);
+void gp_deposit_free(struct gp_deposit *d);
+void gp_deposit_add(const struct gp_deposit *d, double u, double v,
+                    const double light[3]);
+
+/* Adds the rings of a profile from `from` to `to` degrees, on which it bends
+ * little, and what they hold to `light`. */
+void gp_deposit_rings(const struct gp_deposit *d, gp_profile p,
+    const void *ctx, const struct gp_field *f, double from, double to,
+    double light[3]);
+
+/* A shape's row from what was added; 0 beyond. */
+void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
+                    int n, double *const out[3]);
+
+// -- radial.c -----------------------------------------------------------------
+
+/* A shape of a profile that is smooth but at 0. Fills all of `out` but
+ * `smooth`; `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may
+ * bend on a scale of a few pixels. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
+    const void *ctx, int channels, double bends, const struct gp_field *f,
+    struct gp_shape *out);
 
 // -- eye.c: declared for tests -------------------------------------------------
 

@@ -29,6 +29,7 @@ enum {
     BANDS = 24,          // wavelengths
 };
 static const double CUT = 5.0;
+static const double WIDE = 4.0; // widths in a pixel from which points are cheap
 
 struct strand {
     double cosine, sine; // of its direction; y is down
@@ -44,7 +45,9 @@ struct rays {
     int n;
     double width, squeeze;
     double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
+    double within[3][TABLE + 2]; // its integral from 0 to there
     double tint[3];
+    struct gp_deposit points;   // in place of samples, where pixels are wide
 };
 
 /* g_c at a share `t` of a strand's length, of light 1 in all. */
@@ -55,6 +58,15 @@ static double along(const struct rays *r, int c, double t)
     return i > TABLE ? 0.0
                      : r->curve[c][i] + (at - i) * (r->curve[c][i + 1] -
                                                     r->curve[c][i]);
+}
+
+/* The integral of g_c from 0 to a share `t` of a strand's length. */
+static double light_within(const struct rays *r, int c, double t)
+{
+    const double at = fmin(t, 1.0) * TABLE;
+    const int i = (int) at;
+    return r->within[c][i] + (at - i) / TABLE * 0.5 *
+                                 (r->curve[c][i] + along(r, c, fmin(t, 1.0)));
 }
 
 /* The second integral of the normal density of width 1. */
@@ -134,6 +146,133 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
     }
 }
 
+// -- pixels wider than strands ------------------------------------------------
+
+/* A line of a strand, z widths from its axis, straight as widths taper evenly:
+ * points on it from p = 0 on and, `back`, of its round end. */
+struct line {
+    const struct rays *r;
+    const struct strand *s;
+    double z, light;
+    double a, b; // a pixel's sides in the plane of strands
+};
+
+/* Adds the part of a line from p to q degrees along it by few points, which
+ * hold all of that part's light. */
+static void add_part(const struct line *l, bool back, double p, double q)
+{
+    const struct rays *const r = l->r;
+    const struct strand *const s = l->s;
+    const struct gp_gauss *const g = gp_gauss_rule(4);
+    double density[4][3], sum[3] = {0};
+    for (int k = 0; k < g->n; k++) {
+        const double at = 0.5 * (p + q) + (q - p) * g->node[k];
+        for (int c = 0; c < 3; c++) {
+            density[k][c] =
+                g->weight[k] * (back ? exp(-0.5 * at * at / (r->width *
+                                                             r->width))
+                                     : along(r, c, at / s->length));
+            sum[c] += density[k][c];
+        }
+    }
+    for (int k = 0; k < g->n; k++) {
+        const double at = 0.5 * (p + q) + (q - p) * g->node[k];
+        const double across = l->z * (r->width - 0.8 * r->width / s->length *
+                                                     fmax(at, 0.0));
+        double light[3];
+        for (int c = 0; c < 3; c++) {
+            const double all = back
+                ? r->curve[c][0] * r->width / s->length * sqrt(0.5 * PI) *
+                      (erf(sqrt(0.5) * q / r->width) -
+                       erf(sqrt(0.5) * p / r->width))
+                : light_within(r, c, q / s->length) -
+                      light_within(r, c, p / s->length);
+            light[c] = sum[c] > 0.0 ? l->light * all * density[k][c] / sum[c]
+                                    : 0.0;
+        }
+        gp_deposit_add(&r->points, (at * s->cosine - across * s->sine) / l->a,
+                       (at * s->sine + across * s->cosine) / l->b, light);
+    }
+}
+
+/* The next place after p, p >= 0, where u0 + p du passes a whole number within
+ * `reach`; INFINITY: none. */
+static double next_whole(double u0, double du, double p, double reach)
+{
+    const double u = u0 + p * du;
+    if (fabs(du) < 1e-12)
+        return INFINITY;
+    double whole = du > 0.0 ? floor(u) + 1.0 : ceil(u) - 1.0;
+    if (fabs(whole - u) < 1e-9) // p is such a place
+        whole += du > 0.0 ? 1.0 : -1.0;
+    whole = du > 0.0 ? fmax(whole, -reach) : fmin(whole, reach);
+    return fabs(whole) <= reach ? (whole - u0) / du : INFINITY;
+}
+
+/* Adds a strand by lines along it, cut where they pass from pixel to pixel and
+ * at distances that double from a fraction of the core on. */
+static void add_strand(const struct rays *r, const struct strand *s,
+                       double core, double a, double b)
+{
+    enum { MOST_PANELS = 64 };
+    const struct gp_gauss *const g = gp_gauss_rule(4);
+    const double taper = 0.8 * r->width / s->length;
+    const double least = fmax(0.25 * core, s->length / TABLE);
+    const double reach = fmax(r->points.rx, r->points.ry) + 1.0;
+    // across: panels of half a pixel's shorter side, as many on each
+    const double half = ceil(2.0 * CUT * r->width / fmin(a, b));
+    const int panels = 2 * (int) fmin(fmax(2.0, half), MOST_PANELS / 2);
+    double sum = 0.0;
+    for (int pass = 0; pass < 2; pass++) { // the first sums up
+        for (int k = 0; k < panels * g->n; k++) {
+            const double z = CUT * (2.0 * (k / g->n + 0.5 + g->node[k % g->n]) /
+                                        panels - 1.0);
+            const double w = g->weight[k % g->n] * exp(-0.5 * z * z);
+            if (pass == 0) {
+                sum += w;
+                continue;
+            }
+            const struct line l = {r, s, z, s->gain * w / sum, a, b};
+            const double q = z * r->width;
+            // u and v of p along the line, in pixels
+            const double u0 = -q * s->sine / a, v0 = q * s->cosine / b;
+            const double du = (s->cosine + z * taper * s->sine) / a;
+            const double dv = (s->sine - z * taper * s->cosine) / b;
+            for (double p = 0.0, cut = least; p < s->length;) {
+                const double to = fmin(fmin(next_whole(u0, du, p, reach),
+                                            next_whole(v0, dv, p, reach)),
+                                       fmin(cut, s->length));
+                add_part(&l, false, p, to);
+                p = to;
+                if (to >= cut)
+                    cut *= 1.5;
+            }
+            for (double p = 0.0, cut = r->width; p < CUT * r->width;) {
+                const double to =
+                    fmin(fmin(next_whole(u0, -s->cosine / a, p, reach),
+                              next_whole(v0, -s->sine / b, p, reach)), cut);
+                add_part(&l, true, -to, -p);
+                p = to;
+                if (to >= cut)
+                    cut += r->width;
+            }
+        }
+    }
+}
+
+static void points_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct rays *const r = state;
+    gp_deposit_row(&r->points, 3, x, y, n, out);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < n; i++)
+            out[c][i] *= r->tint[c];
+    }
+}
+
+// -- pixels that resolve strands ----------------------------------------------
+
 /* Makes row i of the samples. */
 static void make_row(void *ctx, int i, int thread)
 {
@@ -195,6 +334,7 @@ static void rays_row(const void *state, int x, int y, int n,
 static void rays_free(void *state)
 {
     struct rays *const r = state;
+    gp_deposit_free(&r->points);
     gp_free(r->sample[0]);
     gp_free(r->row_sum);
     gp_free(r);
@@ -222,7 +362,32 @@ static void make_curves(struct rays *r, double core, double dispersion)
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i <= TABLE + 1; i++)
             r->curve[c][i] /= sum[c];
+        for (int i = 0; i <= TABLE; i++)
+            r->within[c][i + 1] = r->within[c][i] + 0.5 / TABLE *
+                                  (r->curve[c][i] + r->curve[c][i + 1]);
     }
+}
+
+/* The samples at full rate, and the light of each channel in them. */
+static gp_status make_samples(const struct gp_log *log, struct rays *s,
+                              double light[3])
+{
+    const size_t rows = 2 * (size_t) s->ry + 1;
+    const size_t samples = rows * (2 * (size_t) s->rx + 1);
+    gp_status st = gp_alloc_zero(log, "kernel", 3 * samples, sizeof(float),
+                                 &s->sample[0]);
+    if (!st)
+        st = gp_alloc(log, "kernel", rows, sizeof *s->row_sum, &s->row_sum);
+    if (st)
+        return st;
+    s->sample[1] = s->sample[0] + samples;
+    s->sample[2] = s->sample[1] + samples;
+    gp_parallel_do((int) rows, make_row, s);
+    for (size_t i = 0; i < rows; i++) {
+        for (int c = 0; c < 3; c++)
+            light[c] += s->row_sum[i][c];
+    }
+    return GP_OK;
 }
 
 static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
@@ -274,22 +439,21 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     const bool cut = wide > f->w - 1 || high > f->h - 1;
     s->rx = (int) fmin(wide, f->w - 1);
     s->ry = (int) fmin(high, f->h - 1);
-    const size_t rows = 2 * (size_t) s->ry + 1;
-    const size_t samples = rows * (2 * (size_t) s->rx + 1);
-    GP_TRY(gp_alloc_zero(log, "kernel", 3 * samples, sizeof(float),
-                         &s->sample[0]));
-    GP_TRY(gp_alloc(log, "kernel", rows, sizeof *s->row_sum, &s->row_sum));
-    s->sample[1] = s->sample[0] + samples;
-    s->sample[2] = s->sample[1] + samples;
-    gp_parallel_do((int) rows, make_row, s);
+    // points hold all of a strand's light, of samples only those in the field
+    const bool coarse = fmax(a, b) > WIDE * s->width;
+    double light[3] = {0};
+    if (coarse) {
+        GP_TRY(gp_deposit_make(log, s->rx, s->ry, &s->points));
+        for (int i = 0; i < s->n; i++)
+            add_strand(s, &s->strand[i], gp_recipe_value(r, "core"), a, b);
+    } else {
+        GP_TRY(make_samples(log, s, light));
+    }
     // all the light where it all is in them; else by the strands' integrals, a
     // round end being as much as width sqrt(pi / 2) of the strand there
-    double light[3] = {0};
-    for (size_t i = 0; i < rows && !cut; i++) {
-        for (int c = 0; c < 3; c++)
-            light[c] += s->row_sum[i][c];
-    }
-    for (int i = 0; i < s->n && cut; i++) {
+    if (coarse || cut)
+        memset(light, 0, sizeof light);
+    for (int i = 0; i < s->n && (coarse || cut); i++) {
         const double end = s->width * sqrt(0.5 * PI) / s->strand[i].length;
         for (int c = 0; c < 3; c++)
             light[c] += s->strand[i].gain * (1.0 + end * s->curve[c][0]);
@@ -306,7 +470,8 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     for (int c = 0; c < 3; c++)
         s->tint[c] = light[c] > 0.0 ? tint[c] / (y * light[c]) : 0.0;
     *out = (struct gp_shape) {
-        .state = s, .free = rays_free, .row = rays_row, .smooth = INFINITY,
+        .state = s, .free = rays_free,
+        .row = coarse ? points_row : rays_row, .smooth = INFINITY,
         .reach = gp_max(s->rx, s->ry), .rows = s->ry,
     };
     return GP_OK;

@@ -338,10 +338,12 @@ static void masks_are_openings(void **state)
     r.image = NULL;
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);
     gp_recipe_free(&r);
-    // a metre's mirror behind a pixel of 4 degrees
+    // a metre's mirror behind a pixel of 4 degrees: a point
     const struct gp_field coarse = scene_field(30, 30, 4.0, 1.0);
-    assert_ok(gp_recipe_parse(NULL, "aperture:pupil=1000", &r));
-    assert_int_equal(gp_model_kernel(NULL, &r, 1, &coarse, &k), GP_ERR_USAGE);
+    assert_ok(gp_recipe_parse(NULL, "aperture:share=1,pupil=1000", &r));
+    assert_ok(gp_model_kernel(NULL, &r, 1, &coarse, &k));
+    assert_true(sample(&k, 1, 0, 0) > 0.998 && sample(&k, 1, 1, 0) < 1e-4);
+    gp_kernel_free(&k);
     gp_recipe_free(&r);
     assert_ok(gp_recipe_parse(NULL, "aperture:blades=2", &r));
     assert_int_equal(gp_model_kernel(NULL, &r, 1, &f, &k), GP_ERR_USAGE);

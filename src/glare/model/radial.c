@@ -1,0 +1,190 @@
+/* Shapes of profiles: integrals over pixels of light around a point. */
+#include "core/memory.h"
+#include "glare/model/model_priv.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+/* By the square s of the distance, at 64 even steps an octave, with slopes,
+ * between which a cubic keeps about 1e-8 of what powers give. */
+enum { STEPS_LOG2 = 6, STEPS = 1 << STEPS_LOG2 };
+
+struct table {
+    uint64_t first;  // bits of the least square / (2^52 / STEPS)
+    int n;           // steps
+    double *value;   // [n + 1][channels][2]: value, slope times the step
+};
+
+/* The profile p(t) of pixels away from the light; its own and those near it,
+ * where p is steep, by rings. */
+struct radial_table {
+    struct gp_field f;
+    int channels;
+    int bends;       // longer sides within which 4 nodes are the fewest
+    struct table profile;
+    struct gp_deposit near;
+};
+
+static double of_bits(uint64_t bits)
+{
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static uint64_t bits_of(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+/* Adds weight times the value at the squared distance s; nothing past the
+ * table's end. */
+static inline void add_table(const struct table *t, int channels, double s,
+                             double weight, double sum[3])
+{
+    const uint64_t bits = bits_of(s);
+    const int64_t i = (int64_t) (bits >> (52 - STEPS_LOG2)) -
+                      (int64_t) t->first;
+    if (i < 0 || i >= t->n)
+        return;
+    // the mantissa's rest is the place between two steps
+    const uint64_t rest = bits << (12 + STEPS_LOG2) >> 12;
+    const double x = of_bits(rest | 0x3ff0000000000000u) - 1.0, y = 1.0 - x;
+    for (int c = 0; c < channels; c++) {
+        const double *const a =
+            t->value + 2 * ((size_t) i * (size_t) channels + (size_t) c);
+        const double *const b = a + 2 * channels;
+        // the slope of the step after an octave's last is by its own width
+        const double next = i % STEPS == STEPS - 1 ? 0.5 * b[1] : b[1];
+        sum[c] += weight * (y * y * ((1.0 + 2.0 * x) * a[0] + x * a[1]) +
+                            x * x * ((1.0 + 2.0 * y) * b[0] - y * next));
+    }
+}
+
+static void radial_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    static const struct {
+        int from, order; // longer sides from the light; nodes that keep 1e-8
+    } orders[] = {{40, 2}, {16, 3}, {8, 4}, {4, 6}, {2, 10}};
+    const struct radial_table *const t = state;
+    const double b = t->f.degrees, a = b * t->f.aspect, side = fmax(a, b);
+    for (int i = 0; i < n; i++) {
+        const int px = abs(x + i), py = abs(y);
+        const int far = (int) (fmax(a * px, b * py) / side + 1e-9);
+        double sum[3] = {0};
+        int k = far < t->bends ? 2 : 0;
+        if (px <= t->near.rx && py <= t->near.ry) {
+            double *to[3] = {NULL};
+            for (int c = 0; c < t->channels; c++)
+                to[c] = out[c] + i;
+            gp_deposit_row(&t->near, t->channels, px, py, 1, to);
+            continue;
+        }
+        while (far < orders[k].from)
+            k++;
+        const struct gp_gauss *const g = gp_tent_rule(orders[k].order);
+        for (int q = 0; q < g->n; q++) {
+            const double v = b * (py + g->node[q]);
+            for (int p = 0; p < g->n; p++) {
+                const double u = a * (px + g->node[p]);
+                add_table(&t->profile, t->channels, u * u + v * v,
+                          a * b * g->weight[p] * g->weight[q], sum);
+            }
+        }
+        for (int c = 0; c < t->channels; c++)
+            out[c][i] = fmax(sum[c], 0.0);
+    }
+}
+
+static void free_radial(void *state)
+{
+    struct radial_table *const t = state;
+    gp_deposit_free(&t->near);
+    gp_free(t->profile.value);
+    gp_free(t);
+}
+
+/* Allocates entries for squares of distances from `least` to `most`. */
+static gp_status make_table(const struct gp_log *log, int channels,
+                            double least, double most, struct table *out)
+{
+    const uint64_t shift = 52 - STEPS_LOG2;
+    const uint64_t last = bits_of(most * most) >> shift;
+    struct table t = {
+        .first = bits_of(least * least) >> (shift + STEPS_LOG2) << STEPS_LOG2,
+    };
+    t.n = last > t.first ? (int) (last - t.first) : 0;
+    gp_status st = gp_alloc(log, "kernel", 2 * (size_t) channels,
+                            ((size_t) t.n + 1) * sizeof *t.value, &t.value);
+    if (!st)
+        *out = t;
+    return st;
+}
+
+/* Fills pixels under two of the longer sides from the light; all of them where
+ * the end at 90 degrees cuts through wide pixels. */
+static gp_status make_near(const struct gp_log *log, gp_profile p,
+                           const void *ctx, struct radial_table *t)
+{
+    static const double LEAST = 1e-6, RATIO = 1.1, END = 90.0, WIDE = 4.0;
+    const double b = t->f.degrees, a = b * t->f.aspect;
+    const bool all = fmin(a, b) > WIDE;
+    const double reach = all ? END : 2.0 * fmax(a, b) * (1.0 - 1e-9);
+    const int rx = (int) ceil(reach / a) - !all;
+    const int ry = (int) ceil(reach / b) - !all;
+    const double end = fmin(hypot(a * (rx + 1), b * (ry + 1)), END);
+    double light[3] = {0};
+    gp_status st = gp_deposit_make(log, rx, ry, &t->near);
+    for (double from = 0.0, to = LEAST; from < end && !st; to *= RATIO) {
+        gp_deposit_rings(&t->near, p, ctx, &t->f, from, fmin(to, end), light);
+        from = to;
+    }
+    return st;
+}
+
+gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
+    const void *ctx, int channels, double bends, const struct gp_field *f,
+    struct gp_shape *out)
+{
+    static const uint64_t one = 1ull << (52 - STEPS_LOG2);
+    const double least = f->degrees * fmin(f->aspect, 1.0);
+    const double most = f->degrees * fmax(f->aspect, 1.0);
+    struct radial_table *t;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *t, &t);
+    if (st)
+        return st;
+    t->f = *f;
+    t->channels = channels;
+    t->bends = (int) fmin(bends / most + 1.0, INT_MAX / 2);
+    st = make_near(log, p, ctx, t);
+    if (!st)
+        st = make_table(log, channels, least, 90.0, &t->profile);
+    if (st) {
+        free_radial(t);
+        return st;
+    }
+    for (int i = 0; i <= t->profile.n; i++) {
+        const uint64_t bits = (t->profile.first + (uint64_t) i) * one;
+        const double s = of_bits(bits), step = of_bits(bits + one) - s;
+        const double h = 1e-3;
+        double at[3], low[3], high[3];
+        p(ctx, sqrt(s), at);
+        p(ctx, sqrt(s * (1.0 - h)), low);
+        p(ctx, sqrt(s * (1.0 + h)), high);
+        for (int c = 0; c < channels; c++) {
+            double *const v = t->profile.value + 2 * (i * channels + c);
+            v[0] = at[c];
+            v[1] = (high[c] - low[c]) / (2.0 * h * s) * step;
+        }
+    }
+    *out = (struct gp_shape) {
+        .state = t, .free = free_radial, .row = radial_row,
+        .grey = channels == 1, .even = true, .reach = INT_MAX,
+    };
+    return GP_OK;
+}
