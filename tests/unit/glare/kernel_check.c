@@ -41,9 +41,12 @@ static double lobe(double dx, double dy)
 
 static double moved(double dx, double dy)
 {
-    return pow(fmax(1.0 - hypot(dx - 2.0, dy - 1.0) / 5.0, 0.0), 2.0) +
-           0.5 * pow(fmax(1.0 - hypot(dx + 2.0, dy + 1.0) / 5.0, 0.0), 4.0) *
-               (dx > -2.0 ? 0.5 : 1.0);
+    return pow(fmax(1.0 - hypot(dx - 3.0, dy) / 4.0, 0.0), 2.0);
+}
+
+static double twins(double dx, double dy)
+{
+    return moved(dx, dy) + moved(-dx, dy);
 }
 
 static double side(double dx, double dy)
@@ -105,6 +108,7 @@ static void each_rule_finds_its_fault(void **state)
         {"lobe", lobe, 15, WHITE, {.ends = true}, BIT(NEGATIVE)},
         {"half beside", fade, 16, WHITE, {.ends = true}, BIT(CENTROID)},
         {"moved", moved, 21, WHITE, {.ends = true}, BIT(PEAK) | BIT(SYMMETRY)},
+        {"twins", twins, 21, WHITE, {.ends = true, .brightest = 1e6}, 0},
         {"to one side", side, 21, WHITE, {.ends = true}, BIT(SYMMETRY)},
         {"point", point, 9, WHITE, {.ends = true, .brightest = 1e9},
          BIT(SIZE)},
