@@ -216,14 +216,6 @@ static bool can_skip(void *user, int slot, gp_status st)
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-static void count_dark(struct pipeline *p, const struct gp_facts *f)
-{
-    if (f->dark && (!p->dark || f->peak > p->brightest.peak))
-        p->brightest = *f;
-    p->dark += f->dark;
-    p->made++;
-}
-
 static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 {
     struct pipeline *const p = user;
@@ -240,8 +232,12 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         facts->warned = u->log.warned;
         facts->warned_bytes = u->log.warned_bytes;
         char line[1024];
-        if (!st)
-            count_dark(p, facts);
+        if (!st) {
+            if (facts->dark && (!p->dark || facts->peak > p->brightest.peak))
+                p->brightest = *facts;
+            p->dark += facts->dark;
+            p->made++;
+        }
         if (st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
         else if (p->log->level >= GP_LEVEL_INFO) {

@@ -72,14 +72,6 @@ static void make_rows(struct bench *b)
 
 // -- measuring ---------------------------------------------------------------
 
-/* The masks of all lights on the CPU. */
-static void measure_plain(struct bench *b, const struct gp_map_params *p)
-{
-    for (int i = 0; i < b->suns.n; i++)
-        b->suns.light[i].visibility = gp_sun_map_reference(
-            &b->suns.occluders, p, &b->suns.light[i], NULL);
-}
-
 /* The median of some runs of `frames` frames, the last of which is waited for:
  * *ms of a frame. b->ms holds them sorted. */
 static gp_status time_runs(struct bench *b, const struct gp_log *log,
@@ -90,10 +82,13 @@ static gp_status time_runs(struct bench *b, const struct gp_log *log,
     for (int run = 0; run < runs && !st; run++) {
         const double start = gp_now_ms();
         for (int i = 0; i < frames && !st; i++) {
-            if (r == &b->row[PLAIN])
-                measure_plain(b, &r->p.map);
-            else
+            if (r != &b->row[PLAIN])
                 st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
+            else
+                for (int k = 0; k < b->suns.n; k++)
+                    b->suns.light[k].visibility = gp_sun_map_reference(
+                        &b->suns.occluders, &r->p.map, &b->suns.light[k],
+                        NULL);
         }
         if (!st && r->p.method == GP_SUN_MASK && r != &b->row[PLAIN])
             st = gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,

@@ -151,13 +151,6 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
                gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
 }
 
-/* Prints the last line. */
-static const char *last_word(enum gp_compare_result worst)
-{
-    return worst == GP_COMPARE_MATCH     ? "PASS"
-           : worst == GP_COMPARE_WARNING ? "WARNING" : "FAILURE";
-}
-
 // -- JSON --------------------------------------------------------------------
 
 static json_t *make_real(double v)
@@ -440,7 +433,8 @@ static gp_status compare_all(struct run *r)
         putchar('\n');
     }
     if (prints(r))
-        puts(last_word(r->worst));
+        puts(r->worst == GP_COMPARE_MATCH     ? "PASS"
+             : r->worst == GP_COMPARE_WARNING ? "WARNING" : "FAILURE");
     else if (!gp_is_dash(req->json) && r->worst >= GP_COMPARE_FAILURE)
         fputs("FAILURE\n", stderr); // as idiff -q
 out:

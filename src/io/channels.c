@@ -173,12 +173,6 @@ static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
     return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
 }
 
-/* True for a depth channel whose file has none of vectors. */
-static bool is_named_depth(const char *name)
-{
-    return depth_rank(&(struct gp_frame) {0}, name, 0) < RANKS;
-}
-
 /* True for what is beside depth and is no light either: the back of a sample,
  * depth by other names or as a vector's part, numbers of objects. `own` is
  * `name` without its layer. */
@@ -334,7 +328,9 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         const bool alpha = strcmp(own, "A") == 0 ||
                            strcasecmp(own, "alpha") == 0;
         if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]) ||
-            is_named_depth(name[i]) || is_other_data(name[i], own))
+            // depth, in a file without vectors
+            depth_rank(&(struct gp_frame) {0}, name[i], 0) < RANKS ||
+            is_other_data(name[i], own))
             continue;
         if (only >= 0)
             return false;

@@ -84,15 +84,6 @@ static int live_add(const char *name)
     return slot;
 }
 
-static void live_drop(int slot)
-{
-    if (slot < 0)
-        return;
-    pthread_mutex_lock(&live_lock);
-    live_temps[slot].live = 0;
-    pthread_mutex_unlock(&live_lock);
-}
-
 void gp_temp_remove_all(void)
 {
     const struct timespec moment = {.tv_nsec = 1000000};
@@ -189,7 +180,11 @@ static int end_temp(struct temp *temp, const char *target)
                               : unlink(temp->name);
     const int error = errno;
     if (!target || result == 0) {
-        live_drop(temp->live);
+        if (temp->live >= 0) {
+            pthread_mutex_lock(&live_lock);
+            live_temps[temp->live].live = 0;
+            pthread_mutex_unlock(&live_lock);
+        }
         GP_FREE(temp->name);
     }
     end_naming(&before);

@@ -391,15 +391,6 @@ static bool find_layer(const struct gp_frame *f, int i, int index[3])
     return index[0] == i;
 }
 
-/* Stores floats in a carried channel; returns how many values are clamped. */
-static long long store_floats(struct gp_channel *c, const float *v, size_t n)
-{
-    if (c->type == GP_HALF)
-        return (long long) gp_float_to_half(v, c->data, n);
-    memcpy(c->data, v, n * sizeof *v);
-    return 0;
-}
-
 gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     void *user, struct gp_frame *f, struct gp_write_stats *stats)
 {
@@ -437,8 +428,14 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         for (int c = 0; c < 3; c++)
             gp_channel_floats(f, index[c], from.c[c]);
         GP_TRY(convert(log, user, f, n, &from, &to));
-        for (int c = 0; c < 3; c++)
-            stats->clamped += store_floats(&f->channel[index[c]], to.c[c], n);
+        for (int c = 0; c < 3; c++) {
+            void *const data = f->channel[index[c]].data;
+            if (f->channel[index[c]].type == GP_HALF)
+                stats->clamped +=
+                    (long long) gp_float_to_half(to.c[c], data, n);
+            else
+                memcpy(data, to.c[c], n * sizeof(float));
+        }
         lists[1] = lists[1] && gp_channel_list_add(made, NULL, red->name);
     }
     if (made[0])
