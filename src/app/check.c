@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// -- what options need of others ---------------------------------------------
+// -- needs of options --------------------------------------------------------
 
 /* True when that output has no ending that names its format. */
 static bool open_ended(const char *path)
@@ -327,7 +327,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "whole (found %g with excess); add it, or leave --knee "
                        "out", (double) s->sensor.knee);
     GP_TRY(check_needs(warn, s, true, NULL));
-    // what follows from several settings
+    // settings that follow from several others
     if (gp_option_given(s, "raw"))
         s->write.stdout_format = GP_STDOUT_RAW;
     s->write.converted = s->ocio.output != NULL;

@@ -12,7 +12,7 @@
 
 enum {
     WIDTH = 79,   // columns of --help
-    INDENT = 28,  // where the texts of options start
+    INDENT = 28,  // column of the options' texts
 };
 
 /* Formats an option's text, its values if wanted, range and default. */

@@ -16,7 +16,7 @@
 /* Pixels to which --grow kernel grows frames of models, which have no end. */
 enum { MODEL_REACH = 255 };
 
-// -- what was asked for -------------------------------------------------------
+// -- the wanted kernel --------------------------------------------------------
 
 void gp_wanted_kernel_free(struct gp_wanted_kernel *k)
 {

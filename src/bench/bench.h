@@ -31,7 +31,7 @@ struct gp_bench_request {
     const struct gp_sensor_params *sensor;
     const struct gp_kernel_params *kernel; // of an image
     const char *kernel_name;
-    const struct gp_frame *kernel_image;   // where there are no recipes
+    const struct gp_frame *kernel_image;   // used without recipes
     const struct gp_recipe *recipe;
     int recipes;
     double fov;                            // 0: the camera's, or the usual

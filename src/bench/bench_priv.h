@@ -24,7 +24,7 @@ enum { GP_PAPER_W = 1024, GP_PAPER_H = 768, GP_PAPER_KERNEL = 512 };
  * a second of the whole picture, scene and all. */
 struct gp_paper_rate {
     const char *name;  // of the frame here
-    const char *rate;  // which of the paper's figures it is printed beside
+    const char *rate;  // the paper's figure printed beside it
     int fps;
 };
 extern const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS];

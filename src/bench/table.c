@@ -124,7 +124,7 @@ static void print_table(const struct gp_bench_table *t)
     const double none = (double) NAN;
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
-        const char *gl = NULL; // where it ran
+        const char *gl = NULL; // context of the run
         printf("%s: %dx%d, %lld sources, kernel %s %dx%d",
                gp_printable(f->input).text, f->width, f->height, f->sources,
                gp_printable(f->kernel).text, f->kernel_w, f->kernel_h);

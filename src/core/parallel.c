@@ -173,7 +173,7 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
     pthread_mutex_lock(&pool.lock);
     if (pool.workers < team - 1) {
         // starts the missing threads; fewer are no error. They block signals,
-        // which the first thread handles
+        // the first thread handles them
         static bool registered;
         sigset_t all, before;
         sigfillset(&all);

@@ -68,8 +68,8 @@ void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
             rgb[i][c] = from_xyz[3 * c] * v[0] + from_xyz[3 * c + 1] * v[1] +
                         from_xyz[3 * c + 2] * v[2];
     }
-    // what folding takes from a channel and gives to others has no luminance:
-    // it is spread over all bands, which are folded again
+    // light that folding takes from a channel and gives to others has no
+    // luminance: it is spread over all bands, which are folded again
     for (int step = 0; step < STEPS; step++) {
         fold(n, y, rgb, sum);
         for (int i = 0; i < n; i++) {

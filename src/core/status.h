@@ -62,7 +62,7 @@ gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
 gp_status gp_no_memory(const struct gp_log *log, const char *file);
 gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
 
-#ifdef __clang_analyzer__ // which cannot see that they return what they got
+#ifdef __clang_analyzer__ // it cannot see that they return their status
 #define gp_fail(log, status, ...)                                             \
     ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
 #define gp_fail_bare(log, status, ...)                                        \

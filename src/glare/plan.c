@@ -296,7 +296,7 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
-    const double wrong = // what the tail leaves
+    const double wrong = // the tail's error
         req->tail ? gp_tail_error_of(req->tail)->norm *
                         sqrt(src->energy[0] + src->energy[1] + src->energy[2])
                   : 0.0;

@@ -123,7 +123,7 @@ void gp_temp_cleanup_on_signal(void)
 /* One temporary file; all zero: none. */
 struct temp {
     char *name; // owned; gone after end_temp()
-    int live;   // where a signal finds the name, or -1
+    int live;   // slot in which a signal finds the name, or -1
 };
 
 
@@ -199,12 +199,12 @@ enum { BUFFER_BYTES = 1 << 20 }; // so that 8-byte chunk leaders cost no write
 struct gp_file {
     const struct gp_log *log;
     char *path;      // as the user gave it, "stdout" for "-": for messages
-    char *target;    // where the rename goes; NULL: straight to fd
+    char *target;    // final name; NULL: straight to fd
     struct temp temp; // while it is written; no name: straight to fd
     int fd;          // -1 when closed
     bool own_fd;     // false for stdout
     gp_status st;    // first failure; later writes repeat it silently
-    uint8_t *buffer; // what is not yet in fd; for straight targets all of it
+    uint8_t *buffer; // bytes not yet in fd; for straight targets all
     size_t held, room;
     uint64_t flushed;
 };

@@ -325,7 +325,7 @@ out:
     return st;
 }
 
-/* -- what each way of reading shares -------------------------------------- */
+/* -- shared by the ways of reading ---------------------------------------- */
 
 /* Makes the channel's name in the form of the report and --depth. */
 static gp_status make_name(const struct gp_log *log,

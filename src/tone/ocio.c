@@ -198,7 +198,7 @@ struct ocio_pass {
     struct gp_planes *out;
     float scale;
     bool mixed;
-    float matrix[9]; // where mixed: frame to input space, row-major
+    float matrix[9]; // if mixed: frame to input space, row-major
     size_t pixels;
 };
 

@@ -255,7 +255,7 @@ void make_view(const Asked &a)
     }
 }
 
-// -- what colours are --------------------------------------------------------
+// -- colours of a space ------------------------------------------------------
 
 using Pixel = std::array<float, 3>;
 

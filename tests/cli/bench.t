@@ -219,7 +219,7 @@ long_rows()
 }
 if [ -z "$quick" ]; then long_rows; else skip 3 'quick'; fi
 
-# -- what is missing ---------------------------------------------------------------
+# -- missing frames and programs ---------------------------------------------------
 
 GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
     "$glarepp" bench --runs 1 -k kernel.exr --json g.json in.exr >out 2>err
@@ -294,7 +294,7 @@ windows 1024 768 streaks average 60
 sky 1024 768 streaks worst 40' '--paper: three frames, beside the paper'"'"'s rates'
 is "$(grep -c 'beside the .* of the paper' out)" 3 '--paper: the table says so'
 
-# -- what makes no sense ---------------------------------------------------------------
+# -- refusals --------------------------------------------------------------------------
 
 run bench
 fails_with 2 bench 'no input'

@@ -261,7 +261,7 @@ run compare --no-flip s.####.exr t.####.exr
 fails_with 4 t.0003.exr 'a frame that only one has'
 is "$(wc -l <out)" 5 'a frame that only one has: the others are compared'
 
-# -- what makes no sense ------------------------------------------------------------------
+# -- refusals -----------------------------------------------------------------------------
 
 run compare a.exr
 fails_with 64 compare 'one image'
@@ -533,7 +533,7 @@ for name, b in (("equal", plain), ("stored", dict(kind="none")), ("RLE", dict(ki
         pair("deep, " + name + ", other way", b, plain, "-warn", "1")
 print("#", count, "pairs")
 
-# where idiff 2.4 answers otherwise than its own documents, compare does not
+# compare follows idiff's documents, also where idiff 2.4 does not
 def apart(name, a, b, wanted, *options):
     write("x.exr", [dict(v=a)])
     write("y.exr", [dict(v=b)])

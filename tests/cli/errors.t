@@ -1,6 +1,6 @@
 #!/bin/sh
 # Bad input and bad places: one line, the documented status, no file left, and
-# what stood before stays whole.
+# earlier files stay whole.
 . "$(dirname "$0")/lib.sh"
 need_python
 
@@ -428,7 +428,7 @@ else
     skip 18 'no /dev/full'
 fi
 
-# what a full disk leaves, old files and temporary ones included
+# files left by a full disk, old and temporary ones included
 full_disk()
 {
     cp good.png small/old.png

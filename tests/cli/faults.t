@@ -32,7 +32,7 @@ cp "$cli/c.ocio" . || exit 1
 is $? 0 'the faults were tried'
 verdicts drive.log
 
-# -- what a failing call leaks ----------------------------------------------------
+# -- leaks of a failing call ------------------------------------------------------
 
 if command -v valgrind >valgrind.path && [ -z "$quick" ]; then
     cat >checked <<'RUN'
@@ -84,7 +84,7 @@ if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
         breaks lost -e splat --primitive quad
     done
     unset BROKEN_GL_AFTER
-    # what needs no GL runs on
+    # other engines run on
     for kind in context compile lost; do
         BROKEN_GL=$kind GLAREPP_OSMESA=$broken "$glarepp" --gl osmesa \
             --layer any.exr in.exr >out 2>err
@@ -118,7 +118,7 @@ fi
 # -- the environment --------------------------------------------------------------
 
 # A variable that is added moves the environment under threads that read it:
-# what GL is told by variables is put there before there are any. (MESA_DEBUG
+# the variables for GL are set before there are any. (MESA_DEBUG
 # has GL tell of calls without a context: two are open here, or one.)
 lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask --sun-draw gl'
 while read -r gl what; do
@@ -186,7 +186,7 @@ if [ "$(id -u)" = 0 ]; then
     user='setpriv --reuid 65533 --regid 65533 --clear-groups'
     chmod 755 . && mkdir built && cp "$glarepp" "${glarepp%/*}"/glarepp-* built
     glarepp=$tmp/built/glarepp
-    # where a build for coverage may put its counters, which are not needed
+    # a folder for the counters of a build for coverage, which are not needed
     mkdir -m 777 counters
     export GCOV_PREFIX=$tmp/counters
 fi

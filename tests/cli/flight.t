@@ -54,7 +54,7 @@ sums of engines | 0 | few | -f $good --engine direct --verify $many ../in/s.####
 backwards | 0 | few | -f 17-7,5-1 --engine fft $many ../in/s.####.exr
 ROWS
 
-# -- what differs by frame, and what is shared ---------------------------------
+# -- state by frame, and shared state ------------------------------------------
 
 cat >lights.json <<'JSON'
 [{"pixel": [30.5, 20.25], "radius": 4, "depth": 30, "flux": 5000, "name": "a"},
@@ -84,7 +84,7 @@ else
     skip 5 'no GL here'
 fi
 
-# -- what cannot be written ----------------------------------------------------
+# -- outputs that cannot be written --------------------------------------------
 
 mkdir start start/h.0009.exr
 ln -s /dev/full start/p.0012.png

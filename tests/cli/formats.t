@@ -60,8 +60,8 @@ for ending in hdr pfm tif jpg dpx png; do
         ;;
     esac
 done
-# strips of more than is read at once, and tiles, which OpenImageIO reads wrong
-# where they are of packed doubles
+# strips of more than is read at once, and tiles, of which OpenImageIO reads
+# packed doubles wrong
 large='--pattern noise:type=uniform:min=0:max=1:seed=3 1500x1000 3'
 oiiotool $large -d float -o large.exr
 for packed in zip:1000 zip:937 lzw:1000 none:1000 zip:8; do
@@ -172,7 +172,7 @@ run --hdr auto.exr single.exr
 ok '--type auto: float in, float out' sh -c \
     'exrheader auto.exr | grep -q "^ *R, 32-bit floating"'
 
-# -- what --hdr carries --------------------------------------------------------
+# -- channels and attributes that --hdr carries --------------------------------
 
 run --grow none --hdr carried.exr rich.exr
 quiet_success '--hdr of three parts'
@@ -355,7 +355,7 @@ for ending in bmp dpx hdr jpg ppm sgi tga tif webp; do
     same pipe.exr file.exr "$ending by stdin"
 done
 
-# what OpenImageIO would write wrong, or to no file of ours, and read wrong
+# formats that OpenImageIO writes wrong, or to no file of ours, or reads wrong
 for ending in avif fits gif heic ico iff jp2 j2k mxr nul null rla sxr term zfile; do
     run -o refused.$ending in.exr
     fails_with 2 refused.$ending "writes no .$ending"
@@ -377,7 +377,7 @@ for name in small.ico made.null http:127.0.0.1:9989.mp4; do
     fails_with 4 $name "reads no $name"
 done
 
-# where files may not grow, none is cut off, in this process or the helper
+# with a limit on file sizes none is cut off, in this process or the helper
 for ending in tif sgi dpx bmp hdr tga ppm jpg webp; do
     mkdir grown
     (ulimit -f 8; exec "$glarepp" -e direct -o grown/a.$ending in.exr) >out 2>err
@@ -415,7 +415,7 @@ zeros()
         dd of="$2" bs=1 seek=$((size / 2)) conv=notrunc 2>dd.log
 }
 
-# what cannot be unpacked is no black
+# pixels that cannot be unpacked are an error, never black
 for kind in half:zip:tif float:zip:tif \
     uint8:lzw:tif uint8:packbits:tif; do
     ending=${kind##*:}

@@ -110,7 +110,7 @@ is "$(numbers made.z)" '1 3' 'a channel that is missing: the others are made'
     deep/d.3.exr
 same made.z/h.3.exr h.exr 'a channel that is missing: leaves nothing behind'
 
-# what is wrong for all frames is no bad frame
+# an error of all frames is no bad frame
 afresh
 run --skip-bad-frames -k none.exr -o made/o.#.png 'in/s.####.exr'
 fails_with 3 none.exr 'a kernel that is missing'

@@ -239,7 +239,7 @@ for n in 1 2 3; do
     same seq/h.$n.exr h.exr "a sequence: frame $n as alone"
 done
 
-# -- what is wrong -------------------------------------------------------------
+# -- refusals ------------------------------------------------------------------
 
 # wrong STATUS NAME DESCRIPTION ARGUMENT...
 wrong()

@@ -6,7 +6,7 @@ command -v readelf >/dev/null || skip_all 'no readelf'
 readelf -h "$glarepp" >elf.h 2>/dev/null || skip_all 'no ELF'
 ! sanitized || skip_all 'a build for a sanitizer has none of it'
 
-# -- what a file says of itself --------------------------------------------------
+# -- protection compiled into the files ------------------------------------------
 
 is_pie()
 {

@@ -135,7 +135,7 @@ done
 ok 'the same with any number of threads' cmp t1.exr t2.exr
 ok 'bench takes a layer' "$glarepp" bench --runs 1 --layer-in key in.exr
 
-# -- what is carried -----------------------------------------------------------
+# -- carried channels ----------------------------------------------------------
 
 for compression in none rle zips zip piz; do
     for type in auto half float; do

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 
-# -- what there is to lose -----------------------------------------------------
+# -- files to lose -------------------------------------------------------------
 
 mkdir w w/sq w/real
 frame w/i.exr size=24x16 channels=R,G,B,A,Z:float
@@ -93,7 +93,7 @@ sq/s.1001.exr --hdr sq/s.####.exr --frame-jobs 3 ./sq/s.@@@@.exr
 sq/d.1001.exr $sun --depth-file sq/d.####.exr --hdr sq/d.####.exr sq/s.####.exr
 sq/d.1003.exr $sun --depth-file sq/d.####.exr --report sq/d.1003.exr sq/s.####.exr
 ./sq/d.1002.exr $sun --mask-file sq/d.%04d.exr --mask A --report ./sq/d.1002.exr sq/s.####.exr
-# what options read
+# files that options read
 k.exr -k k.exr --hdr k.exr i.exr
 k.exr -k ./k.exr --report k.exr -o p.png i.exr
 d.exr $sun --depth-file d.exr --hdr d.exr i.exr
@@ -103,7 +103,7 @@ l.json --lights l.json --report l.json i.exr
 f.json $sun --flare f.json --report f.json i.exr
 c.json --camera c.json --report c.json i.exr
 c.ocio --ocio c.ocio --report c.ocio -o p.png i.exr
-# what these files name
+# files named by these files
 g.exr $sun --flare f.json --hdr g.exr i.exr
 ./g.exr $sun --flare ../w/f.json --report ./g.exr -o p.png i.exr
 sq/s.1002.exr $sun --flare f2.json --report sq/s.1002.exr -o p.png i.exr
@@ -168,7 +168,7 @@ sq/o.1001.exr --hdr sq/o.####.exr --layer ./sq/o.%04d.exr sq/s.####.exr
 *x.1002.png compare --heatmap x.####.png --json ./x.1002.png sq/s.####.exr sq/d.####.exr
 ROWS
 
-# -- what loses nothing --------------------------------------------------------
+# -- harmless names ------------------------------------------------------------
 
 # taken ARGUMENT...: fine, without a word
 taken()

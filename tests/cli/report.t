@@ -82,7 +82,7 @@ run --skip-bad-frames -o 'bad.####.png' --report r.json 'bad.####.exr'
 is "$(sed 1d r.json >r2.json; field r2.json 'o["status"], o["schema"], o["warnings"], o["version"] != ""')" \
     '(4, 2, [], True)' 'a frame that failed: its exit status'
 
-# what of the file was taken
+# the layer, part and view that were taken
 frame many.exr channels=diffuse.R,diffuse.G,diffuse.B,spec.R,spec.G,spec.B \
     part=other:Z:float
 run --layer-in spec -o out.png --report r.json many.exr

@@ -36,7 +36,7 @@ makes()
     is "$(numbers made)" "$wanted" "$about: the frames"
 }
 
-# -- what is on disk -----------------------------------------------------------
+# -- frames on disk ------------------------------------------------------------
 
 makes '0007 0008 0009 0010 0012' 'all frames on disk' -e fft --hdr made/h.####.exr \
     --layer made/l.####.exr -o made/o.####.png 'in/shot.####.exr'
@@ -88,7 +88,7 @@ done
 frame in/neg.-003.exr seed=3
 makes -003 'a negative frame' -f -3 -o made/o.####.png 'in/neg.####.exr'
 
-# -- what is missing -----------------------------------------------------------
+# -- missing frames ------------------------------------------------------------
 
 rm -rf made && mkdir made
 run -f 9-12 -o made/o.####.png 'in/shot.####.exr'
@@ -99,7 +99,7 @@ fails_with 3 'in/none.####.exr' 'a pattern without frames'
 run -o made/o.####.png 'none/shot.####.exr'
 fails_with 3 'none' 'a pattern in no folder'
 
-# -- what goes together --------------------------------------------------------
+# -- patterns that go together -------------------------------------------------
 
 rm -rf made && mkdir made
 run -o made/one.png 'in/shot.####.exr'

@@ -22,7 +22,7 @@ sees()
         True "$about" || note "$(head -c 300 err) $(field r.json 'o["lights"]')"
 }
 
-# -- how much shows ------------------------------------------------------------
+# -- visible shares ------------------------------------------------------------
 
 for row in 'exact 1e-6' 'mask 0.06' 'readback 0.06'; do
     method=${row% *} limit=${row#* }
@@ -64,7 +64,7 @@ frame crop.exr channels=R,G,B,Z:float kind=dark origin=10,10 \
 sees 1 0 'in the display window, outside the data window: nothing hides it' \
     --sun 5,5,3 crop.exr
 
-# -- where the channels are ----------------------------------------------------
+# -- places of the channels ----------------------------------------------------
 
 frame part.exr channels=R,G,B kind=dark part=depth:Z:float
 sees 0.5 1e-6 'depth in another part' --sun 30,12,5 part.exr
@@ -82,7 +82,7 @@ fails_with 2 'A, B, G, R, Z' 'a depth channel that is not there'
 run --sun 30,12 --mask Q --report r.json in.exr
 fails_with 2 'A, B, G, R, Z' 'a mask channel that is not there'
 
-# -- what is said --------------------------------------------------------------
+# -- messages ------------------------------------------------------------------
 
 run --sun 30,12,5 -v --report r.json in.exr
 is "$(field r.json 'o["lights"]')" \
@@ -296,7 +296,7 @@ printf '{"lights": [{"world": [0, 4, 8], "radius": 4},
 run --camera camera.json --lights lamps.json --report r.json shot.7.exr
 is "$(field r.json 'len(o["lights"])')" 3 'lamps beside the camera'\''s sun'
 
-# -- what cannot be ------------------------------------------------------------
+# -- refusals ------------------------------------------------------------------
 
 # refuses NAME DESCRIPTION ARGUMENT...
 refuses()

@@ -268,7 +268,7 @@ for kind in s m; do
     same stream.exr file.exr "$about: --hdr to stdout holds both"
 done
 
-# -- what is wrong -------------------------------------------------------------
+# -- refusals ------------------------------------------------------------------
 
 fresh
 run --views left,right -o 'made/o.%V.png' --hdr made/h.exr left.1.exr

@@ -57,7 +57,7 @@ static proc real_gl(const char *name)
     return get ? get(name) : NULL;
 }
 
-// -- what changes ----------------------------------------------------------------
+// -- changed calls ---------------------------------------------------------------
 
 static void get_shader(unsigned shader, unsigned what, int *out)
 {

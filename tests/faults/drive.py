@@ -66,7 +66,7 @@ CONFIGURATIONS = {
                "--hdr o/h.#.exr s.####.exr", (), 1),
     "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 24),
 }
-# what a line begins with that is about no file: the command line, or all frames
+# beginnings of lines about no file: the command line, or all frames
 NO_FILE = ("glarepp: command line: ", "glarepp: --")
 BY_SIGNAL = (-signal.SIGTERM,)
 # for one fault each: files larger than the buffer, and several threads at them

@@ -30,7 +30,7 @@ static void tell(const char *name)
     char key[100], line[128];
     const char *const path = getenv("ENVIRON_LOG");
     snprintf(key, sizeof key, "%.*s", (int) strcspn(name, "="), name);
-    if (!path || getenv(key)) // what is there changes in its place
+    if (!path || getenv(key)) // an old variable changes in its place
         return;
     const int n = snprintf(line, sizeof line, "%s %s\n",
                            several_threads() ? "beside-threads" : "added", key);

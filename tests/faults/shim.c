@@ -65,7 +65,7 @@ static void *real(const char *name)
     return dlsym(RTLD_NEXT, name);
 }
 
-// -- who calls -----------------------------------------------------------------
+// -- the caller ----------------------------------------------------------------
 
 enum module { FOREIGN, OURS, PASSING };
 
@@ -111,7 +111,7 @@ static bool is_ours(const void *caller)
     return m == OURS;
 }
 
-// -- what happens --------------------------------------------------------------
+// -- the fault -----------------------------------------------------------------
 
 static void tell(const char *line)
 {

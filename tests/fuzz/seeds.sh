@@ -49,7 +49,7 @@ for f in png pfm; do
 done
 cat frame/grey.exr frame/far.exr frame/zips.exr >members/three
 
-# what the helper reads: written by it, and forms that it does not write
+# formats that the helper reads: written by it, and forms that it does not write
 /usr/bin/python3 "$exr" scratch/small.exr size=7x5 lights=3 hot=9
 write_other()
 {

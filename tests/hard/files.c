@@ -133,7 +133,7 @@ static double sample_error(const struct format *t, float got, float from)
     return float_error(got, from);
 }
 
-// -- what was read back -------------------------------------------------------
+// -- pictures read back -------------------------------------------------------
 
 /* EXR keeps the data window, and both windows as they are. */
 static double exr_error(const struct format *t, const char *path,

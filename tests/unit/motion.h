@@ -79,7 +79,7 @@ static inline struct gp_kernel motion_kernel(void)
     return scene_model("eye", MOTION_KERNEL, 0.0);
 }
 
-/* -- what a layer says about it ---------------------------------------------*/
+/* -- figures of a layer -----------------------------------------------------*/
 
 /* The result of 64 steps. */
 struct motion_result {

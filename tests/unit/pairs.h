@@ -31,7 +31,7 @@ static const char *const pair_text[] = {PAIR_KINDS(PAIR_TEXT)};
 
 struct pair {
     const char *name;
-    float max;    // what "near the maximum" and the hot pixel are near to
+    float max;    // bound of "near the maximum" and of the hot pixel
     double bar;   // of |fast - reference|_2 / |reference|_2; 0: equal samples
     double lost;  // differences up to this are none: underflow
     int w, h;     // of the frame that is timed

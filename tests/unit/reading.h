@@ -27,7 +27,7 @@ static inline void assert_refused(const char *name, gp_status want,
     assert_int_equal(kept_errors, 1);
     assert_kept(what);
     assert_ptr_equal(strstr(kept_line, name), kept_line);
-    assert_kept("; "); // what to do
+    assert_kept("; "); // the hint
     assert_null(f.rgb.c[0]);
 }
 

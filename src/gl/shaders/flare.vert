@@ -25,7 +25,7 @@ flat out vec2 base;    // its centre less the place
 flat out vec2 turn;
 flat out vec3 radius;
 flat out vec3 inner;
-flat out vec3 light;   // where coverage is 1
+flat out vec3 light;   // at a coverage of 1
 flat out ivec2 sides;  // of a polygon; row of its edges
 
 const int TEXELS = 5; // the same as in flare_gl.c

@@ -11,7 +11,7 @@ static const double OWN_ROUNDINGS = 4.0;
 
 enum {
     // pixels around the frame that polygons may spread to; two widths, so that
-    // what is kept serves many settings
+    // the kept tables serve many settings
     BORDER = 16, WIDE_BORDER = 64,
     // two scales of cells, in pixels. NEAR_REACH near cells to each side cover
     // just what far cells that touch would

@@ -71,7 +71,7 @@ struct gp_residue {
     int w, h, pad;        // of the frame; the planes have pad pixels around it
     struct gp_planes d;   // (w + 2 pad) * (h + 2 pad)
     int rows;             // rows that are not 0
-    int *row;             // which, ascending
+    int *row;             // numbers of these rows, ascending
     double norm2[3];      // sqrt of the sum of squares
     double rounding[3];   // bound of norm2 of the error of `d`
 };

@@ -67,7 +67,7 @@ size_t gp_quads_count(const struct gp_sources *src, int step)
 struct quading {
     const struct gp_sources *src;
     struct gp_quads *q;
-    int rows; // where quads may start
+    int rows; // in which quads may start
 };
 
 static void count_quads(void *ctx, int task, int thread)
@@ -147,7 +147,7 @@ void gp_quads_free(struct gp_quads *q)
 struct quad_list {
     int32_t *at;
     uint32_t *quad;
-    uint32_t *row;  // where the quads of a row start: first to last row
+    uint32_t *row;  // first quad of a row: first to last row
     uint32_t *from; // of each row: the first that may reach a later strip
 };
 

@@ -84,7 +84,7 @@ struct gp_fft_run {
     int from, to; // half-open; empty where to <= from
 };
 struct gp_fft_node {
-    struct gp_fft_run least, most; // what each of its rows holds; what all of
+    struct gp_fft_run least, most; // in each of its rows; in all of
                                    // its rows' runs are in
     bool full;                     // each row is one run, and all are equal
 };
@@ -105,7 +105,7 @@ void gp_fft_shape_free(struct gp_fft_shape *s);
 /* The samples of a layer that may be noise where no light is. */
 struct gp_fft_noise {
     float most[3]; // of noise, by channels
-    bool *row[3];  // whether a row may hold samples in (0, most]
+    bool *row[3];  // true for rows that may hold samples in (0, most]
 };
 
 /* Makes samples of a layer in (0, noise->most] 0 that no source reaches by a
@@ -119,7 +119,7 @@ GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_fft_shape *const shape[3],
     const struct gp_fft_noise *noise, const struct gp_planes *layer);
 
-// -- what goes direct --------------------------------------------------------
+// -- the direct part ---------------------------------------------------------
 
 /* The part of the sum that goes direct, so that float rounding stays unseen.
  *

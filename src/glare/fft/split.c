@@ -65,8 +65,8 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {
-    // how far from the centre a source in the frame is sure to see, to one side
-    // at least: everything, where the kernel has no more samples than that
+    // distance from the centre that a source in the frame surely sees, to one
+    // side at least: everything, where the kernel has no more samples than that
     const int reach_x = k->w - 1 <= w ? INT_MAX / 2 : w / 2;
     const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
     *out = (struct gp_fft_quarters) {0};
@@ -150,7 +150,7 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p, double most,
     return T * STAGE * 0x1p-24 * sqrt(sum);
 }
 
-// -- what goes direct --------------------------------------------------------
+// -- the direct part ---------------------------------------------------------
 
 const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
 

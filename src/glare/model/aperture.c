@@ -19,7 +19,7 @@
  * nm, rms, with the angle a from that of `rotation`:
  *   Z4 = sqrt(3) (2 r^2 - 1)           Z6 = sqrt(6) r^2 cos 2a
  *   Z8 = sqrt(8) (3 r^3 - 2 r) cos a   Z11 = sqrt(5) (6 r^4 - 6 r^2 + 1) */
-enum { DUST = 600, SCRATCHES = 60, LASHES = 40 }; // where their keys are 1
+enum { DUST = 600, SCRATCHES = 60, LASHES = 40 }; // at keys of 1
 struct iris {
     double radius;      // mm
     int blades;         // 0: a circle

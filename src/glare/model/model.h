@@ -67,7 +67,7 @@ struct gp_recipe {
     const struct gp_model *model;
     double value[GP_MODEL_KEYS];
     char *file[GP_MODEL_KEYS];     // owned; NULL where not given
-    const struct gp_frame *image;  // what its file holds; borrowed, set by the
+    const struct gp_frame *image;  // of its file; borrowed, set by the
                                    // caller before a kernel is made
     bool as_it_is;                 // an image of shares of light, as of a model:
                                    // not normalised to a luminance of 1

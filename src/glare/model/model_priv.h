@@ -167,7 +167,7 @@ struct gp_pupil {
     int n;       // cells a side, a multiple of 8
     double cell; // mm
     float *t;    // amplitudes that pass, in [0, 1], n * n
-    float *path; // how much longer the light's path is, nm; NULL: nowhere
+    float *path; // added length of the light's path, nm; NULL: 0
 };
 
 struct gp_diffraction {

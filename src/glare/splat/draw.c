@@ -595,7 +595,7 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
         const int kept = 2 * reach_of(p, q->at[i].light) + 1;
         k.sprite = gp_max(k.sprite, gp_min(whole, kept));
     }
-    // how far the view reaches beyond a field, so that no polygon that meets
+    // the view's reach beyond a field, so that no polygon that meets
     // it is clipped. Quads on whole pixels are cut by the vertex shader; turned
     // ones, whose kernel would need too large a view, are not turned there
     k.margin = k.sprite;

@@ -18,8 +18,8 @@ struct cell_sum {
 
 /* Polygons of one row of the largest cells. */
 struct band {
-    size_t clusters, groups;           // how many
-    size_t first_cluster, first_group; // where they go
+    size_t clusters, groups;           // counts
+    size_t first_cluster, first_group; // places of the first ones
 };
 
 struct grouping {

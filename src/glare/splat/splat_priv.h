@@ -71,13 +71,13 @@ struct gp_splat_kernel {
     int border;
     int w, h;
     int cx, cy;                // the centre's whole part; may lie outside
-    float rest[2];             // what it lacks: 0 or 1/2 each
+    float rest[2];             // rest of the centre: 0 or 1/2 each
 };
 
 /* Kept from frame to frame. */
 struct gp_splat {
     struct gp_gl *gl;               // NULL before the first drawing
-    enum gp_gl_api api;             // what was asked for when gl was opened
+    enum gp_gl_api api;             // the API wanted when gl was opened
     struct gp_program program[GP_SPLAT_PROGRAM_COUNT];
     struct gp_target total, chunk;  // of one size; chunk only for many polygons
     struct gp_target groups, clusters;

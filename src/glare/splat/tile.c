@@ -196,7 +196,7 @@ void gp_tile_batch_enter(const struct gp_polygons *polygons,
     batch->most = 0;
     for (int t = 0; t < tiles; t++) { // each tile's range comes first
         const int n = in_tile[t];
-        in_tile[t] = batch->texels; // where its next entry goes
+        in_tile[t] = batch->texels; // place of its next entry
         batch->texels += ENTRY * n;
         batch->most = gp_max(batch->most, n);
         float *texel = batch->texel + 4 * t;
@@ -250,7 +250,7 @@ struct gp_tiles {
     struct gp_buffer entries;
     float *texel; // GP_TILE_TEXELS, the entries' and pixels on their way out
 
-    // what `packed` was made from
+    // source of `packed`
     unsigned long serial;
     struct gp_rect crop;
     bool tail;

@@ -412,7 +412,7 @@ out:
     return st;
 }
 
-// -- what it will take --------------------------------------------------------
+// -- prediction ---------------------------------------------------------------
 
 double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src)
 {

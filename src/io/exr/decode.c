@@ -55,7 +55,7 @@ static bool unpacked_bytes(const struct gp_exr_chunks *cs,
     for (int i = 0; i < cs->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         int xs = e->x_sampling, ys = e->y_sampling;
-        // where the first block's height divides, the others' start does
+        // if the first block's height divides, so does the start of the others
         if (c->width % xs || (c->height > 1 && c->height % ys))
             return false;
         bool none = c->height == 1 && (c->start_y - cs->y0) % ys;

@@ -18,7 +18,7 @@
 /* A chunk: its pixels in the data window, and its bytes in the file. */
 struct block {
     int x0, y0, w, h;
-    uint64_t table, samples; // where they begin
+    uint64_t table, samples; // first bytes of these
     uint64_t table_bytes, sample_bytes, unpacked_bytes;
 };
 

@@ -63,8 +63,8 @@ struct gp_exr_index_part {
 
 struct gp_exr_index {
     bool multi, flat; // several parts; one that is not deep
-    uint64_t type;    // where the attribute "type" of a flat file begins; or 0
-    uint64_t tables;  // where the header ends and the offset tables begin; 0:
+    uint64_t type;    // first byte of the attribute "type" of a flat file; or 0
+    uint64_t tables;  // first byte of the offset tables, after the header; 0:
                       // it is damaged
     struct gp_exr_index_part *part;
     int parts;
@@ -150,7 +150,7 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
 uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
                             uint64_t offset);
 
-/* -- which part and which channels (choose.c) ----------------------------- */
+/* -- choice of part and channels (choose.c) ------------------------------- */
 
 /* The channel's name without its view, into `to`, which has room for it: its
  * own name in parts of one view. False when it belongs to another view.
@@ -402,7 +402,7 @@ void gp_exr_header_free(struct gp_exr_header *h);
  * Header, offset tables, chunks (openexr file layout, "Chunk Layout"). */
 
 struct gp_exr_table {
-    uint64_t at;      // where it is in the file
+    uint64_t at;      // its first byte in the file
     uint64_t *offset; // of each chunk; 0 not written yet
     int chunks;
 };

@@ -142,7 +142,7 @@ static bool value_is(const struct value *v, const char *type)
     static const struct {
         const char *name;
         uint64_t size;
-        bool (*is)(const struct value *v); // where it is not one size
+        bool (*is)(const struct value *v); // for types of several sizes
     } types[] = {
         {"box2f", 16, NULL},         {"box2i", 16, NULL},
         {"chromaticities", 32, NULL}, {"compression", 1, NULL},

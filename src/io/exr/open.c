@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* -- what went wrong ------------------------------------------------------ */
+/* -- errors of the library ------------------------------------------------ */
 
 static _Thread_local bool full;  // an allocation failed
 static _Thread_local int unread; // errno of a read that failed
@@ -66,7 +66,7 @@ static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     uint64_t n, uint64_t offset, exr_stream_error_func_ptr_t error)
 {
     (void) ctxt;
-    (void) error; // what went wrong is kept above
+    (void) error; // the error is kept above
     const struct gp_input *in = user;
     const uint64_t hidden = in->index->type;
     const int64_t got = gp_exr_read_bytes(&in->stream, to, n, offset);
@@ -262,7 +262,7 @@ void gp_input_free(void *input)
     gp_free(in);
 }
 
-/* -- what is carried to the output ---------------------------------------- */
+/* -- parts carried to the output ------------------------------------------ */
 
 gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
     const struct gp_input *in, struct gp_exr_carried *out)

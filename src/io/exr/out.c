@@ -125,7 +125,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
     };
     // of the input's pixels, not of this picture's
     static const char *const scene[] = {"preview", "multiView", NULL};
-    // how to show the input's colours, which these are not any more
+    // transforms for the input's colours, which these no longer are
     static const char *const shown[] = {
         "chromaticities", "adoptedNeutral", "whiteLuminance",
         "renderingTransform", "lookModTransform", NULL,

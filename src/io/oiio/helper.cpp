@@ -33,7 +33,7 @@ namespace {
 
 const int SOCKET = 0;
 
-// -- what the process may do --------------------------------------------------
+// -- limits of the process ----------------------------------------------------
 
 // No network and no other program, for all threads; a kernel that has no
 // filters goes on without. OpenImageIO's movie reader would open addresses.

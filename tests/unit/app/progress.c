@@ -5,7 +5,7 @@
 #include "core/clock.h"
 #include "kept_log.h"
 
-// -- which frames failed -----------------------------------------------------
+// -- failed frames -----------------------------------------------------------
 
 /* The list in the last message, "" when it has none; *whole: --frames would
  * take it. */

@@ -104,7 +104,7 @@ static void luminance_is_relative(void **state)
     assert_true(fabs(f.max_rel - (double) gp_rec709_luminance[1] / 10.0) <
                 1e-6);
     b.v[1][0] = 10.0f;
-    b.v[1][1] = 1.0f; // where the first is black: over 1e-6 of its maximum
+    b.v[1][1] = 1.0f; // the first is black there: over 1e-6 of its maximum
     f = measure(&defaults);
     assert_true(fabs(f.max_rel * 1e-5 - (double) gp_rec709_luminance[1]) <
                 1e-5);
@@ -245,7 +245,7 @@ static void numbers_decide_where_no_name_does(void **state)
     }
 }
 
-// -- what an eye sees --------------------------------------------------------
+// -- visible pixels ----------------------------------------------------------
 
 /* Counts by both orders, with 1 and 5 threads, which must agree. */
 static long long see(void)

@@ -140,7 +140,7 @@ static void srgb_points(void **state)
 {
     static const struct { float linear, encoded, tolerance; } rows[] = {
         {0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 0.0f},
-        {0.0031308f, 0.0404500f, 1e-6f}, // where the line meets the power
+        {0.0031308f, 0.0404500f, 1e-6f}, // the line meets the power there
         {0.18f, 0.4613561f, 1e-6f}, {0.2140411f, 0.5f, 1e-6f},
         {0.001f, 0.01292f, 1e-7f},
     };

@@ -187,7 +187,7 @@ static void child_has_its_own(void **state)
     assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
 }
 
-// -- where the system refuses ---------------------------------------------------
+// -- threads that the system refuses --------------------------------------------
 
 /* More processors than the system can list count as one. First of all tests:
  * processors are asked for once. */

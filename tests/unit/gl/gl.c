@@ -324,7 +324,7 @@ static void shader_files_open_with_a_comment(void **state)
     assert_true(files >= 4);
 }
 
-/* -- what shaders get ------------------------------------------------------ */
+/* -- inputs of shaders ----------------------------------------------------- */
 
 /* A program, and a target of n attachments to draw to. */
 static struct gp_gl *gl;

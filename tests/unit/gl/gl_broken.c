@@ -122,7 +122,7 @@ static void egl_refuses(void **state)
 
 // -- a driver's answers -------------------------------------------------------
 
-static GLenum flag; // what glGetError() says
+static GLenum flag; // result of glGetError()
 static int times;   // so many times, then that all is well
 
 static GLenum APIENTRY broken_error(void)

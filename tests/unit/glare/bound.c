@@ -243,7 +243,7 @@ static void measured_is_never_over_the_bound(void **state)
                      (double) t.p.shrink, wrong / norm, bound, norm, least);
         if (norm > 0.0 && least > 0.0)
             slack[layers++] = norm / least;
-        // where grouping is exact there is nothing to compare
+        // exact grouping leaves nothing to compare
         if (norm > 0.0 && wrong > 1e-6 * norm)
             ratio[n++] = bound * norm / wrong;
         gp_bound_cache_free(&cache);
@@ -259,7 +259,7 @@ static void measured_is_never_over_the_bound(void **state)
     free(slack);
 }
 
-/* -- what it must not depend on ---------------------------------------------*/
+/* -- changes that must not matter -------------------------------------------*/
 
 /* A cache that has seen other frames, kernels and settings. */
 static void caches_change_nothing(void **state)

@@ -323,7 +323,7 @@ static struct chosen choose(const struct scene *s, double gain)
     c.fft_ms = gp_fft_passes_ms(&s->src, &p, GP_FFT_PLAN_MEASURE);
     gp_fft_tail_norms(&s->k, tail);
     gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, gain, &c.split);
-    // what no eye could see is not split, and the rounding goes with the gain
+    // rounding that no eye could see is not split; it goes with the gain
     gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-40, &unseen);
     c.plain = unseen.rounding * 1e40 * gain;
     assert_int_equal(unseen.core, -1);

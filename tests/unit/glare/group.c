@@ -281,7 +281,7 @@ static void too_much_light_stays_finite(void **state)
     gp_sources_free(&s);
 }
 
-/* -- what is drawn ----------------------------------------------------------*/
+/* -- the drawing ------------------------------------------------------------*/
 
 static double *draw_reference(
     const struct gp_sources *s, const struct gp_kernel *k,

@@ -178,7 +178,7 @@ static void pixels_add_up(void **state)
                 sum += row[x];
         }
         s.free(s.state);
-        // what is outside, mean over the places of the light's pixel: those of
+        // the light outside, mean over the places of the light's pixel: those of
         // a tent about the square's edge
         const struct gp_gauss *const g = gp_gauss_rule(8);
         double rest = 0.0;

@@ -279,7 +279,7 @@ static void aberrations_dim_the_peak(void **state)
                 at += s * x * sample(&k, 1, x, y);
         }
         // sqrt(8) 0.3 waves to the radius: 2 of that to D, 8 pixels each;
-        // what lies beyond 8 D falls with the distance
+        // light beyond 8 D falls with the distance
         const double mean = sqrt(8.0) * 0.3 * 2.0 * 8.0;
         if (!(at > 0.5 * mean && at < mean))
             fail_msg("coma's mean is at %g of %g pixels", at, mean);

@@ -10,7 +10,7 @@ struct technique {
     const char *name;
     const char *engine;  // NULL: gp_group_reference()
     struct gp_splat_params splat;
-    // what may not be exceeded: flux ripple; centroid error, pixels; jump
+    // limits: flux ripple; centroid error, pixels; jump
     double ripple, centroid, jump;
 };
 

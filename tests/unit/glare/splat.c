@@ -245,7 +245,7 @@ static void large_points_are_refused(void **state)
                                      scene_kernel(4 * most, 5, MID, 0, PEAK));
         how.primitive = GP_PRIMITIVE_POINT;
         const gp_status st = splat(GP_GL_AUTO, &s, &kept);
-        // what reaches a frame of 40 pixels is 79 wide
+        // a kernel's part that reaches a frame of 40 pixels is 79 wide
         assert_int_equal(st, i || most < 79 ? GP_ERR_GL : GP_OK);
         if (st)
             assert_kept("--primitive quad or tile");

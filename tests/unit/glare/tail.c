@@ -298,7 +298,7 @@ static void discs_have_tails(void **state)
         const int x = (int) floor(out.cx) + u, y = (int) floor(out.cy) + v;
         double sum[3] = {0};
         if (abs(u) * step > W - REACH || abs(v) * step > H - REACH)
-            continue; // where it fades
+            continue; // the tail fades there
         for (int j = 0; j < SIDE * SIDE; j++) {
             const int dx = u * step - (j % SIDE - REACH);
             const int dy = v * step - (j / SIDE - REACH);

@@ -66,7 +66,7 @@ static void depth_by_search(void **state)
         {{"V.position.Z"}, NULL, NULL, NULL},
         {{"velocity.Z", "far.Z"}, "far.Z", NULL, NULL},
         {{"Nothing.Z"}, "Nothing.Z", NULL, NULL}, // begins with N only
-        // what only looks like it
+        // names that only look like it
         {{".Z"}, NULL, NULL, NULL},
         {{"ZBack", "depth.ZBack", "depth.z", "depthZ"}, NULL, NULL, NULL},
         {{NULL}, NULL, NULL, NULL},
@@ -98,7 +98,7 @@ static void channels_by_name(void **state)
         const char *name;
         int found; // -1: a usage error
     } row[] = {
-        // what the user names is taken, also where searching would not
+        // a name of the user is taken, also one that a search would not find
         {"normals.Z", 2}, {"A", 0}, {"a", -1}, {"Y", -1}, {"", -1},
     };
     struct gp_channel channel[NAMES];

@@ -279,7 +279,7 @@ static void subsampled_channels(void **state)
     }
 }
 
-/* -- what cannot be held ---------------------------------------------------*/
+/* -- values that do not fit ------------------------------------------------*/
 
 static void half_overflow_is_counted(void **state)
 {

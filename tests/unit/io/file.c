@@ -95,7 +95,7 @@ static void links_and_permissions_stay(void **state)
     assert_int_equal(stat(wf_path("real"), &s), 0);
     assert_int_equal(s.st_mode & 0777, 0751);
     remove(wf_path("real"));
-    // what it leads to is made, where that is not there, by a full path too
+    // a missing target is made, by a full path too
     char *const found = gp_file_resolve(wf_path("link"));
     assert_string_equal(found, wf_path("real"));
     assert_int_equal(symlink(found, wf_path("chain")), 0);
@@ -360,7 +360,7 @@ static void end_child(int sig)
     if (child == 0) {
         struct gp_file *f;
         signal(SIGHUP, SIG_IGN); // as nohup does, before the program starts
-        signal(sig, SIG_DFL);    // what a shell starts behind & ignores SIGINT
+        signal(sig, SIG_DFL);    // a shell's background jobs ignore SIGINT
         gp_temp_cleanup_on_signal();
         if (gp_file_open(NULL, wf_path("killed"), false, &f) ||
             gp_file_write(f, "half", 4) || write(ready[1], "r", 1) != 1)
@@ -428,7 +428,7 @@ static void checks(void **state)
     }
 }
 
-// -- where the system says no ------------------------------------------------
+// -- errors of the system ----------------------------------------------------
 
 struct refused_row {
     const char *name;
@@ -533,7 +533,7 @@ static void patches_stay_inside(void **state)
                          row[i].st);
         assert_kept(row[i].st ? "outside" : "");
     }
-    assert_ok(gp_file_commit(&f)); // what was refused is undone
+    assert_ok(gp_file_commit(&f)); // the refused write is undone
     assert_text(wf_path("p"), "ABCDEA");
 }
 

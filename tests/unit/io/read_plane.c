@@ -22,7 +22,7 @@ static void views_by_name(exr_context_t exr, int part)
 {
     const char *name;
     assert_ok(exr_get_name(exr, part, &name));
-    // which a file with deep parts must have in all
+    // a file with deep parts must have it in all
     assert_ok(exr_set_version(exr, part, 1));
     const char *view = strrchr(name, '_');
     if (view)
@@ -361,7 +361,7 @@ static void channels_of_a_plane_file(void **state)
         struct fixture_channel channel[4];
         bool depth;
         const char *want;  // NULL: an error
-        const char *line;  // what it says
+        const char *line;  // its message
     } row[] = {
         {{HALF_CH("anything")}, true, "anything", NULL},
         {{HALF_CH("anything")}, false, "anything", NULL},

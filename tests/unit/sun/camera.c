@@ -570,7 +570,7 @@ static void arnold_is_told_from_the_spec(void **state)
             row[i].file, row[i].matrix, GP_NDC_CLIP, &display);
         const double *const camera = c.to_camera;
         assert_memory_equal(c.to_ndc, clip.to_ndc, sizeof c.to_ndc);
-        // what stands above the axis in the camera is higher in the picture
+        // points above the camera's axis are higher in the picture
         const double up[3] = {camera[2] + 0.1 * camera[1],
                               camera[6] + 0.1 * camera[5],
                               camera[10] + 0.1 * camera[9]};

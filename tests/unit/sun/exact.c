@@ -327,7 +327,7 @@ static void test_places(void **state)
                                          occluders(&depth, &mask, frame)};
         for (int i = 0; i < PLACES * MODES * 3; i++) {
             const int p = i / (3 * MODES), mode = i / 3 % MODES;
-            // where pixels are far from 0, so are ulps of the place
+            // far from 0 ulps of the place are larger
             assert_near(visibility(&o[i % 3], mode,
                                    light_at(places[p].x + x0, places[p].y + y0,
                                             places[p].r)),
