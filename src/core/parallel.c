@@ -1,11 +1,15 @@
 #include "core/parallel.h"
 
+#include "core/cpu.h"
+
 #include <limits.h>
 #include <pthread.h>
-#include <signal.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* A pool of our own, not OpenMP's: libgomp's threads spin for milliseconds
  * after each loop, which costs a short run more than its work, and other
@@ -246,4 +250,32 @@ void gp_parallel_do(int n, gp_task task, void *ctx)
     struct plain p = {task, ctx};
     const gp_status never = gp_parallel(n, run_task, &p, NULL);
     (void) never;
+}
+
+// -- the CPU's features -------------------------------------------------------
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+#endif
+
+bool gp_cpu_has_avx2(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+    // by cpuid: clang 14's __builtin_cpu_supports() has no "f16c". And once: in
+    // a virtual machine each cpuid traps, which takes microseconds
+    enum { UNKNOWN, MISSING, THERE };
+    static atomic_int f16c;
+    const char *cpu = getenv("GLAREPP_CPU");
+    if (cpu && strcmp(cpu, "base") == 0)
+        return false;
+    if (atomic_load(&f16c) == UNKNOWN) {
+        unsigned a, b, c, d;
+        const bool there = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+        atomic_store(&f16c, there ? THERE : MISSING);
+    }
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+           atomic_load(&f16c) == THERE;
+#else
+    return false;
+#endif
 }

@@ -1,4 +1,4 @@
-/* For tests of spectrum.c. */
+/* For tests of colours of wavelengths. */
 #ifndef GP_CORE_SPECTRUM_PRIV_H
 #define GP_CORE_SPECTRUM_PRIV_H
 

@@ -1,7 +1,7 @@
 /* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * Float planes in, float planes out; nothing here knows what is drawn.
- *   context.c  opens a context          systems.c: OSMesa and EGL
+ *   context.c  opens a context of OSMesa or EGL
  *   draw.c     textures, targets, buffers, programs of the files of shaders/,
  *              and the one way to draw
  * Libraries come by dlopen, functions by the context's own GetProcAddress.

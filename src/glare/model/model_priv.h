@@ -54,7 +54,7 @@ struct gp_model {
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
-extern const struct gp_model gp_model_temporal;                   // pupil.c
+extern const struct gp_model gp_model_temporal;                   // aperture.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_circle, gp_model_ring;                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
@@ -189,7 +189,7 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- stain.c ------------------------------------------------------------------
+// -- aperture.c: stains -------------------------------------------------------
 
 /* A cover of a part of a pupil: a capsule around a line from one point to the
  * other, mm, that tapers; points alike: a disc. */
@@ -208,7 +208,7 @@ enum { GP_LASH_PARTS = 8 };
 void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
                      struct gp_stain *out);
 
-// -- pupil.c: declared for tests ----------------------------------------------
+// -- aperture.c: declared for tests -------------------------------------------
 
 /* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
  * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own

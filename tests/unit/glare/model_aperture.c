@@ -1,4 +1,4 @@
-/* glare/model/aperture.c, pupil.c and diffract.c against published values and
+/* glare/model/aperture.c and diffract.c against published values and
  * closed forms. */
 #include "unit.h"
 #include "core/parallel.h"
