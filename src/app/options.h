@@ -82,6 +82,7 @@ enum gp_need {
     GP_NEED_STREAM = 1 << 18,     // an output without an ending
     GP_NEED_FILES = 1 << 19,      // an output file
     GP_NEED_REPORT_FILE = 1 << 20, // --report
+    GP_NEED_LENS = 1 << 21,        // --lens
 };
 
 struct gp_option {

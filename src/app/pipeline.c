@@ -281,6 +281,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
+    GP_TRY(gp_run_lens_begin(log, r));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct gp_ocio_names *const names =
         r->ocio ? gp_ocio_names(r->ocio) : NULL;

@@ -192,8 +192,9 @@ static json_t *settings_json(const struct gp_settings *s)
 static const char *const time_names[GP_TIMES] = {
     [GP_TIME_READ] = "read",
     [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
-    [GP_TIME_GLARE] = "glare", [GP_TIME_COMPOSE] = "compose",
-    [GP_TIME_TONEMAP] = "tonemap", [GP_TIME_WRITE] = "write",
+    [GP_TIME_GLARE] = "glare", [GP_TIME_LENS] = "lens",
+    [GP_TIME_COMPOSE] = "compose", [GP_TIME_TONEMAP] = "tonemap",
+    [GP_TIME_WRITE] = "write",
 };
 static const char *const type_names[] = {
     [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
@@ -636,6 +637,8 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     if (facts->light_groups)
         put_list(o, "light_groups", facts->light_group, facts->light_groups);
     put_glare(o, facts);
+    if (facts->lens.name)
+        json_object_set_new(o, "lens", gp_lens_facts_json(&facts->lens));
     put_lights(o, facts);
     if (n) {
         const char *const field[][2] = {

@@ -7,6 +7,7 @@
 #include "glare/engine.h"
 #include "glare/model/model.h"
 #include "io/read.h"
+#include "sun/lens_draw.h"
 #include "sun/lights.h"
 #include "tone/ocio.h"
 
@@ -20,6 +21,7 @@ enum gp_time {
     GP_TIME_SUN,
     GP_TIME_SENSORS,
     GP_TIME_GLARE,
+    GP_TIME_LENS,
     GP_TIME_COMPOSE,
     GP_TIME_TONEMAP,
     GP_TIME_WRITE,
@@ -46,6 +48,18 @@ struct gp_kernel_facts {
     double left_out;             // a model's light outside of what is computed
     double missed;               // of which falls in the frame
 };
+
+/* Facts about the ghosts of a lens. */
+struct gp_lens_facts {
+    const char *name;            // borrowed; NULL: no --lens
+    double sensor;               // width of the display window on it, mm
+    const char *sensor_from;     // "option", "angle", "lens" or "default"
+    double rest;                 // share of the sources that has no ghosts
+    struct gp_lens_stats stats;
+};
+
+/* The report's object of them, in run_lens.c; errors as gp_json_print(). */
+json_t *gp_lens_facts_json(const struct gp_lens_facts *l);
 
 /* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
@@ -87,6 +101,7 @@ struct gp_facts {
     int lights;
     const char *sun_way;         // sun_method, and where lights were drawn
     const char *sun_gl;          // context of the lights, or NULL
+    struct gp_lens_facts lens;
     const char *depth;           // channel, or NULL
     enum gp_pixel_type depth_type;
     char depth_empty[64];        // values that count as no surface; "": the

@@ -192,6 +192,17 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     return GP_OK;
 }
 
+double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
+{
+    struct gp_sun_files files = {r->s, fs->job};
+    struct gp_sun_about about = {0};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    if (r->s->fov > 0.0f)
+        return (double) r->s->fov;
+    reader.about(&files, &fs->frame, &about);
+    return gp_suns_fov(&r->suns, &about, &fs->frame);
+}
+
 /* The field of a frame, and where its angle comes from. */
 static struct gp_field find_field(const struct gp_run *r,
                                   struct gp_frame_state *fs)
@@ -200,13 +211,9 @@ static struct gp_field find_field(const struct gp_run *r,
     struct gp_sun_files files = {s, fs->job};
     struct gp_sun_about about = {0};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    double fov = (double) s->fov;
-    fs->facts.fov_from = "option";
+    double fov = gp_run_fov(r, fs);
+    fs->facts.fov_from = s->fov > 0.0f ? "option" : "camera";
     reader.about(&files, &fs->frame, &about);
-    if (!(fov > 0.0)) {
-        fov = gp_suns_fov(&r->suns, &about, &fs->frame);
-        fs->facts.fov_from = "camera";
-    }
     if (!(fov > 0.0)) {
         fov = GP_USUAL_FOV;
         fs->facts.fov_from = "default";

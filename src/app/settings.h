@@ -66,6 +66,14 @@ enum gp_shell {
     GP_SHELL_FISH,
 };
 
+/* A real lens, whose ghosts the layer gets. 0: by the frame. */
+struct gp_lens_settings {
+    const char *name;  // file or installed lens; NULL: none
+    float sensor;      // mm, width of the display window on the sensor
+    float distance;    // m
+    float f_number;
+};
+
 /* Words from the command line, in its order. */
 struct gp_texts {
     const char **at;  // owned array of borrowed words
@@ -86,6 +94,7 @@ struct gp_settings {
     struct gp_bench_params bench;      // json: of compare too
     struct gp_compare_params compare;
     struct gp_sun_params sun;
+    struct gp_lens_settings lens;
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts hdr, layer;        // files of these options

@@ -93,6 +93,11 @@ static bool suns_asked(const struct gp_settings *s)
     return gp_suns_wanted(&s->sun);
 }
 
+static bool lens_asked(const struct gp_settings *s)
+{
+    return s->lens.name != NULL;
+}
+
 /* Grows the frame and the layers of its light groups to the window of the
  * outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
@@ -357,6 +362,13 @@ static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
+/* Adds ghosts of a real lens. */
+static gp_status run_lens(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const gp_status st = fs->frame.layer.c[0] ? GP_OK : make_dark_layer(fs);
+    return st ? st : gp_run_lens(r, fs);
+}
+
 /* Sums by rows, so that the number of threads changes no bit. */
 struct row_sums {
     const float *plane;
@@ -485,7 +497,7 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
         return GP_HAS_LIT;
     case GP_TARGET_LAYER:
         // (bound_pixel is of the composite, which needs the frame)
-        return GP_HAS_LAYER | GP_HAS_FLARE |
+        return GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
                (s->glare.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0);
     case GP_TARGET_PICTURE:
         return shown;
@@ -647,7 +659,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 enum {
     RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
     LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT, SUNS = GP_HAS_SUNS,
-    FLARE = GP_HAS_FLARE, SHARES = GP_HAS_SHARES,
+    FLARE = GP_HAS_FLARE, SHARES = GP_HAS_SHARES, LENS = GP_HAS_LENS,
 };
 const struct gp_stage gp_stages[GP_STAGES] = {
     {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
@@ -662,9 +674,12 @@ const struct gp_stage gp_stages[GP_STAGES] = {
      GP_HAS_MEASURED, run_verify, NULL},
     {"flare", GP_PHASE_COMPUTE, GP_TIME_SUN,
      SOURCES | LAYER | KERNEL | SUNS, FLARE, run_flare, flare_asked},
-    {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
+    {"lens", GP_PHASE_COMPUTE, GP_TIME_LENS, RGB | SOURCES | LAYER | FLARE, LENS,
+     run_lens, lens_asked},
+    {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE | LENS, GP_HAS_FLUX, run_flux,
+     NULL},
     {"compose", GP_PHASE_COMPUTE, GP_TIME_COMPOSE,
-     RGB | SOURCES | KERNEL | LAYER | FLARE, LIT, run_compose, NULL},
+     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, run_compose, NULL},
     {"tonemap", GP_PHASE_COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN,
      run_tonemap, NULL},
     {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_shares, suns_asked},

@@ -16,6 +16,7 @@
 #include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "sun/ghosts.h"
+#include "sun/lens_draw.h"
 #include "sun/stage.h"
 
 #include <stdatomic.h>
@@ -35,6 +36,7 @@ enum {
     GP_HAS_SUNS = 1 << 9,      // suns placed, and measured or being measured
     GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
     GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
+    GP_HAS_LENS = 1 << 12,     // frame.layer with ghosts of --lens
 };
 
 /* A picture of --debug with a size of its own: sun maps, intensity map. */
@@ -154,6 +156,7 @@ struct gp_run {
     struct gp_glare group_engines; // of light groups: auto's choice depends on
                                    // the frames before
     struct gp_suns suns;
+    struct gp_lens lens;           // of --lens, not focused
     struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
@@ -177,6 +180,21 @@ GP_MUST_CHECK gp_status gp_run_kernel_hold(struct gp_run *r,
                                            struct gp_frame_state *fs);
 const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);
 
+/* The vertical angle of view of a frame by --fov or its camera; 0: by
+ * neither. */
+double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs);
+
+/* Reads --lens and checks what options ask of it. Errors: those of
+ * gp_lens_read() and gp_lens_focus(). */
+GP_MUST_CHECK gp_status gp_run_lens_begin(const struct gp_log *log,
+                                          struct gp_run *r);
+
+/* Adds the lens's ghosts to the layer, which is made, of the lights that have flux,
+ * or without lights of the 100 brightest blocks of 16x16 pixels with sources.
+ * Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_run_lens(struct gp_run *r,
+                                    struct gp_frame_state *fs);
+
 /* Reads for the sun's stage: planes of depth and coverage, pictures of flare
  * elements, the camera of a frame's file. `files` must outlive the reader; in
  * sun_files.c. */
@@ -199,7 +217,7 @@ struct gp_stage {
     gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs);
     bool (*asked)(const struct gp_settings *s);
 };
-enum { GP_STAGES = 12 };
+enum { GP_STAGES = 13 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
 /* Returns the data that a target needs, as bits GP_HAS_*. */

@@ -6,6 +6,7 @@
 #include "io/io_priv.h"
 
 #include <stdio.h>
+#include <math.h>
 #include <string.h>
 
 /* -- the parts of a file -------------------------------------------------- */
@@ -595,4 +596,15 @@ double gp_frame_rate(const struct gp_frame *f)
         return 0.0;
     return rate.num > 0 && rate.denom > 0 ? (double) rate.num / rate.denom
                                           : 0.0;
+}
+
+bool gp_frame_real(const struct gp_frame *f, const char *name, double *v)
+{
+    const struct gp_input *const o = gp_input_of(f);
+    float found;
+    if (!o || exr_attr_get_float(o->exr, o->part, name, &found) ||
+        !isfinite(found))
+        return false;
+    *v = (double) found;
+    return true;
 }

@@ -65,6 +65,10 @@ bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16]);
  * there is none that is positive. */
 double gp_frame_rate(const struct gp_frame *f);
 
+/* A float attribute of the frame's colour part, finite; false, with v as it
+ * was, where there is none. */
+bool gp_frame_real(const struct gp_frame *f, const char *name, double *v);
+
 /* A string attribute of the frame's colour part, from gp_alloc(); NULL where
  * there is none, or memory is full. */
 char *gp_frame_text(const struct gp_frame *f, const char *name);

@@ -156,9 +156,4 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
 void gp_lens_svg(FILE *f, const struct gp_lens *lens,
                  const struct gp_lens_ghost *ghost);
 
-/* Returns the area in mm^2, before the lens, through which light of slope u
- * reaches the sensor on a path in first order: what all rims' discs share. */
-double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
-                    double u, double nm);
-
 #endif

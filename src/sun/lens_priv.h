@@ -38,7 +38,7 @@ struct gp_lens_mesh {
     double x0, x1, y1;  // mm
     double flux[GP_LENS_NODES]; // mm^2 times share that arrives
     double scale;       // of the cells' light, towards an endless mesh
-    double lost;        // mm^2 of cells with rays that do not arrive
+    double lost;        // the same of cells with a ray that does not arrive
     struct gp_lens_hit *hit; // owned; [node][row of y][column of x]
 };
 
@@ -58,6 +58,11 @@ struct gp_lens_corner {
 };
 enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
 
+/* Returns the area in mm^2, before the lens, through which light of slope u
+ * reaches the sensor on a path in first order: what all rims' discs share. */
+double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
+                    double u, double nm);
+
 void gp_lens_optics_make(const struct gp_lens *lens, double nm,
                          struct gp_lens_optics *out);
 
@@ -74,21 +79,53 @@ struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
 struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
                                         double angle);
 
-/* Traces meshes of a path with 8, 16, ... cells, until the light that arrives
- * and the area that it covers change by less than ten times `tolerance`, and
- * sets `scale` by Richardson's rule, as both err with the square of a cell.
+/* Traces meshes of a path with 16, 32, ... cells, until the light that arrives
+ * and the area that it covers change by less than ten times `tolerance`, or
+ * than would move an edge by `step` mm on the sensor, and sets `scale` by
+ * Richardson's rule, as both err with the square of a cell.
  *   optics  GP_LENS_NODES of them
  *   out     free with gp_lens_mesh_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
-    struct gp_lens_mesh *out);
+    double step, struct gp_lens_mesh *out);
 void gp_lens_mesh_free(struct gp_lens_mesh *m);
+
+/* Returns true when blades and rims let all of a ray's light through. */
+static inline bool gp_lens_is_clear(const struct gp_lens_blades *b, int passes,
+                                    const struct gp_lens_hit *h)
+{
+    bool clear = h->rim <= 1.0f;
+    for (int s = 0; s < passes && b->n; s++)
+        clear = clear && (double) (h->stop[s][0] * h->stop[s][0] +
+                                   h->stop[s][1] * h->stop[s][1]) <=
+                             b->apothem * b->apothem;
+    return clear;
+}
 
 /* Cuts the cell of corners c[0..3], in turn, by rims and blades, in place;
  * c has room for GP_LENS_CORNERS. Returns the corners left, 0: nothing. */
 int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
                 struct gp_lens_corner c[GP_LENS_CORNERS]);
+
+/* Rows [top, ...) of an accumulator: w + 2 columns of three channels a row,
+ * whose running sums are light a pixel. Draws rows from y0 up to y1. */
+struct gp_lens_cover {
+    double *v;       // borrowed, of row `top`
+    int w, top;
+    double y0, y1;
+};
+
+/* Adds an edge: `light` a pixel more to its right where it goes up, less where
+ * it goes down. */
+void gp_lens_cover_edge(const struct gp_lens_cover *k, const double a[2],
+                        const double b[2], const double light[3]);
+
+/* Spreads light evenly over a polygon of n >= 3 points, which does not cross
+ * itself; of no area it goes to the pixels of its points. The part outside the
+ * rows and columns is dropped. */
+void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
+                       int n, const double light[3]);
 
 #endif

@@ -87,64 +87,98 @@ static float reflected(const float *table, double cosine)
     return table[k] + (at - (float) k) * (table[k + 1] - table[k]);
 }
 
+/* A path at one wavelength, made ready for many rays. */
+struct leg {
+    double curvature, per_semi2, before, ratio; // before: z from the last one
+    const float *reflected;
+    bool stop, rim, mirrors, back; // back: after it light goes to the front
+};
+struct route {
+    int steps;
+    double to_sensor, per_semi; // per_semi: of the stop
+    double z[GP_LENS_STEPS + 1];
+    struct leg leg[GP_LENS_STEPS];
+};
+
+static void make_route(const struct gp_lens_optics *o,
+                       const struct gp_lens_path *path, struct route *out)
+{
+    const struct gp_lens *const lens = o->lens;
+    double z = 0.0;
+    out->steps = path->steps;
+    for (int k = 0; k < path->steps; k++) {
+        const struct gp_lens_step s = path->step[k];
+        const struct gp_lens_surface *const surface = &lens->at[s.surface];
+        const bool stop = s.surface == lens->stop;
+        out->z[k] = o->z[s.surface];
+        out->leg[k] = (struct leg) {
+            surface->curvature, 1.0 / (surface->semi * surface->semi),
+            out->z[k] - z, o->n[s.surface + s.back] /
+                               o->n[s.surface + 1 - s.back],
+            o->reflected[s.surface][s.back], stop,
+            !stop || lens->blades == 0, s.reflects, s.back != s.reflects,
+        };
+        z = out->z[k];
+    }
+    out->z[path->steps] = o->z[lens->n];
+    out->to_sensor = o->z[lens->n] - z;
+    out->per_semi = 1.0 / lens->at[lens->stop].semi;
+}
+
+static struct gp_lens_hit trace(const struct route *route, double x, double y,
+                                double u, double (*at)[3])
+{
+    const double length = sqrt(1.0 + u * u);
+    double p[3] = {x, y, 0.0}, d[3] = {u / length, 0.0, 1.0 / length};
+    double rim2 = 0.0, through = 1.0;
+    struct gp_lens_hit hit = {.through = -1.0f};
+    int passes = 0;
+    for (int k = 0; k < route->steps; k++) {
+        const struct leg *const leg = &route->leg[k];
+        p[2] -= leg->before;
+        if (!meet(leg->curvature, p, d))
+            return hit;
+        const double height2 = (p[0] * p[0] + p[1] * p[1]) * leg->per_semi2;
+        rim2 = leg->rim && height2 > rim2 ? height2 : rim2;
+        if (at) {
+            at[k][0] = p[0];
+            at[k][1] = p[1];
+            at[k][2] = p[2] + route->z[k];
+        }
+        if (leg->stop) {
+            hit.stop[passes][0] = (float) (p[0] * route->per_semi);
+            hit.stop[passes][1] = (float) (p[1] * route->per_semi);
+            passes++;
+            continue;
+        }
+        const double cosine = bend(leg->curvature, p, leg->ratio, leg->mirrors,
+                                   d);
+        // far outside the rim a ray may turn round
+        if (cosine < 0.0 || (d[2] < 0.0) != leg->back)
+            return hit;
+        const double r = (double) reflected(leg->reflected, cosine);
+        through *= leg->mirrors ? r : 1.0 - r;
+    }
+    const double t = (route->to_sensor - p[2]) / d[2];
+    hit.x = p[0] + t * d[0];
+    hit.y = p[1] + t * d[1];
+    hit.through = (float) through;
+    hit.rim = (float) (rim2 < 1e12 ? sqrt(rim2) : 1e6);
+    if (at) {
+        at[route->steps][0] = hit.x;
+        at[route->steps][1] = hit.y;
+        at[route->steps][2] = route->z[route->steps];
+    }
+    return hit;
+}
+
 struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
     const struct gp_lens_path *path, double x, double y, double u,
     double (*at)[3])
 {
-    const struct gp_lens *const lens = o->lens;
-    const double length = sqrt(1.0 + u * u);
-    double p[3] = {x, y, 0.0}, d[3] = {u / length, 0.0, 1.0 / length};
-    double rim2 = 0.0, z = 0.0;
-    struct gp_lens_hit hit = {.through = 1.0f};
-    int passes = 0;
-    for (int k = 0; k < path->steps; k++) {
-        const struct gp_lens_step s = path->step[k];
-        const struct gp_lens_surface *const surface = &lens->at[s.surface];
-        p[2] += z - o->z[s.surface];
-        z = o->z[s.surface];
-        if (!meet(surface->curvature, p, d)) {
-            hit.through = -1.0f;
-            return hit;
-        }
-        const double height2 = (p[0] * p[0] + p[1] * p[1]) /
-                               (surface->semi * surface->semi);
-        if (at) {
-            at[k][0] = p[0];
-            at[k][1] = p[1];
-            at[k][2] = p[2] + z;
-        }
-        if (s.surface == lens->stop) {
-            hit.stop[passes][0] = (float) (p[0] / surface->semi);
-            hit.stop[passes][1] = (float) (p[1] / surface->semi);
-            passes++;
-            if (lens->blades == 0)
-                rim2 = fmax(rim2, height2);
-            continue;
-        }
-        rim2 = fmax(rim2, height2);
-        const double n1 = o->n[s.surface + s.back];
-        const double n2 = o->n[s.surface + 1 - s.back];
-        const double cosine = bend(surface->curvature, p, n1 / n2, s.reflects,
-                                   d);
-        // far outside the rim a ray may turn round
-        if (cosine < 0.0 || (d[2] < 0.0) != (s.back != s.reflects)) {
-            hit.through = -1.0f;
-            return hit;
-        }
-        const float r = reflected(o->reflected[s.surface][s.back], cosine);
-        hit.through *= s.reflects ? r : 1.0f - r;
-    }
-    p[2] += z - o->z[lens->n];
-    const double t = -p[2] / d[2];
-    hit.x = p[0] + t * d[0];
-    hit.y = p[1] + t * d[1];
-    hit.rim = (float) fmin(sqrt(rim2), 1e6);
-    if (at) {
-        at[path->steps][0] = hit.x;
-        at[path->steps][1] = hit.y;
-        at[path->steps][2] = o->z[lens->n];
-    }
-    return hit;
+    struct route route;
+    make_route(o, path, &route);
+    return trace(&route, x, y, u, at);
 }
 
 // -- the outline of the light -------------------------------------------------
@@ -229,17 +263,26 @@ int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
 
 // -- meshes -------------------------------------------------------------------
 
-/* Half of a grid's rays, of one wavelength. */
+/* Half of a grid's rays, of one wavelength. `near`, if not NULL, has those of
+ * another one: rays far outside its rims are not traced. */
 static void trace_rays(const struct gp_lens_optics *o,
                        const struct gp_lens_path *path, double u,
-                       const struct gp_lens_mesh *m, struct gp_lens_hit *hit)
+                       const struct gp_lens_mesh *m,
+                       const struct gp_lens_hit *near, struct gp_lens_hit *hit)
 {
+    const float far = 1.5f;
+    struct route route;
+    make_route(o, path, &route);
     for (int j = 0; j <= m->cells / 2; j++) {
         const double y = m->y1 * j / (m->cells / 2);
-        for (int i = 0; i <= m->cells; i++)
-            *hit++ = gp_lens_trace(o, path,
-                                   m->x0 + (m->x1 - m->x0) * i / m->cells, y, u,
-                                   NULL);
+        for (int i = 0; i <= m->cells; i++, hit++) {
+            const double x = m->x0 + (m->x1 - m->x0) * i / m->cells;
+            if (near && (near->through < 0.0f || near->rim > far))
+                *hit = *near;
+            else
+                *hit = trace(&route, x, y, u, NULL);
+            near += near != NULL;
+        }
     }
 }
 
@@ -275,21 +318,25 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
         for (int j = 0; j + every <= m->cells / 2; j += every) {
             for (int i = 0; i + every <= m->cells; i += every) {
                 struct gp_lens_corner c[GP_LENS_CORNERS];
-                bool arrives = true;
+                bool arrives = true, clear = true;
+                double passed = 0.0; // of corners within the rims
                 for (int k = 0; k < 4; k++) {
                     const int x = i + (k == 1 || k == 2 ? every : 0);
                     const int y = j + (k >= 2 ? every : 0);
                     const struct gp_lens_hit *const h = &hit[y * w + x];
                     arrives = arrives && h->through >= 0.0f;
+                    clear = clear && gp_lens_is_clear(blades, m->passes, h);
+                    passed += h->through >= 0.0f && h->rim < 1.0f
+                                  ? 0.25 * (double) h->through : 0.0;
                     c[k] = corner_of(h, m->x0 + dx * x, sign * dy * y);
                     for (int s = 0; s < m->passes; s++)
                         c[k].stop[s][1] *= sign;
                 }
                 if (!arrives) {
-                    sum.lost += dx * dy * every * every;
+                    sum.lost += dx * dy * every * every * passed;
                     continue;
                 }
-                const int n = gp_lens_cut(blades, m->passes, c);
+                const int n = clear ? 4 : gp_lens_cut(blades, m->passes, c);
                 double before = 0.0, after = 0.0, through = 0.0;
                 for (int k = 0; k < n; k++) {
                     const struct gp_lens_corner *const a = &c[k];
@@ -306,23 +353,39 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
     return sum;
 }
 
-/* Returns true when light passes at the border of a mesh, which is then too
- * small. */
-static bool passes_border(const struct gp_lens_mesh *m,
-                          const struct gp_lens_hit *hit)
+/* Returns true when a ray of the middle of the light arrives. */
+static bool passes(const struct gp_lens_hit *h)
+{
+    const float stop = h->stop[0][0] * h->stop[0][0] +
+                       h->stop[0][1] * h->stop[0][1];
+    return h->through >= 0.0f && h->rim < 1.0f && stop < 1.0f;
+}
+
+/* Fits a mesh to the rays that pass, and one cell more on each side; the front
+ * ends it. Returns false where the mesh ended before the light did. */
+static bool fit(const struct gp_lens_hit *hit, double front,
+                struct gp_lens_mesh *m)
 {
     const int w = m->cells + 1, h = m->cells / 2 + 1;
+    const double dx = (m->x1 - m->x0) / m->cells, dy = m->y1 / (h - 1);
+    const double left = m->x0;
+    int x0 = w, x1 = -1, y1 = -1;
     for (int j = 0; j < h; j++) {
         for (int i = 0; i < w; i++) {
-            const struct gp_lens_hit *const a = &hit[j * w + i];
-            const float stop = a->stop[0][0] * a->stop[0][0] +
-                               a->stop[0][1] * a->stop[0][1];
-            if ((i == 0 || i == w - 1 || j == h - 1) && a->through >= 0.0f &&
-                a->rim < 1.0f && stop < 1.0f)
-                return true;
+            if (!passes(&hit[j * w + i]))
+                continue;
+            x0 = i < x0 ? i : x0;
+            x1 = i > x1 ? i : x1;
+            y1 = j;
         }
     }
-    return false;
+    if (x1 < 0) // between the rays, if at all
+        return true;
+    const bool whole = x0 > 0 && x1 < w - 1 && y1 < h - 1;
+    m->x0 = fmax(left + dx * (x0 > 0 ? x0 - 1 : -w / 4), -1.05 * front);
+    m->x1 = fmin(left + dx * (x1 < w - 1 ? x1 + 1 : w + w / 4), 1.05 * front);
+    m->y1 = fmin(dy * (y1 < h - 1 ? y1 + 1 : h + h / 2), 1.05 * front);
+    return whole;
 }
 
 /* The rays that may arrive, by first order: a box around what all rims' discs
@@ -352,11 +415,13 @@ static void place_mesh(const struct gp_lens *lens,
 gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
-    struct gp_lens_mesh *out)
+    double step, struct gp_lens_mesh *out)
 {
-    enum { FIRST = 8, GROW = 6, MIDDLE = GP_LENS_NODES / 2 };
+    enum { FIRST = 16, FITS = 5, MIDDLE = GP_LENS_NODES / 2 };
     const struct gp_lens *const lens = optics->lens;
     const double front = lens->at[0].semi;
+    // coarser where an error of 1e-3 is allowed
+    const int most = tolerance < 1e-3 ? GP_LENS_CELLS : GP_LENS_CELLS / 2;
     const double cosine = 1.0 / sqrt(1.0 + u * u);
     struct gp_lens_mesh m = {0};
     struct gp_lens_hit *hit = NULL;
@@ -365,30 +430,32 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     *out = (struct gp_lens_mesh) {.passes = m.passes, .scale = 1.0};
     if (!(m.x0 < m.x1))
         return GP_OK;
-    int grown = 0;
+    int fitted = 0;
     bool found = false;
-    for (m.cells = FIRST; m.cells <= GP_LENS_CELLS;) {
+    for (m.cells = FIRST; m.cells <= most;) {
         const size_t rays = (size_t) (m.cells + 1) *
                             (size_t) (m.cells / 2 + 1);
         GP_FREE(hit);
         GP_TRY(gp_alloc(log, "rays of a lens", rays, sizeof *hit, &hit));
-        trace_rays(&optics[MIDDLE], path, u, &m, hit);
-        if (m.cells == FIRST && grown < GROW && passes_border(&m, hit)) {
-            // aberrations reach beyond first order
-            const double more = 0.25 * (m.x1 - m.x0);
-            m.x0 = fmax(m.x0 - more, -1.05 * front);
-            m.x1 = fmin(m.x1 + more, 1.05 * front);
-            m.y1 = fmin(1.5 * m.y1, 1.05 * front);
-            grown++;
+        trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
+        if (m.cells == FIRST && fitted < FITS) {
+            // aberrations reach beyond first order, or stay within
+            fitted = fit(hit, front, &m) ? FITS : fitted + 1;
             continue;
         }
         const struct sum fine = sum_of(&m, blades, hit, 1);
         const struct sum coarse = sum_of(&m, blades, hit, 2);
         if (!(fine.light > 0.0) && m.cells > FIRST)
             break;
-        const double change = fmax(fabs(fine.light - coarse.light) / fine.light,
+        // cells that a lost ray cuts are the coarser, the more light they lose
+        const double change = fmax(fmax(fabs(fine.light - coarse.light),
+                                        fine.lost) / fine.light,
                                    fabs(fine.area - coarse.area) / fine.area);
-        if (m.cells * 2 > GP_LENS_CELLS || change <= 10.0 * tolerance) {
+        // a change of the area of a disc of radius r moves its edge by half of
+        // it times r, and the finer mesh is off by a third of the change
+        const double seen = 3.0 * step * sqrt(acos(-1.0) / fine.area);
+        if (m.cells * 2 > most ||
+            change <= fmax(10.0 * tolerance, seen)) {
             out->scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
             out->scale = fmin(fmax(out->scale, 0.8), 1.25);
             out->lost = fine.lost * cosine;
@@ -412,7 +479,7 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         if (k == MIDDLE)
             memcpy(own, hit, rays * sizeof *hit);
         else
-            trace_rays(&optics[k], path, u, &m, own);
+            trace_rays(&optics[k], path, u, &m, hit, own);
         out->flux[k] = sum_of(&m, blades, own, 1).light * cosine * out->scale;
     }
 out:

@@ -46,6 +46,7 @@ share/doc/glarepp/man/engines.md
 share/doc/glarepp/man/files.md
 share/doc/glarepp/man/hardcases.md
 share/doc/glarepp/man/kernels.md
+share/doc/glarepp/man/lenses.md
 share/doc/glarepp/man/promises.md
 share/doc/glarepp/man/sequences.md
 share/doc/glarepp/man/sun.md
@@ -121,7 +122,8 @@ usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
 usr/share/doc/glarepp/man/hardcases.md
 usr/share/doc/glarepp/man/kernels.md
-usr/share/doc/glarepp/man/promises.md
+usr/share/doc/glarepp/man/lenses.md
+share/doc/glarepp/man/promises.md
 usr/share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md
 usr/share/fish/vendor_completions.d/glarepp.fish
@@ -210,11 +212,6 @@ if command -v bash >/dev/null; then
     bash_says 'glarepp -k builtin : st' 'star|streak|'
     bash_says 'glarepp --kernel = builtin : eye-n' 'eye-night|'
     bash_says 'glarepp -k a' 'aperture|a file.exr|'
-    bash_says 'glarepp -k cie : a' 'age=|'
-    bash_says 'glarepp -k cie : equation = t' 'total|'
-    bash_says 'glarepp -k cie : age = 70,pig' '70,pigment=|'
-    bash_says 'glarepp kernel --check builtin : eye-old : eq' \
-        'equation=total|equation=general|'
     bash_says 'glarepp --debug pol' 'polygons=|'
     bash_says 'glarepp --debug polygons = a' 'a file.exr|'
     bash_says 'glarepp --gain _' '|'
@@ -239,10 +236,6 @@ if command -v fish >/dev/null; then
     fish_says 'glarepp --eng' '--engine|'
     fish_says 'glarepp --engine ' 'auto|direct|fft|splat|'
     fish_says 'glarepp -k builtin:eye-n' 'builtin:eye-night|'
-    fish_says 'glarepp -k cie:a' 'cie:age=|'
-    fish_says 'glarepp --kernel=cie:age=70,pig' '--kernel=cie:age=70,pigment=|'
-    fish_says 'glarepp kernel --check builtin:eye-old:equation=t' \
-        'builtin:eye-old:equation=total|'
     fish_says 'glarepp --gain ' ''
     fish_says 'glarepp bench --js' '--json|'
     fish_says 'glarepp --js' ''
@@ -265,7 +258,7 @@ EOF
 if command -v zsh >/dev/null && zsh -fc 'zmodload zsh/zpty' 2>/dev/null; then
     cp completion.zsh _glarepp
     ok 'zsh reads its completions' zsh -n completion.zsh
-    for row in '--engine=sp splat' '-k builtin:ey builtin:eye' '-k cie:age=70,pig pigment=' \
+    for row in '--engine=sp splat' '-k builtin:ey builtin:eye' \
         'bench --js --json' 'help sequ sequences'; do
         ok "zsh: glarepp ${row% *}" timeout 10 zsh -f ask.zsh \
             "glarepp ${row% *}" "${row##* }"

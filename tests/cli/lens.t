@@ -64,4 +64,70 @@ wrong 2 '--check long.json --draw long.json'
 cmp -s long.json kept.json
 result $? 'a drawing does not replace its lens'
 
+# -- ghosts in a frame -----------------------------------------------------------
+
+need_python
+frame in.exr size=120x80 kind=dark dim=0.01 seed=2 attr=aperture:float:8 \
+    attr=focus:float:2
+cat >lamps.json <<'JSON'
+[{"pixel": [30.5, 20.5], "flux": [900, 800, 700]},
+ {"pixel": [90, 60], "flux": 0}]
+JSON
+set -- --lights lamps.json --sun-in-frame -t 1e9 -q --report r.json
+"$glarepp" "$@" --lens heliar --layer a.exr in.exr
+result $? '--lens'
+is "$(field r.json 'o["lens"]["lights"], o["lens"]["sensor_from"]')" \
+    "(1, 'lens')" 'one light has flux; the sensor is the lens'\''s own'
+is "$(field r.json 'o["lens"]["ghosts"] + o["lens"]["ghosts_left_out"]')" 28 \
+    '28 ghosts'
+is "$(field r.json 'o["lens"]["left_out"] <= 1e-3')" True \
+    'those left out stay under --tolerance'
+is "$(field r.json '0 < sum(o["lens"]["flux"]) < 24')" True \
+    'all ghosts have less than a hundredth of the light'
+is "$(field r.json '"lens" in o["times_ms"]')" True 'timed'
+"$glarepp" "$@" --lens heliar --threads 1 --layer b.exr in.exr
+"$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
+result $? 'the same for one thread'
+for other in '--f-number 3.5' '--focus-distance 100' '--sensor-size 36' \
+    '--fov 20' '--tolerance 1'; do
+    "$glarepp" "$@" --lens heliar $other --layer b.exr in.exr
+    "$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
+    is $? 2 "$other changes them"
+done
+is "$(field r.json 'o["lens"]["ghosts"]')" 0 '--tolerance 1 leaves all out'
+"$glarepp" "$@" --lens heliar --f-number 8 --focus-distance 2 --layer b.exr \
+    in.exr
+"$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
+result $? "without options, the frame's attributes aperture and focus"
+
+# without lights, of bright pixels
+frame lit.exr size=64x48 seed=5 lights=9
+"$glarepp" -q --lens tessar --report r.json --layer a.exr lit.exr
+is "$(field r.json '0 < o["lens"]["lights"] <= 9')" True \
+    'groups of bright pixels are lights'
+"$glarepp" -q --layer b.exr lit.exr
+"$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
+is $? 2 'whose ghosts the layer has'
+"$glarepp" -q -t 1e9 --lens tessar --layer a.exr in.exr
+result $? 'a dark frame'
+
+cp list nolens.json
+wrong_run()
+{
+    want=$1
+    shift
+    "$glarepp" -q "$@" --layer x.exr in.exr >out 2>err
+    is "$? $(wc -l <err)" "$want 1" "$*: status $want, one line"
+}
+wrong_run 4 --lens ./nolens.json
+wrong_run 3 --lens nosuch
+wrong_run 2 --lens heliar --f-number 2
+wrong_run 2 --lens heliar --focus-distance 0.05
+wrong_run 2 --lens heliar --sensor-size 0
+"$glarepp" --sensor-size 36 --layer x.exr in.exr 2>err
+is "$(grep -c 'sensor-size.*--lens' err)" 1 'options of no lens are warned of'
+cp long.json own.json
+"$glarepp" -q --lens ./own.json --layer own.json in.exr 2>err
+is $? 2 'an output does not replace the lens'
+
 done_testing

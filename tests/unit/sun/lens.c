@@ -172,7 +172,8 @@ static double mesh_light(const struct gp_lens *lens, int first, int second,
     for (int k = 0; k < GP_LENS_NODES; k++)
         gp_lens_optics_make(lens, GP_D_LINE, &o[k]);
     gp_lens_path(lens, first, second, &path);
-    assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, 1e-4, &m));
+    assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, 1e-4, 0.0,
+                                &m));
     const double light = m.flux[1];
     gp_lens_mesh_free(&m);
     return light;

@@ -1,0 +1,224 @@
+/* lens_draw: ghosts in a layer hold the light of closed forms, at every size of
+ * the frame; what is left out is counted; threads change nothing. */
+#include "scene.h"
+#include "json_file.h"
+#include "core/colour.h"
+#include "core/parallel.h"
+#include "sun/lens_draw.h"
+#include "sun/lens_priv.h"
+
+/* Stop and thin lens, of glass without dispersion: one ghost, R^2 of the
+ * image's light, a disc about six times the stop's size. */
+#define THIN "{'name': 'thin', %s 'surfaces': [{'stop': true, 'semi': 2,"      \
+    "'thickness': 0.01}, {'radius': 400, 'thickness': 0.01, 'n': 1.5,"         \
+    "'semi': 20},{'radius': -400, 'semi': 20}]}"
+
+static struct gp_lens thin_lens(const char *more)
+{
+    char text[512];
+    struct gp_lens lens = {0};
+    snprintf(text, sizeof text, THIN, more);
+    assert_ok(gp_lens_read(&kept_log, jf_write(text), &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+    return lens;
+}
+
+/* A layer of w x h pixels, `mm` wide, drawn for lights. */
+static struct gp_planes layer_of(const struct gp_lens *lens, int w, int h,
+    double mm, double mean, const struct gp_lens_light *light, int n,
+    struct gp_lens_stats *stats)
+{
+    struct gp_planes p;
+    const struct gp_rect frame = {-3, 5, w - 3, h + 5};
+    const struct gp_lens_view view = {
+        .frame = frame, .display = frame, .mm = {mm / w, mm / w},
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance, .mean = mean, .tolerance = 1e-3,
+    };
+    const size_t pixels = (size_t) w * (size_t) h;
+    assert_ok(gp_planes_make(&kept_log, "layer", pixels, &p));
+    for (int c = 0; c < 3; c++)
+        memset(p.c[c], 0, pixels * sizeof(float));
+    assert_ok(gp_lens_draw(&kept_log, lens, &view, light, n, &p, stats));
+    return p;
+}
+
+/* Sum, and centroid in pixels from the data window's corner. */
+static double sum_of(const struct gp_planes *p, int c, int w, int h, double *x,
+                     double *y)
+{
+    double sum = 0.0;
+    *x = *y = 0.0;
+    for (int i = 0; i < w * h; i++) {
+        const double v = (double) p->c[c][i];
+        assert_true(v >= 0.0 && isfinite(v));
+        sum += v;
+        *x += v * (i % w + 0.5);
+        *y += v * (i / w + 0.5);
+    }
+    *x /= sum;
+    *y /= sum;
+    return sum;
+}
+
+static void light_in_closed_form(void **state)
+{
+    static const char *const stops[] = {"", "'blades': 5, 'blade_turn': 20,"};
+    static const int sizes[] = {24, 97, 300};
+    for (size_t s = 0; s < COUNT(stops); s++) {
+        const struct gp_lens lens = thin_lens(stops[s]);
+        for (size_t i = 0; i < COUNT(sizes); i++) {
+            const int w = sizes[i], h = w;
+            const double at = 0.04 * w; // from the middle
+            const struct gp_lens_light light = {
+                0.5 * w - 3 + at, 0.5 * h + 5 - 0.5 * at, {100, 200, 300}};
+            struct gp_lens_stats stats;
+            struct gp_planes p = layer_of(&lens, w, h, 40.0, 0.0, &light, 1,
+                                          &stats);
+            for (int c = 0; c < 3; c++) {
+                double x, y;
+                const double want = 0.0016 * light.flux[c];
+                assert_near(sum_of(&p, c, w, h, &x, &y) / want, 1.0, 1e-3,
+                            "light", w);
+                assert_near(stats.light[c] / want, 1.0, 1e-3, "counted", w);
+                // by first order: its middle, through the stop's
+                struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+                assert_int_equal(gp_lens_ghosts(&lens, 550.0, ghost), 1);
+                const double place = ghost[0].m.b / 400.0;
+                assert_near(x, 0.5 * w + at * place, 0.1, "across", w);
+                assert_near(y, 0.5 * h - 0.5 * at * place, 0.1, "down", w);
+            }
+            assert_int_equal(stats.drawn, 1);
+            assert_true(stats.lost == 0.0 && stats.dark == 0.0);
+            gp_planes_free(&p);
+        }
+    }
+}
+
+/* An even disc: its light over its area, in the middle. */
+static void disc_is_even(void **state)
+{
+    enum { W = 200 };
+    const struct gp_lens lens = thin_lens("");
+    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+    struct gp_lens_stats stats;
+    const struct gp_lens_light light = {0.5 * W - 3, 0.5 * W + 5, {1, 1, 1}};
+    struct gp_planes p = layer_of(&lens, W, W, 40.0, 0.0, &light, 1, &stats);
+    gp_lens_ghosts(&lens, 550.0, ghost);
+    const double radius = 2.0 * fabs(ghost[0].m.a) * W / 40.0;
+    const double even = 0.0016 / (acos(-1.0) * radius * radius);
+    for (int i = 0; i < W * W; i++) {
+        const double far = hypot(i % W + 0.5 - 0.5 * W, i / W + 0.5 - 0.5 * W);
+        const double v = (double) p.c[1][i];
+        if (far < 0.8 * radius)
+            assert_near(v / even, 1.0, 0.02, "inside", far / radius);
+        if (far > 1.05 * radius + 3.0 * ghost[0].blur * W / 40.0)
+            assert_near(v / even, 0.0, 1e-9, "outside", far / radius);
+    }
+    gp_planes_free(&p);
+}
+
+/* Faint ghosts are left out together under the tolerance; none of a black
+ * frame. */
+static void faint_ghosts_are_counted(void **state)
+{
+    struct gp_lens lens = {0};
+    enum { W = 96, H = 64 };
+    const struct gp_lens_light light = {20.0, 30.0, {1e3, 1e3, 1e3}};
+    struct gp_lens_stats stats[4];
+    static const double mean[4] = {0.0, 0.01, 1.0, 1e9};
+    assert_ok(gp_lens_read(&kept_log, "heliar", &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+    for (int i = 0; i < 4; i++) {
+        struct gp_planes p = layer_of(&lens, W, H, 84.0, mean[i], &light, 1,
+                                      &stats[i]);
+        double x, y;
+        assert_int_equal(stats[i].ghosts, 28);
+        assert_int_equal(stats[i].drawn + stats[i].left_out, 28);
+        assert_true(stats[i].dark <= 1e-3);
+        if (i == 3)
+            assert_true(sum_of(&p, 1, W, H, &x, &y) == 0.0);
+        gp_planes_free(&p);
+    }
+    assert_int_equal(stats[0].left_out, 0);
+    assert_true(stats[1].left_out < stats[2].left_out);
+    assert_int_equal(stats[3].drawn, 0);
+    // what is drawn is less than the image's light, by far
+    assert_true(stats[0].light[1] > 0.0 && stats[0].light[1] < 0.01 * 1e3);
+}
+
+static void threads_change_nothing(void **state)
+{
+    enum { W = 300, H = 530 }; // more than one part
+    struct gp_lens lens = {0};
+    struct gp_lens_light light[7];
+    struct gp_planes p[2];
+    struct gp_lens_stats stats[2];
+    assert_ok(gp_lens_read(&kept_log, "double-gauss", &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, 3000.0, 4.0));
+    for (int i = 0; i < 7; i++)
+        light[i] = (struct gp_lens_light) {
+            W * uniform01(), H * uniform01(), {1.0 + i, 2.0, 8.0 - i}};
+    for (int k = 0; k < 2; k++) {
+        gp_set_threads(k ? 3 : 1);
+        p[k] = layer_of(&lens, W, H, 24.0, 1e-4, light, 7, &stats[k]);
+    }
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(p[0].c[c], p[1].c[c], W * H * sizeof(float));
+    assert_memory_equal(&stats[0], &stats[1], sizeof stats[0]);
+    gp_planes_free(&p[0]);
+    gp_planes_free(&p[1]);
+    gp_set_threads(0);
+}
+
+/* Polygons cover pixels by area: sums, and those of one pixel. */
+static void cover_is_exact(void **state)
+{
+    enum { W = 9, H = 7 };
+    static const double light[3] = {1.0, 2.0, 0.5};
+    double v[H * (W + 2) * 3];
+    const struct gp_lens_cover k = {v, W, 0, 0.0, H};
+    static const double shapes[][4][2] = {
+        {{1.25, 1.5}, {4.75, 1.5}, {4.75, 4.25}, {1.25, 4.25}},
+        {{1.25, 1.5}, {1.25, 4.25}, {4.75, 4.25}, {4.75, 1.5}},
+        {{2.1, 0.3}, {8.2, 3.3}, {6.0, 6.6}, {0.4, 4.9}},
+        {{3.2, 3.3}, {3.4, 3.3}, {3.4, 3.5}, {3.2, 3.5}},
+        {{3.2, 3.3}, {5.2, 3.3}, {5.2, 3.3}, {3.2, 3.3}}, // no area
+    };
+    for (int s = 0; s < (int) COUNT(shapes); s++) {
+        double sum = 0.0;
+        memset(v, 0, sizeof v);
+        gp_lens_cover_add(&k, shapes[s], 4, light);
+        for (int y = 0; y < H; y++) {
+            double run[3] = {0};
+            for (int x = 0; x < W + 2; x++) {
+                for (int c = 0; c < 3; c++)
+                    run[c] += v[3 * (y * (W + 2) + x) + c];
+                assert_true(run[0] > -1e-12);
+                assert_near(run[1], 2.0 * run[0], 1e-12, "channel", s);
+                sum += run[0];
+                if (s < 2 && y == 1 && x == 1)
+                    assert_near(run[0], 0.75 * 0.5 / (3.5 * 2.75), 1e-12,
+                                "corner", s);
+            }
+        }
+        assert_near(sum, 1.0, 1e-12, "sum", s);
+    }
+    // half of it beyond the left side, and all beyond the right
+    const double left[4][2] = {{-2, 1}, {2, 1}, {2, 3}, {-2, 3}};
+    const double right[4][2] = {{W, 1}, {W + 5, 1}, {W + 5, 3}, {W, 3}};
+    double sum = 0.0;
+    memset(v, 0, sizeof v);
+    gp_lens_cover_add(&k, left, 4, light);
+    gp_lens_cover_add(&k, right, 4, light);
+    for (int y = 0; y < H; y++) {
+        double run = 0.0;
+        for (int x = 0; x < W; x++)
+            sum += run += v[3 * (y * (W + 2) + x)];
+    }
+    assert_near(sum, 0.5, 1e-12, "half", 0);
+}
+
+SUITE_OF(lens_draw, make_folder, remove_folder, light_in_closed_form,
+    disc_is_even, faint_ghosts_are_counted, threads_change_nothing,
+    cover_is_exact)
