@@ -13,8 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Pixels to which --grow kernel grows frames of models, which have no end. */
-enum { MODEL_REACH = 255 };
+/* Pixels to which --grow kernel grows frames of models, which have no end: so
+ * far only their tails are left. */
+enum { MODEL_REACH = 2 * GP_TAIL_CORE + 1 };
 
 // -- the wanted kernel --------------------------------------------------------
 

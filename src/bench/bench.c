@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"
+#include "io/plane.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -296,20 +297,23 @@ out:
     return st;
 }
 
-/* The field of a frame as the main job has it: by --fov, by a camera, else of
- * the usual angle. */
+/* The field of a frame as the main job has it: its angle by --fov, by a camera,
+ * else the usual one; its time by the frame's number and rate. */
 static struct gp_field field_of(const struct gp_bench_request *req,
                                 const struct gp_suns *suns,
                                 const struct gp_frame *f)
 {
     struct gp_sun_about about = {0};
-    double fov = req->fov;
-    if (!(fov > 0.0) && !req->params->paper) {
+    double fov = req->fov, rate = 0.0;
+    if (!req->params->paper) {
         req->reader->about(req->reader->user, f, &about);
-        fov = gp_suns_fov(suns, &about, f);
+        fov = fov > 0.0 ? fov : gp_suns_fov(suns, &about, f);
+        rate = gp_frame_rate(f);
     }
     struct gp_field field = gp_field_of(f, fov > 0.0 ? fov : GP_USUAL_FOV);
     field.rotate = (double) req->kernel->rotate;
+    field.frame = about.number;
+    field.fps = rate > 0.0 ? rate : field.fps;
     return field;
 }
 

@@ -171,6 +171,18 @@ b = json.load(open("c.json"))["frames"][0]["rows"][0]["kernel_left_out"]
 print(r["fov_from"], abs(b - r["kernel_left_out"]) < 1e-8)')" 'camera True' \
     'the angle is that of the frame'"'"'s camera, as in the main job'
 
+frame move.0005.exr seed=3 attr=framesPerSecond:rational:2,1
+"$glarepp" -q --fov 5 -k temporal -e fft --report t.report --layer t.exr \
+    move.0005.exr
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent "$glarepp" bench --runs 1 \
+    --fov 5 -k temporal --json t2.json move.0005.exr >out 2>err
+is "$("$python" -c 'import json
+r = json.load(open("t.report"))
+b = json.load(open("t2.json"))["frames"][0]["rows"][0]["kernel_left_out"]
+print(r["kernel_left_out"] > 0, b / r["kernel_left_out"])' |
+    sed 's/1\.00000[0-9]*/1/; s/0\.99999[0-9]*/1/')" 'True 1' \
+    'a model that moves: at the time of the frame'"'"'s number and rate'
+
 run bench --runs 1 -k kernel.exr --json - in.exr
 ok '--json -: stdout is JSON alone' "$python" -m json.tool out
 run bench --runs 1 -k kernel.exr --csv - in.exr

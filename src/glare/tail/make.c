@@ -13,7 +13,7 @@
 /* A step that spans this many pixels holds what samples every 8 pixels can:
  * within 1e-6 of the light for the eye, 1/36 degree a pixel. Twice as wide with
  * steps twice as wide holds as much, of frames twice as wide. */
-static const double WIDE = 95.0, NEAREST = 32.0;
+enum { NEAREST = 32, WIDE = GP_TAIL_CORE - NEAREST };
 
 /* 1 on [1, inf), 0 on (-inf, 0]: the step of degree 11, never outside. */
 static double smooth_step(double u)

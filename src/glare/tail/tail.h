@@ -32,6 +32,10 @@
 
 #include <stdbool.h>
 
+/* Pixels from the centre at which the core of a kernel that is smooth from
+ * there on ends, where the coarse grid's step is 8. */
+enum { GP_TAIL_CORE = 127 };
+
 /* The distances at which a kernel becomes its tail. */
 struct gp_tail_split {
     double from, to; // pixels from the centre: only core, only tail
