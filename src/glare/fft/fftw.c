@@ -12,7 +12,7 @@
 
 /* Fills `table`, whose members are function pointers in this order. */
 static gp_status load_functions(const struct gp_log *log, const char *file,
-                      const char *package, const char *prefix, void **table)
+    const char *package, const char *without, const char *prefix, void **table)
 {
     static const char *const names[] = {
         "plan_dft_1d", "execute_dft", "destroy_plan",
@@ -22,7 +22,7 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
     if (!lib)
         return gp_fail(log, GP_ERR_IO,
                        "%s: cannot be loaded (%s); install %s (Debian) or "
-                       "use --engine direct", file, dlerror(), package);
+                       "%s", file, dlerror(), package, without);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char symbol[64] = "";
         strcat(strcat(symbol, prefix), names[i]);
@@ -45,8 +45,8 @@ gp_status gp_fftwf_open(const struct gp_log *log, const struct gp_fftwf **out)
     } lib;
     gp_status st = GP_OK;
     if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3f.so.3", "libfftw3-single3", "fftwf_",
-                  lib.slot);
+        st = load_functions(log, "libfftw3f.so.3", "libfftw3-single3",
+                            "use --engine direct", "fftwf_", lib.slot);
     *out = &lib.table;
     return st;
 }
@@ -59,8 +59,9 @@ gp_status gp_fftwd_open(const struct gp_log *log, const struct gp_fftwd **out)
     } lib;
     gp_status st = GP_OK;
     if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3", "fftw_",
-            lib.slot);
+        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3",
+                            "leave --verify, -k aperture and -k temporal out",
+                            "fftw_", lib.slot);
     *out = &lib.table;
     return st;
 }

@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
+#include "glare/model/model.h"
 #include "glare/splat/splat_priv.h"
 #include "gl/gl_priv.h"
 #include "glare_scene.h"
@@ -14,6 +15,56 @@
 #include <unistd.h>
 
 // -- FFTW --------------------------------------------------------------------
+
+/* A model's kernel over the whole field, and which errors name what does without
+ * the library: fft and splat need it for the tail, direct does not; diffraction
+ * needs it with any engine. */
+static void models_without_fftw(void)
+{
+    static const char *const names[] = {"fft", "splat", "auto", "direct"};
+    struct gp_frame f = scene_frame(300, 200, 0, 0, FEW, 1u);
+    const struct gp_field field = gp_field_of(&f, 5.0);
+    struct gp_recipe eye, aperture;
+    struct gp_kernel k;
+    fail_always.library = "libfftw3.so.3"; // in double precision
+    assert_ok(gp_recipe_parse(NULL, "eye", &eye));
+    assert_ok(gp_recipe_parse(NULL, "aperture", &aperture));
+    kept_clear();
+    assert_int_equal(gp_model_kernel(&kept_log, &aperture, 1, &field, &k),
+                     GP_ERR_IO);
+    assert_non_null(strstr(kept_line, "-k aperture"));
+    assert_null(strstr(kept_line, "--engine"));
+    fail_always.library = "libfftw3f.so.3";
+    assert_ok(gp_model_kernel(NULL, &eye, 1, &field, &k));
+    assert_true(k.tail);
+    const struct gp_sources like = {.w = 300, .h = 200};
+    struct gp_sources src;
+    const float light[3] = {1.0f, 2.0f, 3.0f};
+    assert_ok(gp_sources_make(NULL, &like, 1, &src));
+    gp_sources_add(&src, 150, 100, light);
+    gp_sources_finish(&src);
+    for (size_t i = 0; i < COUNT(names); i++) {
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        p.engine = names[i];
+        kept_clear();
+        const gp_status st =
+            gp_glare_run(&kept_log, &p, &g, &src, &k, &f, &stats);
+        gp_glare_close(&g);
+        assert_int_equal(st, i < 3 ? GP_ERR_IO : GP_OK);
+        if (st)
+            assert_non_null(strstr(kept_line, "--engine direct"));
+        else
+            assert_true(f.layer.c[0][0] > 0.0f);
+    }
+    gp_sources_free(&src);
+    gp_kernel_free(&k);
+    gp_recipe_free(&eye);
+    gp_recipe_free(&aperture);
+    gp_frame_free(&f);
+    fail_always.library = NULL;
+}
 
 /* Before any other test: what is loaded once stays. */
 static void fftw_is_missing(void **state)
@@ -33,8 +84,9 @@ static void fftw_is_missing(void **state)
         assert_int_equal(kept_errors, 1);
         assert_null(pair.forward);
     }
-    const struct gp_fftwd *twice;
     fail_always.symbol = NULL;
+    models_without_fftw();
+    const struct gp_fftwd *twice;
     fail_always.library = "libfftw3.so.3";
     assert_int_equal(gp_fftwd_open(&kept_log, &twice), GP_ERR_IO);
     fail_always.library = NULL;
