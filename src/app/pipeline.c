@@ -357,6 +357,7 @@ out:;
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
     gp_run_kernel_free(&p.run.kernel);
+    gp_model_kept_free(&p.run.kept);
     gp_wanted_kernel_free(&p.run.wanted);
     return st ? st : closed;
 }

@@ -176,8 +176,8 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     p.aspect = field->aspect;
     p.scale = scale_of(r, field);
     st = r->wanted.recipes
-             ? gp_model_kernel(log, r->wanted.recipe, r->wanted.recipes, field,
-                               &k->k)
+             ? gp_model_kernel_next(log, r->wanted.recipe, r->wanted.recipes,
+                                    field, &r->kept, &k->k)
              : gp_kernel_from_frame(log, &p, &r->wanted.image[0], &k->k);
     if (st) {
         gp_free(k);

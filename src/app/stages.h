@@ -149,6 +149,7 @@ struct gp_run {
 
     struct gp_wanted_kernel wanted;
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
+    struct gp_model_kept *kept;    // of that kernel; NULL: none
     unsigned faults_said;          // bits of faults of kernels
     struct gp_rect reach;          // of the first kernel, as
                                    // gp_run_kernel_reach() has it

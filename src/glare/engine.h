@@ -155,6 +155,7 @@ struct gp_plan_past {
     int rival;   // candidate that would have been faster, from 1
     double lost; // milliseconds lost to it since
     bool warned; // the warning that no engine keeps the tolerance was printed
+    unsigned long kernel; // serial of the last frame's; 0: none
 };
 
 /* The glare stage over a sequence. */

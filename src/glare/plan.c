@@ -229,9 +229,12 @@ int gp_plan_candidates(const struct gp_glare_request *req,
             .ms = p.ms, .later_ms = p.ms, .more = p.more,
         };
     }
-    for (int i = 0; i < n; i++) { // the same for all
+    // the tail is the same for all. A kernel that was another in the frame
+    // before will be another in the next: its set-up comes back
+    const bool moves = g->past.kernel && g->past.kernel != req->kernel->serial;
+    for (int i = 0; i < n; i++) {
         c[i].ms += first;
-        c[i].later_ms += later;
+        c[i].later_ms = moves ? c[i].ms : c[i].later_ms + later;
     }
     return n;
 }
@@ -525,6 +528,7 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                                   &choice);
     if (st)
         return st;
+    g->past.kernel = req->kernel->serial;
     *out = p.c[choice.taken];
     const bool pixel = out->bound > p.rel_l2[choice.taken];
     out->bound = p.rel_l2[choice.taken];

@@ -517,6 +517,8 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
         .grey = k->channels == 1, .smooth = INFINITY,
         .reach = gp_max(k->r[0], k->r[1]), .rows = k->r[1],
     };
+    for (int i = 0; i < 2; i++)
+        out->fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
     k = NULL;
 out:
     if (k)

@@ -79,7 +79,7 @@ static gp_status open_gaussian(const struct gp_log *log,
     const double reach = ceil(14.0 * fmax(g.sigma_x, g.sigma_y)) + 1.0;
     *out = (struct gp_shape) {
         .row = gaussian_row, .grey = true, .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
     };
     return make_state(log, &g, sizeof g, out);
 }
@@ -286,7 +286,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
         .state = r, .free = free_radial, .grey = grey,
         .row = parts > MOST_PARTS ? rings_row : radial_row,
         .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
     };
     return GP_OK;
 }

@@ -57,7 +57,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
                          abs(k->h - 1 - k->cy)};
     *out = (struct gp_shape) {
         .state = k, .free = free_image, .row = image_row, .grey = k->grey,
-        .negative = k->negative, .smooth = INFINITY,
+        .negative = k->negative, .smooth = INFINITY, .fits = {1, 1},
     };
     for (int i = 0; i < 4; i++)
         out->reach = reach[i] > out->reach ? reach[i] : out->reach;

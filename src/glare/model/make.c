@@ -80,8 +80,10 @@ static bool has_tail(const struct gp_shape *s)
 
 static void close_mixture(struct mixture *m)
 {
-    for (int i = 0; i < m->n; i++)
-        m->shape[i].free(m->shape[i].state);
+    for (int i = 0; i < m->n; i++) {
+        if (m->shape[i].free) // not taken by another mixture
+            m->shape[i].free(m->shape[i].state);
+    }
     m->n = 0;
 }
 
@@ -104,22 +106,60 @@ static void add_facts(struct mixture *m, const struct gp_shape *s)
         m->sharp = gp_max(m->sharp, s->sharp);
 }
 
+static bool same_look(const struct gp_field *a, const struct gp_field *b)
+{
+    return a->degrees == b->degrees && a->aspect == b->aspect &&
+           a->rotate == b->rotate &&
+           memcmp(a->chromaticities, b->chromaticities,
+                  8 * sizeof *a->chromaticities) == 0 &&
+           memcmp(a->luminance, b->luminance, 3 * sizeof *a->luminance) == 0;
+}
+
+/* True where a shape for field `a` is that of recipe r for field `b`. */
+static bool shape_fits(const struct gp_shape *s, const struct gp_recipe *r,
+                       const struct gp_field *a, const struct gp_field *b)
+{
+    const bool fits = s->fits[0] && s->fits[1] && s->fits[0] <= b->w &&
+                      s->fits[1] <= b->h;
+    return s->row && same_look(a, b) &&
+           (fits || (a->w == b->w && a->h == b->h)) &&
+           (!gp_recipe_moves(r) || (a->frame == b->frame && a->fps == b->fps));
+}
+
+static gp_status open_shape(const struct gp_log *log,
+    const struct gp_recipe *r, const struct gp_field *field,
+    struct gp_shape *out)
+{
+    const char *const file = gp_recipe_file(r);
+    if (file && !r->image)
+        return gp_fail(log, GP_ERR_USAGE, "%s: the image of a kernel was not "
+                       "read; give an image file", file);
+    return r->model->open(log, r, field, out);
+}
+
+/* Opens the shapes; those that fit are taken from `before` (or NULL), made for
+ * the field `old`. *opened counts the others. */
 static gp_status open_mixture(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct mixture *before, const struct gp_field *old, int *opened,
     struct mixture *m)
 {
     double sum = 0.0;
+    *opened = 0;
     *m = (struct mixture) {
         .grey = true, .even = true, .only_tails = true, .tail_grey = true,
         .tail_even = true,
     };
     for (int i = 0; i < n; i++) {
-        const char *const file = gp_recipe_file(&r[i]);
-        gp_status st =
-            file && !r[i].image
-                ? gp_fail(log, GP_ERR_USAGE, "%s: the image of a kernel was "
-                          "not read; give an image file", file)
-                : r[i].model->open(log, &r[i], field, &m->shape[i]);
+        struct gp_shape *const own = before ? &before->shape[i] : NULL;
+        gp_status st = GP_OK;
+        if (own && shape_fits(own, &r[i], old, field)) {
+            m->shape[i] = *own;
+            *own = (struct gp_shape) {0};
+        } else {
+            st = open_shape(log, &r[i], field, &m->shape[i]);
+            ++*opened;
+        }
         if (st) {
             close_mixture(m);
             return st;
@@ -307,36 +347,32 @@ static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
     return s;
 }
 
-/* Makes the kernel of a mixture for frames of w x h pixels, with a tail of the
- * shapes that are smooth far out; `whole`: without. */
-static gp_status make_kernel(const struct gp_log *log, const struct mixture *m,
-    const struct gp_field *field, int w, int h, bool whole,
-    struct gp_kernel *out)
+/* Makes the core of a mixture for frames of w x h pixels, less what `split`
+ * gives to the tail, if its step is not 0. */
+static gp_status make_core(const struct gp_log *log, const struct mixture *m,
+    const struct gp_tail_split *split, int w, int h, struct gp_kernel *out)
 {
-    struct gp_tail_split split = {0};
-    int far = m->reach;
-    if (!whole)
-        split = choose_split(m, w, h);
-    if (split.step)
-        far = gp_max((int) ceil(split.to) - 1, m->sharp);
-    gp_status st = make_planes(log, m, &split, gp_min(w - 1, far),
-                               gp_min(h - 1, far), out);
-    if (!st && split.step)
-        st = gp_tail_make(log, &split, w, h, m->tail_grey, m->tail_even,
-                          mix_pixel, m, &out->tail);
-    if (st) {
-        gp_kernel_free(out);
-        return st;
+    const int far = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
+                                : m->reach;
+    return make_planes(log, m, split, gp_min(w - 1, far), gp_min(h - 1, far),
+                       out);
+}
+
+/* Joins a tail, which the kernel then owns, to its core; NULL: there is none.
+ * Finds the light that is left out. */
+static void join_tail(struct gp_tail *t, const struct gp_field *field,
+                      struct gp_kernel *k)
+{
+    k->tail = t;
+    k->left_out = 1.0;
+    for (int c = 0; c < 3; c++) {
+        if (t) {
+            k->sum[c] += t->sum[c];
+            k->norm1[c] += t->norm1[c];
+            k->norm2[c] += t->norm2[c];
+        }
+        k->left_out -= (double) field->luminance[c] * k->sum[c];
     }
-    for (int c = 0; c < 3 && split.step; c++) {
-        out->sum[c] += out->tail->sum[c];
-        out->norm1[c] += out->tail->norm1[c];
-        out->norm2[c] += out->tail->norm2[c];
-    }
-    out->left_out = 1.0;
-    for (int c = 0; c < 3; c++)
-        out->left_out -= (double) field->luminance[c] * out->sum[c];
-    return GP_OK;
 }
 
 struct gp_field gp_field_of(const struct gp_frame *f, double fov)
@@ -349,12 +385,64 @@ struct gp_field gp_field_of(const struct gp_frame *f, double fov)
     };
 }
 
-gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
-    int n, const struct gp_field *field, struct gp_kernel *out)
+// -- kernels of a sequence ----------------------------------------------------
+
+/* What the kernel before was made of. */
+struct gp_model_kept {
+    struct mixture m;
+    struct gp_field field;
+    float chromaticities[8], luminance[3]; // the field's
+    struct gp_tail *tail;                  // held; NULL: none
+    int opened;                            // shapes, by the last call
+};
+
+void gp_model_kept_free(struct gp_model_kept **kept)
+{
+    if (*kept) {
+        close_mixture(&(*kept)->m);
+        gp_tail_free((*kept)->tail);
+    }
+    GP_FREE(*kept);
+}
+
+int gp_model_opened(const struct gp_model_kept *kept)
+{
+    return kept->opened;
+}
+
+/* True where the tail that is kept is that of a mixture just opened: its shapes
+ * are the same, and so is its split. */
+static bool tail_fits(const struct gp_model_kept *kept,
+    const struct gp_recipe *r, const struct mixture *m,
+    const struct gp_field *field, const struct gp_tail_split *split)
+{
+    const struct gp_tail *const t = kept->tail;
+    bool moves = false;
+    for (int i = 0; i < m->n; i++)
+        moves |= has_tail(&m->shape[i]) && gp_recipe_moves(&r[i]);
+    return t && !moves && same_look(&kept->field, field) && t->w == field->w &&
+           t->h == field->h && t->split.step == split->step &&
+           t->split.from == split->from && t->split.to == split->to;
+}
+
+static void keep_field(struct gp_model_kept *kept, const struct gp_field *f)
+{
+    kept->field = *f;
+    memcpy(kept->chromaticities, f->chromaticities,
+           sizeof kept->chromaticities);
+    memcpy(kept->luminance, f->luminance, sizeof kept->luminance);
+    kept->field.chromaticities = kept->chromaticities;
+    kept->field.luminance = kept->luminance;
+}
+
+gp_status gp_model_kernel_next(const struct gp_log *log,
+    const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct gp_model_kept **kept, struct gp_kernel *out)
 {
     gp_status st;
     struct mixture m = {0};
     struct gp_kernel k = {0};
+    struct gp_tail *tail = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
         return gp_fail(log, GP_ERR_USAGE,
@@ -362,10 +450,30 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
                        "turned by %g); give --fov from 0.001 to 180 and a "
                        "finite --rotate", gp_model_name(r->model),
                        field->degrees, field->rotate);
-    GP_TRY(open_mixture(log, r, n, field, &m));
-    GP_TRY(make_kernel(log, &m, field, field->w, field->h, false, &k));
+    if (!*kept) {
+        st = gp_alloc_zero(log, "kernel", 1, sizeof **kept, kept);
+        if (st)
+            return st;
+    }
+    struct gp_model_kept *const own = *kept;
+    GP_TRY(open_mixture(log, r, n, field, own->m.n == n ? &own->m : NULL,
+                        &own->field, &own->opened, &m));
+    const struct gp_tail_split split = choose_split(&m, field->w, field->h);
+    GP_TRY(make_core(log, &m, &split, field->w, field->h, &k));
+    if (split.step && tail_fits(own, r, &m, field, &split))
+        tail = gp_tail_hold(own->tail);
+    else if (split.step)
+        GP_TRY(gp_tail_make(log, &split, field->w, field->h, m.tail_grey,
+                            m.tail_even, mix_pixel, &m, &tail));
+    join_tail(tail, field, &k);
     GP_TRY(copy_origin(log, r, n, field, &k.origin));
     k.free_origin = free_origin;
+    close_mixture(&own->m);
+    gp_tail_free(own->tail);
+    own->m = m;
+    m = (struct mixture) {0};
+    own->tail = tail ? gp_tail_hold(tail) : NULL;
+    keep_field(own, field);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -374,15 +482,29 @@ out:
     return st;
 }
 
+gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
+    int n, const struct gp_field *field, struct gp_kernel *out)
+{
+    struct gp_model_kept *kept = NULL;
+    gp_status st = gp_model_kernel_next(log, r, n, field, &kept, out);
+    gp_model_kept_free(&kept);
+    return st;
+}
+
 gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                           int w, int h, struct gp_kernel *out)
 {
+    static const struct gp_tail_split whole = {0};
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
-    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, &m);
+    int opened;
+    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, NULL, NULL,
+                                &opened, &m);
     if (st)
         return st;
-    st = make_kernel(log, &m, &o->field, w, h, true, out);
+    st = make_core(log, &m, &whole, w, h, out);
+    if (!st)
+        join_tail(NULL, &o->field, out);
     close_mixture(&m);
     return st;
 }

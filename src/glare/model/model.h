@@ -136,6 +136,20 @@ GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
     struct gp_kernel *out);
 
+/* The same for one frame of a sequence after another, of the same recipes. Of
+ * the kernel before, shapes that the field's change does not touch are kept,
+ * and the tail where frames of this size met it: of several recipes, only the
+ * one that moves is made. The kernel is that of gp_model_kernel() to the byte.
+ *
+ *   kept  NULL at first; free with gp_model_kept_free(), before or after the
+ *         kernels
+ */
+struct gp_model_kept;
+void gp_model_kept_free(struct gp_model_kept **kept);
+GP_MUST_CHECK gp_status gp_model_kernel_next(const struct gp_log *log,
+    const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct gp_model_kept **kept, struct gp_kernel *out);
+
 /* Every sample that a frame of w x h pixels can meet, at full rate, offsets
  * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no tail: what the engine
  * `direct` and the truth sum. Of a kernel without tail a copy of k.

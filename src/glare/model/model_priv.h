@@ -28,6 +28,8 @@ struct gp_shape {
                      // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
     int rows;        // the same in y alone; 0: as reach
+    int fits[2];     // the same in all fields that differ only in w and h, and
+                     // are at least so wide and high; 0: in none
 
     /* The part of row() to which `smooth` applies: grey, even, and all of row()
      * at offsets beyond `sharp`. NULL: all of it, `least` and `sharp` mean
@@ -85,6 +87,11 @@ static inline double gp_model_random(uint64_t seed, uint64_t i)
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
+
+// -- make.c: declared for tests ------------------------------------------------
+
+/* Shapes that the last gp_model_kernel_next() opened; the others were kept. */
+int gp_model_opened(const struct gp_model_kept *kept);
 
 // -- quadrature.c --------------------------------------------------------------
 

@@ -184,7 +184,7 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     }
     *out = (struct gp_shape) {
         .state = t, .free = free_radial, .row = radial_row,
-        .grey = channels == 1, .even = true, .reach = INT_MAX,
+        .grey = channels == 1, .even = true, .reach = INT_MAX, .fits = {1, 1},
     };
     return GP_OK;
 }

@@ -48,9 +48,17 @@ double gp_tail_share(const struct gp_tail_split *s, int x, int y)
     return smooth_step((r - s->from) / (s->to - s->from));
 }
 
+struct gp_tail *gp_tail_hold(struct gp_tail *t)
+{
+    atomic_fetch_add(&t->holders, 1);
+    return t;
+}
+
 void gp_tail_free(struct gp_tail *t)
 {
-    for (int c = 0; t && c < 3; c++)
+    if (!t || atomic_fetch_sub(&t->holders, 1) > 1)
+        return;
+    for (int c = 0; c < 3; c++)
         gp_free(t->c[c]);
     gp_free(t);
 }
@@ -81,8 +89,8 @@ static gp_status make_fade(const struct gp_log *log, int r, double **out)
     return st;
 }
 
-/* The row of offset i - ry or, where samples are even, the right half of that of
- * offset i. */
+/* Samples the row of offset i - ry or, where samples are even, the right half
+ * of that of offset i. */
 static void sample_row(void *ctx, int i, int thread)
 {
     const struct sampling *const s = ctx;
@@ -270,6 +278,7 @@ gp_status gp_tail_make(const struct gp_log *log,
     t->ry = gp_tail_nodes(h, split->step) - 1 + GP_TAIL_FADE;
     t->grey = grey;
     t->serial = gp_serial_next();
+    atomic_init(&t->holders, 1);
     s.t = t;
     const int across = 2 * t->rx + 1, down = 2 * t->ry + 1;
     const size_t n = (size_t) across * (size_t) down;

@@ -30,6 +30,7 @@
 #include "core/status.h"
 #include "glare/sources.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 
 /* Pixels from the centre at which the core of a kernel that is smooth from
@@ -66,6 +67,7 @@ struct gp_tail {
     double norm1[3], norm2[3]; // sum, and root of the sum of squares, of the
                         // tail over all offsets; no less
     unsigned long serial;
+    atomic_int holders;
 };
 
 /* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
@@ -75,7 +77,9 @@ struct gp_tail {
 GP_MUST_CHECK gp_status gp_tail_make(const struct gp_log *log,
     const struct gp_tail_split *split, int w, int h, bool grey, bool even,
     gp_tail_sample sample, const void *ctx, struct gp_tail **out);
-void gp_tail_free(struct gp_tail *t);
+/* Returns t with one more holder; each calls gp_tail_free(). */
+struct gp_tail *gp_tail_hold(struct gp_tail *t);
+void gp_tail_free(struct gp_tail *t); // NULL: nothing
 
 // -- applying it --------------------------------------------------------------
 

@@ -329,6 +329,40 @@ static void states_count(void **state)
     }
 }
 
+static void run_auto_once(struct scene *s, struct gp_glare *g)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    assert_ok(gp_glare_run(NULL, &p, g, &s->src, &s->k, &s->f, &stats));
+}
+
+/* Where the kernel is another in each frame, its spectrum and its tail's count
+ * in the frames to come; where it stays, they do not. */
+static void kernels_that_move_cost_each_time(void **state)
+{
+    struct scene a = scene_of(ALL, 97, 61, 31), b = scene_of(ALL, 97, 61, 31);
+    struct gp_glare g = {0};
+    struct gp_candidate c[GP_CANDIDATES];
+    int dearer = 0;
+    assert_true(a.k.serial != b.k.serial);
+    run_auto_once(&a, &g);
+    int n = collect(&a, &g, c);
+    for (int i = 0; i < n; i++)
+        dearer += c[i].ms < INFINITY && c[i].later_ms < c[i].ms;
+    run_auto_once(&b, &g); // another frame, another kernel
+    n = collect(&a, &g, c);
+    for (int i = 0; i < n; i++)
+        assert_true(!(c[i].ms < INFINITY) || c[i].later_ms == c[i].ms);
+    gp_glare_close(&g);
+    const struct gp_glare none = {0};
+    n = collect(&a, &none, c);
+    for (int i = 0; i < n; i++)
+        dearer += c[i].ms < INFINITY && c[i].later_ms < c[i].ms;
+    assert_true(dearer > 0);
+    scene_free(&a);
+    scene_free(&b);
+}
+
 static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
                                       struct gp_glare *g)
 {
@@ -367,4 +401,5 @@ static void the_tolerance_is_kept_or_a_warning_printed(void **state)
 SUITE_OF(plan, NULL, NULL,
     one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
     no_flicker, candidates_are_whole, fields_cost, states_count,
+    kernels_that_move_cost_each_time,
     the_tolerance_is_kept_or_a_warning_printed)

@@ -16,9 +16,9 @@
 
 // -- FFTW --------------------------------------------------------------------
 
-/* A model's kernel over the whole field, and which errors name what does without
- * the library: fft and splat need it for the tail, direct does not; diffraction
- * needs it with any engine. */
+/* A model's kernel over the whole field: fft and splat need the library for the
+ * tail, direct does not; diffraction needs it with any engine. Errors name what
+ * does without. */
 static void models_without_fftw(void)
 {
     static const char *const names[] = {"fft", "splat", "auto", "direct"};
