@@ -4,6 +4,7 @@
 #include "app/options.h"
 
 #include "compare/compare.h"
+#include "glare/model/model.h"
 #include "io/file.h"
 
 #include <stdlib.h>
@@ -199,11 +200,26 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
                        "for an image of a kernel",
                        s->inputs.at[s->inputs.n - 1],
                        m->check ? "one frame" : "no frames");
-    if (m->from && (s->kernels.n || m->size || m->radius ||
-                    gp_option_given(s, "fov") || gp_option_given(s, "frame") ||
+    const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
+                       gp_option_given(s, "frame");
+    if (m->from && (s->kernels.n || sized || s->kernel_size ||
                     gp_option_given(s, "rotate")))
         return gp_fail(log, GP_ERR_USAGE, "--from: %s says how it was made; "
                        "leave the kernel's other options out", m->from);
+    if (m->from && m->check)
+        return gp_fail(log, GP_ERR_USAGE, "--from: --check makes no file "
+                       "(found %s); write --check %s", m->from, m->from);
+    if (m->check && s->kernels.n)
+        return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
+                       "and -k %s); write only --check %s", m->check,
+                       s->kernels.at[0], s->kernels.at[0]);
+    if (m->check && sized && !gp_recipe_is(m->check))
+        return gp_fail(log, GP_ERR_USAGE, "--check: %s is a file, which has "
+                       "its size; leave --size, --radius, --fov and --frame "
+                       "out", m->check);
+    if (!m->check && gp_option_given(s, "mix"))
+        return gp_fail(log, GP_ERR_USAGE, "--mix: a kernel is the same for "
+                       "both; leave it out, or give it to --check");
     m->w = 1920;
     m->h = 1080;
     int size[2] = {m->w, m->h};

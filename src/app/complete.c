@@ -1,6 +1,8 @@
 /* Prints shell completions from the option table. */
 #include "app/options.h"
 
+#include "glare/model/model.h"
+
 #include <stdbool.h>
 #include <string.h>
 
@@ -54,6 +56,50 @@ static bool has_values(const struct gp_option *o)
     return gp_option_value(o, 0, &text) != NULL;
 }
 
+// -- kernels -------------------------------------------------------------------
+
+/* True when the option's value may be MODEL:key=value. */
+static bool takes_model(const struct gp_option *o)
+{
+    return o->list == gp_kernel_word || strcmp(o->name, "check") == 0;
+}
+
+/* Prints the shell's patterns of words that a model's keys may end: the model's
+ * own and those of its presets, between quotes where `quote` is one. */
+static void print_patterns(FILE *f, const char *model, const char *quote,
+                           const char *between)
+{
+    fprintf(f, "%s%s:*%s", quote, model, quote);
+    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++) {
+        const size_t n = strcspn(p->recipe, ":");
+        if (strlen(model) == n && strncmp(p->recipe, model, n) == 0)
+            fprintf(f, "%s%sbuiltin:%s:*%s", between, quote, p->name, quote);
+    }
+}
+
+/* Prints "key=", or "key=word" for each of its words. */
+static void print_keys(FILE *f, const struct gp_model *model, char between)
+{
+    for (const struct gp_model_key *k = gp_model_keys(model); k->name; k++) {
+        if (k != gp_model_keys(model))
+            putc(between, f);
+        if (!k->words)
+            fprintf(f, "%s=", k->name);
+        for (int i = 0; k->words && k->words[i]; i++) {
+            if (i)
+                putc(between, f);
+            fprintf(f, "%s=%s", k->name, k->words[i]);
+        }
+    }
+}
+
+static void print_kernel_words(FILE *f)
+{
+    const char *word, *text;
+    for (int i = 0; (word = gp_kernel_word(i, &text)); i++)
+        fprintf(f, "%s%s", i ? " " : "", word);
+}
+
 /* Prints the topics of help but the options, which shells complete already. */
 static void print_topics(FILE *f)
 {
@@ -81,7 +127,7 @@ static const char bash_head[] =
     "_glarepp()\n"
     "{\n"
     "    local n=$COMP_CWORD word=${COMP_WORDS[COMP_CWORD]} option= kind=\n"
-    "    local command=main value words= i\n"
+    "    local command=main value words= lead= i\n"
     "    while ((n > 1)) && [[ $word == [=:]* ||\n"
     "                          ${COMP_WORDS[n - 1]} == [=:] ]]; do\n"
     "        n=$((n - 1)) word=${COMP_WORDS[n]}$word\n"
@@ -98,10 +144,29 @@ static const char bash_tail[] =
     "    [[ ${COMPREPLY[*]} != *= ]] || compopt -o nospace 2>/dev/null\n"
     "    value=${value%\"${value##*[=:]}\"}\n"
     "    for i in \"${!COMPREPLY[@]}\"; do\n"
-    "        COMPREPLY[i]=${COMPREPLY[i]#\"$value\"}\n"
+    "        COMPREPLY[i]=$lead${COMPREPLY[i]#\"$value\"}\n"
     "    done\n"
     "}\n"
     "complete -F _glarepp glarepp\n";
+
+/* The keys of a model, after what is written of it already. */
+static void bash_models(FILE *f)
+{
+    fprintf(f, "        case $value in\n");
+    for (int i = 0; gp_models[i]; i++) {
+        fprintf(f, "        ");
+        print_patterns(f, gp_model_name(gp_models[i]), "", " | ");
+        fprintf(f, ") kind=keys words='");
+        print_keys(f, gp_models[i], ' ');
+        fprintf(f, "' ;;\n");
+    }
+    fprintf(f, "        esac\n"
+               "        if [[ $kind == keys ]]; then\n"
+               "            lead=${value%%\"${value##*[:,]}\"} value=${value##*[:,]}\n"
+               "            lead=${lead##*[=:]}\n"
+               "            [[ $value != *=* ]] || lead=\n"
+               "        fi\n");
+}
 
 static void print_bash(FILE *f)
 {
@@ -123,8 +188,13 @@ static void print_bash(FILE *f)
         if (o->letter)
             fprintf(f, " | -%c", o->letter);
         fprintf(f, ")\n        words='");
-        print_values(f, o, "");
+        if (takes_model(o))
+            print_kernel_words(f);
+        else
+            print_values(f, o, "");
         fprintf(f, "' kind=%s\n", takes_file(o) ? "file" : "value");
+        if (takes_model(o))
+            bash_models(f);
         if (o->kind == GP_KIND_NAMED)
             fprintf(f, "        if [[ $value == *=* ]]; then\n"
                        "            value=${value#*=} words=\n"
@@ -175,6 +245,8 @@ static void zsh_option(FILE *f, const struct gp_option *o)
                        "else compadd -S = -- ");
             print_values(f, o, ":=");
             fprintf(f, "; fi}");
+        } else if (takes_model(o)) {
+            fprintf(f, ":_glarepp_kernel");
         } else if (o->arg && has_values(o)) {
             fprintf(f, o->open ? ":{compadd -- " : ":(");
             print_values(f, o, ":");
@@ -186,14 +258,33 @@ static void zsh_option(FILE *f, const struct gp_option *o)
     }
 }
 
+/* The function for kernels: the keys of a model, or models and files. */
+static void zsh_models(FILE *f)
+{
+    fprintf(f, "_glarepp_kernel()\n{\n    local -a keys\n"
+               "    case $PREFIX in\n");
+    for (int i = 0; gp_models[i]; i++) {
+        fprintf(f, "    (");
+        print_patterns(f, gp_model_name(gp_models[i]), "", "|");
+        fprintf(f, ") keys=(");
+        print_keys(f, gp_models[i], ' ');
+        fprintf(f, ") ;;\n");
+    }
+    fprintf(f, "    (*) compadd -- ");
+    print_kernel_words(f);
+    fprintf(f, "\n        _files\n        return ;;\n    esac\n"
+               "    compset -P '*[:,]'\n    compadd -S '' -- $keys\n}\n");
+}
+
 static void print_zsh(FILE *f)
 {
     enum gp_command command;
     const char *name;
     fprintf(f, "#compdef glarepp\n"
                "# zsh completion of glarepp; made by: "
-               "glarepp help --completion zsh\n"
-               "_glarepp()\n{\n    local command=main\n"
+               "glarepp help --completion zsh\n");
+    zsh_models(f);
+    fprintf(f, "_glarepp()\n{\n    local command=main\n"
                "    local -a options\n"
                "    case $words[2] in\n    ");
     print_commands(f, " | ");
@@ -227,6 +318,27 @@ static void print_zsh(FILE *f)
 
 // -- fish --------------------------------------------------------------------
 
+/* The function for kernels: the keys of a model after what is written of it, or
+ * models. */
+static void fish_models(FILE *f)
+{
+    fprintf(f, "function __glarepp_kernel\n"
+               "    set -l word (commandline -ct | "
+               "string replace -r '^(--[a-z]+=|-k)' '')\n"
+               "    set -l lead (string replace -r '[^:,]*$' '' -- $word)\n"
+               "    switch $word\n");
+    for (int i = 0; gp_models[i]; i++) {
+        fprintf(f, "        case ");
+        print_patterns(f, gp_model_name(gp_models[i]), "'", " ");
+        fprintf(f, "\n            printf '%%s\\n' $lead{");
+        print_keys(f, gp_models[i], ',');
+        fprintf(f, "}\n");
+    }
+    fprintf(f, "        case '*' # or a file\n            printf '%%s\\n' ");
+    print_kernel_words(f);
+    fprintf(f, "\n            __fish_complete_path $word\n    end\nend\n");
+}
+
 static void print_fish(FILE *f)
 {
     enum gp_command command;
@@ -244,7 +356,9 @@ static void print_fish(FILE *f)
                "    test (count (commandline -opc)) -eq 1\nend\n"
                "complete -c glarepp -n __glarepp_first -a '");
     print_commands(f, " ");
-    fprintf(f, "'\ncomplete -c glarepp -n '__glarepp_in help' -f -a '");
+    fprintf(f, "'\n");
+    fish_models(f);
+    fprintf(f, "complete -c glarepp -n '__glarepp_in help' -f -a '");
     print_topics(f);
     fprintf(f, "'\n");
     for (const struct gp_option *o = gp_options; o->name; o++) {
@@ -259,8 +373,11 @@ static void print_fish(FILE *f)
         if (o->letter)
             fprintf(f, " -s %c", o->letter);
         if (o->arg)
-            fprintf(f, takes_file(o) ? " -r -F" : " -x");
-        if (has_values(o)) {
+            fprintf(f, takes_model(o) ? " -r -f" : takes_file(o) ? " -r -F"
+                                                                 : " -x");
+        if (takes_model(o)) {
+            fprintf(f, " -a '(__glarepp_kernel)'");
+        } else if (has_values(o)) {
             fprintf(f, " -a '");
             print_values(f, o, "");
             fprintf(f, "'");

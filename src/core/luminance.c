@@ -22,18 +22,18 @@ struct log_measure {
     const struct gp_planes *p;
     double weight[3];
     size_t pixels;
-    struct log_sum part[GP_FRAME_PARTS];
+    struct log_sum band[GP_FRAME_BANDS];
 };
 
-static void measure_log(void *ctx, int part, int thread)
+static void measure_log(void *ctx, int band, int thread)
 {
     enum { FOLD = 512 }; // mantissas are under 2: their product fits a double
     struct log_measure *m = ctx;
     const double delta = 1e-6; // Reinhard et al. leave its size open
-    const size_t end = gp_part_start(m->pixels, part + 1);
+    const size_t end = gp_band_start(m->pixels, band + 1);
     struct log_sum s = {0};
     (void) thread;
-    for (size_t at = gp_part_start(m->pixels, part); at < end; at += FOLD) {
+    for (size_t at = gp_band_start(m->pixels, band); at < end; at += FOLD) {
         const size_t stop = end - at < FOLD ? end : at + FOLD;
         double product = 1.0;
         int64_t exponents = 0;
@@ -53,7 +53,7 @@ static void measure_log(void *ctx, int part, int thread)
         }
         s.sum += log(product) + (double) exponents * 0.693147180559945309417;
     }
-    m->part[part] = s;
+    m->band[band] = s;
 }
 
 double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
@@ -61,11 +61,11 @@ double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
     struct log_measure m = {.p = p, .pixels = gp_frame_pixels(f)};
     for (int c = 0; c < 3; c++)
         m.weight[c] = (double) f->luminance[c];
-    gp_parallel_do(GP_FRAME_PARTS, measure_log, &m);
+    gp_parallel_do(GP_FRAME_BANDS, measure_log, &m);
     struct log_sum all = {0};
-    for (int i = 0; i < GP_FRAME_PARTS; i++) {
-        all.sum += m.part[i].sum;
-        all.count += m.part[i].count;
+    for (int i = 0; i < GP_FRAME_BANDS; i++) {
+        all.sum += m.band[i].sum;
+        all.count += m.band[i].count;
     }
     return all.count ? exp(all.sum / (double) all.count) : 0.0;
 }
@@ -89,7 +89,7 @@ static float luminance_at(const struct gp_frame *f, size_t i)
     return y < FLT_MAX ? gp_lit(y) : FLT_MAX; // weights may be under 0
 }
 
-static void count_part(void *ctx, int part, int thread)
+static void count_band(void *ctx, int band, int thread)
 {
     const struct ranking *const r = ctx;
     const struct gp_rect data = r->f->data, read = gp_frame_read(r->f);
@@ -97,8 +97,8 @@ static void count_part(void *ctx, int part, int thread)
     const size_t pixels = w * (size_t) gp_rect_h(read);
     const size_t first = (size_t) (read.y0 - data.y0) * all +
                          (size_t) (read.x0 - data.x0);
-    const size_t start = gp_part_start(pixels, part);
-    const size_t end = gp_part_start(pixels, part + 1);
+    const size_t start = gp_band_start(pixels, band);
+    const size_t end = gp_band_start(pixels, band + 1);
     uint32_t *const count = r->count[thread];
     size_t x = pixels ? start % w : 0, row = pixels ? start / w : 0;
     for (size_t i = start; i < end; i++, x++) {
@@ -119,7 +119,7 @@ static uint32_t find_bin(struct ranking *r, uint64_t *rank)
 {
     const int threads = gp_threads();
     memset(r->count, 0, (size_t) threads * sizeof *r->count);
-    gp_parallel_do(GP_FRAME_PARTS, count_part, r);
+    gp_parallel_do(GP_FRAME_BANDS, count_band, r);
     for (uint32_t b = 0; b < HALF_BINS - 1; b++) {
         uint64_t n = 0;
         for (int t = 0; t < threads; t++)
@@ -156,20 +156,20 @@ gp_status gp_luminance_percentile(const struct gp_log *log,
 
 struct peaks {
     const struct gp_frame *f;
-    size_t at[GP_FRAME_PARTS]; // first of the largest of each part
+    size_t at[GP_FRAME_BANDS]; // first of the largest of each band
 };
 
-static void find_peak(void *ctx, int part, int thread)
+static void find_peak(void *ctx, int band, int thread)
 {
     struct peaks *const p = ctx;
     const size_t pixels = gp_frame_pixels(p->f);
-    const size_t start = gp_part_start(pixels, part);
-    const size_t end = gp_part_start(pixels, part + 1);
+    const size_t start = gp_band_start(pixels, band);
+    const size_t end = gp_band_start(pixels, band + 1);
     float largest = -1.0f;
     (void) thread;
     for (size_t i = start; i < end; i++) {
         const float y = luminance_at(p->f, i);
-        p->at[part] = y > largest ? i : p->at[part];
+        p->at[band] = y > largest ? i : p->at[band];
         largest = y > largest ? y : largest;
     }
 }
@@ -178,8 +178,8 @@ float gp_luminance_peak(const struct gp_frame *f, int at[2])
 {
     struct peaks p = {.f = f};
     size_t first = 0;
-    gp_parallel_do(GP_FRAME_PARTS, find_peak, &p);
-    for (int i = 0; i < GP_FRAME_PARTS; i++) {
+    gp_parallel_do(GP_FRAME_BANDS, find_peak, &p);
+    for (int i = 0; i < GP_FRAME_BANDS; i++) {
         if (luminance_at(f, p.at[i]) > luminance_at(f, first))
             first = p.at[i];
     }

@@ -6,15 +6,15 @@
 #include "core/frame.h"
 #include "core/status.h"
 
-/* Parts of a frame, each summed by itself; fixed, so that sums are the same for
+/* Bands of a frame, each summed by itself; fixed, so that sums are the same for
  * any number of threads. */
-enum { GP_FRAME_PARTS = 256 };
+enum { GP_FRAME_BANDS = 256 };
 
-/* First pixel of a part; that of part GP_FRAME_PARTS is `pixels`. */
-static inline size_t gp_part_start(size_t pixels, int part)
+/* First pixel of a band; that of band GP_FRAME_BANDS is `pixels`. */
+static inline size_t gp_band_start(size_t pixels, int band)
 {
-    return pixels / GP_FRAME_PARTS * (size_t) part +
-           pixels % GP_FRAME_PARTS * (size_t) part / GP_FRAME_PARTS;
+    return pixels / GP_FRAME_BANDS * (size_t) band +
+           pixels % GP_FRAME_BANDS * (size_t) band / GP_FRAME_BANDS;
 }
 
 /* Light of a value: negative is none. */

@@ -197,7 +197,7 @@ double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
 // -- the kinds of samples ----------------------------------------------------
 
 /* Parts are the same for any number of threads. */
-enum { PARTS = 64 };
+enum { BANDS = 64 };
 
 enum kind {
     ZERO, NOT_A_NUMBER, INFINITE, HUGE_ONE, HALF_MAX, NEGATIVE, ONE,
@@ -216,7 +216,7 @@ struct counts {
 struct counting {
     const struct gp_plane *plane;
     struct gp_depth_range fore, back;
-    struct counts part[PARTS];
+    struct counts band[BANDS];
 };
 
 /* From the least to the most of a row's huge values. */
@@ -283,15 +283,15 @@ GP_CLONES static void count_row(const struct counting *s, const float *v, int n,
         span_huge(v, n, t);
 }
 
-static void count_part(void *ctx, int i, int thread)
+static void count_band(void *ctx, int i, int thread)
 {
     (void) thread;
     struct counting *const s = ctx;
     const int64_t h = gp_rect_h(s->plane->window);
     const int w = gp_rect_w(s->plane->window);
-    s->part[i] = (struct counts) {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int64_t y = h * i / PARTS; y < h * (i + 1) / PARTS; y++)
-        count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->part[i]);
+    s->band[i] = (struct counts) {.lo = INT32_MAX, .hi = INT32_MIN};
+    for (int64_t y = h * i / BANDS; y < h * (i + 1) / BANDS; y++)
+        count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->band[i]);
 }
 
 void gp_occluders_count(struct gp_occluders *o)
@@ -302,10 +302,10 @@ void gp_occluders_count(struct gp_occluders *o)
     struct counting s = {.plane = o->depth,
                        .fore = gp_depth_range_of(o->type, false),
                        .back = gp_depth_range_of(o->type, true)};
-    gp_parallel_do(PARTS, count_part, &s);
+    gp_parallel_do(BANDS, count_band, &s);
     struct counts t = {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int i = 0; i < PARTS; i++) {
-        const struct counts *const p = &s.part[i];
+    for (int i = 0; i < BANDS; i++) {
+        const struct counts *const p = &s.band[i];
         for (int k = 0; k < KINDS; k++)
             t.of[k] += p->of[k];
         t.lo = p->lo < t.lo ? p->lo : t.lo;

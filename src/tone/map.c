@@ -28,7 +28,7 @@ struct mapping {
     float scale, white;
     bool mixed;              // the primaries are not those of BT.709
     float matrix[9];         // primaries to BT.709, row-major
-    float peak[GP_FRAME_PARTS]; // largest luminance of each part
+    float peak[GP_FRAME_BANDS]; // largest luminance of each band
 };
 
 static inline float bounded(float x)
@@ -59,16 +59,16 @@ GP_CLONES static void make_light(const struct mapping *m, size_t at, size_t n,
 
 // -- measuring ---------------------------------------------------------------
 
-static void measure_peak(void *ctx, int part, int thread)
+static void measure_peak(void *ctx, int band, int thread)
 {
     struct mapping *m = ctx;
     const size_t pixels = gp_frame_pixels(m->f);
-    const size_t end = gp_part_start(pixels, part + 1);
+    const size_t end = gp_band_start(pixels, band + 1);
     float scratch[3][SCRATCH];
     double peak = 0.0; // in double: it must map to white exactly
     float *const out[3] = {scratch[0], scratch[1], scratch[2]};
     (void) thread;
-    for (size_t at = gp_part_start(pixels, part); at < end; at += SCRATCH) {
+    for (size_t at = gp_band_start(pixels, band); at < end; at += SCRATCH) {
         const size_t n = end - at < SCRATCH ? end - at : SCRATCH;
         make_light(m, at, n, out);
         for (size_t i = 0; i < n; i++) {
@@ -79,7 +79,7 @@ static void measure_peak(void *ctx, int part, int thread)
             peak = y > peak ? y : peak;
         }
     }
-    m->peak[part] = peak < (double) LIGHT_MAX ? (float) peak : LIGHT_MAX;
+    m->peak[band] = peak < (double) LIGHT_MAX ? (float) peak : LIGHT_MAX;
 }
 
 float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
@@ -149,8 +149,8 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
         m.white = p->white;
     } else if (m.curve->reads_white) { // the largest; 1 for a black frame
         float peak = 0.0f;
-        gp_parallel_do(GP_FRAME_PARTS, measure_peak, &m);
-        for (int i = 0; i < GP_FRAME_PARTS; i++)
+        gp_parallel_do(GP_FRAME_BANDS, measure_peak, &m);
+        for (int i = 0; i < GP_FRAME_BANDS; i++)
             peak = gp_maxf(m.peak[i], peak);
         m.white = peak > 0.0f ? peak : 1.0f;
     }

@@ -212,6 +212,11 @@ if command -v bash >/dev/null; then
     bash_says 'glarepp -k builtin : st' 'star|streak|'
     bash_says 'glarepp --kernel = builtin : eye-n' 'eye-night|'
     bash_says 'glarepp -k a' 'aperture|a file.exr|'
+    bash_says 'glarepp -k cie : a' 'age=|'
+    bash_says 'glarepp -k cie : equation = t' 'total|'
+    bash_says 'glarepp -k cie : age = 70,pig' '70,pigment=|'
+    bash_says 'glarepp kernel --check builtin : eye-old : eq' \
+        'equation=total|equation=general|'
     bash_says 'glarepp --debug pol' 'polygons=|'
     bash_says 'glarepp --debug polygons = a' 'a file.exr|'
     bash_says 'glarepp --gain _' '|'
@@ -236,6 +241,10 @@ if command -v fish >/dev/null; then
     fish_says 'glarepp --eng' '--engine|'
     fish_says 'glarepp --engine ' 'auto|direct|fft|splat|'
     fish_says 'glarepp -k builtin:eye-n' 'builtin:eye-night|'
+    fish_says 'glarepp -k cie:a' 'cie:age=|'
+    fish_says 'glarepp --kernel=cie:age=70,pig' '--kernel=cie:age=70,pigment=|'
+    fish_says 'glarepp kernel --check builtin:eye-old:equation=t' \
+        'builtin:eye-old:equation=total|'
     fish_says 'glarepp --gain ' ''
     fish_says 'glarepp bench --js' '--json|'
     fish_says 'glarepp --js' ''
@@ -258,7 +267,7 @@ EOF
 if command -v zsh >/dev/null && zsh -fc 'zmodload zsh/zpty' 2>/dev/null; then
     cp completion.zsh _glarepp
     ok 'zsh reads its completions' zsh -n completion.zsh
-    for row in '--engine=sp splat' '-k builtin:ey builtin:eye' \
+    for row in '--engine=sp splat' '-k builtin:ey builtin:eye' '-k cie:age=70,pig pigment=' \
         'bench --js --json' 'help sequ sequences'; do
         ok "zsh: glarepp ${row% *}" timeout 10 zsh -f ask.zsh \
             "glarepp ${row% *}" "${row##* }"

@@ -190,7 +190,7 @@ wait $!
 (cd w && cat other >/dev/null) &
 taken --stdout-format exr --layer other pipe
 wait
-taken --report r.json -k i.exr i.exr
+taken -q --report r.json -k i.exr i.exr # (-q: a frame has an edge)
 taken $sun --depth-file i.exr --mask-file i.exr --mask A --report r.json i.exr
 taken --report r.json i.exr i.exr
 taken -o o.png --layer h.exr --report r.json i.exr

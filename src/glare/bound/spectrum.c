@@ -28,17 +28,17 @@ static double rounding(const struct gp_power *p)
 /* Sum of squares in eight parts, so that it becomes vector code. */
 GP_CLONES static double sum_squares(const float *v, int n)
 {
-    enum { PARTS = 8 };
-    double part[PARTS] = {0}, sum = 0.0;
+    enum { LANES = 8 };
+    double lane[LANES] = {0}, sum = 0.0;
     int x = 0;
-    for (; x + PARTS <= n; x += PARTS) {
-        for (int i = 0; i < PARTS; i++)
-            part[i] += (double) v[x + i] * (double) v[x + i];
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++)
+            lane[i] += (double) v[x + i] * (double) v[x + i];
     }
     for (; x < n; x++)
         sum += (double) v[x] * (double) v[x];
-    for (int i = 0; i < PARTS; i++)
-        sum += part[i];
+    for (int i = 0; i < LANES; i++)
+        sum += lane[i];
     return sum;
 }
 
@@ -175,10 +175,10 @@ struct footprint {
 static struct footprint make_footprint(float at, int box)
 {
     const double start = (double) at - (box - 1) / 2.0;
-    const double part = start - floor(start), body = 1.0 / box;
+    const double fraction = start - floor(start), body = 1.0 / box;
     return (struct footprint) {
         .first = (int) floor(start),
-        .head = (1.0 - part) * body, .body = body, .tail = part * body,
+        .head = (1.0 - fraction) * body, .body = body, .tail = fraction * body,
     };
 }
 
@@ -314,19 +314,19 @@ static void load_residue(const void *ctx, int c, int j, float *z)
  * double: squares may leave the range of float. */
 GP_CLONES static double weigh(const float *power, const float *z, int n)
 {
-    enum { PARTS = 8 };
-    double part[PARTS] = {0};
-    for (int y = 0; y < n; y += PARTS) { // n is a multiple of 8
-        for (int i = 0; i < PARTS; i++) {
+    enum { LANES = 8 };
+    double lane[LANES] = {0};
+    for (int y = 0; y < n; y += LANES) { // n is a multiple of 8
+        for (int i = 0; i < LANES; i++) {
             const double re = (double) z[2 * (y + i)];
             const double im = (double) z[2 * (y + i) + 1];
             const double k = (double) power[y + i];
-            part[i] += k * k * (re * re + im * im);
+            lane[i] += k * k * (re * re + im * im);
         }
     }
     double sum = 0.0;
-    for (int i = 0; i < PARTS; i++)
-        sum += part[i];
+    for (int i = 0; i < LANES; i++)
+        sum += lane[i];
     return sum;
 }
 

@@ -51,8 +51,8 @@ struct fitting {
     struct gp_planes to;
     size_t pixels;
     float limit, most; // largest value, and the largest that rounds to it
-    bool beyond[GP_FRAME_PARTS];
-    struct gp_exr_fit part[GP_FRAME_PARTS];
+    bool beyond[GP_FRAME_BANDS];
+    struct gp_exr_fit band[GP_FRAME_BANDS];
 };
 
 GP_CLONES static int any_beyond(const float *v, size_t n, float most)
@@ -63,23 +63,23 @@ GP_CLONES static int any_beyond(const float *v, size_t n, float most)
     return any;
 }
 
-static void find_beyond(void *ctx, int part, int thread)
+static void find_beyond(void *ctx, int band, int thread)
 {
     struct fitting *const f = ctx;
-    const size_t from = gp_part_start(f->pixels, part);
-    const size_t n = gp_part_start(f->pixels, part + 1) - from;
+    const size_t from = gp_band_start(f->pixels, band);
+    const size_t n = gp_band_start(f->pixels, band + 1) - from;
     (void) thread;
     for (int c = 0; c < 3; c++)
-        f->beyond[part] |= any_beyond(f->from->c[c] + from, n, f->most);
+        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most);
 }
 
-static void fit_part(void *ctx, int part, int thread)
+static void fit_band(void *ctx, int band, int thread)
 {
     struct fitting *const f = ctx;
-    struct gp_exr_fit *const sum = &f->part[part];
-    const size_t end = gp_part_start(f->pixels, part + 1);
+    struct gp_exr_fit *const sum = &f->band[band];
+    const size_t end = gp_band_start(f->pixels, band + 1);
     (void) thread;
-    for (size_t i = gp_part_start(f->pixels, part); i < end; i++) {
+    for (size_t i = gp_band_start(f->pixels, band); i < end; i++) {
         float largest = 0.0f;
         bool over = false;
         for (int c = 0; c < 3; c++) {
@@ -123,21 +123,21 @@ static gp_status fit_colour(const struct gp_log *log,
     w->pixels = gp_frame_pixels(f);
     w->limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
     w->most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
-    gp_parallel_do(GP_FRAME_PARTS, find_beyond, w);
-    for (int i = 0; i < GP_FRAME_PARTS; i++)
+    gp_parallel_do(GP_FRAME_BANDS, find_beyond, w);
+    for (int i = 0; i < GP_FRAME_BANDS; i++)
         beyond |= w->beyond[i];
     if (beyond && !dwa && p->type == GP_OUT_AUTO)
         *type = GP_FLOAT;
     else if (beyond)
         st = gp_planes_make(log, "colours", w->pixels, &w->to);
     if (!st && w->to.c[0]) {
-        gp_parallel_do(GP_FRAME_PARTS, fit_part, w);
-        for (int i = 0; i < GP_FRAME_PARTS; i++) {
-            out->fit.values += w->part[i].values;
-            out->fit.pixels += w->part[i].pixels;
+        gp_parallel_do(GP_FRAME_BANDS, fit_band, w);
+        for (int i = 0; i < GP_FRAME_BANDS; i++) {
+            out->fit.values += w->band[i].values;
+            out->fit.pixels += w->band[i].pixels;
             for (int c = 0; c < 3; c++) {
-                out->fit.light[c] += w->part[i].light[c];
-                out->fit.lost[c] += w->part[i].lost[c];
+                out->fit.light[c] += w->band[i].light[c];
+                out->fit.lost[c] += w->band[i].lost[c];
             }
         }
         *planes = &out->fitted[out->fits];

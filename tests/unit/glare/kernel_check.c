@@ -51,7 +51,7 @@ static double twins(double dx, double dy)
 
 static double side(double dx, double dy)
 {
-    const double slope = 1.0 - fabs(dx) / 8.0;
+    const double slope = fmax(1.0 - fabs(dx) / 8.0, 0.0);
     return dy != 0.0 ? 0.0 : dx == 0.0 ? 1.0 : slope * (dx > 0.0 ? 0.1 : 0.02);
 }
 
