@@ -335,8 +335,48 @@ for bits in 8 10 12 16; do
     done
 done
 
+# texts that nest deeply, or are long lists, cost a PNG neither time nor memory
+"$python" - <<'PY'
+import struct, zlib
+def chunk(kind, data):
+    return (struct.pack(">I", len(data)) + kind + data +
+            struct.pack(">I", zlib.crc32(kind + data)))
+def png(name, xmp):
+    rows = (b"\0" + b"\xff\x80\x20" * 8) * 8
+    text = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" +
+                 zlib.compress(xmp, 9))
+    with open(name, "wb") as f:
+        f.write(b"\x89PNG\r\n\x1a\n" +
+                chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 2, 0, 0, 0)) +
+                (text if xmp else b"") + chunk(b"IDAT", zlib.compress(rows)) +
+                chunk(b"IEND", b""))
+start, end = b"<rdf:Description>", b"</rdf:Description>"
+png("none.png", b"")
+png("nested.png", start + b"<x>" * 200000 + end)
+png("closed.png", start + b"<x>" * 200000 + b"</x>" * 200000 + end)
+png("open.png", start + b"<x>" * 200000)
+png("values.png", start + b"<a:b>1</a:b>" * 600000 + end)
+png("lists.png", b"".join(b'<rdf:Description a:b%d="1">' % i + end
+                          for i in range(60000)))
+PY
+"$glarepp" -q --type float --hdr wanted.exr none.png
+for text in nested closed open values lists; do
+    timeout 10 "$glarepp" -q --type float --hdr text.exr --report text.json \
+        $text.png >out 2>err
+    status=$?
+    quiet_success "a PNG of $(wc -c <$text.png) bytes, $text"
+    ok "a PNG with a text, $text: its pixels" \
+        "$glarepp" compare --fail 0 text.exr wanted.exr
+    is "$(sed 's/.*"peak_rss_mib":\([0-9]*\).*/\1/' text.json |
+        awk '{ print $1 < 100 }')" 1 "a PNG with a text, $text: its memory"
+done
+
 # a name that addresses and patterns of the shell could have
 for ending in bmp dpx hdr jpg pfm png ppm sgi tga tif webp; do
+    run -q -o "b?.$ending" in.exr
+    quiet_success "writes b?.$ending"
+    run -q --layer q.exr "b?.$ending"
+    quiet_success "reads b?.$ending"
     run -q -o "a?[b]=1.$ending" in.exr
     quiet_success "writes a?[b]=1.$ending"
     run -q --layer "a?.exr" "a?[b]=1.$ending"

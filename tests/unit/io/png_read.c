@@ -375,6 +375,9 @@ static void texts_are_bounded(void **state)
     assert_int_equal(check_png(m.bytes, m.n + 12), GP_ERR_DATA);
     for (int i = 0; i < DEPTH; i++)
         memcpy(raw + 3 * i, "<x>", 3);
+    static const char from[] = "<rdf:Description>", to[] = "</rdf:Description>";
+    memcpy(raw, from, sizeof from - 1);
+    memcpy(raw + 3 * DEPTH - sizeof to, to, sizeof to - 1);
     static const char xmp[] = "XML:com.adobe.xmp\0\1\0\0";
     put_head(&m, 1, 1, 8, 0, false);
     put_packed(&m, "iTXt", xmp, sizeof xmp, raw, 3 * DEPTH, 100);
