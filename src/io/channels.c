@@ -102,14 +102,16 @@ bool gp_is_mist(const char *layer, size_t len)
     return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
 }
 
-/* True for a layer whose name, after its last dot, is one of `n` (any case). */
+/* True for a layer whose name, after its last dot, is one of `n`: words in any
+ * case, letters as they are. */
 static bool is_called(const char *layer, size_t len, const char *const *name,
                       size_t n)
 {
     const size_t start = last_part(layer, len);
     for (size_t i = 0; i < n; i++) {
         if (strlen(name[i]) == len - start &&
-            strncasecmp(layer + start, name[i], len - start) == 0)
+            (name[i][1] ? strncasecmp : strncmp)(layer + start, name[i],
+                                                 len - start) == 0)
             return true;
     }
     return false;
@@ -130,7 +132,8 @@ static bool is_vector(const char *layer, size_t len)
 bool gp_is_light(const char *layer, size_t len)
 {
     static const char *const data[] = {
-        "depth", "zdepth", "Z", "mist", "id", "mask", "matte", "opacity",
+        "depth", "zdepth",  "Z",        "mist",    "id",      "mask",
+        "matte", "opacity", "coverage", "indexob", "indexma",
     };
     return !is_vector(layer, len) &&
            !is_called(layer, len, data, sizeof data / sizeof *data);
@@ -173,16 +176,24 @@ static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
     return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
 }
 
-/* True for what is beside depth and is no light either: the back of a sample,
- * depth by other names or as a vector's part, numbers of objects. `own` is
- * `name` without its layer. */
-static bool is_other_data(const char *name, const char *own)
+/* True for a channel that is no light by its own name or by its layer's:
+ * coverage, depth under any name, its back, numbers of objects, vectors. */
+static bool is_data(const char *name)
 {
-    const size_t layer = (size_t) (own - name);
-    return strcasecmp(own, "zback") == 0 || strcasecmp(own, "depth") == 0 ||
-           strcasecmp(own, "id") == 0 || strcmp(name, "z") == 0 ||
-           (strcmp(own, "V") == 0 && layer >= 6 &&
-            strncasecmp(own - 6, "depth.", 6) == 0);
+    static const char *const data[] = {
+        "A",           "alpha",      "z",           "zback",
+        "deepid",      "objectid",   "object_id",   "materialid",
+        "material_id", "instanceid", "instance_id", "assetid",
+        "asset_id",    "primid",     "prim_id",
+    };
+    const size_t layer = gp_layer_length(name);
+    const char *const own = name + layer;
+    return is_called(own, strlen(own), data, sizeof data / sizeof *data) ||
+           !gp_is_light(own, strlen(own)) ||
+           (layer > 0 && !gp_is_light(name, layer - 1)) ||
+           named_like_ids(name) ||
+           // depth, in a file without vectors
+           depth_rank(&(struct gp_frame) {0}, name, 0) < RANKS;
 }
 
 /* -- colour --------------------------------------------------------------- */
@@ -293,9 +304,9 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
     last = "";
     for (int i = 0; i < n; i++) {
         const char *dot = strrchr(name[i], '.');
-        if (!dot || named_like_ids(name[i]))
+        const size_t len = dot ? (size_t) (dot - name[i]) + 1 : 0;
+        if (!dot || named_like_ids(name[i]) || !gp_is_light(name[i], len - 1))
             continue;
-        const size_t len = (size_t) (dot - name[i]) + 1;
         if (len == last_len && strncmp(name[i], last, len) == 0)
             continue;
         last = name[i];
@@ -324,13 +335,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
     // the only channel
     int only = -1;
     for (int i = 0; i < n && lone; i++) {
-        const char *const own = name[i] + gp_layer_length(name[i]);
-        const bool alpha = strcmp(own, "A") == 0 ||
-                           strcasecmp(own, "alpha") == 0;
-        if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]) ||
-            // depth, in a file without vectors
-            depth_rank(&(struct gp_frame) {0}, name[i], 0) < RANKS ||
-            is_other_data(name[i], own))
+        if (!name[i][0] || is_data(name[i]))
             continue;
         if (only >= 0)
             return false;

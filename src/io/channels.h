@@ -22,12 +22,13 @@ enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
 /* Finds the colour among n channel names, in the order that read.h gives;
  * false when there is none.
  *
- *   lone  also take the only channel there is, alpha and depth aside
+ *   lone  also take the only channel there is beside those of data: coverage,
+ *         depth, numbers of objects, and layers that gp_is_light() refuses
  *
  * Of several layers one called Combined, beauty or rgba is preferred to the
  * first: in Blender's files the ambient occlusion pass comes first.
- * Cryptomatte's ids are never colour, nor is an empty name, by which the caller
- * excludes a channel. */
+ * Cryptomatte's ids are never colour, nor are layers of data, nor is an empty
+ * name, by which the caller excludes a channel. */
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out);
 
@@ -75,8 +76,8 @@ GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
 /* True for a layer, or part, called Mist (any case) after its last dot. */
 bool gp_is_mist(const char *layer, size_t len);
 
-/* False for a layer that by its name, after its last dot, holds vectors, depth,
- * ids or masks (N, position, uv, depth, mask, ...; any case). */
+/* False for a layer, or part, that by its name, after its last dot, holds
+ * vectors, depth, ids or masks (N, position, uv, depth, mask, ...; any case). */
 bool gp_is_light(const char *layer, size_t len);
 
 /* True when the channel's name is among those that gp_find_depth() searches. */

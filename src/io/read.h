@@ -48,8 +48,10 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
  *
  * Colour is, in this order: R,G,B; red,green,blue of any case; Y with RY or
  * BY; Y; LAYER.R,G,B of a layer called Combined, beauty or rgba, or else of
- * the first layer in file order; the only channel there is, alpha and depth
- * (Z, as gp_find_depth() has it) aside. The first part of a multi-part file
+ * the first layer in file order; the only channel there is. Layers and parts
+ * that are no light by their names (gp_is_light()) are passed over, and for a
+ * lone channel coverage, depth (Z, as gp_find_depth() has it), numbers of
+ * objects and all whole numbers too. The first part of a multi-part file
  * that has one of these (a lone channel last) is the frame; the other parts
  * pass through to gp_write_hdr(). Missing colour channels of a set of three
  * are 0. `colour` of a grey file's channel is 0; RY, Y, BY have 0, 1, 2, and

@@ -182,6 +182,8 @@ class Part:
                 if (self.y + y) % skip:
                     continue
                 v = [value(name, x, y) for x in range(0, self.w, skip)]
+                if kind == "uint":
+                    v = [int(abs(n)) for n in v]
                 if kind == "half":
                     v = [min(n, 65504.0) if n == n else n for n in v]
                 row += struct.pack("<%d%s" % (len(v), TYPES[kind][1]), *v)

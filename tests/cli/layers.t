@@ -216,4 +216,32 @@ print(b.count(b"idmanifest"), b[b.index(b"idmanifest") + 27:][:9].decode())' $f)
         '1 lineOrder' "$f: lineOrder follows the manifest of ids"
 done
 
+
+# -- channels that are no light --------------------------------------------------
+
+# a frame of these has no colour; beside light they keep their bits
+for channels in Z:float Z:float,ZBack:float A,Z:float depth.V:float Depth.Y \
+    zdepth:float depth.R,depth.G,depth.B id:uint foo:uint objectID:float id.Y \
+    IndexOB.X A alpha mask matte.A mask.R,mask.G,mask.B N.X,N.Y,N.Z N.X \
+    N.R,N.G,N.B P.X P.Z Vector.X,Vector.Y,Vector.Z,Vector.W motion.u velocity.X \
+    uv.R,uv.G,uv.B position.red,position.green,position.blue Mist.Z crypto00.R \
+    CryptoObject00.R,CryptoObject00.G,CryptoObject00.B,CryptoObject00.A; do
+    frame data.exr size=24x16 hot=100 "channels=$channels"
+    rm -f data.hdr.exr
+    run -q --hdr data.hdr.exr data.exr
+    fails_with 4 data.exr "$channels: no light"
+    no "$channels: no light: nothing is written" [ -e data.hdr.exr ]
+    frame data.exr size=24x16 hot=100 "channels=R,G,B,$channels"
+    run -q -e direct --hdr data.hdr.exr data.exr
+    ok "$channels beside light: the same bits" \
+        files same data.exr data.hdr.exr 0 R G B
+done
+# nor has a part that is called so, but where it is asked for
+oiiotool --pattern constant:color=9,9,9 24x16 3 --attrib oiio:subimagename N \
+    --pattern constant:color=5,5,5 24x16 3 --attrib oiio:subimagename rgba \
+    --siappend -d float -o parts.exr
+run -q --report parts.json -o parts.png parts.exr
+like "$(cat parts.json)" '*"part":"rgba"*' 'a part of normals: passed over'
+run -q --part N --report parts.json -o parts.png parts.exr
+like "$(cat parts.json)" '*"part":"N"*' 'a part of normals: --part takes it'
 done_testing

@@ -249,16 +249,18 @@ static gp_status search_parts(const struct search *s, const char *layer,
                 return st;
             const bool none = exr_get_channels(in->exr, part, &list);
             for (int k = 0; !none && k < names.n; k++) {
-                if (gp_exr_crypto_channel(&s->crypto, in, part,
-                                          list->entries[k].name.str))
+                const exr_attr_chlist_entry_t *const c = &list->entries[k];
+                if (gp_exr_crypto_channel(&s->crypto, in, part, c->name.str) ||
+                    (lone && !layer && c->pixel_type == EXR_PIXEL_UINT))
                     names.name[k] = "";
             }
             // the layer of that name, or the part: with or without its view
             const char *called;
             const size_t n = gp_exr_part_layer(in, part, &called);
+            const bool data = n > 0 && s->only < 0 && !gp_is_light(called, n);
             if (!layer)
-                *found = gp_find_colour(names.name, names.n, lone,
-                                        &out->colour);
+                *found = !data && gp_find_colour(names.name, names.n, lone,
+                                                 &out->colour);
             else
                 *found = gp_find_layer_colour(names.name, names.n, layer, lone,
                                               &out->colour) ||
