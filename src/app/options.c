@@ -74,7 +74,7 @@ static const struct gp_option_choice gp_sun_methods[] = {
     {"exact", GP_SUN_EXACT, "the area of every pixel under the disc, in "
      "double, on the CPU; no GL"},
     {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: sun map, intensity "
-     "map, and flare that fetches it; nothing is read back before the layer"},
+     "map, and glare that fetches it; nothing is read back before that is drawn"},
     {"readback", GP_SUN_READBACK, "read the region under the light back from "
      "GL and count its clear pixels"},
     {0},
@@ -330,7 +330,7 @@ const struct gp_option gp_options[] = {
         .help = "mask: sum texels this way"),
     CHOICE(sun.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sun_draws,
-        .help = "mask: draw glare and flare of the lights here"),
+        .help = "mask: draw the glare of the lights here"),
     CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),

@@ -350,7 +350,10 @@ static bool flare_asked(const struct gp_settings *s)
 static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_flare_facts *const facts = &fs->facts.flare;
+    int *const frame = &r->suns.flare.frame;
     gp_status st = GP_OK;
+    if (!gp_job_number(fs->job, frame))
+        *frame = 0;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
     if (!st)

@@ -205,6 +205,10 @@ struct gp_sun_files {
 };
 struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files);
 
+/* Finds the number of a frame: the job's, else the one in its file's name.
+ * Returns false where there is none. */
+bool gp_job_number(const struct gp_job *job, int *number);
+
 /* A step of a frame. `time` is an enum gp_time under which its milliseconds are
  * added up, or -1 for steps that are not part of making the picture. The last
  * stage also needs what the targets need. `asked`, if not NULL, is true when

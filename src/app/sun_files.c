@@ -13,8 +13,7 @@ static gp_status read_picture(void *user, const struct gp_log *log,
     return gp_read_frame(log, &limits, path, out);
 }
 
-/* Reads the frame's number: the job's, else the one in its file's name. */
-static bool number_of(const struct gp_job *job, int *number)
+bool gp_job_number(const struct gp_job *job, int *number)
 {
     *number = job->frame;
     return job->numbered || gp_frame_number(job->input, number);
@@ -25,7 +24,7 @@ static void describe_frame(void *user, const struct gp_frame *f,
 {
     const struct gp_job *const job = ((struct gp_sun_files *) user)->job;
     out->name = job->input;
-    out->numbered = number_of(job, &out->number);
+    out->numbered = gp_job_number(job, &out->number);
     out->has_camera = gp_frame_matrix(f, "worldToCamera", out->to_camera);
     out->has_ndc = gp_frame_matrix(f, "worldToNDC", out->to_ndc);
     out->ndc = GP_NDC_AUTO;
@@ -49,7 +48,7 @@ static gp_status read_beside(
     if (pattern.views && !job->view)
         return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
             "none); give a plain file name, or --views", path, job->input);
-    if (pattern.len && !number_of(job, &number))
+    if (pattern.len && !gp_job_number(job, &number))
         return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
                        "(%s has none); give a plain file name", path,
                        job->input);

@@ -5,28 +5,58 @@
  * flux * visibility in each channel, so that it looks the same at every
  * resolution and dims by exactly the hidden share. Its place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
- * its diameter `size` times the frame's height (an image's longer side), each
- * channel's times its `scale` (dispersion: the total stays). Coverage of a
- * pixel is by its distance to the edge, a pixel wide, so that edges are smooth
- * and a step of 1/8 pixel is a small change. No element is smaller, and no ring
- * or streak thinner, than a pixel.
+ * its diameter `size` times the frame's height (an image's longer side). An edge
+ * is a ramp a pixel wide or more, so that a step of 1/8 pixel is a small change.
+ * No element is smaller, and no ring or ray thinner, than a pixel.
+ *
+ * Each shape but images is a profile f(q), q from 0 in the middle to 1 at the
+ * rim, over a norm of the plane, times a function of the direction; or a sum of
+ * rays, each a profile along times a section across (element.c).
  *
  * JSON, an array or {"elements": [...], "source": of elements without their
  * own}; every key has a default but shape:
- *   {"shape": "disc" | "ring" | "polygon" | "streak" | "image",
+ *   {"shape": "disc" | "ring" | "polygon" | "streak" | "image" | "glow" |
+ *             "spikes" | "caustic" | "dirt",
+ *    "source": "lights" | "bright" pixels of the frame (lights),
  *    "position": 0, "size": 0.1, "color": [r,g,b] | grey (0.01),
- *    "rotation": degrees (0), "scale": [r,g,b] (1,1,1),
- *    "width": ring's or streak's share of the radius (0.1; streak 0.01),
- *    "sides": of the polygon (6), "image": file beside the JSON,
- *    "source": "lights" | "bright" pixels of the frame (lights)}
- * disc: flat; ring: an annulus that ends at the radius; polygon: regular, its
- * corners on the radius; streak: a band along the rotation that fades to both
- * ends as (1 - |t|)^2; image: its luminance sum is scaled to 1, bilinear, and
- * nothing where that sum is not over 0. Rotation is counter-clockwise as seen.
- * Unknown keys and shapes, keys of another shape, numbers out of range (size 0
- * to 10, position -10 to 10, rotation -36000 to 36000, color 0 to 1e6, scale
- * 0.01 to 100, width 1e-6 to 1, sides 3 to 64) are errors that name file,
- * element and key.
+ *    "rotation": degrees (0), "scale": [r,g,b] (1,1,1) of the size,
+ * all shapes but image and dirt:
+ *    "profile": 2 to 32 numbers from middle to rim, linear between; without it,
+ *       1, of rays (1 - q)^2, of a glow exp(-falloff q), of a caustic
+ *       1 / sqrt(1 - q + 0.02)
+ *    "softness": share of the radius over which the edge fades (0); of a ring
+ *       of its band; of rays of their width, both ways
+ *    "rim": light added at the rim, times that of the middle (0)
+ *    "dispersion": a wavelength's size is 1 + dispersion * (nm - 550) / 300 (0)
+ *    "aspect": width over height, whose diameter `size` is (1)
+ * of some shapes:
+ *    "width": ring's or ray's share of the radius (0.1; rays 0.01)
+ *    "completion", "feather": of a ring: share of its circle, around the
+ *       rotation; share of that over which its ends fade (1, 0)
+ *    "sides", "round": of the polygon: 3 to 64 (6); 0 corners to 1 a disc (0)
+ *    "falloff": of a glow (6)
+ *    "random": of rays: up to so much shorter and thinner (0)
+ *    "image": file beside the JSON; of dirt: it fills the frame
+ *    "count", "spread", "seed": spikes (8); streaks (1) within so many degrees
+ *       (0); of others copies (1), at places so far around the position (0), of
+ *       half to all of the size
+ * how lights change an element:
+ *    "turn": "fixed" | "axis": rotation counts from right, or from the line
+ *    "offset": across the line, share of the height (0)
+ *    "cut": share of the diameter by which the pupil's rim cuts the element of
+ *       a light in a corner, its outer side, whose light is lost (0)
+ *    "shrink": share of the size that goes with a wholly hidden light (0)
+ *    "flicker": share of the brightness, by seed and frame number (0)
+ *    "by_place": {"from": "centre" | "edge", "size": [a, b],
+ *       "brightness": [a, b], "color": [[r,g,b], [r,g,b]]}: factors at a light
+ *       at the centre and at a corner, or at the frame's edge and half its
+ *       height or more inside; linear between
+ *    "only": lights of these names, a pattern with * and ?
+ * Elements of bright pixels are one image for all of them: no dirt, turn,
+ * offset, cut, shrink, only, and no by_place size. Rotation is counter-clockwise
+ * as seen.
+ * Unknown keys and shapes, keys of another shape or source, numbers out of range
+ * are errors that name file, element and key.
  */
 #ifndef GP_SUN_FLARE_H
 #define GP_SUN_FLARE_H
@@ -38,7 +68,8 @@
 
 enum gp_flare_shape {
     GP_FLARE_DISC, GP_FLARE_RING, GP_FLARE_POLYGON, GP_FLARE_STREAK,
-    GP_FLARE_IMAGE,
+    GP_FLARE_IMAGE, GP_FLARE_GLOW, GP_FLARE_SPIKES, GP_FLARE_CAUSTIC,
+    GP_FLARE_DIRT, GP_FLARE_SHAPES,
 };
 
 enum gp_flare_source { GP_FLARE_LIGHTS, GP_FLARE_BRIGHT };
@@ -52,6 +83,14 @@ struct gp_flare_image {
     unsigned long serial; // gp_serial_next(); 0 none
 };
 
+/* Factors by a light's place, at [0] and at [1], linear between. */
+struct gp_flare_by_place {
+    bool given, edge;     // distance from the edge, not from the centre
+    double size[2], colour[2][3];
+};
+
+enum { GP_FLARE_PROFILE = 32 };
+
 struct gp_flare_element {
     enum gp_flare_shape shape;
     enum gp_flare_source source;
@@ -61,37 +100,50 @@ struct gp_flare_element {
     bool plain;           // image at its own pixels, not scaled to sum 1:
                           // value = flux * visibility * sample. size, scale,
                           // rotation and colour do not count
+    float profile[GP_FLARE_PROFILE];
+    int profiles;         // 0: the shape's own
+    double softness, rim, dispersion, aspect, completion, feather, round;
+    double falloff, random, spread, offset, cut, shrink, flicker;
+    int count, seed;
+    bool axis;            // rotation counts from the line
+    struct gp_flare_by_place by_place;
+    char *only;           // owned; NULL: all lights
     char *path;           // image's file as the JSON names it, resolved
                           // against the JSON's folder; owned; NULL none
     struct gp_flare_image image; // filled by the caller that reads `path`
 };
+#define GP_FLARE_DEFAULTS                                                     \
+    { .size = 0.1, .width = 0.1, .sides = 6, .colour = {0.01f, 0.01f, 0.01f}, \
+      .scale = {1.0f, 1.0f, 1.0f}, .aspect = 1.0, .completion = 1.0,          \
+      .falloff = 6.0, .count = 1 }
 
 struct gp_flare {
     struct gp_flare_element *element; // owned
     int n;
     char *path;                       // of the JSON, for messages; owned
+    int frame;                        // number of the one to draw, for flicker
 };
 
 /* Returns true when an element of f has that source. */
 bool gp_flare_has(const struct gp_flare *f, enum gp_flare_source source);
 
-/* Errors: GP_ERR_IO cannot be read; GP_ERR_DATA as above. Files over 1 MiB or
- * of over 1024 elements are refused. *out is written on GP_OK only; free:
- * gp_flare_free(). */
+/* Copies are elements of their own. Errors: GP_ERR_IO cannot be read;
+ * GP_ERR_DATA as above. Files over 1 MiB or of over 1024 elements, copies
+ * counted, are refused. *out is written on GP_OK only; free: gp_flare_free(). */
 GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
                                       const char *path, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
-/* Adds all elements of lights, for every light, to `layer` (w * h of `frame`), in plain C:
+/* Adds all elements of lights, for every light, to `layer` (w * h of `frame`):
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */
 GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n,
     struct gp_rect frame, struct gp_rect display, struct gp_planes *layer);
 
-/* The same on GL, where visibility is texel (i, 0) of `intensity` (r / g, 0
- * where g is 0) and the vertex shader fetches it: a hidden light's polygons
- * stay shut. Draws, blended, into a float target of what the elements reach
+/* The same of a flare of images only, on GL, where visibility is texel (i, 0) of
+ * `intensity` (r / g, 0 where g is 0) and the vertex shader fetches it: a hidden
+ * light's polygons stay shut. Draws, blended, into a float target of what the elements reach
  * together, and does not wait for it. *state keeps programs and textures.
  * `intensity` must not change until gp_flare_read_layer(), which draws the part
  * beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG memory. */

@@ -1,4 +1,4 @@
-/* Flare elements on GL: instanced quads, one draw a shape and one an image. */
+/* Images of flare elements on GL: instanced quads, one draw an image. */
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
@@ -12,9 +12,7 @@ enum {
 };
 
 /* One flare.frag each; images at their own pixels are PLAIN. */
-enum flare_program {
-    DRAW_ROUND, DRAW_POLYGON, DRAW_STREAK, DRAW_IMAGE, DRAW_PLAIN, PROGRAMS,
-};
+enum flare_program { DRAW_IMAGE, DRAW_PLAIN, PROGRAMS };
 
 /* An image on the context, in a border of one texel of 0. */
 struct image_slot {
@@ -23,7 +21,7 @@ struct image_slot {
     struct gp_texture texture;
 };
 
-/* The quads of one draw: one shape's, or one image's. */
+/* The quads of one draw: one element's. */
 struct batch {
     enum flare_program program;
     int first, n; // in the quads' texture
@@ -34,7 +32,7 @@ struct batch {
 struct gp_flare_gl {
     struct gp_program program[PROGRAMS];
     struct gp_target target;
-    struct gp_texture texels, edges, intensity; // intensity is borrowed
+    struct gp_texture texels, intensity; // intensity is borrowed
     struct image_slot *slot;       // owned
     struct batch *batch;           // owned
     int slots, batches;
@@ -117,8 +115,6 @@ static gp_status fit_images(const struct gp_log *log, const struct gp_gl *gl,
         const struct gp_flare_quad *const q = &s->quads.at[s->batch[i].quad];
         const struct gp_flare_level *const l = &s->quads.level[q->element];
         struct image_slot *to = &slot[n];
-        if (!q->image)
-            continue;
         s->batch[i].slot = n++;
         *to = (struct image_slot) {.serial = l->image.serial,
                                    .level = l->level};
@@ -142,24 +138,7 @@ static gp_status fit_images(const struct gp_log *log, const struct gp_gl *gl,
 
 static enum flare_program program_of(const struct gp_flare_quad *q)
 {
-    switch (q->shape) {
-    case GP_FLARE_POLYGON:
-        return DRAW_POLYGON;
-    case GP_FLARE_STREAK:
-        return DRAW_STREAK;
-    case GP_FLARE_IMAGE:
-        return q->plain ? DRAW_PLAIN : DRAW_IMAGE;
-    default:
-        return DRAW_ROUND;
-    }
-}
-
-enum { FIRST_IMAGE = DRAW_IMAGE };
-
-/* Quads of one draw have one key: a shape's, or an image's own. */
-static int key_of(const struct gp_flare_quad *q)
-{
-    return q->image ? FIRST_IMAGE + q->element : (int) program_of(q);
+    return q->plain ? DRAW_PLAIN : DRAW_IMAGE;
 }
 
 /* Makes batches of s->quads (not empty) and writes to the context what they
@@ -169,10 +148,9 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
                               struct gp_flare_gl *s)
 {
     static const char *const defines[PROGRAMS] = {
-        "#define ROUND\n", "#define POLYGON\n", "#define STREAK\n",
         "#define IMAGE\n", "#define PLAIN\n",
     };
-    const int keys = FIRST_IMAGE + s->quads.elements;
+    const int keys = s->quads.elements; // an element's quads are one draw
     struct batch *batch;
     const int n = s->quads.n, most = gp_gl_info(gl)->max_size;
     const int rows = n < most ? n : most;
@@ -190,7 +168,7 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
     // one batch a key
     int *const quad = start + keys + 1;
     for (int i = 0; i < n; i++) {
-        const int key = key_of(&s->quads.at[i]);
+        const int key = s->quads.at[i].element;
         start[key + 1]++;
         quad[key] = i;
     }
@@ -212,7 +190,7 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
     for (int i = 0; i < n; i++) {
         const struct gp_flare_quad *const q = &s->quads.at[i];
         const struct gp_rect r = rect_within(q->rect, s->reach);
-        const int at = start[key_of(q)]++, h = s->texels.h;
+        const int at = start[q->element]++, h = s->texels.h;
         float *const t = rgba + 4 * ((size_t) (at % h) * (size_t) s->texels.w +
                                      (size_t) (at / h * TEXELS));
         const float rect[4] = {(float) r.x0, (float) r.y0, (float) r.x1,
@@ -220,12 +198,10 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
         memcpy(t, rect, sizeof rect);
         memcpy(t + 4, q->base, sizeof q->base);
         memcpy(t + 6, q->turn, sizeof q->turn);
-        memcpy(t + 8, q->radius, sizeof q->radius);
+        t[8] = q->radius;
         t[11] = (float) q->light;
         memcpy(t + 12, q->inner, sizeof q->inner);
-        t[15] = (float) q->sides;
         memcpy(t + 16, q->amount, sizeof q->amount);
-        t[19] = (float) q->element;
         for (int k = 0; k < 2 && q->plain; k++) {
             t[8 + k] = (float) (q->corner[k] + 1); // the border
             t[12 + k] = q->fraction[k];
@@ -235,13 +211,6 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
 
     for (int i = 0; i < s->batches; i++) {
         const enum flare_program p = s->batch[i].program;
-        if (p == DRAW_POLYGON) { // the sides of all, a row an element
-            GP_TRY(make_texels(log, gl, "flare polygons", GP_FLARE_SIDES,
-                               s->quads.elements, &s->edges, &rgba));
-            for (int k = 0; k < s->quads.elements * GP_FLARE_SIDES; k++)
-                memcpy(rgba + 4 * k, s->quads.edge + 3 * k, 3 * sizeof(float));
-            write_texels(gl, &s->edges, rgba);
-        }
         if (!s->program[p].id)
             GP_TRY(gp_program_make(log, gl, defines[p], "flare.vert",
                                       "flare.frag", &s->program[p]));
@@ -279,21 +248,16 @@ static gp_status draw_tile(const struct gp_log *log, const struct gp_gl *gl,
     }
     for (int i = 0; !st && i < s->batches; i++) {
         const struct batch *const b = &s->batch[i];
-        struct gp_uniform uniform[] = {
+        const struct gp_uniform uniform[] = {
             {.name = "quads", .texture = &s->texels},
             {.name = "intensity", .texture = &s->intensity},
             {.name = "first", .v = {b->first, 0}},
             {.name = "tile",
              .v = {tile.x0 - s->reach.x0, tile.y0 - s->reach.y0}},
             {.name = "size", .v = {to->w, to->h}},
-            {0}, {0},
+            {.name = "image", .texture = &s->slot[b->slot].texture},
+            {0},
         };
-        if (b->program == DRAW_POLYGON)
-            uniform[5] = (struct gp_uniform) {.name = "edges",
-                                              .texture = &s->edges};
-        if (b->program == DRAW_IMAGE || b->program == DRAW_PLAIN)
-            uniform[5] = (struct gp_uniform) {
-                .name = "image", .texture = &s->slot[b->slot].texture};
         const struct gp_draw draw = {
             .program = &s->program[b->program], .target = &s->target,
             .cut = {0, 0, gp_rect_w(tile), gp_rect_h(tile)},
@@ -405,7 +369,6 @@ void gp_flare_close(const struct gp_gl *gl, struct gp_flare_gl **state)
         gp_program_free(gl, &s->program[i]);
     gp_target_free(gl, &s->target);
     gp_texture_free(gl, &s->texels);
-    gp_texture_free(gl, &s->edges);
     free_slots(gl, s);
     gp_flare_quads_free(&s->quads);
     gp_free(s->batch);

@@ -37,9 +37,24 @@ static double farthest(const struct gp_ghost *run, const struct gp_ghosts *g,
     return ceil(most) + 1.0;
 }
 
-/* Draws the elements of run's position into its image. */
+/* Returns true when elements i and k are of bright pixels and one run: of one
+ * position, and sources dimmed alike. */
+static bool is_one_run(const struct gp_flare *f, int i, int k)
+{
+    const struct gp_flare_element *const a = &f->element[i];
+    const struct gp_flare_element *const b = &f->element[k];
+    return a->source == GP_FLARE_BRIGHT && b->source == GP_FLARE_BRIGHT &&
+           a->at == b->at && a->flicker == b->flicker &&
+           (a->flicker == 0.0 || a->seed == b->seed) &&
+           a->by_place.given == b->by_place.given &&
+           a->by_place.edge == b->by_place.edge &&
+           memcmp(a->by_place.colour, b->by_place.colour,
+                  sizeof a->by_place.colour) == 0;
+}
+
+/* Draws the elements of a run, of which k is the first, into its image. */
 static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
-    const struct gp_ghosts *g, double at, struct gp_ghost *run)
+    const struct gp_ghosts *g, int k0, struct gp_ghost *run)
 {
     static const struct gp_rect all = {-(1 << 29), -(1 << 29), 1 << 29,
                                        1 << 29};
@@ -50,7 +65,8 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     struct gp_rect reach = {0};
     gp_status st;
     double place[2];
-    int first = 0;
+    run->e = &f->element[k0];
+    run->scale = 1.0 - run->e->at;
     for (int k = 0; k < 2; k++) {
         run->pixel[k] = (int) floor(centre_of(g->display, k));
         place[k] = moved_by(run, g->display, k, run->pixel[k] + 0.5);
@@ -63,14 +79,14 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     lamp.y = place[1];
     GP_TRY(gp_alloc(log, "flare of bright pixels", (size_t) f->n,
                     sizeof *own.element, &own.element));
-    for (int i = f->n - 1; i >= 0; i--) {
-        const struct gp_flare_element *const e = &f->element[i];
-        if (e->source != GP_FLARE_BRIGHT || e->at != at)
+    for (int i = k0; i < f->n; i++) {
+        if (!is_one_run(f, k0, i))
             continue;
-        first = i;
-        own.element[own.n] = *e; // borrows
+        own.element[own.n] = f->element[i]; // borrows
         own.element[own.n].at = 0.0;
         own.element[own.n].source = GP_FLARE_LIGHTS;
+        own.element[own.n].flicker = 0.0; // of the sources
+        own.element[own.n].by_place.given = false;
         reach = gp_rect_join(reach, gp_flare_reach(&own.element[own.n++], &lamp,
                                                    all, g->display));
     }
@@ -81,7 +97,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     if (w * h > most)
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: element %d: its image is too "
                        "large (%.0fx%.0f pixels); give a smaller size or "
-                       "position", f->path, first + 1, w, h));
+                       "position", f->path, k0 + 1, w, h));
     const int m = (int) far_x, n = (int) far_y;
     const size_t pixels = (size_t) (2 * m + 1) * (size_t) (2 * n + 1);
     GP_TRY(gp_planes_make(log, "flare of bright pixels", pixels, &planes));
@@ -110,23 +126,20 @@ gp_status gp_ghosts_make(const struct gp_log *log, const struct gp_flare *f,
     struct gp_rect data, struct gp_rect display, struct gp_ghosts *out)
 {
     gp_status st = GP_OK;
+    out->frame = f->frame;
     if (out->run && memcmp(&out->data, &data, sizeof data) == 0 &&
         memcmp(&out->display, &display, sizeof display) == 0)
         return GP_OK;
     gp_ghosts_free(out);
-    struct gp_ghosts g = {.data = data, .display = display};
+    struct gp_ghosts g = {.data = data, .display = display, .frame = f->frame};
     GP_TRY(gp_alloc_zero(log, "flare of bright pixels", (size_t) f->n + 1,
                          sizeof *g.run, &g.run));
     for (int i = 0; i < f->n; i++) {
-        const struct gp_flare_element *const e = &f->element[i];
-        bool drawn = e->source != GP_FLARE_BRIGHT;
+        bool drawn = f->element[i].source != GP_FLARE_BRIGHT;
         for (int k = 0; k < i && !drawn; k++)
-            drawn = f->element[k].source == GP_FLARE_BRIGHT &&
-                    f->element[k].at == e->at;
-        if (drawn)
-            continue;
-        g.run[g.n].scale = 1.0 - e->at;
-        GP_TRY(draw_image(log, f, &g, e->at, &g.run[g.n++]));
+            drawn = is_one_run(f, k, i);
+        if (!drawn)
+            GP_TRY(draw_image(log, f, &g, i, &g.run[g.n++]));
     }
     *out = g;
     g = (struct gp_ghosts) {0};
@@ -179,19 +192,33 @@ struct sums {
     int lo, hi;
 };
 
-/* Adds `weight` of row y of the sources. */
-static void add_row(const struct gp_ghost *run, const struct gp_sources *src,
-    int y, double weight, int x0, int w, struct sums *to)
+/* Factors of a source's colour by its place. */
+static void dim_by_place(const struct gp_ghosts *g, const struct gp_ghost *run,
+                         int x, int y, double dim[3])
 {
+    const struct gp_flare_by_place *const b = &run->e->by_place;
+    const double t = gp_flare_place_share(b, x + 0.5, y + 0.5, g->display);
+    for (int c = 0; c < 3; c++)
+        dim[c] = b->colour[0][c] + t * (b->colour[1][c] - b->colour[0][c]);
+}
+
+/* Adds `weight` of row y of the sources. */
+static void add_row(const struct gp_ghosts *g, const struct gp_ghost *run,
+    const struct gp_sources *src, int y, double weight, int x0, int w,
+    struct sums *to)
+{
+    double dim[3] = {1.0, 1.0, 1.0};
     for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
         double after;
         const int x = point_of(run, 0, src->x0 + src->x[i], &after) - x0;
+        if (run->e->by_place.given)
+            dim_by_place(g, run, src->x0 + src->x[i], src->y0 + y, dim);
         for (int k = 0; k < 2; k++) {
             const double share = weight * (k == 0 ? 1.0 - after : after);
             if (x + k < 0 || x + k >= w || !(share > 0.0))
                 continue;
             for (int c = 0; c < 3; c++)
-                to->v[c][x + k] += share * (double) src->rgb[c][i];
+                to->v[c][x + k] += share * dim[c] * (double) src->rgb[c][i];
             to->lo = gp_min(to->lo, x + k);
             to->hi = gp_max(to->hi, x + k + 1);
         }
@@ -203,6 +230,7 @@ gp_status gp_ghost_move(const struct gp_log *log, const struct gp_ghosts *g,
     struct gp_sources *out)
 {
     const struct gp_rect box = src->box;
+    const double bright = gp_flare_flicker(run->e, g->frame);
     struct gp_rect window = g->data;
     struct gp_sources like = *src, s = {0};
     struct sums sums = {0};
@@ -240,10 +268,10 @@ gp_status gp_ghost_move(const struct gp_log *log, const struct gp_ghosts *g,
         for (int k = row[0]; k < row[1]; k++) {
             double after;
             const int at = point_of(run, 1, src->y0 + k, &after) - like.y0;
-            const double weight = at == y ? 1.0 - after
-                                  : at + 1 == y ? after : 0.0;
+            const double weight = (at == y       ? 1.0 - after
+                                   : at + 1 == y ? after : 0.0) * bright;
             if (weight > 0.0)
-                add_row(run, src, k, weight, like.x0, like.w, &sums);
+                add_row(g, run, src, k, weight, like.x0, like.w, &sums);
         }
         for (int x = sums.lo; x < sums.hi; x++) {
             float rgb[3];

@@ -22,8 +22,9 @@
 #include "glare/sources.h"
 #include "sun/flare.h"
 
-/* The elements of one position. */
+/* The elements of one position, whose sources are dimmed alike. */
 struct gp_ghost {
+    const struct gp_flare_element *e; // the first; the flare's
     double scale;            // of the sources about the centre: 1 - position
     int elements;
     struct gp_kernel kernel; // their image; no samples: it is black
@@ -36,10 +37,12 @@ struct gp_ghosts {
     struct gp_ghost *run;    // owned
     int n;
     struct gp_rect data, display; // of the frames
+    int frame;               // number of the last one
 };
 
 /* Makes the images for frames of these windows; keeps them where *out has them.
  * Images are cut to offsets that reach from a source to a pixel of the frame.
+ * Flicker counts by f->frame. f must stay as long as *out.
  * Errors: GP_ERR_DATA an image of over 2^28 pixels, those of
  * gp_kernel_of_planes(); then *out is empty. Free with gp_ghosts_free(). */
 GP_MUST_CHECK gp_status gp_ghosts_make(const struct gp_log *log,
@@ -47,7 +50,7 @@ GP_MUST_CHECK gp_status gp_ghosts_make(const struct gp_log *log,
     struct gp_ghosts *out);
 void gp_ghosts_free(struct gp_ghosts *g);
 
-/* Scales the sources of a frame for a run. Those that land outside the frame
+/* Scales the sources of a frame for a run, and dims them by flicker and by_place. Those that land outside the frame
  * are kept where the image reaches into it.
  *
  *   out  made for a window (out->x0, out->y0, w, h) that holds the frame's data

@@ -5,6 +5,8 @@
 #include "sun/map.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 static const double MOST_FLUX = 1e12, MOST_COLOUR = 1e6;
 static const double MOST_RADIUS = 1e6; // pixels
@@ -35,7 +37,7 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
     bool found, pixels, angle;
     int n = 0; // places
-    const char *name; // for the file's readers; only its type is checked
+    const char *name = NULL;
     gp_status st;
     *out = (struct gp_light_spec) {
         .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
@@ -79,6 +81,7 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     for (int c = 0; c < 3; c++)
         out->flux[c] = (float) (flux[c] * colour[c]);
     GP_TRY(gp_json_text(p, o, "name", &name, NULL));
+    snprintf(out->name, sizeof out->name, "%s", name ? name : "");
 out:
     return st;
 }
@@ -145,6 +148,7 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
         l.depth = spec->depth;
     for (int i = 0; i < 3; i++)
         l.flux[i] = spec->flux[i];
+    memcpy(l.name, spec->name, sizeof l.name);
     *out = l;
     return GP_OK;
 }

@@ -17,7 +17,10 @@
 
 #include <stdbool.h>
 
-enum { GP_LIGHTS_MAX = 1024 }; // of one frame
+enum {
+    GP_LIGHTS_MAX = 1024, // of one frame
+    GP_LIGHT_NAME = 64,   // bytes of a name, with its null byte
+};
 
 /* A light in one frame. */
 struct gp_light {
@@ -29,6 +32,7 @@ struct gp_light {
                        // INFINITY: a sun, beyond everything
     double bias;       // share of depth that may be nearer and hides nothing
     float flux[3];     // scene-linear, summed over pixels, >= 0
+    char name[GP_LIGHT_NAME]; // for flare of some lights; "": none
     bool behind;       // the camera: shows nothing, is drawn nowhere
     double visibility; // 0 hidden to 1 clear; written by exact and map
 };
@@ -54,6 +58,7 @@ struct gp_light_spec {
     double depth;      // NAN: by the place
     double bias;
     float flux[3];
+    char name[GP_LIGHT_NAME];
 };
 
 /* Lights from JSON: an array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
@@ -66,7 +71,7 @@ struct gp_light_spec {
  *    "bias": share of depth      default 0.001
  *    "flux" : [r,g,b] | grey,    default 0: no glare of its own, no flare
  *    "color": [r,g,b]            times flux, default 1,1,1
- *    "name": text}
+ *    "name": text, of which 63 bytes count}
  * Exactly one place. Unknown keys, wrong types, numbers that are not finite or
  * out of range (flux 0 to 1e12, color 0 to 1e6, radius 0 to 1e6, degrees 0 to
  * 90, depth 0 to 1e30, bias 0 to 1, pixel to 1e9 and world to 1e15 either way)

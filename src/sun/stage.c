@@ -23,6 +23,7 @@ static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
         .radius = p->at.n == 3 ? fabs(p->at.v[2])
                   : p->at.n ? usual.radius : -1.0,
         .degrees = (double) p->size, .depth = NAN, .bias = usual.bias,
+        .name = "sun",
     };
     memcpy(spec.at, p->at.n ? p->at.v : p->dir.v, sizeof spec.at);
     for (int c = 0; c < 3; c++)
@@ -330,8 +331,6 @@ void gp_suns_close(struct gp_suns *suns)
 {
     gp_suns_end_frame(suns);
     gp_suns_drop_sprites(suns);
-    if (suns->drawn)
-        gp_flare_close(suns->gl, &suns->drawn);
     if (suns->map)
         gp_sun_map_close(suns->gl, &suns->map);
     if (suns->gl)

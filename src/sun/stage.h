@@ -26,11 +26,11 @@ enum gp_sun_method {
     GP_SUN_READBACK, // gp_sun_readback()
 };
 
-/* The place where glare and flare of a mask's lights are drawn. */
+/* The place where the glare of a mask's lights is drawn. */
 enum gp_sun_draw {
     GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
-    GP_DRAW_GL,   // shaders of sprites and elements fetch the share: nothing
-                  // is read back before the layer is done
+    GP_DRAW_GL,   // shaders of sprites fetch the share: nothing is read back
+                  // before the glare is done; flare is drawn on the CPU then
     GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
 };
 
@@ -99,7 +99,6 @@ struct gp_suns {
     // on GL, kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
-    struct gp_flare_gl *drawn;
     struct gp_sun_sprite sprite[GP_SUN_SPRITES];
     int sprites;
     unsigned long sprite_kernel; // serial of the kernel they are made of

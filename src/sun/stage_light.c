@@ -286,54 +286,19 @@ gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
 
 // -- drawing -----------------------------------------------------------------
 
-/* All of a flare's elements, on the CPU or on GL. */
-static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_flare *flare, const struct gp_light *light,
-    struct gp_frame *f, struct gp_flare_gl **drawn)
+/* Draws sprites of some lights, on the CPU or on GL. */
+static gp_status draw_sprites(const struct gp_log *log, struct gp_suns *suns,
+    struct gp_sun_sprite *sprite, const struct gp_light *light,
+    struct gp_frame *f)
 {
+    const struct gp_flare one = {.element = sprite->element, .n = sprite->n};
     if (!on_gl(suns))
-        return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
+        return gp_flare_add(log, &one, light, suns->n, f->data, f->display,
                             &f->layer);
-    gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
-        &suns->map->intensity.colour, f->data, f->display, drawn);
-    return st ? st : gp_flare_read_layer(log, suns->gl, *drawn, f->data,
+    gp_status st = gp_flare_draw(log, suns->gl, &one, light, suns->n,
+        &suns->map->intensity.colour, f->data, f->display, &sprite->drawn);
+    return st ? st : gp_flare_read_layer(log, suns->gl, sprite->drawn, f->data,
                                          &f->layer);
-}
-
-/* Draws sprite and flare together, where all lights that have flux are sprites
- * of one radius, as a lone sun is: one draw, one read-back. */
-static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_kernel *kernel, struct gp_frame *f, bool *drawn)
-{
-    double radius = -1.0;
-    struct gp_sun_sprite *sprite;
-    void *v;
-    *drawn = false;
-    for (int i = 0; i < suns->n; i++) {
-        const struct gp_light *const l = &suns->light[i];
-        if (!gp_light_has_flux(l))
-            continue;
-        if (!is_sprite(suns, l, f->data) ||
-            (radius >= 0.0 && l->radius != radius))
-            return GP_OK;
-        radius = l->radius;
-    }
-    gp_status st = find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
-                               &sprite);
-    if (st)
-        return st;
-    const int own = sprite->n, n = suns->flare.n + own;
-    st = gp_alloc(log, "flare", (size_t) n, sizeof *suns->flare.element, &v);
-    if (st)
-        return st;
-    const struct gp_flare all = {.element = v, .n = n};
-    memcpy(all.element, sprite->element, (size_t) own * sizeof *all.element);
-    memcpy(all.element + own, suns->flare.element,
-           (size_t) suns->flare.n * sizeof *all.element);
-    st = draw_flare(log, suns, &all, suns->light, f, &suns->drawn);
-    gp_free(v);
-    *drawn = !st;
-    return st;
 }
 
 gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
@@ -341,20 +306,19 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
 {
     gp_status st = GP_OK;
     struct gp_light *some = NULL; // those of other radii without flux
-    bool *done = NULL, drawn = !gp_suns_add_light(suns);
+    bool *done = NULL;
+    const bool dark = !gp_suns_add_light(suns);
     const size_t n = (size_t) suns->n;
     if (!n)
         return GP_OK;
     if (on_gl(suns))
         GP_TRY(gp_gl_use(log, suns->gl));
-    if (!drawn && suns->flare.n)
-        GP_TRY(draw_together(log, suns, kernel, f, &drawn));
     // the glare of the sprites' lights, those of one radius at a time
-    if (!drawn) {
+    if (!dark) {
         GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
         GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
     }
-    for (int first = 0; !drawn && first < suns->n; first++) {
+    for (int first = 0; !dark && first < suns->n; first++) {
         const double radius = suns->light[first].radius;
         struct gp_sun_sprite *sprite;
         if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
@@ -369,15 +333,14 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
         }
         GP_TRY(find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
                            &sprite));
-        const struct gp_flare one = {.element = sprite->element,
-                                     .n = sprite->n};
-        GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
+        GP_TRY(draw_sprites(log, suns, sprite, some, f));
     }
-    if (!drawn && suns->flare.n)
-        GP_TRY(draw_flare(log, suns, &suns->flare, suns->light, f,
-                          &suns->drawn));
+    // the shares of the mask come back with the sprites; flare is drawn by them
     if (on_gl(suns))
         GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n));
+    if (!dark && suns->flare.n)
+        GP_TRY(gp_flare_add(log, &suns->flare, suns->light, suns->n, f->data,
+                            f->display, &f->layer));
 out:
     gp_free(some);
     gp_free(done);

@@ -126,24 +126,62 @@ GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_occluders *o,
     const struct gp_map_pixels *pixels, struct gp_sun_map *s, int n);
 
+// -- flare: closed forms of elements (element.c) ------------------------------
+
+enum { GP_FLARE_SIDES = 64 };
+
+/* In [0, 1), the same for the same seed and i. */
+double gp_flare_random(int seed, int i);
+
+/* A ray of a streak or of spikes, in the element's axes. */
+struct gp_flare_ray {
+    float c, s;   // direction
+    float per_t;  // entries of the table in a pixel along it
+    float half;   // of its width, pixels
+    float steep;  // of its edges, in a pixel
+};
+
+/* An element, not an image, at one size: tables of its profile, in square
+ * pixels' light for a sum of `area`. */
+struct gp_flare_look {
+    struct gp_flare_element e;  // borrows
+    double diameter;            // asked for, pixels
+    double radius, reach;       // pixels; of the profile, in radii
+    double aspect, per_t;       // entries of the table in a radius
+    float share;                // 1 / radius
+    float across;               // pixels across an edge for 1 of the norm
+    float edge[6];              // hard edges, in radii; `edges` of them
+    int edges;
+    bool flat;                  // a ring without profile, drawn without table:
+    float outer[3], inner[3];   // its radii in pixels, and the light between
+    float weight[3];
+    int n;                      // entries of the table: [entry][channel]
+    float *table;               // owned
+    float side[GP_FLARE_SIDES][2]; // of a polygon: normal over its distance
+    struct gp_flare_ray *ray;   // owned
+    double *ray_area;           // owned; length in radii of each
+    int rays;
+    double area[3];             // sum over an unbounded plane
+};
+GP_MUST_CHECK gp_status gp_flare_look_make(const struct gp_log *log,
+    const struct gp_flare_element *e, double diameter,
+    struct gp_flare_look *out);
+void gp_flare_look_free(struct gp_flare_look *l);
+
+/* Pixels from the place, in any direction, beyond which the element is 0. */
+double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
+
+/* Pixels from the middle of ray i across it, beyond which it is 0. */
+double gp_flare_ray_width(const struct gp_flare_look *l, int i);
+
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
-/* The CPU and GL forms evaluate the same formulas, in float, pixel by pixel.
- *
- * With p the pixel's centre less the element's place, rho = |p|, and m the
- * larger of |x| and |y| of a unit vector across an edge, an edge at distance d
- * is a ramp of width m: coverage clamp(1/2 - d / m, 0, 1). m is what a line of
- * pixels along the axis nearest to the edge sees of a pixel; a straight edge
- * of any direction then covers, summed over pixels, its exact area.
- *
- *   disc     ramp at radius
- *   ring     ramp at radius less ramp at inner (-1: a disc, no hole)
- *   polygon  least of the ramps of its sides, at `inner` from the middle
- *   streak   (1 - |t|)^2 along, times the ramp at +inner less that at -inner
- *            across
- *   image    bilinear sample, 0 outside; one quad a channel where their
- *            scales differ
- */
+/* Distance in [0, 1] that by_place measures, of a light at (x, y). */
+double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
+                            double y, struct gp_rect display);
+
+/* Factor of an element's brightness in a frame. */
+double gp_flare_flicker(const struct gp_flare_element *e, int frame);
 
 /* Texture of an image at half size, `level` times. */
 struct gp_flare_level {
@@ -153,35 +191,40 @@ struct gp_flare_level {
                                  // finite or not over 0: draws nothing
 };
 
+/* The level at which `size` of the longer side in pixels is not under a pixel
+ * a texel, with its sums. Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
+    const struct gp_flare_image *image, double size,
+    struct gp_flare_level *out);
+
 /* The quad of one element of one light. */
 struct gp_flare_quad {
-    enum gp_flare_shape shape;
     bool plain;
     int element, light;
+    const struct gp_flare_look *look; // NULL: an image
     struct gp_rect rect;  // pixels of the frame that it may reach; not empty
     double x, y;          // place, EXR pixel space
     float base[2];        // centre of pixel (rect.x0, rect.y0) less the place
     float turn[2];        // cosine and sine of the rotation
-    float radius[3];      // pixels, each channel's; image: [0] texels a pixel
-    float inner[3];       // pixels: radius of the hole, distance of the sides,
-                          // half the width; image: [0], [1] the place in texels
+    float radius;         // image: texels a pixel
+    float inner[2];       // image: the place in texels
     int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
     float fraction[2];    // weight is 1 - fraction, and the next one's it
-    float amount[3];      // light where coverage or sample is 1, when clear
-    int sides;
-    const float *edge;    // polygon: nx, ny, 1 / m of each side
-    const struct gp_flare_image *image; // of the quad's level
+    float cut[2];         // radii by which the pupil's rim is moved
+    float dirt[4];        // texels a pixel, and the place in texels
+    float amount[3];      // light where the value or sample is 1, when clear
+    const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
 struct gp_flare_quads {
     struct gp_flare_quad *at;     // owned; in the order of lights, elements
     int n;
-    float *edge;                  // owned; GP_FLARE_EDGE floats an element
+    struct gp_flare_look *look;   // owned; room for one a quad
+    int looks;
+    int *last;                    // owned; last look of each element, from 1
     struct gp_flare_level *level; // owned; one an element
     int elements;
 };
-
-enum { GP_FLARE_SIDES = 64, GP_FLARE_EDGE = 3 * GP_FLARE_SIDES };
 
 /* All that is not empty, at full visibility; with `clear` only of lights whose
  * visibility is over 0. Elements of f are not needed afterwards, but plain
@@ -192,8 +235,8 @@ GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
     struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out);
 void gp_flare_quads_free(struct gp_flare_quads *quads);
 
-/* The pixels of `frame` (data window) that element e may reach for light l;
- * empty when it reaches none. `display` gives centre and height. */
+/* The pixels of `frame` (data window) that element e, as light l sees it, may
+ * reach; empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
 
@@ -202,10 +245,18 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
 bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
                    int *x1);
 
-/* Adds amount * coverage of channel c in row y to out[0] = column x0, and on
+/* The same of an image's channel c: adds amount * sample in row y to out[0] = column x0, and on
  * to x1; both inside the quad's rect. */
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out);
+
+/* Adds amount * value of all channels in row y to out[c][0] = column x0, and on
+ * to x1; both inside the quad's rect. The quad has a look. */
+void gp_flare_look_row(const struct gp_flare_quad *q, int y, int x0, int x1,
+                       const float amount[3], float *const out[3]);
+
+/* Bilinear sample at a place in texels; 0 outside. */
+float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y);
 
 // -- lights as sources and sprites (stage_light.c) ---------------------------
 

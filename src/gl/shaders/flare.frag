@@ -1,74 +1,22 @@
-// Coverage of a pixel by a lens-flare element; the formulas are those of
-// sun/sun_priv.h.
+// Image of a lens-flare element.
 //
-// in   ROUND, POLYGON, STREAK, IMAGE or PLAIN, one of which is defined
-//      edges  polygon: texel (k, sides.y) is side k: nx, ny, 1 / m
-//      image  IMAGE, PLAIN: texels in a border of one of 0
+// in   IMAGE: turned and scaled, or PLAIN: at its own pixels
+//      image  texels in a border of one of 0
 //             the rest is flare.vert's
 // out  scene-linear rgb to be added to the target; a is not used
-// CPU twin: flare_cpu.c
+// CPU twin: flare_image.c
 flat in ivec2 origin;
 flat in vec2 base;
 flat in vec2 turn;
 flat in vec3 radius;
 flat in vec3 inner;
 flat in vec3 light;
-flat in ivec2 sides;
 
 out vec4 flare;
 
-vec3 clamp1(vec3 v)
-{
-    return clamp(v, vec3(0.0), vec3(1.0));
-}
-
-#ifdef ROUND
-vec3 cover_of(vec2 p)
-{
-    float rho = sqrt(p.x * p.x + p.y * p.y);
-    float m = max(abs(p.x), abs(p.y));
-    float slope = max(rho, 1e-20) / max(m, 1e-20);
-    return clamp1(min(radius, vec3(0.5)) + (radius - rho) * slope) -
-           clamp1(min(inner, vec3(0.5)) + (inner - rho) * slope);
-}
-#endif
-
-#ifdef POLYGON
-uniform sampler2D edges;
-
-vec3 cover_of(vec2 p)
-{
-    float rho = sqrt(p.x * p.x + p.y * p.y);
-    float near = min(inner.r, min(inner.g, inner.b)) - 1.0;
-    float far = max(radius.r, max(radius.g, radius.b)) + 1.0;
-    vec3 cover = vec3(rho < far ? 1.0 : 0.0);
-    int n = rho >= near && rho < far ? sides.x : 0;
-    for (int i = 0; i < n; i++) {
-        vec3 side = texelFetch(edges, ivec2(i, sides.y), 0).xyz;
-        float d = side.x * p.x + side.y * p.y;
-        cover = min(cover, vec3(0.5) + (inner - d) * side.z);
-    }
-    return max(cover, vec3(0.0));
-}
-#endif
-
-#ifdef STREAK
-vec3 cover_of(vec2 p)
-{
-    float steep = 1.0 / max(abs(turn.x), abs(turn.y));
-    float v = abs(p.x * turn.y + p.y * turn.x);
-    vec3 share = vec3(1.0) / radius;
-    vec3 fade = max(vec3(1.0) - abs(p.x * turn.x - p.y * turn.y) * share,
-                    vec3(0.0));
-    vec3 cover = clamp1(vec3(0.5) + (inner - v) * steep) -
-                 clamp1(vec3(0.5) - (inner + v) * steep);
-    return cover * (fade * fade);
-}
-#endif
-
-#if defined(IMAGE) || defined(PLAIN)
 uniform sampler2D image;
 
+#ifdef PLAIN
 // Texels t, t + 1 weighted by `part`: a GPU's own filter has 8 bits of it.
 vec3 sample_of(ivec2 t, vec2 part)
 {
@@ -78,9 +26,7 @@ vec3 sample_of(ivec2 t, vec2 part)
                      texelFetch(image, t + ivec2(1, 1), 0).rgb, part.x);
     return mix(upper, lower, part.y);
 }
-#endif
-
-#ifdef IMAGE
+#else
 vec3 cover_of(vec2 p)
 {
     vec2 scaled = turn * radius.x;

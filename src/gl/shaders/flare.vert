@@ -1,19 +1,20 @@
-// Lens-flare elements: a quad for each element of each light, shut where the
+// Images of lens-flare elements: a quad for each of each light, shut where the
 // light is hidden (Maughan 2002: the intensity map is fetched, and nothing is
 // read back).
 //
 // in   quads      five texels each, quad after quad, row after row:
 //                 0  target pixels of the element's rect, before `tile`
 //                 1  first pixel's centre less the place; cosine and sine
-//                 2  radius of each channel; the light's number
-//                 3  inner of each channel (sun/sun_priv.h); polygon's sides
-//                 4  amount of each channel; row of `edges`
+//                 2  IMAGE: texels a pixel; PLAIN: texel of the rect's corner;
+//                    the light's number
+//                 3  IMAGE: the place in texels; PLAIN: part of a texel
+//                 4  amount of each channel
 //      intensity  texel (i, 0) of light i: visibility = r / g, 0 where g is 0
 //      first      x: first quad of the draw
 //      tile       pixel of the rects' coordinates at the target's corner
 //      size       of the target
-// out  quads cut to the target; streaks' are turned
-// CPU twin: flare_cpu.c
+// out  quads cut to the target
+// CPU twin: flare_image.c
 uniform sampler2D quads;
 uniform sampler2D intensity;
 uniform ivec2 first;
@@ -25,8 +26,7 @@ flat out vec2 base;    // its centre less the place
 flat out vec2 turn;
 flat out vec3 radius;
 flat out vec3 inner;
-flat out vec3 light;   // at a coverage of 1
-flat out ivec2 sides;  // of a polygon; row of its edges
+flat out vec3 light;   // at a sample of 1
 
 const int TEXELS = 5; // the same as in flare_gl.c
 
@@ -53,23 +53,13 @@ void main()
     radius = far.rgb;
     inner = near.rgb;
     light = amount.rgb * visibility;
-    sides = ivec2(near.a, amount.a);
 
     ivec2 corner = quad_corner(gl_VertexID);
     if (!(visibility > 0.0)) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;
     }
-#ifdef STREAK
-    float along = max(radius.r, max(radius.g, radius.b)) + 1.0;
-    float across = max(inner.r, max(inner.g, inner.b)) + 1.5;
-    vec2 q = vec2(2 * corner - 1) * vec2(along, across);
-    vec2 at = vec2(origin) + 0.5 - base +
-              vec2(q.x * turn.x + q.y * turn.y, q.y * turn.x - q.x * turn.y);
-    gl_Position = vec4((2.0 * at - vec2(size)) / vec2(size), 0.0, 1.0);
-#else
     ivec2 low = clamp(origin, ivec2(0), size);
     ivec2 high = clamp(ivec2(rect.zw) - tile, ivec2(0), size);
     gl_Position = clip_of_corner(low + (high - low) * corner, size);
-#endif
 }

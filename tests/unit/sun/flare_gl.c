@@ -6,14 +6,14 @@
 struct stage {
     struct gp_gl *gl;
     struct gp_flare_gl *kept;
-    struct gp_flare_element e[COUNT(laws) + 4];
+    struct gp_flare_element e[4];
     struct gp_flare all;
 };
 
 static void open_stage(struct stage *s)
 {
     *s = (struct stage) {.gl = open_or_skip(GP_GL_AUTO)};
-    s->all = all_shapes(s->e);
+    s->all = all_images(s->e);
 }
 
 static void close_stage(struct stage *s)

@@ -14,26 +14,26 @@ static void lights_by_text(void **state)
         struct gp_light_spec want;
     } row[] = {
         {"{'pixel': [3, -4.5]}",
-         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'world': [1, 2, 3], 'name': 'lamp'}",
-         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "lamp"}},
         {"{'direction': [0, 0, 1e-9]}",
-         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'direction': [0, 0, 1], 'radius': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'direction': [0, 0, 1], 'degrees': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}, ""}},
         {"{'pixel': [0, 0], 'radius': 0, 'depth': 0, 'bias': 0}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}, ""}},
         {"{'pixel': [0, 0], 'depth': 1e30, 'bias': 1, 'flux': 1e12}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, 1e30, 1,
-          {1e12f, 1e12f, 1e12f}}},
+          {1e12f, 1e12f, 1e12f}, ""}},
         {"{'pixel': [0, 0], 'flux': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}, ""}},
         {"{'pixel': [0, 0], 'flux': 4, 'color': [1, 0.5, 0]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}, ""}},
         {"{'pixel': [0, 0], 'color': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
     };
     for (size_t i = 0; i < 2 * COUNT(row); i++) { // both forms of a file
         const struct gp_light_spec *want = &row[i / 2].want;
@@ -52,6 +52,7 @@ static void lights_by_text(void **state)
                     (isnan(got->depth) && isnan(want->depth)));
         assert_true(got->bias == want->bias);
         assert_memory_equal(got->flux, want->flux, sizeof got->flux);
+        assert_string_equal(got->name, want->name);
         gp_free(got);
     }
 }

@@ -248,6 +248,10 @@ static inline struct gp_flare_element whole(struct gp_flare_element e)
     static const float colour[3] = {0.5f, 0.25f, 0.125f};
     e.width = e.width > 0.0 ? e.width : 0.1;
     e.sides = e.sides ? e.sides : 6;
+    e.count = e.count ? e.count : 1;
+    e.aspect = e.aspect > 0.0 ? e.aspect : 1.0;
+    e.completion = e.completion > 0.0 ? e.completion : 1.0;
+    e.falloff = e.falloff > 0.0 ? e.falloff : 6.0;
     memcpy(e.colour, colour, sizeof colour);
     for (int c = 0; c < 3; c++)
         e.scale[c] = e.scale[c] > 0.0f ? e.scale[c] : 1.0f;
@@ -305,6 +309,17 @@ static inline struct gp_flare_image image_make(int w, int h, double cx,
     return m;
 }
 
+static inline struct gp_flare all_images(struct gp_flare_element out[4])
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = ELEMENT(.shape = GP_FLARE_IMAGE, .plain = i == 0,
+            .at = 0.7 * i, .rotation = 20.0 * i, .size = 0.3 / (1 + i));
+        out[i].image = image_make(80 + i, 40 + 9 * i, 40.0, 20.0, i > 1);
+        out[i].scale[2] = i == 3 ? 1.25f : 1.0f;
+    }
+    return (struct gp_flare) {.element = out, .n = 4};
+}
+
 static inline struct gp_flare all_shapes(struct gp_flare_element *out)
 {
     int n = 0;
@@ -312,13 +327,7 @@ static inline struct gp_flare all_shapes(struct gp_flare_element *out)
         out[n] = whole(laws[n]);
         out[n].at = 0.2 * n - 1.0;
     }
-    for (int i = 0; i < 4; i++, n++) {
-        out[n] = ELEMENT(.shape = GP_FLARE_IMAGE, .plain = i == 0,
-            .at = 0.7 * i, .rotation = 20.0 * i, .size = 0.3 / (1 + i));
-        out[n].image = image_make(80 + i, 40 + 9 * i, 40.0, 20.0, i > 1);
-        out[n].scale[2] = i == 3 ? 1.25f : 1.0f;
-    }
-    return (struct gp_flare) {.element = out, .n = n};
+    return (struct gp_flare) {.element = out, .n = n + all_images(out + n).n};
 }
 
 static inline void free_images(struct gp_flare_element *e, int n)
