@@ -312,9 +312,9 @@ static void disc_value(const void *ctx, double t, double out[3])
 }
 
 static const struct gp_model_key circle_keys[] = {
-    GP_MODEL_SHARE(1.0),
+    GP_MODEL_SHARE(0.04),
     {"size", "diameter, degrees", 1.5, 0.01, 90.0, NULL, false},
-    {"soft", "width of its edge, share of the radius", 0.08, 0.01, 1.0, NULL,
+    {"soft", "width of its edge, share of the radius", 0.25, 0.01, 1.0, NULL,
      false},
     {"rim", "how much brighter its rim is", 0.4, 0.0, 10.0, NULL, false},
     {0},
@@ -371,7 +371,7 @@ static void halo_value(const void *ctx, double t, double out[3])
 }
 
 static const struct gp_model_key ring_keys[] = {
-    GP_MODEL_SHARE(0.07),
+    GP_MODEL_SHARE(0.04),
     {"radius", "of the first bright ring at 550 nm, degrees", 2.4, 0.02, 29.0,
      NULL, false},
     {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL,

@@ -371,8 +371,10 @@ static void what_cannot_be_is_refused(void **state)
  * the screen, in its place, and each channel's sum stays. */
 static void halos_are_round_on_the_screen(void **state)
 {
-    static const char *const names[] = {"circle", "ring", "moffat:beta=4,share=1",
-                                        "gaussian:share=1", NULL};
+    static const char *const names[] = {
+        "circle:share=1,soft=0.08", "ring:share=0.07", "moffat:beta=4,share=1",
+        "gaussian:share=1", NULL,
+    };
     static const float aspects[] = {2.0f, 0.5f, 1.3333f, 0.9f, 4.0f};
     for (size_t n = 0; n < COUNT(names); n++) {
         for (size_t i = 0; i < 2 * COUNT(aspects); i++) {

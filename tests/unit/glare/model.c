@@ -214,7 +214,8 @@ static void resolution_does_not_matter(void **state)
         {"spencer", 4e-6}, {"spencer:light=scotopic", 4e-6},
         {"cie:age=70", 1e-4}, {"cie:equation=general", 2e-3},
         {"moffat:share=1", 1e-6}, {"gaussian:share=1", 1e-6},
-        {"gaussian:share=1,fwhm=0.05", 1e-6}, {"circle", 2e-3},
+        {"gaussian:share=1,fwhm=0.05", 1e-6},
+        {"circle:share=1,soft=0.08", 2e-3},
         {"ring:share=1", 3e-4}, {"star:share=1", 2e-3},
         {"streak:share=1", 2e-3},
     };

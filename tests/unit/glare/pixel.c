@@ -9,7 +9,9 @@
 /* Kernel n of the table below: with holes, to one side, dark in a channel. */
 static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
 {
-    static const char *const names[] = {"star:length=1,share=1", "circle", "ring", "eye"};
+    static const char *const names[] = {
+        "star:length=1,share=1", "circle:share=1,soft=0.08", "ring", "eye",
+    };
     struct gp_kernel_params p = {0};
     struct gp_kernel k;
     if (n < 4)
