@@ -87,9 +87,10 @@ def attribute(name, kind, data):
 
 
 def given_attribute(text):
-    # a name may have colons too
+    # a name may have colons too: it ends before a type
     name, kind, value = re.match(
-        "(.+?):(string|stringvector|float|int|rational|v2f|m44f):(.*)", text,
+        "(.+?):(string|stringvector|float|int|rational|v2f|m44f|chromaticities|"
+        "chlist|deepImageState|idmanifest|keycode|preview):(.*)", text,
         re.S).groups()
     if kind == "string":
         return attribute(name, kind, value.encode())
