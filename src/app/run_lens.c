@@ -79,7 +79,7 @@ static double sensor_width(const struct gp_run *r, struct gp_frame_state *fs,
 // -- lights -------------------------------------------------------------------
 
 /* Groups of sources: blocks of the frame, of which the brightest are lights. */
-enum { BLOCK = 16, GROUPS = 100 };
+enum { BLOCK = 16, GROUPS = 100, FEW = 8 };
 
 static double light_of(const struct gp_sources *s, const double rgb[3])
 {
@@ -178,6 +178,8 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
         .chromaticities = f->chromaticities, .luminance = f->luminance,
         .mean = gp_log_average(f, &f->rgb),
         .tolerance = (double) r->s->glare.tolerance,
+        // hidden lights count, so that nothing changes as they appear
+        .fine = r->suns.n > 0 && r->suns.n <= FEW,
     };
     facts->name = r->lens.name;
     facts->sensor = width;

@@ -61,14 +61,15 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
     }
     const double step = (x1 - x0) / (y1 - y0);
     const double from = most(y0, k->y0), to = least(y1, k->y1);
-    double x = x0 + step * (from - y0);
-    for (double y = from; y < to;) {
-        const int row = (int) floor(y);
+    const double low = least(x0, x1), high = most(x0, x1);
+    double x = least(most(x0 + step * (from - y0), low), high);
+    int row = (int) from; // over 0
+    double *at = k->v + 3 * (size_t) (row - k->top) * (size_t) (k->w + 2);
+    for (double y = from; y < to; row++, at += 3 * (k->w + 2)) {
         const double next = least(row + 1.0, to);
-        const double after = least(most(x + step * (next - y), 0.0), k->w);
-        x = least(most(x, 0.0), k->w);
-        add_in_row(k->v + 3 * (size_t) (row - k->top) * (size_t) (k->w + 2),
-                   least(x, after), most(x, after), sign * (next - y), light);
+        const double after = least(most(x + step * (next - y), low), high);
+        add_in_row(at, least(x, after), most(x, after), sign * (next - y),
+                   light);
         x = after;
         y = next;
     }
@@ -79,7 +80,8 @@ static void add_clipped(const struct gp_lens_cover *k, double x0, double y0,
                         double x1, double y1, const double light[3])
 {
     const double side[2] = {0.0, k->w};
-    if (!(most(y0, y1) > k->y0 && least(y0, y1) < k->y1))
+    if (!(most(y0, y1) > k->y0 && least(y0, y1) < k->y1) ||
+        least(x0, x1) >= k->w) // what lies to its right is not seen
         return;
     for (int i = 0; i < 2; i++) {
         if ((x0 < side[i]) == (x1 < side[i]))

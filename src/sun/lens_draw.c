@@ -43,6 +43,9 @@ struct item {
     struct gp_lens_mesh mesh;
     struct gp_lens_blades blades;
     double flux[3], turn[2], u;
+    double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
+                                          // and across the light's axis, and
+                                          // of the lens's axis
     double y0, y1;     // pixels of the layer that it covers
     int set, level;
 };
@@ -175,15 +178,16 @@ static int choose(const struct job *job, const struct gp_lens_ghost *ghost,
 
 // -- places -------------------------------------------------------------------
 
-/* From the sensor to pixels of the layer, in a light's own axes. */
-static void to_pixels(const struct job *job, const struct item *it, double x,
-                      double y, double out[2])
+static void place_axes(const struct gp_lens_view *v, struct item *it)
 {
-    const struct gp_lens_view *const v = job->view;
-    const double cx = 0.5 * ((double) v->display.x0 + (double) v->display.x1);
-    const double cy = 0.5 * ((double) v->display.y0 + (double) v->display.y1);
-    out[0] = cx - v->frame.x0 + (it->turn[0] * x - it->turn[1] * y) / v->mm[0];
-    out[1] = cy - v->frame.y0 + (it->turn[1] * x + it->turn[0] * y) / v->mm[1];
+    it->along[0] = it->turn[0] / v->mm[0];
+    it->along[1] = it->turn[1] / v->mm[1];
+    it->aside[0] = -it->turn[1] / v->mm[0];
+    it->aside[1] = it->turn[0] / v->mm[1];
+    it->middle[0] = 0.5 * ((double) v->display.x0 + (double) v->display.x1) -
+                    v->frame.x0;
+    it->middle[1] = 0.5 * ((double) v->display.y0 + (double) v->display.y1) -
+                    v->frame.y0;
 }
 
 static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
@@ -218,23 +222,27 @@ static void place_item(const struct job *job, const struct gp_lens_ghost *g,
             apart = fmax(apart, hypot(c->x - a->x, c->y - a->y) / pixel);
         for (int k = 0; k < 2 * GP_LENS_NODES; k++) {
             const struct gp_lens_hit *const h = k < 2 ? a : k < 4 ? b : c;
-            double p[2];
-            to_pixels(job, it, h->x, k % 2 ? -h->y : h->y, p);
-            x0 = fmin(x0, p[0]);
-            x1 = fmax(x1, p[0]);
-            it->y0 = fmin(it->y0, p[1]);
-            it->y1 = fmax(it->y1, p[1]);
+            const double aside = k % 2 ? -h->y : h->y;
+            const double x = it->middle[0] + h->x * it->along[0] +
+                             aside * it->aside[0];
+            const double y = it->middle[1] + h->x * it->along[1] +
+                             aside * it->aside[1];
+            x0 = fmin(x0, x);
+            x1 = fmax(x1, x);
+            it->y0 = fmin(it->y0, y);
+            it->y1 = fmax(it->y1, y);
         }
     }
     // bands reach beyond the nodes; a step must not hide the size
     const double size = fmax(x1 - x0, it->y1 - it->y0);
-    const double finest = fmin(0.7 * g->blur / pixel, size / 24.0);
+    const double finest = fmin((job->view->fine ? 0.35 : 0.7) * g->blur / pixel,
+                               size / 24.0);
     it->level = 0;
     while (it->level + 1 < LEVELS && 2 << it->level <= finest)
         it->level++;
     it->set = 0;
-    while (it->set + 1 < SETS && apart > 2.0 * (1 << it->level) *
-                                             bands_of_set[it->set])
+    const double most = (job->view->fine ? 1.5 : 3.0) * (1 << it->level);
+    while (it->set + 1 < SETS && apart > most * bands_of_set[it->set])
         it->set++;
     it->y0 -= apart + 2.0;
     it->y1 += apart + 2.0;
@@ -266,11 +274,15 @@ static gp_status trace_item(void *ctx, int i, int thread)
         it->turn[1] = y / away;
     }
     memcpy(it->flux, light->flux, sizeof it->flux);
+    place_axes(v, it);
     it->blades = gp_lens_blades_of(job->lens, atan2(it->turn[1], it->turn[0]));
     gp_lens_path(job->lens, g->first, g->second, &path);
     const gp_status st = gp_lens_mesh_make(NULL, job->optics, &path,
-                                           &it->blades, it->u, v->tolerance,
-                                           fmax(g->blur, v->mm[0]),
+                                           &it->blades, it->u,
+                                           v->fine ? fmin(v->tolerance, 5e-4)
+                                                   : v->tolerance,
+                                           (v->fine ? 0.25 : 1.0) *
+                                               fmax(g->blur, v->mm[0]),
                                            &it->mesh);
     if (!st && it->mesh.cells)
         place_item(job, g, it);
@@ -287,30 +299,28 @@ struct rays {
     double density[GP_LENS_CELLS * GP_LENS_CELLS / 2];
 };
 
-static void make_rays(const struct job *job, const struct item *it,
-                      const struct band *b, double step, struct rays *out)
+static void make_rays(const struct item *it, const struct band *b, double step,
+                      struct rays *out)
 {
     const int n = (it->mesh.cells + 1) * (it->mesh.cells / 2 + 1);
+    const double per = 1.0 / step;
     for (int i = 0; i < n; i++) {
-        double x = 0.0, y = 0.0;
-        out->through[i] = 0.0;
+        double x = 0.0, y = 0.0, through = 0.0;
         bool whole = true;
         for (int k = 0; k < GP_LENS_NODES; k++) {
-            const struct gp_lens_hit *const h = &rays_of(&it->mesh, k)[i];
+            const struct gp_lens_hit *const h = &it->mesh.hit[k * n + i];
             x += b->of_node[k] * h->x;
             y += b->of_node[k] * h->y;
-            out->through[i] += b->of_node[k] * (double) h->through;
+            through += b->of_node[k] * (double) h->through;
             whole = whole && h->through >= 0.0f;
         }
-        out->through[i] = whole ? fmax(out->through[i], 0.0) : -1.0;
-        out->clear[i] = gp_lens_is_clear(
-            &it->blades, it->mesh.passes,
-            &rays_of(&it->mesh, GP_LENS_NODES / 2)[i]);
+        out->through[i] = !whole ? -1.0 : through > 0.0 ? through : 0.0;
         for (int half = 0; half < 2; half++) {
-            to_pixels(job, it, x, half ? -y : y, out->p[i][half]);
+            const double aside = half ? -y : y;
             // the accumulator begins a step before the frame
-            out->p[i][half][0] = out->p[i][half][0] / step + 1.0;
-            out->p[i][half][1] = out->p[i][half][1] / step + 1.0;
+            for (int e = 0; e < 2; e++)
+                out->p[i][half][e] = (it->middle[e] + x * it->along[e] +
+                                      aside * it->aside[e]) * per + 1.0;
         }
     }
 }
@@ -405,6 +415,7 @@ static void draw_half(const struct item *it, struct rays *rays, int half,
             const double *p[4];
             bool arrives = true, passes = false, clear = true;
             double low = INFINITY, high = -INFINITY, through = 0.0;
+            double left = INFINITY, right = -INFINITY;
             for (int e = 0; e < 4; e++) {
                 p[e] = rays->p[at[e]][half];
                 arrives = arrives && rays->through[at[e]] >= 0.0;
@@ -412,10 +423,13 @@ static void draw_half(const struct item *it, struct rays *rays, int half,
                 clear = clear && rays->clear[at[e]];
                 low = low < p[e][1] ? low : p[e][1];
                 high = high > p[e][1] ? high : p[e][1];
+                left = left < p[e][0] ? left : p[e][0];
+                right = right > p[e][0] ? right : p[e][0];
                 through += 0.25 * rays->through[at[e]];
             }
             *density = 0.0;
-            if (!arrives || !passes || !(high > k->y0 && low < k->y1))
+            if (!arrives || !passes || !(high > k->y0 && low < k->y1) ||
+                !(right > 0.0 && left < k->w))
                 continue;
             if (clear)
                 *density = density_of(p, through, dx * dy);
@@ -501,11 +515,15 @@ static gp_status draw_rows(void *ctx, int part, int thread)
             .v = a->v + 3 * (size_t) top * (size_t) (a->w + 2), .w = a->w,
             .top = top, .y0 = top, .y1 = end,
         };
+        const struct gp_lens_mesh *const m = &it->mesh;
+        for (int e = 0; e < (m->cells + 1) * (m->cells / 2 + 1); e++)
+            rays->clear[e] = gp_lens_is_clear(
+                &it->blades, m->passes, &rays_of(m, GP_LENS_NODES / 2)[e]);
         for (int i_band = 0; i_band < bands_of_set[it->set]; i_band++) {
             const struct band *const b = &job->band[it->set][i_band];
             double light[3];
             light_of_band(it, b, step, light);
-            make_rays(job, it, b, step, rays);
+            make_rays(it, b, step, rays);
             draw_half(it, rays, 0, light, &k);
             draw_half(it, rays, 1, light, &k);
         }

@@ -35,6 +35,8 @@ struct gp_lens_view {
     double tolerance;          // ghosts are left out that together stay under
                                // this share of `mean` at every pixel, by first
                                // order; error of meshes
+    bool fine;                 // meshes and bands as for a few lights: several
+                               // times the time
 };
 
 struct gp_lens_stats {

@@ -417,7 +417,7 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_blades *blades, double u, double tolerance,
     double step, struct gp_lens_mesh *out)
 {
-    enum { FIRST = 16, FITS = 5, MIDDLE = GP_LENS_NODES / 2 };
+    enum { COARSE = 12, FIRST = 16, FITS = 5, MIDDLE = GP_LENS_NODES / 2 };
     const struct gp_lens *const lens = optics->lens;
     const double front = lens->at[0].semi;
     // coarser where an error of 1e-3 is allowed
@@ -432,15 +432,16 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         return GP_OK;
     int fitted = 0;
     bool found = false;
-    for (m.cells = FIRST; m.cells <= most;) {
+    for (m.cells = COARSE; m.cells <= most;) {
         const size_t rays = (size_t) (m.cells + 1) *
                             (size_t) (m.cells / 2 + 1);
         GP_FREE(hit);
         GP_TRY(gp_alloc(log, "rays of a lens", rays, sizeof *hit, &hit));
         trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
-        if (m.cells == FIRST && fitted < FITS) {
+        if (fitted < FITS) {
             // aberrations reach beyond first order, or stay within
             fitted = fit(hit, front, &m) ? FITS : fitted + 1;
+            m.cells = fitted < FITS ? COARSE : FIRST;
             continue;
         }
         const struct sum fine = sum_of(&m, blades, hit, 1);
@@ -452,8 +453,9 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
                                         fine.lost) / fine.light,
                                    fabs(fine.area - coarse.area) / fine.area);
         // a change of the area of a disc of radius r moves its edge by half of
-        // it times r, and the finer mesh is off by a third of the change
-        const double seen = 3.0 * step * sqrt(acos(-1.0) / fine.area);
+        // it times r, and the finer mesh is off by a third of the change: by
+        // a step at most
+        const double seen = 6.0 * step * sqrt(acos(-1.0) / fine.area);
         if (m.cells * 2 > most ||
             change <= fmax(10.0 * tolerance, seen)) {
             out->scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
