@@ -229,7 +229,7 @@ static struct gp_field find_field(const struct gp_run *r,
     return field;
 }
 
-/* How the frame uses the kernel: of several recipes, with the light that files
+/* The frame's use of the kernel: of several recipes, with the light that files
  * among them miss. */
 static struct gp_kernel_use use_of(const struct gp_run *r,
                                    const struct gp_frame_state *fs)

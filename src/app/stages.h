@@ -68,8 +68,8 @@ GP_MUST_CHECK gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out);
 void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
 
-/* How image[0] becomes a kernel, where there are no recipes: by --kernel-... ,
- * but a file of glarepp kernel as it is, unless --kernel-normalize is given. */
+/* Settings by which image[0] becomes a kernel, without recipes: those of
+ * --kernel-..., but a file of glarepp kernel as it is, unless --kernel-normalize is given. */
 struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
                                          const struct gp_wanted_kernel *k);
 

@@ -92,7 +92,7 @@ struct gp_candidate {
     double ms;                    // predicted for this frame, set-up included;
                                   // INFINITY: not a candidate
     double later_ms;              // predicted without set-up, <= ms; with it
-                                  // where the kernel changes with the frames
+                                  // for kernels that change with the frames
     bool more;                    // ms is a lower limit
     double bound;                 // of rel_l2; NAN: not asked. Raised over the
                                   // tolerance where `pixel` exceeds its own

@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979323846;
  * less than 1e-3. */
 enum { SUMMED = 128 };
 
-// -- how lights change elements ------------------------------------------------
+// -- changes of elements by lights ---------------------------------------------
 
 /* Centre of the display. */
 static void centre_of(struct gp_rect display, double *x, double *y)

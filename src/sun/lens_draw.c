@@ -81,7 +81,7 @@ static void lagrange(double nm, double out[GP_LENS_NODES])
     }
 }
 
-/* Where the eye sees next to nothing, no curve is followed. */
+/* No curve is followed below the least light that an eye sees. */
 static double seen(double nm)
 {
     return nm > 420.0 ? (nm < 680.0 ? nm : 680.0) : 420.0;

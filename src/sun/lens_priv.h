@@ -21,7 +21,7 @@ struct gp_lens_optics {
     float reflected[GP_LENS_SURFACES][2][GP_LENS_TABLE + 2];
 };
 
-/* Where a ray lands. */
+/* The place at which a ray lands. */
 struct gp_lens_hit {
     double x, y;     // on the sensor
     float through;   // share of the ray's light; negative: it does not arrive

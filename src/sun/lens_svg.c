@@ -5,7 +5,7 @@
 
 enum { RAYS = 9, ARC = 24 };
 
-/* How far a surface of that height bulges towards the sensor. */
+/* Distance by which a surface of that height bulges towards the sensor. */
 static double sag(const struct gp_lens_surface *s, double height)
 {
     const double c = s->curvature, root = 1.0 - c * c * height * height;

@@ -12,7 +12,7 @@
 #include <fftw3.h>
 #include <stddef.h>
 
-// -- fftw.c: FFTW by dlopen; a run without a transform never loads it --------
+// -- pass.c: FFTW by dlopen; a run without a transform never loads it --------
 
 /* The functions of one precision; P is its prefix, real its scalar type. */
 #define GP_FFTW_TABLE(name, P)                                                \
@@ -56,7 +56,7 @@ GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);
 void gp_fft_plan_free(struct gp_fft_plan_pair *p);
 
-// -- pass.c ------------------------------------------------------------------
+// -- pass.c: passes ----------------------------------------------------------
 
 /* The passes of the two-dimensional convolution by Fourier transforms.
  *

@@ -387,7 +387,7 @@ struct gp_field gp_field_of(const struct gp_frame *f, double fov)
 
 // -- kernels of a sequence ----------------------------------------------------
 
-/* What the kernel before was made of. */
+/* The recipes and fields of the kernel before. */
 struct gp_model_kept {
     struct mixture m;
     struct gp_field field;

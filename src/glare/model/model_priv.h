@@ -61,7 +61,7 @@ extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_circle, gp_model_ring;                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
     gp_model_streak;                                              // rays.c
-extern const struct gp_model gp_model_image;                      // image.c
+extern const struct gp_model gp_model_image;                      // drawn.c
 
 /* The recipe's value of a key of its model, by name. */
 static inline double gp_recipe_value(const struct gp_recipe *r,
@@ -120,7 +120,7 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
 
-// -- deposit.c ----------------------------------------------------------------
+// -- quadrature.c: deposits ----------------------------------------------------
 
 /* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light
  * that is even over a pixel and moved by (u, v) pixels falls on pixel (x, y) by

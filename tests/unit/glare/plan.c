@@ -336,7 +336,7 @@ static void run_auto_once(struct scene *s, struct gp_glare *g)
     assert_ok(gp_glare_run(NULL, &p, g, &s->src, &s->k, &s->f, &stats));
 }
 
-/* Where the kernel is another in each frame, its spectrum and its tail's count
+/* For a kernel that is another in each frame, its spectrum and its tail's count
  * in the frames to come; where it stays, they do not. */
 static void kernels_that_move_cost_each_time(void **state)
 {

@@ -165,7 +165,7 @@ static void seeds_decide(void **state)
         picture_free(&p[i]);
 }
 
-// -- how lights change elements --------------------------------------------------
+// -- changes of elements by lights -----------------------------------------------
 
 static void transforms_follow_the_light(void **state)
 {

@@ -91,7 +91,7 @@ static void refuses_lenses(void **state)
     assert_kept("nosuchlens");
 }
 
-/* What the files claim is what their surfaces make. */
+/* The claims of the files are the figures of their surfaces. */
 static void meets_claims(void **state)
 {
     for (size_t i = 0; i < COUNT(installed); i++) {

@@ -143,7 +143,7 @@ static void faint_ghosts_are_counted(void **state)
     assert_int_equal(stats[0].left_out, 0);
     assert_true(stats[1].left_out < stats[2].left_out);
     assert_int_equal(stats[3].drawn, 0);
-    // what is drawn is less than the image's light, by far
+    // the drawn light is less than the image's, by far
     assert_true(stats[0].light[1] > 0.0 && stats[0].light[1] < 0.01 * 1e3);
 }
 
