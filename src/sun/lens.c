@@ -25,7 +25,8 @@ double gp_lens_index(double n, double v, double nm)
 static double of_layer(double r1, double r2, double twice)
 {
     const double both = 2.0 * r1 * r2 * cos(twice);
-    return (r1 * r1 + r2 * r2 + both) / (1.0 + r1 * r1 * r2 * r2 + both);
+    const double all = 1.0 + r1 * r1 * r2 * r2 + both;
+    return all > 0.0 ? (r1 * r1 + r2 * r2 + both) / all : 1.0;
 }
 
 double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
@@ -172,6 +173,10 @@ gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
         return gp_fail(log, GP_ERR_DATA, "%s: does not collect light (power "
                        "%g per mm); check the signs of the radii", lens->name,
                        -m.c);
+    // the chief ray, by which places in the picture have slopes
+    if (!(fabs(to_stop.a) > 1e-6))
+        return gp_fail(log, GP_ERR_DATA, "%s: has its stop in a focus; check "
+                       "radii and thicknesses before it", lens->name);
     // a ray from the axis at the object: height = distance * slope
     const double far = isinf(distance) ? 0.0 : 1.0 / distance;
     const double y = m.a + m.b * far, slope = m.c + m.d * far;

@@ -2,6 +2,9 @@
  * and running sums along rows make pixels of it. */
 #include "sun/lens_priv.h"
 
+#include "core/memory.h"
+#include "core/parallel.h"
+
 #include <math.h>
 
 static inline double least(double a, double b)
@@ -140,4 +143,100 @@ void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
         const double *const a = p[i], *const b = p[i + 1 < n ? i + 1 : 0];
         add_clipped(k, a[0], a[1], b[0], b[1], each);
     }
+}
+
+// -- steps --------------------------------------------------------------------
+
+gp_status gp_lens_steps_make(const struct gp_log *log, int w, int h, int step,
+                             struct gp_lens_steps *out)
+{
+    struct gp_lens_steps s = {step, (w + step - 1) / step + 2,
+                              (h + step - 1) / step + 2, NULL};
+    const gp_status st = gp_alloc_zero(
+        log, "ghosts", (size_t) (s.w + 2) * (size_t) (s.h + 2),
+        3 * sizeof *s.v, &s.v);
+    if (!st)
+        *out = s;
+    return st;
+}
+
+static void sum_row(void *ctx, int y, int thread)
+{
+    const struct gp_lens_steps *const s = ctx;
+    double *const row = s->v + 3 * (size_t) y * (size_t) (s->w + 2);
+    (void) thread;
+    for (int i = 3; i < 3 * (s->w + 2); i++)
+        row[i] += row[i - 3];
+}
+
+/* Weights of three steps around a place that is `off` from the middle one's:
+ * the quadratic B-spline, whose sum is 1 everywhere. */
+static void spline(double off, double weight[3])
+{
+    weight[0] = 0.5 * (0.5 - off) * (0.5 - off);
+    weight[1] = 0.75 - off * off;
+    weight[2] = 0.5 * (0.5 + off) * (0.5 + off);
+}
+
+struct adding {
+    const struct gp_lens_steps *steps; // GP_LENS_LEVELS
+    int w;
+    struct gp_planes *layer;
+};
+
+/* Adds steps to a row of the layer, smooth between them. */
+static void add_level(const struct adding *job, const struct gp_lens_steps *s,
+                      int y, double *row)
+{
+    const int stride = 3 * (s->w + 2);
+    const double v = (y + 0.5) / s->step + 0.5;
+    const int near = (int) (v + 0.5);
+    const double *const at = s->v + (size_t) near * (size_t) stride;
+    double down[3] = {0.0, 1.0, 0.0}, across[3] = {0.0, 1.0, 0.0};
+    if (s->step > 1)
+        spline(v - near, down);
+    for (int i = 0; i < stride; i++)
+        row[i] = down[0] * at[i - stride] + down[1] * at[i] +
+                 down[2] * at[i + stride];
+    for (int x = 0; x < job->w; x++) {
+        const double u = (x + 0.5) / s->step + 0.5;
+        const int i = (int) (u + 0.5);
+        const size_t pixel = (size_t) y * (size_t) job->w + (size_t) x;
+        if (s->step > 1)
+            spline(u - i, across);
+        for (int c = 0; c < 3; c++) {
+            const double *const p = row + 3 * i + c;
+            const double sum = across[0] * p[-3] + across[1] * p[0] +
+                               across[2] * p[3];
+            // running sums leave a rounding error of 0
+            if (sum > 1e-30)
+                job->layer->c[c][pixel] += (float) sum;
+        }
+    }
+}
+
+static gp_status add_row(void *ctx, int y, int thread)
+{
+    const struct adding *const job = ctx;
+    double *row;
+    const gp_status st = gp_alloc(NULL, "row", 3 * ((size_t) job->w + 4),
+                                  sizeof *row, &row);
+    (void) thread;
+    for (int l = 0; l < GP_LENS_LEVELS && !st; l++) {
+        if (job->steps[l].v)
+            add_level(job, &job->steps[l], y, row);
+    }
+    gp_free(row);
+    return st;
+}
+
+gp_status gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w,
+                            int h, struct gp_planes *layer)
+{
+    struct adding job = {steps, w, layer};
+    for (int l = 0; l < GP_LENS_LEVELS; l++) {
+        if (steps[l].v)
+            gp_parallel_do(steps[l].h, sum_row, &steps[l]);
+    }
+    return gp_parallel(h, add_row, &job, NULL);
 }

@@ -14,12 +14,11 @@
 static const double pi = 3.14159265358979323846;
 
 enum {
-    LEVELS = 5,        // 1, 2, 4, 8 and 16 pixels a step
     FINE = 48,         // bands that sets of bands join
     SETS = 5,
     MOST_BANDS = 24,
     BAND_ROWS = 256,   // of pixels, drawn by one thread
-    CHUNK = 512,       // ghosts of lights in memory at once
+    CHUNK = 128,       // ghosts of lights in memory at once
 };
 
 /* Wavelengths that the rays have: of blue, green and red. */
@@ -50,11 +49,6 @@ struct item {
     int set, level;
 };
 
-struct accumulator {
-    int step, w, h;
-    double *v;         // owned; NULL: nothing is drawn at this step
-};
-
 struct job {
     const struct gp_log *log;
     const struct gp_lens *lens;
@@ -66,7 +60,7 @@ struct job {
     int kept_n, first; // of the chunk: light * kept_n + ghost
     double scale;      // mm on the sensor for a slope of 1
     struct band band[SETS][MOST_BANDS];
-    struct accumulator level[LEVELS];
+    struct gp_lens_steps level[GP_LENS_LEVELS];
     struct item *item;
     int items;
     struct gp_planes *layer;
@@ -238,7 +232,7 @@ static void place_item(const struct job *job, const struct gp_lens_ghost *g,
     const double finest = fmin((job->view->fine ? 0.35 : 0.7) * g->blur / pixel,
                                size / 24.0);
     it->level = 0;
-    while (it->level + 1 < LEVELS && 2 << it->level <= finest)
+    while (it->level + 1 < GP_LENS_LEVELS && 2 << it->level <= finest)
         it->level++;
     it->set = 0;
     const double most = (job->view->fine ? 1.5 : 3.0) * (1 << it->level);
@@ -503,7 +497,7 @@ static gp_status draw_rows(void *ctx, int part, int thread)
         const struct item *const it = &job->item[i];
         if (it->level < 0)
             continue;
-        const struct accumulator *const a = &job->level[it->level];
+        const struct gp_lens_steps *const a = &job->level[it->level];
         // the first and the last part have the margin too
         const int top = part == 0 ? 0 : part * BAND_ROWS / a->step + 1;
         const int end = part == last ? a->h
@@ -532,87 +526,17 @@ static gp_status draw_rows(void *ctx, int part, int thread)
     return st;
 }
 
-static void sum_row(void *ctx, int y, int thread)
-{
-    const struct accumulator *const a = ctx;
-    double *const row = a->v + 3 * (size_t) y * (size_t) (a->w + 2);
-    (void) thread;
-    for (int i = 3; i < 3 * (a->w + 2); i++)
-        row[i] += row[i - 3];
-}
-
-/* Weights of three steps around a place that is `off` from the middle one's:
- * the quadratic B-spline, whose sum is 1 everywhere. */
-static void spline(double off, double weight[3])
-{
-    weight[0] = 0.5 * (0.5 - off) * (0.5 - off);
-    weight[1] = 0.75 - off * off;
-    weight[2] = 0.5 * (0.5 + off) * (0.5 + off);
-}
-
-/* Adds an accumulator to a row of the layer, smooth between steps. */
-static void add_level(const struct job *job, const struct accumulator *a, int y,
-                      double *row)
-{
-    const int w = gp_rect_w(job->view->frame), stride = 3 * (a->w + 2);
-    const double v = (y + 0.5) / a->step + 0.5;
-    const int near = (int) (v + 0.5);
-    const double *const at = a->v + (size_t) near * (size_t) stride;
-    double down[3] = {0.0, 1.0, 0.0}, across[3] = {0.0, 1.0, 0.0};
-    if (a->step > 1)
-        spline(v - near, down);
-    for (int i = 0; i < stride; i++)
-        row[i] = down[0] * at[i - stride] + down[1] * at[i] +
-                 down[2] * at[i + stride];
-    for (int x = 0; x < w; x++) {
-        const double u = (x + 0.5) / a->step + 0.5;
-        const int i = (int) (u + 0.5);
-        if (a->step > 1)
-            spline(u - i, across);
-        for (int c = 0; c < 3; c++) {
-            const double *const p = row + 3 * i + c;
-            const double sum = across[0] * p[-3] + across[1] * p[0] +
-                               across[2] * p[3];
-            // running sums leave a rounding error of 0
-            if (sum > 1e-30)
-                job->layer->c[c][(size_t) y * (size_t) w + (size_t) x] +=
-                    (float) sum;
-        }
-    }
-}
-
-static gp_status add_row(void *ctx, int y, int thread)
-{
-    const struct job *const job = ctx;
-    const size_t w = (size_t) gp_rect_w(job->view->frame) + 4;
-    double *row;
-    const gp_status st = gp_alloc(NULL, "row", 3 * w, sizeof *row, &row);
-    (void) thread;
-    for (int l = 0; l < LEVELS && !st; l++) {
-        if (job->level[l].v)
-            add_level(job, &job->level[l], y, row);
-    }
-    gp_free(row);
-    return st;
-}
-
 static gp_status make_accumulators(struct job *job)
 {
-    for (int i = 0; i < job->items; i++) {
+    gp_status st = GP_OK;
+    for (int i = 0; i < job->items && !st; i++) {
         const int l = job->item[i].level;
-        if (l < 0 || job->level[l].v)
-            continue;
-        struct accumulator *const a = &job->level[l];
-        a->step = 1 << l;
-        a->w = (gp_rect_w(job->view->frame) + a->step - 1) / a->step + 2;
-        a->h = (gp_rect_h(job->view->frame) + a->step - 1) / a->step + 2;
-        const gp_status st = gp_alloc_zero(
-            job->log, "ghosts", (size_t) (a->w + 2) * (size_t) (a->h + 2),
-            3 * sizeof *a->v, &a->v);
-        if (st)
-            return st;
+        if (l >= 0 && !job->level[l].v)
+            st = gp_lens_steps_make(job->log, gp_rect_w(job->view->frame),
+                                    gp_rect_h(job->view->frame), 1 << l,
+                                    &job->level[l]);
     }
-    return GP_OK;
+    return st;
 }
 
 /* Traces and draws the items of a chunk, and adds up their figures. */
@@ -670,14 +594,14 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     gp_lens_path(lens, -1, -1, &straight);
     GP_TRY(gp_lens_mesh_make(log, optics, &straight, &blades, 0.0, 1e-4,
                              0.0, &mesh));
-    if (!mesh.cells)
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: no light reaches its image; "
-                       "check it by glarepp lens --check", lens->name));
     gp_lens_measure(lens, &figures);
     const struct gp_lens_matrix m = gp_lens_matrix(lens, &straight,
                                                    straight.steps, GP_D_LINE,
                                                    true);
     job.scale = m.b - m.a * figures.pupil_at;
+    if (!mesh.cells || !(job.scale > 0.0 && job.scale < 1e9))
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: no light reaches its image; "
+                       "check it by glarepp lens --check", lens->name));
     make_bands(&job, mesh.flux);
     for (int i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
@@ -694,17 +618,14 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
         job.items = gp_min(n * job.kept_n - i, CHUNK);
         GP_TRY(run_chunk(&job, &stats));
     }
-    for (int l = 0; l < LEVELS; l++) {
-        if (job.level[l].v)
-            gp_parallel_do(job.level[l].h, sum_row, &job.level[l]);
-    }
-    GP_TRY(gp_parallel(gp_rect_h(view->frame), add_row, &job, NULL));
+    GP_TRY(gp_lens_steps_add(job.level, gp_rect_w(view->frame),
+                             gp_rect_h(view->frame), layer));
     const double light_sum = luminance(view, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;
     *out = stats;
 out:
     gp_lens_mesh_free(&mesh);
-    for (int l = 0; l < LEVELS; l++)
+    for (int l = 0; l < GP_LENS_LEVELS; l++)
         gp_free(job.level[l].v);
     gp_free(job.item);
     gp_free(optics);

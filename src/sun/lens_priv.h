@@ -2,6 +2,7 @@
 #ifndef GP_SUN_LENS_PRIV_H
 #define GP_SUN_LENS_PRIV_H
 
+#include "core/frame.h"
 #include "sun/lens.h"
 
 enum {
@@ -127,5 +128,23 @@ void gp_lens_cover_edge(const struct gp_lens_cover *k, const double a[2],
  * rows and columns is dropped. */
 void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
                        int n, const double light[3]);
+
+/* Light of a frame in steps of pixels, from a step before it to one after it:
+ * (w + 2) * (h + 2) places of three channels. */
+struct gp_lens_steps {
+    int step, w, h;
+    double *v;       // owned; NULL: none
+};
+enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
+
+/* Makes dark steps for a frame of w x h. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lens_steps_make(const struct gp_log *log, int w,
+    int h, int step, struct gp_lens_steps *out);
+
+/* Sums up the rows of all levels, and adds them to a layer of w x h. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lens_steps_add(
+    struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
+    struct gp_planes *layer);
 
 #endif

@@ -160,8 +160,11 @@ static struct gp_lens_hit trace(const struct route *route, double x, double y,
         through *= leg->mirrors ? r : 1.0 - r;
     }
     const double t = (route->to_sensor - p[2]) / d[2];
+    const double far = 1e6; // mm
     hit.x = p[0] + t * d[0];
     hit.y = p[1] + t * d[1];
+    if (!(fabs(hit.x) < far && fabs(hit.y) < far))
+        return (struct gp_lens_hit) {.through = -1.0f};
     hit.through = (float) through;
     hit.rim = (float) (rim2 < 1e12 ? sqrt(rim2) : 1e6);
     if (at) {

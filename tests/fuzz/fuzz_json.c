@@ -1,9 +1,11 @@
-/* Lights, lens flare and cameras: the same text for each reader, and what it
+/* Lights, lens flare, lenses and cameras: the same text for each reader, and what it
  * makes of it put to use. */
+#include "core/colour.h"
 #include "core/memory.h"
 #include "harness.h"
 #include "sun/camera.h"
 #include "sun/flare.h"
+#include "sun/lens_draw.h"
 #include "sun/lights.h"
 
 #include <math.h>
@@ -58,6 +60,35 @@ static void use_flare(const char *path)
     gp_flare_free(&flare);
 }
 
+static void use_lens(const char *path)
+{
+    enum { MOST = 9 }; // surfaces to draw: ghosts grow with their square
+    static const struct gp_lens_light light = {1.5, 1.5, {1.0, 1.0, 1.0}};
+    const struct gp_lens_view view = {
+        .frame = display, .display = display, .mm = {4.5, 4.5},
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance, .tolerance = 1e-3,
+    };
+    struct gp_lens lens;
+    struct gp_planes layer;
+    struct gp_lens_stats stats;
+    if (fuzz_line(gp_lens_read(&fuzz_log, path, &lens)) ||
+        fuzz_line(gp_lens_focus(&fuzz_log, &lens, INFINITY, 0.0)) ||
+        lens.n > MOST ||
+        fuzz_line(gp_planes_make(&fuzz_log, "layer", 8 * 6, &layer)))
+        return;
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < 8 * 6; i++)
+            layer.c[c][i] = 0.0f;
+    }
+    fuzz_line(gp_lens_draw(&fuzz_log, &lens, &view, &light, 1, &layer, &stats));
+    for (int i = 0; i < 8 * 6; i++) {
+        if (!(layer.c[0][i] >= 0.0f && isfinite(layer.c[0][i])))
+            abort();
+    }
+    gp_planes_free(&layer);
+}
+
 static void use_cameras(const char *path)
 {
     static const double at[3] = {1.0, -2.0, 3.0};
@@ -86,6 +117,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         use_lights(path);
         use_flare(path);
         use_cameras(path);
+        use_lens(path);
     }
     fuzz_end(FUZZ_FIXED + 24 * size);
     fuzz_file_close();
