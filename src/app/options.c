@@ -285,7 +285,8 @@ const struct gp_option gp_options[] = {
                 "centre of the first); without it, the centre of pixel "
                 "(w/2, h/2) rounded down"),
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
-        .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel"),
+        .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel; "
+        "without it, a file of glarepp kernel is used as it is"),
     OPT(kernel.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
         .help = "Rotate the kernel about its centre, counter-clockwise"),
