@@ -26,7 +26,9 @@ options_of()
     "$glarepp" "$@" --help |
         sed -n 's/^ \{2,6\}\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
-help=$({ options_of; options_of bench; options_of compare; options_of kernel; } | sort -u)
+commands='bench compare kernel lens'
+help=$({ options_of; for command in $commands; do options_of $command; done; } |
+    sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
     sed -n 's/^\.It \(Fl \([a-z]\) , \)\{0,1\}Fl \\-\([a-z-]*\).*/-\2 --\3/p' |
     sed 's/^- //' | sort)
@@ -51,10 +53,10 @@ sections | while read -r title; do
     grep -qx "\.S[hs] $title" "$page" || echo "$title"
 done | grep . && fail "help names sections that $page does not have"
 
-for command in '' bench compare kernel; do
+for command in '' $commands; do
     for option in $(options_of $command); do
-        # (the option out of range after it keeps anything from running)
-        line=$("$glarepp" $command "$option" --threads=-1 2>&1)
+        # (the value after it, which none takes, keeps anything from running)
+        line=$("$glarepp" $command "$option" --help=1 2>&1)
         case $line in
         *"unknown option"* | *": not for "*)
             fail "$command --help lists $option, the parser: $line" ;;
