@@ -171,6 +171,17 @@ b = json.load(open("c.json"))["frames"][0]["rows"][0]["kernel_left_out"]
 print(r["fov_from"], abs(b - r["kernel_left_out"]) < 1e-8)')" 'camera True' \
     'the angle is that of the frame'"'"'s camera, as in the main job'
 
+frame one.exr seed=3
+"$glarepp" kernel -q -k eye --size 64x48 --radius 12 -o small.exr
+"$glarepp" -q -k small.exr -e fft --report s.report --layer c.exr one.exr
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
+    "$glarepp" bench --runs 1 -k small.exr --json s.json one.exr >out 2>err
+is "$("$python" -c 'import json
+r = json.load(open("s.report"))
+b = json.load(open("s.json"))["frames"][0]["rows"][0]["kernel_left_out"]
+print(b > 0.02, abs(b - r["kernel_left_out"]) < 1e-8)')" 'True True' \
+    'what a file of glarepp kernel leaves out, as in the main job'
+
 frame move.0005.exr seed=3 attr=framesPerSecond:rational:2,1
 "$glarepp" -q --fov 5 -k temporal -e fft --report t.report --layer t.exr \
     move.0005.exr

@@ -61,5 +61,36 @@ static void a_disc_is_cut_to_the_frame(void **state)
     gp_free(d.weight);
 }
 
+/* The kernel must reach from lights beside the frame to its far side, but not for
+ * those in it, behind the camera, hidden, without flux, or too far for numbers. */
+static void offsets_reach_the_far_side(void **state)
+{
+    static const struct {
+        struct gp_light l;
+        int x, y;
+    } rows[] = {
+        {{.x = 20, .y = 15, .radius = 3, .visibility = 1}, 0, 0},
+        {{.x = -50, .y = 15, .radius = 3, .visibility = 1}, 95, 20},
+        {{.x = 20, .y = 80, .radius = 3, .visibility = 1}, 25, 85},
+        {{.x = 1.5, .y = 15, .radius = 3, .visibility = 1}, 43, 20},
+        {{.x = -50, .y = 15, .radius = 3, .visibility = 0}, 0, 0},
+        {{.x = -50, .y = 15, .radius = 3, .visibility = 1, .behind = true}, 0,
+         0},
+        {{.x = -1e12, .y = 15, .radius = 3, .visibility = 1}, 0, 0},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_sun_params p = GP_SUN_DEFAULTS;
+        struct gp_light l = rows[i].l;
+        const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
+        int offset[2];
+        for (int flux = 0; flux < 2; flux++) {
+            l.flux[1] = (float) flux;
+            gp_suns_offsets(&suns, (struct gp_rect) {0, 0, W, H}, offset);
+            if (offset[0] != flux * rows[i].x || offset[1] != flux * rows[i].y)
+                fail_msg("light %d: %d, %d", (int) i, offset[0], offset[1]);
+        }
+    }
+}
+
 SUITE_OF(stage_light, NULL, NULL, a_disc_keeps_flux_and_place,
-         a_disc_is_cut_to_the_frame)
+         a_disc_is_cut_to_the_frame, offsets_reach_the_far_side)
