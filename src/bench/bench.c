@@ -373,7 +373,8 @@ gp_status gp_bench_run(const struct gp_log *log,
         out->kernel_w = kernel.w;
         out->kernel_h = kernel.h;
         out->kernel_left_out =
-            !own && req->recipes ? kernel.left_out : (double) NAN;
+            !own && (req->recipes || kernel.left_out != 0.0)
+                ? kernel.left_out : (double) NAN;
         out->paper = paper ? &gp_paper_rates[i] : NULL;
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));
