@@ -69,7 +69,8 @@ GP_MUST_CHECK gp_status gp_wanted_kernel_read(const struct gp_log *log,
 void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
 
 /* Settings by which image[0] becomes a kernel, without recipes: those of
- * --kernel-..., but a file of glarepp kernel as it is, unless --kernel-normalize is given. */
+ * --kernel-..., but a file of glarepp kernel as it is, unless
+ * --kernel-normalize is given. */
 struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
                                          const struct gp_wanted_kernel *k);
 
