@@ -224,7 +224,27 @@ static void cpu_can_be_told(void **state)
     unsetenv("GLAREPP_CPU");
 }
 
+/* Only the samples asked for become 0, in few as in many. */
+static void planes_are_cleared(void **state)
+{
+    static const size_t sizes[] = {1, 100, 300000};
+    for (size_t k = 0; k < COUNT(sizes); k++) {
+        const size_t n = sizes[k], from = n / 4, count = n - n / 2;
+        struct gp_planes p;
+        assert_ok(gp_planes_make(NULL, "test", n, &p));
+        for (size_t i = 0; i < 3 * n; i++)
+            p.c[i / n][i % n] = 1.0f;
+        gp_planes_clear(&p, from, 0);
+        gp_planes_clear(&p, from, count);
+        for (size_t i = 0; i < 3 * n; i++) {
+            const bool inside = i % n >= from && i % n < from + count;
+            assert_true(p.c[i / n][i % n] == (inside ? 0.0f : 1.0f));
+        }
+        gp_planes_free(&p);
+    }
+}
+
 SUITE_OF(small, NULL, NULL, names_move_no_cursor,
          json_is_whole_or_null, frames_own_what_they_hold,
          messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
-         cpu_can_be_told)
+         cpu_can_be_told, planes_are_cleared)
