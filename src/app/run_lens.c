@@ -48,8 +48,9 @@ static gp_status focus(const struct gp_run *r, const struct gp_frame_state *fs,
     *lens = r->lens;
     if (p->f_number <= 0.0f) // an f-number that is not of this lens
         f_number = 0.0;
-    return gp_lens_focus(fs->log, lens, p->distance > 0.0f ? distance : INFINITY,
-                         f_number);
+    if (p->distance <= 0.0f) // nor a distance
+        distance = INFINITY;
+    return gp_lens_focus(fs->log, lens, distance, f_number);
 }
 
 /* Width of the display window on the sensor in mm: --sensor-size, the angle of

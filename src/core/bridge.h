@@ -15,9 +15,9 @@
 bool gp_bridge_find(const char *name, char *path, size_t size);
 
 /* Finds an installed example, e.g. "lenses/heliar.json": the first that exists
- * in $GLAREPP_EXAMPLES, ../share/doc/glarepp/examples from the program's folder,
- * the examples of the source tree that it was built in, and the installed
- * folder. False when there is none. */
+ * in $GLAREPP_EXAMPLES, ../share/doc/glarepp/examples from the program's
+ * folder, the examples of the source tree that it was built in, and the
+ * installed folder. False when there is none. */
 bool gp_example_find(const char *name, char *path, size_t size);
 
 /* Opens the shared object of that file name, never closes it, and returns the

@@ -229,9 +229,9 @@ void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
     const double field = field_of(lens);
     f.height = isfinite(field) ? f.focal * field : 0.0;
     for (int i = 0; i < lens->n; i++)
-        f.through *= 1.0 - gp_lens_reflectance(
-                               before(lens, i, GP_D_LINE), after(lens, i, GP_D_LINE),
-                               1.0, lens->at[i].coat, GP_D_LINE);
+        f.through *= 1.0 - gp_lens_reflectance(before(lens, i, GP_D_LINE),
+                                               after(lens, i, GP_D_LINE), 1.0,
+                                               lens->at[i].coat, GP_D_LINE);
     *out = f;
 }
 
