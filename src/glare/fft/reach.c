@@ -351,7 +351,7 @@ struct clearing {
     uint64_t *scratch; // 3 * words a thread
 };
 
-/* A row of the frame: what is reached of it by what was looked at. */
+/* A row of the frame, and the words that kernel rows reach of it. */
 struct row {
     const struct clearing *m;
     int y;
@@ -503,23 +503,31 @@ gp_status gp_fft_clear_unreached(const struct gp_log *log,
     for (int c = 0; c < 3; c++)
         left[c] = memchr(noise->row[c], 1, (size_t) src->h) != NULL;
     for (int c = 0; c < 3 && !st; c++) {
-        struct clearing m = {
-            .k = k, .shape = shape[c], .noise = noise, .layer = layer,
-        };
+        struct clearing m = {.k = k, .noise = noise, .layer = layer};
+        bool lit[3] = {false}; // channels with light in the pixels of c's
         if (!left[c])
             continue;
         for (int i = c; i < 3; i++) {
-            m.in[i] = left[i] && same_shape(shape[c], shape[i], k->h) &&
-                      (i == c || same_light(src->rgb[c], src->rgb[i], src->n));
-            left[i] &= !m.in[i];
+            lit[i] = left[i] &&
+                     (i == c || same_light(src->rgb[c], src->rgb[i], src->n));
+            left[i] &= !lit[i];
         }
         st = make_light(log, src, c, k->h, &m.light);
         if (!st)
             st = gp_alloc(log, "reach", 3 * (size_t) gp_threads(),
                           (size_t) m.light.words * sizeof *m.scratch,
                           &m.scratch);
-        if (!st)
+        for (int i = c; i < 3 && !st; i++) {
+            if (!lit[i])
+                continue;
+            m.shape = shape[i];
+            for (int j = i; j < 3; j++) {
+                m.in[j] = lit[j] && same_shape(shape[i], shape[j], k->h);
+                lit[j] &= !m.in[j];
+            }
             gp_parallel_do(src->h, clear_row, &m);
+            memset(m.in, 0, sizeof m.in);
+        }
         gp_free(m.scratch);
         gp_free(m.light.bits);
         gp_free(m.light.dark);
