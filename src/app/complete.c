@@ -56,7 +56,7 @@ static bool has_values(const struct gp_option *o)
     return gp_option_value(o, 0, &text) != NULL;
 }
 
-// -- kernels -------------------------------------------------------------------
+// -- kernels -----------------------------------------------------------------
 
 /* True when the option's value may be MODEL:key=value. */
 static bool takes_model(const struct gp_option *o)
@@ -162,7 +162,8 @@ static void bash_models(FILE *f)
     }
     fprintf(f, "        esac\n"
                "        if [[ $kind == keys ]]; then\n"
-               "            lead=${value%%\"${value##*[:,]}\"} value=${value##*[:,]}\n"
+               "            lead=${value%%\"${value##*[:,]}\"}\n"
+               "            value=${value##*[:,]}\n"
                "            lead=${lead##*[=:]}\n"
                "            [[ $value != *=* ]] || lead=\n"
                "        fi\n");

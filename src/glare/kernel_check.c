@@ -21,7 +21,7 @@ static double sample(const struct gp_kernel *k, const float weight[3], int x,
     return sum;
 }
 
-/* The largest step from a sample to a dark neighbour, in any of four directions,
+/* The largest step from a sample to a dark neighbour in any of four directions,
  * less 1.5 times what the sample before it differs: a slope that reaches 0 is
  * no edge, as it is a little steeper from sample to sample around a circle. */
 static double find_rim(const struct gp_kernel *k, const float luminance[3])
