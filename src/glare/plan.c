@@ -334,10 +334,12 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
         least = gp_fft_least(src, &f->quarters);
     }
     if (least < enough) { // light of these sources
+        double other;
         gp_status st =
-            gp_layer_least(req->log, src, k, &(*keep)->least, &least);
+            gp_layer_least(req->log, src, k, &(*keep)->least, &other);
         if (st)
             return st;
+        least = fmax(least, other);
     }
     // (adding the tail rounds the sum once)
     *floor = least > 0.0 ? (lost + wrong) / least : INFINITY;

@@ -104,11 +104,12 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
                                           // a step's pixels and nodes, and more
     const int nx = s->x.n, ny = s->y.n;
     const double step = t->split.step, area = step * step;
-    struct keeping *down; // ny, then nx / 2 + 1 across
-    gp_status st = gp_alloc(log, "tail", (size_t) ny + (size_t) nx,
-                            sizeof *down, &down);
-    if (st)
-        return st;
+    struct keeping *down = NULL; // ny, then nx / 2 + 1 across
+    double *row = NULL;          // sums over the frequencies of each row
+    gp_status st;
+    GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
+                    &down));
+    GP_TRY(gp_alloc(log, "tail", (size_t) ny, sizeof *row, &row));
     struct keeping *const across = down + ny;
     for (int i = 0; i < ny; i++)
         down[i] = keep_of(frequency(i, ny));
@@ -118,7 +119,10 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
     double norm1 = 0.0;
     for (int c = 0; c < (t->grey ? 1 : 3); c++) {
         double most = 0.0, edge = 0.0, sum = 0.0, square = 0.0;
+        double most_row = 0.0, most_column = 0.0;
+        memset(row, 0, (size_t) ny * sizeof *row);
         for (int x = 0; x <= nx / 2; x++) {
+            double column = 0.0;
             const float *const z =
                 s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch;
             const struct keeping a = across[x];
@@ -139,13 +143,21 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
                 most = fmax(most, f * (lost + kept * eps + eps * eps));
                 if (a.edge || b->edge)
                     edge = fmax(edge, f);
-                sum += twice * f * (lost + 2.0 * kept * eta + eta * eta);
+                const double all = f * (lost + 2.0 * kept * eta + eta * eta);
+                column += all;
+                row[y] += twice * all;
                 square += twice * f * f *
                           (same * same + eps * eps * other * other);
             }
+            sum += twice * column;
+            most_column = fmax(most_column, column);
         }
+        for (int y = 0; y < ny; y++)
+            most_row = fmax(most_row, row[y]);
         const double points = (double) nx * ny;
-        e.norm = fmax(e.norm, most + 2.0 * edge);
+        const double narrow = t->w / step * (most_row / nx + 2.0 * edge);
+        const double low = t->h / step * (most_column / ny + 2.0 * edge);
+        e.norm = fmax(e.norm, fmin(most + 2.0 * edge, fmin(narrow, low)));
         e.pixel = fmax(e.pixel, (sum / points + 2.0 * edge) / area);
         e.column = fmax(e.column, sqrt(square / points + 4.0 * edge * edge) /
                                       step);
@@ -153,7 +165,9 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
     }
     e.norm += e.share * norm1;
     s->error = e;
+out:
     gp_free(down);
+    gp_free(row);
     return st;
 }
 

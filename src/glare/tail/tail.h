@@ -22,7 +22,15 @@
  *   |source| (max_f F (|1 - beta^2| + beta eps + eps^2) + 2 max_edge F)
  *
  * the last for what T has beyond the band, taken to be no more than what it has
- * in the band's last tenth. */
+ * in the band's last tenth. Frames of few columns see little of what T does
+ * across: light of one column in another is an integral over the frequencies
+ * across, so that with eta' the images' sum the norm is also at most, for w
+ * columns,
+ *
+ *   |source| w / s (max_fy mean_fx F (|1 - beta^2| + 2 beta eta' + eta'^2) +
+ *                   2 max_edge F)
+ *
+ * as a matrix of w x w blocks of at most that norm each; the same for rows. */
 #ifndef GP_GLARE_TAIL_TAIL_H
 #define GP_GLARE_TAIL_TAIL_H
 
