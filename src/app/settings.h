@@ -6,7 +6,6 @@
 #include "bench/bench.h"
 #include "compare/compare.h"
 #include "core/status.h"
-#include "glare/compose.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"

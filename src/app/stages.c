@@ -6,7 +6,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/compose.h"
+#include "glare/engine.h"
 #include "glare/sources.h"
 #include "glare/splat/polygons.h"
 #include "io/grow.h"

@@ -3,7 +3,6 @@
 #define GP_BENCH_BENCH_H
 
 #include "core/status.h"
-#include "glare/compose.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
 #include "glare/model/model.h"

@@ -192,6 +192,7 @@ void gp_glare_close(struct gp_glare *g);
 GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     double *layer);
+
 /* Errors of a layer against the truth; design.md section 6. The composite is
  * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:
  * sources whose light leaves their pixels. */
@@ -201,5 +202,29 @@ struct gp_glare_error {
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
     const double *exact, float gain, const struct gp_sources *taken,
     struct gp_glare_error *out);
+
+// -- the frame and its layer -------------------------------------------------
+
+enum gp_mix { GP_MIX_ADD, GP_MIX_SCATTER };
+
+struct gp_compose_params {
+    float gain;  // >= 0
+    enum gp_mix mix;
+    float dim;   // share of everything that a narrower pupil takes; 0 to 1
+};
+#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_SCATTER }
+
+/* Makes f->lit from f->rgb, f->layer and the sources.
+ *   add:     lit = rgb + gain * layer
+ *   scatter: lit = rgb - min(gain, 1) * source + gain * layer, which up to a
+ *            gain of 1 conserves energy but for what leaves the frame
+ * and then lit *= 1 - dim, the whole picture alike.
+ * Values over FLT_MAX are clamped to it.
+ * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
+ * made when it is empty, else it has the frame's size and is overwritten.
+ * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
+GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
+    const struct gp_compose_params *p, const struct gp_sources *src,
+    struct gp_frame *f);
 
 #endif

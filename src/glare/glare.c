@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/compose.h"
 #include "glare/glare_priv.h"
 #include "glare/model/model.h"
 

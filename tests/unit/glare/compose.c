@@ -1,6 +1,5 @@
-/* glare/compose.h: both mixes, empty layers, energy, threads. */
+/* gp_compose(): both mixes, empty layers, energy, threads. */
 #include "unit.h"
-#include "glare/compose.h"
 #include "glare_scene.h"
 
 /* Noise in [0, 1) and, once in `every` pixels, light of up to 1 + bright. */

@@ -8,7 +8,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/bound/bound.h"
-#include "glare/compose.h"
 #include "glare/sources.h"
 #include "glare/splat/splat_priv.h"
 #include "glare/glare_priv.h"
