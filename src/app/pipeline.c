@@ -50,6 +50,7 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
     enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
            FFT = 8, // rows and columns while they are made
            SPLAT = 4 * sizeof(float), // render target
+           LENS = 32, // steps of 1, 2, 4, 8 and 16 pixels, 24 bytes each
            REST = 9 }; // sources, 14 each, and files
     const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
                               GP_HAS_SHOWN};
@@ -60,7 +61,8 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
     for (int i = 0; i < GP_STAGES; i++) {
         const unsigned gives = p->on[i] ? gp_stages[i].gives : 0u;
         size_t bytes = REST + (gives & GP_HAS_LAYER ? engine : 0) +
-                       (gives & GP_HAS_MEASURED ? EXACT : 0);
+                       (gives & GP_HAS_MEASURED ? EXACT : 0) +
+                       (gives & GP_HAS_LENS ? LENS : 0);
         alive |= gives;
         for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
             bytes += alive & kinds[k] ? PLANES : 0;
