@@ -377,6 +377,7 @@ FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
 DOC_PLACE := share/doc/glarepp
 TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py)
 LENSES := $(wildcard examples/lenses/*.json)
+FLARES := $(wildcard examples/flares/*.json)
 
 $(B)/completions.%: $(B)/glarepp
 	$(B)/glarepp help --completion $* > $@.tmp
@@ -392,11 +393,13 @@ install: all $(SHELLS:%=$(B)/completions.%) ## installs program, bridges, manual
 	install -m 755 $(BRIDGES) '$(DESTDIR)$(PREFIX)/lib/glarepp/'
 	install -m 644 man/glarepp.1 '$(DESTDIR)$(PREFIX)/share/man/man1/'
 	install -d '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/man' \
-	    '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/lenses'
+	    '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/lenses' \
+	    '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/flares'
 	install -m 644 README.md LICENSE '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/'
 	install -m 644 man/*.md '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/man/'
 	install -m 644 $(TEMPLATES) '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/'
 	install -m 644 $(LENSES) '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/lenses/'
+	install -m 644 $(FLARES) '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/flares/'
 
 uninstall: ## removes the files of install
 	rm -f '$(DESTDIR)$(PREFIX)/bin/glarepp' \
@@ -404,9 +407,9 @@ uninstall: ## removes the files of install
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-ocio.so' \
 	    '$(DESTDIR)$(PREFIX)/share/man/man1/glarepp.1' \
 	    $(patsubst %,'$(DESTDIR)$(PREFIX)/%',$(BASH_PLACE) $(ZSH_PLACE) $(FISH_PLACE)) \
-	    $(patsubst %,'$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/%',$(wildcard README.md LICENSE man/*.md) $(TEMPLATES) $(LENSES))
+	    $(patsubst %,'$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/%',$(wildcard README.md LICENSE man/*.md) $(TEMPLATES) $(LENSES) $(FLARES))
 	-cd '$(DESTDIR)$(PREFIX)' 2>/dev/null && \
-	    rmdir lib/glarepp $(DOC_PLACE)/man $(DOC_PLACE)/examples/lenses $(DOC_PLACE)/examples $(DOC_PLACE) \
+	    rmdir lib/glarepp $(DOC_PLACE)/man $(DOC_PLACE)/examples/lenses $(DOC_PLACE)/examples/flares $(DOC_PLACE)/examples $(DOC_PLACE) \
 	    2>/dev/null
 
 deb: all ## makes a Debian package in build/

@@ -345,10 +345,11 @@ const struct gp_option gp_options[] = {
         .help = "Read the frame's worldToNDC matrix with this range"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
-    OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
-        .help = "Read lens-flare elements from a JSON file; each light that "
-                "has flux draws them, scaled by its visible share, or every "
-                "bright pixel does"),
+    OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE|preset:NAME",
+        .help = "Read lens-flare elements from a JSON file, or take an "
+                "installed flare (preset:list names them); each light that has "
+                "flux draws them, scaled by its visible share, or every bright "
+                "pixel does"),
     OPT(lens.name, .name = "lens", IN(SUN), .arg = "FILE|NAME",
         .help = "Add the ghosts of a real lens, a JSON file or an installed "
         "one, which glarepp lens lists: of the lights that have flux, without "

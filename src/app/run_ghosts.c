@@ -69,7 +69,8 @@ gp_status gp_run_ghosts_add(const struct gp_log *log, const struct gp_run *r,
     const struct gp_flare *const flare = &r->suns.flare;
     const double start = gp_now_ms();
     struct gp_glare_params p = r->s->glare;
-    double error = 0.0, light = 0.0; // norm of the errors; of the layers, squared
+    double error = 0.0; // norm of the errors
+    double light = 0.0; // squared norms of the layers
     gp_status st = GP_OK;
     if (!src->n || !gp_flare_has(flare, GP_FLARE_BRIGHT))
         return GP_OK;

@@ -7,14 +7,16 @@
  *   round shapes   T(t) * g(direction)      t = norm(x, y) / R
  *   rays           sum of T(a / (L R)) * section(b)   a along, b across a ray
  *
- * A hard edge is a ramp of m pixels, m the larger of |x| and |y| of a unit vector
- * across it: what a line of pixels along the axis nearest to the edge sees of a
- * pixel. A straight edge of any direction then covers, summed over pixels, its
- * exact area. In a table all ramps are a pixel wide, and t is moved to fit.
+ * A hard edge is a ramp of m pixels, m the larger of |x| and |y| of a unit
+ * vector across it: what a line of pixels along the axis nearest to the edge
+ * sees of a pixel. A straight edge of any direction then covers, summed over
+ * pixels, its exact area. In a table all ramps are a pixel wide, and t is moved
+ * to fit.
  *
- * The norm is the distance, or a polygon's, or between the two. T is the profile
- * with its edges, which are at least a pixel wide, integrated over wavelengths
- * where it is dispersed: light of size s is f(t / s) / s^2, or / s along rays. */
+ * The norm is the distance, or a polygon's, or between the two. T is the
+ * profile with its edges, which are at least a pixel wide, integrated over
+ * wavelengths where it is dispersed: light of size s is f(t / s) / s^2, or / s
+ * along rays. */
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -31,7 +33,8 @@ enum { BANDS = 40, ANGLES = 5040 }; // ANGLES: a multiple of most sides
 double gp_flare_random(int seed, int i)
 {
     // the finalizer of MurmurHash3
-    uint32_t h = 0x85ebca6bu * (uint32_t) seed + 0x9e3779b9u * (uint32_t) (i + 1);
+    uint32_t h = 0x85ebca6bu * (uint32_t) seed +
+                 0x9e3779b9u * (uint32_t) (i + 1);
     h = (h ^ h >> 16) * 0x85ebca6bu;
     h = (h ^ h >> 13) * 0xc2b2ae35u;
     return (double) (h ^ h >> 16) / 4294967296.0;
@@ -42,7 +45,7 @@ static bool has_rays(const struct gp_flare_element *e)
     return e->shape == GP_FLARE_STREAK || e->shape == GP_FLARE_SPIKES;
 }
 
-// -- profiles ------------------------------------------------------------------
+// -- profiles ----------------------------------------------------------------
 
 static double clamp01(double v)
 {
@@ -192,7 +195,7 @@ static gp_status make_table(const struct gp_log *log, struct gp_flare_look *l)
     return st;
 }
 
-// -- rays ----------------------------------------------------------------------
+// -- rays --------------------------------------------------------------------
 
 /* Angle (counter-clockwise from the element's), length and half width of ray i,
  * the last two as shares of the radius. */
@@ -235,13 +238,14 @@ static float spike_section(float b, float half, float left)
 /* Section of a streak: a band with edges a pixel wide, or softer. */
 static float streak_section(float b, const struct gp_flare_ray *r, float soft)
 {
-    const float steep = gp_minf(r->steep, 1.0f / gp_maxf(soft * r->half, 1e-6f));
+    const float steep = gp_minf(r->steep,
+                                1.0f / gp_maxf(soft * r->half, 1e-6f));
     const float v = fabsf(b);
     return gp_clamp01(0.5f + (r->half - v) * steep) -
            gp_clamp01(0.5f - (r->half + v) * steep);
 }
 
-// -- areas ---------------------------------------------------------------------
+// -- areas -------------------------------------------------------------------
 
 /* Norm over R. Of a polygon, *side is the side that counts. */
 static float norm_of(const struct gp_flare_look *l, float x, float y, int *side)
@@ -308,7 +312,7 @@ static void find_areas(struct gp_flare_look *l)
     }
 }
 
-// -- a look --------------------------------------------------------------------
+// -- a look ------------------------------------------------------------------
 
 gp_status gp_flare_look_make(const struct gp_log *log,
     const struct gp_flare_element *e, double diameter,
@@ -371,10 +375,11 @@ double gp_flare_look_reach(const struct gp_flare_element *e, double diameter)
     const double along = fmax(r * scale, least) *
                          (1.0 + e->dispersion * (far - 550.0) / 300.0) *
                          (rays ? 1.0 : fmax(e->aspect, 1.0));
-    return along + 1.0 + steepness(e) / fmin(1.0, e->aspect) + (rays ? 3.0 * fmax(r * e->width, 0.5) + 3.0 : 0.0);
+    return along + 1.0 + steepness(e) / fmin(1.0, e->aspect) +
+           (rays ? 3.0 * fmax(r * e->width, 0.5) + 3.0 : 0.0);
 }
 
-// -- rows ----------------------------------------------------------------------
+// -- rows --------------------------------------------------------------------
 
 /* Moves t where it is within half a pixel of a hard edge, whose ramp is m
  * pixels wide and a pixel in the table. */
@@ -446,15 +451,17 @@ static void value_at(const struct gp_flare_look *l,
             const float at = fabsf(a) * r.per_t;
             if (a > -0.5f && at < (float) l->n)
                 look_up(l, at, gp_minf(0.5f + a, 1.0f) *
-                        spike_section(b, r.half, 1.0f - at / (float) l->n), out);
+                                   spike_section(b, r.half,
+                                                 1.0f - at / (float) l->n),
+                        out);
             continue;
         }
         // the ray as the pixels see it
         const float c = r.c * q->turn[0] + r.s * q->turn[1];
         const float s = r.s * q->turn[0] - r.c * q->turn[1];
         r.steep = 1.0f / gp_maxf(fabsf(c), fabsf(s));
-        look_up(l, fabsf(a) * r.per_t, streak_section(b, &r, (float) e->softness),
-                out);
+        look_up(l, fabsf(a) * r.per_t,
+                streak_section(b, &r, (float) e->softness), out);
     }
 }
 

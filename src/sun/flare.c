@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979323846;
  * less than 1e-3. */
 enum { SUMMED = 128 };
 
-// -- changes of elements by lights ---------------------------------------------
+// -- changes of elements by lights -------------------------------------------
 
 /* Centre of the display. */
 static void centre_of(struct gp_rect display, double *x, double *y)
@@ -346,7 +346,8 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
         sum_of(q, p->whole, sums);
     }
     for (int c = 0; c < 3; c++)
-        q->amount[c] = sums[c] > 0.0 ? (float) (light_of(p, c) / sums[c]) : 0.0f;
+        q->amount[c] = sums[c] > 0.0 ? (float) (light_of(p, c) / sums[c])
+                                     : 0.0f;
     cut_of(&p->e, p->light, p->display, q->cut);
 }
 

@@ -5,9 +5,9 @@
  * flux * visibility in each channel, so that it looks the same at every
  * resolution and dims by exactly the hidden share. Its place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
- * its diameter `size` times the frame's height (an image's longer side). An edge
- * is a ramp a pixel wide or more, so that a step of 1/8 pixel is a small change.
- * No element is smaller, and no ring or ray thinner, than a pixel.
+ * its diameter `size` times the frame's height (an image's longer side). An
+ * edge is a ramp a pixel wide or more, so that a step of 1/8 pixel is a small
+ * change. No element is smaller, and no ring or ray thinner, than a pixel.
  *
  * Each shape but images is a profile f(q), q from 0 in the middle to 1 at the
  * rim, over a norm of the plane, times a function of the direction; or a sum of
@@ -53,10 +53,10 @@
  *       height or more inside; linear between
  *    "only": lights of these names, a pattern with * and ?
  * Elements of bright pixels are one image for all of them: no dirt, turn,
- * offset, cut, shrink, only, and no by_place size. Rotation is counter-clockwise
- * as seen.
- * Unknown keys and shapes, keys of another shape or source, numbers out of range
- * are errors that name file, element and key.
+ * offset, cut, shrink, only, and no by_place size. Rotation is
+ * counter-clockwise as seen.
+ * Unknown keys and shapes, keys of another shape or source, numbers out of
+ * range are errors that name file, element and key.
  */
 #ifndef GP_SUN_FLARE_H
 #define GP_SUN_FLARE_H
@@ -127,11 +127,13 @@ struct gp_flare {
 /* Returns true when an element of f has that source. */
 bool gp_flare_has(const struct gp_flare *f, enum gp_flare_source source);
 
-/* Copies are elements of their own. Errors: GP_ERR_IO cannot be read;
- * GP_ERR_DATA as above. Files over 1 MiB or of over 1024 elements, copies
- * counted, are refused. *out is written on GP_OK only; free: gp_flare_free(). */
+/* Reads a file, or the installed flare that "preset:NAME" names. Copies are
+ * elements of their own. Errors: GP_ERR_USAGE no such preset (the message lists
+ * them); GP_ERR_IO cannot be read; GP_ERR_DATA as above. Files over 1 MiB or of
+ * over 1024 elements, copies counted, are refused. *out is written on GP_OK
+ * only; free: gp_flare_free(). */
 GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
-                                      const char *path, struct gp_flare *out);
+                                      const char *word, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
 /* Adds all elements of lights, for every light, to `layer` (w * h of `frame`):
@@ -141,12 +143,13 @@ GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n,
     struct gp_rect frame, struct gp_rect display, struct gp_planes *layer);
 
-/* The same of a flare of images only, on GL, where visibility is texel (i, 0) of
- * `intensity` (r / g, 0 where g is 0) and the vertex shader fetches it: a hidden
- * light's polygons stay shut. Draws, blended, into a float target of what the elements reach
- * together, and does not wait for it. *state keeps programs and textures.
- * `intensity` must not change until gp_flare_read_layer(), which draws the part
- * beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG memory. */
+/* The same of a flare of images only, on GL, where visibility is texel (i, 0)
+ * of `intensity` (r / g, 0 where g is 0) and the vertex shader fetches it: a
+ * hidden light's polygons stay shut. Draws, blended, into a float target of what
+ * the elements reach together, and does not wait for it. *state keeps programs
+ * and textures. `intensity` must not change until gp_flare_read_layer(), which
+ * draws the part beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG
+ * memory. */
 struct gp_flare_gl;
 GP_MUST_CHECK gp_status gp_flare_draw(
     const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,

@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-// -- levels --------------------------------------------------------------------
+// -- levels ------------------------------------------------------------------
 
 /* Each texel is the mean of four; those outside are 0. The picture keeps its
  * corner, so a place u in texels is u / 2. */
@@ -66,7 +66,7 @@ gp_status gp_flare_level_make(const struct gp_log *log,
     return st;
 }
 
-// -- rows ---------------------------------------------------------------------
+// -- rows --------------------------------------------------------------------
 
 /* Columns `from`, ... of a row, counted from the rect's corner. */
 struct run {

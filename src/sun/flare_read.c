@@ -1,16 +1,21 @@
 /* Reads flare elements from JSON. */
 #include "sun/flare.h"
 
+#include "core/bridge.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "sun/sun_priv.h"
 
+#include <dirent.h>
+#include <limits.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_ELEMENTS = 1024, MOST_RAYS = 512 };
 
-// -- keys ---------------------------------------------------------------------
+// -- keys --------------------------------------------------------------------
 
 /* Elements that a key is for: bits of shapes, and of a source. */
 #define BIT(shape) (1u << GP_FLARE_##shape)
@@ -67,7 +72,7 @@ static gp_status check_keys(const struct gp_json_place *p, json_t *o,
     return st ? st : gp_json_keys(p, o, allowed);
 }
 
-// -- values -------------------------------------------------------------------
+// -- values ------------------------------------------------------------------
 
 static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     const char *key, bool grey, double lo, double hi, float out[3])
@@ -186,7 +191,7 @@ out:
     return st;
 }
 
-// -- elements -----------------------------------------------------------------
+// -- elements ----------------------------------------------------------------
 
 static gp_status read_element(const struct gp_json_place *p, json_t *o,
     enum gp_flare_source source, struct gp_flare_element *e)
@@ -217,8 +222,8 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     GP_TRY(read_source(p, o, &e->source));
     if (e->shape == GP_FLARE_DIRT && e->source == GP_FLARE_BRIGHT)
         GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: dirt is lit by lights "
-                       "(found \"source\": \"bright\"); use \"lights\"", p->path,
-                       p->what, p->index));
+                       "(found \"source\": \"bright\"); use \"lights\"",
+                       p->path, p->what, p->index));
     GP_TRY(check_keys(p, o, e));
     const struct {
         const char *key;
@@ -273,9 +278,9 @@ static gp_status add_element(const struct gp_json_place *p,
     void *block = f->element;
     gp_status st = GP_OK;
     if (f->n + copies > MOST_ELEMENTS)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: too many elements, with "
-                       "copies (found %d); give at most %d", p->path, p->what,
-                       p->index, f->n + copies, MOST_ELEMENTS));
+        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: too many elements, "
+                       "with copies (found %d); give at most %d", p->path,
+                       p->what, p->index, f->n + copies, MOST_ELEMENTS));
     GP_TRY(gp_resize(p->log, "flare elements", (size_t) (f->n + copies) *
                      sizeof *f->element, &block));
     f->element = block;
@@ -292,7 +297,8 @@ static gp_status add_element(const struct gp_json_place *p,
         // each is of half to all of the size, and has its share of the light
         to->at += e->spread * (2.0 * gp_flare_random(e->seed, 3 * i) - 1.0);
         to->size *= 0.5 + 0.5 * gp_flare_random(e->seed, 3 * i + 1);
-        const double part = (0.5 + gp_flare_random(e->seed, 3 * i + 2)) / copies;
+        const double part = (0.5 + gp_flare_random(e->seed, 3 * i + 2)) /
+                            copies;
         for (int c = 0; c < 3; c++)
             to->colour[c] = (float) ((double) e->colour[c] * part);
     }
@@ -303,16 +309,73 @@ out:
     return st;
 }
 
-gp_status gp_flare_read(const struct gp_log *log, const char *path,
+// -- presets -----------------------------------------------------------------
+
+static int is_preset(const struct dirent *d)
+{
+    const char *const end = strrchr(d->d_name, '.');
+    return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
+}
+
+/* Refuses a preset that is not installed, and lists those that are. */
+static gp_status refuse_preset(const struct gp_log *log, const char *name)
+{
+    char folder[PATH_MAX], list[512] = "";
+    struct dirent **entry = NULL;
+    int n = 0;
+    size_t used = 0;
+    if (gp_example_find("flares", folder, sizeof folder))
+        n = scandir(folder, &entry, is_preset, alphasort);
+    if (n <= 0)
+        return gp_fail(log, GP_ERR_IO, "preset:%s: no flares beside the "
+                       "program; install it whole, or name their folder's "
+                       "parent in GLAREPP_EXAMPLES", name);
+    for (int i = 0; i < n; i++) {
+        const char *const word = entry[i]->d_name;
+        const int bytes = (int) (strrchr(word, '.') - word);
+        const int more = snprintf(list + used, sizeof list - used, "%s%.*s",
+                                  i ? ", " : "", bytes, word);
+        used = used + (size_t) more < sizeof list ? used + (size_t) more
+                                                  : sizeof list - 1;
+        free(entry[i]);
+    }
+    free(entry);
+    return gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has this "
+                   "name; use one of %s, or give a file", name, list);
+}
+
+/* Finds the file of "preset:NAME"; others are files themselves. */
+static gp_status find_file(const struct gp_log *log, const char *word,
+                           char found[PATH_MAX], const char **path)
+{
+    static const char prefix[] = "preset:";
+    const char *const name = word + sizeof prefix - 1;
+    char file[NAME_MAX];
+    *path = word;
+    if (strncmp(word, prefix, sizeof prefix - 1) != 0)
+        return GP_OK;
+    const int n = snprintf(file, sizeof file, "flares/%s.json", name);
+    if (!*name || strchr(name, '/') || (size_t) n >= sizeof file ||
+        !gp_example_find(file, found, PATH_MAX))
+        return refuse_preset(log, name);
+    *path = found;
+    return GP_OK;
+}
+
+gp_status gp_flare_read(const struct gp_log *log, const char *word,
                         struct gp_flare *out)
 {
     static const char *const whole[] = {"elements", "source", NULL};
+    char found[PATH_MAX];
+    const char *path;
+    gp_status st = find_file(log, word, found, &path);
+    if (st)
+        return st;
     struct gp_json_place place = {log, path, "element", 0};
     enum gp_flare_source source = GP_FLARE_LIGHTS;
     struct gp_flare_element e = {0};
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;
-    gp_status st;
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
     if (json_is_object(root)) {

@@ -50,8 +50,9 @@ GP_MUST_CHECK gp_status gp_ghosts_make(const struct gp_log *log,
     struct gp_ghosts *out);
 void gp_ghosts_free(struct gp_ghosts *g);
 
-/* Scales the sources of a frame for a run, and dims them by flicker and by_place. Those that land outside the frame
- * are kept where the image reaches into it.
+/* Scales the sources of a frame for a run, and dims them by flicker and
+ * by_place. Those that land outside the frame are kept where the image reaches
+ * into it.
  *
  *   out  made for a window (out->x0, out->y0, w, h) that holds the frame's data
  *        window and all sources kept; free with gp_sources_free()

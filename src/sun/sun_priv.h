@@ -245,8 +245,8 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
 bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
                    int *x1);
 
-/* The same of an image's channel c: adds amount * sample in row y to out[0] = column x0, and on
- * to x1; both inside the quad's rect. */
+/* The same of an image's channel c: adds amount * sample in row y to out[0] =
+ * column x0, and on to x1; both inside the quad's rect. */
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out);
 

@@ -32,6 +32,11 @@ share/bash-completion/completions/glarepp
 share/doc/glarepp/LICENSE
 share/doc/glarepp/README.md
 share/doc/glarepp/examples/blender_camera.py
+share/doc/glarepp/examples/flares/anamorphic.json
+share/doc/glarepp/examples/flares/lamps.json
+share/doc/glarepp/examples/flares/veil.json
+share/doc/glarepp/examples/flares/vintage.json
+share/doc/glarepp/examples/flares/zoom.json
 share/doc/glarepp/examples/lenses/double-gauss.json
 share/doc/glarepp/examples/lenses/heliar.json
 share/doc/glarepp/examples/lenses/telephoto.json
@@ -44,6 +49,7 @@ share/doc/glarepp/examples/slurm.sh
 share/doc/glarepp/man/dependencies.md
 share/doc/glarepp/man/engines.md
 share/doc/glarepp/man/files.md
+share/doc/glarepp/man/flares.md
 share/doc/glarepp/man/hardcases.md
 share/doc/glarepp/man/kernels.md
 share/doc/glarepp/man/lenses.md
@@ -120,6 +126,7 @@ usr/share/doc/glarepp/examples/slurm.sh
 usr/share/doc/glarepp/man/dependencies.md
 usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
+usr/share/doc/glarepp/man/flares.md
 usr/share/doc/glarepp/man/hardcases.md
 usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md

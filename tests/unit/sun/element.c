@@ -10,7 +10,8 @@ static const struct gp_flare_element forms[] = {
     {.shape = GP_FLARE_DISC, .size = 0.4, .softness = 0.5},
     {.shape = GP_FLARE_DISC, .size = 0.5, .dispersion = 0.4},
     {.shape = GP_FLARE_DISC, .size = 0.4, .rim = 3.0, .aspect = 0.5},
-    {.shape = GP_FLARE_DISC, .size = 0.5, .profiles = 3, .profile = {0, 1, 0.5f}},
+    {.shape = GP_FLARE_DISC, .size = 0.5, .profiles = 3,
+     .profile = {0, 1, 0.5f}},
     {.shape = GP_FLARE_POLYGON, .size = 0.5, .sides = 5, .round = 0.5,
      .softness = 0.2, .dispersion = -0.3},
     {.shape = GP_FLARE_RING, .size = 0.6, .width = 0.2, .softness = 1.0,
@@ -82,7 +83,8 @@ static void looks_alike_at_every_size(void **state)
         }
         // edges, and spikes' tips, are a pixel wide or more in both
         assert_near(sqrt(off / norm), 0.0,
-                    e.shape == GP_FLARE_SPIKES ? 0.15 : 0.08, "form", (double) i);
+                    e.shape == GP_FLARE_SPIKES ? 0.15 : 0.08, "form",
+                    (double) i);
         picture_free(&small);
         picture_free(&large);
     }
@@ -165,7 +167,7 @@ static void seeds_decide(void **state)
         picture_free(&p[i]);
 }
 
-// -- changes of elements by lights -----------------------------------------------
+// -- changes of elements by lights -------------------------------------------
 
 static void transforms_follow_the_light(void **state)
 {
@@ -268,7 +270,7 @@ static void dirt_is_lit(void **state)
     picture_free(&p);
 }
 
-// -- files -----------------------------------------------------------------------
+// -- files ---------------------------------------------------------------------
 
 static void reads_keys(void **state)
 {

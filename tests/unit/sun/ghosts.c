@@ -27,7 +27,8 @@ static void sky_make(struct sky *s, struct gp_rect data, struct gp_rect display)
     s->display = display;
     for (int i = 0; i < SOURCES; i++) {
         s->at[i] = (struct gp_source) {
-            .x = (int) (uniform01() * like.w), .y = (int) (uniform01() * like.h),
+            .x = (int) (uniform01() * like.w),
+            .y = (int) (uniform01() * like.h),
         };
         for (int c = 0; c < 3; c++)
             s->at[i].rgb[c] = (float) (0.1 + 50.0 * uniform01());
@@ -192,7 +193,8 @@ static void sources_keep_flux_and_centroid(void **state)
         struct gp_ghosts g = {0};
         struct gp_sources out;
         double want[2] = {0}, got[2] = {0};
-        sky_make(&s, frames[k % COUNT(frames)][0], frames[k % COUNT(frames)][1]);
+        sky_make(&s, frames[k % COUNT(frames)][0],
+                 frames[k % COUNT(frames)][1]);
         const double c[2] = {0.5 * (s.display.x0 + s.display.x1),
                              0.5 * (s.display.y0 + s.display.y1)};
         assert_ok(gp_ghosts_make(&kept_log, &f, s.data, s.display, &g));
@@ -202,8 +204,10 @@ static void sources_keep_flux_and_centroid(void **state)
                         "flux", e.at);
         for (int i = 0; i < SOURCES; i++) {
             const double q = (double) s.at[i].rgb[1] / s.src.flux[1];
-            want[0] += q * (c[0] + scale * (s.data.x0 + s.at[i].x + 0.5 - c[0]));
-            want[1] += q * (c[1] + scale * (s.data.y0 + s.at[i].y + 0.5 - c[1]));
+            want[0] += q * (c[0] + scale * (s.data.x0 + s.at[i].x + 0.5 -
+                                            c[0]));
+            want[1] += q * (c[1] + scale * (s.data.y0 + s.at[i].y + 0.5 -
+                                            c[1]));
         }
         for (int y = 0; y < out.h; y++) {
             for (uint32_t i = out.row[y]; i < out.row[y + 1]; i++) {
@@ -235,7 +239,8 @@ static void whole_scales_split_nothing(void **state)
         struct sky s;
         struct gp_ghosts g = {0};
         struct gp_sources out;
-        sky_make(&s, frames[k % COUNT(frames)][0], frames[k % COUNT(frames)][1]);
+        sky_make(&s, frames[k % COUNT(frames)][0],
+                 frames[k % COUNT(frames)][1]);
         assert_ok(gp_ghosts_make(&kept_log, &f, s.data, s.display, &g));
         assert_ok(gp_ghost_move(&kept_log, &g, g.run, &s.src, &out));
         assert_int_equal(out.n, e.at == 1.0 ? 1 : s.src.n);
