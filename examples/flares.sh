@@ -1,17 +1,19 @@
 #!/bin/sh
 # Usage: flares.sh [GLAREPP [FRAME...]]
-# A contact sheet of the installed flares: a row each, on the night frame, on the
-# foliage and on each FRAME, whose bright pixels or --sun of 5e4 in a corner
-# light it; then the first row's element sizes at 540, 1080 and 2160 lines. By
-# oiiotool, to flares.jpg.
+# A contact sheet of the installed flares, a row each: on the night frame, on the
+# foliage at 540, 1080 and 2160 lines, and on each FRAME of 640x360, with a lamp
+# in its upper right. By oiiotool, to flares.jpg.
 here=$(cd "$(dirname "$0")" && pwd)
 glarepp=${1:-glarepp}
 [ $# = 0 ] || shift
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 cat >"$work/lamps.json" <<'JSON'
-[{"pixel": [261, 137], "radius": 5, "flux": [6000, 4500, 2800]},
- {"pixel": [621, 193], "radius": 6, "flux": [3500, 4500, 6000]}]
+[{"pixel": [257, 133], "depth": 0, "flux": [40000, 28000, 16000]},
+ {"pixel": [621, 192], "depth": 0, "flux": [22000, 29000, 40000]}]
+JSON
+cat >"$work/lamp.json" <<'JSON'
+[{"pixel": [448, 72], "depth": 0, "flux": [90000, 80000, 70000]}]
 JSON
 
 # shot FLARE PICTURE ARGUMENT...: one picture of the sheet
@@ -24,23 +26,26 @@ shot()
     oiiotool "$picture" --resize:filter=box 480x270 -o "$picture" || exit 1
 }
 
-set -- "$@"
 columns=$(($# + 4))
 frames=$*
+for lines in 540 1080 2160; do
+    mkdir "$work/$lines"
+    oiiotool "$here/foliage.1004.exr" \
+        --resize:filter=triangle $((lines * 16 / 9))x$lines \
+        -o "$work/$lines/foliage.1004.exr" || exit 1
+done
 set --
 for flare in anamorphic zoom vintage lamps veil; do
     listed="--lights $work/lamps.json --sun-in-frame"
-    sun="--camera $here/foliage.camera.json --sun-color 1.2e6,1.1e6,8e5
-        --sun-in-frame"
-    case $flare in lamps | veil) listed='' sun='' ;; esac
+    case $flare in lamps | veil) listed='' ;; esac
     shot $flare $flare.n -t 2 --exposure 1 $listed "$here/night.1001.exr"
-    shot $flare $flare.f -t 4 $sun "$here/foliage.1004.exr"
-    set -- "$@" "$work/$flare.n.png" "$work/$flare.f.png"
-    for lines in 1080 2160; do
-        oiiotool "$here/foliage.1004.exr" \
-            --resize:filter=triangle $((lines * 16 / 9))x$lines \
-            -o "$work/$lines.exr" || exit 1
-        shot $flare $flare.$lines -t 4 $sun "$work/$lines.exr"
+    set -- "$@" "$work/$flare.n.png"
+    for lines in 540 1080 2160; do
+        # flux is summed over pixels: four times as much at twice the lines
+        sun="--camera $here/foliage.camera.json --sun-in-frame --sun-color
+            $((9 * lines * lines)),$((8 * lines * lines)),$((6 * lines * lines))"
+        case $flare in lamps | veil) sun='' ;; esac
+        shot $flare $flare.$lines -t 4 $sun "$work/$lines/foliage.1004.exr"
         set -- "$@" "$work/$flare.$lines.png"
     done
     n=0
@@ -48,7 +53,8 @@ for flare in anamorphic zoom vintage lamps veil; do
         n=$((n + 1))
         case $flare in
         lamps | veil) shot $flare $flare.x$n -t 4 "$frame" ;;
-        *) shot $flare $flare.x$n -t 4 --sun 500,60,3 --sun-color 5e4 "$frame" ;;
+        *) shot $flare $flare.x$n -t 4 --lights "$work/lamp.json" \
+            --sun-in-frame "$frame" ;;
         esac
         set -- "$@" "$work/$flare.x$n.png"
     done

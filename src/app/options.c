@@ -98,8 +98,8 @@ static const struct gp_option_choice gp_outsides[] = {
 static const struct gp_option_choice gp_sun_draws[] = {
     {"auto", GP_DRAW_AUTO, "on GL with a GPU; on the CPU with a software "
      "context, where that takes a quarter of the time"},
-    {"gl", GP_DRAW_GL, "on GL: sprites and elements fetch the share, nothing "
-     "is read back before the layer is done"},
+    {"gl", GP_DRAW_GL, "on GL: sprites fetch the share, nothing is read back "
+     "before they are drawn"},
     {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
 };
 static const struct gp_option_choice gp_ndcs[] = {
