@@ -84,7 +84,7 @@ static void add_clipped(const struct gp_lens_cover *k, double x0, double y0,
 {
     const double side[2] = {0.0, k->w};
     if (!(most(y0, y1) > k->y0 && least(y0, y1) < k->y1) ||
-        least(x0, x1) >= k->w) // what lies to its right is not seen
+        least(x0, x1) >= k->w) // samples to its right are not seen
         return;
     for (int i = 0; i < 2; i++) {
         if ((x0 < side[i]) == (x1 < side[i]))
