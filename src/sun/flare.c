@@ -179,6 +179,14 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
     } else {
         const double r = gp_flare_look_reach(e, diameter_of(e, display));
         b = (struct box) {-r, -r, r, r};
+        if (e->shape == GP_FLARE_STREAK && e->count == 1) { // a narrow box
+            const double angle = e->rotation * pi / 180.0;
+            const double wide = fmax(0.5 * diameter_of(e, display), 1.5) *
+                                    e->width * (1.0 + e->softness) + 4.0;
+            const double w = r * fabs(cos(angle)) + wide * fabs(sin(angle));
+            const double h = r * fabs(sin(angle)) + wide * fabs(cos(angle));
+            b = (struct box) {-w, -h, w, h};
+        }
     }
     return (struct gp_rect) {
         to_pixel(floor(x + b.x0)), to_pixel(floor(y + b.y0)),

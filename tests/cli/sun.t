@@ -316,6 +316,16 @@ refuses --sun-color 'two colours' --sun 1,2 --sun-color 1,2
 refuses --sun-map 'an odd map' --sun 1,2 --sun-method mask --sun-map 15
 refuses --sun-color 'flare without flux' --sun 1,2 --flare flare.json
 refuses '"bright"' 'flare without light' --flare flare.json
+refuses 'anamorphic, lamps, veil' 'the list of flares' --flare preset:list
+refuses 'veil, vintage, zoom' 'a flare by a path' --flare preset:../flare
+for flare in anamorphic zoom vintage; do
+    run --flare preset:$flare --sun 30,6,2 --sun-color 1000 --layer l.exr in.exr
+    status_is 0 "--flare preset:$flare"
+done
+for flare in lamps veil; do
+    run --flare preset:$flare --report r.json matte.exr
+    status_is 0 "--flare preset:$flare"
+done
 refuses --mask 'a mask without light' --mask A
 refuses --debug 'a sun map without light' --debug sunmap=m.png
 run --lights nowhere.json --report r.json in.exr
