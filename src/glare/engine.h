@@ -219,7 +219,7 @@ struct gp_compose_params {
  *   scatter: lit = rgb - min(gain, 1) * source + gain * layer, which up to a
  *            gain of 1 conserves energy but for what leaves the frame
  * and then lit *= 1 - dim, the whole picture alike.
- * Values over FLT_MAX are clamped to it.
+ * Values over FLT_MAX are clamped to it; then a warning counts them.
  * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is overwritten.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */

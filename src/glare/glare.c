@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -301,6 +302,7 @@ struct composing {
     float gain;
     float taken;  // share of a source's light that leaves its pixel
     float keep;   // share that the pupil lets through
+    atomic_llong over; // samples clamped
 };
 
 /* Clamps infinite light to the largest float. */
@@ -316,10 +318,19 @@ GP_CLONES static void add_row(const float *in, const float *layer, float gain,
         out[i] = kept_finite(in[i] + gain * layer[i]);
 }
 
+/* Counts the samples of a row that kept_finite() changed. */
+GP_CLONES static int count_over(const float *in, const float *out, size_t n)
+{
+    int over = 0;
+    for (size_t i = 0; i < n; i++)
+        over += (fabsf(out[i]) >= FLT_MAX) & (fabsf(in[i]) < FLT_MAX);
+    return over;
+}
+
 /* One row: in + gain * layer, less what sources scatter, dimmed. */
 static void compose_row(void *ctx, int y, int thread)
 {
-    const struct composing *m = ctx;
+    struct composing *m = ctx;
     const struct gp_frame *f = m->f;
     const size_t w = (size_t) gp_frame_w(f);
     const size_t at = (size_t) y * w;
@@ -343,6 +354,9 @@ static void compose_row(void *ctx, int y, int thread)
                                 m->gain * layer[x]);
             }
         }
+        const int over = layer ? count_over(in, out, w) : 0;
+        if (over)
+            atomic_fetch_add(&m->over, over);
         for (size_t x = 0; m->keep < 1.0f && x < w; x++)
             out[x] *= m->keep;
     }
@@ -370,5 +384,10 @@ gp_status gp_compose(const struct gp_log *log,
             return st;
     }
     gp_parallel_do(gp_frame_h(f), compose_row, &m);
+    const long long over = atomic_load(&m.over);
+    if (over)
+        gp_say(log, GP_LEVEL_WARN, "%s: %lld samples overflow with their glare "
+               "(limited to %.3g, the largest float); lower --gain or give "
+               "--max-value", f->path, over, (double) FLT_MAX);
     return GP_OK;
 }

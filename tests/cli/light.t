@@ -140,6 +140,18 @@ for engine in direct fft splat; do # a kernel of sum over 1
         '(3.4028234663852886e+38, 3.4028234663852886e+38) None' \
         "$engine: it is that float everywhere, and has no bound"
 done
+# a frame with its glare over the largest float: the line counts the samples
+frame over.exr size=32x24 type=float hot=1e36
+for threads in 1 2; do
+    run -g 1e6 --threads $threads --hdr over.hdr.exr over.exr
+    like "$status $(cat err)" \
+        '0 *over.exr: [1-9]* samples overflow with their glare (limited to *); *' \
+        "a composite over the largest float, $threads threads"
+    cp err err.$threads
+done
+same err.1 err.2 'a composite over the largest float: the same count'
+run -g 1e3 --hdr over.hdr.exr glow.exr
+quiet_success 'a composite over half alone: written as float, no line'
 for engine in direct fft auto; do # light over 2^80 is halved on its way
     run -e $engine --mix add -k builtin:eye --tolerance-pixel 1e-4 --verify \
         --layer l.pfm --report r.json lamps.pfm
