@@ -271,12 +271,38 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
     return best;
 }
 
+static const double ANYWAY_MS = 5.0; // more than transforms take
+
+/* Tests whether all sources go direct: where rounding would be seen in the
+ * layer itself, in its darkest part, where only the tail is left, and the sum
+ * takes no more than about twice as long as the transforms. */
+static bool all_direct(const struct search *s, const struct gp_kernel *k,
+                       double points, double fft_ms, struct gp_fft_split *all)
+{
+    static const double SEEN = 5e-3; // of the layer's own value
+    static const double LONGER = 2.0;
+    const struct gp_sources *const src = s->src;
+    const double most = NOISE / sqrt(points) * s->tail[0] * sqrt(s->energy);
+    const double ms = s->hot_ms * (double) src->n + s->pass_ms;
+    if (!k->tail || ms > LONGER * fft_ms + ANYWAY_MS)
+        return false;
+    for (int c = 0; c < 3; c++) {
+        if (most > SEEN * src->flux[c] * k->tail->least) {
+            *all = (struct gp_fft_split) {
+                .core = -1, .hot = gp_source_bin_start(0),
+                .hot_count = src->n, .ms = ms,
+            };
+            return true;
+        }
+    }
+    return false;
+}
+
 void gp_fft_split_choose(const struct gp_sources *src,
     const struct gp_kernel *k, const double tail[GP_FFT_CORES], double points,
     double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
-    static const double ANYWAY_MS = 5.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
@@ -294,7 +320,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
     };
     *out = none;
-    if (none.rounding <= ALLOWED)
+    if (all_direct(&s, k, points, fft_ms, out) || none.rounding <= ALLOWED)
         return;
     s.quads = gp_direct_quads(src);
     struct gp_fft_split found =

@@ -139,6 +139,20 @@ static void find_norms(struct gp_tail *t, int c, const double *at)
     t->norm2[c] = MORE * sqrt(square) * s;
 }
 
+/* Lowers t->least to the samples of one channel. */
+static void find_least(struct gp_tail *t, const double *at)
+{
+    const int s = t->split.step;
+    const double to = t->split.to / s;
+    for (int y = -t->ry; y <= t->ry; y++) {
+        for (int x = -t->rx; x <= t->rx; x++, at++) {
+            if (abs(x) * s < t->w && abs(y) * s < t->h &&
+                (double) x * x + (double) y * y >= to * to)
+                t->least = fmin(t->least, *at);
+        }
+    }
+}
+
 // -- the splines divided out --------------------------------------------------
 
 /* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of n values
@@ -277,6 +291,7 @@ gp_status gp_tail_make(const struct gp_log *log,
     t->rx = gp_tail_nodes(w, split->step) - 1 + GP_TAIL_FADE;
     t->ry = gp_tail_nodes(h, split->step) - 1 + GP_TAIL_FADE;
     t->grey = grey;
+    t->least = INFINITY;
     t->serial = gp_serial_next();
     atomic_init(&t->holders, 1);
     s.t = t;
@@ -293,6 +308,7 @@ gp_status gp_tail_make(const struct gp_log *log,
         if (even)
             mirror(t, s.at[c]);
         find_norms(t, c, s.at[c]);
+        find_least(t, s.at[c]);
         divide_out(t, even, s.at[c]);
         GP_TRY(find_sum(log, t, c, s.at[c]));
         for (size_t i = 0; i < n; i++)

@@ -74,6 +74,7 @@ struct gp_tail {
     double sum[3];      // of the tail over offsets that such a frame meets
     double norm1[3], norm2[3]; // sum, and root of the sum of squares, of the
                         // tail over all offsets; no less
+    double least;       // smallest sample where all is tail and frames meet it
     unsigned long serial;
     atomic_int holders;
 };
