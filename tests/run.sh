@@ -12,8 +12,13 @@ cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
 mkdir -p "$log"
 passed=0 failed=0 skipped=0
+python=/usr/bin/python3
+[ -x "$python" ] || python=python3
+GLAREPP_TEST_OIIO=no
+! "$python" -c 'import numpy, OpenImageIO' 2>/dev/null || GLAREPP_TEST_OIIO=yes
+export GLAREPP_TEST_OIIO
 
-# count NAME LOG STATUS SECONDS: adds up a TAP log; a death without a word is a
+# count NAME LOG STATUS SECONDS TENTHS: adds up a TAP log; a death without a word is a
 # failure
 count()
 {
@@ -32,7 +37,8 @@ count()
         grep -nE -A6 '^[[:space:]]*not ok ' "$2" | grep -iv '# skip' | head -60
         tail -n 12 "$2"
     else
-        echo "ok     $1: $ok$([ "$skip" = 0 ] || echo ", $skip skipped") ($4 s)"
+        echo "ok     $1: $ok$([ "$skip" = 0 ] || echo ", $skip skipped")" \
+            "($4 s, $(($5 / 10)).$(($5 % 10)) s of processors)"
     fi
 }
 
@@ -45,10 +51,18 @@ reasons()
     esac
 }
 
+# seconds_of TIME: of "MmS.SSSs", as `times` prints, in tenths
+seconds_of()
+{
+    local minutes=${1%%m*} rest=${1#*m}
+    echo $((minutes * 600 + 10#${rest%%.*} * 10 + 10#$(cut -c1 <<<"${rest#*.}")))
+}
+
 # run_one KIND PATH NAME [SUITE]: leaves NAME.log, NAME.status, NAME.seconds
+# (passed, and spent on processors in tenths)
 run_one()
 {
-    local began=$SECONDS
+    local began=$SECONDS user sys
     case $1 in
     check)
         if make --no-print-directory B="$build" "$2"; then
@@ -62,7 +76,10 @@ run_one()
     cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
-    echo $((SECONDS - began)) > "$log/$3.seconds"
+    times >"$log/$3.times"
+    { read -r _; read -r user sys; } <"$log/$3.times"
+    echo $((SECONDS - began)) $(($(seconds_of "$user") + $(seconds_of "$sys"))) \
+        > "$log/$3.seconds"
 }
 
 # chosen NAME: whether the command-line test is to run
@@ -75,7 +92,9 @@ chosen()
     esac
 }
 
-# As many at a time as there are processors; told in the order of the list
+# As many at a time as there are processors; printed in the order of the list
+first='hardcases-.*|faults\.t|flight\.t|check-tidy|glare-starved_glare|formats\.t'
+first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do
@@ -84,24 +103,33 @@ for test in tests/cli/*.t; do
 done
 for unit in $units; do
     room=${unit##*/}
-    if [ "$room" = hardcases ]; then tasks+=("unit $unit hardcases"); continue; fi
+    if [ "$room" = hardcases ]; then
+        for family in $("$unit" families); do
+            tasks+=("unit $unit hardcases-$family $family")
+        done
+        continue
+    fi
     for suite in $("$unit" --list); do
         case " $GLAREPP_TEST_SKIP " in *" $room/$suite "*) continue ;; esac
         tasks+=("unit $unit $room-$suite $suite")
     done
 done
-for task in "${tasks[@]}"; do
+# (those that take longest first, so that none of them is last)
+longest=$(printf '%s\n' "${tasks[@]}" | grep -E " ($first)( |$)")
+others=$(printf '%s\n' "${tasks[@]}" | grep -vE " ($first)( |$)")
+printf '%s\n' "$longest" "$others" | grep . >"$log/order"
+while read -r -u 9 task; do
     while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(nproc)}" ]; do
         wait -n
     done
-    run_one $task &
-done
+    run_one $task 9<&- &
+done 9<"$log/order"
 wait
 : >"$log/skipped"
 for task in "${tasks[@]}"; do
     read -r _ _ name _ <<<"$task"
     count "$name" "$log/$name.log" "$(cat "$log/$name.status")" \
-        "$(cat "$log/$name.seconds")"
+        $(cat "$log/$name.seconds")
 done
 
 sort "$log/skipped" | uniq -c | sort -rn | sed 's/^ *\([0-9]*\) /skipped \1: /'

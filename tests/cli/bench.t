@@ -162,9 +162,9 @@ PY
 verdicts verdicts
 
 cp "$root/examples/foliage.1004.exr" camera.exr
-"$glarepp" -q -k spencer -e fft --report c.report --layer c.exr camera.exr
+"$glarepp" -q -t 8 -k spencer -e fft --report c.report --layer c.exr camera.exr
 GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
-    "$glarepp" bench --runs 1 -k spencer --json c.json camera.exr >out 2>err
+    "$glarepp" bench -t 8 --runs 1 -k spencer --json c.json camera.exr >out 2>err
 is "$("$python" -c 'import json
 r = json.load(open("c.report"))
 b = json.load(open("c.json"))["frames"][0]["rows"][0]["kernel_left_out"]

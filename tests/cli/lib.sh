@@ -21,10 +21,15 @@ data=$(cd "$root" && cd "${GLAREPP_DATA:-../shared/data}" 2>/dev/null && pwd) ||
 no_data='no data folder (../shared/data, or $GLAREPP_DATA)'
 python=/usr/bin/python3
 [ -x "$python" ] || python=$(command -v python3 || :)
-# numpy and OpenImageIO, for those who compare pixels
+# numpy and OpenImageIO, to compare pixels: GLAREPP_TEST_OIIO says yes or no, as
+# run.sh has found once for all
 oiio=
-[ -n "$python" ] && "$python" -c 'import numpy, OpenImageIO' 2>/dev/null &&
-    oiio=yes
+case ${GLAREPP_TEST_OIIO-} in
+yes) oiio=yes ;;
+no) ;;
+*) [ -n "$python" ] && "$python" -c 'import numpy, OpenImageIO' 2>/dev/null &&
+    oiio=yes ;;
+esac
 quick=${GLAREPP_TEST_QUICK-}
 unset GLAREPP_CPU GLAREPP_OSMESA GLAREPP_EGL
 export PYTHONDONTWRITEBYTECODE=1

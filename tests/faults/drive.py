@@ -68,6 +68,7 @@ CONFIGURATIONS = {
 }
 # beginnings of lines about no file: the command line, or all frames
 NO_FILE = ("glarepp: command line: ", "glarepp: --")
+CHANGES = ("truncate", "grow")
 BY_SIGNAL = (-signal.SIGTERM,)
 # for one fault each: files larger than the buffer, and several threads at them
 TERMINATED = ("direct", "sequence", "flight")
@@ -123,8 +124,10 @@ class Run:
     def __init__(self, name, folder, program, shim, fault):
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder + "/o")
+        # only two faults change an input
+        put_input = shutil.copy if fault.startswith(CHANGES) else os.link
         for file in INPUTS + ("big.exr",) * (name == "large"):
-            shutil.copy(file, folder)
+            put_input(file, folder + "/" + file)
         if name == "old":
             for file in ("a.png", "h.exr", "s.exr"):
                 with open(f"{folder}/o/{file}", "w") as f:

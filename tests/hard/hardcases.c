@@ -1,8 +1,8 @@
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *
- *   hardcases [FAMILY|names]   all families, one (glare, field, slide, tone,
- *                              sun, files, formats), or the names of the cases
+ *   hardcases [FAMILY|names|families]   all families, one of them, or the names of
+ *                                       the cases or of the families
  *
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
@@ -78,8 +78,14 @@ int main(int argc, char *argv[])
             puts(hard_wide[i].name);
         return 0;
     }
+    const size_t n = sizeof families / sizeof *families;
+    if (argc > 1 && strcmp(argv[1], "families") == 0) {
+        for (size_t i = 0; i < n; i++)
+            puts(families[i].name);
+        return 0;
+    }
     find_bridge();
-    for (size_t i = 0; i < sizeof families / sizeof *families; i++) {
+    for (size_t i = 0; i < n; i++) {
         if (argc < 2 || strcmp(argv[1], families[i].name) == 0)
             families[i].run();
     }
