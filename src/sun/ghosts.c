@@ -58,7 +58,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
 {
     static const struct gp_rect all = {-(1 << 29), -(1 << 29), 1 << 29,
                                        1 << 29};
-    static const double most = 1 << 28; // pixels
+    static const double most = 1 << 26; // pixels
     struct gp_light lamp = GP_LIGHT_DEFAULTS;
     struct gp_flare own = {0};
     struct gp_planes planes = {0};

@@ -43,7 +43,7 @@ struct gp_ghosts {
 /* Makes the images for frames of these windows; keeps them where *out has them.
  * Images are cut to offsets that reach from a source to a pixel of the frame.
  * Flicker counts by f->frame. f must stay as long as *out.
- * Errors: GP_ERR_DATA an image of over 2^28 pixels, those of
+ * Errors: GP_ERR_DATA an image of over 2^26 pixels, those of
  * gp_kernel_of_planes(); then *out is empty. Free with gp_ghosts_free(). */
 GP_MUST_CHECK gp_status gp_ghosts_make(const struct gp_log *log,
     const struct gp_flare *f, struct gp_rect data, struct gp_rect display,
