@@ -219,7 +219,7 @@ check: ## installs missing packages, builds, runs every test
 # The clone uses the binaries built here: its files get an old date, so that make
 # builds nothing. Suites that read no file of the repository or of the data would
 # only repeat what make check did
-PLACELESS := $(shell grep -LE 'data_path|data_frames|examples/|tests/cli/|man/' $(UNIT))
+PLACELESS = $(shell grep -LE 'data_path|data_frames|examples/|tests/cli/|man/' $(UNIT) </dev/null)
 check-alone: check-built ## runs the quick tests that read files in a clone without data beside it
 	@alone=$$(mktemp -d) && trap 'rm -rf "$$alone"' EXIT && \
 	    git clone -q . "$$alone/glarepp" && \

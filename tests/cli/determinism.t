@@ -158,12 +158,12 @@ source_of()
     mkdir -p "$1/src" && cp "$root/Makefile" "$1" && cp -r "$root/src/core" "$1/src" &&
         mkdir -p "$1/tests/fuzz" && cp "$root"/tests/fuzz/fuzz.mk "$1/tests/fuzz" &&
         mkdir -p "$1/tests/soak" && cp "$root"/tests/soak/soak.mk "$1/tests/soak" &&
-        (cd "$1" && make -s B="$2" "$2/core/cpu.o" "$2/core/parallel.o") >make.log 2>&1
+        (cd "$1" && make -s B="$2" "$2/core/memory.o" "$2/core/parallel.o") >make.log 2>&1
 }
 if command -v make >/dev/null && command -v cc >/dev/null; then
     ok 'objects in one folder' source_of one build
     ok 'objects in another' source_of "two/deeper" other-build
-    for o in cpu parallel; do
+    for o in memory parallel; do
         same one/build/core/$o.o two/deeper/other-build/core/$o.o \
             "core/$o.o: the same bytes from both folders"
     done
