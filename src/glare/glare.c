@@ -311,11 +311,18 @@ static inline __attribute__((always_inline)) float kept_finite(float v)
     return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
 }
 
-GP_CLONES static void add_row(const float *in, const float *layer, float gain,
+/* Returns whether a sample is at the largest float or over it; with the light
+ * that a source scatters taken away it is at most this. */
+GP_CLONES static bool add_row(const float *in, const float *layer, float gain,
                               size_t n, float *restrict out)
 {
-    for (size_t i = 0; i < n; i++)
-        out[i] = kept_finite(in[i] + gain * layer[i]);
+    int over = 0;
+    for (size_t i = 0; i < n; i++) {
+        const float v = in[i] + gain * layer[i];
+        over |= fabsf(v) >= FLT_MAX;
+        out[i] = kept_finite(v);
+    }
+    return over;
 }
 
 /* Counts the samples of a row that kept_finite() changed. */
@@ -339,8 +346,9 @@ static void compose_row(void *ctx, int y, int thread)
         const float *in = f->rgb.c[c] + at;
         float *out = f->lit.c[c] + at;
         const float *layer = f->layer.c[c] ? f->layer.c[c] + at : NULL;
+        bool over = false;
         if (layer)
-            add_row(in, layer, m->gain, w, out);
+            over = add_row(in, layer, m->gain, w, out);
         else
             memcpy(out, in, w * sizeof *out);
         // the sources' pixels once more, with their own light taken away first:
@@ -354,9 +362,8 @@ static void compose_row(void *ctx, int y, int thread)
                                 m->gain * layer[x]);
             }
         }
-        const int over = layer ? count_over(in, out, w) : 0;
         if (over)
-            atomic_fetch_add(&m->over, over);
+            atomic_fetch_add(&m->over, count_over(in, out, w));
         for (size_t x = 0; m->keep < 1.0f && x < w; x++)
             out[x] *= m->keep;
     }
