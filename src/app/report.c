@@ -289,7 +289,7 @@ static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
     json_t *const list = json_array();
     for (int i = 0; i < k->recipes; i++) {
         char *const recipe = gp_recipe_text(&k->recipe[i]);
-        json_array_append_new(list, recipe ? gp_json_name(recipe) : NULL);
+        json_array_append_new(list, gp_json_name(recipe));
         gp_free(recipe);
     }
     if (k->recipes)

@@ -39,9 +39,11 @@ __attribute__((constructor)) static void set_allocator(void)
 json_t *gp_json_name(const char *s)
 {
     static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
-    char *clean = allocate(3 * strlen(s) + 1), *to = clean;
-    if (!clean)
+    char *clean = s ? allocate(3 * strlen(s) + 1) : NULL, *to = clean;
+    if (!clean) {
+        full = true;
         return NULL;
+    }
     while (*s) {
         size_t n = gp_utf8_bytes(s);
         memcpy(to, n ? s : replacement, n ? n : 3);

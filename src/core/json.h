@@ -11,7 +11,7 @@
 
 /* A file name or any other bytes: Linux allows any, JSON only UTF-8
  * (RFC 3629). Bytes that are not UTF-8 become U+FFFD. The caller owns it; NULL
- * when memory is full. */
+ * when memory is full, or was for `s`, which is NULL then. */
 json_t *gp_json_name(const char *s);
 
 /* Returns the text of `o`, whose reference it takes; NULL for a NULL `o`, and

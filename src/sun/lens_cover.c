@@ -78,27 +78,33 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
     }
 }
 
-/* Cuts an edge at a column, and adds the parts; those beyond lie on it. */
+/* Adds a part of an edge that is on one side of each column: one before the
+ * first lies on it, one from the last on has no samples to its right. */
+static void add_beside(const struct gp_lens_cover *k, double x0, double y0,
+                       double x1, double y1, const double light[3])
+{
+    if (most(y0, y1) > k->y0 && least(y0, y1) < k->y1 && least(x0, x1) < k->w)
+        add_edge(k, least(most(x0, 0.0), k->w), y0, least(most(x1, 0.0), k->w),
+                 y1, light);
+}
+
+/* Cuts an edge at the first and the last column, and adds its parts. */
 static void add_clipped(const struct gp_lens_cover *k, double x0, double y0,
                         double x1, double y1, const double light[3])
 {
-    const double side[2] = {0.0, k->w};
-    if (!(most(y0, y1) > k->y0 && least(y0, y1) < k->y1) ||
-        least(x0, x1) >= k->w) // samples to its right are not seen
-        return;
+    const double side[2] = {x0 < x1 ? 0.0 : k->w, x0 < x1 ? k->w : 0.0};
+    const double slope = (y1 - y0) / (x1 - x0); // used where they differ
+    double x = x0, y = y0;
     for (int i = 0; i < 2; i++) {
         if ((x0 < side[i]) == (x1 < side[i]))
             continue;
-        const double y = y0 + (y1 - y0) * (side[i] - x0) / (x1 - x0);
-        add_clipped(k, x0, y0, side[i] + (x0 < side[i] ? -1e-12 : 0.0), y,
-                    light);
-        add_clipped(k, side[i] + (x1 < side[i] ? -1e-12 : 0.0), y, x1, y1,
-                    light);
-        return;
+        const double at = y0 + slope * (side[i] - x0);
+        const double end = side[i] + (x0 < side[i] ? -1e-12 : 0.0);
+        add_beside(k, x, y, end, at, light);
+        x = side[i] + (x1 < side[i] ? -1e-12 : 0.0);
+        y = at;
     }
-    x0 = least(most(x0, 0.0), k->w);
-    x1 = least(most(x1, 0.0), k->w);
-    add_edge(k, x0, y0, x1, y1, light);
+    add_beside(k, x, y, x1, y1, light);
 }
 
 /* Adds light to the pixel of a point. */

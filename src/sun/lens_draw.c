@@ -63,7 +63,6 @@ struct job {
     struct gp_lens_steps level[GP_LENS_LEVELS];
     struct item *item;
     int items;
-    struct gp_planes *layer;
 };
 
 static void lagrange(double nm, double out[GP_LENS_NODES])
@@ -141,7 +140,7 @@ static int choose(const struct job *job, const struct gp_lens_ghost *ghost,
 {
     const struct gp_lens_view *const v = job->view;
     const double pixel = v->mm[0] * v->mm[1];
-    struct rank rank[GP_LENS_GHOSTS];
+    struct rank rank[GP_LENS_GHOSTS] = {{0}};
     bool dark[GP_LENS_GHOSTS] = {false};
     double sum = 0.0;
     int kept_n = 0;
@@ -572,8 +571,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_view *view, const struct gp_lens_light *light, int n,
     struct gp_planes *layer, struct gp_lens_stats *out)
 {
-    struct job job = {.log = log, .lens = lens, .view = view, .light = light,
-                      .layer = layer};
+    struct job job = {.log = log, .lens = lens, .view = view, .light = light};
     struct gp_lens_stats stats = {.lights = n};
     struct gp_lens_ghost *ghost = NULL;
     struct gp_lens_optics *optics = NULL;

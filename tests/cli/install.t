@@ -120,6 +120,17 @@ usr/share/doc/glarepp/README.md
 usr/share/doc/glarepp/changelog.gz
 usr/share/doc/glarepp/copyright
 usr/share/doc/glarepp/examples/blender_camera.py
+usr/share/doc/glarepp/examples/flares/anamorphic.json
+usr/share/doc/glarepp/examples/flares/lamps.json
+usr/share/doc/glarepp/examples/flares/veil.json
+usr/share/doc/glarepp/examples/flares/vintage.json
+usr/share/doc/glarepp/examples/flares/zoom.json
+usr/share/doc/glarepp/examples/lenses/double-gauss.json
+usr/share/doc/glarepp/examples/lenses/heliar.json
+usr/share/doc/glarepp/examples/lenses/telephoto.json
+usr/share/doc/glarepp/examples/lenses/tessar.json
+usr/share/doc/glarepp/examples/lenses/zoom-tele.json
+usr/share/doc/glarepp/examples/lenses/zoom-wide.json
 usr/share/doc/glarepp/examples/openjd.yaml
 usr/share/doc/glarepp/examples/parallel.sh
 usr/share/doc/glarepp/examples/slurm.sh
@@ -130,7 +141,7 @@ usr/share/doc/glarepp/man/flares.md
 usr/share/doc/glarepp/man/hardcases.md
 usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md
-share/doc/glarepp/man/promises.md
+usr/share/doc/glarepp/man/promises.md
 usr/share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md
 usr/share/fish/vendor_completions.d/glarepp.fish

@@ -203,12 +203,12 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
         s.row[y] = (uint32_t) n;
         if (st)
             break;
-        uint32_t runs = row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
-        if (k->tail && runs > 1) { // its tail fills the gaps
-            s.run[n].to = s.run[n + runs - 1].to;
-            runs = 1;
+        uint32_t found = row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
+        if (k->tail && found > 1) { // its tail fills the gaps
+            s.run[n].to = s.run[n + found - 1].to;
+            found = 1;
         }
-        n += runs;
+        n += found;
     }
     if (!st) {
         s.row[h] = (uint32_t) n;
