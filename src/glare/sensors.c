@@ -32,6 +32,7 @@ enum {
     GRID = 16384,    // pixels, about
     DARK_SHIFT = 19, // leaves sign, exponent and 4 bits of mantissa
     DARK_BINS = 1 << 13,
+    BLACK = DARK_BINS - 1, // no luminance over 0 has it
 };
 
 /* Bright pixels: those whose non-negative part has luminance over `open`. */
@@ -172,8 +173,7 @@ static void clean_block(void *ctx, int i, int thread)
                                                s->rgb[1][k], s->rgb[2][k]);
             uint32_t bits;
             memcpy(&bits, &lum, sizeof bits);
-            if (lum > 0.0f)
-                s->dark[thread][bits >> DARK_SHIFT]++;
+            s->dark[thread][lum > 0.0f ? bits >> DARK_SHIFT : BLACK]++;
         }
         s->bright[y] = (uint32_t) bright;
         if (!s->again) {
@@ -406,26 +406,35 @@ static void list_block(void *ctx, int block, int thread)
     }
 }
 
-/* Returns the 0.1 % percentile of luminance of the grid's lit pixels. */
-static double darkest(const struct sense *s, int threads)
+/* Finds the 0.1 % percentile of luminance of the grid's lit pixels, and the
+ * noise that can be seen there, or where more pixels than that are black. */
+static void find_darkest(const struct sense *s, int threads,
+                         struct gp_sources *out)
 {
-    uint32_t total = 0, below = 0;
+    // of 8 bits at EV 0, near black: 1.5e-4, and what estimates of noise miss
+    // where neighbours are of one colour
+    static const double HALF_CODE = 1.5e-4 / 3.0;
+    static const double SHARE = 5e-3;
+    uint32_t lit = 0, below = 0;
     for (int t = 1; t < threads; t++) {
         for (int b = 0; b < DARK_BINS; b++)
             s->dark[0][b] += s->dark[t][b];
     }
-    for (int b = 0; b < DARK_BINS; b++)
-        total += s->dark[0][b];
-    for (uint32_t b = 0; total && b < DARK_BINS; b++) {
+    const uint32_t black = s->dark[0][BLACK];
+    for (int b = 0; b < BLACK; b++)
+        lit += s->dark[0][b];
+    for (uint32_t b = 0; lit && b < BLACK; b++) {
         below += s->dark[0][b];
-        if (below * 1000ull >= total) {
+        if (below * 1000ull >= lit) {
             const uint32_t bits = b << DARK_SHIFT;
             float y;
             memcpy(&y, &bits, sizeof y);
-            return (double) y;
+            out->darkest = (double) y;
+            break;
         }
     }
-    return 0.0;
+    out->visible = black * 1000ull > black + lit
+                       ? HALF_CODE : fmax(HALF_CODE, SHARE * out->darkest);
 }
 
 static double total(wide v)
@@ -529,7 +538,7 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
             o.count[k] += b->count[k];
     }
     o.threshold = found.threshold;
-    o.darkest = darkest(&s, threads);
+    find_darkest(&s, threads, &o);
     warn_of_clamping(log, f->path, &s, blocks, &o);
     gp_sources_finish(&o);
     for (int b = 0; b < gp_source_bin(GP_FAINT); b++)

@@ -55,11 +55,15 @@ struct gp_sources {
     float threshold;      // T as luminance
     double darkest;       // a low percentile (0.1 %) of the cleaned frame's
                           // positive luminance; 0 when all is black
+    double visible;       // noise of a pixel that a picture of 8 bits shows at
+                          // EV 0: half a code near black, or 0.5 % of darkest
+                          // where that is more and at most 0.1 % is black; 0
+                          // is not known
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`, of which it copies sizes, window, weights, faint, the facts
- * of the frame, darkest. Written only on GP_OK; free with gp_sources_free().
+ * of the frame, darkest and visible. Written only on GP_OK; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
@@ -73,7 +77,7 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources and darkest, halved so many times. Written only on GP_OK;
+/* The same sources, darkest and visible, halved so many times. Written only on GP_OK;
  * free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);

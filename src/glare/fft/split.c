@@ -303,6 +303,8 @@ void gp_fft_split_choose(const struct gp_sources *src,
     double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
+    // times and milliseconds that noise which can be seen is worth
+    static const double SEEN_WORTH = 10.0, SEEN_MS = 100.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
@@ -320,12 +322,17 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
     };
     *out = none;
-    if (all_direct(&s, k, points, fft_ms, out) || none.rounding <= ALLOWED)
+    const double seen = src->visible > 0.0 ? src->visible / own : INFINITY;
+    const double most = fmin(ALLOWED, seen);
+    if (all_direct(&s, k, points, fft_ms, out) || none.rounding <= most)
         return;
     s.quads = gp_direct_quads(src);
     struct gp_fft_split found =
-        find_split(&s, WORTH * fft_ms + ANYWAY_MS, ALLOWED, 0);
-    if (!(found.rounding <= ALLOWED)) {
+        find_split(&s, WORTH * fft_ms + ANYWAY_MS, most, 0);
+    const bool shows = none.rounding > seen;
+    if (!(found.rounding <= most) && shows)
+        found = find_split(&s, SEEN_WORTH * fft_ms + SEEN_MS, seen, 0);
+    if (!(found.rounding <= (shows ? fmax(most, seen) : most))) {
         const double least = find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
         found = find_split(&s, fft_ms / 2.0, NEAR * least, 0);
         if (found.rounding * LEAST_GAIN > none.rounding)

@@ -320,7 +320,7 @@ static struct gp_frame lamps(void)
     for (int i = 0; i < 200 * 150; i++) {
         const bool lit = scene_random(&seed) < 0.2f;
         for (int c = 0; c < 3; c++)
-            f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
+            f.rgb.c[c][i] = lit ? 50.0f * scene_random(&seed) : 0.0f;
     }
     return f;
 }
