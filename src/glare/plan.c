@@ -575,10 +575,14 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                    "lowest bound is %.2g, of %s, which runs); raise it", path,
                    (double) req->params->tolerance_pixel, out->pixel,
                    gp_engines[out->engine]->name);
-        else gp_say(req->log, GP_LEVEL_WARN,
-               "%s: no engine guarantees --tolerance %.3g (the lowest bound is "
-               "%.2g, of %s, which runs); a larger tolerance may be faster",
-               path, tolerance, out->bound, gp_engines[out->engine]->name);
+        else
+            gp_say(req->log, GP_LEVEL_WARN,
+                   "%s: no engine guarantees --tolerance %.3g (the lowest "
+                   "bound is %.2g, of %s, which runs); %sa larger tolerance "
+                   "may be faster", path, tolerance, out->bound,
+                   gp_engines[out->engine]->name,
+                   req->kernel->tail ? "--engine direct sums the kernel "
+                                       "without its coarse far part; " : "");
     }
     return GP_OK;
 }

@@ -143,6 +143,9 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
     GP_TRY(read_text(p, root, "name", sizeof lens->name, lens->name));
     GP_TRY(read_text(p, root, "patent", sizeof lens->patent, lens->patent));
     GP_TRY(read_text(p, root, "note", sizeof lens->note, lens->note));
+    gp_make_printable(lens->name);
+    gp_make_printable(lens->patent);
+    gp_make_printable(lens->note);
     if (!lens->name[0])
         GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: no name; add \"name\": text",
                        p->path));

@@ -19,6 +19,14 @@ print(r["engine"], r["measured"]["rel_l2"] <= r["bound"] < 1e-3)')" "${row#*:} T
             tall.json | cut -c 1-300)"
 done
 
+# direct with a coarse far part is no better there: the whole one is named
+frame few.exr size=2x90000 lights=5 type=float
+run --tolerance 1e-5 --layer few.layer.exr few.exr
+like "$(cat err)" '*--engine direct sums the kernel*' 'no engine within: what would be'
+run -q -e direct --tolerance 1e-5 --verify --report few.json --layer few.layer.exr few.exr
+is "$("$python" -c 'import json; print(json.load(open("few.json"))["bound"] < 1e-5)')" True \
+    'and is'
+
 frame kernel.exr kind=kernel size=512x512 type=float
 gl=
 frame small.exr

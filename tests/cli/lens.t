@@ -28,6 +28,15 @@ is "$(grep -c '^fault: ' out)" 1 'and one line that says so'
 grep -q '^focal length 100.6.* claimed 105 (-4.19 %)' out
 result $? 'with what was found'
 
+# control and bidirectional characters of a file move no cursor
+printf '%s' '{"name": "a\u001b[31m\u202eb", "note": "\u009b2J\u007f", "patent": "\u2066c",
+ "surfaces": [{"radius": 50, "thickness": 1, "n": 1.5, "semi": 10},
+              {"radius": -50, "thickness": 1, "semi": 10},
+              {"stop": true, "semi": 8}]}' >marks.json
+"$glarepp" lens --check marks.json --draw marks.svg >out 2>err
+result $? 'a lens with control characters in its names'
+no 'none of which is printed' env LC_ALL=C grep -q "$(printf '\033\\|\302\233\\|\177\\|\342\200\256\\|\342\201\246')" out err marks.svg
+
 # -- the drawing -----------------------------------------------------------------
 
 "$glarepp" lens --check heliar --draw a.svg >out 2>err
