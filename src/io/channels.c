@@ -129,13 +129,50 @@ static bool is_vector(const char *layer, size_t len)
     return is_called(layer, len, vector, sizeof vector / sizeof *vector);
 }
 
+static bool is_small(char c)
+{
+    return c >= 'a' && c <= 'z';
+}
+
+static bool is_capital(char c)
+{
+    return c >= 'A' && c <= 'Z';
+}
+
+/* True where a word of a layer's name, after its last dot, means depth:
+ * AOV_depth, camera-z, DepthNormalized. Words begin after a mark and at a
+ * capital after a small letter. One letter alone is a layer's name. */
+static bool has_depth_word(const char *layer, size_t len)
+{
+    static const char *const depth[] = {
+        "depth", "zdepth", "z", "zbuf", "zbuffer", "distance", "disparity",
+    };
+    const size_t first = last_part(layer, len);
+    for (size_t start = first, end; start < len; start = end + 1) {
+        for (end = start; end < len; end++) {
+            const char c = layer[end];
+            if ((!is_small(c) && !is_capital(c)) ||
+                (end > start && is_capital(c) && is_small(layer[end - 1])))
+                break;
+        }
+        for (size_t i = 0; i < sizeof depth / sizeof *depth; i++) {
+            if (strlen(depth[i]) == end - start && len - first > 1 &&
+                strncasecmp(layer + start, depth[i], end - start) == 0)
+                return true;
+        }
+        // a capital begins the next word, a mark does not
+        end -= end < len && is_capital(layer[end]);
+    }
+    return false;
+}
+
 bool gp_is_light(const char *layer, size_t len)
 {
     static const char *const data[] = {
         "depth", "zdepth",  "Z",        "mist",    "id",      "mask",
         "matte", "opacity", "coverage", "indexob", "indexma",
     };
-    return !is_vector(layer, len) &&
+    return !is_vector(layer, len) && !has_depth_word(layer, len) &&
            !is_called(layer, len, data, sizeof data / sizeof *data);
 }
 

@@ -295,4 +295,8 @@ for library in OpenEXR libpng libdeflate jansson FFTW OpenImageIO; do
     ok "--version: names $library" grep -qi $library out
 done
 
+# a pixel off by 1e-3 of itself may be less of max_rel: the page says by what
+ok 'the man page says what max_rel divides by' \
+    grep -q 'plus 1e-6 of the largest luminance' "$root/man/glarepp.1"
+
 done_testing
