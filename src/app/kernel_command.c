@@ -12,7 +12,6 @@
 #include "io/read.h"
 #include "io/write.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -187,14 +186,6 @@ out:
 
 // -- --list -------------------------------------------------------------------
 
-static gp_status end_print(const struct gp_log *log)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return GP_OK;
-    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
-                   "program that reads it", strerror(errno));
-}
-
 /* Prints a key with its preset, then the values it takes and its text. */
 static void print_key(const struct gp_model_key *k)
 {
@@ -228,7 +219,7 @@ static gp_status list_models(const struct gp_log *log)
     printf("\nPresets: -k builtin:NAME\n\n");
     for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
         printf("  %-10s %s\n  %-10s %s\n", p->name, p->text, "", p->recipe);
-    return end_print(log);
+    return gp_flush_stdout(log);
 }
 
 // -- --check ------------------------------------------------------------------
@@ -359,7 +350,7 @@ static gp_status check_kernel(const struct gp_log *log,
         printf("fault: %s\n", line);
         *faulty = true;
     }
-    st = end_print(log);
+    st = gp_flush_stdout(log);
 out:
     gp_kernel_free(&c.k);
     return st;

@@ -14,14 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gp_status end_print(const struct gp_log *log)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return GP_OK;
-    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
-                   "program that reads it", strerror(errno));
-}
-
 // -- --list -------------------------------------------------------------------
 
 static int is_lens(const struct dirent *d)
@@ -54,7 +46,7 @@ static gp_status list_lenses(const struct gp_log *log)
         free(entry[i]);
     }
     free(entry);
-    return st ? st : end_print(log);
+    return st ? st : gp_flush_stdout(log);
 }
 
 // -- --check ------------------------------------------------------------------
@@ -180,7 +172,7 @@ static gp_status check_lens(const struct gp_log *log,
     *faulty = fault;
     if (s->making.draw)
         GP_TRY(draw_lens(log, s, &lens, ghost, n));
-    st = end_print(log);
+    st = gp_flush_stdout(log);
 out:
     gp_free(ghost);
     return st;

@@ -69,12 +69,7 @@ static gp_status print_text(const struct gp_log *log,
                "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
     }
-    if (st)
-        return st;
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
-                       "the program that reads it", strerror(errno));
-    return GP_OK;
+    return st ? st : gp_flush_stdout(log);
 }
 
 // -- the commands ------------------------------------------------------------

@@ -119,9 +119,6 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
                                            const char *path);
 
-/* Flushes stdout. Errors: GP_ERR_IO its reader has closed it. */
-GP_MUST_CHECK gp_status gp_bench_flush(const struct gp_log *log);
-
 // -- bench.c -----------------------------------------------------------------
 
 /* For extrapolating: makes *out a frame with the same light in one of `parts`

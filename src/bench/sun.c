@@ -248,7 +248,7 @@ gp_status gp_bench_sun(const struct gp_log *log,
         GP_TRY(save_json(&b, p->json));
     if (!gp_is_dash(p->csv) && !gp_is_dash(p->json)) {
         print_table(&b);
-        GP_TRY(gp_bench_flush(log));
+        GP_TRY(gp_flush_stdout(log));
     }
 out:
     gp_suns_close(&b.suns);

@@ -345,15 +345,6 @@ gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
     return st;
 }
 
-gp_status gp_bench_flush(const struct gp_log *log)
-{
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return gp_fail(log, GP_ERR_IO,
-                       "-: cannot write to stdout (%s); check the program that "
-                       "reads it", strerror(errno));
-    return GP_OK;
-}
-
 gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t)
 {
@@ -368,7 +359,7 @@ gp_status gp_bench_write(const struct gp_log *log,
         gp_is_dash(p->plot))
         return GP_OK;
     print_table(t);
-    st = gp_bench_flush(log);
+    st = gp_flush_stdout(log);
 out:
     return st;
 }

@@ -5,7 +5,6 @@
 #include "core/parallel.h"
 #include "io/file.h"
 
-#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -460,9 +459,7 @@ int gp_compare_run(const struct gp_log *log,
         if (lost || !closed)
             GP_TRY(gp_no_memory(log, req->json));
     }
-    if (fflush(stdout) != 0 || ferror(stdout))
-        GP_TRY(gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
-                       "the program that reads it", strerror(errno)));
+    GP_TRY(gp_flush_stdout(log));
     if (req->json)
         GP_TRY(gp_file_save(log, req->json, text, size));
 out:

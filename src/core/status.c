@@ -2,6 +2,7 @@
 
 #include "core/minmax.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -172,4 +173,12 @@ void gp_nearest_try(struct gp_nearest *search, const char *name)
         search->most = edits;
         search->name = name;
     }
+}
+
+gp_status gp_flush_stdout(const struct gp_log *log)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return GP_OK;
+    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
+                   "program that reads it", strerror(errno));
 }

@@ -128,4 +128,7 @@ void gp_nearest_try(struct gp_nearest *search, const char *name);
             goto out;                                                         \
     } while (0)
 
+/* Ends what was printed to stdout. Errors: GP_ERR_IO it cannot be written. */
+GP_MUST_CHECK gp_status gp_flush_stdout(const struct gp_log *log);
+
 #endif

@@ -169,8 +169,8 @@ static bool has_depth_word(const char *layer, size_t len)
 bool gp_is_light(const char *layer, size_t len)
 {
     static const char *const data[] = {
-        "depth", "zdepth",  "Z",        "mist",    "id",      "mask",
-        "matte", "opacity", "coverage", "indexob", "indexma",
+        "Z",       "mist",     "id",      "mask",    "matte",
+        "opacity", "coverage", "indexob", "indexma",
     };
     return !is_vector(layer, len) && !has_depth_word(layer, len) &&
            !is_called(layer, len, data, sizeof data / sizeof *data);
