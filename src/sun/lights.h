@@ -1,7 +1,7 @@
 /* sun: lights, their occluders, and their flare in a lens.
  *
- *   lights    suns and lamps: from JSON, their places in a frame (this file)
- *   camera    from a direction or a place in the world to the frame
+ *   lights    suns, lamps and cameras: from JSON, their places in a frame (this
+ *             file)
  *   occluder  depth and coverage, and the visible share of a light, by area, in
  *             double (exact.c)
  *   map       the same share after Maughan: sun map and intensity map on GL
@@ -10,10 +10,10 @@
 #ifndef GP_SUN_LIGHTS_H
 #define GP_SUN_LIGHTS_H
 
+#include "core/camera.h"
 #include "core/depth.h"
 #include "core/frame.h"
 #include "core/status.h"
-#include "sun/camera.h"
 
 #include <stdbool.h>
 
@@ -92,5 +92,41 @@ GP_MUST_CHECK gp_status gp_light_place_in(
     const struct gp_log *log, const char *path,
     const struct gp_light_spec *spec, const struct gp_camera *c,
     enum gp_depth_type type, struct gp_rect display, struct gp_light *out);
+
+/* The cameras of a sequence, and the sun, from JSON as beside the project's
+ * test frames:
+ *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
+ *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
+ *     "sun_radius_px": r}], "width": w}      or only that array
+ * where w, if it is there, is the width of the picture that r is for.
+ * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
+ * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
+ * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */
+struct gp_camera_frame {
+    long long frame;
+    struct gp_camera camera;
+    bool has_sun;
+    double sun_dir[3];
+    double sun_radius;   // pixels; 0: not given
+};
+struct gp_camera_file {
+    struct gp_camera_frame *at; // owned
+    int n;
+    double width;        // of the pictures that radii are for; 0: not given
+};
+
+/* Files over 8 MiB (some 5000 frames) are refused.
+ *   out  written on GP_OK only, by frame number; gp_camera_file_free()
+ * Errors: GP_ERR_IO; GP_ERR_DATA not JSON, no frames, a frame without matrix
+ * or number, two of one number (each names the frame), what gp_camera_make()
+ * refuses, a direction of 0, a radius outside 0 to 1e6. */
+GP_MUST_CHECK gp_status gp_camera_read(
+    const struct gp_log *log, const char *path, struct gp_camera_file *out);
+void gp_camera_file_free(struct gp_camera_file *f);
+
+/* Returns the camera of frame `number`, or the only one of the file; else
+ * NULL. */
+const struct gp_camera_frame *
+gp_camera_frame_find(const struct gp_camera_file *f, long long number);
 
 #endif

@@ -12,7 +12,6 @@
 #include "gl/gl.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"
-#include "sun/camera.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
 #include "sun/map.h"

@@ -3,7 +3,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "harness.h"
-#include "sun/camera.h"
+#include "core/camera.h"
 #include "sun/flare.h"
 #include "sun/lens_draw.h"
 #include "sun/lights.h"

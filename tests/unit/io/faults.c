@@ -9,7 +9,6 @@
 #include "io/plane.h"
 #include "io/stored.h"
 #include "io/sequence.h"
-#include "sun/camera.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
 #include "write_fixture.h"

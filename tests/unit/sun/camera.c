@@ -1,10 +1,10 @@
-/* sun/camera: matrices by hand, places and discs under them; cameras from JSON,
- * and against the data folder's frames and their headers. The folder is
- * data_path()'s; without it those tests skip. */
+/* core/camera, sun/lights: matrices by hand, places and discs under them;
+ * cameras from JSON, and against the data folder's frames and their headers.
+ * The folder is data_path()'s; without it those tests skip. */
 #include "json_file.h"
 #include "core/json.h"
 #include "io/plane.h"
-#include "sun/camera.h"
+#include "sun/lights.h"
 
 #include <float.h>
 #include <unistd.h>

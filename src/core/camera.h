@@ -1,6 +1,6 @@
 /* Cameras: project points and directions of the world into the frame. */
-#ifndef GP_SUN_CAMERA_H
-#define GP_SUN_CAMERA_H
+#ifndef GP_CORE_CAMERA_H
+#define GP_CORE_CAMERA_H
 
 #include "core/frame.h"
 #include "core/status.h"
@@ -61,41 +61,5 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
 /* The angle in degrees between the directions of the picture's upper and lower
  * edge, in the plane of the view axis and its upright. */
 double gp_camera_fov(const struct gp_camera *c);
-
-/* The cameras of a sequence, and the sun, from JSON as beside the project's
- * test frames:
- *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
- *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
- *     "sun_radius_px": r}], "width": w}      or only that array
- * where w, if it is there, is the width of the picture that r is for.
- * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
- * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
- * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */
-struct gp_camera_frame {
-    long long frame;
-    struct gp_camera camera;
-    bool has_sun;
-    double sun_dir[3];
-    double sun_radius;   // pixels; 0: not given
-};
-struct gp_camera_file {
-    struct gp_camera_frame *at; // owned
-    int n;
-    double width;        // of the pictures that radii are for; 0: not given
-};
-
-/* Files over 8 MiB (some 5000 frames) are refused.
- *   out  written on GP_OK only, by frame number; gp_camera_file_free()
- * Errors: GP_ERR_IO; GP_ERR_DATA not JSON, no frames, a frame without matrix
- * or number, two of one number (each names the frame), what gp_camera_make()
- * refuses, a direction of 0, a radius outside 0 to 1e6. */
-GP_MUST_CHECK gp_status gp_camera_read(
-    const struct gp_log *log, const char *path, struct gp_camera_file *out);
-void gp_camera_file_free(struct gp_camera_file *f);
-
-/* Returns the camera of frame `number`, or the only one of the file; else
- * NULL. */
-const struct gp_camera_frame *
-gp_camera_frame_find(const struct gp_camera_file *f, long long number);
 
 #endif

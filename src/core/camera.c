@@ -1,0 +1,208 @@
+/* Makes cameras from matrices; projects points and discs. */
+#include "core/camera.h"
+
+#include "core/vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Places farther away than this count as beside the camera, so that every pixel
+ * position fits an int. */
+static const double FAR_PIXEL = 1e9;
+
+static const double MOST_RADIUS = 1e6; // pixels
+static const double PI = 3.14159265358979323846;
+
+// -- columns of a matrix for row vectors -------------------------------------
+
+/* The upper three of column c: the gradient of that coordinate. */
+static struct gp_v3 column(const double m[16], int c)
+{
+    return (struct gp_v3) {m[c], m[4 + c], m[8 + c]};
+}
+
+/* Returns whether three vectors span space, within single precision. */
+static bool spans(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
+{
+    return fabs(gp_v3_det(a, b, c)) >
+           1e-9 * gp_v3_length(a) * gp_v3_length(b) * gp_v3_length(c);
+}
+
+// -- making ------------------------------------------------------------------
+
+static double largest(const double *v, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(v[i]));
+    return most;
+}
+
+static gp_status check_finite(const struct gp_log *log, const char *path,
+                              const char *name, const double m[16])
+{
+    for (int i = 0; i < 16; i++) {
+        if (!isfinite(m[i]))
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: %s is not finite (row %d, column %d is %s); "
+                           "repair the header or give --camera",
+                           path, name, i / 4, i % 4,
+                           isnan(m[i]) ? "NaN" : "Inf");
+    }
+    return GP_OK;
+}
+
+gp_status gp_camera_make(const struct gp_log *log, const char *path,
+                         const double *to_camera, const double to_ndc[16],
+                         enum gp_ndc ndc, struct gp_camera *out)
+{
+    gp_status st;
+    struct gp_camera c = {.has_camera = to_camera != NULL};
+    GP_TRY(check_finite(log, path, "worldToNDC", to_ndc));
+
+    // a projection keeps its meaning when all of it is scaled: here so that
+    // the view axis has length 1, and w is a distance
+    const double a[3] = {to_ndc[3], to_ndc[7], to_ndc[11]};
+    const double longest = largest(a, 3);
+    double size = 0.0; // in two steps: squares of 1e300 would overflow
+    for (int i = 0; i < 3; i++)
+        size += longest > 0.0 ? a[i] / longest * (a[i] / longest) : 0.0;
+    size = sqrt(size);
+    for (int i = 0; i < 16; i++)
+        c.to_ndc[i] = size > 0.0 ? to_ndc[i] / longest / size : INFINITY;
+    const struct gp_v3 x_column = column(c.to_ndc, 0);
+    const struct gp_v3 y_column = column(c.to_ndc, 1);
+    const struct gp_v3 axis = column(c.to_ndc, 3); // so w on it is 1
+    // (written so that a NaN fails too)
+    if (!(largest(c.to_ndc, 16) <= 1e30 &&
+          1e-9 * gp_v3_length(x_column) < 1.0 &&
+          1e-9 * gp_v3_length(y_column) < 1.0))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC is not of a perspective camera (column "
+                       "3 is %g, %g, %g); give the light's pixel",
+                       path, a[0], a[1], a[2]);
+    if (!spans(x_column, y_column, axis))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC is singular (its columns x, y and w are "
+                       "linearly dependent); repair the header or give "
+                       "--camera",
+                       path);
+
+    if (ndc == GP_NDC_AUTO) { // by the image of the view axis
+        static const double reach = 0.2;
+        const double x = gp_v3_dot(axis, x_column),
+                     y = gp_v3_dot(axis, y_column);
+        const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
+        const double clip = fmax(fabs(x), fabs(y));
+        if (!(fmin(spec, clip) <= reach))
+            GP_TRY(gp_fail(
+                log, GP_ERR_DATA,
+                "%s: worldToNDC follows neither convention (it maps the view "
+                "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0); "
+                "give --ndc spec or --ndc clip",
+                path, x, y));
+        ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
+    }
+    // [-1, 1] with y up to [0, 1] with y down, before the division by w
+    for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {
+        double *const m = c.to_ndc + row;
+        m[0] = 0.5 * (m[3] + m[0]);
+        m[1] = 0.5 * (m[3] - m[1]);
+    }
+    if (to_camera) {
+        GP_TRY(check_finite(log, path, "worldToCamera", to_camera));
+        const double most = largest(to_camera, 16);
+        if (most > 1e30 || !spans(column(to_camera, 0), column(to_camera, 1),
+                                  column(to_camera, 2)))
+            return gp_fail(
+                log, GP_ERR_DATA,
+                "%s: worldToCamera is singular (its largest entry is %g); "
+                "repair the header or give --camera",
+                path, most);
+        memcpy(c.to_camera, to_camera, sizeof c.to_camera);
+    }
+    *out = c;
+out:
+    return st;
+}
+
+// -- projecting --------------------------------------------------------------
+
+struct gp_projected gp_camera_project(const struct gp_camera *c,
+                                      struct gp_rect display,
+                                      const double world[3], double w)
+{
+    static const struct gp_projected behind = {.behind = true};
+    const double *m = c->to_ndc;
+    // a direction's length is arbitrary: none may overflow or vanish
+    const double scale = w == 0.0 ? largest(world, 3) : 1.0;
+    const struct gp_v3 p = {world[0] / scale, world[1] / scale,
+                            world[2] / scale};
+    const double pw = gp_v3_dot(p, column(m, 3)) + w * m[15];
+    if (!(pw > 0.0))
+        return behind;
+    const double x = (gp_v3_dot(p, column(m, 0)) + w * m[12]) / pw;
+    const double y = (gp_v3_dot(p, column(m, 1)) + w * m[13]) / pw;
+    struct gp_projected at = {
+        .x = display.x0 + x * ((double) display.x1 - display.x0),
+        .y = display.y0 + y * ((double) display.y1 - display.y0),
+        .z = INFINITY,
+        .ray = INFINITY,
+    };
+    if (!(fabs(at.x) <= FAR_PIXEL && fabs(at.y) <= FAR_PIXEL))
+        return behind;
+    if (w != 0.0) {
+        // the camera's place e: x, y and w are 0 there (Cramer's rule)
+        const struct gp_v3 a = column(m, 0), b = column(m, 1), v = column(m, 3);
+        const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
+                           ab = gp_v3_cross(a, b);
+        const double d = gp_v3_dot(a, bv);
+        const double ex = -m[12] / d, ey = -m[13] / d, ez = -m[15] / d;
+        const struct gp_v3 e = {ex * bv.x + ey * va.x + ez * ab.x,
+                                ex * bv.y + ey * va.y + ez * ab.y,
+                                ex * bv.z + ey * va.z + ez * ab.z};
+        // camera units in a unit of the world
+        const double *const s = c->to_camera;
+        const double unit =
+            c->has_camera ? cbrt(fabs(gp_v3_det(column(s, 0), column(s, 1),
+                                                column(s, 2))))
+                          : 1.0;
+        at.z = pw * unit;
+        at.ray = unit *
+                 gp_v3_length((struct gp_v3) {p.x - e.x, p.y - e.y, p.z - e.z});
+    }
+    return at;
+}
+
+/* The cone of half-angle a around a ray at angle t off the axis of a pinhole of
+ * distance 1 cuts an ellipse with the half-axes
+ *   sin a cos a / (cos^2 t - sin^2 a)  and  sin a / sqrt(cos^2 t - sin^2 a),
+ * and the picture is that plane by an affine map of determinant `area`. */
+double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
+                      const double dir[3], double degrees)
+{
+    const double *m = c->to_ndc;
+    const double most = largest(dir, 3);
+    const struct gp_v3 d = {dir[0] / most, dir[1] / most, dir[2] / most};
+    const struct gp_v3 axis = column(m, 3);
+    const double t =
+        atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
+    const double a = degrees * (PI / 360.0);
+    if (!(a >= 0.0 && t + a < PI / 2.0))
+        return 0.0;
+    const double area = fabs(gp_v3_det(column(m, 0), column(m, 1), axis)) *
+                        ((double) display.x1 - display.x0) *
+                        ((double) display.y1 - display.y0);
+    const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
+    const double r = sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
+    return fmin(r, MOST_RADIUS);
+}
+
+double gp_camera_fov(const struct gp_camera *c)
+{
+    // y of direction d is d * b / d * v: with b = along * v + up * u, u upright
+    // to v of length 1, d = v + t u has along + t up, 0 above and 1 below
+    const struct gp_v3 v = column(c->to_ndc, 3), b = column(c->to_ndc, 1);
+    const double along = gp_v3_dot(b, v), up = gp_v3_length(gp_v3_cross(b, v));
+    return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / PI);
+}
