@@ -1,0 +1,149 @@
+/* scene: what a frame alone cannot give (O'Rorke, GPU Gems 15): lights that are
+ * off screen or hidden, and the objects before them, from a glTF 2.0 file.
+ *
+ *   gltf_file      .glb and .gltf, their buffers and images, bounds first
+ *   gltf_accessor  numbers from buffers: strides, sparse, normalised
+ *   gltf_node      nodes, meshes, materials, lights, cameras of a file
+ *   gltf_anim      places of nodes at a time
+ *   bounds         boxes and spheres of objects
+ *   frustum, hull  planes of a camera, and with a light's place (15.4.4)
+ *   sets           V, L, I, F, S by flags on objects (15.4.3)
+ *   hidden, umbra  occlusion by the frame's depth, and by a light's occluders
+ *   scissor        bounds on screen and in depth of what a light reaches (15.5)
+ *   eye_set        objects between the eye and a light's disc, and the share of
+ *                  it that they leave clear
+ *   draw, shadow   the paper's renderer on GL
+ *   relight        the frame lit by the scene's lights
+ *
+ * The scene's world is the frame's: gp_scene_read() turns glTF's (y up) to it
+ * once. Units are the file's, metres by glTF. Matrices are for row vectors,
+ * p' = p * m, m[4 * row + column], as in core/camera.h.
+ *
+ * A scene is read once and posed for each frame; between poses it is const, and
+ * any thread may read it. */
+#ifndef GP_SCENE_SCENE_H
+#define GP_SCENE_SCENE_H
+
+#include "core/camera.h"
+#include "core/status.h"
+#include "core/vector.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { GP_SCENE_NAME = 64 }; // bytes of a name, with its null byte
+
+/* The axis of the frame's world that points up. */
+enum gp_up {
+    GP_UP_AUTO, // by the frame's camera, where it agrees with the scene's
+                // better; else Y
+    GP_UP_Y,    // as glTF
+    GP_UP_Z,    // Blender: glTF's (x, y, z) is (x, -z, y) here
+};
+
+/* An axis-aligned box; empty when lo.x > hi.x. */
+struct gp_box {
+    struct gp_v3 lo, hi;
+};
+
+/* Coverage of a texture, of a material that is cut out by it. Sampled
+ * bilinearly on the base level (no mip maps) with `wrap`; u right, v down,
+ * (0, 0) the upper left corner. */
+enum gp_wrap { GP_WRAP_REPEAT, GP_WRAP_CLAMP, GP_WRAP_MIRROR };
+struct gp_cutout {
+    int w, h;
+    float *alpha;             // w * h, 0 to 1; owned
+    enum gp_wrap wrap[2];     // of u and v
+};
+
+/* A material as far as it hides or takes light. */
+struct gp_material {
+    float base[4];   // linear colour and alpha; where no texture says otherwise
+    float cutoff;    // MASK: opaque where base[3] * texture's alpha >= cutoff;
+                     // 0: opaque everywhere. BLEND: hides as MASK at 0.5, and
+                     // the scene has a warning
+    int cutout;      // index; -1: alpha is base[3] alone
+    bool two_sided;
+    char name[GP_SCENE_NAME];
+};
+
+/* Triangles of one material: a batch. Three vertices each, in the order of
+ * `index`, counter-clockwise from the front. */
+struct gp_part {
+    int first, count;  // of gp_scene.index; count is a multiple of 3
+    int material;
+};
+
+/* A mesh in its own space; parts [first, first + parts). */
+struct gp_mesh {
+    int first, parts;
+    struct gp_box box;
+    char name[GP_SCENE_NAME];
+};
+
+/* A mesh in its place: what the sets hold, the paper's object. */
+struct gp_object {
+    int mesh, node;
+    double to_world[16];   // posed
+    struct gp_box box;     // of the world, posed: holds every vertex
+    struct gp_v3 centre;   // of a sphere that holds every vertex, posed
+    double radius;
+};
+
+enum gp_scene_light_kind {
+    GP_LIGHT_DIRECTIONAL, GP_LIGHT_POINT, GP_LIGHT_SPOT,
+};
+
+/* A light in its place (KHR_lights_punctual). */
+struct gp_scene_light {
+    enum gp_scene_light_kind kind;
+    struct gp_v3 at;       // posed; not of a directional one
+    struct gp_v3 along;    // unit, from the light, posed; not of a point
+    double color[3];       // linear
+    double intensity;      // cd; directional lux
+    double range;          // INFINITY: no limit
+    double inner, outer;   // half angles of a spot, radians
+    double ball;           // radius of its lamp, extras.ball_radius; 0: not
+                           // given
+    int node;
+    char name[GP_SCENE_NAME]; // of the node, else of the light
+};
+
+/* A camera of the scene (perspective). */
+struct gp_scene_camera {
+    double to_camera[16];  // posed; y up, it looks along -z
+    double yfov;           // radians
+    double aspect;         // 0: the picture's
+    double near, far;      // far INFINITY: none
+    int node;
+    char name[GP_SCENE_NAME];
+};
+
+struct gp_scene {
+    const char *path;      // for messages; owned
+    // geometry, as in the file
+    float *position;       // 3 a vertex
+    float *uv;             // 2 a vertex; 0 where the file has none
+    uint32_t *index;       // of vertices; 3 a triangle
+    int vertices, indices;
+    struct gp_part *part;
+    int parts;
+    struct gp_mesh *mesh;
+    int meshes;
+    struct gp_material *material; // the last one is glTF's default
+    int materials;
+    struct gp_cutout *cutout;
+    int cutouts;
+    // what is placed, by gp_scene_pose()
+    struct gp_object *object;
+    int objects;
+    struct gp_scene_light *light;
+    int lights;
+    struct gp_scene_camera *camera;
+    int cameras;
+    double start, end;     // of all keys, seconds; equal: nothing moves
+    double time;           // posed
+    struct gp_scene_nodes *nodes; // private to the reader
+};
+
+#endif
