@@ -1,0 +1,73 @@
+/* Boxes and spheres of objects, and boxes on the screen. */
+#ifndef GP_SCENE_BOUNDS_H
+#define GP_SCENE_BOUNDS_H
+
+#include "scene/scene.h"
+
+#define GP_BOX_EMPTY                                                          \
+    ((struct gp_box) {{INFINITY, INFINITY, INFINITY},                         \
+                      {-INFINITY, -INFINITY, -INFINITY}})
+
+static inline bool gp_box_empty(struct gp_box b)
+{
+    return !(b.lo.x <= b.hi.x && b.lo.y <= b.hi.y && b.lo.z <= b.hi.z);
+}
+
+/* Returns corner i of 8: bit 0 is x, 1 y, 2 z; set is the high side. */
+static inline struct gp_v3 gp_box_corner(const struct gp_box *b, int i)
+{
+    return (struct gp_v3) {i & 1 ? b->hi.x : b->lo.x, i & 2 ? b->hi.y : b->lo.y,
+                           i & 4 ? b->hi.z : b->lo.z};
+}
+
+/* Returns the smallest box that holds b and p. */
+static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
+{
+    return (struct gp_box) {
+        {fmin(b.lo.x, p.x), fmin(b.lo.y, p.y), fmin(b.lo.z, p.z)},
+        {fmax(b.hi.x, p.x), fmax(b.hi.y, p.y), fmax(b.hi.z, p.z)},
+    };
+}
+
+/* Returns p' = p * m for an affine matrix of row vectors. */
+static inline struct gp_v3 gp_move(const double m[16], struct gp_v3 p)
+{
+    return (struct gp_v3) {
+        p.x * m[0] + p.y * m[4] + p.z * m[8] + m[12],
+        p.x * m[1] + p.y * m[5] + p.z * m[9] + m[13],
+        p.x * m[2] + p.y * m[6] + p.z * m[10] + m[14],
+    };
+}
+
+/* Returns vertex v of the scene, in its mesh's space. */
+static inline struct gp_v3 gp_scene_vertex(const struct gp_scene *s, uint32_t v)
+{
+    const float *const p = &s->position[3 * (size_t) v];
+    return (struct gp_v3) {(double) p[0], (double) p[1], (double) p[2]};
+}
+
+/* Sets box, centre and radius of an object from to_world and each vertex of
+ * its mesh that a triangle uses. Without one the box is empty, and so is the
+ * sphere: centre 0, radius 0. */
+void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
+
+/* A box of the world in the picture. */
+struct gp_screen_box {
+    double x0, y0, x1, y1; // EXR pixel space, not cut by the picture
+    double near, far;      // along the view axis, units of the world
+    bool seen;             // a part is at `near` or beyond; else the rest is 0
+};
+
+/* Returns the bounds of the part of a box at least `near` > 0 along the view
+ * axis. They hold every point of it, but for rounding. */
+struct gp_screen_box gp_bounds_project(const struct gp_camera *c,
+                                       struct gp_rect display,
+                                       const struct gp_box *box, double near);
+
+/* The same of a sphere: tight where all of it is beyond `near`, else those of
+ * the box around it. */
+struct gp_screen_box gp_bounds_project_sphere(
+    const struct gp_camera *c, struct gp_rect display, struct gp_v3 centre,
+    double radius, double near);
+
+#endif
