@@ -390,6 +390,26 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     return GP_OK;
 }
 
+/* Finds what not every driver of 4.5 has. */
+static void find_extras(struct gp_gl *gl)
+{
+    GLint n = 0;
+    gl->f.GetIntegerv(GL_NUM_EXTENSIONS, &n);
+    for (GLuint i = 0; i < (GLuint) (n > 0 ? n : 0); i++) {
+        const char *name = (const char *) gl->f.GetStringi(GL_EXTENSIONS, i);
+        if (!name)
+            continue;
+        if (strcmp(name, "GL_EXT_depth_bounds_test") == 0)
+            gl->depth_bounds = (gp_gl_depth_bounds)
+                gl->system->proc(gl->window, "glDepthBoundsEXT");
+        if (strcmp(name, "GL_ARB_pipeline_statistics_query") == 0)
+            gl->info.counts = true;
+    }
+    gl->info.depth_bounds = gl->depth_bounds != NULL;
+    if (gl->info.counts)
+        gl->f.GenQueries(1, &gl->query);
+}
+
 static bool threads_are_ours; // LP_NUM_THREADS is not the user's
 
 void gp_gl_prepare(void)
@@ -443,16 +463,18 @@ static gp_status open_system(const struct gp_log *log,
     f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->info.max_block);
     f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->info.max_texel_buffer);
 
-    // state for the context's whole life: what this program draws has neither
-    // depth nor dither, and its rows are packed
+    // state for the context's whole life: what this program draws has no dither,
+    // its nearest fragments have the highest depth, and its rows are packed
     f->CreateVertexArrays(1, &gl->vertex_array);
     f->BindVertexArray(gl->vertex_array);
     f->Disable(GL_DITHER);
     f->Disable(GL_DEPTH_TEST);
+    f->DepthFunc(GL_GEQUAL);
     f->Disable(GL_CULL_FACE);
     f->BlendFunc(GL_ONE, GL_ONE);
     f->PixelStorei(GL_PACK_ALIGNMENT, 4);
     f->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    find_extras(gl);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
     return GP_OK;
@@ -489,8 +511,10 @@ void gp_gl_close(struct gp_gl **gl)
     if (!g)
         return;
     if (g->window) {
-        if (g->vertex_array && gp_gl_reach(g))
+        if (g->vertex_array && gp_gl_reach(g)) {
             g->f.DeleteVertexArrays(1, &g->vertex_array);
+            g->f.DeleteQueries(1, &g->query); // GL ignores name 0
+        }
         if (current == g)
             let_go();
         g->system->close(g->window);

@@ -4,15 +4,24 @@
 
 /* -- textures -------------------------------------------------------------- */
 
+static gp_status check_size(const struct gp_log *log, const struct gp_gl *gl,
+                            const char *what, int w, int h)
+{
+    const int limit = gl->info.max_size;
+    if (w >= 1 && h >= 1 && w <= limit && h <= limit)
+        return GP_OK;
+    return gp_fail_bare(log, GP_ERR_GL,
+                        "%s: %s: %dx%d texels do not fit into a texture "
+                        "(1x1 to %dx%d do); use --engine fft or direct",
+                        gl->info.name, what, w, h, limit, limit);
+}
+
 gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     const char *what, enum gp_texel kind, int w, int h, struct gp_texture *out)
 {
-    const int limit = gl->info.max_size;
-    if (w < 1 || h < 1 || w > limit || h > limit)
-        return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %dx%d texels do not fit into a texture "
-                            "(1x1 to %dx%d do); use --engine fft or direct",
-                            gl->info.name, what, w, h, limit, limit);
+    gp_status st = check_size(log, gl, what, w, h);
+    if (st)
+        return st;
     const GLint filter = kind == GP_TEXEL_LINEAR ? GL_LINEAR : GL_NEAREST;
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
@@ -22,7 +31,7 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, filter);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    gp_status st = gp_gl_check(log, gl, what);
+    st = gp_gl_check(log, gl, what);
     if (st)
         gp_texture_free(gl, &t);
     else
@@ -46,16 +55,33 @@ void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t)
 
 /* -- targets --------------------------------------------------------------- */
 
-gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
-                         const char *what, enum gp_texel kind, int n, int w,
-                         int h, struct gp_target *out)
+/* Makes the depth texture of a target. */
+static gp_status make_depth(const struct gp_log *log, const struct gp_gl *gl,
+                            const char *what, struct gp_target *t)
+{
+    gp_status st = check_size(log, gl, what, t->w, t->h);
+    if (st)
+        return st;
+    t->depth = (struct gp_texture) {.w = t->w, .h = t->h};
+    gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t->depth.id);
+    gl->f.TextureStorage2D(t->depth.id, 1, GL_DEPTH_COMPONENT32F, t->w, t->h);
+    gl->f.TextureParameteri(t->depth.id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->f.TextureParameteri(t->depth.id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->f.NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT,
+                                  t->depth.id, 0);
+    return gp_gl_check(log, gl, what);
+}
+
+static gp_status make_target(const struct gp_log *log, const struct gp_gl *gl,
+    const char *what, enum gp_texel kind, int n, bool deep, int w, int h,
+    struct gp_target *out)
 {
     static const GLenum buffers[GP_ATTACHMENTS] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
         GL_COLOR_ATTACHMENT3, GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5,
         GL_COLOR_ATTACHMENT6, GL_COLOR_ATTACHMENT7,
     };
-    struct gp_target t = {0};
+    struct gp_target t = {.w = w, .h = h};
     gp_status st;
     gl->f.CreateFramebuffers(1, &t.framebuffer);
     for (; t.n < n; t.n++) {
@@ -64,6 +90,8 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
         gl->f.NamedFramebufferTexture(t.framebuffer, buffers[t.n], to->id, 0);
     }
     gl->f.NamedFramebufferDrawBuffers(t.framebuffer, n, buffers);
+    if (deep)
+        GP_TRY(make_depth(log, gl, what, &t));
     GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
@@ -81,18 +109,33 @@ out:
     return st;
 }
 
+gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
+                         const char *what, enum gp_texel kind, int n, int w,
+                         int h, struct gp_target *out)
+{
+    return make_target(log, gl, what, kind, n, false, w, h, out);
+}
+
+gp_status gp_target_make_deep(const struct gp_log *log, const struct gp_gl *gl,
+                              const char *what, enum gp_texel kind, int n,
+                              int w, int h, struct gp_target *out)
+{
+    return make_target(log, gl, what, kind, n, true, w, h, out);
+}
+
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
                      struct gp_rect rect)
 {
     static const float zero[4] = {0};
-    rect = gp_rect_meet(rect, (struct gp_rect) {0, 0, t->colour.w,
-                                                t->colour.h});
+    rect = gp_rect_meet(rect, (struct gp_rect) {0, 0, t->w, t->h});
     if (gp_rect_empty(rect))
         return;
     gl->f.Enable(GL_SCISSOR_TEST);
     gl->f.Scissor(rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect));
     for (int i = 0; i < t->n; i++)
         gl->f.ClearNamedFramebufferfv(t->framebuffer, GL_COLOR, i, zero);
+    if (t->depth.id)
+        gl->f.ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, zero);
     gl->f.Disable(GL_SCISSOR_TEST);
 }
 
@@ -106,6 +149,14 @@ void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
                      GL_RGBA, GL_FLOAT, rgba);
 }
 
+void gp_target_read_depth(const struct gp_gl *gl, const struct gp_target *t,
+                          struct gp_rect rect, float *depth)
+{
+    gl->f.BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
+    gl->f.ReadPixels(rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect),
+                     GL_DEPTH_COMPONENT, GL_FLOAT, depth);
+}
+
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
 {
     if (t->framebuffer && gp_gl_reach(gl))
@@ -113,6 +164,7 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
     gp_texture_free(gl, &t->colour);
     for (int i = 0; i < GP_ATTACHMENTS - 1; i++)
         gp_texture_free(gl, &t->more[i]);
+    gp_texture_free(gl, &t->depth);
     *t = (struct gp_target) {0};
 }
 
@@ -255,16 +307,73 @@ void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 
 /* -- drawing --------------------------------------------------------------- */
 
+/* Units in use of one draw. */
+struct units {
+    GLuint texture, image, block;
+};
+
+/* Sets one uniform at its place: a block's index or a location. */
+static void set_uniform(const struct gp_gl *gl, GLuint program, GLuint place,
+                        const struct gp_uniform *u, struct units *n)
+{
+    const GLint at = (GLint) place;
+    if (u->block) {
+        gl->f.UniformBlockBinding(program, place, n->block);
+        gl->f.BindBufferBase(GL_UNIFORM_BUFFER, n->block++, u->block->id);
+    } else if (u->texture || u->fetch) {
+        const GLuint id = u->texture ? u->texture->id : u->fetch->texture;
+        gl->f.BindTextureUnit(n->texture, id);
+        gl->f.Uniform1i(at, (GLint) n->texture++);
+    } else if (u->image || u->texels) {
+        const GLuint id = u->image ? u->image->id : u->texels->texture;
+        gl->f.BindImageTexture(n->image, id, 0, GL_FALSE, 0, GL_READ_ONLY,
+                               GL_RGBA32F);
+        gl->f.Uniform1i(at, (GLint) n->image++);
+    } else if (u->matrix) {
+        gl->f.UniformMatrix4fv(at, 1, GL_FALSE, u->matrix);
+    } else if (u->floats == 1) {
+        gl->f.Uniform1fv(at, 1, u->f);
+    } else if (u->floats == 2) {
+        gl->f.Uniform2fv(at, 1, u->f);
+    } else if (u->floats) {
+        gl->f.Uniform4fv(at, 1, u->f);
+    } else {
+        gl->f.Uniform2iv(at, 1, u->v);
+    }
+}
+
+/* Sets the state of depth, faces and clip distances, or sets it back. */
+static void set_space(const struct gp_gl *gl, const struct gp_draw *draw,
+                      bool on)
+{
+    const struct gp_gl_functions *const f = &gl->f;
+    if (draw->depth) {
+        (on ? f->Enable : f->Disable)(GL_DEPTH_TEST);
+        f->DepthMask(!on || draw->depth == GP_DEPTH_WRITE);
+        f->ClipControl(GL_LOWER_LEFT,
+                       on ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+    }
+    if (draw->cull) {
+        (on ? f->Enable : f->Disable)(GL_CULL_FACE);
+        f->CullFace(draw->cull == GP_CULL_FRONT ? GL_FRONT : GL_BACK);
+    }
+    if (draw->bounds[1] > 0.0f && gl->depth_bounds) {
+        (on ? f->Enable : f->Disable)(GP_GL_DEPTH_BOUNDS_TEST);
+        gl->depth_bounds((double) draw->bounds[0], (double) draw->bounds[1]);
+    }
+    for (int i = 0; i < draw->clips; i++)
+        (on ? f->Enable : f->Disable)(GL_CLIP_DISTANCE0 + (GLenum) i);
+}
+
 gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
                       const struct gp_draw *draw)
 {
-    const struct gp_rect target = {0, 0, draw->target->colour.w,
-                                   draw->target->colour.h};
+    const struct gp_rect target = {0, 0, draw->target->w, draw->target->h};
     const struct gp_rect cut = gp_rect_meet(draw->cut, target);
     const struct gp_rect view = gp_rect_empty(draw->view) ? target
                                                           : draw->view;
     const GLuint program = draw->program->id;
-    GLuint texture = 0, image = 0, block = 0; // the next unit of each
+    struct units units = {0};
     if (gp_rect_empty(cut))
         return GP_OK;
     gl->f.UseProgram(program);
@@ -273,30 +382,10 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
         const GLuint place =
             u->block ? gl->f.GetUniformBlockIndex(program, u->name)
                      : (GLuint) gl->f.GetUniformLocation(program, u->name);
-        const GLint at = (GLint) place;
         if (place == GL_INVALID_INDEX)
             return gp_fail(log, GP_ERR_BUG, "uniform %s: the program has none "
                            "of this name; report this", u->name);
-        if (u->block) {
-            gl->f.UniformBlockBinding(program, place, block);
-            gl->f.BindBufferBase(GL_UNIFORM_BUFFER, block++, u->block->id);
-        } else if (u->texture) {
-            gl->f.BindTextureUnit(texture, u->texture->id);
-            gl->f.Uniform1i(at, (GLint) texture++);
-        } else if (u->image || u->texels) {
-            const GLuint id = u->image ? u->image->id : u->texels->texture;
-            gl->f.BindImageTexture(image, id, 0, GL_FALSE, 0, GL_READ_ONLY,
-                                   GL_RGBA32F);
-            gl->f.Uniform1i(at, (GLint) image++);
-        } else if (u->floats == 1) {
-            gl->f.Uniform1fv(at, 1, u->f);
-        } else if (u->floats == 2) {
-            gl->f.Uniform2fv(at, 1, u->f);
-        } else if (u->floats) {
-            gl->f.Uniform4fv(at, 1, u->f);
-        } else {
-            gl->f.Uniform2iv(at, 1, u->v);
-        }
+        set_uniform(gl, program, place, u, &units);
     }
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, draw->target->framebuffer);
     gl->f.Viewport(view.x0, view.y0, gp_rect_w(view), gp_rect_h(view));
@@ -304,12 +393,30 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.Scissor(cut.x0, cut.y0, gp_rect_w(cut), gp_rect_h(cut));
     (draw->replace ? gl->f.Disable : gl->f.Enable)(GL_BLEND);
     (draw->points ? gl->f.Enable : gl->f.Disable)(GL_PROGRAM_POINT_SIZE);
-    gl->f.DrawArraysInstanced(draw->points ? GL_POINTS : GL_TRIANGLES, 0,
-                              draw->vertices, draw->instances);
+    set_space(gl, draw, true);
+    gl->f.DrawArraysInstanced(draw->points ? GL_POINTS : GL_TRIANGLES,
+                              draw->first, draw->vertices, draw->instances);
+    set_space(gl, draw, false);
     gl->f.Disable(GL_SCISSOR_TEST);
     // llvmpipe (Mesa 22.3) does not know that a draw still reads an image or a
     // texel buffer: a later write to it, or its end, would be seen too early
-    if (gl->info.software && image > 0)
+    if (gl->info.software && units.image > 0)
         gl->f.Finish();
     return GP_OK;
+}
+
+void gp_count_begin(const struct gp_gl *gl)
+{
+    if (gl->query)
+        gl->f.BeginQuery(GL_FRAGMENT_SHADER_INVOCATIONS, gl->query);
+}
+
+long long gp_count_end(const struct gp_gl *gl)
+{
+    GLuint64 n = 0;
+    if (!gl->query)
+        return -1;
+    gl->f.EndQuery(GL_FRAGMENT_SHADER_INVOCATIONS);
+    gl->f.GetQueryObjectui64v(gl->query, GL_QUERY_RESULT, &n);
+    return (long long) n;
 }

@@ -71,6 +71,9 @@ struct gp_gl_info {
     int max_block;        // of a uniform block, in bytes, >= 16384;
                           // GL_MAX_UNIFORM_BLOCK_SIZE
     int max_texel_buffer; // in texels, >= 65536; GL_MAX_TEXTURE_BUFFER_SIZE
+    bool depth_bounds;    // gp_draw.bounds counts: GL_EXT_depth_bounds_test
+    bool counts;          // gp_count_end() works: GL 4.6, or
+                          // GL_ARB_pipeline_statistics_query
 };
 const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl);
 
@@ -119,6 +122,8 @@ struct gp_target {
     struct gp_texture colour;                    // attachment 0
     struct gp_texture more[GP_ATTACHMENTS - 1];  // attachments 1, 2, ...
     int n;                                       // attachments in use
+    struct gp_texture depth;                     // empty: none
+    int w, h;
 };
 
 /* Makes a target of w x h pixels with n attachments (1 to GP_ATTACHMENTS; a
@@ -129,7 +134,16 @@ GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
     int h, struct gp_target *out);
 
-/* Sets the pixels of `rect`, cut to the target, to 0 in all attachments. */
+/* The same with a depth buffer, of 32-bit floats; n may be 0. Depth is reversed:
+ * 1 at the near plane, 0 infinitely far, so that near / distance keeps the
+ * precision of its float at every distance. `depth` is read as a texture too,
+ * red by texelFetch, while nothing draws to it. */
+GP_MUST_CHECK gp_status gp_target_make_deep(const struct gp_log *log,
+    const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
+    int h, struct gp_target *out);
+
+/* Sets the pixels of `rect`, cut to the target, to 0 in all attachments; depth
+ * to 0, infinitely far. */
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
                      struct gp_rect rect);
 
@@ -137,6 +151,10 @@ void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
  * inside the target, to rgba: 4 * w * h floats, rows packed. */
 void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
                     int attachment, struct gp_rect rect, float *rgba);
+
+/* The same of its depth: w * h floats. */
+void gp_target_read_depth(const struct gp_gl *gl, const struct gp_target *t,
+                          struct gp_rect rect, float *depth);
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
 
 /* -- buffers that shaders read by index ------------------------------------ */
@@ -145,7 +163,7 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
  *   BLOCK   a uniform block: faster than a texture. Shaders declare it std140;
  *           arrays of vec4 have C's layout
  *   TEXELS  a buffer texture: RGBA32F texels in one row, more than a texture
- *           or a uniform block holds, read by imageLoad */
+ *           or a uniform block holds, read by imageLoad or texelFetch */
 enum gp_buffer_kind { GP_BUFFER_BLOCK, GP_BUFFER_TEXELS };
 
 struct gp_buffer {
@@ -187,6 +205,9 @@ void gp_program_free(const struct gp_gl *gl, struct gp_program *p);
  *   texture  sampler2D
  *   image    layout(rgba32f) readonly image2D
  *   texels   layout(rgba32f) readonly imageBuffer
+ *   fetch    samplerBuffer
+ *   matrix   mat4 from 16 floats, m[4 * row + column] for row vectors as in
+ *            core/camera.h: the shader's matrix * vec4
  *   block    uniform block of that name (the block's, not the instance's)
  *   floats   1, 2 or 4: float, vec2 or vec4 from f
  *   else     ivec2 from v */
@@ -196,11 +217,24 @@ struct gp_uniform {
     int floats;
     float f[4];
     const struct gp_texture *texture, *image;
-    const struct gp_buffer *texels, *block;
+    const struct gp_buffer *texels, *fetch, *block;
+    const float *matrix;
 };
 
+/* Test against a target's depth: fragments nearer than it, or as near, are
+ * drawn. Clip coordinates then have z from 0 (infinitely far) to w (near). */
+enum gp_depth_test {
+    GP_DEPTH_OFF,
+    GP_DEPTH_WRITE, // ... and their depth stays
+    GP_DEPTH_READ,
+};
+
+/* Triangles that are not drawn. The front is counter-clockwise with clip y
+ * upwards, which is down in an image. */
+enum gp_cull { GP_CULL_NONE, GP_CULL_BACK, GP_CULL_FRONT };
+
 /* Triangles (or points) without vertex buffers: shaders make all from
- * gl_VertexID and gl_InstanceID. Fragments add to the target: GL_ONE, GL_ONE;
+ * gl_VertexID (`first` and on) and gl_InstanceID. Fragments add to the target: GL_ONE, GL_ONE;
  * with `replace` they are written as they are.
  *
  * `view` is what clip coordinates -1 to 1 span, in pixels of the target; all
@@ -212,7 +246,14 @@ struct gp_draw {
     struct gp_rect cut;                // pixels outside stay; cut to target
     struct gp_rect view;
     const struct gp_uniform *uniform;  // name NULL ends
-    int vertices, instances;
+    int first, vertices, instances;
+    enum gp_depth_test depth;
+    enum gp_cull cull;
+    float bounds[2];    // least and largest depth of the target between which
+                        // fragments are drawn; 0, 0: any; where info has
+                        // depth_bounds, else ignored
+    int clips;          // gl_ClipDistance[] that the shader writes, all of
+                        // them, up to 8
     bool replace;
     bool points; // a vertex is a square of gl_PointSize pixels, at most
                  // max_point; pixels know theirs by gl_FragCoord
@@ -222,5 +263,10 @@ struct gp_draw {
  * GL's own error flag, once for many draws. */
 GP_MUST_CHECK gp_status gp_draw_run(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_draw *draw);
+
+/* Counts the fragments that shaders work on between the two calls; waits for
+ * the drawing. One count at a time; -1 where info has no counts. */
+void gp_count_begin(const struct gp_gl *gl);
+long long gp_count_end(const struct gp_gl *gl);
 
 #endif

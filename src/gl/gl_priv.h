@@ -27,6 +27,7 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
  * context.c fills it by walking the same list. X(type, name without "gl") */
 #define GP_GL_FUNCTIONS(X)                                                    \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                    \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                        \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                              \
     X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                            \
@@ -35,6 +36,7 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                          \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)      \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)              \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                      \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                  \
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                  \
     X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                        \
@@ -42,23 +44,31 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
     X(PFNGLCREATESHADERPROC, CreateShader)                                    \
     X(PFNGLCREATETEXTURESPROC, CreateTextures)                                \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                        \
+    X(PFNGLCULLFACEPROC, CullFace)                                            \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                  \
     X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                        \
     X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                  \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                  \
     X(PFNGLDELETESHADERPROC, DeleteShader)                                    \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                        \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                          \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                          \
     X(PFNGLDISABLEPROC, Disable)                                              \
     X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                      \
     X(PFNGLENABLEPROC, Enable)                                                \
+    X(PFNGLENDQUERYPROC, EndQuery)                                            \
     X(PFNGLFINISHPROC, Finish)                                                \
+    X(PFNGLGENQUERIESPROC, GenQueries)                                        \
     X(PFNGLGETERRORPROC, GetError)                                            \
     X(PFNGLGETFLOATVPROC, GetFloatv)                                          \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                      \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                          \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                    \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                      \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                            \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                      \
+    X(PFNGLGETSTRINGIPROC, GetStringi)                                        \
     X(PFNGLGETUNIFORMBLOCKINDEXPROC, GetUniformBlockIndex)                    \
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                        \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                      \
@@ -81,6 +91,7 @@ extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
     X(PFNGLUNIFORM2IVPROC, Uniform2iv)                                        \
     X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                        \
     X(PFNGLUNIFORMBLOCKBINDINGPROC, UniformBlockBinding)                      \
+    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                            \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                        \
     X(PFNGLVIEWPORTPROC, Viewport)
 
@@ -90,11 +101,17 @@ struct gp_gl_functions {
 #undef GP_GL_FIELD
 };
 
+/* GL_EXT_depth_bounds_test, which glcorearb.h has not. */
+#define GP_GL_DEPTH_BOUNDS_TEST 0x8890
+typedef void (APIENTRYP gp_gl_depth_bounds)(double least, double most);
+
 struct gp_gl {
     const struct gp_gl_system *system;
     void *window;
     struct gp_gl_functions f;
+    gp_gl_depth_bounds depth_bounds; // NULL: not there
     GLuint vertex_array; // core profile draws nothing without one
+    GLuint query;        // of gp_count_begin(); 0: the driver counts nothing
     struct gp_gl_info info;
 };
 
