@@ -9,21 +9,21 @@
 gp_status gp_planes_make(const struct gp_log *log, const char *what,
                          size_t samples, struct gp_planes *p)
 {
+    // one block: of three, each would end in a huge page that it fills in part
+    const size_t line = GP_ALIGN / sizeof(float);
+    const size_t apart = samples / line * line + (samples % line ? line : 0);
     *p = (struct gp_planes) {0};
-    for (int c = 0; c < 3; c++) {
-        gp_status st = gp_alloc(log, what, samples, sizeof(float), &p->c[c]);
-        if (st) {
-            gp_planes_free(p);
-            return st;
-        }
-    }
-    return GP_OK;
+    gp_status st = gp_alloc(log, what, samples > SIZE_MAX / 4 ? SIZE_MAX : apart,
+                            3 * sizeof(float), &p->c[0]);
+    for (int c = 1; !st && c < 3; c++)
+        p->c[c] = p->c[c - 1] + apart;
+    return st;
 }
 
 void gp_planes_free(struct gp_planes *p)
 {
-    for (int c = 0; c < 3; c++)
-        GP_FREE(p->c[c]);
+    gp_free(p->c[0]);
+    *p = (struct gp_planes) {0};
 }
 
 struct clearing {

@@ -162,8 +162,9 @@ static inline size_t gp_frame_pixels(const struct gp_frame *f)
     return (size_t) gp_frame_w(f) * (size_t) gp_frame_h(f);
 }
 
-/* Allocates three planes of w * h uninitialised samples. `what` is for the
- * message. On failure *p is empty. Free with gp_planes_free(). */
+/* Allocates three planes of w * h uninitialised samples, each at GP_ALIGN, in
+ * one block. `what` is for the message. On failure *p is empty. Free with
+ * gp_planes_free(). */
 GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
     const char *what, size_t samples, struct gp_planes *p);
 void gp_planes_free(struct gp_planes *p);

@@ -194,7 +194,7 @@ static int end_temp(struct temp *temp, const char *target)
 
 // -- files under way ----------------------------------------------------------
 
-enum { BUFFER_BYTES = 1 << 20 }; // so that 8-byte chunk leaders cost no write
+enum { BUFFER_BYTES = 128 << 10 }; // so that 8-byte chunk leaders cost no write
 
 struct gp_file {
     const struct gp_log *log;

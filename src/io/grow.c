@@ -164,6 +164,7 @@ gp_status gp_grow(const struct gp_log *log, const struct gp_grow_params *p,
     const struct gp_rect was = f->data;
     const int dx = was.x0 - window.x0, dy = was.y0 - window.y0;
     const int w = gp_rect_w(window), h = gp_rect_h(window);
+    struct gp_planes rgb;
     gp_status st = GP_OK;
     if (memcmp(&was, &window, sizeof was) == 0)
         return GP_OK;
@@ -180,14 +181,16 @@ gp_status gp_grow(const struct gp_log *log, const struct gp_grow_params *p,
         c->w = g.all_w;
         c->h = g.all_h;
     }
+    GP_TRY(gp_planes_make(log, "frame", (size_t) w * (size_t) h, &rgb));
     for (int c = 0; c < 3; c++) {
         struct grid g = {
             gp_frame_w(f), gp_frame_h(f), dx, dy, w, h, .size = sizeof(float),
+            .from = f->rgb.c[c], .to = rgb.c[c],
         };
-        void *plane = f->rgb.c[c];
-        GP_TRY(regrid(log, "frame", &g, &plane));
-        f->rgb.c[c] = plane;
+        gp_parallel_do(h, copy_row, &g);
     }
+    gp_planes_free(&f->rgb);
+    f->rgb = rgb;
     f->read = was;
     f->data = window;
 out:
