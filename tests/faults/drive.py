@@ -72,7 +72,7 @@ CHANGES = ("truncate", "grow")
 BY_SIGNAL = (-signal.SIGTERM,)
 # for one fault each: files larger than the buffer, and several threads at them
 TERMINATED = ("direct", "sequence", "flight")
-ALONE = {"large": "interrupt:N", "flight": "term:N"}
+ALONE = {"large": "write:N:EINTR", "flight": "term:N"}
 # a library inside that ends the process when memory is full, in its own words
 BY_LIBRARY = {"ocio": -signal.SIGABRT}
 # llvmpipe waits for ever for a thread that could not start
@@ -94,9 +94,9 @@ KINDS = (
     ("short:N", (0,)),
     ("truncate:N", (0, 3, 4)),
     ("grow:N", (0, 3, 4)),
-    ("write:N", (3,)),
-    ("write:N:EDQUOT", (3,)),
-    ("interrupt:N", (0,)),
+    ("space:N", (3,)),
+    ("space:N:EDQUOT", (3,)),
+    ("write:N:EINTR", (0,)),
     ("term:N", (-signal.SIGTERM,)),
     ("thread:N", (0,)),
     ("thread:N+", (0,)),
@@ -238,7 +238,7 @@ def points(fault, good, share):
     kind = fault.split(":")[0]
     share *= 1 if LONG or fault == "malloc:N" else 4
     count = int(good.counts.get(kind, 0))
-    if kind == "write":
+    if kind == "space":
         # as many bytes as there are cannot all be tried but with time
         stride = 1 if LONG and not RUNNER else max(1, count // 97 * share)
         return sorted({*range(1, count + 1, stride), count} - {0})

@@ -1,79 +1,257 @@
-/* Makes one call of the system or of malloc fail: LD_PRELOAD this.
+/* Makes calls of the system, of malloc and of GL fail. One source, built twice:
  *
- *   FAULT=KIND:N[+][:ERRNO]   the N-th call of that kind fails, from 1 on;
- *                             with + so does every later one
- *   FAULT_LOG=FILE            gets a line "fired" when it happens, and at the
- *                             end of main a line "KIND COUNT" for each kind
+ *   shim.o   with FAIL_WRAPPED, linked into the unit tests with --wrap of these
+ *            calls (FAIL_WRAP in the Makefile): fail.h says which call fails.
+ *            Only the program's own calls count.
+ *   shim.so  for a whole program, by LD_PRELOAD; the environment says which:
  *
- * Kinds: malloc (all ways to allocate), open, close, rename, unlink, fchmod,
- * ftruncate, fdopen, read (EIO), thread; short: the N-th read gives half of
- * what it could; truncate: the file read from is cut to half before the N-th
- * read, and grow: is made longer; write: N counts bytes, what is before them
- * is written and every later write fails (ENOSPC); interrupt: the N-th write
- * of any size gives EINTR once, and nothing is written; term: SIGTERM comes
- * when the N-th open() has made or found its file.
+ *     FAULT=KIND:N[+][:ERRNO]   the N-th call of that kind fails, from 1 on;
+ *                               with + every later one too
+ *     FAULT_LOG=FILE            gets a line "fired" when it happens, and at
+ *                               the end of main a line "KIND COUNT" for each
+ *                               kind
  *
- * Only calls of a program named .../glarepp count, from its main on, and only
- * those of the program itself, its bridges and the C libraries it links with.
- * Those made inside Mesa, LLVM, FFTW, OpenImageIO, OpenColorIO and the dynamic
- * linker are not: there a full memory ends the process by the library's own
- * hand.
+ * Kinds without a class of fail.h: short: the N-th read gives half of what it
+ * could; truncate: the file is cut to half before the N-th read, and grow: is
+ * made longer; space: N counts bytes, the bytes before are written and every
+ * later write fails; term: SIGTERM comes when the N-th open() has made or found
+ * its file.
+ *
+ * In the preloaded form only calls of a program named .../glarepp count, from
+ * its main on, and only those of the program itself, its bridges and the C
+ * libraries it links with. Those made inside Mesa, LLVM, FFTW, OpenImageIO,
+ * OpenColorIO and the dynamic linker do not: with a full memory these libraries
+ * end the process themselves.
  */
+#include "fail.h"
+
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <link.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
-#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
-#include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
 #include <unwind.h>
 
+// (kind, class, errno)
 #define KINDS(X)                                                              \
-    X(malloc, ENOMEM) X(open, EACCES) X(close, EIO) X(rename, EACCES)         \
-    X(unlink, EACCES) X(fchmod, EPERM) X(ftruncate, EIO) X(fdopen, ENOMEM)    \
-    X(read, EIO) X(thread, EAGAIN) X(write, ENOSPC)                           \
-    X(short, 0) X(truncate, 0) X(grow, 0) X(interrupt, EINTR) X(term, 0)
-#define ENUM(name, error) KIND_##name,
-#define NAME(name, error) #name,
-#define ERROR(name, error) error,
+    X(malloc, ALLOC, ENOMEM) X(open, IO, EACCES) X(close, IO, EIO)            \
+    X(rename, IO, EACCES) X(unlink, IO, EACCES) X(fchmod, IO, EPERM)          \
+    X(ftruncate, IO, EIO) X(fdopen, IO, ENOMEM) X(fstat, IO, EIO)             \
+    X(memfd, IO, EMFILE) X(read, IO, EIO) X(write, IO, ENOSPC)                \
+    X(thread, THREAD, EAGAIN) X(error, GL, 0) X(space, NONE, ENOSPC)          \
+    X(short, NONE, 0) X(truncate, NONE, 0) X(grow, NONE, 0) X(term, NONE, 0)
+#define ENUM(name, class, error) KIND_##name,
+#define NAME(name, class, error) #name,
+#define CLASS(name, class, error) FAIL_##class,
+#define ERROR(name, class, error) error,
 enum kind { KINDS(ENUM) KIND_COUNT };
-static const char *const names[] = {KINDS(NAME)};
+
 static const int errors[] = {KINDS(ERROR)};
+#ifdef FAIL_WRAPPED
+static const enum fail_class classes[] = {KINDS(CLASS)};
+#else
+static const char *const names[] = {KINDS(NAME)};
+#endif
 
-static atomic_long calls[KIND_COUNT];
-static enum kind wanted = KIND_COUNT;
-static long nth;
+/* The fault: the nth call of the kinds in `wanted`, and with `later` those
+ * after it; `own_errno`, where not 0, is in place of the kind's. */
+static atomic_uint wanted; // a bit for each kind
+static atomic_long nth, tried, calls[KIND_COUNT];
+static atomic_bool by_path, fired;
 static bool later;
-static int error;
-static atomic_bool counting, fired;
-static char log_path[4096];
-static _Thread_local bool inside; // the shim's own calls
+static int own_errno;
+static atomic_long blocks; // allocated and not freed
+struct fail_always fail_always;
+_Atomic mode_t fail_made_mode;
 
-#define REAL(name) ((__typeof__(&name)) real(#name))
-static void *real(const char *name)
+/* Define, in either form, a call; call the system's; and ask whether it fails.
+ * CALL defines one that only fails or does not. */
+#ifdef FAIL_WRAPPED
+#define DEFINE(type, name, ...)                                               \
+    type __real_##name(__VA_ARGS__);                                          \
+    type __wrap_##name(__VA_ARGS__);                                          \
+    type __wrap_##name(__VA_ARGS__)
+#define REAL(name) __real_##name
+#else
+#define DEFINE(type, name, ...) type name(__VA_ARGS__)
+#define REAL(name)                                                            \
+    ({                                                                        \
+        static __typeof__(&name) next;                                        \
+        if (!next)                                                            \
+            next = (__typeof__(&name)) dlsym(RTLD_NEXT, #name);               \
+        next;                                                                 \
+    })
+#endif
+#define FAILS(kind) fails(KIND_##kind, __builtin_return_address(0))
+#define PACK(...) __VA_ARGS__
+#define CALL(kind, bad, type, name, parameters, arguments)                    \
+    DEFINE(type, name, PACK parameters)                                       \
+    {                                                                         \
+        return FAILS(kind) ? bad : REAL(name) arguments;                      \
+    }
+
+// -- the fault ---------------------------------------------------------------
+
+static bool counts(const void *caller);
+static void note(const char *line);
+
+/* A path to a call: the addresses of its callers. */
+struct path {
+    uint64_t hash;
+    int seen, failed; // in this run, and since fail_forget()
+};
+enum { PATHS = 2048, DEPTH = 40, TIMES = 2 };
+static struct path paths[PATHS];
+static int path_count;
+static pthread_mutex_t paths_lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* True when this call is the first that fail_next() has not yet tried. */
+static bool path_is_due(void)
 {
-    return dlsym(RTLD_NEXT, name);
+    void *callers[DEPTH];
+    uint64_t hash = 0xcbf29ce484222325u;
+    const int n = backtrace(callers, DEPTH);
+    for (int i = 0; i < n; i++)
+        hash = (hash ^ (uintptr_t) callers[i]) * 0x100000001b3u;
+    pthread_mutex_lock(&paths_lock);
+    struct path *p = paths;
+    while (p < paths + path_count && p->hash != hash)
+        p++;
+    if (p == paths + PATHS)
+        abort();
+    if (p == paths + path_count) {
+        *p = (struct path) {.hash = hash};
+        path_count++;
+    }
+    const bool due = !atomic_load(&fired) && p->failed < TIMES &&
+                     p->seen++ == p->failed;
+    if (due) {
+        p->failed++;
+        atomic_store(&fired, true);
+    }
+    pthread_mutex_unlock(&paths_lock);
+    return due;
 }
 
-// -- the caller ----------------------------------------------------------------
+static void fire(void)
+{
+    if (!atomic_exchange(&fired, true))
+        note("fired\n");
+}
+
+static bool is_due(enum kind kind)
+{
+    atomic_fetch_add(&calls[kind], 1);
+    if ((kind == KIND_close && fail_always.closes) ||
+        (kind == KIND_thread && fail_always.threads))
+        return true;
+    if (!(atomic_load(&wanted) >> kind & 1u))
+        return false;
+    if (by_path)
+        return path_is_due();
+    const long n = atomic_fetch_add(&tried, 1) + 1;
+    if (n < nth || (n > nth && !later))
+        return false;
+    fire();
+    return true;
+}
+
+/* True when this call must fail; errno is set. */
+static bool fails(enum kind kind, const void *caller)
+{
+    if (!counts(caller) || !is_due(kind))
+        return false;
+    errno = own_errno ? own_errno : errors[kind];
+    return true;
+}
+
+// -- what counts: in the unit tests, all of the program's own calls ----------
+
+#ifdef FAIL_WRAPPED
+static bool counts(const void *caller)
+{
+    (void) caller;
+    return true;
+}
+
+static void note(const char *line)
+{
+    (void) line;
+}
+
+static void arm(enum fail_class class, long n)
+{
+    unsigned kinds = 0;
+    for (int k = 0; k < KIND_COUNT; k++)
+        kinds |= (unsigned) (class != FAIL_NONE && classes[k] == class) << k;
+    atomic_store(&tried, 0);
+    atomic_store(&fired, false);
+    nth = n;
+    atomic_store(&wanted, kinds);
+}
+
+void fail_at(enum fail_class class, long n)
+{
+    by_path = false;
+    arm(class, n);
+}
+
+void fail_forget(void)
+{
+    path_count = 0;
+}
+
+void fail_next(enum fail_class class)
+{
+    void *first[1];
+    backtrace(first, 1); // it allocates when it is first called
+    for (int i = 0; i < path_count; i++)
+        paths[i].seen = 0;
+    by_path = true;
+    arm(class, 0);
+}
+
+bool fail_end(void)
+{
+    return atomic_exchange(&wanted, 0) && atomic_load(&fired);
+}
+
+long fail_blocks(void)
+{
+    return atomic_load(&blocks);
+}
+
+// -- what counts: in a whole program, calls of its own from main on ----------
+
+#else
+static char log_path[4096];
+static atomic_bool counting;
+static _Thread_local bool inside; // the shim's own calls
 
 enum module { FOREIGN, OURS, PASSING };
 
-/* PASSING: what it allocates is for its caller. */
+/* PASSING: it allocates for its caller. */
 static enum module module_of(const void *address)
 {
-    static const char *const ours[] = {"/glarepp-", "/libOpenEXRCore", "/libpng",
-                                       "/libz.", "/libdeflate", "/libjansson"};
+    static const char *const ours[] = {"/glarepp-", "/libOpenEXRCore",
+                                       "/libpng", "/libz.", "/libdeflate",
+                                       "/libjansson"};
     static const char *const passing[] = {"/libc.so", "/libstdc++", "/libgcc_s",
                                           "/shim.so"};
     struct dl_find_object found;
@@ -111,9 +289,12 @@ static bool is_ours(const void *caller)
     return m == OURS;
 }
 
-// -- the fault -----------------------------------------------------------------
+static bool counts(const void *caller)
+{
+    return atomic_load(&counting) && !inside && is_ours(caller);
+}
 
-static void tell(const char *line)
+static void note(const char *line)
 {
     if (!log_path[0])
         return;
@@ -125,33 +306,13 @@ static void tell(const char *line)
     syscall(SYS_close, fd);
 }
 
-static void fire(void)
-{
-    if (!atomic_exchange(&fired, true))
-        tell("fired\n");
-}
-
-/* True when this call must fail; errno is set. */
-static bool fails(enum kind kind, const void *caller)
-{
-    if (!atomic_load(&counting) || inside || !is_ours(caller))
-        return false;
-    const long n = atomic_fetch_add(&calls[kind], 1) + 1;
-    if (kind != wanted || n < nth || (n > nth && !later))
-        return false;
-    fire();
-    errno = error;
-    return true;
-}
-#define FAILS(kind) fails(KIND_##kind, __builtin_return_address(0))
-
 static void print_counts(void)
 {
     char line[64];
     for (int i = 0; i < KIND_COUNT; i++) {
         snprintf(line, sizeof line, "%s %ld\n", names[i],
                  atomic_load(&calls[i]));
-        tell(line);
+        note(line);
     }
 }
 
@@ -165,22 +326,19 @@ static void parse(const char *text)
     for (int i = 0; colon && i < KIND_COUNT; i++) {
         if (strlen(names[i]) == (size_t) (colon - text) &&
             strncmp(names[i], text, (size_t) (colon - text)) == 0)
-            wanted = (enum kind) i;
+            wanted = 1u << i;
     }
-    if (wanted == KIND_COUNT)
+    if (!wanted)
         return;
     char *end;
     nth = strtol(colon + 1, &end, 10);
     later = *end == '+';
-    error = errors[wanted];
     const char *word = strchr(end, ':');
     for (size_t i = 0; word && i < sizeof words / sizeof *words; i++) {
         if (strcmp(word + 1, words[i].name) == 0)
-            error = words[i].value;
+            own_errno = words[i].value;
     }
 }
-
-// -- main ----------------------------------------------------------------------
 
 static int (*real_main)(int, char **, char **);
 
@@ -200,59 +358,75 @@ int __libc_start_main(int (*m)(int, char **, char **), int argc, char **argv,
                       void (*init)(void), void (*fini)(void),
                       void (*rtld_fini)(void), void *stack_end)
 {
+    const start next = (start) dlsym(RTLD_NEXT, "__libc_start_main");
     const char *fault = getenv("FAULT"), *log = getenv("FAULT_LOG");
     const char *slash = argv[0] ? strrchr(argv[0], '/') : NULL;
     // a shell on the way to the program starts as ever
     if (!slash || strcmp(slash + 1, "glarepp") != 0)
-        return ((start) real("__libc_start_main"))(m, argc, argv, init, fini,
-                                                   rtld_fini, stack_end);
+        return next(m, argc, argv, init, fini, rtld_fini, stack_end);
     if (fault)
         parse(fault);
     if (log && strlen(log) < sizeof log_path)
         strcpy(log_path, log);
     real_main = m;
-    return ((start) real("__libc_start_main"))(counted_main, argc, argv, init,
-                                               fini, rtld_fini, stack_end);
+    return next(counted_main, argc, argv, init, fini, rtld_fini, stack_end);
 }
+#endif
 
-// -- memory --------------------------------------------------------------------
+// -- memory ------------------------------------------------------------------
 
-#define KEEP(name)                                                            \
-    static __typeof__(&name) next;                                            \
-    if (!next)                                                                \
-        next = REAL(name)
-
-void *malloc(size_t size)
+static void *counted(void *p)
 {
-    KEEP(malloc);
-    return FAILS(malloc) ? NULL : next(size);
+    if (p)
+        atomic_fetch_add(&blocks, 1);
+    return p;
 }
 
-void *calloc(size_t count, size_t size)
+DEFINE(void *, malloc, size_t size)
 {
-    KEEP(calloc);
-    return FAILS(malloc) ? NULL : next(count, size);
+    return FAILS(malloc) ? NULL : counted(REAL(malloc)(size));
 }
 
-void *realloc(void *p, size_t size)
+/* The program itself does not call it, only its tests and libraries do. */
+DEFINE(void *, calloc, size_t count, size_t size)
 {
-    KEEP(realloc);
-    return FAILS(malloc) ? NULL : next(p, size);
+#ifndef FAIL_WRAPPED
+    if (FAILS(malloc))
+        return NULL;
+#endif
+    return counted(REAL(calloc)(count, size));
 }
 
-int posix_memalign(void **p, size_t align, size_t size)
+DEFINE(void *, realloc, void *p, size_t size)
 {
-    KEEP(posix_memalign);
-    return FAILS(malloc) ? ENOMEM : next(p, align, size);
+    if (FAILS(malloc))
+        return NULL;
+    return p ? REAL(realloc)(p, size) : counted(REAL(realloc)(NULL, size));
 }
 
-void *aligned_alloc(size_t align, size_t size)
+DEFINE(int, posix_memalign, void **p, size_t align, size_t size)
 {
-    KEEP(aligned_alloc);
-    return FAILS(malloc) ? NULL : next(align, size);
+    if (FAILS(malloc))
+        return ENOMEM;
+    const int error = REAL(posix_memalign)(p, align, size);
+    if (!error)
+        counted(*p);
+    return error;
 }
 
-// -- files ---------------------------------------------------------------------
+#ifdef FAIL_WRAPPED
+DEFINE(void, free, void *p)
+{
+    if (p)
+        atomic_fetch_sub(&blocks, 1);
+    REAL(free)(p);
+}
+#else
+CALL(malloc, NULL, void *, aligned_alloc, (size_t align, size_t size),
+     (align, size))
+#endif
+
+// -- files -------------------------------------------------------------------
 
 /* Cuts the file to half, or lets it grow; false fails the read instead. What
  * has no name (a file in memory) is nobody else's to change. */
@@ -283,138 +457,194 @@ static ssize_t before_read(int fd, size_t size, const void *caller)
     return (ssize_t) size;
 }
 
-ssize_t read(int fd, void *to, size_t size)
+DEFINE(ssize_t, read, int fd, void *to, size_t size)
 {
-    KEEP(read);
     const ssize_t n = before_read(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, to, (size_t) n);
+    return n < 0 ? -1 : REAL(read)(fd, to, (size_t) n);
 }
 
-ssize_t pread(int fd, void *to, size_t size, off_t at)
+DEFINE(ssize_t, pread, int fd, void *to, size_t size, off_t at)
 {
-    KEEP(pread);
     const ssize_t n = before_read(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, to, (size_t) n, at);
+    return n < 0 ? -1 : REAL(pread)(fd, to, (size_t) n, at);
 }
 
-ssize_t __read_chk(int fd, void *to, size_t size, size_t room)
+// (the fortified forms, where the compiler does not know the room)
+DEFINE(ssize_t, __read_chk, int fd, void *to, size_t size, size_t room)
 {
-    KEEP(read);
     if (size > room)
         abort();
     const ssize_t n = before_read(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, to, (size_t) n);
+    return n < 0 ? -1 : REAL(read)(fd, to, (size_t) n);
 }
 
-ssize_t __pread_chk(int fd, void *to, size_t size, off_t at, size_t room)
+DEFINE(ssize_t, __pread_chk, int fd, void *to, size_t size, off_t at,
+       size_t room)
 {
-    KEEP(pread);
     if (size > room)
         abort();
     const ssize_t n = before_read(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, to, (size_t) n, at);
+    return n < 0 ? -1 : REAL(pread)(fd, to, (size_t) n, at);
 }
 
-/* Bytes of `size` that may be written: the disk has room for nth - 1. */
+/* Bytes of `size` that may be written; of `space` there are nth - 1. */
 static ssize_t before_write(int fd, size_t size, const void *caller)
 {
-    if (fd == STDERR_FILENO || !atomic_load(&counting) || !is_ours(caller))
+    if (fd == STDERR_FILENO || !counts(caller))
         return (ssize_t) size;
-    if (fails(KIND_interrupt, caller))
+    if (fails(KIND_write, caller))
         return -1;
-    const long had = atomic_fetch_add(&calls[KIND_write], (long) size);
+    const long had = atomic_fetch_add(&calls[KIND_space], (long) size);
     const long left = nth - 1 - had;
-    if (wanted != KIND_write || left >= (long) size)
+    if (wanted != 1u << KIND_space || left >= (long) size)
         return (ssize_t) size;
     fire();
-    errno = error;
+    errno = own_errno ? own_errno : errors[KIND_space];
     return left > 0 ? left : -1;
 }
 
-ssize_t write(int fd, const void *from, size_t size)
+DEFINE(ssize_t, write, int fd, const void *from, size_t size)
 {
-    KEEP(write);
     const ssize_t n = before_write(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, from, (size_t) n);
+    return n < 0 ? -1 : REAL(write)(fd, from, (size_t) n);
 }
 
-ssize_t pwrite(int fd, const void *from, size_t size, off_t at)
+DEFINE(ssize_t, pwrite, int fd, const void *from, size_t size, off_t at)
 {
-    KEEP(pwrite);
     const ssize_t n = before_write(fd, size, __builtin_return_address(0));
-    return n < 0 ? -1 : next(fd, from, (size_t) n, at);
+    return n < 0 ? -1 : REAL(pwrite)(fd, from, (size_t) n, at);
 }
 
-/* A file was made that its maker has not heard of yet. The signal may be
- * handled by any thread: while this one waits, unless it has died by then. */
+/* Sends SIGTERM when a file was made whose path open()'s caller has not yet
+ * noted. Any thread may handle the signal: this one waits meanwhile. */
 static void send_term(void)
 {
-    const struct timespec a_while = {.tv_nsec = 100000000};
+    const struct timespec pause = {.tv_nsec = 100000000};
     kill(getpid(), SIGTERM);
-    nanosleep(&a_while, NULL);
+    nanosleep(&pause, NULL);
 }
 
-int open(const char *path, int flags, ...)
+DEFINE(int, open, const char *path, int flags, ...)
 {
-    KEEP(open);
     va_list args;
     va_start(args, flags);
     const mode_t mode = flags & O_CREAT ? va_arg(args, mode_t) : 0;
     va_end(args);
+    if (flags & O_CREAT)
+        fail_made_mode = mode;
     if (FAILS(open))
         return -1;
-    const int fd = next(path, flags, mode);
+    const int fd = REAL(open)(path, flags, mode);
     if (fd >= 0 && FAILS(term))
         send_term();
     return fd;
 }
 
-int close(int fd)
+DEFINE(int, close, int fd)
 {
-    KEEP(close);
-    const bool bad = FAILS(close);
-    const int result = next(fd); // a close that fails closes all the same
+    const bool bad = FAILS(close); // it is closed all the same
+    const int error = errno, result = REAL(close)(fd);
     if (!bad)
         return result;
     errno = error;
     return -1;
 }
 
-int rename(const char *from, const char *to)
+CALL(rename, -1, int, rename, (const char *from, const char *to), (from, to))
+CALL(unlink, -1, int, unlink, (const char *path), (path))
+CALL(fchmod, -1, int, fchmod, (int fd, mode_t mode), (fd, mode))
+CALL(ftruncate, -1, int, ftruncate, (int fd, off_t size), (fd, size))
+CALL(fdopen, NULL, FILE *, fdopen, (int fd, const char *mode), (fd, mode))
+CALL(fstat, -1, int, fstat, (int fd, struct stat *s), (fd, s))
+CALL(memfd, -1, int, memfd_create, (const char *name, unsigned flags),
+     (name, flags))
+
+// -- threads -----------------------------------------------------------------
+
+CALL(thread, errno, int, pthread_create,
+     (pthread_t *id, const pthread_attr_t *attributes, void *(*body)(void *),
+      void *arg), (id, attributes, body, arg))
+
+// -- processors, links, libraries and the answers of GL ----------------------
+
+#ifdef FAIL_WRAPPED
+DEFINE(int, sched_getaffinity, pid_t pid, size_t size, cpu_set_t *set)
 {
-    KEEP(rename);
-    return FAILS(rename) ? -1 : next(from, to);
+    return fail_always.affinity ? -1 : REAL(sched_getaffinity)(pid, size, set);
 }
 
-int unlink(const char *path)
+DEFINE(ssize_t, readlink, const char *path, char *to, size_t size)
 {
-    KEEP(unlink);
-    return FAILS(unlink) ? -1 : next(path);
+    return fail_always.links ? -1 : REAL(readlink)(path, to, size);
 }
 
-int fchmod(int fd, mode_t mode)
+DEFINE(void *, dlopen, const char *file, int flags)
 {
-    KEEP(fchmod);
-    return FAILS(fchmod) ? -1 : next(fd, mode);
+    const bool gone = fail_always.library && file &&
+                      strcmp(file, fail_always.library) == 0;
+    return REAL(dlopen)(gone ? "/nonexistent/library.so" : file, flags);
 }
 
-int ftruncate(int fd, off_t size)
+typedef void (*function)(void);
+enum { OUT_OF_MEMORY = 0x0505 }; // GL_OUT_OF_MEMORY
+
+/* The two libraries that contexts come from: how each finds a function, and
+ * its glGetError(). */
+static struct {
+    function (*find)(const char *name);
+    unsigned (*error)(void);
+} libraries[2];
+
+static unsigned answer(int i)
 {
-    KEEP(ftruncate);
-    return FAILS(ftruncate) ? -1 : next(fd, size);
+    return FAILS(error) ? OUT_OF_MEMORY : libraries[i].error();
 }
 
-FILE *fdopen(int fd, const char *mode)
+static unsigned osmesa_error(void)
 {
-    KEEP(fdopen);
-    return FAILS(fdopen) ? NULL : next(fd, mode);
+    return answer(0);
 }
 
-// -- threads -------------------------------------------------------------------
-
-int pthread_create(pthread_t *id, const pthread_attr_t *attributes,
-                   void *(*body)(void *), void *arg)
+static unsigned egl_error(void)
 {
-    KEEP(pthread_create);
-    return FAILS(thread) ? error : next(id, attributes, body, arg);
+    return answer(1);
 }
+
+static function find_in(int i, const char *name)
+{
+    const function f = libraries[i].find(name);
+    if (!f || strcmp(name, "glGetError") != 0)
+        return f;
+    libraries[i].error = (unsigned (*)(void)) f;
+    return i ? (function) egl_error : (function) osmesa_error;
+}
+
+static function osmesa_find(const char *name)
+{
+    return find_in(0, name);
+}
+
+static function egl_find(const char *name)
+{
+    return find_in(1, name);
+}
+
+DEFINE(void *, dlsym, void *library, const char *name)
+{
+    static const struct {
+        const char *name;
+        function (*find)(const char *name);
+    } hooks[2] = {{"OSMesaGetProcAddress", osmesa_find},
+                  {"eglGetProcAddress", egl_find}};
+    void *symbol = fail_always.symbol && strcmp(name, fail_always.symbol) == 0
+                       ? NULL : REAL(dlsym)(library, name);
+    for (int i = 0; symbol && i < 2; i++) {
+        if (strcmp(name, hooks[i].name) == 0) {
+            memcpy(&libraries[i].find, &symbol, sizeof symbol);
+            memcpy(&symbol, &hooks[i].find, sizeof symbol);
+            break;
+        }
+    }
+    return symbol;
+}
+#endif

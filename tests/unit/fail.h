@@ -1,6 +1,6 @@
-/* Makes one call of the program's own code fail. The Makefile links the unit
- * tests with --wrap of these calls (FAIL_WRAP there), so what libraries call
- * for themselves is not counted. */
+/* Makes one call of the program's own code fail: tests/faults/shim.c, linked
+ * into the unit tests with --wrap of these calls (FAIL_WRAP in the Makefile),
+ * so that calls made by libraries do not count. */
 #ifndef GP_TESTS_FAIL_H
 #define GP_TESTS_FAIL_H
 
@@ -11,13 +11,19 @@ enum fail_class {
     FAIL_NONE,
     FAIL_ALLOC,  // malloc, realloc, posix_memalign: ENOMEM
     FAIL_IO,     // open, close, read, write, pread, pwrite, fstat, rename,
-                 // memfd_create: EMFILE, EIO, ENOSPC, EACCES
+                 // memfd_create: EACCES, EIO, ENOSPC, EMFILE
     FAIL_THREAD, // pthread_create: EAGAIN
     FAIL_GL,     // glGetError: GL_OUT_OF_MEMORY
 };
 
 /* The n-th call of that class from here on fails, from 1. */
 void fail_at(enum fail_class class, long n);
+
+/* The first call of that class fails which came by a path of callers that had
+ * fewer than two failures since fail_forget(): with a loop until fail_end() is
+ * false, each path's first call fails and its second. */
+void fail_next(enum fail_class class);
+void fail_forget(void);
 
 /* No call fails any more. Returns whether the one that had to fail came. */
 bool fail_end(void);
