@@ -1,4 +1,5 @@
 /* Autocorrelation of pupils by transforms. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -50,107 +51,196 @@ void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
 }
 
 /* Splits the transform of a + ib, a and b real, at frequency k. */
-static void unpack(const double complex *z, int n, int k, float complex *a,
-                   float complex *b)
+static inline void unpack(const float complex *z, int n, int k,
+                          float complex *a, float complex *b)
 {
-    const double complex other = conj(z[k ? n - k : 0]);
-    *a = (float complex) (0.5 * (z[k] + other));
-    *b = (float complex) (-0.5 * I * (z[k] - other));
+    const float complex here = z[k], other = z[k ? n - k : 0];
+    *a = CMPLXF(0.5f * (crealf(here) + crealf(other)),
+                0.5f * (cimagf(here) - cimagf(other)));
+    *b = CMPLXF(0.5f * (cimagf(here) + cimagf(other)),
+                0.5f * (crealf(other) - crealf(here)));
 }
 
 // -- the pupil's autocorrelation ----------------------------------------------
 
+enum { GROUP = 8 }; // rows that go through memory together: a cache line
+
+void gp_correlator_free(struct gp_correlator *t)
+{
+    gp_fft_plan_free(&t->plan);
+    gp_free(t->room);
+    gp_free(t->z);
+    *t = (struct gp_correlator) {0};
+}
+
+gp_status gp_correlator_make(const struct gp_log *log,
+    const struct gp_pupil *p, struct gp_correlator *out)
+{
+    const int n = gp_fft_length(2 * p->n);
+    // arrays a power of two apart would share the lines of a cache
+    struct gp_correlator t = {.pupil = p, .pitch = (size_t) n + 16};
+    gp_status st;
+    GP_TRY(gp_fftwf_open(log, &t.lib));
+    GP_TRY(gp_fft_plan_make(log, n, GP_FFT_PLAN_ESTIMATE, NULL, &t.plan));
+    t.columns = p->path ? n : n / 2 + 1;
+    t.across = (t.columns + GROUP - 1) / GROUP * GROUP;
+    GP_TRY(gp_alloc_zero(log, "kernel",
+                         2 * GROUP * (size_t) gp_threads() * t.pitch,
+                         sizeof *t.room, &t.room));
+    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) p->n + 2 * GROUP,
+                         (size_t) t.across * sizeof *t.z, &t.z));
+    *out = t;
+    return GP_OK;
+out:
+    gp_correlator_free(&t);
+    return st;
+}
+
 /* A pupil without a path is real: two rows go through one transform, and half
  * the columns of the spectrum are all. */
 struct correlating {
-    const struct gp_pupil *p;
+    const struct gp_correlator *t;
     double nm;
     int pack;             // rows that go through one transform
-    int columns;
-    const struct gp_transform *t;
-    size_t pitch;         // of z: p->n + 2 GP_GROUP
-    float complex *z;     // [column of the spectrum][row, or lag v >= 0]
-    const double *boost;  // of each frequency, squared sincs undone
+    const float *boost;   // of each frequency, squared sincs undone
     struct gp_lags *a;
 };
+
+static float complex *array_in(const struct correlating *c, int thread, int i)
+{
+    return c->t->room + (size_t) (2 * GROUP * thread + i) * c->t->pitch;
+}
+
+/* Rows, or lags v >= 0, from a multiple of GROUP on, of column k. */
+static float complex *rows_at(const struct correlating *c, int row, int k)
+{
+    return c->t->z + (size_t) row * (size_t) c->t->across +
+           (size_t) k * GROUP;
+}
+
+static float complex *array_out(const struct correlating *c, int thread, int i)
+{
+    return array_in(c, thread, GROUP + i);
+}
+
+/* Transforms the thread's first n arrays. */
+static void run(const struct correlating *c, fftwf_plan plan, int n,
+                int thread)
+{
+    const struct gp_fftwf *const lib = c->t->lib;
+    for (int i = 0; i < n; i++)
+        lib->execute_dft(plan, (void *) array_in(c, thread, i),
+                         (void *) array_out(c, thread, i));
+}
+
+/* Amplitudes t of n cells whose paths are so many nm, of `waves` a nm, as re,
+ * im. */
+GP_CLONES static void add_path(const float *restrict t,
+    const float *restrict path, double waves, int n, float *restrict to)
+{
+    static const double ROUND = 0x1.8p52; // added, leaves whole numbers
+    for (int x = 0; x < n; x++) {
+        const double turns = (double) path[x] * waves;
+        const float z = (float) (GP_PI * (turns - ((turns + ROUND) - ROUND)));
+        const float q = z * z;
+        // of half the angle, within pi / 2: Taylor's series, to 1e-9
+        const float s = z * (1.0f + q * (-1.0f / 6 + q * (1.0f / 120 +
+            q * (-1.0f / 5040 + q * (1.0f / 362880 +
+            q * (-1.0f / 39916800 + q / 6227020800.0f))))));
+        const float c = 1.0f + q * (-1.0f / 2 + q * (1.0f / 24 +
+            q * (-1.0f / 720 + q * (1.0f / 40320 + q * (-1.0f / 3628800 +
+            q * (1.0f / 479001600 - q / 87178291200.0f))))));
+        to[2 * x] = t[x] * (1.0f - 2.0f * s * s);
+        to[2 * x + 1] = t[x] * (2.0f * s * c);
+    }
+}
 
 /* Rows of the pupil, `pack` a transform, to all columns. */
 static void pupil_rows(void *ctx, int group, int thread)
 {
     const struct correlating *const c = ctx;
-    const int n = c->t->n, cells = c->p->n;
-    const int first = group * GP_GROUP * c->pack;
-    for (int i = 0; i < GP_GROUP; i++) {
-        double complex *const to = gp_transform_in(c->t, thread, i);
-        const size_t row = (size_t) (first + i * c->pack) * (size_t) cells;
-        const float *const t = c->p->t + row;
+    const struct gp_pupil *const p = c->t->pupil;
+    const int n = c->t->plan.n, cells = p->n;
+    const int first = group * GROUP * c->pack;
+    for (int i = 0; i < GROUP; i++) {
+        float complex *const to = array_in(c, thread, i);
+        const int y = first + i * c->pack; // cells are a multiple of 8
+        const size_t row = (size_t) y * (size_t) cells;
+        const float *const t = p->t + row;
         memset(to, 0, (size_t) n * sizeof *to);
-        for (int x = 0; x < cells; x++)
-            to[x] = c->pack == 2
-                ? (double) t[x] + I * (double) t[cells + x]
-                : (double) t[x] * cexp(2.0 * GP_PI * I / c->nm *
-                                       (double) c->p->path[row + (size_t) x]);
+        if (y >= cells)
+            continue;
+        if (c->pack == 1)
+            add_path(t, p->path + row, 1.0 / c->nm, cells, (float *) to);
+        for (int x = 0; x < cells && c->pack == 2; x++)
+            to[x] = CMPLXF(t[x], t[cells + x]);
     }
-    gp_transform_run(c->t, c->t->forward, GP_GROUP, thread);
-    for (int k = 0; k < c->columns; k++) {
-        float complex *const to = c->z + (size_t) k * c->pitch + first;
-        for (int i = 0; i < GP_GROUP; i++) {
-            const double complex *const out = gp_transform_out(c->t, thread, i);
+    run(c, c->t->plan.forward, GROUP, thread);
+    for (int k = 0; k < c->t->columns; k++) {
+        float complex *const to = rows_at(c, first, k);
+        float complex *const on = rows_at(c, first + GROUP, k); // pack 2
+        for (int i = 0; i < GROUP; i++) {
+            const float complex *const out = array_out(c, thread, i);
             if (c->pack == 2)
-                unpack(out, n, k, &to[2 * i], &to[2 * i + 1]);
+                unpack(out, n, k, i < GROUP / 2 ? &to[2 * i]
+                                                : &on[2 * i - GROUP],
+                       i < GROUP / 2 ? &to[2 * i + 1] : &on[2 * i + 1 - GROUP]);
             else
-                to[i] = (float complex) out[k];
+                to[i] = out[k];
         }
     }
 }
 
-/* Four columns: on to the spectrum, its squares, which are real, and back to
- * lags v >= 0. */
+/* Columns: on to the spectrum, its squares, which are real, and back to lags
+ * v >= 0, two columns a transform. */
 static void pupil_columns(void *ctx, int group, int thread)
 {
     const struct correlating *const c = ctx;
-    const int n = c->t->n, cells = c->p->n, first = group * GP_GROUP;
-    float complex *const z = c->z + (size_t) first * c->pitch;
-    for (size_t i = 0; i < GP_GROUP; i++) {
-        double complex *const to = gp_transform_in(c->t, thread, (int) i);
-        for (int y = 0; y < cells; y++)
-            to[y] = (double complex) z[i * c->pitch + (size_t) y];
-        memset(to + cells, 0, (size_t) (n - cells) * sizeof *to);
+    const int n = c->t->plan.n, cells = c->t->pupil->n, first = group * GROUP;
+    for (int y = 0; y < cells; y += GROUP) {
+        for (int i = 0; i < GROUP; i++)
+            memcpy(array_in(c, thread, i) + y, rows_at(c, y, first + i),
+                   GROUP * sizeof(float complex));
     }
-    gp_transform_run(c->t, c->t->forward, GP_GROUP, thread);
-    for (int i = 0; i < GP_GROUP; i += 2) {
-        const double complex *const a = gp_transform_out(c->t, thread, i);
-        const double complex *const b = gp_transform_out(c->t, thread, i + 1);
-        const double of_a = c->boost[first + i], of_b = c->boost[first + i + 1];
-        double complex *const to = gp_transform_in(c->t, thread, i / 2);
-        for (int k = 0; k < n; k++)
-            to[k] = c->boost[k] *
-                    (of_a * (creal(a[k]) * creal(a[k]) +
-                             cimag(a[k]) * cimag(a[k])) +
-                     I * of_b * (creal(b[k]) * creal(b[k]) +
-                                 cimag(b[k]) * cimag(b[k])));
+    for (int i = 0; i < GROUP; i++)
+        memset(array_in(c, thread, i) + cells, 0,
+               (size_t) (n - cells) * sizeof(float complex));
+    run(c, c->t->plan.forward, GROUP, thread);
+    for (int i = 0; i < GROUP; i += 2) {
+        const float complex *const a = array_out(c, thread, i);
+        const float complex *const b = array_out(c, thread, i + 1);
+        const float of_a = c->boost[first + i], of_b = c->boost[first + i + 1];
+        float *const to = (float *) array_in(c, thread, i / 2);
+        for (int k = 0; k < n; k++) {
+            to[2 * k] = c->boost[k] * of_a * (crealf(a[k]) * crealf(a[k]) +
+                                              cimagf(a[k]) * cimagf(a[k]));
+            to[2 * k + 1] = c->boost[k] * of_b * (crealf(b[k]) * crealf(b[k]) +
+                                                  cimagf(b[k]) * cimagf(b[k]));
+        }
     }
-    gp_transform_run(c->t, c->t->backward, GP_GROUP / 2, thread);
-    for (size_t i = 0; i < GP_GROUP; i += 2) {
-        float complex *const to = z + i * c->pitch;
-        for (int v = 0; v < (int) c->pitch; v++)
-            unpack(gp_transform_out(c->t, thread, (int) i / 2), n, v, &to[v],
-                   &to[c->pitch + (size_t) v]);
+    run(c, c->t->plan.backward, GROUP / 2, thread);
+    for (int v = 0; v < cells + 2 * GROUP; v += GROUP) {
+        for (int i = 0; i < GROUP; i += 2) {
+            float complex *const to = rows_at(c, v, first + i);
+            for (int r = 0; r < GROUP; r++)
+                unpack(array_out(c, thread, i / 2), n, v + r, &to[r],
+                       &to[GROUP + r]);
+        }
     }
 }
 
 /* A at lag (u, v), v >= 0, and at (-u, v). */
-static void put_lag(struct gp_lags *a, int u, int v, double complex here,
-                    double complex other)
+static void put_lag(struct gp_lags *a, int u, int v, float complex here,
+                    float complex other)
 {
     const size_t at = (size_t) u * a->pitch + (size_t) a->n;
     if (v > a->n)
         return;
-    a->re[at + (size_t) v] = (float) creal(here);
-    a->re[at - (size_t) v] = (float) creal(other);
+    a->re[at + (size_t) v] = crealf(here);
+    a->re[at - (size_t) v] = crealf(other);
     if (a->im) {
-        a->im[at + (size_t) v] = (float) cimag(here);
-        a->im[at - (size_t) v] = -(float) cimag(other);
+        a->im[at + (size_t) v] = cimagf(here);
+        a->im[at - (size_t) v] = -cimagf(other);
     }
 }
 
@@ -158,59 +248,64 @@ static void put_lag(struct gp_lags *a, int u, int v, double complex here,
 static void pupil_lags(void *ctx, int group, int thread)
 {
     const struct correlating *const c = ctx;
-    const int n = c->t->n, first = group * GP_GROUP * c->pack;
-    for (int k = 0; k < c->columns; k++) {
-        const float complex *const z = c->z + (size_t) k * c->pitch + first;
-        for (int i = 0; i < GP_GROUP; i++) {
-            double complex *const in = gp_transform_in(c->t, thread, i);
-            const double complex a = z[i * c->pack];
-            const double complex b = c->pack == 2 ? z[2 * i + 1] : 0.0;
-            in[k] = a + I * b;
-            if (c->pack == 2 && k > 0) // a real row's half is conjugate
-                in[n - k] = conj(a) + I * conj(b);
+    const int n = c->t->plan.n, first = group * GROUP * c->pack;
+    for (int k = 0; k < c->t->columns; k++) {
+        const float complex *const z = rows_at(c, first, k);
+        const float complex *const on = rows_at(c, first + GROUP, k); // pack 2
+        for (int i = 0; i < GROUP; i++) {
+            float complex *const in = array_in(c, thread, i);
+            if (c->pack == 1) {
+                in[k] = z[i];
+                continue;
+            }
+            const float complex *const at =
+                i < GROUP / 2 ? z + 2 * i : on + 2 * i - GROUP;
+            const float complex a = at[0], b = at[1];
+            in[k] = CMPLXF(crealf(a) - cimagf(b), cimagf(a) + crealf(b));
+            if (k > 0) // a real row's half is conjugate
+                in[n - k] = CMPLXF(crealf(a) + cimagf(b),
+                                   crealf(b) - cimagf(a));
         }
     }
-    gp_transform_run(c->t, c->t->backward, GP_GROUP, thread);
-    for (int u = 0; u <= c->p->n; u++) {
+    run(c, c->t->plan.backward, GROUP, thread);
+    for (int u = 0; u <= c->t->pupil->n; u++) {
         const int other = u ? n - u : 0;
-        for (int i = 0; i < GP_GROUP; i++) {
-            const double complex *const out = gp_transform_out(c->t, thread, i);
+        for (int i = 0; i < GROUP; i++) {
+            const float complex *const out = array_out(c, thread, i);
             const int v = first + i * c->pack;
-            put_lag(c->a, u, v, out[u], out[other]);
-            if (c->pack == 2)
-                put_lag(c->a, u, v + 1, cimag(out[u]), cimag(out[other]));
+            if (c->pack == 1) {
+                put_lag(c->a, u, v, out[u], out[other]);
+                continue;
+            }
+            put_lag(c->a, u, v, crealf(out[u]), crealf(out[other]));
+            put_lag(c->a, u, v + 1, cimagf(out[u]), cimagf(out[other]));
         }
     }
     if (group == 0)
-        c->a->sum = creal(gp_transform_out(c->t, thread, 0)[0]);
+        c->a->sum = (double) crealf(array_out(c, thread, 0)[0]);
 }
 
-gp_status gp_correlate(const struct gp_log *log, const struct gp_pupil *p,
-    double nm, const struct gp_transform *t, struct gp_lags *a)
+gp_status gp_correlate(const struct gp_log *log,
+    const struct gp_correlator *t, double nm, struct gp_lags *a)
 {
-    const int n = t->n;
-    double *boost = NULL;
+    const int n = t->plan.n, cells = t->pupil->n;
+    float *boost = NULL;
     struct correlating c = {
-        .p = p, .nm = nm, .t = t, .a = a, .pitch = (size_t) p->n + 2 * GP_GROUP,
-        .pack = p->path ? 1 : 2,
+        .t = t, .nm = nm, .a = a, .pack = t->pupil->path ? 1 : 2,
     };
-    gp_status st;
-    c.columns = p->path ? n : n / 2 + 1;
-    const int groups = (c.columns + GP_GROUP - 1) / GP_GROUP;
-    GP_TRY(gp_alloc(log, "kernel", (size_t) n + GP_GROUP, sizeof *boost,
-                    &boost));
-    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) groups * GP_GROUP,
-                         c.pitch * sizeof *c.z, &c.z));
-    for (int k = 0; k < n + GP_GROUP; k++) {
+    const int rows = GROUP * c.pack;
+    gp_status st = gp_alloc(log, "kernel", (size_t) n + GROUP, sizeof *boost,
+                            &boost);
+    if (st)
+        return st;
+    for (int k = 0; k < n + GROUP; k++) {
         const double s = gp_sinc((double) gp_min(k, abs(n - k)) / n);
-        boost[k] = 1.0 / (s * s * s * s);
+        boost[k] = (float) (1.0 / (s * s * s * s));
     }
     c.boost = boost;
-    gp_parallel_do(p->n / (GP_GROUP * c.pack), pupil_rows, &c);
-    gp_parallel_do(groups, pupil_columns, &c);
-    gp_parallel_do(p->n / (GP_GROUP * c.pack) + 1, pupil_lags, &c);
-out:
+    gp_parallel_do((cells + rows - 1) / rows, pupil_rows, &c);
+    gp_parallel_do(t->across / GROUP, pupil_columns, &c);
+    gp_parallel_do(cells / rows + 1, pupil_lags, &c);
     gp_free(boost);
-    gp_free(c.z);
-    return st;
+    return GP_OK;
 }

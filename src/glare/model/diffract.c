@@ -106,9 +106,10 @@ static int first_row(const struct lag_matrix *m, int k)
     return (k + m->edge) % m->period;
 }
 
-/* Spectra of the kernel: [c][y * pitch + x], x in [0, nx / 2], y in [0, ny). */
+/* Spectra of the kernel: [c][block of LANES x][y][x in it], x in [0, nx / 2],
+ * y in [0, ny). */
 struct spectra {
-    size_t pitch;
+    int blocks;
     float *re[3], *im[3];
     int channels;
 };
@@ -154,7 +155,7 @@ static void sum_column(const struct summing *s, const float *part, float sign,
 
 /* Sums lags v of one part for all rows y of LANES columns. */
 GP_CLONES static void sum_rows(const struct summing *s, const float *t,
-                               int x0, int lanes, float *const to[3])
+                               int block, float *const to[3])
 {
     const float scale = (float) (1.0 / s->a->sum);
     const int n = s->a->n;
@@ -170,10 +171,11 @@ GP_CLONES static void sum_rows(const struct summing *s, const float *t,
                     sum[l] += w[i] * from[l];
             }
         }
-        const size_t at = (size_t) y * s->s->pitch + (size_t) x0;
+        const size_t at = ((size_t) block * (size_t) s->y->period +
+                           (size_t) y) * LANES;
         for (int c = 0; c < s->s->channels; c++) {
             const float w = scale * (float) s->rgb[c];
-            for (int l = 0; l < lanes; l++)
+            for (int l = 0; l < LANES; l++)
                 to[c][at + (size_t) l] += w * sum[l];
         }
     }
@@ -195,7 +197,7 @@ static void sum_block(void *ctx, int block, int thread)
                 for (int v = 0; v <= 2 * s->a->n; v++)
                     t[v * LANES + l] = 0.0f;
         }
-        sum_rows(s, t, x0, lanes, part ? s->s->im : s->s->re);
+        sum_rows(s, t, block, part ? s->s->im : s->s->re);
     }
 }
 
@@ -213,7 +215,7 @@ static gp_status add_wavelength(const struct gp_log *log,
     GP_TRY(lag_matrix_make(log, a->n, step[1], period[1], &y));
     GP_TRY(gp_alloc(log, "kernel", (size_t) gp_threads(),
                     sum.columns * sizeof *sum.room, &sum.room));
-    gp_parallel_do((period[0] / 2 + LANES) / LANES, sum_block, &sum);
+    gp_parallel_do(s->blocks, sum_block, &sum);
 out:
     lag_matrix_free(&x);
     lag_matrix_free(&y);
@@ -255,6 +257,7 @@ struct finishing {
     const struct spectra *s;
     int c;
     const struct gp_transform *t[2]; // of x, of y
+    size_t pitch;                 // LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], reach;       // degrees
     struct samples *out;
@@ -265,21 +268,20 @@ static void finish_columns(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
     const struct gp_transform *const t = f->t[1];
-    const size_t pitch = f->s->pitch;
-    const float *const im = f->s->im[f->c];
-    for (int i = 0; i < GP_GROUP; i++) {
-        double complex *const in = gp_transform_in(t, thread, i);
-        for (int y = 0; y < t->n; y++) {
-            const size_t at =
-                (size_t) y * pitch + (size_t) (group * GP_GROUP + i);
-            in[y] = (double) f->s->re[f->c][at] +
-                    (im ? I * (double) im[at] : 0.0);
+    const size_t first = (size_t) (group * GP_GROUP);
+    const size_t block = first / LANES * LANES * (size_t) t->n + first % LANES;
+    const float *const re = f->s->re[f->c], *const im = f->s->im[f->c];
+    for (int y = 0; y < t->n; y++) {
+        for (int i = 0; i < GP_GROUP; i++) {
+            const size_t at = block + (size_t) y * LANES + (size_t) i;
+            gp_transform_in(t, thread, i)[y] =
+                CMPLX((double) re[at], im ? (double) im[at] : 0.0);
         }
     }
     gp_transform_run(t, t->forward, GP_GROUP, thread);
     for (int y = -f->out->r[1]; y <= f->out->r[1]; y++) {
-        double complex *const to = f->z + group * GP_GROUP +
-                                   (size_t) (y + f->out->r[1]) * pitch;
+        double complex *const to =
+            f->z + first + (size_t) (y + f->out->r[1]) * f->pitch;
         for (int i = 0; i < GP_GROUP; i++)
             to[i] = gp_transform_out(t, thread, i)[y < 0 ? y + t->n : y];
     }
@@ -302,7 +304,7 @@ static void finish_rows(void *ctx, int group, int thread)
     const double all = (double) n * f->t[1]->n;
     for (int i = 0; i < rows; i++) {
         const double complex *const from =
-            f->z + (size_t) (group * GP_GROUP + i) * f->s->pitch;
+            f->z + (size_t) (group * GP_GROUP + i) * f->pitch;
         double complex *const to = gp_transform_in(t, thread, i);
         memcpy(to, from, ((size_t) n / 2 + 1) * sizeof *to);
         for (int x = n / 2 + 1; x < n; x++)
@@ -331,12 +333,12 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
 {
     struct finishing f = {
         .s = s, .t = {&t[0], &t[1]}, .pixel = {pixel[0], pixel[1]},
-        .reach = reach, .out = out,
+        .reach = reach, .out = out, .pitch = LANES * (size_t) s->blocks,
     };
     const size_t rows = 2 * (size_t) out->r[1] + 1;
-    gp_status st = gp_alloc(log, "kernel", rows, s->pitch * sizeof *f.z, &f.z);
+    gp_status st = gp_alloc(log, "kernel", rows, f.pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
-        gp_parallel_do((int) (s->pitch / GP_GROUP), finish_columns, &f);
+        gp_parallel_do((int) (f.pitch / GP_GROUP), finish_columns, &f);
         gp_parallel_do(((int) rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
     }
     gp_free(f.z);
@@ -376,7 +378,7 @@ static gp_status make_spectra(const struct gp_log *log,
 {
     double nm[GP_BANDS], rgb[GP_BANDS][3];
     int bands = gp_min(d->bands, GP_BANDS);
-    struct gp_transform t = {0};
+    struct gp_correlator t = {0};
     struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
     gp_status st;
     gp_spectrum_weights(f->chromaticities, bands, nm, rgb);
@@ -389,14 +391,14 @@ static gp_status make_spectra(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.re));
     if (p->path)
         GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.im));
-    GP_TRY(gp_transform_make(log, gp_fft_length(2 * p->n), &t));
+    GP_TRY(gp_correlator_make(log, p, &t));
     for (int i = 0; i < bands; i++) {
         double step[2];
         for (int k = 0; k < 2; k++)
             step[k] = nm[i] * 1e-6 /
                       (period[k] * pixel[k] * (GP_PI / 180.0) * p->cell);
         if (i == 0 || p->path)
-            GP_TRY(gp_correlate(log, p, nm[i], &t, &a));
+            GP_TRY(gp_correlate(log, &t, nm[i], &a));
         if (!(a.sum > 0.0)) {
             st = gp_fail(log, GP_ERR_DATA, "%s: no light passes the pupil; "
                          "make its openings larger", d->name);
@@ -405,7 +407,7 @@ static gp_status make_spectra(const struct gp_log *log,
         GP_TRY(add_wavelength(log, &a, step, period, rgb[i], s));
     }
 out:
-    gp_transform_free(&t);
+    gp_correlator_free(&t);
     gp_free(a.re);
     gp_free(a.im);
     return st;
@@ -493,9 +495,9 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     if (d->steep > 0.0)
         GP_TRY(gp_alloc_zero(log, "kernel", cells, sizeof(float), &p.path));
     gp_parallel_do(p.n, draw_row, &(struct drawing) {d, &p});
-    s.pitch = ((size_t) period[0] / 2 + GP_GROUP) / GP_GROUP * GP_GROUP;
+    s.blocks = (period[0] / 2 + LANES) / LANES;
     for (int c = 0; c < s.channels; c++) {
-        const size_t n = s.pitch * (size_t) period[1];
+        const size_t n = LANES * (size_t) s.blocks * (size_t) period[1];
         GP_TRY(gp_alloc_zero(log, "kernel", n, sizeof(float), &s.re[c]));
         if (p.path)
             GP_TRY(gp_alloc_zero(log, "kernel", n, sizeof(float), &s.im[c]));

@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "core/spectrum_priv.h"
-#include "glare/model/model_priv.h"
+#include "glare/model/diffract_priv.h"
 #include "model_scene.h"
 
 #define PI 3.14159265358979323846
@@ -288,6 +288,79 @@ static void aberrations_dim_the_peak(void **state)
     gp_kernel_free(&sharp);
 }
 
+/* Transforms n lines of m values `step` apart, n and m being alike, in double;
+ * `sign` -1 is forward. */
+static void transform_lines(double complex *z, int m, int sign, int step,
+                            int across)
+{
+    double complex line[160], turn[160];
+    for (int k = 0; k < m; k++)
+        turn[k] = cexp(sign * 2.0 * PI * I * k / m);
+    for (int j = 0; j < m; j++) {
+        double complex *const at = z + j * across;
+        for (int k = 0; k < m; k++) {
+            line[k] = 0.0;
+            for (int x = 0; x < m; x++)
+                line[k] += at[x * step] * turn[k * x % m];
+        }
+        for (int k = 0; k < m; k++)
+            at[k * step] = line[k];
+    }
+}
+
+/* Autocorrelations of noise, with and without a path, against the same in
+ * double. */
+static void lags_are_a_pupils(void **state)
+{
+    (void) state;
+    enum { N = 56, MOST = 160 };
+    static double complex z[MOST * MOST];
+    static float t[N * N], path[N * N];
+    static float lag[2][(N + 1) * (2 * N + 16)];
+    for (uint64_t i = 0; i < N * N; i++) {
+        t[i] = (float) gp_model_random(1, i);
+        path[i] = (float) (4000.0 * gp_model_random(2, i) - 2000.0);
+    }
+    for (int with = 0; with < 2; with++) {
+        const struct gp_pupil p = {N, 1.0, t, with ? path : NULL};
+        struct gp_correlator c;
+        struct gp_lags a = {.n = N, .pitch = 2 * N + 16, .re = lag[0],
+                            .im = with ? lag[1] : NULL};
+        assert_ok(gp_correlator_make(NULL, &p, &c));
+        const int m = c.plan.n;
+        assert_in_range(m, 2 * N, MOST);
+        assert_ok(gp_correlate(NULL, &c, 500.0, &a));
+        memset(z, 0, sizeof z);
+        for (int i = 0; i < N * N; i++)
+            z[i / N * m + i % N] = (double) t[i] *
+                (with ? cexp(2.0 * PI * I * (double) path[i] / 500.0) : 1.0);
+        transform_lines(z, m, -1, 1, m);
+        transform_lines(z, m, -1, m, 1);
+        for (int i = 0; i < m * m; i++) {
+            const double x = gp_sinc(remainder(i % m, m) / m);
+            const double y = gp_sinc(remainder(i / m, m) / m);
+            const double abs = cabs(z[i]);
+            z[i] = abs * abs * pow(x * y, -4.0);
+        }
+        transform_lines(z, m, 1, 1, m);
+        transform_lines(z, m, 1, m, 1);
+        if (!(fabs(a.sum / creal(z[0]) - 1.0) < 1e-6))
+            fail_msg("%g passes, not %g", a.sum, creal(z[0]));
+        for (int u = 0; u <= N; u++) {
+            for (int v = -N; v <= N; v++) {
+                const size_t at = (size_t) u * a.pitch + (size_t) (N + v);
+                const double complex is = (double) a.re[at] +
+                    (with ? I * (double) a.im[at] : 0.0);
+                const double complex want = z[(v + m) % m * m + u];
+                if (!(cabs(is - want) < 1e-6 * a.sum))
+                    fail_msg("lag %d, %d: off by %g", u, v,
+                             cabs(is - want) / a.sum);
+            }
+        }
+        gp_correlator_free(&c);
+    }
+}
+
 /* A mask of white is a square opening: light falls as sinc^2 on its axes, also
  * on those of one that is turned. */
 static void masks_are_openings(void **state)
@@ -537,6 +610,7 @@ static void spectra_are_the_observers(void **state)
 SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
     blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
     turning_is_in_the_formula, pixels_add_up, aberrations_dim_the_peak,
+    lags_are_a_pupils,
     masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
     pupils_shimmer, fibres_make_a_halo,
     spectra_are_the_observers)
