@@ -48,76 +48,50 @@ static const char *single_name(const struct gp_settings *s, int i)
 
 // -- files that are still to be made -----------------------------------------
 
-/* FNV-1a, 64 bits. */
-static uint64_t hash_on(uint64_t h, const char *text, size_t n)
+/* FNV-1a, 64 bits, of a name and a slash. */
+static uint64_t hash_name(uint64_t h, const char *name)
 {
-    for (size_t i = 0; i < n; i++)
-        h = (h ^ (unsigned char) text[i]) * 1099511628211u;
-    return h;
-}
-#define HASH_START 14695981039346656037u
-
-/* Finds the deepest folder of a name that exists, and adds the names of the
- * rest, which --create-dir would make, to a hash. */
-static gp_status find_folder(const struct gp_log *log, const char *name,
-                             struct stat *info, uint64_t *hash)
-{
-    char *way;
-    const size_t room = strlen(name) + 3;
-    gp_status st = gp_alloc_zero(log, "file names", 2, room, &way);
-    if (st)
-        return st;
-    char *const rest = way + room;
-    size_t at = 1, left = 0, n; // bytes of these
-    way[0] = name[0] == '/' ? '/' : '.';
-    for (const char *p = name; *p; p += n, p += *p == '/') {
-        n = strcspn(p, "/");
-        if (n == 0 || (n == 1 && *p == '.'))
-            continue;
-        if (left && n == 2 && memcmp(p, "..", 2) == 0) {
-            while (rest[--left] != '/')
-                ;
-            rest[left] = '\0';
-            continue;
-        }
-        snprintf(way + at, room - at, "/%.*s", (int) n, p);
-        if (!left && stat(way, info) == 0 && S_ISDIR(info->st_mode)) {
-            at += n + 1;
-            continue;
-        }
-        way[at] = '\0';
-        left += (size_t) snprintf(rest + left, room - left, "/%.*s", (int) n,
-                                  p);
-    }
-    *hash = hash_on(*hash, rest, left);
-    if (stat(way, info) != 0) // removed meanwhile
-        info->st_dev = info->st_ino = 0;
-    gp_free(way);
-    return GP_OK;
+    for (; *name; name++)
+        h = (h ^ (unsigned char) *name) * 1099511628211u;
+    return (h ^ '/') * 1099511628211u;
 }
 
 /* Identifies the file that will be made under a name that does not exist: by
- * device and node of its folder, and a hash of its name there. */
+ * device and node of the deepest folder in it that exists, and a hash of the
+ * names after it, from last to first; --create-dir would make these folders. */
 static gp_status find_place(const struct gp_log *log, const char *path,
                             struct gp_clobber_file *file)
 {
-    struct stat info;
-    uint64_t hash = HASH_START;
-    char *const folder = gp_file_folder(path);
-    gp_status st = GP_OK;
-    if (!folder)
+    const size_t room = strlen(path) + 3;
+    char *const way = malloc(room), *slash;
+    uint64_t hash = 14695981039346656037u;
+    struct stat info = {0};
+    int up = 0; // names before that a ".." takes back
+    if (!way)
         return gp_no_memory(log, path);
-    if (stat(folder, &info) != 0)
-        st = find_folder(log, folder, &info, &hash);
-    gp_free(folder);
-    if (st)
-        return st;
-    const char *const slash = strrchr(path, '/');
-    const char *const base = slash ? slash + 1 : path;
-    hash = hash_on(hash_on(hash, "/", 1), base, strlen(base));
+    snprintf(way, room, "%s%s", *path == '/' ? "" : "./", path);
+    do {
+        slash = strrchr(way, '/');
+        const char *const name = slash + 1;
+        if (strcmp(name, "..") == 0)
+            up++;
+        else if (*name && strcmp(name, ".") != 0 && up > 0)
+            up--;
+        else if (*name && strcmp(name, ".") != 0)
+            hash = hash_name(hash, name);
+        slash[slash == way] = '\0';
+    } while ((stat(way, &info) != 0 || !S_ISDIR(info.st_mode)) &&
+             slash != way && strcmp(way, ".") != 0);
+    if (up > 0) {
+        while (up-- > 0)
+            strcat(way, "/.."); // shorter than the names that were cut off
+        if (stat(way, &info) != 0) // removed meanwhile
+            info = (struct stat) {0};
+    }
+    gp_free(way);
     file->device = info.st_dev;
     file->node = info.st_ino;
-    file->tail = hash ? hash : 1;
+    file->tail = hash | 1;
     return GP_OK;
 }
 
@@ -206,15 +180,15 @@ void gp_clobber_end(struct gp_clobber *c)
 
 // -- comparing ---------------------------------------------------------------
 
+#define ORDER(a, b) (((a) > (b)) - ((a) < (b)))
+
 /* Orders by file identity. */
 static int by_file(const void *a, const void *b)
 {
     const struct gp_clobber_file *x = a, *y = b;
-    if (x->device != y->device)
-        return x->device > y->device ? 1 : -1;
-    if (x->node != y->node)
-        return x->node > y->node ? 1 : -1;
-    return (x->tail > y->tail) - (x->tail < y->tail);
+    return x->device != y->device ? ORDER(x->device, y->device)
+         : x->node != y->node     ? ORDER(x->node, y->node)
+                                  : ORDER(x->tail, y->tail);
 }
 
 /* Orders by file identity, then by the items of the command line. */
@@ -222,11 +196,9 @@ static int by_file_and_owner(const void *a, const void *b)
 {
     const struct gp_clobber_file *x = a, *y = b;
     const int order = by_file(a, b);
-    if (order)
-        return order;
-    if (x->item != y->item)
-        return x->item > y->item ? 1 : -1;
-    return (x->role > y->role) - (x->role < y->role);
+    return order              ? order
+         : x->item != y->item ? ORDER(x->item, y->item)
+                              : ORDER(x->role, y->role);
 }
 
 static struct gp_clobber_owner owner_of(const struct gp_clobber *c,
