@@ -1,0 +1,144 @@
+/* A hierarchy of the frame's greatest depths. */
+#include "scene/hidden.h"
+
+#include "core/depth.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+
+struct gp_rect gp_screen_pixels(const struct gp_screen_box *b,
+                                struct gp_rect window)
+{
+    static const double far = 1e9; // fits an int
+    if (!b->seen)
+        return (struct gp_rect) {0};
+    return gp_rect_meet(
+        window, (struct gp_rect) {
+                    (int) fmax(-far, fmin(far, floor(b->x0))),
+                    (int) fmax(-far, fmin(far, floor(b->y0))),
+                    (int) fmax(-far, fmin(far, ceil(b->x1))),
+                    (int) fmax(-far, fmin(far, ceil(b->y1))),
+                });
+}
+
+// -- making ------------------------------------------------------------------
+
+/* Fills a level with the greatest of each 2 x 2 of the one below. */
+static void fill_level(struct gp_hidden *h, int level)
+{
+    const int w = h->w[level - 1], rows = h->h[level - 1];
+    const float *const from = h->most[level - 1];
+    float *to = h->most[level];
+    for (int y = 0; y < rows; y += 2) {
+        const float *const a = from + (size_t) y * (size_t) w;
+        const float *const b = y + 1 < rows ? a + w : a;
+        int x = 0;
+        for (; x + 1 < w; x += 2)
+            *to++ = gp_maxf(gp_maxf(a[x], a[x + 1]), gp_maxf(b[x], b[x + 1]));
+        if (x < w)
+            *to++ = gp_maxf(a[x], b[x]);
+    }
+}
+
+static void fill_least(struct gp_hidden *h)
+{
+    const int across = h->w[GP_TILE_LEVEL];
+    const int tiles = across * h->h[GP_TILE_LEVEL];
+    for (int i = 0; i < tiles; i++)
+        h->least[i] = INFINITY;
+    for (int y = 0; y < h->h[0]; y++) {
+        const float *const row = h->most[0] + (size_t) y * (size_t) h->w[0];
+        float *const tile = h->least + y / GP_TILE * across;
+        for (int x = 0; x < h->w[0]; x++)
+            tile[x / GP_TILE] = gp_minf(row[x], tile[x / GP_TILE]);
+    }
+}
+
+gp_status gp_hidden_make(const struct gp_log *log, struct gp_rect window,
+                         const float *depth, struct gp_hidden *out)
+{
+    gp_status st = GP_OK;
+    struct gp_hidden h = {.window = window};
+    int w = gp_rect_w(window), rows = gp_rect_h(window);
+    while (h.levels <= GP_TILE_LEVEL || h.w[h.levels - 1] > 1 ||
+           h.h[h.levels - 1] > 1) {
+        const int k = h.levels;
+        h.w[k] = w;
+        h.h[k] = rows;
+        GP_TRY(gp_alloc(log, "depths of the scene", (size_t) w * (size_t) rows,
+                        sizeof *h.most[k], &h.most[k]));
+        h.levels++;
+        w = (w + 1) / 2;
+        rows = (rows + 1) / 2;
+    }
+    const size_t n = (size_t) h.w[0] * (size_t) h.h[0];
+    for (size_t i = 0; i < n; i++)
+        h.most[0][i] = depth[i] > 0.0f && depth[i] < GP_DEPTH_HUGE ? depth[i]
+                                                                   : INFINITY;
+    for (int k = 1; k < h.levels; k++)
+        fill_level(&h, k);
+    GP_TRY(gp_alloc(log, "tiles of the scene",
+                    (size_t) h.w[GP_TILE_LEVEL] * (size_t) h.h[GP_TILE_LEVEL],
+                    sizeof *h.least, &h.least));
+    fill_least(&h);
+out:
+    if (st)
+        gp_hidden_free(&h);
+    *out = h;
+    return st;
+}
+
+void gp_hidden_free(struct gp_hidden *h)
+{
+    for (int k = 0; k < 32; k++)
+        gp_free(h->most[k]);
+    gp_free(h->least);
+    *h = (struct gp_hidden) {0};
+}
+
+// -- asking ------------------------------------------------------------------
+
+bool gp_hidden_box(const struct gp_hidden *h, const struct gp_screen_box *b)
+{
+    const struct gp_rect r = gp_screen_pixels(b, h->window);
+    if (gp_rect_empty(r))
+        return true;
+    const double near = b->near * (1.0 - GP_DEPTH_SLACK);
+    const int x0 = r.x0 - h->window.x0, x1 = r.x1 - 1 - h->window.x0;
+    const int y0 = r.y0 - h->window.y0, y1 = r.y1 - 1 - h->window.y0;
+    // from the level where four cells at most cover it, down to those cells
+    // that are not behind `near`
+    int level = 0;
+    while (level + 1 < h->levels && ((x1 >> level) - (x0 >> level) > 1 ||
+                                     (y1 >> level) - (y0 >> level) > 1))
+        level++;
+    struct {
+        int level, x, y;
+    } stack[4 * 32];
+    int n = 0;
+    for (int y = y0 >> level; y <= y1 >> level; y++) {
+        for (int x = x0 >> level; x <= x1 >> level; x++) {
+            stack[n].level = level;
+            stack[n].x = x;
+            stack[n++].y = y;
+        }
+    }
+    while (n > 0) {
+        n--;
+        const int k = stack[n].level, x = stack[n].x, y = stack[n].y;
+        if (near > (double) h->most[k][(size_t) y * (size_t) h->w[k] +
+                                       (size_t) x])
+            continue;
+        if (k == 0)
+            return false;
+        for (int i = 0; i < 4; i++) { // the parts that are in the bounds
+            const int u = 2 * x + (i & 1), v = 2 * y + (i >> 1);
+            if (u < x0 >> (k - 1) || u > x1 >> (k - 1) || v < y0 >> (k - 1) ||
+                v > y1 >> (k - 1))
+                continue;
+            stack[n].level = k - 1;
+            stack[n].x = u;
+            stack[n++].y = v;
+        }
+    }
+    return true;
+}
