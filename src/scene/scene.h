@@ -6,8 +6,10 @@
  *   gltf_node      nodes, meshes, materials, lights, cameras of a file
  *   gltf_anim      places of nodes at a time
  *   bounds         boxes and spheres of objects
- *   frustum, hull  planes of a camera, and with a light's place (15.4.4)
- *   sets           V, L, I, F, S by flags on objects (15.4.3)
+ *   frustum        planes of a camera, and of its hull with a light (15.4.4)
+ *   reach          volumes of lights
+ *   sets           V, L, I, F, S by flags on objects (15.4.3); sets_lists by
+ *                  sorted lists, which the flags are checked against
  *   hidden, umbra  occlusion by the frame's depth, and by a light's occluders
  *   scissor        bounds on screen and in depth of what a light reaches (15.5)
  *   eye_set        objects between the eye and a light's disc, and the share of
