@@ -53,6 +53,20 @@ sections | while read -r title; do
     grep -qx "\.S[hs] $title" "$page" || echo "$title"
 done | grep . && fail "help names sections that $page does not have"
 
+# keys of flare elements, as the reader refuses one that it does not know
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for shape in disc ring polygon streak image glow spikes caustic dirt; do
+    echo '[{"shape": "'$shape'", "no such key": 1}]' > "$folder/flare.json"
+    "$glarepp" --flare "$folder/flare.json" -o "$folder/out.png" \
+        "$folder/none.exr" 2>&1 | sed -n 's/.*use one of //p' | tr -d '",' |
+        tr ' ' '\n'
+done | sort -u > "$folder/keys"
+[ "$(wc -l < "$folder/keys")" -ge 30 ] || fail "too few keys of flares are known"
+while read -r key; do
+    grep -q "\"$key\": " "$page" || fail "$page lacks the flare key \"$key\""
+done < "$folder/keys"
+
 for command in '' $commands; do
     for option in $(options_of $command); do
         # (the value after it, which none takes, keeps anything from running)
