@@ -9,6 +9,6 @@ frames=${2:-$here/foliage.####.exr}
 camera=${3:-$here/foliage.camera.json}
 out=${4:-flare}
 exec "${1:-glarepp}" --create-dir -v -t 4 --tonemap agx \
-    --camera "$camera" --sun-color 1.2e6,1.1e6,8e5 --sun-in-frame \
+    --camera "$camera" --sun-color 2.4e6,2.2e6,1.7e6 --sun-in-frame \
     --flare "$here/flare.json" --report "$out.json" \
     -o "$out/foliage.####.png" "$frames"
