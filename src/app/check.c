@@ -25,12 +25,12 @@ static bool open_ended(const char *path)
 /* Finds whether pictures are written, and one without an ending. */
 static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
 {
-    const struct gp_texts *const made[] = {&s->outputs, &s->hdr, &s->layer};
+    const struct gp_texts *const outputs[] = {&s->outputs, &s->hdr, &s->layer};
     *stream = *files = false;
     for (int k = 0; k < 3; k++) {
-        *files = *files || made[k]->n;
-        for (int i = 0; i < made[k]->n; i++)
-            *stream = *stream || open_ended(made[k]->at[i]);
+        *files = *files || outputs[k]->n;
+        for (int i = 0; i < outputs[k]->n; i++)
+            *stream = *stream || open_ended(outputs[k]->at[i]);
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++) {
         *stream = *stream || open_ended(s->debug[i]);

@@ -148,18 +148,18 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
     const int most = p->slots < p->units ? p->slots : p->units;
     const int threads = most < gp_threads() ? most : gp_threads();
     sigset_t all, before;
-    int made = 0;
+    int started = 0;
     atomic_store(&f->head, 0);
     // signals are for the first thread
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (made < threads - 1 &&
-           pthread_create(&id[made], NULL, run_thread, &s) == 0)
-        made++;
+    while (started < threads - 1 &&
+           pthread_create(&id[started], NULL, run_thread, &s) == 0)
+        started++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     run_steps(&s, true);
     gp_parallel_leave(); // the other threads may still run a step
-    for (int i = 0; i < made; i++)
+    for (int i = 0; i < started; i++)
         pthread_join(id[i], NULL);
     gp_parallel_enter();
     pthread_cond_destroy(&s.changed);

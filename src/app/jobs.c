@@ -299,14 +299,14 @@ static gp_status check_missing(const struct gp_log *log,
         return GP_OK;
     for (int i = 0; i < j->n; i += j->views) {
         const char *const input = j->job[i].input;
-        bool made = true;
+        bool complete = true;
         // (other failures are reported when the file is read)
         if (gp_is_dash(input) || access(input, F_OK) == 0 ||
             (errno != ENOENT && errno != ENOTDIR))
             continue;
-        for (int k = i; k < i + j->views && made; k++)
-            made = gp_job_made(&s->write, j, &j->job[k]);
-        if (made)
+        for (int k = i; k < i + j->views && complete; k++)
+            complete = gp_job_complete(&s->write, j, &j->job[k]);
+        if (complete)
             continue;
         first = first ? first : input;
         missing++;
@@ -532,8 +532,8 @@ int gp_jobs_of_frame(const struct gp_jobs *j)
     return j->view.n ? j->view.n : 1;
 }
 
-bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
-                 const struct gp_job *job)
+bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
+                     const struct gp_job *job)
 {
     int from = (int) (job - j->job), jobs = 1;
     if (!p->no_clobber || j->targets == 0)

@@ -74,7 +74,7 @@ struct gp_jobs {
  *     as an output, and is no terminal
  *   - gp_write_check() holds for the first frame's outputs
  *   - every frame of --frames exists, and every view of a frame, unless
- *     --skip-bad-frames is given or gp_job_made() is true for it
+ *     --skip-bad-frames is given or gp_job_complete() is true for it
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
@@ -113,8 +113,8 @@ char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
  * exist.
  *
  *   job  one of j->job */
-bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
-                 const struct gp_job *job);
+bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
+                     const struct gp_job *job);
 
 /* Checks that the run writes no file twice, and none that it reads (clobber.h).
  *

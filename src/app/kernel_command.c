@@ -39,7 +39,7 @@ static gp_status making_of_settings(const struct gp_log *log,
     const struct gp_settings *s, struct making *m)
 {
     m->label = (struct gp_kernel_label) {
-        .made = true, .w = s->making.w, .h = s->making.h,
+        .present = true, .w = s->making.w, .h = s->making.h,
         .radius = s->making.radius,
         .fov = s->fov > 0.0f ? (double) s->fov : GP_USUAL_FOV,
         .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
@@ -61,7 +61,7 @@ static gp_status making_of_file(const struct gp_log *log,
     st = gp_label_recipes(log, &f, wanted->recipe, &wanted->recipes);
     m->label = gp_label_read(&f);
     gp_frame_free(&f);
-    if (!st && !m->label.made)
+    if (!st && !m->label.present)
         st = gp_fail(log, GP_ERR_DATA, "%s: does not say how it was made (no "
                      "whole glarepp:size, fov, rotate, frame, compression, "
                      "left_out and beyond); use a file of glarepp kernel",
@@ -312,7 +312,7 @@ static void print_figures(const struct checked *c,
     printf("rim        %.3g\n", f->rim);
     printf("negatives  %lld\n", f->negatives);
     printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
-    if (c->label.made)
+    if (c->label.present)
         printf("left out   %.3g %%, of which %.3g %% in the frame\n",
                100.0 * f->left_out, 100.0 * c->use.missed);
 }
@@ -329,8 +329,8 @@ static gp_status check_kernel(const struct gp_log *log,
     char line[GP_FAULT_BYTES];
     gp_status st = gp_recipe_is(c.name) ? check_of_model(log, s, &c)
                                         : check_of_file(log, s, &c);
-    int w = c.label.made ? c.label.w : INT_MAX;
-    int h = c.label.made ? c.label.h : INT_MAX;
+    int w = c.label.present ? c.label.w : INT_MAX;
+    int h = c.label.present ? c.label.h : INT_MAX;
     if (!st && s->inputs.n)
         st = look_at_frame(log, s, s->inputs.at[0], &c.use.brightest, &w, &h);
     if (st)

@@ -107,7 +107,7 @@ static bool read_option(const struct gp_frame *f, const char *name,
 
 struct gp_kernel_label gp_label_read(const struct gp_frame *f)
 {
-    struct gp_kernel_label l = {.made = true};
+    struct gp_kernel_label l = {.present = true};
     const double slack = 1e-3; // sums of floats
     double frame = 0.0;
     int v[3] = {0};
@@ -124,17 +124,17 @@ struct gp_kernel_label gp_label_read(const struct gp_frame *f)
         !read_option(f, "glarepp:frame", "frame", &frame) ||
         !read_number(f, "glarepp:left_out", -slack, 1.0 + slack, &l.left_out) ||
         !read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond))
-        return (struct gp_kernel_label) {.made = false};
+        return (struct gp_kernel_label) {.present = false};
     l.frame = (int) frame;
     char *const name = gp_frame_text(f, "glarepp:compression");
     const struct gp_option_choice *c = compressions();
     while (name && c->name && strcmp(c->name, name) != 0)
         c++;
-    l.made = name && c->name;
+    l.present = name && c->name;
     l.compression = c->name ? (enum gp_compression) c->value
                             : GP_COMPRESSION_AUTO;
     gp_free(name);
-    return l.made ? l : (struct gp_kernel_label) {.made = false};
+    return l.present ? l : (struct gp_kernel_label) {.present = false};
 }
 
 /* The file and attribute that a message is about. */
@@ -182,9 +182,9 @@ void gp_label_use(const struct gp_kernel_label *l, double scale,
 {
     const bool covers = k->w >= 2LL * w - 1 && k->h >= 2LL * h - 1;
     const bool fits = w <= ceil(l->w * scale) && h <= ceil(l->h * scale);
-    use->as_it_is = l->made;
-    use->missed = l->made && !covers
+    use->as_it_is = l->present;
+    use->missed = l->present && !covers
                       ? fmax(l->left_out - (fits ? l->beyond : 0.0), 0.0)
                       : 0.0;
-    use->ends = l->made ? use->missed > 1e-5 : !covers;
+    use->ends = l->present ? use->missed > 1e-5 : !covers;
 }

@@ -13,7 +13,7 @@
 
 /* All but the recipes. */
 struct gp_kernel_label {
-    bool made;           // read from a file of glarepp kernel, or to be written
+    bool present;        // read from a file of glarepp kernel, or to be written
     int w, h;            // pixels of the frame it is for
     int radius;          // most of an offset; 0: all that the frame meets
     double fov;          // degrees, of the frame's height

@@ -53,15 +53,15 @@ static gp_status list_lenses(const struct gp_log *log)
 
 /* Prints a figure beside its claim; returns true where they differ by more
  * than `most` of it. */
-static bool print_claim(const char *what, const char *unit, double made,
+static bool print_claim(const char *what, const char *unit, double computed,
                         double claimed, double most)
 {
-    printf("%-12s %.6g%s", what, made, unit);
+    printf("%-12s %.6g%s", what, computed, unit);
     if (!(claimed > 0.0)) {
         printf("\n");
         return false;
     }
-    const double off = made / claimed - 1.0;
+    const double off = computed / claimed - 1.0;
     printf(", claimed %.6g (%+.2f %%)\n", claimed, 100.0 * off);
     return fabs(off) > most;
 }

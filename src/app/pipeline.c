@@ -40,7 +40,7 @@ struct pipeline {
     atomic_int kept;                 // frames skipped, for the progress
     atomic_size_t largest;           // bytes of the largest unit so far
     size_t memory;                   // limit of the process; 0: unknown
-    int made, dark;                  // frames; of these without sources
+    int frames, dark;                // written; of these without sources
     struct gp_facts brightest;       // of the dark frames
 };
 
@@ -150,7 +150,7 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
         gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
         u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
-            u->kept = gp_job_made(&p->asked->write, p->jobs, &job[v]);
+            u->kept = gp_job_complete(&p->asked->write, p->jobs, &job[v]);
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
@@ -238,7 +238,7 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
             if (facts->dark && (!p->dark || facts->peak > p->brightest.peak))
                 p->brightest = *facts;
             p->dark += facts->dark;
-            p->made++;
+            p->frames++;
         }
         if (st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
@@ -339,8 +339,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
     // (a sequence may fade in: dark frames beside others are in the report)
-    if (p.made && p.dark == p.made) {
-        gp_facts_dark(&p.brightest, p.made, line, sizeof line);
+    if (p.frames && p.dark == p.frames) {
+        gp_facts_dark(&p.brightest, p.frames, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
     GP_TRY(gp_failures_report(log, &p.failures));

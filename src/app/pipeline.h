@@ -15,8 +15,8 @@
 #include "app/settings.h"
 #include "core/status.h"
 
-/* Makes all frames of `jobs` but those for which gp_job_made() is true; ends at
- * the first that fails. With --skip-bad-frames it skips frames that have bad
+/* Makes all frames of `jobs` but those for which gp_job_complete() is true; ends
+ * at the first that fails. With --skip-bad-frames it skips frames that have bad
  * data or cannot be read or written, reports each, and lists them at the end.
  * Files that were written before stay.
  *

@@ -492,10 +492,10 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 // -- the file ----------------------------------------------------------------
 
 /* Removes the file that this run made, if any. */
-static void remove_made(struct gp_report *r)
+static void remove_created(struct gp_report *r)
 {
-    if (r->made)
-        unlink(r->made);
+    if (r->created)
+        unlink(r->created);
 }
 
 gp_status gp_report_open(const struct gp_log *log, const char *path,
@@ -511,14 +511,14 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         // (append: a line is written whole, after those of other tasks of a
         // farm)
         gp_status st = gp_file_open_lines(log, path, create_dir, append, &fd,
-                                          &r.made);
+                                          &r.created);
         if (st)
             return st;
         r.file = fdopen(fd, append ? "a" : "w");
         if (!r.file) {
             close(fd);
-            remove_made(&r);
-            gp_free(r.made);
+            remove_created(&r);
+            gp_free(r.created);
             return gp_no_memory(log, path);
         }
     }
@@ -680,8 +680,8 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
     bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
     gp_status st = fine ? GP_OK : write_failed(log, r);
     if (r->lines == 0)
-        remove_made(r);
-    gp_free(r->made);
+        remove_created(r);
+    gp_free(r->created);
     json_decref(r->settings);
     *r = (struct gp_report) {0};
     return st;

@@ -120,7 +120,7 @@ struct gp_facts {
 struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
-    char *made;        // owned: the file that did not exist; NULL: it did
+    char *created;     // owned: the file that did not exist; NULL: it did
     bool given;        // an open descriptor's, whose file is never cut
     bool append;
     long long lines;

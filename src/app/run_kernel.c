@@ -110,7 +110,7 @@ gp_status gp_wanted_images_read(const struct gp_log *log,
         k->recipe[i].image = file ? &k->image[i] : NULL;
         if (file && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
             k->label[i] = gp_label_read(&k->image[i]);
-        k->recipe[i].as_it_is = k->label[i].made;
+        k->recipe[i].as_it_is = k->label[i].present;
     }
     return GP_OK;
 }
@@ -119,7 +119,7 @@ struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
                                          const struct gp_wanted_kernel *k)
 {
     struct gp_kernel_params p = s->kernel;
-    if (k->label[0].made && !gp_option_given(s, "kernel-normalize"))
+    if (k->label[0].present && !gp_option_given(s, "kernel-normalize"))
         p.normalize = GP_NORMALIZE_NONE;
     p.left_out = k->label[0].left_out;
     return p;
@@ -279,7 +279,7 @@ static void note_kernel(const struct gp_run *r,
     const struct gp_kernel *const k = &r->kernel->k;
     facts->kernel = (struct gp_kernel_facts) {
         .recipe = r->wanted.recipe, .recipes = r->wanted.recipes,
-        .modelled = r->wanted.recipes || r->wanted.label[0].made,
+        .modelled = r->wanted.recipes || r->wanted.label[0].present,
         .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
         .left_out = k->left_out, .missed = use->missed,
     };

@@ -549,13 +549,13 @@ static bool is_seen(const struct view *v, const struct tile *t, int x, int y,
     return (da * da + db * db) * dim > factor;
 }
 
-static void see_tile(void *ctx, int index, int thread)
+static void count_tile(void *ctx, int index, int thread)
 {
     struct view *const v = ctx;
     struct tile *const t = &v->tile[thread];
     const int across = (v->w + TILE - 1) / TILE;
     const int x0 = index % across * TILE, y0 = index / across * TILE;
-    bool made = false; // most tiles of two pictures are equal
+    bool levels = false; // most tiles of two pictures are equal
     for (int y = y0; y < gp_min(y0 + TILE, v->h); y++) {
         for (int x = x0; x < gp_min(x0 + TILE, v->w); x++) {
             const size_t i = (size_t) y * (size_t) v->w + (size_t) x;
@@ -571,9 +571,9 @@ static void see_tile(void *ctx, int index, int thread)
                 v->seen[index] += nan[0] != nan[1];
                 continue;
             }
-            if (!made)
+            if (!levels)
                 make_levels(v, x0, y0, t);
-            made = true;
+            levels = true;
             v->seen[index] += is_seen(v, t, x - x0 + MARGIN, y - y0 + MARGIN,
                                       rgb[0], rgb[1]);
         }
@@ -605,7 +605,7 @@ gp_status gp_compare_see(const struct gp_log *log,
     }
     while (v.adaptation < LEVELS - 1 && 2 << v.adaptation <= degrees)
         v.adaptation++;
-    gp_parallel_do(tiles, see_tile, &v);
+    gp_parallel_do(tiles, count_tile, &v);
     *seen = 0;
     for (int i = 0; i < tiles; i++)
         *seen += v.seen[i];

@@ -330,7 +330,7 @@ static gp_status open_library(const struct gp_log *log,
 
 /* -- making a context current --------------------------------------------- */
 
-static void let_go(void)
+static void release_current(void)
 {
     if (current)
         current->system->release(current->window);
@@ -343,7 +343,7 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
         return GP_OK;
     // Mesa's two front ends share one dispatch table: release the old context
     // before the new one is made current, or a later return to it is missed
-    let_go();
+    release_current();
     if (!gl->system->make_current(gl->window))
         return gp_fail(log, GP_ERR_GL,
                        "%s: the context cannot be made current; use the other "
@@ -516,7 +516,7 @@ void gp_gl_close(struct gp_gl **gl)
             g->f.DeleteQueries(1, &g->query); // GL ignores name 0
         }
         if (current == g)
-            let_go();
+            release_current();
         g->system->close(g->window);
     }
     GP_FREE(*gl);

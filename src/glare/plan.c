@@ -73,7 +73,7 @@ static gp_status may_follow(struct asking *a, int last, int i, bool *may)
 
 /* Chooses between `last` and `fastest`, which both keep the tolerance, and the
  * rival that would have saved enough time by now. */
-static gp_status stay_or_go(struct asking *a, int last, int fastest,
+static gp_status choose_next(struct asking *a, int last, int fastest,
                             struct gp_plan_past *past, int *taken)
 {
     bool may = false, refused[GP_CANDIDATES] = {false};
@@ -146,7 +146,7 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
     if (within && last >= 0 && last < n && c[last].ms < INFINITY) {
         st = ask_bound(&a, last);
         if (!st && c[last].bound <= tolerance)
-            st = stay_or_go(&a, last, fastest, past, &taken);
+            st = choose_next(&a, last, fastest, past, &taken);
     }
     if (st)
         return st;

@@ -364,14 +364,14 @@ out:
 
 gp_status gp_file_open_lines(const struct gp_log *log, const char *path,
                              bool create_dir, bool append, int *out,
-                             char **made)
+                             char **created)
 {
     const int flags = append ? O_RDWR | O_APPEND : O_WRONLY;
     bool straight;
     char *target = NULL;
     int fd = -1;
     gp_status st;
-    *made = NULL;
+    *created = NULL;
     GP_TRY(check_system(log, path, &straight));
     if (straight) {
         fd = open_straight(path, flags);
@@ -381,12 +381,12 @@ gp_status gp_file_open_lines(const struct gp_log *log, const char *path,
         if (fd < 0 && errno == EEXIST)
             fd = open(target, flags | O_CLOEXEC);
         else if (fd >= 0)
-            *made = target;
+            *created = target;
     }
     if (fd < 0)
         GP_TRY(cannot_write(log, path, errno));
     *out = fd;
-    if (*made)
+    if (*created)
         target = NULL;
 out:
     gp_free(target);

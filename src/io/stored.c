@@ -222,13 +222,13 @@ gp_status gp_stored_read(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *f, int part,
     struct gp_stored_image *out)
 {
-    struct gp_stored_image made = {0};
-    gp_status st = f->input ? read_exr(log, p, f, part, &made)
-                             : read_other(log, p, f, part, &made);
+    struct gp_stored_image image = {0};
+    gp_status st = f->input ? read_exr(log, p, f, part, &image)
+                             : read_other(log, p, f, part, &image);
     if (st)
-        gp_stored_image_free(&made);
+        gp_stored_image_free(&image);
     else
-        *out = made;
+        *out = image;
     return st;
 }
 

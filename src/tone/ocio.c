@@ -15,7 +15,7 @@ enum { BLOCK = 4096 }; // pixels at a time: 96 KiB in and out
 
 struct gp_ocio {
     const struct gp_ocio_api *api;
-    struct gp_ocio_made made;
+    struct gp_ocio_opened opened;
     bool any_primaries;     // of the params
     bool noted, noted_output; // gp_ocio_note() has printed its lines
     bool has_primaries;     // of the output space:
@@ -85,7 +85,7 @@ static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
                          float out[9])
 {
     static const double unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    const struct gp_ocio_light *const in = &ocio->made.input_light;
+    const struct gp_ocio_light *const in = &ocio->opened.input_light;
     double to[9], back[9], m[9];
     if (ocio->any_primaries || !f->names_chromaticities || !in->known ||
         !gp_rgb_to_rgb(f->chromaticities, in->of, to))
@@ -103,34 +103,34 @@ static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_frame *f)
 {
-    const struct gp_ocio_made *const made = &ocio->made;
-    const char *const config = made->names.config;
+    const struct gp_ocio_opened *const opened = &ocio->opened;
+    const char *const config = opened->names.config;
     double m[9];
-    if (made->names.output && !ocio->has_primaries && !ocio->noted_output)
+    if (opened->names.output && !ocio->has_primaries && !ocio->noted_output)
         gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
                "linear, or %s has no role aces_interchange); --hdr gets no "
-               "chromaticities", made->names.output, config);
+               "chromaticities", opened->names.output, config);
     ocio->noted_output = true;
     const bool usable = gp_rgb_to_rgb(f->chromaticities,
-                                      made->input_light.known
-                                          ? made->input_light.of
+                                      opened->input_light.known
+                                          ? opened->input_light.of
                                           : gp_rec709_chromaticities, m);
     if (ocio->any_primaries || ocio->noted || !f->names_chromaticities ||
-        (made->input_light.known && usable))
+        (opened->input_light.known && usable))
         return;
     ocio->noted = true;
     if (usable)
         gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: it is "
                "read as %s, whose primaries are unknown (not linear, or %s has "
                "no role aces_interchange); check --input-space", f->path,
-               made->names.input, config);
+               opened->names.input, config);
     else
         gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: they "
                "are no colours (red %g,%g, white %g,%g); it is read as %s; "
                "correct them, or give --ignore-chromaticities", f->path,
                (double) f->chromaticities[0], (double) f->chromaticities[1],
                (double) f->chromaticities[6], (double) f->chromaticities[7],
-               made->names.input);
+               opened->names.input);
 }
 
 const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
@@ -140,7 +140,7 @@ const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
 
 const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio)
 {
-    return ocio->made.cicp;
+    return ocio->opened.cicp;
 }
 
 // -- the config ---------------------------------------------------------------
@@ -166,13 +166,13 @@ gp_status gp_ocio_open(const struct gp_log *log,
     if (st)
         return st;
     o->api = api;
-    st = (gp_status) api->open(p, &o->made, why, sizeof why);
+    st = (gp_status) api->open(p, &o->opened, why, sizeof why);
     if (st) {
         gp_free(o);
         return gp_fail(log, st, "%s", why);
     }
     o->any_primaries = p->any_primaries;
-    o->has_primaries = name_primaries(&o->made.output_light, o->primaries);
+    o->has_primaries = name_primaries(&o->opened.output_light, o->primaries);
     *out = o;
     return GP_OK;
 }
@@ -180,13 +180,13 @@ gp_status gp_ocio_open(const struct gp_log *log,
 void gp_ocio_close(struct gp_ocio **ocio)
 {
     if (*ocio)
-        (*ocio)->api->close(&(*ocio)->made);
+        (*ocio)->api->close(&(*ocio)->opened);
     GP_FREE(*ocio);
 }
 
 const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
 {
-    return &ocio->made.names;
+    return &ocio->opened.names;
 }
 
 // -- pixels ------------------------------------------------------------------
@@ -247,7 +247,7 @@ gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
                        const struct gp_tone_params *p, struct gp_frame *f)
 {
     return run_pass(log, "shown frame", ocio, f, &(struct ocio_pass) {
-        .processor = ocio->made.view, .in = &f->lit, .out = &f->shown,
+        .processor = ocio->opened.view, .in = &f->lit, .out = &f->shown,
         .pixels = gp_frame_pixels(f),
         .scale = gp_tone_scale(p, f),
     });
@@ -259,7 +259,7 @@ gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
 {
     const char *const what = "converted frame";
     gp_status st = run_pass(log, what, ocio, f, &(struct ocio_pass) {
-        .processor = ocio->made.output, .in = in, .out = out, .scale = 1.0f,
+        .processor = ocio->opened.output, .in = in, .out = out, .scale = 1.0f,
         .pixels = n,
     });
     if (st)

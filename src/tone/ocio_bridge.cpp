@@ -418,7 +418,7 @@ int put_line(int status, const std::string &line, char *why,
     return status;
 }
 
-int open_config(const gp_ocio_params *p, gp_ocio_made *out, char *why,
+int open_config(const gp_ocio_params *p, gp_ocio_opened *out, char *why,
                 std::size_t why_size)
 try {
     *out = {};
@@ -493,10 +493,10 @@ try {
                                 "config", why, why_size);
 }
 
-void close_made(gp_ocio_made *made)
+void close_config(gp_ocio_opened *opened)
 {
-    delete static_cast<Owned *>(made->own);
-    *made = {};
+    delete static_cast<Owned *>(opened->own);
+    *opened = {};
 }
 
 int apply(const void *processor, float *r, float *g, float *b, std::size_t n)
@@ -508,7 +508,7 @@ try {
     return -1;
 }
 
-const struct gp_ocio_api api = {GP_OCIO_API_VERSION, open_config, close_made,
+const struct gp_ocio_api api = {GP_OCIO_API_VERSION, open_config, close_config,
                                 apply};
 
 } // namespace

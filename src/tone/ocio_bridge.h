@@ -50,7 +50,7 @@ struct gp_ocio_light {
 };
 
 /* Processors; NULL for what was not asked for. Any thread may use them. */
-struct gp_ocio_made {
+struct gp_ocio_opened {
     struct gp_ocio_names names;
     const void *view, *output;
     struct gp_ocio_light input_light, output_light;
@@ -73,9 +73,9 @@ struct gp_ocio_api {
      *   GP_ERR_IO     the config cannot be read
      *   GP_ERR_DATA   OpenColorIO refuses the config or a file of it
      */
-    int (*open)(const struct gp_ocio_params *p, struct gp_ocio_made *out,
+    int (*open)(const struct gp_ocio_params *p, struct gp_ocio_opened *out,
                 char *why, size_t why_size);
-    void (*close)(struct gp_ocio_made *made);
+    void (*close)(struct gp_ocio_opened *opened);
 
     /* n pixels in place, float32, plane by plane. 0, or -1 when OpenColorIO
      * fails (out of memory). */

@@ -160,10 +160,10 @@ gp_status gp_splat_layout_make(const struct gp_glare_request *req,
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
     const uint64_t key = key_of(req);
-    if (p->made && p->key == key && k->serial)
+    if (p->valid && p->key == key && k->serial)
         return GP_OK;
     gp_splat_layout_free(p);
-    struct gp_splat_layout o = {.made = true, .key = key,
+    struct gp_splat_layout o = {.valid = true, .key = key,
                               .params = req->params->splat};
     o.single = o.params.group == 1 && !o.params.cluster;
     if (o.single)

@@ -16,7 +16,7 @@
 /* The drawing, and the bound of its error: made on the CPU before any
  * drawing. */
 struct gp_splat_layout {
-    bool made;
+    bool valid;
     uint64_t key;                  // of what it was made from
     struct gp_splat_params params; // in force: method CENTROID when single
     bool single;                   // each source is a polygon on whole pixels

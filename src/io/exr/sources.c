@@ -398,7 +398,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     const size_t n = gp_frame_pixels(f);
     struct gp_planes from = {0}, to = {0};
     struct gp_crypto crypto;
-    char left[GP_CHANNEL_LIST] = "", made[GP_CHANNEL_LIST] = "";
+    char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
     bool lists[2] = {true, true};
     gp_status st = GP_OK;
     gp_exr_crypto(in, &crypto);
@@ -436,11 +436,11 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
             else
                 memcpy(data, to.c[c], n * sizeof(float));
         }
-        lists[1] = lists[1] && gp_channel_list_add(made, NULL, red->name);
+        lists[1] = lists[1] && gp_channel_list_add(converted, NULL, red->name);
     }
-    if (made[0])
+    if (converted[0])
         gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
-               made);
+               converted);
     if (left[0])
         gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
                "and chroma are not converted (%s); write them to a file of "

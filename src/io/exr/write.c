@@ -124,12 +124,12 @@ out:
 static void put_other_part(struct writing *w, int number)
 {
     const struct gp_exr_carried_part *const part = &w->carried.part[number];
-    const float *const made = w->kept == GP_EXR_KEEP_CONVERTED
+    const float *const converted = w->kept == GP_EXR_KEEP_CONVERTED
                                   ? w->p->primaries : NULL;
     const struct gp_exr_attr *const own =
         gp_exr_attr_find(part, "chromaticities", "chromaticities");
     const uint8_t *from = part->bytes, *const end = from + part->size;
-    if (made && own && memcmp(own->data, made, own->size) != 0) {
+    if (converted && own && memcmp(own->data, converted, own->size) != 0) {
         gp_say(w->log, GP_LEVEL_WARN, "%s: part %d is not converted, and loses "
                "its chromaticities, in which the parts of a file may not "
                "differ; write it to a file of its own", w->path, number);
