@@ -128,6 +128,36 @@ out:
 
 // -- projecting --------------------------------------------------------------
 
+/* Returns p for which the gradients of x, y and w give p . column = x, y, w
+ * (Cramer's rule). */
+static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
+                          double w)
+{
+    const double *const m = c->to_ndc;
+    const struct gp_v3 a = column(m, 0), b = column(m, 1), v = column(m, 3);
+    const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
+                       ab = gp_v3_cross(a, b);
+    const double d = gp_v3_dot(a, bv);
+    const double ex = x / d, ey = y / d, ez = w / d;
+    return (struct gp_v3) {ex * bv.x + ey * va.x + ez * ab.x,
+                           ex * bv.y + ey * va.y + ez * ab.y,
+                           ex * bv.z + ey * va.z + ez * ab.z};
+}
+
+struct gp_v3 gp_camera_eye(const struct gp_camera *c)
+{
+    return solve(c, -c->to_ndc[12], -c->to_ndc[13], -c->to_ndc[15]);
+}
+
+struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
+                           double x, double y)
+{
+    const double w = (double) display.x1 - display.x0;
+    const double h = (double) display.y1 - display.y0;
+    return gp_v3_unit(
+        solve(c, (x - display.x0) / w, (y - display.y0) / h, 1.0));
+}
+
 struct gp_projected gp_camera_project(const struct gp_camera *c,
                                       struct gp_rect display,
                                       const double world[3], double w)
@@ -152,15 +182,7 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
     if (!(fabs(at.x) <= FAR_PIXEL && fabs(at.y) <= FAR_PIXEL))
         return behind;
     if (w != 0.0) {
-        // the camera's place e: x, y and w are 0 there (Cramer's rule)
-        const struct gp_v3 a = column(m, 0), b = column(m, 1), v = column(m, 3);
-        const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
-                           ab = gp_v3_cross(a, b);
-        const double d = gp_v3_dot(a, bv);
-        const double ex = -m[12] / d, ey = -m[13] / d, ez = -m[15] / d;
-        const struct gp_v3 e = {ex * bv.x + ey * va.x + ez * ab.x,
-                                ex * bv.y + ey * va.y + ez * ab.y,
-                                ex * bv.z + ey * va.z + ez * ab.z};
+        const struct gp_v3 e = gp_camera_eye(c);
         // camera units in a unit of the world
         const double *const s = c->to_camera;
         const double unit =
@@ -196,6 +218,25 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
     const double r = sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
     return fmin(r, MOST_RADIUS);
+}
+
+double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
+                              const double dir[3], double radius)
+{
+    const struct gp_v3 d = {dir[0], dir[1], dir[2]};
+    const struct gp_v3 axis = column(c->to_ndc, 3);
+    const double t =
+        atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
+    double lo = 0.0, hi = (PI / 2.0 - t) * (360.0 / PI);
+    // the radius grows with the angle
+    while (hi - lo > 1e-9) {
+        const double middle = 0.5 * (lo + hi);
+        if (gp_camera_disc(c, display, dir, middle) < radius)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return hi > 0.0 ? 0.5 * (lo + hi) : 0.0;
 }
 
 double gp_camera_fov(const struct gp_camera *c)

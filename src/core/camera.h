@@ -4,6 +4,7 @@
 
 #include "core/frame.h"
 #include "core/status.h"
+#include "core/vector.h"
 
 #include <stdbool.h>
 
@@ -57,6 +58,20 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
  * cut is no ellipse. */
 double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
                       const double dir[3], double degrees);
+
+/* Returns the place of the camera in the world: x, y and w are 0 there. */
+struct gp_v3 gp_camera_eye(const struct gp_camera *c);
+
+/* Returns the unit direction of the world that a place of the picture shows; it
+ * is before the camera. */
+struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
+                           double x, double y);
+
+/* Returns the inverse of gp_camera_disc(): the degrees across of a disc in
+ * direction `dir` that is `radius` pixels in the picture, to 1e-9; at most
+ * those at which its cone reaches beside the camera. 0 when behind. */
+double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
+                              const double dir[3], double radius);
 
 /* The angle in degrees between the directions of the picture's upper and lower
  * edge, in the plane of the view axis and its upright. */

@@ -126,6 +126,31 @@ static void windows_move_and_scale(void **state)
     }
 }
 
+/* The ray of a place goes to the points that are seen there; a disc of the
+ * radius of some degrees has these degrees. */
+static void places_have_rays_and_discs_degrees(void **state)
+{
+    static const double at[3] = {13.5, 26, 31};
+    static const double degrees[] = {1e-3, 0.533, 20.0};
+    const struct gp_camera c = camera_of(&plain, false, GP_NDC_AUTO);
+    const struct gp_v3 eye = gp_camera_eye(&c);
+    const struct gp_v3 to = gp_v3_unit(
+        gp_v3_sub((struct gp_v3) {at[0], at[1], at[2]}, eye));
+    const struct gp_projected p = gp_camera_project(&c, hd, at, 1.0);
+    const struct gp_v3 ray = gp_camera_ray(&c, hd, p.x, p.y);
+    near_to("distance", gp_v3_length(gp_v3_sub(
+        (struct gp_v3) {at[0], at[1], at[2]}, eye)), p.ray, 1e-9);
+    near_to("angle", gp_v3_length(gp_v3_sub(ray, to)), 0.0, 1e-9);
+    const double dir[3] = {to.x, to.y, to.z};
+    const double back[3] = {-to.x, -to.y, -to.z};
+    for (size_t i = 0; i < COUNT(degrees); i++) {
+        const double r = gp_camera_disc(&c, hd, dir, degrees[i]);
+        near_to("degrees", gp_camera_disc_degrees(&c, hd, dir, r), degrees[i],
+                1e-8);
+    }
+    near_to("behind", gp_camera_disc_degrees(&c, hd, back, 1.0), 0.0, 0.0);
+}
+
 /* Units of the camera, where its matrix is known, are those of the depth. */
 static void depth_counts_in_camera_units(void **state)
 {
@@ -587,7 +612,8 @@ static void arnold_is_told_from_the_spec(void **state)
 }
 
 SUITE_OF(camera, make_folder, remove_folder, places_of_a_hand_made_camera,
-         windows_move_and_scale, depth_counts_in_camera_units,
+         windows_move_and_scale, places_have_rays_and_discs_degrees,
+         depth_counts_in_camera_units,
          conventions_are_told_apart, matrices_that_are_none,
          discs_cover_what_their_cones_cut, discs_that_are_none,
          files_by_content, both_forms_are_one_camera,
