@@ -1,0 +1,41 @@
+/* Rays through the triangles of objects, in double.
+ *
+ * A triangle stops a ray from either side, whatever its material says of its
+ * back: renderers of frames do so. A material with a cutoff stops it where
+ * base alpha times the texture's is the cutoff or more. */
+#ifndef GP_SCENE_RAYS_H
+#define GP_SCENE_RAYS_H
+
+#include "scene/scene.h"
+
+/* Returns a texture's alpha at (u, v): bilinear between texel centres on the
+ * base level, wrapped. */
+double gp_cutout_alpha(const struct gp_cutout *c, double u, double v);
+
+/* Triangles in a tree of boxes. */
+struct gp_rays {
+    const struct gp_scene *scene;     // borrowed
+    struct gp_rays_triangle *triangle; // owned
+    struct gp_rays_node *node;         // owned
+    int n;
+};
+
+/* Selects triangles by a sphere around them. */
+typedef bool (*gp_rays_keep)(const void *user, struct gp_v3 centre,
+                             double radius);
+
+/* Builds the tree of the triangles of some objects, as posed.
+ *   keep  NULL: takes all of them
+ *   out   zero; freed by gp_rays_free() in any case
+ * Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_rays_make(
+    const struct gp_log *log, const struct gp_scene *s, const int *object,
+    int objects, gp_rays_keep keep, const void *user, struct gp_rays *out);
+void gp_rays_free(struct gp_rays *r);
+
+/* Returns true when a triangle is on the way from `from` along `along`, less
+ * than `most` lengths of `along` away. Call from any thread. */
+bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
+                     struct gp_v3 along, double most);
+
+#endif
