@@ -41,12 +41,6 @@ static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
         1.0 / d);
 }
 
-struct gp_v3 gp_camera_eye(const struct gp_camera *c)
-{
-    const double *const m = c->to_ndc;
-    return solve(c, -m[12], -m[13], -m[15]);
-}
-
 /* Returns s * (p . column k - at * p . w) <= 0, normalised. */
 static struct gp_half side(const struct gp_camera *c, int k, double at,
                            double s)

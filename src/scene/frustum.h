@@ -54,9 +54,6 @@ struct gp_frustum gp_frustum_make(const struct gp_camera *c,
                                   struct gp_rect display, const double x[2],
                                   const double y[2], double near, double far);
 
-/* Returns the place of the camera in the world. */
-struct gp_v3 gp_camera_eye(const struct gp_camera *c);
-
 struct gp_volume gp_frustum_volume(const struct gp_frustum *f);
 
 /* Returns the convex hull of a frustum and a light: the frustum itself where
