@@ -469,7 +469,6 @@ static gp_status open_system(const struct gp_log *log,
     f->BindVertexArray(gl->vertex_array);
     f->Disable(GL_DITHER);
     f->Disable(GL_DEPTH_TEST);
-    f->DepthFunc(GL_GEQUAL);
     f->Disable(GL_CULL_FACE);
     f->BlendFunc(GL_ONE, GL_ONE);
     f->PixelStorei(GL_PACK_ALIGNMENT, 4);

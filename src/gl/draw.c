@@ -349,6 +349,7 @@ static void set_space(const struct gp_gl *gl, const struct gp_draw *draw,
     const struct gp_gl_functions *const f = &gl->f;
     if (draw->depth) {
         (on ? f->Enable : f->Disable)(GL_DEPTH_TEST);
+        f->DepthFunc(draw->depth == GP_DEPTH_SAME ? GL_EQUAL : GL_GEQUAL);
         f->DepthMask(!on || draw->depth == GP_DEPTH_WRITE);
         f->ClipControl(GL_LOWER_LEFT,
                        on ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);

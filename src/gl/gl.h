@@ -227,6 +227,7 @@ enum gp_depth_test {
     GP_DEPTH_OFF,
     GP_DEPTH_WRITE, // ... and their depth stays
     GP_DEPTH_READ,
+    GP_DEPTH_SAME,  // only fragments as near as it are drawn
 };
 
 /* Triangles that are not drawn. The front is counter-clockwise with clip y

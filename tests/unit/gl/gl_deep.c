@@ -106,8 +106,13 @@ static void nearer_or_as_near_is_drawn(void **state)
     for (int i = 0; i < 6; i++)
         assert_true(depth[i] == 0.5f);
     assert_true(sum_of_red() == 4.0f * PIXELS);
-    draw(1, (struct gp_draw) {0}); // no test: as ever
+    draw(1, (struct gp_draw) {.depth = GP_DEPTH_SAME});
+    draw(2, (struct gp_draw) {.depth = GP_DEPTH_SAME});
+    assert_true(sum_of_red() == 4.0f * PIXELS);
+    draw(0, (struct gp_draw) {.depth = GP_DEPTH_SAME});
     assert_true(sum_of_red() == 5.0f * PIXELS);
+    draw(1, (struct gp_draw) {0}); // no test: as ever
+    assert_true(sum_of_red() == 6.0f * PIXELS);
     gp_target_clear(gl, &target, (struct gp_rect) {0, 0, SIDE, 1});
     gp_target_read_depth(gl, &target, (struct gp_rect) {0, 0, 1, 2}, depth);
     assert_true(depth[0] == 0.0f);

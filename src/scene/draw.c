@@ -1,0 +1,577 @@
+#include "scene/draw_priv.h"
+
+#include "core/memory.h"
+#include "scene/bounds.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TEXELS = 2 }; // of a vertex, as scene.vert reads them
+
+/* Vertices of a part, or of all opaque parts of a mesh. */
+struct run {
+    int first, count;
+};
+
+struct cut_out {
+    struct gp_texture alpha;
+};
+
+struct gp_drawing {
+    const struct gp_gl *gl;
+    const struct gp_scene *s;
+    const struct gp_camera *c;
+    struct gp_drawing_params p;
+    struct gp_box whole;       // holds every object
+    struct gp_buffer vertices;
+    struct run *part;          // a part of the scene
+    struct run *opaque;        // a mesh of it; count 0: none
+    struct cut_out *cutout;
+    struct gp_program ambient[2], flat[2], cube[2]; // [1]: with holes
+    struct gp_program light[4];                     // GP_LIGHT_..., spot in a cube
+    struct gp_target picture;
+    struct gp_target square, atlas; // of maps; made when first used
+    double to_clip[16];        // of the picture
+    struct gp_v3 eye;
+    struct gp_drawn counts;
+};
+
+enum { SPOT_IN_CUBE = 3 };
+
+// -- geometry -----------------------------------------------------------------
+
+static bool has_holes(const struct gp_material *m)
+{
+    return m->cutoff > 0.0f && m->cutout >= 0;
+}
+
+/* True for a material that is cut away everywhere. */
+static bool is_nothing(const struct gp_material *m)
+{
+    return m->cutoff > 0.0f && m->cutout < 0 && m->base[3] < m->cutoff;
+}
+
+/* Writes the vertices of a part, each with its triangle's normal. */
+static void write_part(const struct gp_scene *s, const struct gp_part *part,
+                       float *to)
+{
+    for (int t = 0; t < part->count; t += 3) {
+        const uint32_t *const v = &s->index[part->first + t];
+        const struct gp_v3 a = gp_scene_vertex(s, v[0]);
+        const struct gp_v3 n = gp_v3_unit(gp_v3_cross(
+            gp_v3_sub(gp_scene_vertex(s, v[1]), a),
+            gp_v3_sub(gp_scene_vertex(s, v[2]), a)));
+        for (int i = 0; i < 3; i++, to += 4 * TEXELS) {
+            memcpy(to, &s->position[3 * (size_t) v[i]], 3 * sizeof *to);
+            to[3] = s->uv ? s->uv[2 * (size_t) v[i]] : 0.0f;
+            to[4] = (float) n.x;
+            to[5] = (float) n.y;
+            to[6] = (float) n.z;
+            to[7] = s->uv ? s->uv[2 * (size_t) v[i] + 1] : 0.0f;
+        }
+    }
+}
+
+/* Uploads a mesh after another, its opaque parts first: they are one shadow
+ * batch. */
+static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
+{
+    const struct gp_scene *const s = d->s;
+    gp_status st;
+    float *list = NULL;
+    long long n = 0;
+    int at = 0;
+    for (int i = 0; i < s->parts; i++)
+        n += s->part[i].count;
+    const int limit = gp_gl_info(d->gl)->max_texel_buffer;
+    if (n > limit / TEXELS)
+        return gp_fail_bare(log, GP_ERR_GL, "%s: %lld triangles do not fit into "
+                            "the memory of %s (the limit is %d)", s->path,
+                            n / 3, gp_gl_info(d->gl)->name, limit / TEXELS / 3);
+    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->parts + 1, sizeof *d->part,
+                         &d->part));
+    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->meshes + 1,
+                         sizeof *d->opaque, &d->opaque));
+    GP_TRY(gp_alloc(log, "vertices", (size_t) n * 4 * TEXELS + 1, sizeof *list,
+                    &list));
+    for (int m = 0; m < s->meshes; m++) {
+        const struct gp_mesh *const mesh = &s->mesh[m];
+        d->opaque[m].first = at;
+        for (int holes = 0; holes < 2; holes++) {
+            for (int i = mesh->first; i < mesh->first + mesh->parts; i++) {
+                const struct gp_part *const part = &s->part[i];
+                const struct gp_material *const of = &s->material[part->material];
+                if (has_holes(of) != holes || is_nothing(of))
+                    continue;
+                d->part[i] = (struct run) {at, part->count};
+                write_part(s, part, list + (size_t) at * 4 * TEXELS);
+                at += part->count;
+            }
+            if (!holes)
+                d->opaque[m].count = at - d->opaque[m].first;
+        }
+    }
+    GP_TRY(gp_buffer_make(log, d->gl, "vertices", GP_BUFFER_TEXELS,
+                          at ? TEXELS * at : 1, &d->vertices));
+    gp_buffer_write(d->gl, &d->vertices, 0, TEXELS * at, list);
+out:
+    gp_free(list);
+    return st;
+}
+
+static gp_status upload_cutouts(const struct gp_log *log, struct gp_drawing *d)
+{
+    const struct gp_scene *const s = d->s;
+    gp_status st = gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
+                                 sizeof *d->cutout, &d->cutout);
+    for (int i = 0; i < s->cutouts && !st; i++) {
+        const struct gp_cutout *const from = &s->cutout[i];
+        const size_t n = (size_t) from->w * (size_t) from->h;
+        float *rgba = NULL;
+        st = gp_alloc_zero(log, "texture", n, 4 * sizeof *rgba, &rgba);
+        if (!st)
+            st = gp_texture_make(log, d->gl, "alpha", GP_TEXEL_FLOAT, from->w,
+                                 from->h, &d->cutout[i].alpha);
+        for (size_t k = 0; k < n && !st; k++)
+            rgba[4 * k] = from->alpha[k];
+        if (!st)
+            gp_texture_write(d->gl, &d->cutout[i].alpha,
+                             (struct gp_rect) {0, 0, from->w, from->h}, rgba);
+        gp_free(rgba);
+    }
+    return st;
+}
+
+// -- opening ------------------------------------------------------------------
+
+static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
+{
+    static const char *const solid[2] = {"", "#define HOLES\n"};
+    static const char *const lights[4] = {
+        [GP_LIGHT_DIRECTIONAL] = "#define LIT\n#define SUN\n",
+        [GP_LIGHT_POINT] = "#define LIT\n#define IN_CUBE\n",
+        [GP_LIGHT_SPOT] = "#define LIT\n#define SPOT\n",
+        [SPOT_IN_CUBE] = "#define LIT\n#define SPOT\n#define IN_CUBE\n",
+    };
+    gp_status st = GP_OK;
+    char defines[64];
+    for (int holes = 0; holes < 2; holes++) {
+        snprintf(defines, sizeof defines, "#define COLOUR\n%s", solid[holes]);
+        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
+                               &d->ambient[holes]));
+        GP_TRY(gp_program_make(log, d->gl, solid[holes], "scene.vert",
+                               "solid.frag", &d->flat[holes]));
+        snprintf(defines, sizeof defines, "#define CUBE\n%s", solid[holes]);
+        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
+                               &d->cube[holes]));
+    }
+    for (int i = 0; i < 4; i++)
+        GP_TRY(gp_program_make(log, d->gl, lights[i], "scene.vert",
+                               "light.frag", &d->light[i]));
+out:
+    return st;
+}
+
+/* Sets the eye, and the matrix to clip coordinates: y stays down, depth is
+ * near / distance. */
+static gp_status set_view(const struct gp_log *log, struct gp_drawing *d)
+{
+    const double *const ndc = d->c->to_ndc;
+    const double *const m = d->c->to_camera;
+    for (int r = 0; r < 4; r++) {
+        const double w = ndc[4 * r + 3];
+        d->to_clip[4 * r] = 2.0 * ndc[4 * r] - w;
+        d->to_clip[4 * r + 1] = 2.0 * ndc[4 * r + 1] - w;
+        d->to_clip[4 * r + 2] = r == 3 ? d->p.near : 0.0;
+        d->to_clip[4 * r + 3] = w;
+    }
+    // the eye is the point that the camera has at 0: e * M3 = -(last row)
+    const struct gp_v3 r0 = {m[0], m[4], m[8]}, r1 = {m[1], m[5], m[9]},
+                       r2 = {m[2], m[6], m[10]}, t = {-m[12], -m[13], -m[14]};
+    const double det = gp_v3_det(r0, r1, r2);
+    if (!d->c->has_camera || !(fabs(det) > 0.0))
+        return gp_fail(log, GP_ERR_BUG, "%s: drawn without a camera; report "
+                       "this", d->s->path);
+    d->eye = gp_v3_scale(
+        gp_v3_add(gp_v3_scale(gp_v3_cross(r1, r2), t.x),
+                  gp_v3_add(gp_v3_scale(gp_v3_cross(r2, r0), t.y),
+                            gp_v3_scale(gp_v3_cross(r0, r1), t.z))),
+        1.0 / det);
+    return GP_OK;
+}
+
+gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_scene *s, const struct gp_camera *c,
+    const struct gp_drawing_params *p, struct gp_drawing **out)
+{
+    struct gp_drawing *d = NULL;
+    gp_status st = gp_alloc_zero(log, "drawing", 1, sizeof *d, &d);
+    if (st)
+        return st;
+    *d = (struct gp_drawing) {
+        .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
+    };
+    for (int i = 0; i < s->objects; i++) {
+        d->whole = gp_box_with(d->whole, s->object[i].box.lo);
+        d->whole = gp_box_with(d->whole, s->object[i].box.hi);
+    }
+    GP_TRY(set_view(log, d));
+    GP_TRY(gp_gl_use(log, gl));
+    GP_TRY(upload_meshes(log, d));
+    GP_TRY(upload_cutouts(log, d));
+    GP_TRY(make_programs(log, d));
+    GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
+                               1, p->w, p->h, &d->picture));
+    GP_TRY(gp_gl_check(log, gl, "uploading the scene"));
+    *out = d;
+    return GP_OK;
+out:
+    gp_drawing_close(&d);
+    return st;
+}
+
+void gp_drawing_close(struct gp_drawing **drawing)
+{
+    struct gp_drawing *const d = *drawing;
+    if (!d)
+        return;
+    for (int i = 0; i < 2; i++) {
+        gp_program_free(d->gl, &d->ambient[i]);
+        gp_program_free(d->gl, &d->flat[i]);
+        gp_program_free(d->gl, &d->cube[i]);
+    }
+    for (int i = 0; i < 4; i++)
+        gp_program_free(d->gl, &d->light[i]);
+    for (int i = 0; d->cutout && i < d->s->cutouts; i++)
+        gp_texture_free(d->gl, &d->cutout[i].alpha);
+    gp_target_free(d->gl, &d->picture);
+    gp_target_free(d->gl, &d->square);
+    gp_target_free(d->gl, &d->atlas);
+    gp_buffer_free(d->gl, &d->vertices);
+    gp_free(d->part);
+    gp_free(d->opaque);
+    gp_free(d->cutout);
+    GP_FREE(*drawing);
+}
+
+// -- drawing ------------------------------------------------------------------
+
+enum { UNIFORMS = 16 };
+
+/* Uniforms of a draw, and the matrices that they point to. */
+struct inputs {
+    struct gp_uniform u[UNIFORMS];
+    int n;
+    float matrix[4][16];
+    int matrices;
+};
+
+static void add_matrix(struct inputs *in, const char *name, const double m[16])
+{
+    float *const to = in->matrix[in->matrices++];
+    for (int i = 0; i < 16; i++)
+        to[i] = (float) m[i];
+    in->u[in->n++] = (struct gp_uniform) {.name = name, .matrix = to};
+}
+
+static void add_floats(struct inputs *in, const char *name, int n,
+                       const double v[4])
+{
+    struct gp_uniform u = {.name = name, .floats = n};
+    for (int i = 0; i < n; i++)
+        u.f[i] = (float) v[i];
+    in->u[in->n++] = u;
+}
+
+static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
+                      double w)
+{
+    add_floats(in, name, 4, (const double[4]) {p.x, p.y, p.z, w});
+}
+
+/* Adds a material's texture of alpha. */
+static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
+                      struct inputs *in)
+{
+    const struct gp_cutout *const c = &d->s->cutout[m->cutout];
+    in->u[in->n++] = (struct gp_uniform) {
+        .name = "holes", .texture = &d->cutout[m->cutout].alpha};
+    in->u[in->n++] = (struct gp_uniform) {
+        .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
+    add_floats(in, "cut", 2, (const double[4]) {(double) m->base[3],
+                                                (double) m->cutoff});
+}
+
+/* Draws a run of vertices and counts it as a batch. */
+static gp_status draw_run(const struct gp_log *log, struct gp_drawing *d,
+                          struct run run, const struct inputs *in,
+                          struct gp_draw draw)
+{
+    draw.first = run.first;
+    draw.vertices = run.count;
+    draw.uniform = in->u;
+    draw.replace = draw.depth == GP_DEPTH_WRITE;
+    draw.instances = draw.instances ? draw.instances : 1;
+    d->counts.batches++;
+    return gp_draw_run(log, d->gl, &draw);
+}
+
+static void begin(const struct gp_drawing *d, struct inputs *in)
+{
+    in->u[0] = (struct gp_uniform) {.name = "vertices", .fetch = &d->vertices};
+    in->n = 1;
+    in->matrices = 0;
+}
+
+/* Returns a matrix from an object to the world with its origin at p. */
+static void place_from(const struct gp_object *o, struct gp_v3 p, double m[16])
+{
+    memcpy(m, o->to_world, 16 * sizeof *m);
+    m[12] -= p.x;
+    m[13] -= p.y;
+    m[14] -= p.z;
+}
+
+gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
+                             const int *object, int n)
+{
+    const struct gp_scene *const s = d->s;
+    gp_status st = GP_OK;
+    d->counts.passes += d->counts.passes == 0;
+    for (int i = 0; i < n; i++) {
+        const struct gp_object *const o = &s->object[object[i]];
+        const struct gp_mesh *const mesh = &s->mesh[o->mesh];
+        double m[16];
+        gp_matrix_mul(o->to_world, d->to_clip, m);
+        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
+            const struct gp_material *const of =
+                &s->material[s->part[k].material];
+            const bool holes = has_holes(of);
+            struct inputs in = {0};
+            if (!d->part[k].count)
+                continue;
+            begin(d, &in);
+            add_matrix(&in, "to_clip", m);
+            add_floats(&in, "colour", 4, (const double[4]) {
+                d->p.ambient * (double) of->base[0],
+                d->p.ambient * (double) of->base[1],
+                d->p.ambient * (double) of->base[2], 1.0});
+            if (holes)
+                add_holes(d, of, &in);
+            const struct gp_draw draw = {
+                .program = &d->ambient[holes], .target = &d->picture,
+                .cut = {0, 0, d->p.w, d->p.h}, .depth = GP_DEPTH_WRITE,
+            };
+            GP_TRY(draw_run(log, d, d->part[k], &in, draw));
+        }
+    }
+    st = gp_gl_check(log, d->gl, "drawing the ambient pass");
+out:
+    return st;
+}
+
+/* Draws one run of an object into a map. */
+static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
+    const struct gp_shadow_map *map, const struct gp_object *o, int faces,
+    struct run run, const struct gp_material *of)
+{
+    const bool cube = map->form == GP_MAP_CUBE;
+    struct inputs in = {0};
+    double m[16];
+    if (!run.count)
+        return GP_OK;
+    begin(d, &in);
+    place_from(o, map->origin, m);
+    if (cube) {
+        add_matrix(&in, "to_light", m);
+        in.u[in.n++] = (struct gp_uniform) {.name = "faces", .v = {faces}};
+        add_floats(&in, "map", 4, (const double[4]) {map->side, map->near});
+    } else {
+        gp_matrix_mul(m, map->to_map, m);
+        add_matrix(&in, "to_clip", m);
+    }
+    if (of)
+        add_holes(d, of, &in);
+    const struct gp_target *const to = cube ? &d->atlas : &d->square;
+    const struct gp_draw draw = {
+        .program = cube ? &d->cube[of != NULL] : &d->flat[of != NULL],
+        .target = to, .cut = {0, 0, to->w, to->h}, .depth = GP_DEPTH_WRITE,
+        .instances = cube ? __builtin_popcount((unsigned) faces) : 1,
+        .clips = cube ? 4 : 0,
+    };
+    d->counts.shadow_batches++;
+    return draw_run(log, d, run, &in, draw);
+}
+
+static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
+    const struct gp_draw_light *l, const struct gp_shadow_map *map)
+{
+    const struct gp_scene *const s = d->s;
+    const bool cube = map->form == GP_MAP_CUBE;
+    struct gp_target *const to = cube ? &d->atlas : &d->square;
+    const int w = cube ? 3 * map->side : map->side;
+    const int h = cube ? 2 * map->side : map->side;
+    gp_status st;
+    if (!to->framebuffer)
+        GP_TRY(gp_target_make_deep(log, d->gl, "map of shadows", GP_TEXEL_FLOAT,
+                                   0, w, h, to));
+    gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
+    d->counts.passes++;
+    for (int i = 0; i < l->shadows; i++) {
+        const struct gp_object *const o = &s->object[l->shadow[i]];
+        const struct gp_mesh *const mesh = &s->mesh[o->mesh];
+        const int faces = cube ? gp_shadow_faces(map, &o->box) : 1;
+        if (!faces)
+            continue;
+        if (!d->p.separate)
+            GP_TRY(draw_shadow(log, d, map, o, faces, d->opaque[o->mesh],
+                               NULL));
+        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
+            const struct gp_material *const of =
+                &s->material[s->part[k].material];
+            const bool holes = has_holes(of);
+            if (holes || d->p.separate)
+                GP_TRY(draw_shadow(log, d, map, o, faces, d->part[k],
+                                   holes ? of : NULL));
+        }
+    }
+    st = gp_gl_check(log, d->gl, "drawing a map of shadows");
+out:
+    return st;
+}
+
+/* Adds what all surfaces of a light's pass have in common. */
+static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
+                      const struct gp_shadow_map *map, struct inputs *in)
+{
+    const struct gp_scene_light *const of = l->light;
+    const bool sun = of->kind == GP_LIGHT_DIRECTIONAL;
+    const bool limit = isfinite(of->range) && of->range > 0.0;
+    add_place(in, "eye", gp_v3_sub(d->eye, map->origin), 0.0);
+    if (sun || of->kind == GP_LIGHT_SPOT || limit)
+        add_place(in, "along", of->along, limit ? 1.0 / of->range : 0.0);
+    else
+        add_place(in, "along", (struct gp_v3) {0}, 0.0);
+    in->u[in->n] = (struct gp_uniform) {.name = "map", .floats = 4};
+    memcpy(in->u[in->n++].f, map->form_of, sizeof map->form_of);
+    in->u[in->n++] = (struct gp_uniform) {
+        .name = "shadows",
+        .texture = map->form == GP_MAP_CUBE ? &d->atlas.depth
+                                            : &d->square.depth,
+    };
+    if (map->form != GP_MAP_CUBE)
+        add_matrix(in, "to_map", map->to_map);
+    if (of->kind == GP_LIGHT_SPOT) {
+        const double outer = cos(of->outer);
+        const double soft = fmax(cos(of->inner) - outer, 1e-6);
+        add_floats(in, "cone", 2, (const double[4]) {outer, 1.0 / soft});
+    }
+}
+
+/* Adds the surface's own: its matrices and the light that comes back. */
+static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
+    const struct gp_draw_light *l, const struct gp_shadow_map *map,
+    struct inputs *in)
+{
+    const double *const t = o->to_world;
+    double m[16];
+    const struct gp_v3 a = {t[0], t[1], t[2]}, b = {t[4], t[5], t[6]},
+                       c = {t[8], t[9], t[10]};
+    const struct gp_v3 bc = gp_v3_cross(b, c), ca = gp_v3_cross(c, a),
+                       ab = gp_v3_cross(a, b);
+    (void) l;
+    gp_matrix_mul(t, d->to_clip, m);
+    add_matrix(in, "to_clip", m);
+    place_from(o, map->origin, m);
+    add_matrix(in, "to_light", m);
+    // normals turn by the cofactors: right also where the scale is uneven
+    add_matrix(in, "normals", (const double[16]) {
+        bc.x, bc.y, bc.z, 0, ca.x, ca.y, ca.z, 0, ab.x, ab.y, ab.z, 0, 0, 0, 0,
+        1});
+}
+
+static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
+    const struct gp_draw_light *l, const struct gp_shadow_map *map)
+{
+    const struct gp_scene *const s = d->s;
+    const struct gp_scene_light *const of = l->light;
+    const bool wide = of->kind == GP_LIGHT_SPOT && map->form == GP_MAP_CUBE;
+    const double scale = d->p.light_scale * of->intensity / 3.14159265358979323;
+    gp_status st = GP_OK;
+    struct gp_draw draw = {
+        .program = &d->light[wide ? SPOT_IN_CUBE : (int) of->kind],
+        .target = &d->picture, .cut = l->cut, .depth = GP_DEPTH_SAME,
+    };
+    if (l->near > 0.0 || isfinite(l->far)) {
+        // reversed depth: the far end is the least
+        draw.bounds[0] = isfinite(l->far) ? (float) (d->p.near / l->far) : 0.0f;
+        draw.bounds[1] = l->near > d->p.near ? (float) (d->p.near / l->near)
+                                             : 1.0f;
+    }
+    d->counts.passes++;
+    for (int i = 0; i < l->lits; i++) {
+        const struct gp_object *const o = &s->object[l->lit[i]];
+        const struct gp_mesh *const mesh = &s->mesh[o->mesh];
+        struct inputs in = {0};
+        begin(d, &in);
+        add_light(d, l, map, &in);
+        add_surface(d, o, l, map, &in);
+        const int common = in.n;
+        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
+            const float *const base = s->material[s->part[k].material].base;
+            if (!d->part[k].count)
+                continue;
+            in.n = common;
+            add_floats(&in, "tint", 4, (const double[4]) {
+                scale * of->color[0] * (double) base[0],
+                scale * of->color[1] * (double) base[1],
+                scale * of->color[2] * (double) base[2], 0.0});
+            GP_TRY(draw_run(log, d, d->part[k], &in, draw));
+        }
+    }
+    st = gp_gl_check(log, d->gl, "drawing a light");
+out:
+    return st;
+}
+
+gp_status gp_drawing_light(const struct gp_log *log, struct gp_drawing *d,
+                           const struct gp_draw_light *l)
+{
+    if (!l->lits || gp_rect_empty(l->cut))
+        return GP_OK;
+    const struct gp_shadow_map map = gp_shadow_map_of(l, &d->whole, d->p.map);
+    gp_status st = draw_map(log, d, l, &map);
+    if (!st)
+        st = draw_lit(log, d, l, &map);
+    d->counts.lights++;
+    return st;
+}
+
+void gp_drawing_clear(struct gp_drawing *d)
+{
+    gp_target_clear(d->gl, &d->picture,
+                    (struct gp_rect) {0, 0, d->p.w, d->p.h});
+    d->counts = (struct gp_drawn) {0};
+}
+
+void gp_drawing_depth(struct gp_drawing *d, float *z)
+{
+    const size_t n = (size_t) d->p.w * (size_t) d->p.h;
+    const float near = (float) d->p.near;
+    gp_target_read_depth(d->gl, &d->picture,
+                         (struct gp_rect) {0, 0, d->p.w, d->p.h}, z);
+    for (size_t i = 0; i < n; i++)
+        z[i] = z[i] > 0.0f ? near / z[i] : INFINITY;
+}
+
+void gp_drawing_picture(struct gp_drawing *d, float *rgba)
+{
+    gp_target_read(d->gl, &d->picture, 0,
+                   (struct gp_rect) {0, 0, d->p.w, d->p.h}, rgba);
+}
+
+struct gp_drawn gp_drawing_counts(const struct gp_drawing *d)
+{
+    return d->counts;
+}
