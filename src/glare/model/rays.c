@@ -29,6 +29,7 @@ enum {
     BANDS = 24,          // wavelengths
 };
 static const double CUT = 5.0;
+static const double DARK = 6.5; // widths past which the density is under 1e-9
 static const double WIDE = 4.0; // widths in a pixel from which points are cheap
 
 struct strand {
@@ -43,6 +44,7 @@ struct rays {
     double (*row_sum)[3];       // of each row, in making
     struct strand strand[MOST_STRANDS];
     int n;
+    bool even;                  // opposite rays are alike
     double width, squeeze;
     double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
     double within[3][TABLE + 2]; // its integral from 0 to there
@@ -93,6 +95,8 @@ static void add_far_pixel(const struct rays *r, const struct strand *s,
     const double j = 0.5 * b * fabs(s->cosine) / width;
     const double low = 1e-3 * fmax(i, j);
     const double m = fmax(i, low), n = fmax(j, low), z = q / width;
+    if (fabs(z) > m + n + DARK) // strands are thinner far out
+        return;
     const double share = // at its ends rounding is all there is
         fmax(ramp(z + m + n) - ramp(z + m - n) - ramp(z - m + n) +
          ramp(z - m - n), 0.0) / (4.0 * m * n) * s->gain * a * b /
@@ -118,15 +122,16 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
     }
     const double thin = fmax(r->width - taper * fmax(p0, 0.0),
                              0.2 * r->width);
-    const double wide = fmax(a, b);
-    const int parts = (int) fmin(ceil(0.7 * wide / thin), 16.0);
-    const struct gp_gauss *const g = gp_gauss_rule(wide / thin > 0.5 ? 7 : 4);
-    const double da = a / parts, db = b / parts;
-    for (int j = 0; j < 2 * parts * g->n; j++) {
-        const double dy = (j / g->n + 0.5 + g->node[j % g->n]) / parts - 1.0;
-        for (int i = 0; i < 2 * parts * g->n; i++) {
-            const double dx =
-                (i / g->n + 0.5 + g->node[i % g->n]) / parts - 1.0;
+    // parts along each side, as squeezed pixels are much narrower than high
+    const int m = (int) fmin(ceil(0.7 * a / thin), 16.0);
+    const int n = (int) fmin(ceil(0.7 * b / thin), 16.0);
+    const struct gp_gauss *const g = gp_gauss_rule(a / thin > 0.5 ? 7 : 4);
+    const struct gp_gauss *const h = gp_gauss_rule(b / thin > 0.5 ? 7 : 4);
+    const double da = a / m, db = b / n;
+    for (int j = 0; j < 2 * n * h->n; j++) {
+        const double dy = (j / h->n + 0.5 + h->node[j % h->n]) / n - 1.0;
+        for (int i = 0; i < 2 * m * g->n; i++) {
+            const double dx = (i / g->n + 0.5 + g->node[i % g->n]) / m - 1.0;
             const double x = u + a * dx, y = v + b * dy;
             const double p = x * s->cosine + y * s->sine;
             const double q = y * s->cosine - x * s->sine;
@@ -138,7 +143,7 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
                                    exp(-0.5 * (z * z + back * back)) /
                                    (sqrt(2.0 * PI) * width * s->length) * da *
                                    db * g->weight[i % g->n] *
-                                   g->weight[j % g->n] * (1.0 - fabs(dx)) *
+                                   h->weight[j % h->n] * (1.0 - fabs(dx)) *
                                    (1.0 - fabs(dy));
             for (int c = 0; c < 3; c++)
                 sum[c] += density * along(r, c, fmax(p, 0.0) / s->length);
@@ -273,12 +278,14 @@ static void points_row(const void *state, int x, int y, int n,
 
 // -- pixels that resolve strands ----------------------------------------------
 
-/* Makes row i of the samples. */
+/* Makes row i of the samples, and where opposite rays are alike the one
+ * opposite to it. */
 static void make_row(void *ctx, int i, int thread)
 {
     const struct rays *const r = ctx;
-    const int y = i - r->ry, n = 2 * r->rx + 1;
+    const int y = i - r->ry, n = 2 * r->rx + 1, opposite = 2 * r->ry - i;
     const size_t at = (size_t) i * (size_t) n;
+    const bool both = r->even && i != opposite;
     double sums[3] = {0};
     (void) thread;
     const double b = r->f.degrees;
@@ -315,6 +322,12 @@ static void make_row(void *ctx, int i, int thread)
         }
     }
     memcpy(r->row_sum[i], sums, sizeof sums);
+    for (int c = 0; c < 3 && both; c++) {
+        float *const to = r->sample[c] + (size_t) opposite * (size_t) n;
+        for (int x = 0; x < n; x++)
+            to[n - 1 - x] = r->sample[c][at + (size_t) x];
+        r->row_sum[opposite][c] = sums[c];
+    }
 }
 
 static void rays_row(const void *state, int x, int y, int n,
@@ -382,7 +395,7 @@ static gp_status make_samples(const struct gp_log *log, struct rays *s,
         return st;
     s->sample[1] = s->sample[0] + samples;
     s->sample[2] = s->sample[1] + samples;
-    gp_parallel_do((int) rows, make_row, s);
+    gp_parallel_do(s->even ? s->ry + 1 : (int) rows, make_row, s);
     for (size_t i = 0; i < rows; i++) {
         for (int c = 0; c < 3; c++)
             light[c] += s->row_sum[i][c];
@@ -405,6 +418,7 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
         return st;
     s->f = *f;
     s->n = points * strands;
+    s->even = points % 2 == 0;
     s->width = gp_recipe_value(r, "width");
     s->squeeze = gp_recipe_value(r, "squeeze");
     make_curves(s, gp_recipe_value(r, "core") / length,
