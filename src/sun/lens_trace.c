@@ -3,6 +3,7 @@
  * 2011: a sparse grid of rays for each ghost, whose cells carry the light. */
 #include "sun/lens_priv.h"
 
+#include "core/cpu.h"
 #include "core/memory.h"
 
 #include <math.h>
@@ -32,59 +33,79 @@ void gp_lens_optics_make(const struct gp_lens *lens, double nm,
     }
 }
 
-// -- one ray ------------------------------------------------------------------
+// -- rays ---------------------------------------------------------------------
 
-/* Moves a ray at p (z from the surface's vertex) along d to the surface; false
- * where it misses. The root nearest the vertex, in the form without loss. */
-static bool meet(double curvature, double p[3], const double d[3])
+/* Rays that are traced side by side. */
+enum { LANES = 8 };
+
+struct rays {
+    double x[LANES], y[LANES], z[LANES];    // z from the surface's vertex
+    double dx[LANES], dy[LANES], dz[LANES];
+    double rim2[LANES], through[LANES];
+    double cosine[LANES];                   // of incidence
+    double arrives[LANES];                  // 1, or 0
+};
+
+#define INLINE static inline __attribute__((always_inline)) // also in clones
+
+/* Moves rays to a surface: to the plane of the vertex, then to the root of the
+ * sphere nearest to it, in the form without loss. */
+INLINE void meet(double curvature, struct rays *r)
 {
-    // to the plane of the vertex, then to the sphere
-    const double plane = -p[2] / d[2];
-    p[0] += plane * d[0];
-    p[1] += plane * d[1];
-    p[2] = 0.0;
-    const double b = curvature * (p[0] * d[0] + p[1] * d[1]) - d[2];
-    const double q = 0.5 * curvature * (p[0] * p[0] + p[1] * p[1]);
-    const double root = b * b - 2.0 * curvature * q;
-    if (!(root >= 0.0))
-        return false;
-    const double t = 2.0 * q / (-b + (b < 0.0 ? sqrt(root) : -sqrt(root)));
-    for (int i = 0; i < 3; i++)
-        p[i] += t * d[i];
-    return isfinite(t);
+    for (int l = 0; l < LANES; l++) {
+        const double plane = -r->z[l] / r->dz[l];
+        const double x = r->x[l] + plane * r->dx[l];
+        const double y = r->y[l] + plane * r->dy[l];
+        const double b = curvature * (x * r->dx[l] + y * r->dy[l]) - r->dz[l];
+        const double q = 0.5 * curvature * (x * x + y * y);
+        const double root = b * b - 2.0 * curvature * q;
+        const double far = sqrt(root > 0.0 ? root : 0.0);
+        const double t = 2.0 * q / (-b + (b < 0.0 ? far : -far));
+        r->x[l] = x + t * r->dx[l];
+        r->y[l] = y + t * r->dy[l];
+        r->z[l] = t * r->dz[l];
+        r->arrives[l] = root >= 0.0 && t - t == 0.0 ? r->arrives[l] : 0.0;
+    }
 }
 
-/* Bends or mirrors d at a surface point p; returns the cosine of incidence, or
- * a negative number where all light is reflected that should pass. */
-static double bend(double curvature, const double p[3], double ratio,
-                   bool mirrors, double d[3])
+/* Bends or mirrors rays at their places on a surface. `back`: to the front of
+ * the lens they must go. */
+INLINE void bend(double curvature, double ratio, bool mirrors, bool back,
+                 struct rays *r)
 {
-    double n[3] = {curvature * p[0], curvature * p[1], curvature * p[2] - 1.0};
-    double cosine = -(d[0] * n[0] + d[1] * n[1] + d[2] * n[2]);
-    if (cosine < 0.0) { // against the ray
-        cosine = -cosine;
-        for (int i = 0; i < 3; i++)
-            n[i] = -n[i];
+    const double keep = mirrors ? 1.0 : ratio, ahead = back ? -1.0 : 1.0;
+    const double least = mirrors ? -INFINITY : 0.0; // under it all is reflected
+    for (int l = 0; l < LANES; l++) {
+        const double nx = curvature * r->x[l], ny = curvature * r->y[l];
+        const double nz = curvature * r->z[l] - 1.0;
+        const double dot = -(r->dx[l] * nx + r->dy[l] * ny + r->dz[l] * nz);
+        const double side = dot < 0.0 ? -1.0 : 1.0; // against the ray
+        const double cosine = side * dot;
+        const double left = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+        const double bent = ratio * cosine - sqrt(left > 0.0 ? left : 0.0);
+        const double along = side * (mirrors ? 2.0 * cosine : bent);
+        r->cosine[l] = cosine < 1.0 ? cosine : 1.0;
+        r->dx[l] = keep * r->dx[l] + along * nx;
+        r->dy[l] = keep * r->dy[l] + along * ny;
+        r->dz[l] = keep * r->dz[l] + along * nz;
+        // far outside the rim a ray may turn round
+        r->arrives[l] = left > least ? r->arrives[l] : 0.0;
+        r->arrives[l] = ahead * r->dz[l] > 0.0 ? r->arrives[l] : 0.0;
     }
-    if (mirrors) {
-        for (int i = 0; i < 3; i++)
-            d[i] += 2.0 * cosine * n[i];
-        return cosine;
-    }
-    const double left = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-    if (!(left > 0.0))
-        return -1.0;
-    const double along = ratio * cosine - sqrt(left);
-    for (int i = 0; i < 3; i++)
-        d[i] = ratio * d[i] + along * n[i];
-    return cosine;
 }
 
-static float reflected(const float *table, double cosine)
+/* Takes what a surface reflects of the light, or what it lets through. */
+INLINE void dim(const float *table, bool mirrors, struct rays *r)
 {
-    const float at = (float) fmin(cosine, 1.0) * GP_LENS_TABLE;
-    const int k = (int) at;
-    return table[k] + (at - (float) k) * (table[k + 1] - table[k]);
+    for (int l = 0; l < LANES; l++) {
+        // (not a number, of a ray that does not arrive)
+        const float at = r->arrives[l] > 0.0
+                             ? (float) r->cosine[l] * GP_LENS_TABLE : 0.0f;
+        const int k = (int) at;
+        const float share = table[k] + (at - (float) k) *
+                                           (table[k + 1] - table[k]);
+        r->through[l] *= mirrors ? (double) share : 1.0 - (double) share;
+    }
 }
 
 /* A path at one wavelength, made ready for many rays. */
@@ -125,63 +146,92 @@ static void make_route(const struct gp_lens_optics *o,
     out->per_semi = 1.0 / lens->at[lens->stop].semi;
 }
 
-static struct gp_lens_hit trace(const struct route *route, double x, double y,
-                                double u, double (*at)[3])
+/* Traces rays from the plane of the first surface to the sensor. `at`, if not
+ * NULL, gets the points of the first. */
+GP_CLONES static void trace(const struct route *route, struct rays *r,
+                            struct gp_lens_hit hit[LANES], double (*at)[3])
 {
-    const double length = sqrt(1.0 + u * u);
-    double p[3] = {x, y, 0.0}, d[3] = {u / length, 0.0, 1.0 / length};
-    double rim2 = 0.0, through = 1.0;
-    struct gp_lens_hit hit = {.through = -1.0f};
+    const double far = 1e6; // mm
     int passes = 0;
+    for (int l = 0; l < LANES; l++) {
+        r->rim2[l] = 0.0;
+        r->through[l] = r->arrives[l] = 1.0;
+        hit[l] = (struct gp_lens_hit) {.through = -1.0f};
+    }
     for (int k = 0; k < route->steps; k++) {
         const struct leg *const leg = &route->leg[k];
-        p[2] -= leg->before;
-        if (!meet(leg->curvature, p, d))
-            return hit;
-        const double height2 = (p[0] * p[0] + p[1] * p[1]) * leg->per_semi2;
-        rim2 = leg->rim && height2 > rim2 ? height2 : rim2;
+        const double rim = leg->rim ? leg->per_semi2 : 0.0;
+        double any = 0.0;
+        for (int l = 0; l < LANES; l++)
+            r->z[l] -= leg->before;
+        meet(leg->curvature, r);
+        for (int l = 0; l < LANES; l++) {
+            const double height2 = (r->x[l] * r->x[l] + r->y[l] * r->y[l]) *
+                                   rim;
+            r->rim2[l] = height2 > r->rim2[l] ? height2 : r->rim2[l];
+            any += r->arrives[l];
+        }
+        if (!(any > 0.0))
+            return;
         if (at) {
-            at[k][0] = p[0];
-            at[k][1] = p[1];
-            at[k][2] = p[2] + route->z[k];
+            at[k][0] = r->x[0];
+            at[k][1] = r->y[0];
+            at[k][2] = r->z[0] + route->z[k];
         }
         if (leg->stop) {
-            hit.stop[passes][0] = (float) (p[0] * route->per_semi);
-            hit.stop[passes][1] = (float) (p[1] * route->per_semi);
+            for (int l = 0; l < LANES; l++) {
+                hit[l].stop[passes][0] = (float) (r->x[l] * route->per_semi);
+                hit[l].stop[passes][1] = (float) (r->y[l] * route->per_semi);
+            }
             passes++;
             continue;
         }
-        const double cosine = bend(leg->curvature, p, leg->ratio, leg->mirrors,
-                                   d);
-        // far outside the rim a ray may turn round
-        if (cosine < 0.0 || (d[2] < 0.0) != leg->back)
-            return hit;
-        const double r = (double) reflected(leg->reflected, cosine);
-        through *= leg->mirrors ? r : 1.0 - r;
+        bend(leg->curvature, leg->ratio, leg->mirrors, leg->back, r);
+        dim(leg->reflected, leg->mirrors, r);
     }
-    const double t = (route->to_sensor - p[2]) / d[2];
-    const double far = 1e6; // mm
-    hit.x = p[0] + t * d[0];
-    hit.y = p[1] + t * d[1];
-    if (!(fabs(hit.x) < far && fabs(hit.y) < far))
-        return (struct gp_lens_hit) {.through = -1.0f};
-    hit.through = (float) through;
-    hit.rim = (float) (rim2 < 1e12 ? sqrt(rim2) : 1e6);
+    for (int l = 0; l < LANES; l++) {
+        const double t = (route->to_sensor - r->z[l]) / r->dz[l];
+        const double x = r->x[l] + t * r->dx[l], y = r->y[l] + t * r->dy[l];
+        if (!(r->arrives[l] > 0.0 && fabs(x) < far && fabs(y) < far)) {
+            hit[l] = (struct gp_lens_hit) {.through = -1.0f};
+            continue;
+        }
+        hit[l].x = x;
+        hit[l].y = y;
+        hit[l].through = (float) r->through[l];
+        hit[l].rim = (float) (r->rim2[l] < 1e12 ? sqrt(r->rim2[l]) : 1e6);
+    }
     if (at) {
-        at[route->steps][0] = hit.x;
-        at[route->steps][1] = hit.y;
+        at[route->steps][0] = hit[0].x;
+        at[route->steps][1] = hit[0].y;
         at[route->steps][2] = route->z[route->steps];
     }
-    return hit;
+}
+
+/* Puts a ray of slope u at (x, y) before the lens. */
+static void start(struct rays *r, int lane, double x, double y, double u)
+{
+    const double length = sqrt(1.0 + u * u);
+    r->x[lane] = x;
+    r->y[lane] = y;
+    r->z[lane] = 0.0;
+    r->dx[lane] = u / length;
+    r->dy[lane] = 0.0;
+    r->dz[lane] = 1.0 / length;
 }
 
 struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
     const struct gp_lens_path *path, double x, double y, double u,
     double (*at)[3])
 {
+    struct gp_lens_hit hit[LANES];
     struct route route;
+    struct rays r;
     make_route(o, path, &route);
-    return trace(&route, x, y, u, at);
+    for (int l = 0; l < LANES; l++)
+        start(&r, l, x, y, u);
+    trace(&route, &r, hit, at);
+    return hit[0];
 }
 
 // -- the outline of the light -------------------------------------------------
@@ -274,18 +324,29 @@ static void trace_rays(const struct gp_lens_optics *o,
                        const struct gp_lens_hit *near, struct gp_lens_hit *hit)
 {
     const float far = 1.5f;
+    const int across = m->cells + 1, n = across * (m->cells / 2 + 1);
+    struct gp_lens_hit own[LANES];
     struct route route;
+    struct rays r;
+    int at[LANES], waiting = 0;
     make_route(o, path, &route);
-    for (int j = 0; j <= m->cells / 2; j++) {
-        const double y = m->y1 * j / (m->cells / 2);
-        for (int i = 0; i <= m->cells; i++, hit++) {
-            const double x = m->x0 + (m->x1 - m->x0) * i / m->cells;
-            if (near && (near->through < 0.0f || near->rim > far))
-                *hit = *near;
-            else
-                *hit = trace(&route, x, y, u, NULL);
-            near += near != NULL;
+    for (int i = 0; i < n; i++) {
+        if (near && (near[i].through < 0.0f || near[i].rim > far)) {
+            hit[i] = near[i];
+        } else {
+            at[waiting] = i;
+            start(&r, waiting++, m->x0 + (m->x1 - m->x0) * (i % across) /
+                                             m->cells,
+                  m->y1 * (i / across) / (m->cells / 2), u);
         }
+        if (waiting < LANES && (waiting == 0 || i + 1 < n))
+            continue;
+        for (int l = waiting; l < LANES; l++)
+            start(&r, l, 0.0, 0.0, u);
+        trace(&route, &r, own, NULL);
+        for (int l = 0; l < waiting; l++)
+            hit[at[l]] = own[l];
+        waiting = 0;
     }
 }
 

@@ -4,6 +4,7 @@
 #include "json_file.h"
 #include "core/colour.h"
 #include "core/parallel.h"
+#include "core/spectrum.h"
 #include "sun/lens_draw.h"
 #include "sun/lens_priv.h"
 
@@ -147,6 +148,102 @@ static void faint_ghosts_are_counted(void **state)
     assert_true(stats[0].light[1] > 0.0 && stats[0].light[1] < 0.01 * 1e3);
 }
 
+/* Light of a path at one wavelength, in mm^2. */
+static double traced_light(const struct gp_lens *lens, int first, int second,
+                           double u, double nm)
+{
+    struct gp_lens_optics o[GP_LENS_NODES];
+    struct gp_lens_path path;
+    struct gp_lens_mesh m;
+    const struct gp_lens_blades blades = gp_lens_blades_of(lens, 0.0);
+    for (int k = 0; k < GP_LENS_NODES; k++)
+        gp_lens_optics_make(lens, nm, &o[k]);
+    gp_lens_path(lens, first, second, &path);
+    assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, 1e-3, 0.0,
+                                &m));
+    const double light = m.flux[0];
+    gp_lens_mesh_free(&m);
+    return light;
+}
+
+/* Each channel's light of all ghosts is that of 20 traced parts of the
+ * spectrum: coats reflect several times as much at its ends. */
+static void colours_follow_the_spectrum(void **state)
+{
+    enum { W = 96, H = 64, PARTS = 20 };
+    static const char *const names[] = {"heliar", "tessar"};
+    for (size_t l = 0; l < COUNT(names); l++) {
+        struct gp_lens lens = {0};
+        struct gp_lens_figures f;
+        struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+        struct gp_lens_stats stats;
+        double nm[PARTS], rgb[PARTS][3], want[3] = {0};
+        assert_ok(gp_lens_read(&kept_log, names[l], &lens));
+        assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+        gp_lens_measure(&lens, &f);
+        const int n = gp_lens_ghosts(&lens, GP_D_LINE, ghost);
+        const double u = 0.15;
+        const struct gp_lens_light light = {
+            0.5 * W - 3 + u * f.focal * W / 84.0, 0.5 * H + 5, {1, 1, 1}};
+        gp_spectrum_weights(gp_rec709_chromaticities, PARTS, nm, rgb);
+        for (int i = 0; i < PARTS; i++) {
+            if (nm[i] < 420.0 || nm[i] > 680.0)
+                continue; // the eye sees a hundredth of the light there
+            const double image = traced_light(&lens, -1, -1, 0.0, nm[i]);
+            double sum = 0.0;
+            for (int g = 0; g < n; g++)
+                sum += traced_light(&lens, ghost[g].first, ghost[g].second, u,
+                                    nm[i]);
+            for (int c = 0; c < 3; c++)
+                want[c] += rgb[i][c] * sum / image;
+        }
+        struct gp_planes p = layer_of(&lens, W, H, 84.0, 0.0, &light, 1,
+                                      &stats);
+        for (int c = 0; c < 3; c++)
+            assert_near(stats.light[c] / want[c], 1.0, 0.05, names[l], c);
+        gp_planes_free(&p);
+    }
+}
+
+/* Few bands and coarse meshes, as for many lights, against many and fine ones:
+ * the same light of each channel, at nearly the same places. */
+static void coarse_is_near_fine(void **state)
+{
+    enum { W = 240, H = 160, N = W * H };
+    struct gp_lens lens = {0};
+    const struct gp_rect frame = {0, 0, W, H};
+    const struct gp_lens_light light = {70.0, 60.0, {1e3, 1e3, 1e3}};
+    struct gp_planes p[2];
+    assert_ok(gp_lens_read(&kept_log, "heliar", &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+    for (int k = 0; k < 2; k++) {
+        struct gp_lens_stats stats;
+        const struct gp_lens_view view = {
+            .frame = frame, .display = frame, .mm = {84.0 / W, 84.0 / W},
+            .chromaticities = gp_rec709_chromaticities,
+            .luminance = gp_rec709_luminance, .tolerance = 1e-3, .fine = k,
+        };
+        assert_ok(gp_planes_make(&kept_log, "layer", N, &p[k]));
+        gp_planes_clear(&p[k], 0, N);
+        assert_ok(gp_lens_draw(&kept_log, &lens, &view, &light, 1, &p[k],
+                               &stats));
+    }
+    for (int c = 0; c < 3; c++) {
+        double sum[2] = {0}, off = 0.0, all = 0.0;
+        for (int i = 0; i < N; i++) {
+            const double a = (double) p[0].c[c][i], b = (double) p[1].c[c][i];
+            sum[0] += a;
+            sum[1] += b;
+            off += (a - b) * (a - b);
+            all += b * b;
+        }
+        assert_near(sum[0] / sum[1], 1.0, 0.01, "light", c);
+        assert_near(sqrt(off / all), 0.0, 0.1, "places", c);
+    }
+    gp_planes_free(&p[0]);
+    gp_planes_free(&p[1]);
+}
+
 static void threads_change_nothing(void **state)
 {
     enum { W = 300, H = 530 }; // more than one part
@@ -220,5 +317,6 @@ static void cover_is_exact(void **state)
 }
 
 SUITE_OF(lens_draw, make_folder, remove_folder, light_in_closed_form,
-    disc_is_even, faint_ghosts_are_counted, threads_change_nothing,
+    disc_is_even, faint_ghosts_are_counted, colours_follow_the_spectrum,
+    coarse_is_near_fine, threads_change_nothing,
     cover_is_exact)

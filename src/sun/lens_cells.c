@@ -1,0 +1,439 @@
+/* Cells of a ghost's mesh: which are in the frame, with how many parts of the
+ * spectrum, and their light in the steps of an accumulator. */
+#include "sun/lens_cells_priv.h"
+
+#include "core/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static inline double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Rays of a mesh at node k. */
+static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
+{
+    return m->hit + (size_t) k * (size_t) (m->cells + 1) *
+                        (size_t) (m->cells / 2 + 1);
+}
+
+// -- places -------------------------------------------------------------------
+
+/* A box in pixels of the layer. */
+struct box {
+    double x0, y0, x1, y1;
+};
+
+/* The places on the sensor, in mm, of a ray in each wavelength. */
+struct spot {
+    double x[GP_LENS_NODES], y[GP_LENS_NODES];
+};
+
+/* Returns the spot at t from ray a to ray b of a mesh. */
+static struct spot spot_between(const struct gp_lens_mesh *m, int a, int b,
+                                double t)
+{
+    struct spot s;
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        const struct gp_lens_hit *const p = &rays_of(m, k)[a];
+        const struct gp_lens_hit *const q = &rays_of(m, k)[b];
+        s.x[k] = p->x + t * (q->x - p->x);
+        s.y[k] = p->y + t * (q->y - p->y);
+    }
+    return s;
+}
+
+/* Lists the corners of the part of a cell that the rims let through; returns
+ * how many, 0 where a ray does not arrive. */
+static int spots_of(const struct gp_lens_mesh *m, const int at[4],
+                    struct spot out[8])
+{
+    const struct gp_lens_hit *const middle = rays_of(m, GP_LENS_NODES / 2);
+    int n = 0;
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        for (int e = 0; e < 4; e++) {
+            if (rays_of(m, k)[at[e]].through < 0.0f)
+                return 0;
+        }
+    }
+    for (int e = 0; e < 4; e++) {
+        const int next = at[(e + 1) % 4];
+        const double a = (double) middle[at[e]].rim - 1.0;
+        const double b = (double) middle[next].rim - 1.0;
+        if (a <= 0.0)
+            out[n++] = spot_between(m, at[e], at[e], 0.0);
+        if ((a <= 0.0) != (b <= 0.0))
+            out[n++] = spot_between(m, at[e], next, a / (a - b));
+    }
+    return n;
+}
+
+/* Widens a box by a spot in one half of a mesh. */
+static void widen(const struct gp_lens_item *it, const struct spot *s, int half,
+                  struct box *b)
+{
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        const double aside = half ? -s->y[k] : s->y[k];
+        const double x = it->middle[0] + s->x[k] * it->along[0] +
+                         aside * it->aside[0];
+        const double y = it->middle[1] + s->x[k] * it->along[1] +
+                         aside * it->aside[1];
+        *b = (struct box) {least(b->x0, x), least(b->y0, y), most(b->x1, x),
+                           most(b->y1, y)};
+    }
+}
+
+/* Measures a cell: the box of its light in each half, and how far its colours
+ * are apart, in pixels. Returns false where no light passes. */
+static bool measure(const struct gp_lens_view *v,
+                    const struct gp_lens_item *it, int cell,
+                    struct box box[2], double *apart)
+{
+    const struct gp_lens_mesh *const m = &it->mesh;
+    const int w = m->cells + 1, last = GP_LENS_NODES - 1;
+    const int first = cell / m->cells * w + cell % m->cells;
+    const int at[4] = {first, first + 1, first + w + 1, first + w};
+    const double pixel = least(v->mm[0], v->mm[1]);
+    struct spot spot[8];
+    const int n = spots_of(m, at, spot);
+    *apart = 0.0;
+    box[0] = box[1] = (struct box) {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int e = 0; e < n; e++) {
+        *apart = most(*apart, hypot(spot[e].x[last] - spot[e].x[0],
+                                    spot[e].y[last] - spot[e].y[0]) / pixel);
+        widen(it, &spot[e], 0, &box[0]);
+        widen(it, &spot[e], 1, &box[1]);
+    }
+    return n > 0;
+}
+
+void gp_lens_item_place(const struct gp_lens_view *v,
+                        const struct gp_lens_ghost *g,
+                        struct gp_lens_item *it)
+{
+    const struct gp_lens_mesh *const m = &it->mesh;
+    const double w = gp_rect_w(v->frame), h = gp_rect_h(v->frame);
+    const int cells = m->cells * (m->cells / 2);
+    struct box all = {INFINITY, INFINITY, -INFINITY, -INFINITY}, box[2];
+    double apart;
+    for (int i = 0; i < cells; i++) {
+        if (!measure(v, it, i, box, &apart))
+            continue;
+        for (int half = 0; half < 2; half++)
+            all = (struct box) {
+                least(all.x0, box[half].x0), least(all.y0, box[half].y0),
+                most(all.x1, box[half].x1), most(all.y1, box[half].y1)};
+    }
+    // a step must not hide the size
+    const double size = most(all.x1 - all.x0, all.y1 - all.y0);
+    const double finest = least((v->fine ? 0.35 : 0.7) * g->blur /
+                                   least(v->mm[0], v->mm[1]), size / 24.0);
+    int level = 0;
+    while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)
+        level++;
+    const double allowed = (v->fine ? 1.5 : 3.0) * (1 << level);
+    it->y0 = INFINITY;
+    it->y1 = -INFINITY;
+    for (int i = 0; i < cells; i++) {
+        int set = 0;
+        if (!measure(v, it, i, box, &apart))
+            continue;
+        while (set + 1 < GP_LENS_SETS &&
+               apart > allowed * gp_lens_bands_of_set[set])
+            set++;
+        for (int half = 0; half < 2; half++) {
+            // bands reach beyond the nodes
+            const struct box b = {
+                box[half].x0 - apart - 2.0, box[half].y0 - apart - 2.0,
+                box[half].x1 + apart + 2.0, box[half].y1 + apart + 2.0};
+            // and steps as far beyond the frame
+            const double margin = 2 << level;
+            if (!(b.x1 > -margin && b.x0 < w + margin && b.y1 > -margin &&
+                  b.y0 < h + margin))
+                continue;
+            it->cell[half][i] = (struct gp_lens_cell) {
+                (float) b.y0, (float) b.y1, (uint8_t) (1 + set)};
+            it->y0 = least(it->y0, b.y0);
+            it->y1 = most(it->y1, b.y1);
+        }
+    }
+    it->level = it->y0 < it->y1 ? level : -1;
+}
+
+// -- drawing ------------------------------------------------------------------
+
+// Places are in steps of the item's accumulator.
+struct gp_lens_rays {
+    double p[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)][2][2]; // halves
+    double light[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)][3];
+    // bits of sets that need it
+    uint8_t needs[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
+    uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
+    bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
+    bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
+    double density[GP_LENS_CELLS * GP_LENS_CELLS / 2][3];
+};
+
+/* Finds the cells that meet rows [y0, y1) of the layer, and their rays; returns
+ * the bits of their sets. */
+static unsigned find_cells(const struct gp_lens_item *it, double y0, double y1,
+                           struct gp_lens_rays *out)
+{
+    const int cells = it->mesh.cells, w = cells + 1;
+    unsigned all = 0;
+    memset(out->needs, 0, (size_t) (w * (cells / 2 + 1)));
+    for (int half = 0; half < 2; half++) {
+        for (int i = 0; i < cells * (cells / 2); i++) {
+            const struct gp_lens_cell *const c = &it->cell[half][i];
+            uint8_t *const ray = &out->needs[i / cells * w + i % cells];
+            const bool meets = c->set && (double) c->y1 > y0 &&
+                               (double) c->y0 < y1;
+            const uint8_t bit = meets ? (uint8_t) (1u << (c->set - 1)) : 0;
+            out->set[half][i] = meets ? c->set : 0;
+            ray[0] |= bit;
+            ray[1] |= bit;
+            ray[w] |= bit;
+            ray[w + 1] |= bit;
+            all |= bit;
+        }
+    }
+    return all;
+}
+
+/* `scale` is of a ray's light to light a step for a mm^2 before the lens. */
+static void make_rays(const struct gp_lens_item *it, int set,
+                      const struct gp_lens_band *b, double step,
+                      const double scale[3], struct gp_lens_rays *out)
+{
+    const int n = (it->mesh.cells + 1) * (it->mesh.cells / 2 + 1);
+    const double per = 1.0 / step;
+    for (int i = 0; i < n; i++) {
+        double x = 0.0, y = 0.0, root[GP_LENS_NODES];
+        if (!(out->needs[i] & 1u << set))
+            continue;
+        out->arrives[i] = true;
+        for (int k = 0; k < GP_LENS_NODES; k++) {
+            const struct gp_lens_hit *const h = &it->mesh.hit[k * n + i];
+            x += b->of_node[k] * h->x;
+            y += b->of_node[k] * h->y;
+            root[k] = sqrt(most((double) h->through, 0.0));
+            out->arrives[i] = out->arrives[i] && h->through >= 0.0f;
+        }
+        gp_lens_light_of(b, root, out->light[i]);
+        for (int c = 0; c < 3; c++)
+            out->light[i][c] *= scale[c];
+        for (int half = 0; half < 2; half++) {
+            const double aside = half ? -y : y;
+            // the accumulator begins a step before the frame
+            for (int e = 0; e < 2; e++)
+                out->p[i][half][e] = (it->middle[e] + x * it->along[e] +
+                                      aside * it->aside[e]) * per + 1.0;
+        }
+    }
+}
+
+/* Spreads a piece of a cell; one that a caustic folds as triangles. */
+static void add_piece(const struct gp_lens_cover *k, int n,
+                      const struct gp_lens_corner *c, const double light[3])
+{
+    double p[GP_LENS_CORNERS][2], before[GP_LENS_CORNERS], all = 0.0;
+    bool left = false, right = false;
+    for (int i = 0; i < n; i++) {
+        p[i][0] = c[i].x;
+        p[i][1] = c[i].y;
+    }
+    for (int i = 1; i + 1 < n; i++) {
+        const double area = (p[i][0] - p[0][0]) * (p[i + 1][1] - p[0][1]) -
+                            (p[i + 1][0] - p[0][0]) * (p[i][1] - p[0][1]);
+        left = left || area < 0.0;
+        right = right || area > 0.0;
+        before[i] = fabs((c[i].p - c[0].p) * (c[i + 1].q - c[0].q) -
+                         (c[i + 1].p - c[0].p) * (c[i].q - c[0].q));
+        all += before[i];
+    }
+    if (!(left && right) || !(all > 0.0)) {
+        gp_lens_cover_add(k, p, n, light);
+        return;
+    }
+    for (int i = 1; i + 1 < n; i++) {
+        const double share = before[i] / all;
+        const double own[3] = {share * light[0], share * light[1],
+                               share * light[2]};
+        const double triangle[3][2] = {{p[0][0], p[0][1]}, {p[i][0], p[i][1]},
+                                       {p[i + 1][0], p[i + 1][1]}};
+        gp_lens_cover_add(k, triangle, 3, own);
+    }
+}
+
+/* Adds the part of a cell that rims and blades leave, with light a mm^2 before
+ * the lens: `light` is the cell's mean, whose sum the corners' `through` is. */
+static void add_cell(const struct gp_lens_cover *k,
+                     const struct gp_lens_item *it,
+                     struct gp_lens_corner c[GP_LENS_CORNERS],
+                     const double light[3])
+{
+    const int n = gp_lens_cut(&it->blades, it->mesh.passes, c);
+    const double all = light[0] + light[1] + light[2];
+    double area = 0.0, through = 0.0, own[3];
+    for (int i = 0; i < n; i++) {
+        const struct gp_lens_corner *const b = &c[i + 1 < n ? i + 1 : 0];
+        area += 0.5 * (c[i].p * b->q - b->p * c[i].q);
+        through += c[i].through / n;
+    }
+    for (int i = 0; i < 3; i++)
+        own[i] = fabs(area) * through * light[i] / all;
+    if (n && all > 0.0)
+        add_piece(k, n, c, own);
+}
+
+/* Returns the signed share of light a step of a whole cell; 0 for one that
+ * folds, or of no area, which is drawn by itself. */
+static double density_of(const double (*p[4]))
+{
+    double twice[4], area = 0.0;
+    int left = 0, right = 0;
+    for (int e = 0; e < 4; e++) { // the turn at each corner
+        const double *const a = p[(e + 3) % 4], *const b = p[e];
+        const double *const c = p[(e + 1) % 4];
+        twice[e] = (b[0] - a[0]) * (c[1] - b[1]) - (c[0] - b[0]) *
+                                                       (b[1] - a[1]);
+        left += twice[e] < 0.0;
+        right += twice[e] > 0.0;
+    }
+    area = 0.5 * (twice[0] + twice[2]);
+    return (left && right) || !(fabs(area) > 1e-9) ? 0.0 : -1.0 / area;
+}
+
+/* Adds the edge of two cells with the difference of their light; either may be
+ * NULL, dark. */
+static void add_between(const struct gp_lens_cover *k, const double a[2],
+                        const double b[2], const double *right,
+                        const double *left)
+{
+    static const double dark[3];
+    double light[3];
+    right = right ? right : dark;
+    left = left ? left : dark;
+    for (int c = 0; c < 3; c++)
+        light[c] = right[c] - left[c];
+    if (light[0] != 0.0 || light[1] != 0.0 || light[2] != 0.0)
+        gp_lens_cover_edge(k, a, b, light);
+}
+
+/* Draws the cells of one set in one half of a band: whole cells by the edges
+ * that they share, with the difference of their light, others by themselves. */
+static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
+                      int half, int set, const struct gp_lens_cover *k)
+{
+    const struct gp_lens_mesh *const m = &it->mesh;
+    const struct gp_lens_hit *const hit = rays_of(m, GP_LENS_NODES / 2);
+    const int w = m->cells + 1, cells = m->cells, rows = m->cells / 2;
+    const double dx = (m->x1 - m->x0) / cells, dy = m->y1 / rows;
+    const double sign = half ? -1.0 : 1.0;
+    for (int j = 0; j < rows; j++) {
+        for (int i = 0; i < cells; i++) {
+            const int at[4] = {j * w + i, j * w + i + 1, (j + 1) * w + i + 1,
+                               (j + 1) * w + i};
+            double *const density = rays->density[j * cells + i];
+            const double *p[4];
+            bool arrives = true, passes = false, clear = true;
+            double low = INFINITY, high = -INFINITY, light[3] = {0};
+            double left = INFINITY, right = -INFINITY;
+            density[0] = density[1] = density[2] = 0.0;
+            if (rays->set[half][j * cells + i] != 1 + set)
+                continue;
+            for (int e = 0; e < 4; e++) {
+                p[e] = rays->p[at[e]][half];
+                arrives = arrives && rays->arrives[at[e]];
+                passes = passes || hit[at[e]].rim < 1.0f;
+                clear = clear && rays->clear[at[e]];
+                low = least(low, p[e][1]);
+                high = most(high, p[e][1]);
+                left = least(left, p[e][0]);
+                right = most(right, p[e][0]);
+                for (int c = 0; c < 3; c++)
+                    light[c] += 0.25 * rays->light[at[e]][c];
+            }
+            if (!arrives || !passes || !(high > k->y0 && low < k->y1) ||
+                !(right > 0.0 && left < k->w))
+                continue;
+            const double share = clear ? density_of(p) : 0.0;
+            for (int c = 0; c < 3; c++)
+                density[c] = light[c] * share * dx * dy;
+            if (share != 0.0)
+                continue;
+            struct gp_lens_corner c[GP_LENS_CORNERS];
+            for (int e = 0; e < 4; e++) {
+                const struct gp_lens_hit *const h = &hit[at[e]];
+                const double *const own = rays->light[at[e]];
+                c[e] = (struct gp_lens_corner) {
+                    .p = m->x0 + dx * (i + (e == 1 || e == 2)),
+                    .q = sign * dy * (j + (e >= 2)), .x = p[e][0],
+                    .y = p[e][1], .through = own[0] + own[1] + own[2],
+                    .rim = (double) h->rim,
+                };
+                for (int s = 0; s < m->passes; s++) {
+                    c[e].stop[s][0] = (double) h->stop[s][0];
+                    c[e].stop[s][1] = sign * (double) h->stop[s][1];
+                }
+            }
+            add_cell(k, it, c, light);
+        }
+    }
+    for (int j = 0; j <= rows; j++) {
+        for (int i = 0; i <= cells; i++) {
+            const double (*const d)[3] = &rays->density[j * cells + i];
+            const double *const here = j < rows && i < cells ? d[0] : NULL;
+            const double *const left = j < rows && i > 0 ? d[-1] : NULL;
+            const double *const above = j > 0 && i < cells ? d[-cells] : NULL;
+            const double *const p = rays->p[j * w + i][half];
+            if (here || above)
+                add_between(k, p, rays->p[j * w + i + 1][half], here, above);
+            if (here || left)
+                add_between(k, p, rays->p[(j + 1) * w + i][half], left, here);
+        }
+    }
+}
+
+gp_status gp_lens_rays_make(struct gp_lens_rays **out)
+{
+    return gp_alloc(NULL, "rays", 1, sizeof **out, out);
+}
+
+void gp_lens_item_draw(const struct gp_lens_item *it,
+    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS],
+    const struct gp_lens_steps *steps, int top, int end,
+    struct gp_lens_rays *rays)
+{
+    const struct gp_lens_mesh *const m = &it->mesh;
+    const double step = steps->step;
+    const struct gp_lens_cover k = {
+        .v = steps->v + 3 * (size_t) top * (size_t) (steps->w + 2),
+        .w = steps->w, .top = top, .y0 = top, .y1 = end,
+    };
+    double scale[3];
+    for (int i = 0; i < (m->cells + 1) * (m->cells / 2 + 1); i++)
+        rays->clear[i] = gp_lens_is_clear(&it->blades, m->passes,
+                                          &rays_of(m, GP_LENS_NODES / 2)[i]);
+    for (int c = 0; c < 3; c++)
+        scale[c] = it->flux[c] * m->scale /
+                   (sqrt(1.0 + it->u * it->u) * step * step);
+    // the accumulator begins a step before the frame
+    const unsigned sets = find_cells(it, (top - 1.0) * step,
+                                     (end - 1.0) * step, rays);
+    for (int set = 0; set < GP_LENS_SETS; set++) {
+        const int bands = sets & 1u << set ? gp_lens_bands_of_set[set] : 0;
+        for (int b = 0; b < bands; b++) {
+            make_rays(it, set, &band[set][b], step, scale, rays);
+            draw_half(it, rays, 0, set, &k);
+            draw_half(it, rays, 1, set, &k);
+        }
+    }
+}
