@@ -358,8 +358,7 @@ out:;
     gp_run_ghosts_free(&p.run.group_ghosts);
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
-    gp_run_kernel_free(&p.run.kernel);
-    gp_model_kept_free(&p.run.kept);
+    gp_run_kernels_free(&p.run);
     gp_wanted_kernel_free(&p.run.wanted);
     return st ? st : closed;
 }

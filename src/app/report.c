@@ -192,6 +192,7 @@ static json_t *settings_json(const struct gp_settings *s)
 static const char *const time_names[GP_TIMES] = {
     [GP_TIME_READ] = "read",
     [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
+    [GP_TIME_KERNEL] = "kernel",
     [GP_TIME_GLARE] = "glare", [GP_TIME_LENS] = "lens",
     [GP_TIME_COMPOSE] = "compose", [GP_TIME_TONEMAP] = "tonemap",
     [GP_TIME_WRITE] = "write",

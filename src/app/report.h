@@ -20,6 +20,7 @@ enum gp_time {
     GP_TIME_READ,
     GP_TIME_SUN,
     GP_TIME_SENSORS,
+    GP_TIME_KERNEL, // of frames that none kept fits
     GP_TIME_GLARE,
     GP_TIME_LENS,
     GP_TIME_COMPOSE,

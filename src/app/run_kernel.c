@@ -3,6 +3,7 @@
 #include "app/options.h"
 #include "app/stages.h"
 
+#include "core/clock.h"
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -136,19 +137,25 @@ void gp_run_kernel_free(struct gp_run_kernel **k)
     *k = NULL;
 }
 
+/* True where the kernel depends on the frame's number. */
+static bool moves_in_time(const struct gp_run *r)
+{
+    bool moves = false;
+    for (int i = 0; i < r->wanted.recipes; i++)
+        moves |= gp_recipe_moves(&r->wanted.recipe[i]);
+    return moves;
+}
+
 /* True where the kernel for field `b` is that for field `a`. */
 static bool is_same(const struct gp_run *r, const struct gp_field *a,
                     const struct gp_field *b)
 {
-    bool moves = false;
     if (!r->wanted.recipes)
         return a->aspect == b->aspect &&
                (a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0));
-    for (int i = 0; i < r->wanted.recipes; i++)
-        moves |= gp_recipe_moves(&r->wanted.recipe[i]);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
            a->aspect == b->aspect &&
-           (!moves || (a->frame == b->frame && a->fps == b->fps)) &&
+           (!moves_in_time(r) || (a->frame == b->frame && a->fps == b->fps)) &&
            memcmp(a->chromaticities, b->chromaticities,
                   8 * sizeof *a->chromaticities) == 0;
 }
@@ -162,12 +169,61 @@ static double scale_of(const struct gp_run *r, const struct gp_field *field)
                : r->s->kernel_percent / 100.0;
 }
 
-/* Makes the kernel for a field, unless r->kernel is that. */
+static size_t bytes_of(const struct gp_kernel *k)
+{
+    const struct gp_tail *const t = k->tail;
+    const size_t coarse = t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1)
+                            : 0;
+    return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + coarse);
+}
+
+/* Moves r->kernel to the older ones, the last used of which are kept. One that
+ * depends on the frame's number is not: no other frame will want it. */
+static void put_aside(struct gp_run *r)
+{
+    size_t bytes = 0;
+    if (!r->kernel || moves_in_time(r)) {
+        gp_run_kernel_free(&r->kernel);
+        return;
+    }
+    gp_run_kernel_free(&r->older[GP_OLDER_KERNELS - 1]);
+    memmove(&r->older[1], &r->older[0],
+            (GP_OLDER_KERNELS - 1) * sizeof *r->older);
+    r->older[0] = r->kernel;
+    r->kernel = NULL;
+    for (int i = 0; i < GP_OLDER_KERNELS && r->older[i]; i++) {
+        bytes += bytes_of(&r->older[i]->k);
+        if (bytes > GP_OLDER_KERNEL_BYTES)
+            gp_run_kernel_free(&r->older[i]);
+    }
+}
+
+/* Takes the kernel for a field from the older ones; false: none is that. */
+static bool take_older(struct gp_run *r, const struct gp_field *field)
+{
+    for (int i = 0; i < GP_OLDER_KERNELS; i++) {
+        struct gp_run_kernel *const k = r->older[i];
+        if (!k || !is_same(r, &k->field, field))
+            continue;
+        memmove(&r->older[i], &r->older[i + 1],
+                (size_t) (GP_OLDER_KERNELS - 1 - i) * sizeof *r->older);
+        r->older[GP_OLDER_KERNELS - 1] = NULL;
+        put_aside(r);
+        r->kernel = k;
+        return true;
+    }
+    return false;
+}
+
+/* Makes the kernel for a field, unless one that is kept is that; *ms is the
+ * time it took, or stays. */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
-                             const struct gp_field *field)
+                             const struct gp_field *field, double *ms)
 {
     struct gp_run_kernel *k;
-    if (r->kernel && is_same(r, &r->kernel->field, field))
+    const double from = gp_now_ms();
+    if ((r->kernel && is_same(r, &r->kernel->field, field)) ||
+        take_older(r, field))
         return GP_OK;
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
     if (st)
@@ -188,9 +244,18 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     memcpy(k->chromaticities, field->chromaticities, sizeof k->chromaticities);
     k->field.chromaticities = k->chromaticities;
     atomic_init(&k->holders, 1);
-    gp_run_kernel_free(&r->kernel);
+    put_aside(r);
     r->kernel = k;
+    *ms = gp_now_ms() - from;
     return GP_OK;
+}
+
+void gp_run_kernels_free(struct gp_run *r)
+{
+    gp_run_kernel_free(&r->kernel);
+    for (int i = 0; i < GP_OLDER_KERNELS; i++)
+        gp_run_kernel_free(&r->older[i]);
+    gp_model_kept_free(&r->kept);
 }
 
 double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
@@ -306,10 +371,15 @@ static void reach_lights(const struct gp_run *r,
 gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
+    double ms = -1.0;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns)) {
         struct gp_field field = find_field(r, fs);
         reach_lights(r, fs, &field);
-        st = make_kernel(fs->log, r, &field);
+        st = make_kernel(fs->log, r, &field, &ms);
+    }
+    if (ms >= 0.0) {
+        fs->facts.ms[GP_TIME_KERNEL] = ms;
+        fs->facts.total_ms += ms;
     }
     if (!st && r->kernel) {
         const struct gp_kernel_use use = use_of(r, fs);
@@ -340,7 +410,8 @@ gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
     struct gp_field field = gp_field_of(&square, 0.0);
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
-    st = make_kernel(log, r, &field);
+    double ms;
+    st = make_kernel(log, r, &field, &ms);
     if (st)
         return st;
     const struct gp_kernel *const k = &r->kernel->k;

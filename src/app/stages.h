@@ -91,6 +91,10 @@ struct gp_run_kernel {
 };
 void gp_run_kernel_free(struct gp_run_kernel **k);
 
+/* Kernels of models that a run keeps besides that of the frame before, for
+ * frames that change size or angle and change back; and their bytes in all. */
+enum { GP_OLDER_KERNELS = 4, GP_OLDER_KERNEL_BYTES = 128 << 20 };
+
 /* One frame in flight and the facts about it. Zeroed is none. It owns its
  * planes and lists. */
 struct gp_frame_state {
@@ -150,6 +154,7 @@ struct gp_run {
 
     struct gp_wanted_kernel wanted;
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
+    struct gp_run_kernel *older[GP_OLDER_KERNELS]; // held, last used first
     struct gp_model_kept *kept;    // of that kernel; NULL: none
     unsigned faults_said;          // bits of faults of kernels
     struct gp_rect reach;          // of the first kernel, as
@@ -166,6 +171,9 @@ struct gp_run {
                                    // is a stream
     struct gp_raw_size raw;        // of raw frames on stdout
 };
+
+/* Frees all kernels of a run, and what they are made from. */
+void gp_run_kernels_free(struct gp_run *r);
 
 /* Reads what --kernel asks for; of an image makes the first kernel. Sets
  * r->reach. Errors: those of reading and making it. */

@@ -19,6 +19,22 @@ is "$(field r.json 'o["deg_per_pixel"], o["fov_from"]')" "(0.625, 'default')" \
 run -k k.exr --layer l.exr --report r.json in.exr
 is "$(field r.json '"deg_per_pixel" in o')" False 'an image has no angle'
 
+# sizes that come back have the kernel that was made for them, in the same bytes
+for i in 1 2 3 4 5; do
+    case $i in 2 | 4) size=48x40 ;; 5) size=40x30 ;; *) size=64x48 ;; esac
+    frame "sizes.$i.exr" seed=$i size=$size
+done
+made='["kernel" in json.loads(l)["times_ms"] for l in open("r.json")]'
+run -k star -e fft --layer 's.#.exr' --report r.json 'sizes.#.exr'
+is "$(field r.json "$made")" '[True, True, False, False, True]' \
+    'times_ms has the kernel of frames for which one was made'
+run -k star -e fft --layer one.exr sizes.4.exr
+ok 'a kernel that was put aside is the kernel of its size' \
+    "$glarepp" compare --no-flip --fail 0 one.exr s.4.exr
+run -k temporal:wavelengths=2 --layer 's.#.exr' --report r.json 'sizes.#.exr'
+is "$(field r.json "$made")" '[True, True, True, True, True]' \
+    'one that moves is made for each frame'
+
 # one scene at 30 and at 60 lines, and the layers' distance after averaging
 cat >scene.py <<'PY'
 import array, math, sys

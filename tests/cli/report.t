@@ -29,8 +29,8 @@ is "$(field r.json 'sorted(o["measured"])')" \
 is "$(field r.json '0 < o["measured"]["rel_l2"] <= o["bound"] < 1e-3')" True \
     'measured is within the bound'
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'type': 'float'}" 'depth'
-is "$(field r.json 'list(o["times_ms"])')" "['read', 'sensors', 'glare', \
-'compose', 'tonemap', 'write', 'total']" 'times'
+is "$(field r.json 'list(o["times_ms"])')" "['read', 'sensors', 'kernel', \
+'glare', 'compose', 'tonemap', 'write', 'total']" 'times'
 is "$(field r.json 'abs(sum(o["times_ms"].values()) - 2 * o["times_ms"]["total"]) < 0.02')" \
     True 'times add up to the total'
 is "$(field r.json 'all(0 < b <= a * 1.00001 for a, b in zip(o["flux_in"], o["flux_out"]))')" \
