@@ -8,6 +8,11 @@
 #include <complex.h>
 #include <math.h>
 
+#ifndef CMPLX // glibc defines these only for gcc; clang has the built-in
+#define CMPLX(re, im) __builtin_complex((double) (re), (double) (im))
+#define CMPLXF(re, im) __builtin_complex((float) (re), (float) (im))
+#endif
+
 #define GP_PI 3.14159265358979323846
 
 /* sin(pi x) / (pi x) */
