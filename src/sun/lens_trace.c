@@ -376,8 +376,9 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
     const int w = m->cells + 1;
     const double dx = (m->x1 - m->x0) / m->cells;
     const double dy = m->y1 / (m->cells / 2);
-    // both halves: blades need not be the mirror of themselves
-    for (int half = 0; half < 2; half++) {
+    // blades need not be the mirror of themselves
+    const int halves = blades->n ? 2 : 1;
+    for (int half = 0; half < halves; half++) {
         const double sign = half ? -1.0 : 1.0;
         for (int j = 0; j + every <= m->cells / 2; j += every) {
             for (int i = 0; i + every <= m->cells; i += every) {
@@ -414,6 +415,8 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
             }
         }
     }
+    if (halves == 1)
+        sum = (struct sum) {2.0 * sum.light, 2.0 * sum.area, 2.0 * sum.lost};
     return sum;
 }
 
