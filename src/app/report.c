@@ -340,8 +340,10 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     put_kernel(o, &f->kernel);
     if (f->has_flux_out)
         put_rgb(o, "flux_out", f->flux_out);
-    if (g->engine && f->sources)
-        put_number(o, "bound", g->bound, 0.0);
+    // of the layer with ghosts too, which is no darker than without them
+    if ((g->engine && f->sources) || f->lens.name)
+        put_number(o, "bound", (g->engine && f->sources ? g->bound : 0.0) +
+                                   f->lens.bound, 0.0);
     if (g->engine && f->sources && g->bound_pixel > 0.0)
         put_number(o, "bound_pixel", g->bound_pixel, 0.0);
     if (f->flare.runs) {
@@ -464,6 +466,10 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
         append(line, size, &at, ", flare of bright pixels: %d elements in %d "
                "runs (%s, bound %.3g, %.1f ms)", f->flare.elements,
                f->flare.runs, f->flare.engine, f->flare.bound, f->flare.ms);
+    if (f->lens.name)
+        append(line, size, &at, ", lens: %d ghosts of %d lights, %d left out "
+               "(bound %.3g)", f->lens.stats.drawn, f->lens.stats.lights,
+               f->lens.stats.left_out, f->lens.bound);
     if (g->gl)
         append(line, size, &at, " on %s", g->gl);
     for (int i = 0; i < f->lights && i < 8; i++)

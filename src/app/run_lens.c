@@ -6,6 +6,7 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "core/parallel.h"
 #include "io/plane.h"
 
 #include <math.h>
@@ -103,9 +104,10 @@ static int by_light(const void *a, const void *b)
 }
 
 /* Makes lights of the brightest blocks of sources; *rest is the share of the
- * light that has none. */
+ * light that has none, and dark[] its flux. */
 static gp_status group_sources(const struct gp_log *log,
-    const struct gp_sources *s, struct gp_lens_light *out, int *n, double *rest)
+    const struct gp_sources *s, struct gp_lens_light *out, int *n, double *rest,
+    double dark[3])
 {
     const int across = (s->w + BLOCK - 1) / BLOCK;
     const int down = (s->h + BLOCK - 1) / BLOCK;
@@ -134,9 +136,14 @@ static gp_status group_sources(const struct gp_log *log,
     }
     qsort(group, (size_t) across * (size_t) down, sizeof *group, by_light);
     *n = 0;
-    for (int i = 0; i < gp_min(GROUPS, across * down); i++) {
+    for (int i = 0; i < across * down; i++) {
         if (!(group[i].luminance > 0.0))
             break;
+        if (*n == GROUPS) {
+            for (int c = 0; c < 3; c++)
+                dark[c] += group[i].light.flux[c];
+            continue;
+        }
         out[*n] = group[i].light;
         out[*n].x /= group[i].luminance;
         out[*n].y /= group[i].luminance;
@@ -148,12 +155,54 @@ static gp_status group_sources(const struct gp_log *log,
     return GP_OK;
 }
 
+// -- the layer ----------------------------------------------------------------
+
+struct squares {
+    const struct gp_frame *frame;
+    double *sum; // of each row of the layer
+};
+
+static void add_squares(void *ctx, int y, int thread)
+{
+    const struct squares *const s = ctx;
+    const size_t w = (size_t) gp_frame_w(s->frame);
+    (void) thread;
+    s->sum[y] = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const float *const row = s->frame->layer.c[c] + (size_t) y * w;
+        for (size_t x = 0; x < w; x++)
+            s->sum[y] += (double) row[x] * (double) row[x];
+    }
+}
+
+/* Sets the bound: all ghosts are light, so the exact layer is no less than the
+ * one without some. */
+static gp_status set_bound(const struct gp_log *log, const struct gp_frame *f,
+                           struct gp_lens_facts *facts)
+{
+    const int h = gp_frame_h(f);
+    struct squares s = {.frame = f};
+    double sum = 0.0;
+    const gp_status st = gp_alloc(log, "norm", (size_t) h, sizeof *s.sum,
+                                  &s.sum);
+    if (st)
+        return st;
+    gp_parallel_do(h, add_squares, &s);
+    for (int y = 0; y < h; y++)
+        sum += s.sum[y];
+    facts->bound = facts->stats.missing > 0.0
+                       ? facts->stats.missing / sqrt(sum) : 0.0;
+    gp_free(s.sum);
+    return GP_OK;
+}
+
 gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_frame *const f = &fs->frame;
     struct gp_lens_facts *const facts = &fs->facts.lens;
     struct gp_lens_light *light = NULL;
     struct gp_lens lens;
+    double dark[3] = {0};
     gp_status st;
     int n = 0;
     GP_TRY(gp_alloc_zero(fs->log, "lights",
@@ -169,7 +218,8 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
         n++;
     }
     if (r->suns.n == 0 && fs->sources.n)
-        GP_TRY(group_sources(fs->log, &fs->sources, light, &n, &facts->rest));
+        GP_TRY(group_sources(fs->log, &fs->sources, light, &n, &facts->rest,
+                             dark));
     GP_TRY(focus(r, fs, &lens));
     const double width = sensor_width(r, fs, &lens);
     const double mm = width / gp_rect_w(f->display);
@@ -179,6 +229,7 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
         .chromaticities = f->chromaticities, .luminance = f->luminance,
         .mean = gp_log_average(f, &f->rgb),
         .tolerance = (double) r->s->glare.tolerance,
+        .rest = {dark[0], dark[1], dark[2]},
         // hidden lights count, so that nothing changes as they appear
         .fine = r->suns.n > 0 && r->suns.n <= FEW,
     };
@@ -187,8 +238,9 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
     facts->stats.lights = n;
     if (!n)
         goto out;
-    st = gp_lens_draw(fs->log, &lens, &view, light, n, &f->layer,
-                      &facts->stats);
+    GP_TRY(gp_lens_draw(fs->log, &lens, &view, light, n, &f->layer,
+                        &facts->stats));
+    st = set_bound(fs->log, f, facts);
 out:
     gp_free(light);
     return st;
@@ -200,11 +252,12 @@ json_t *gp_lens_facts_json(const struct gp_lens_facts *l)
 {
     const struct gp_lens_stats *const s = &l->stats;
     return json_pack(
-        "{so, sf, ss, si, si, si, sf, sf, s[fff], sf}",
+        "{so, sf, ss, si, si, si, sf, sf, s[fff], sf, so}",
         "name", gp_json_name(l->name),
         "sensor_mm", round(1e3 * l->sensor) / 1e3,
         "sensor_from", l->sensor_from, "lights", s->lights,
         "ghosts", s->drawn, "ghosts_left_out", s->left_out,
         "left_out", s->dark, "sources_left_out", l->rest,
-        "flux", s->light[0], s->light[1], s->light[2], "lost", s->lost);
+        "flux", s->light[0], s->light[1], s->light[2], "lost", s->lost,
+        "bound", isfinite(l->bound) ? json_real(l->bound) : json_null());
 }

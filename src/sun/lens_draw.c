@@ -42,8 +42,11 @@ static double luminance(const struct gp_lens_view *v, const double rgb[3])
            rgb[2] * (double) v->luminance[2];
 }
 
+/* A ghost by first order: a disc of even light. */
 struct rank {
-    double bright; // luminance at a pixel that all lights together may make
+    double bright;   // luminance at a pixel that all lights together may make
+    double share[3]; // of a light's flux, by channel
+    double norm;     // over the frame's pixels, for a share of 1
     int ghost;
 };
 
@@ -54,40 +57,86 @@ static int by_brightness(const void *a, const void *b)
                                   : x->ghost - y->ghost;
 }
 
-/* Keeps the ghosts that can be seen, in their order; returns how many. */
-static int choose(const struct job *job, const struct gp_lens_ghost *ghost,
-                  int n, const double light[3], double image, int *kept,
-                  struct gp_lens_stats *stats)
+/* Ranks a ghost of lights of the flux `light` together.
+ *   through  of its path, at each node */
+static struct rank rank_of(const struct job *job, int i,
+                           const double through[GP_LENS_NODES],
+                           const double light[3])
 {
     const struct gp_lens_view *const v = job->view;
-    const double pixel = v->mm[0] * v->mm[1];
-    struct rank rank[GP_LENS_GHOSTS] = {{0}};
-    bool dark[GP_LENS_GHOSTS] = {false};
+    const struct gp_lens_ghost *const g = &job->ghost[i];
+    const double disc = pi * g->radius * g->radius;
+    // or a pixel
+    const double pixels = fmax(disc * g->m.a * g->m.a / (v->mm[0] * v->mm[1]),
+                               1.0);
+    const double frame = (double) gp_rect_w(v->frame) *
+                         (double) gp_rect_h(v->frame);
+    struct rank rank = {.norm = sqrt(fmin(pixels, frame)) / pixels,
+                        .ghost = i};
+    double root[GP_LENS_NODES], all[3];
+    for (int k = 0; k < GP_LENS_NODES; k++)
+        root[k] = sqrt(through[k] * disc);
+    gp_lens_light_of(&job->band[0][0], root, rank.share);
+    for (int c = 0; c < 3; c++)
+        all[c] = light[c] * rank.share[c];
+    rank.bright = luminance(v, all) / pixels;
+    return rank;
+}
+
+/* Returns the norm of a ghost of lights of the flux `light` together. */
+static double norm_of(const struct rank *r, const double light[3])
+{
     double sum = 0.0;
-    int kept_n = 0;
-    for (int i = 0; i < n; i++) {
-        // light of a disc of rays over the disc on the sensor, or a pixel
-        const double through = ghost[i].through / image;
-        const double disc = pi * ghost[i].radius * ghost[i].radius;
-        const double area = fmax(disc * ghost[i].m.a * ghost[i].m.a, pixel);
-        rank[i] = (struct rank) {
-            luminance(v, light) * through * disc * pixel / area, i};
+    for (int c = 0; c < 3; c++)
+        sum += light[c] * r->share[c] * light[c] * r->share[c];
+    return sqrt(sum) * r->norm;
+}
+
+/* Keeps the ghosts that can be seen, in their order, and counts the others. */
+static gp_status choose(struct job *job, int n, const double light[3],
+                        int *kept, struct gp_lens_stats *stats)
+{
+    const struct gp_lens_view *const v = job->view;
+    struct gp_lens_ghost *at_node = NULL;
+    double (*through)[GP_LENS_NODES] = NULL;
+    struct rank *rank = NULL;
+    double sum = 0.0;
+    int left = 0;
+    gp_status st;
+    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *at_node,
+                    &at_node));
+    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *through,
+                    &through));
+    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *rank, &rank));
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        gp_lens_ghosts(job->lens, gp_lens_node[k], at_node);
+        for (int i = 0; i < n; i++)
+            through[i][k] = at_node[i].through;
     }
+    for (int i = 0; i < n; i++)
+        rank[i] = rank_of(job, i, through[i], light);
     qsort(rank, (size_t) n, sizeof *rank, by_brightness);
-    for (int i = 0; i < n; i++) {
-        if (sum + rank[i].bright > v->tolerance * v->mean)
-            break;
-        sum += rank[i].bright;
-        dark[rank[i].ghost] = true;
-        stats->left_out++;
+    while (left < n && sum + rank[left].bright <= v->tolerance * v->mean) {
+        sum += rank[left].bright;
+        stats->missing += norm_of(&rank[left++], light);
     }
+    for (int i = 0; i < n; i++)
+        stats->missing += norm_of(&rank[i], v->rest);
+    bool dark[GP_LENS_GHOSTS] = {false};
+    for (int i = 0; i < left; i++)
+        dark[rank[i].ghost] = true;
     for (int i = 0; i < n; i++) {
         if (!dark[i])
-            kept[kept_n++] = i;
+            kept[job->kept_n++] = i;
     }
-    stats->drawn = kept_n;
+    stats->drawn = n - left;
+    stats->left_out = left;
     stats->dark = v->mean > 0.0 ? sum / v->mean : 0.0;
-    return kept_n;
+out:
+    gp_free(rank);
+    gp_free(through);
+    gp_free(at_node);
+    return st;
 }
 
 // -- items --------------------------------------------------------------------
@@ -253,8 +302,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     job.ghost = ghost;
     job.optics = optics;
     job.kept = kept;
-    job.kept_n = choose(&job, ghost, stats.ghosts, all, mesh.flux[1], kept,
-                        &stats);
+    GP_TRY(choose(&job, stats.ghosts, all, kept, &stats));
     for (int i = 0; i < n * job.kept_n; i += job.items) {
         job.first = i;
         job.items = gp_min(n * job.kept_n - i, CHUNK);

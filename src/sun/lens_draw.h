@@ -35,6 +35,8 @@ struct gp_lens_view {
     double tolerance;          // ghosts are left out that together stay under
                                // this share of `mean` at every pixel, by first
                                // order; error of meshes
+    double rest[3];            // flux of lights that are not given, which
+                               // counts as left out
     bool fine;                 // meshes and bands as for a few lights: several
                                // times the time
 };
@@ -47,6 +49,8 @@ struct gp_lens_stats {
                                // surface or are reflected wholly
     double dark;               // luminance at a pixel of all ghosts left out,
                                // by first order, over `mean`
+    double missing;            // bound of the norm, over pixels and channels,
+                               // of all ghosts left out, by first order
     double steps[5];           // ghosts drawn at 1, 2, 4, 8, 16 pixels a step
 };
 

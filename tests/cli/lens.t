@@ -91,6 +91,8 @@ is "$(field r.json 'o["lens"]["ghosts"] + o["lens"]["ghosts_left_out"]')" 28 \
     '28 ghosts'
 is "$(field r.json 'o["lens"]["left_out"] <= 1e-3')" True \
     'those left out stay under --tolerance'
+is "$(field r.json '0 < o["lens"]["bound"] == o["bound"] < 1')" True \
+    'and are in the bound'
 is "$(field r.json '0 < sum(o["lens"]["flux"]) < 24')" True \
     'all ghosts have less than a hundredth of the light'
 is "$(field r.json '"lens" in o["times_ms"]')" True 'timed'
@@ -114,6 +116,8 @@ frame lit.exr size=64x48 seed=5 lights=9
 "$glarepp" -q --lens tessar --report r.json --layer a.exr lit.exr
 is "$(field r.json '0 < o["lens"]["lights"] <= 9')" True \
     'groups of bright pixels are lights'
+is "$(field r.json 'o["bound"] > o["lens"]["bound"] > 0')" True \
+    'the bound is of glare and ghosts'
 "$glarepp" -q --layer b.exr lit.exr
 "$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
 is $? 2 'whose ghosts the layer has'

@@ -148,6 +148,57 @@ static void faint_ghosts_are_counted(void **state)
     assert_true(stats[0].light[1] > 0.0 && stats[0].light[1] < 0.01 * 1e3);
 }
 
+/* The norm of the ghosts that are left out is under the bound, and not far
+ * under it; lights that are not given count as much as lights that are. */
+static void left_out_is_bounded(void **state)
+{
+    enum { W = 240, H = 160, N = W * H };
+    static const char *const names[] = {"heliar", "tessar", "double-gauss"};
+    const struct gp_rect frame = {0, 0, W, H};
+    const struct gp_lens_light light[2] = {{70.0, 60.0, {1e3, 1e3, 1e3}},
+                                           {180.0, 90.0, {5e2, 1e3, 2e3}}};
+    for (size_t l = 0; l < COUNT(names); l++) {
+        for (int t = 0; t < 3; t++) {
+            static const double mean[] = {0.003, 0.03, 1e9};
+            struct gp_lens lens = {0};
+            struct gp_planes p[2];
+            struct gp_lens_stats stats[3];
+            double off = 0.0;
+            assert_ok(gp_lens_read(&kept_log, names[l], &lens));
+            assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+            struct gp_lens_view view = {
+                .frame = frame, .display = frame, .mm = {84.0 / W, 84.0 / W},
+                .chromaticities = gp_rec709_chromaticities,
+                .luminance = gp_rec709_luminance, .tolerance = 1e-3,
+            };
+            for (int k = 0; k < 2; k++) {
+                view.mean = k ? mean[t] : 0.0;
+                assert_ok(gp_planes_make(&kept_log, "layer", N, &p[k]));
+                gp_planes_clear(&p[k], 0, N);
+                assert_ok(gp_lens_draw(&kept_log, &lens, &view, light, 2, &p[k],
+                                       &stats[k]));
+            }
+            for (int c = 0; c < 3; c++) {
+                for (int i = 0; i < N; i++)
+                    off += pow((double) (p[0].c[c][i] - p[1].c[c][i]), 2.0);
+            }
+            assert_true(stats[0].missing == 0.0 && stats[1].left_out > 0);
+            assert_true(sqrt(off) > 0.0);
+            const double over = stats[1].missing / sqrt(off);
+            if (!(over >= 1.0 && over < 30.0))
+                fail_msg("%s, mean %g: %g times the error", names[l], mean[t],
+                         over);
+            // the second light as one that is not given
+            memcpy(view.rest, light[1].flux, sizeof view.rest);
+            assert_ok(gp_lens_draw(&kept_log, &lens, &view, light, 1, &p[1],
+                                   &stats[2]));
+            assert_true(stats[2].missing >= stats[1].missing * (1.0 - 1e-9));
+            gp_planes_free(&p[0]);
+            gp_planes_free(&p[1]);
+        }
+    }
+}
+
 /* Light of a path at one wavelength, in mm^2. */
 static double traced_light(const struct gp_lens *lens, int first, int second,
                            double u, double nm)
@@ -317,6 +368,6 @@ static void cover_is_exact(void **state)
 }
 
 SUITE_OF(lens_draw, make_folder, remove_folder, light_in_closed_form,
-    disc_is_even, faint_ghosts_are_counted, colours_follow_the_spectrum,
+    disc_is_even, faint_ghosts_are_counted, left_out_is_bounded, colours_follow_the_spectrum,
     coarse_is_near_fine, threads_change_nothing,
     cover_is_exact)
