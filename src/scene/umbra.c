@@ -1,7 +1,7 @@
 /* Convex bodies of meshes, and the umbras they throw. */
 #include "scene/umbra.h"
 
-#include "scene/bounds.h"
+#include "core/memory.h"
 
 #include <string.h>
 
@@ -15,7 +15,7 @@ struct flat {
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 
-static bool opaque(const struct gp_scene *s, const struct gp_part *p)
+bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p)
 {
     const struct gp_material *const m = &s->material[p->material];
     // (0 and under: everywhere opaque)
@@ -150,7 +150,7 @@ bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
     memset(out, 0, sizeof *out);
     for (const struct gp_part *p = s->part + m->first; p < end; p++) {
         triangles += p->count / 3;
-        if (!opaque(s, p) || triangles > 4 * GP_BODY_POINTS)
+        if (!gp_part_opaque(s, p) || triangles > 4 * GP_BODY_POINTS)
             return false;
     }
     if (triangles == 0 || !(size > 0.0))
@@ -175,6 +175,46 @@ bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
                 out->middle, gp_v3_scale(out->point[i], 1.0 / out->points));
     }
     return convex(out, near, plane);
+}
+
+// -- of a scene's meshes ------------------------------------------------------
+
+gp_status gp_bodies_make(const struct gp_log *log, const struct gp_scene *s,
+                         struct gp_bodies **out)
+{
+    gp_status st;
+    struct gp_bodies *b = NULL;
+    struct gp_body found;
+    *out = NULL;
+    GP_TRY(gp_alloc_zero(log, "bodies of the scene", 1, sizeof *b, &b));
+    GP_TRY(gp_alloc(log, "bodies of the scene", (size_t) s->meshes + 1,
+                    sizeof *b->of_mesh, &b->of_mesh));
+    for (int i = 0; i < s->meshes; i++) {
+        b->of_mesh[i] = -1;
+        if (!gp_body_find(s, i, &found))
+            continue;
+        const size_t n = (size_t) b->bodies;
+        if ((n & (n - 1)) == 0) // 0, 1, 2, 4...
+            GP_TRY(gp_resize(log, "bodies of the scene",
+                             (n ? 2 * n : 1) * sizeof found,
+                             (void **) &b->body));
+        b->body[n] = found;
+        b->of_mesh[i] = b->bodies++;
+    }
+    *out = b;
+    b = NULL;
+out:
+    gp_bodies_free(&b);
+    return st;
+}
+
+void gp_bodies_free(struct gp_bodies **b)
+{
+    if (*b) {
+        gp_free((*b)->of_mesh);
+        gp_free((*b)->body);
+    }
+    GP_FREE(*b);
 }
 
 // -- umbras ------------------------------------------------------------------
@@ -234,4 +274,45 @@ struct gp_umbra gp_umbra_make(const struct gp_body *body,
         u.plane[u.planes++] = turned_from(through(a, b, c), middle);
     }
     return u;
+}
+
+// -- of a light --------------------------------------------------------------
+
+double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o)
+{
+    if (b->of_mesh[o->mesh] < 0 || gp_box_empty(o->box))
+        return 0.0;
+    const struct gp_v3 e = gp_v3_sub(o->box.hi, o->box.lo);
+    return (e.x * e.y + e.y * e.z + e.z * e.x) / 3.0;
+}
+
+void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
+                      struct gp_v3 centre, double size, int i)
+{
+    const struct gp_v3 to = gp_v3_sub(centre, light->from.p);
+    const double angle =
+        light->from.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
+    if (o->n == GP_OCCLUDERS && angle <= o->size[o->n - 1])
+        return;
+    int k = o->n < GP_OCCLUDERS ? o->n++ : o->n - 1;
+    for (; k > 0 && o->size[k - 1] < angle; k--) {
+        o->size[k] = o->size[k - 1];
+        o->object[k] = o->object[k - 1];
+    }
+    o->size[k] = angle;
+    o->object[k] = i;
+}
+
+int gp_darkest_umbras(const struct gp_darkest *o, const struct gp_scene *s,
+                        const struct gp_bodies *b, const struct gp_reach *light,
+                        struct gp_umbra umbra[GP_OCCLUDERS])
+{
+    int n = 0;
+    for (int k = 0; k < o->n; k++) {
+        const struct gp_object *const at = &s->object[o->object[k]];
+        umbra[n] = gp_umbra_make(&b->body[b->of_mesh[at->mesh]], at->to_world,
+                                 light->from);
+        n += umbra[n].planes > 0;
+    }
+    return n;
 }

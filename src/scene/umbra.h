@@ -2,7 +2,7 @@
 #ifndef GP_SCENE_UMBRA_H
 #define GP_SCENE_UMBRA_H
 
-#include "scene/frustum.h"
+#include "scene/reach.h"
 
 enum { GP_BODY_POINTS = 64, GP_BODY_FACES = 64, GP_BODY_EDGES = 128 };
 
@@ -24,6 +24,9 @@ struct gp_body {
  * False where they make none: not convex, open but not flat, cut out or
  * transparent, over 64 points or faces. Triangles without area do not count. */
 bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out);
+
+/* True where no light passes through a part of a mesh. */
+bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p);
 
 /* The umbra of a body: behind its front faces and within the planes through
  * the light and the edges of its silhouette. */
@@ -50,5 +53,39 @@ static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,
     }
     return u->planes > 0;
 }
+
+/* Convex bodies of a scene's meshes, for umbras: one search for all frames. */
+struct gp_bodies {
+    int *of_mesh;         // index; -1: none
+    struct gp_body *body;
+    int bodies;
+};
+
+/* Out: *out, free with gp_bodies_free(). Errors: GP_ERR_BUG memory is full. */
+GP_MUST_CHECK gp_status gp_bodies_make(const struct gp_log *log,
+                                       const struct gp_scene *s,
+                                       struct gp_bodies **out);
+void gp_bodies_free(struct gp_bodies **b);
+
+/* The largest occluders of a light, by the angle that they fill. */
+enum { GP_OCCLUDERS = 8 };
+struct gp_darkest {
+    int n;
+    int object[GP_OCCLUDERS];
+    double size[GP_OCCLUDERS]; // falling
+};
+
+/* Returns the mean of the areas of an object's box as seen from each axis, a
+ * measure of the shadow it throws; 0 where its mesh is no body. */
+double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o);
+
+/* Keeps object i of that centre and size where it is among the largest. */
+void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
+                      struct gp_v3 centre, double size, int i);
+
+/* Makes their umbras; returns how many are not empty. */
+int gp_darkest_umbras(const struct gp_darkest *o, const struct gp_scene *s,
+                        const struct gp_bodies *b, const struct gp_reach *light,
+                        struct gp_umbra umbra[GP_OCCLUDERS]);
 
 #endif

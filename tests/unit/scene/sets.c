@@ -1,0 +1,483 @@
+/* Sets against rays, against sorted lists, and by the paper's figures.
+ *
+ *   build/tests/scene sets --time    times all sets of 10,000 objects and 100
+ *                                    lights, by flags and by lists
+ *   GLAREPP_SEED=N                   another seed; failures print the scene's */
+#include "scene/scene_priv.h"
+
+#include "core/clock.h"
+#include "scene_rays.h"
+
+enum { W = 20, H = 14 };
+static const struct gp_rect window = {0, 0, W, H};
+
+/* A frame of a scene: its camera, and the visible point of each pixel. */
+struct shot {
+    struct gp_camera camera;
+    struct gp_v3 eye, point[W * H];
+    int object[W * H]; // -1: none
+    float depth[W * H];
+};
+
+static const double NEAR = 0.05;
+
+/* Returns the direction through a pixel's centre, 1 long along the axis. */
+static struct gp_v3 through(const struct gp_camera *c, int x, int y)
+{
+    const double u[2] = {x + 0.5, x + 0.5}, v[2] = {y + 0.5, y + 0.5};
+    const struct gp_frustum f = gp_frustum_make(c, window, u, v, 1.0, 2.0);
+    return gp_v3_sub(f.corner[4], f.corner[0]);
+}
+
+static void take(const struct gp_scene *s, struct gp_camera c, struct gp_v3 eye,
+                 struct shot *shot)
+{
+    shot->camera = c;
+    shot->eye = eye;
+    for (int i = 0; i < W * H; i++) {
+        const struct gp_v3 to = through(&c, i % W, i / W);
+        const struct ray_hit hit = ray_scene(s, eye, to, NEAR, 1e6);
+        shot->object[i] = hit.object;
+        shot->point[i] = gp_v3_add(eye, gp_v3_scale(to, hit.t));
+        shot->depth[i] = hit.object < 0 ? 1e10f : (float) hit.t;
+    }
+}
+
+static struct gp_sets_view view_of(const struct shot *shot)
+{
+    return (struct gp_sets_view) {.camera = shot->camera, .display = window,
+                                  .window = window, .near = NEAR,
+                                  .depth = shot->depth};
+}
+
+/* True where the picture shows the place of a light. */
+static bool on_screen(const struct gp_camera *c,
+                      const struct gp_scene_light *light)
+{
+    const bool sun = light->kind == GP_LIGHT_DIRECTIONAL;
+    const struct gp_v3 at = sun ? gp_v3_scale(light->along, -1.0) : light->at;
+    const double world[3] = {at.x, at.y, at.z};
+    const struct gp_projected p =
+        gp_camera_project(c, window, world, sun ? 0.0 : 1.0);
+    return !p.behind && p.x >= 0 && p.x < W && p.y >= 0 && p.y < H;
+}
+
+static uint64_t first_seed(void)
+{
+    const char *const text = getenv("GLAREPP_SEED");
+    return text ? strtoull(text, NULL, 10) : 60;
+}
+
+// -- against rays ------------------------------------------------------------
+
+/* Counts of objects over all scenes. */
+struct sum {
+    long objects, f, v, seen;   // of frames
+    long reach, l, i, lit, s, casting; // of lights
+    int off, lights;
+};
+
+/* The first object that a light meets on the way to a point; -1: none. */
+static int blocker(const struct gp_scene *s, const struct gp_scene_light *light,
+                   struct gp_v3 p)
+{
+    if (light->kind == GP_LIGHT_DIRECTIONAL) {
+        const struct gp_v3 from = gp_v3_sub(p, gp_v3_scale(light->along, 1e3));
+        return ray_scene(s, from, light->along, 0.0, 1e3 - 1e-6).object;
+    }
+    const struct gp_v3 to = gp_v3_sub(p, light->at);
+    return ray_scene(s, light->at, to, 0.0, 1.0 - 1e-6).object;
+}
+
+static bool reaches(const struct gp_scene_light *light, struct gp_v3 p)
+{
+    if (light->kind == GP_LIGHT_DIRECTIONAL)
+        return true;
+    const struct gp_v3 to = gp_v3_sub(p, light->at);
+    return gp_v3_length(to) < light->range &&
+           (light->kind == GP_LIGHT_POINT ||
+            gp_v3_dot(gp_v3_unit(to), light->along) > cos(light->outer));
+}
+
+static void check_light(const struct gp_scene *s, const struct shot *shot,
+                        struct gp_sets *sets, int light, unsigned long long at,
+                        struct sum *sum)
+{
+    bool lit[64] = {false}, casting[64] = {false};
+    const struct gp_scene_light *const from = &s->light[light];
+    const bool any = gp_sets_light(sets, light);
+    const uint8_t *const flag = gp_sets_flags(sets);
+    const struct gp_scissor cut = gp_sets_scissor(sets);
+    for (int k = 0; k < W * H; k++) {
+        const int o = shot->object[k];
+        const double z = (double) shot->depth[k];
+        if (o < 0 || !reaches(from, shot->point[k]))
+            continue;
+        const int first = blocker(s, from, shot->point[k]);
+        const bool in = k % W >= cut.rect.x0 && k % W < cut.rect.x1 &&
+                        k / W >= cut.rect.y0 && k / W < cut.rect.y1 &&
+                        z >= cut.near && z <= cut.far &&
+                        (flag[o] & GP_SET_I) != 0;
+        if (first < 0) {
+            lit[o] = true;
+            if (!any || !in)
+                fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object "
+                         "%d is lit and not in I or the scissor", at, light,
+                         k % W, k / W, o);
+        } else if (in) { // it must stay dark
+            casting[first] = true;
+            if (!(flag[first] & GP_SET_S))
+                fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object "
+                         "%d casts a shadow and is not in S", at, light, k % W,
+                         k / W, first);
+        }
+    }
+    const struct gp_reach r = gp_light_reach(from);
+    for (int i = 0; i < s->objects; i++) {
+        const struct gp_object *const o = &s->object[i];
+        const struct gp_v3 e = gp_v3_sub(o->box.hi, o->centre);
+        sum->reach += !gp_reach_too_far(&r, o->centre, e) &&
+                      !gp_reach_beside(&r, o->centre, o->radius);
+        sum->l += (flag[i] & GP_SET_L) != 0;
+        sum->i += (flag[i] & GP_SET_I) != 0;
+        sum->s += (flag[i] & GP_SET_S) != 0;
+        sum->lit += lit[i];
+        sum->casting += casting[i];
+        assert_true(!(flag[i] & GP_SET_I) ==
+                    !((flag[i] & GP_SET_V) && (flag[i] & GP_SET_L) && any));
+        assert_true(!(flag[i] & GP_SET_S) || (flag[i] & GP_SET_L));
+    }
+    sum->lights++;
+    sum->off += !on_screen(&shot->camera, from);
+}
+
+static void check_frame(const struct gp_scene *s, const struct shot *shot,
+                        const struct gp_sets *sets, unsigned long long at,
+                        struct sum *sum)
+{
+    bool seen[64] = {false};
+    const uint8_t *const flag = gp_sets_flags(sets);
+    for (int k = 0; k < W * H; k++) {
+        const int o = shot->object[k];
+        if (o >= 0)
+            seen[o] = true;
+        if (o >= 0 && !(flag[o] & GP_SET_V))
+            fail_msg("GLAREPP_SEED=%llu: object %d of pixel %d, %d is not in V",
+                     at, o, k % W, k / W);
+        const struct gp_v3 to = gp_v3_sub(shot->point[k], shot->eye);
+        for (int i = 0; k % 5 == 0 && i < s->objects; i++) {
+            if (!(flag[i] & GP_SET_F) &&
+                isfinite(ray_object(s, &s->object[i], shot->eye, to,
+                                    NEAR / 1e-3, 1e9)))
+                fail_msg("GLAREPP_SEED=%llu: object %d behind pixel %d, %d is "
+                         "not in F", at, i, k % W, k / W);
+        }
+    }
+    for (int i = 0; i < s->objects; i++) {
+        sum->f += (flag[i] & GP_SET_F) != 0;
+        sum->v += (flag[i] & GP_SET_V) != 0;
+        sum->seen += seen[i];
+    }
+    sum->objects += s->objects;
+}
+
+/* A random scene and a camera in it, whose picture shows light 0 or not. */
+static struct gp_scene random_shot(uint64_t *seed, bool on, int objects,
+                                   struct shot *shot)
+{
+    static const struct gp_box world = {{-18, -18, 0.5}, {18, 18, 9}};
+    struct gp_scene s = made_random_scene(seed, objects, 2);
+    struct gp_camera c;
+    struct gp_v3 eye;
+    for (int tries = 0; tries < 200; tries++) {
+        eye = made_within(seed, world);
+        c = made_camera(&s, eye, made_within(seed, world),
+                        made_between(seed, 30.0, 90.0), (double) W / H);
+        if (on_screen(&c, &s.light[0]) == on)
+            break;
+    }
+    take(&s, c, eye, shot);
+    return s;
+}
+
+/* In 10,000 random scenes, half with the light off screen, no object is lost
+ * that rays find to matter. GLAREPP_TEST_QUICK: in 500. */
+static void nothing_is_lost(void **state)
+{
+    static struct shot shot;
+    struct sum n = {0};
+    const int scenes = getenv("GLAREPP_TEST_QUICK") ? 500 : 10000;
+    for (int k = 0; k < scenes; k++) {
+        const uint64_t at = first_seed() + (uint64_t) k;
+        uint64_t seed = at;
+        struct gp_scene s = random_shot(&seed, at % 2 == 0, 16, &shot);
+        struct gp_bodies *bodies;
+        struct gp_sets *sets;
+        const struct gp_sets_view view = view_of(&shot);
+        assert_ok(gp_bodies_make(NULL, &s, &bodies));
+        assert_ok(gp_sets_open(NULL, &s, bodies, &view, GP_SETS_ALL, &sets));
+        check_frame(&s, &shot, sets, at, &n);
+        for (int i = 0; i < s.lights; i++)
+            check_light(&s, &shot, sets, i, at, &n);
+        gp_sets_close(&sets);
+        gp_bodies_free(&bodies);
+        made_free(&s);
+    }
+    print_message("# sets: %d scenes, %d lights, %d of them off screen; "
+                  "objects: %ld, F %ld, V %ld, seen by rays %ld; of lights: in "
+                  "reach %ld, L %ld, I %ld, lit by rays %ld, S %ld, casting by "
+                  "rays %ld\n", scenes, n.lights, n.off, n.objects, n.f, n.v,
+                  n.seen, n.reach, n.l, n.i, n.lit, n.s, n.casting);
+    assert_true(n.off > n.lights / 3 && n.off < n.lights);
+    assert_true(n.seen > 2 * scenes && n.lit > scenes && n.casting > scenes);
+    // it is of use
+    assert_true(n.v < n.f && n.f < n.objects && n.l < n.reach && n.s < n.l);
+}
+
+// -- against lists -----------------------------------------------------------
+
+static void compare(const struct gp_scene *s, const uint8_t *flag, unsigned set,
+                    const struct gp_set *list)
+{
+    int k = 0;
+    for (int i = 0; i < s->objects; i++) {
+        const bool in = k < list->n && list->object[k] == i;
+        assert_true(in == ((flag[i] & set) != 0));
+        k += in;
+    }
+    assert_int_equal(k, list->n);
+}
+
+/* Flags are the sorted lists', for every choice of parts. */
+static void as_lists(void **state)
+{
+    static struct shot shot;
+    int lit = 0;
+    for (int k = 0; k < 300; k++) {
+        uint64_t seed = first_seed() + 5000 + (uint64_t) k;
+        struct gp_scene s = random_shot(&seed, k % 2 == 0, 40, &shot);
+        const unsigned use = (unsigned) k % 16;
+        struct gp_bodies *bodies;
+        struct gp_sets *sets;
+        struct gp_sets_view view = view_of(&shot);
+        view.depth = k % 5 ? view.depth : NULL;
+        view.texel = k % 3 ? 0.0 : 0.01;
+        assert_ok(gp_bodies_make(NULL, &s, &bodies));
+        assert_ok(gp_sets_open(NULL, &s, bodies, &view, use, &sets));
+        for (int i = 0; i < s.lights; i++) {
+            struct gp_lists lists;
+            const bool any = gp_sets_light(sets, i);
+            const uint8_t *const flag = gp_sets_flags(sets);
+            assert_ok(gp_lists_make(NULL, &s, bodies, &view, use, i, &lists));
+            compare(&s, flag, GP_SET_F, &lists.f);
+            compare(&s, flag, GP_SET_V, &lists.v);
+            compare(&s, flag, GP_SET_I, &lists.i);
+            compare(&s, flag, GP_SET_S, &lists.s);
+            if (any)
+                compare(&s, flag, GP_SET_L, &lists.l);
+            assert_true(any == (lists.i.n > 0));
+            lit += any;
+            gp_lists_free(&lists);
+        }
+        gp_sets_close(&sets);
+        gp_bodies_free(&bodies);
+        made_free(&s);
+    }
+    assert_true(lit > 100);
+}
+
+// -- the paper's figures -----------------------------------------------------
+
+/* A ground, a camera at (0, -10, 2) that looks along y, and `things` boxes of
+ * side 1 at places on it; the flags of each light are found one by one. */
+static struct gp_scene figure(const struct gp_v3 *at, const struct gp_v3 *size,
+                              int things, struct shot *shot)
+{
+    struct gp_scene s = made_scene();
+    const int box = made_box(&s, 0), card = made_card(&s, 0);
+    made_put(&s, card, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {99, 99, 1}, 0);
+    for (int i = 0; i < things; i++)
+        made_put(&s, box, at[i], size[i], 0.0);
+    const struct gp_v3 eye = {0, -10, 2};
+    const struct gp_camera c =
+        made_camera(&s, eye, (struct gp_v3) {0, 0, 2}, 50.0, (double) W / H);
+    take(&s, c, eye, shot);
+    return s;
+}
+
+static unsigned flags_of(const struct gp_scene *s, const struct shot *shot,
+                         int light, int object)
+{
+    struct gp_bodies *bodies;
+    struct gp_sets *sets;
+    const struct gp_sets_view view = view_of(shot);
+    assert_ok(gp_bodies_make(NULL, s, &bodies));
+    assert_ok(gp_sets_open(NULL, s, bodies, &view, GP_SETS_ALL, &sets));
+    gp_sets_light(sets, light);
+    const unsigned flags = gp_sets_flags(sets)[object];
+    gp_sets_close(&sets);
+    gp_bodies_free(&bodies);
+    return flags;
+}
+
+/* Figure 15-1: an object outside of the frustum casts a shadow into it; one
+ * on the other side of the light does not. */
+static void figure_15_1(void **state)
+{
+    static struct shot shot;
+    const struct gp_v3 at[] = {{-9, 0, 1}, {-19, 0, 1}, {0, 0, 1}};
+    const struct gp_v3 one[] = {{1, 1, 2}, {1, 1, 2}, {1, 1, 2}};
+    struct gp_scene s = figure(at, one, 3, &shot);
+    made_point(&s, (struct gp_v3) {-14, 0, 3}, 100.0, 30.0);
+    const unsigned between = flags_of(&s, &shot, 0, 1);
+    const unsigned beyond = flags_of(&s, &shot, 0, 2);
+    const unsigned in = flags_of(&s, &shot, 0, 3);
+    assert_int_equal(between, GP_SET_L | GP_SET_S);
+    assert_int_equal(beyond, GP_SET_L);
+    assert_int_equal(in, GP_SET_F | GP_SET_V | GP_SET_L | GP_SET_I | GP_SET_S);
+    made_free(&s);
+}
+
+/* Figure 15-2: an object in the frustum that a wall hides is not in V, and
+ * casts a shadow past the wall; the light is in the frustum. */
+static void figure_15_2(void **state)
+{
+    static struct shot shot;
+    const struct gp_v3 at[] = {{-2, 0, 2}, {-1.5, 4, 1}};
+    const struct gp_v3 size[] = {{4, 0.2, 6}, {1, 1, 1}};
+    struct gp_scene s = figure(at, size, 2, &shot);
+    made_point(&s, (struct gp_v3) {-3, 6, 1.5}, 100.0, 30.0);
+    const unsigned wall = flags_of(&s, &shot, 0, 1);
+    const unsigned hidden = flags_of(&s, &shot, 0, 2);
+    assert_true(wall & GP_SET_V);
+    assert_int_equal(hidden, GP_SET_F | GP_SET_L | GP_SET_S);
+    made_free(&s);
+}
+
+/* 15.2.1: 14 batches of ambient light, and for each of three lights all of them
+ * for shadows and all for light: 98. */
+static void example_of_98(void **state)
+{
+    struct gp_scene s = made_example();
+    const struct gp_camera c =
+        made_camera(&s, (struct gp_v3) {-3.5, -3.5, 2},
+                    (struct gp_v3) {0, 0, 1}, 90.0, (double) W / H);
+    const struct gp_sets_view view = {.camera = c, .display = window,
+                                      .window = window, .near = NEAR};
+    struct gp_bodies *bodies;
+    struct gp_sets *sets;
+    assert_ok(gp_bodies_make(NULL, &s, &bodies));
+    assert_ok(gp_sets_open(NULL, &s, bodies, &view, 0, &sets));
+    int n = gp_sets_batches(sets, GP_SET_V, false), merged = 0;
+    for (int i = 0; i < s.lights; i++) {
+        assert_true(gp_sets_light(sets, i));
+        n += gp_sets_batches(sets, GP_SET_S, false);
+        n += gp_sets_batches(sets, GP_SET_I, false);
+        merged += gp_sets_batches(sets, GP_SET_S, true);
+    }
+    assert_int_equal(n, 98);
+    assert_int_equal(merged, 3 * 4); // an object each
+    gp_sets_close(&sets);
+    gp_bodies_free(&bodies);
+    made_free(&s);
+}
+
+// -- time --------------------------------------------------------------------
+
+/* A city: 10,000 objects on 220 x 220, as dense as the street of the data, and
+ * 100 lamps with ranges of 9 to 40. */
+static struct gp_scene city(uint64_t *seed)
+{
+    static const struct gp_box world = {{-110, -110, 0}, {110, 110, 6}};
+    struct gp_scene s = made_random_scene(seed, 10000, 0);
+    for (int i = 1; i < s.objects; i++) {
+        struct gp_object *const o = &s.object[i];
+        o->to_world[12] *= 5.5;
+        o->to_world[13] *= 5.5;
+        made_bounds(&s, o);
+    }
+    for (int i = 0; i < 100; i++) {
+        const struct gp_v3 at = made_within(seed, world);
+        const double range = made_between(seed, 9, 40);
+        if (i % 3)
+            made_point(&s, at, 100.0, range);
+        else
+            made_spot(&s, at, (struct gp_v3) {1, i % 5 - 2, -1}, 100.0, range,
+                      10.0, 42.0);
+    }
+    return s;
+}
+
+/* Times all sets of a frame of 640 x 360. */
+static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
+{
+    static const struct gp_rect big = {0, 0, 640, 360};
+    const struct gp_camera c =
+        made_camera(&s, eye, (struct gp_v3) {0, 0, 3}, 60.0, 16.0 / 9.0);
+    float *const depth = calloc(640 * 360, sizeof *depth);
+    const double far = 2.0 * gp_v3_length(eye);
+    for (int i = 0; depth && i < 640 * 360; i++) // walls and a sky
+        depth[i] = i < 640 * 90
+                       ? 1e10f
+                       : (float) (5.0 + far * (i % 640 / 80) / 7.0);
+    const struct gp_sets_view view = {.camera = c, .display = big,
+                                      .window = big, .near = NEAR,
+                                      .depth = depth};
+    double least = INFINITY, frame = INFINITY;
+    struct gp_bodies *bodies;
+    assert_ok(gp_bodies_make(NULL, &s, &bodies));
+    long sum[5] = {0};
+    for (int run = 0; run < 7; run++) {
+        struct gp_sets *sets;
+        const double start = gp_now_ms();
+        assert_ok(gp_sets_open(NULL, &s, bodies, &view, GP_SETS_ALL, &sets));
+        frame = fmin(frame, gp_now_ms() - start);
+        for (int i = 0; i < s.lights; i++)
+            gp_sets_light(sets, i);
+        least = fmin(least, gp_now_ms() - start);
+        for (int i = 0; run == 0 && i < s.lights; i++) {
+            gp_sets_light(sets, i);
+            for (unsigned k = 0; k < 5; k++)
+                sum[k] += gp_sets_list(sets, 1u << k, NULL);
+        }
+        gp_sets_close(&sets);
+    }
+    const double start = gp_now_ms();
+    for (int i = 0; i < s.lights && !getenv("NOLISTS"); i++) {
+        struct gp_lists lists;
+        assert_ok(gp_lists_make(NULL, &s, bodies, &view, GP_SETS_ALL, i,
+                                &lists));
+        gp_lists_free(&lists);
+    }
+    const double lists = gp_now_ms() - start;
+    printf("%s: %d objects, %d lights: flags %.2f ms (F and V %.2f), lists "
+           "%.0f ms; F %ld, V %ld; mean of lights: L %.1f, I %.1f, S %.1f\n",
+           name, s.objects, s.lights, least, frame, lists, sum[0] / 100, sum[1] / 100,
+           (double) sum[2] / 100, (double) sum[3] / 100, (double) sum[4] / 100);
+    gp_bodies_free(&bodies);
+    free(depth);
+    made_free(&s);
+}
+
+static void time_sets(void)
+{
+    uint64_t seed = first_seed();
+    const struct gp_v3 street = {0, -19, 3}, above = {0, -140, 80};
+    time_scene("city, from a street", city(&seed), street);
+    time_scene("city, all of it", city(&seed), above);
+    time_scene("all in 40 x 40", made_random_scene(&seed, 10000, 100), street);
+}
+
+SUITE(sets)
+{
+    const CMUnitTestFunction tests[] = {
+        nothing_is_lost, as_lists, figure_15_1, figure_15_2, example_of_98,
+    };
+    if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
+        time_sets();
+    return argc > 1 ? 0
+                    : suite_run(tests, COUNT(tests),
+                                "nothing_is_lost, as_lists, figure_15_1, "
+                                "figure_15_2, example_of_98",
+                                NULL, NULL, NULL, NULL);
+}
