@@ -345,8 +345,10 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         l->visibility = 0.0;
-        if (l->behind)
+        if (l->behind) {
+            l->visibility = outside == GP_OUTSIDE_SCENE ? l->outside : 0.0;
             continue;
+        }
         const double r = fmin(fmax(l->radius, least_radius), most_radius);
         const double disc = M_PI * r * r;
         const double frame = area_in(l, r, o->frame);
@@ -368,7 +370,9 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
         const double beyond = disc - frame;
         if (outside != GP_OUTSIDE_IGNORE && beyond > 1e-12 * disc) {
             s.area += beyond;
-            s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond : 0.0;
+            s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond
+                       : outside == GP_OUTSIDE_SCENE ? beyond * l->outside
+                                                     : 0.0;
         }
         l->visibility = s.area > 0.0 ? fmin(s.shown / s.area, 1.0) : 0.0;
     }

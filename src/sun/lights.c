@@ -114,6 +114,36 @@ out:
     return st;
 }
 
+/* The disc that the camera sees, of a light in its place. */
+static struct gp_light_sight sight_of(const struct gp_light_spec *spec,
+    const struct gp_camera *c, struct gp_rect display, const struct gp_light *l)
+{
+    struct gp_light_sight s = {.known = true};
+    struct gp_v3 to = {spec->at[0], spec->at[1], spec->at[2]};
+    double distance = INFINITY;
+    s.lamp = spec->place == GP_PLACE_WORLD;
+    if (spec->place == GP_PLACE_PIXEL)
+        to = gp_camera_ray(c, display, l->x, l->y);
+    s.at[0] = to.x;
+    s.at[1] = to.y;
+    s.at[2] = to.z;
+    if (s.lamp) {
+        to = gp_v3_sub(to, gp_camera_eye(c));
+        distance = gp_v3_length(to);
+    }
+    const double along[3] = {to.x, to.y, to.z};
+    const bool by_pixels = spec->radius >= 0.0 || !(spec->ball > 0.0);
+    if (spec->place == GP_PLACE_DIRECTION && spec->radius < 0.0)
+        s.half = spec->degrees * (M_PI / 360.0);
+    else if (s.lamp && !by_pixels)
+        s.half = spec->ball < distance ? asin(spec->ball / distance)
+                                       : M_PI / 2.0;
+    else if (distance > 0.0)
+        s.half = gp_camera_disc_degrees(c, display, along, l->radius) *
+                 (M_PI / 360.0);
+    return s;
+}
+
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     const struct gp_light_spec *spec, const struct gp_camera *c,
     enum gp_depth_type type, struct gp_rect display, struct gp_light *out)
@@ -137,14 +167,26 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
         l.radius = spec->radius;
     else if (spec->place == GP_PLACE_DIRECTION)
         l.radius = gp_camera_disc(c, display, spec->at, spec->degrees);
+    if (c)
+        l.sight = sight_of(spec, c, display, &l);
+    if (spec->radius < 0.0 && l.sight.lamp && spec->ball > 0.0) {
+        const struct gp_v3 eye = gp_camera_eye(c);
+        const double to[3] = {spec->at[0] - eye.x, spec->at[1] - eye.y,
+                              spec->at[2] - eye.z};
+        l.radius = gp_camera_disc(c, display, to,
+                                  l.sight.half * (360.0 / M_PI));
+    }
     const bool own = isnan(spec->depth) && spec->place == GP_PLACE_WORLD;
     if (own && type == GP_DEPTH_NORMALIZED)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: in normalized depth a light needs a \"depth\" "
                        "(found \"world\" without one); give it, 0 near to 1 "
                        "far", path);
-    if (own) // its distance, counted as the frame's depth channel counts
+    if (own) { // its distance, counted as the frame's depth channel counts
         l.depth = type == GP_DEPTH_RAY ? at.ray : at.z;
+        if (spec->ball > 0.0 && l.depth > 0.0)
+            l.bias = fmin(l.bias + spec->ball / l.depth, 1.0);
+    }
     else if (!isnan(spec->depth))
         l.depth = spec->depth;
     for (int i = 0; i < 3; i++)

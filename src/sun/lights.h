@@ -22,6 +22,14 @@ enum {
     GP_LIGHT_NAME = 64,   // bytes of a name, with its null byte
 };
 
+/* A light's disc in the world, as the camera sees it. */
+struct gp_light_sight {
+    bool known;        // the frame has a camera; else the rest is 0
+    bool lamp;         // `at` is a place; else a direction, not 0
+    double at[3];
+    double half;       // half angle of the disc, radians, 0 to pi / 2
+};
+
 /* A light in one frame. */
 struct gp_light {
     double x, y;       // centre, EXR pixel space; y down
@@ -33,8 +41,12 @@ struct gp_light {
     double bias;       // share of depth that may be nearer and hides nothing
     float flux[3];     // scene-linear, summed over pixels, >= 0
     char name[GP_LIGHT_NAME]; // for flare of some lights; "": none
-    bool behind;       // the camera: shows nothing, is drawn nowhere
+    bool behind;       // the camera: is drawn nowhere, shows nothing but what
+                       // GP_OUTSIDE_SCENE says
+    double outside;    // share of its part outside the frame that is clear, 0
+                       // to 1; for GP_OUTSIDE_SCENE
     double visibility; // 0 hidden to 1 clear; written by exact and map
+    struct gp_light_sight sight;
 };
 #define GP_LIGHT_DEFAULTS \
     { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }
@@ -52,13 +64,14 @@ enum gp_light_place { GP_PLACE_PIXEL, GP_PLACE_WORLD, GP_PLACE_DIRECTION };
 struct gp_light_spec {
     enum gp_light_place place;
     double at[3];      // pixel x, y; world; direction
-    double radius;     // pixels; under 0: of a direction by `degrees`, else
-                       // the default of gp_light
+    double radius;     // pixels; under 0: of a direction by `degrees`, of a
+                       // lamp by `ball`, else the default of gp_light
     double degrees;    // across
     double depth;      // NAN: by the place
     double bias;
     float flux[3];
     char name[GP_LIGHT_NAME];
+    double ball;       // radius of a lamp in units of the world; 0: none
 };
 
 /* Lights from JSON: an array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
@@ -83,7 +96,9 @@ GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
 
 /* Gives a light its place in a frame. The depth of "world" is distance along
  * the axis for z and inverse, along the ray for ray; for normalized it cannot
- * be known: GP_ERR_DATA asks for "depth".
+ * be known: GP_ERR_DATA asks for "depth". A lamp's own ball is in the depth
+ * channel of many frames: it hides nothing, as the bias grows by the ball's
+ * share of the depth.
  *   c     NULL: no camera; GP_ERR_USAGE when the place needs one (says that
  *         the frame has no worldToNDC, and that --camera gives one)
  *   path  of the frame, for the message

@@ -86,8 +86,11 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     if (!s->band) // zeroed: texels between boxes are written too
         GP_TRY(gp_alloc_zero(log, "sun map's pixels", GP_SUN_BAND,
                              4 * sizeof(float), &s->band));
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         s->light[i] = gp_map_light_of(o, p->side, &light[i]);
+        if (s->light[i].k || light[i].behind)
+            gp_map_outside(p->outside, &light[i], s->light[i].outside);
+    }
     GP_TRY(gp_map_pack(log, o, s->light, n,
                        limit < GP_SUN_BAND ? limit : GP_SUN_BAND, &pixels));
     GP_TRY(gp_map_write_pixels(log, gl, o, &pixels, s, n));
@@ -106,7 +109,8 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
         row[i][7] = l->limit;
         row[i][8] = (float) (l->slot_x - l->box.x0);
         row[i][9] = (float) (l->slot_y - l->box.y0);
-        row[i][10] = row[i][11] = 0.0f;
+        row[i][10] = l->outside[0];
+        row[i][11] = l->outside[1];
     }
     gp_texture_write(gl, &s->lights, (struct gp_rect) {0, 0, LIGHT_TEXELS, n},
                      row[0]);
@@ -174,7 +178,6 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     enum { MOST = 1 << 24 }; // texels of the atlas, 256 MiB
     const bool byte = p->sum == GP_SUM_BYTE;
     const int limit = gp_gl_info(gl)->max_size;
-    float outside[2];
     gp_status st;
     GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
@@ -198,7 +201,6 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
         GP_TRY(gp_target_make(log, gl, "sun maps", GP_TEXEL_LINEAR, 1, atlas_w,
                               atlas_h, &s->atlas));
     }
-    gp_map_outside(p->outside, outside);
     const struct gp_uniform of_maps[] = {
         {.name = "pixels", .texture = &s->pixels},
         {.name = "lights", .texture = &s->lights},
@@ -206,7 +208,6 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
         {.name = "size", .v = {to->w, to->h}},
         {.name = "map", .v = {s->map, s->columns}},
         {.name = "form", .v = {s->map, p->pattern == GP_PATTERN_DISC}},
-        {.name = "outside", .floats = 2, .f = {outside[0], outside[1]}},
         {0},
     };
     const struct gp_draw maps = {
@@ -339,8 +340,7 @@ static double count_region(const struct gp_map_light *l,
                 all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
         }
     double shown = 0.0, weight = 0.0;
-    float outside[2];
-    gp_map_outside(p->outside, outside);
+    const float *const outside = l->outside;
     if (!(all > 0.0)) {
         const int x = gp_map_pixel_at(l->x, w), y = gp_map_pixel_at(l->y, h);
         const bool inside = rgba && x >= 0 && x < w && y >= 0 && y < h;
@@ -412,7 +412,8 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
             gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h},
                            rgba);
         }
-        light[i].visibility = l->k ? count_region(l, o, p, rgba) : 0.0;
+        light[i].visibility = l->k ? count_region(l, o, p, rgba)
+                                   : (double) l->outside[0];
         GP_FREE(rgba);
         intensity[4 * i] = (float) light[i].visibility;
         intensity[4 * i + 1] = 1.0f;
@@ -435,7 +436,7 @@ double gp_sun_map_reference(const struct gp_occluders *o,
     const int side = p->side * l.k, count = l.k * l.k;
     double shown = 0.0, weight = 0.0;
     float outside[2];
-    gp_map_outside(p->outside, outside);
+    gp_map_outside(p->outside, light, outside);
     for (int texel = 0; texel < p->side * p->side; texel++) {
         const int i = texel % p->side, j = texel / p->side;
         double r = 0.0, g = 0.0;
@@ -450,6 +451,10 @@ double gp_sun_map_reference(const struct gp_occluders *o,
                                             py + o->frame.y0)
                         : (double) outside[0];
             g += inside ? 1.0 : (double) outside[1];
+        }
+        if (light->behind) {
+            r = (double) outside[0];
+            g = (double) outside[1];
         }
         r /= count ? count : 1;
         g /= count ? count : 1;

@@ -60,10 +60,15 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
     return s;
 }
 
-void gp_map_outside(enum gp_sun_outside outside, float count[2])
+void gp_map_outside(enum gp_sun_outside outside, const struct gp_light *l,
+                    float count[2])
 {
-    count[0] = outside == GP_OUTSIDE_VISIBLE ? 1.0f : 0.0f;
-    count[1] = outside == GP_OUTSIDE_IGNORE ? 0.0f : 1.0f;
+    const bool scene = outside == GP_OUTSIDE_SCENE;
+    const bool none = outside == GP_OUTSIDE_IGNORE || (l->behind && !scene);
+    count[0] = scene ? (float) l->outside
+               : outside == GP_OUTSIDE_VISIBLE && !none ? 1.0f
+                                                        : 0.0f;
+    count[1] = none ? 0.0f : 1.0f;
 }
 
 /* Texels of n pixels in a row; room for a pixel without one. */

@@ -66,12 +66,14 @@ enum gp_sun_outside {
                         // there is none
     GP_OUTSIDE_VISIBLE, // counts as clear
     GP_OUTSIDE_HIDDEN,  // counts as hidden
+    GP_OUTSIDE_SCENE,   // counts by gp_light.outside; so does all of a light
+                        // behind the camera
 };
 
 /* visibility = sum(area * shown) / sum(area), both over the pixels of
  * o->frame, and the area outside of it as `outside` says; in double. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
- * 1e9; one behind the camera has 0. All hidden is exactly 0, all clear exactly
+ * 1e9; one behind the camera has 0, but for GP_OUTSIDE_SCENE. All hidden is exactly 0, all clear exactly
  * 1. Rows are summed in order: the same bits for any threads.
  * Time grows with the disc's area inside the planes' windows; the rest of the
  * frame is clear, and costs one closed form. */

@@ -61,6 +61,7 @@ struct gp_map_light {
                          // is behind the camera or its place is not finite
     float limit;         // surfaces at a place under it hide the light
     struct gp_rect box;  // pixels that its samples read; may be empty
+    float outside[2];    // gp_map_outside(); 0 where the place is not finite
     int slot_x, slot_y;  // place of box in the texture, pixels; even x
 };
 
@@ -70,8 +71,10 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
 /* Pixel of coordinate `at`, -1 or `size` outside of [0, size). */
 int gp_map_pixel_at(double at, int size);
 
-/* Sets the r and g of samples outside the frame: shown * weight, weight. */
-void gp_map_outside(enum gp_sun_outside outside, float count[2]);
+/* Sets the r and g of a light's samples outside the frame: shown * weight,
+ * weight. Those of a light behind the camera are all of its map. */
+void gp_map_outside(enum gp_sun_outside outside, const struct gp_light *l,
+                    float count[2]);
 
 /* The texture of pixels under the lights: two a texel, w x h texels. */
 struct gp_map_pixels {

@@ -6,13 +6,13 @@
 //               scale of depth (EMPTY: no surface) and coverage, twice
 //      frame    columns and rows of the frame
 //      form     x: texels of a map's side; y: 1 a disc, 0 a square
-//      outside  x: share that shows outside the frame; y: its weight
 //      from sun_map.vert, the light's:
 //      place    centre x and y in pixels of the frame, each as the sum of two
 //               floats
 //      extent   radius as the sum of two floats; k (0: behind the camera);
 //               place at which surfaces are no longer nearer
 //      shift    of a pixel of the frame to that of `pixels`
+//      beyond   x: share that shows outside the frame; y: its weight
 //      corner   its map's first texel; PIXELS: less the frame's pixel there
 // out  r share shown times g, g weight
 // CPU twin: map.c, gp_sun_map_reference()
@@ -48,7 +48,8 @@ void main()
 
 uniform ivec2 frame;
 uniform ivec2 form;
-uniform vec2 outside;
+
+flat in vec2 beyond;
 
 const double NUDGE = 1.0lf / 1048576.0lf; // GP_SUN_NUDGE
 
@@ -92,10 +93,10 @@ void main()
         ivec2 pixel = ivec2(exact + 1.0lf) - 1; // floor: none under -1
         bool within = all(greaterThanEqual(pixel, ivec2(0))) &&
                       all(lessThan(pixel, frame));
-        sum += within ? vec2(show(pixel), 1.0) : outside;
+        sum += within ? vec2(show(pixel), 1.0) : beyond;
         at = at.x + 1 < k ? at + ivec2(1, 0) : ivec2(0, at.y + 1);
     } while (at.y < k);
-    map = k > 0 ? vec4(sum / float(k * k), 0.0, 0.0) : vec4(0.0);
+    map = vec4(k > 0 ? sum / float(k * k) : beyond, 0.0, 0.0);
 }
 
 #endif

@@ -2,7 +2,7 @@
 // With PIXELS defined: the region of one light, by itself.
 //
 // in   lights  row = one light: texels 0 and 1 are place and extent of
-//              sun_map.frag, texel 2 is shift
+//              sun_map.frag, texel 2 is shift and beyond
 //      map     texels of a map's side, maps in a row of the atlas
 //      size    of the atlas' texture
 //   PIXELS:
@@ -17,13 +17,16 @@ uniform ivec2 size;
 flat out vec4 place;
 flat out vec4 extent;
 flat out ivec2 shift;
+flat out vec2 beyond;
 flat out ivec2 corner;
 
 void take_light(int i)
 {
     place = texelFetch(lights, ivec2(0, i), 0);
     extent = texelFetch(lights, ivec2(1, i), 0);
-    shift = ivec2(texelFetch(lights, ivec2(2, i), 0).xy);
+    vec4 more = texelFetch(lights, ivec2(2, i), 0);
+    shift = ivec2(more.xy);
+    beyond = more.zw;
 }
 
 #ifdef PIXELS

@@ -14,26 +14,26 @@ static void lights_by_text(void **state)
         struct gp_light_spec want;
     } row[] = {
         {"{'pixel': [3, -4.5]}",
-         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
+         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
         {"{'world': [1, 2, 3], 'name': 'lamp'}",
-         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "lamp"}},
+         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "lamp", 0}},
         {"{'direction': [0, 0, 1e-9]}",
-         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
+         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
         {"{'direction': [0, 0, 1], 'radius': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
+         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
         {"{'direction': [0, 0, 1], 'degrees': 2}",
-         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}, ""}},
+         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}, "", 0}},
         {"{'pixel': [0, 0], 'radius': 0, 'depth': 0, 'bias': 0}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}, ""}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}, "", 0}},
         {"{'pixel': [0, 0], 'depth': 1e30, 'bias': 1, 'flux': 1e12}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, 1e30, 1,
-          {1e12f, 1e12f, 1e12f}, ""}},
+          {1e12f, 1e12f, 1e12f}, "", 0}},
         {"{'pixel': [0, 0], 'flux': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}, ""}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}, "", 0}},
         {"{'pixel': [0, 0], 'flux': 4, 'color': [1, 0.5, 0]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}, ""}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}, "", 0}},
         {"{'pixel': [0, 0], 'color': [1, 2, 3]}",
-         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, ""}},
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}, "", 0}},
     };
     for (size_t i = 0; i < 2 * COUNT(row); i++) { // both forms of a file
         const struct gp_light_spec *want = &row[i / 2].want;
@@ -196,6 +196,57 @@ static void places_by_kind(void **state)
     }
 }
 
+/* The disc in the world of a light in its place. */
+static void sights_by_kind(void **state)
+{
+    const struct gp_camera c = camera();
+    static const struct {
+        struct gp_light_spec spec;
+        struct gp_light_sight want;
+        double radius, bias; // pixels; beside the light's own
+    } row[] = {
+        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = -1,
+          .degrees = 0.533}, {true, false, {0, 2, 0}, 0.533 * M_PI / 360.0},
+         0.93026719998, 0.0},
+        {{.place = GP_PLACE_DIRECTION, .at = {0, -2, 0}, .radius = -1,
+          .degrees = 0.533}, {true, false, {0, -2, 0}, 0.533 * M_PI / 360.0},
+         0.0, 0.0},
+        {{.place = GP_PLACE_PIXEL, .at = {200, 100}, .radius = 0.93026719998},
+         {true, false, {0, 1, 0}, 0.533 * M_PI / 360.0}, 0.93026719998, 0.0},
+        {{.place = GP_PLACE_WORLD, .at = {0, 8, 0}, .radius = -1, .ball = 2},
+         {true, true, {0, 8, 0}, 0.2526802551}, 51.63977795, 0.25},
+        {{.place = GP_PLACE_WORLD, .at = {0, -8, 0}, .radius = -1, .ball = 4},
+         {true, true, {0, -8, 0}, M_PI / 6.0}, 0.0, 0.0},
+        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .radius = -1, .ball = 2},
+         {true, true, {0, 1, 0}, M_PI / 2.0}, 0.0, 0.75},
+        {{.place = GP_PLACE_WORLD, .at = {0, 8, 0}, .radius = 51.63977795},
+         {true, true, {0, 8, 0}, 0.2526802551}, 51.63977795, 0.0},
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_light l;
+        struct gp_light_spec spec = row[i].spec;
+        spec.bias = 0.25;
+        spec.depth = NAN;
+        assert_ok(gp_light_place_in(&kept_log, "a.exr", &spec, &c, GP_DEPTH_Z,
+                                    window, &l));
+        assert_true(l.sight.known && l.sight.lamp == row[i].want.lamp);
+        double off = 0.0;
+        for (int k = 0; k < 3; k++)
+            off += fabs(l.sight.at[k] - row[i].want.at[k]);
+        if (!(off < 1e-9 && fabs(l.sight.half - row[i].want.half) < 1e-9 &&
+              fabs(l.radius - row[i].radius) < 1e-6 &&
+              fabs(l.bias - 0.25 - row[i].bias) < 1e-12))
+            fail_msg("row %zu: half %.12g, radius %.12g, bias %.12g", i,
+                     l.sight.half, l.radius, l.bias);
+    }
+    // no camera: no place in the world
+    struct gp_light l;
+    const struct gp_light_spec plain = {.at = {3, 4}, .radius = 2, .depth = NAN};
+    assert_ok(gp_light_place_in(&kept_log, "a.exr", &plain, NULL, GP_DEPTH_Z,
+                                window, &l));
+    assert_false(l.sight.known);
+}
+
 static void places_that_cannot_be(void **state)
 {
     const struct gp_camera c = camera();
@@ -226,4 +277,4 @@ static void places_that_cannot_be(void **state)
 }
 
 SUITE_OF(lights, make_folder, remove_folder, lights_by_text, files_that_are_refused,
-         counts_up_to_the_limit, places_by_kind, places_that_cannot_be)
+         counts_up_to_the_limit, places_by_kind, sights_by_kind, places_that_cannot_be)

@@ -95,7 +95,7 @@ static void maps_equal_the_reference(void **state)
 {
     static const int sizes[] = {2, 4, 6, 8, 12, 16, 24, 32, 64};
     const int step = getenv("GLAREPP_TEST_QUICK") ? 5 : 1;
-    for (int k = 0; k < 2 * 4 * 3; k += step) {
+    for (int k = 0; k < 2 * 4 * 4; k += step) {
         struct sun_frame f;
         seed = 77u + (uint32_t) k;
         make_frame(&f, window, k % 4, 1 + k % 3);
@@ -299,6 +299,7 @@ static double plain_count(const struct gp_occluders *o,
             if (!inside || (!within && p->outside == GP_OUTSIDE_IGNORE))
                 continue;
             shown += within ? gp_occluders_show(o, l, x, y)
+                     : p->outside == GP_OUTSIDE_SCENE ? l->outside
                             : p->outside == GP_OUTSIDE_VISIBLE;
             weight += 1.0;
         }
@@ -314,15 +315,15 @@ static void readback_is_a_plain_count(void **state)
         {-40.9, 52.0, 0.2}, {10.0, 75.0, 300.0}, {-50.0, 60.0, 0.2},
     };
     enum { N = 9 };
-    for (int k = 0; k < 24 * machine_count; k++) {
-        struct machine *const m = machine_at(k / 24);
+    for (int k = 0; k < 32 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 32);
         const struct gp_map_params p = {
             .side = 16, .pattern = (enum gp_sun_pattern) (k % 2),
-            .outside = (enum gp_sun_outside) (k / 2 % 3),
+            .outside = (enum gp_sun_outside) (k / 2 % 4),
         };
         struct sun_frame f;
         struct gp_light l[N];
-        make_frame(&f, (struct gp_rect) {-40, 25, 120, 125}, k / 6 % 4, 2);
+        make_frame(&f, (struct gp_rect) {-40, 25, 120, 125}, k / 8 % 4, 2);
         for (int i = 0; i < N; i++)
             l[i] = light_at(at[i][0], at[i][1], at[i][2]);
         assert_ok(gp_sun_readback(&kept_log, m->gl, &f.o, &p, l, N, &m->map));
@@ -359,24 +360,30 @@ static void ends_of_the_scale(void **state)
         {5.0f, 0.0, GP_OUTSIDE_VISIBLE, 0.5},
         {1e10f, 0.0, GP_OUTSIDE_HIDDEN, 0.5},
         {1e10f, 0.0, GP_OUTSIDE_IGNORE, 1.0},
+        // a quarter of what is outside is clear
+        {1e10f, 30.0, GP_OUTSIDE_SCENE, 1.0},
+        {1e10f, -30.0, GP_OUTSIDE_SCENE, 0.25},
+        {5.0f, 0.0, GP_OUTSIDE_SCENE, 0.125},
+        {1e10f, 99.0, GP_OUTSIDE_SCENE, 0.25},
     };
+    enum { ROWS = (int) COUNT(rows) };
     struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 64, 64});
-    for (int k = 0; k < 9 * machine_count; k++) {
-        struct machine *const m = machine_at(k / 9);
+    for (int k = 0; k < ROWS * machine_count; k++) {
+        struct machine *const m = machine_at(k / ROWS);
         for (int i = 0; i < 64 * 64; i++)
-            depth.v[i] = rows[k % 9].depth;
+            depth.v[i] = rows[k % ROWS].depth;
         const struct gp_occluders o = occluders(&depth, NULL, depth.window);
         for (int method = 0; method < 3; method++) {
             const struct gp_map_params p = {
-                .side = 16, .outside = rows[k % 9].outside,
+                .side = 16, .outside = rows[k % ROWS].outside,
                 .pattern = (enum gp_sun_pattern) (method % 2),
             };
-            struct gp_light l = light_at(rows[k % 9].x, 32.0, 5.0);
+            struct gp_light l = light_at(rows[k % ROWS].x, 32.0, 5.0);
             l.behind = l.x == 99.0;
             measure(m, &o, &p, method == 2, &l, 1);
-            if (!(fabs(l.visibility - rows[k % 9].want) < 1e-6))
-                fail_msg("row %d, method %d: %g is %g", k % 9, method,
-                         rows[k % 9].want, l.visibility);
+            if (!(fabs(l.visibility - rows[k % ROWS].want) < 1e-6))
+                fail_msg("row %d, method %d: %g is %g", k % ROWS, method,
+                         rows[k % ROWS].want, l.visibility);
         }
     }
     gp_plane_free(&depth);

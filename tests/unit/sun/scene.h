@@ -9,7 +9,7 @@
 #include "kept_log.h"
 #include "sun/sun_priv.h"
 
-enum { MODES = 3 }; // of enum gp_sun_outside
+enum { MODES = 4 }; // of enum gp_sun_outside
 
 static inline void assert_near(double got, double want, double bar,
                                const char *what, double detail)
@@ -38,6 +38,7 @@ static inline struct gp_light light_at(double x, double y, double radius)
     l.x = x;
     l.y = y;
     l.radius = radius;
+    l.outside = 0.25;
     l.visibility = -1.0; // must be written
     return l;
 }
