@@ -274,6 +274,27 @@ static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+/* Checks bench with several numbers of threads. */
+static gp_status check_scaling(const struct gp_log *log,
+                               const struct gp_settings *s)
+{
+    static const char *const tables[] = {"paper", "csv", "plot"};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        if (gp_option_given(s, tables[i]))
+            return gp_fail(log, GP_ERR_USAGE, "--%s: not with several numbers "
+                           "of --threads; leave one of the two out", tables[i]);
+    }
+    if (gp_is_dash(s->inputs.at[0]))
+        return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers read the "
+                       "frame several times (found stdin); give a file");
+    for (int i = 0; i < s->threads.n; i++) {
+        if (s->threads.v[i] < 1)
+            return gp_fail(log, GP_ERR_USAGE, "--threads: 0 among several "
+                           "numbers; give each as 1 to 1024");
+    }
+    return GP_OK;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
@@ -286,6 +307,9 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "give one topic", s->inputs.at[words]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
+    if (s->command != GP_COMMAND_BENCH && s->threads.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers are for "
+                       "glarepp bench (found %d); give one", s->threads.n);
     if (s->command == GP_COMMAND_COMPARE) {
         // a limit of our own takes the place of idiff's default ones
         const bool own = gp_option_given(s, "fail-rel") ||
@@ -312,6 +336,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (bench && !s->bench.paper && s->inputs.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
             "(found %d); give one", s->inputs.at[1], s->inputs.n);
+    if (bench && s->threads.n > 1)
+        GP_TRY(check_scaling(log, s));
     if (!bench && s->inputs.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
                        "frame.exr, or see glarepp --help");

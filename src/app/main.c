@@ -79,7 +79,7 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_set_threads(s->threads);
+    gp_set_threads(s->threads.v[0]);
     gp_gl_prepare(); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
@@ -91,6 +91,39 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
         gp_progress_close(&progress);
     }
     gp_jobs_free(&jobs);
+    return st;
+}
+
+/* Measures the main job with each of several numbers of threads. */
+static gp_status run_scaling(const struct gp_log *log,
+                             const struct gp_settings *s)
+{
+    gp_status st;
+    struct gp_scaling_request req = {
+        .input = s->inputs.at[0], .threads = s->threads, .runs = s->bench.runs,
+        .json = s->bench.json,
+    };
+    char **word = NULL;
+    int words = 0;
+    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->options.n + 1,
+                         sizeof *word, &word));
+    for (int i = 0; i < s->options.n; i += 2) {
+        const char *const name = s->options.at[i];
+        const char *const value = s->options.at[i + 1];
+        const struct gp_option *const o = gp_option_find(name, strlen(name));
+        if (!(o->commands & GP_COMMAND_MAIN) || o->kind == GP_KIND_COUNTS)
+            continue;
+        if (asprintf(&word[words], value ? "--%s=%s" : "--%s", name, value) < 0)
+            GP_TRY(gp_no_memory(log, req.input));
+        words++;
+    }
+    req.word = (const char *const *) word;
+    req.words = words;
+    st = gp_scaling_run(log, &req);
+out:
+    while (words > 0)
+        free(word[--words]);
+    gp_free(word);
     return st;
 }
 
@@ -131,7 +164,7 @@ static gp_status run_bench(const struct gp_log *log,
     if (!st && input)
         st = gp_clobber_input(&c, "input", input);
     gp_clobber_end(&c);
-    gp_set_threads(s->threads);
+    gp_set_threads(s->threads.v[0]);
     gp_gl_prepare(); // while there is one thread
     if (!st)
         st = gp_bench_run(log, &job);
@@ -198,7 +231,7 @@ out:
 static int run_kernel(const struct gp_log *log, const struct gp_settings *s)
 {
     bool faulty;
-    gp_set_threads(s->threads);
+    gp_set_threads(s->threads.v[0]);
     const gp_status st = gp_kernel_command(log, s, &faulty);
     return st ? (int) st : faulty;
 }
@@ -221,7 +254,7 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
         .check_names = check_compare_names,
         .user = s,
     };
-    gp_set_threads(s->threads);
+    gp_set_threads(s->threads.v[0]);
     const int status = gp_compare_run(log, &job);
     free(command);
     return status;
@@ -280,6 +313,8 @@ int main(int argc, char *argv[])
     if (!st && (s.help || s.help_man || s.version ||
                 s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
+    } else if (!st && s.command == GP_COMMAND_BENCH && s.threads.n > 1) {
+        st = run_scaling(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH) {
         st = run_bench(&log, &s);
     } else if (!st && s.command == GP_COMMAND_COMPARE) {

@@ -106,11 +106,12 @@ static gp_status make_schedule(const struct gp_log *log,
 
 // -- steps of a unit ---------------------------------------------------------
 
-static void add_time(struct gp_frame_state *fs, int time, double ms)
+static void add_time(struct gp_frame_state *fs, int time, double ms, double cpu)
 {
     if (time < 0)
         return;
     fs->facts.ms[time] = fmax(fs->facts.ms[time], 0.0) + ms;
+    fs->facts.cpu_ms[time] += cpu;
     fs->facts.total_ms += ms;
 }
 
@@ -159,6 +160,7 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
     }
     for (int v = 0; v < u->begun && !st; v++) {
         struct gp_frame_state *const fs = &u->view[v];
+        fs->facts.has_cpu = p->slots == 1; // CPU time is the process's
         for (int i = 0; i < GP_STAGES; i++) {
             const struct gp_stage *const stage = &gp_stages[i];
             if (!p->schedule.on[i] || stage->phase != phase)
@@ -168,14 +170,15 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
             gp_progress_update(p->progress,
                                gp_flight_head(&p->flight) * views - kept,
                                p->jobs->n - kept, fs->job->input, stage->name);
-            const double start = gp_now_ms();
+            const double start = gp_now_ms(), cpu = gp_cpu_ms();
             st = stage->run(&p->run, fs);
             if (st)
                 break;
-            add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms);
+            add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms,
+                     gp_cpu_ms() - cpu - fs->engine_cpu_ms);
             if (fs->engine_ms > 0.0)
-                add_time(fs, GP_TIME_GLARE, fs->engine_ms);
-            fs->engine_ms = 0.0;
+                add_time(fs, GP_TIME_GLARE, fs->engine_ms, fs->engine_cpu_ms);
+            fs->engine_ms = fs->engine_cpu_ms = 0.0;
             gp_frame_state_release(fs, p->schedule.dead[i]);
         }
         if (phase == GP_PHASE_READ) {

@@ -159,6 +159,7 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         return v;
     case GP_KIND_SET:
         return *(const int *) at == o->set ? json_true() : NULL;
+    case GP_KIND_COUNTS: // of threads, which change no pixel
     case GP_KIND_NAMED:
         break;
     }
@@ -667,6 +668,13 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     }
     put_number(times, "total", facts->total_ms, 1e-3);
     json_object_set_new(o, "times_ms", times);
+    json_t *const cpu = facts->has_cpu ? json_object() : NULL;
+    for (int i = 0; i < GP_TIMES && cpu; i++) {
+        if (facts->ms[i] >= 0.0)
+            put_number(cpu, time_names[i], facts->cpu_ms[i], 1e-3);
+    }
+    if (cpu)
+        json_object_set_new(o, "cpu_ms", cpu);
     put_number(o, "frame_mib", (double) facts->bytes / (1 << 20), 0.1);
     put_number(o, "peak_rss_mib", peak_rss_mib(), 0.1);
     json_object_set_new(o, "threads", json_integer(gp_threads()));

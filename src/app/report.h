@@ -117,6 +117,8 @@ struct gp_facts {
     size_t bytes;                // estimated memory of the frame in flight
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;
+    double cpu_ms[GP_TIMES];     // of all threads
+    bool has_cpu;                // one frame was in flight, so that it is known
 };
 
 struct gp_report {

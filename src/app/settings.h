@@ -124,7 +124,8 @@ struct gp_settings {
     const char *frames;                // list as given
     const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel
-    int threads;                       // 0: all processors
+    struct gp_counts threads;          // 0 or none: all processors; several:
+                                       // of bench
     int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
     bool no_provenance;                // no glarepp:command in files

@@ -352,16 +352,19 @@ static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_flare_facts *const facts = &fs->facts.flare;
     int *const frame = &r->suns.flare.frame;
     gp_status st = GP_OK;
+    double cpu = 0.0;
     if (!gp_job_number(fs->job, frame))
         *frame = 0;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
     if (!st)
         st = gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
+    cpu = gp_cpu_ms();
     if (!st)
         st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->ghosts, &fs->frame,
                                facts);
     fs->engine_ms = facts->ms;
+    fs->engine_cpu_ms = gp_cpu_ms() - cpu;
     return st;
 }
 
@@ -425,7 +428,7 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_light_group *const g = &fs->group[i];
         struct gp_glare_stats stats = {0};
         struct gp_flare_facts flare = {0};
-        const double start = gp_now_ms();
+        const double start = gp_now_ms(), cpu = gp_cpu_ms();
         if (g->sources.n > 0)
             st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
                               &g->sources, gp_run_kernel_of(fs), &g->frame,
@@ -434,6 +437,7 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
             st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->group_ghosts,
                                    &g->frame, &flare);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
+        fs->engine_cpu_ms += g->sources.n > 0 ? gp_cpu_ms() - cpu : 0.0;
         if (!st)
             st = gp_compose(fs->log, &p, &g->sources, &g->frame);
         gp_planes_free(&g->frame.layer);

@@ -109,8 +109,8 @@ struct gp_frame_state {
     struct gp_run_kernel *kernel;  // held; NULL: none was needed
     struct gp_map_picture sunmap, intensity;
     bool converted;                // its layers are in --output-space
-    double engine_ms;              // of engines within the stage that runs:
-                                   // counts as glare
+    double engine_ms, engine_cpu_ms; // of engines within the stage that
+                                   // runs: count as glare
     char **names;                  // files written: facts.n_outputs, then
                                    // the one being written, then NULL
     int targets;

@@ -320,6 +320,44 @@ is "$(grep -c 'beside the .* of the paper' out)" 3 '--paper: the table says so'
 
 run bench
 fails_with 2 bench 'no input'
+
+# several numbers of threads
+run bench --threads 1,2 --runs 1 -k kernel.exr --json t.json in.exr
+is $status 0 'bench --threads 1,2'
+is "$(field t.json '[r["name"] for r in o["rows"]]')" \
+    "['read', 'sensors', 'glare', 'compose', 'tonemap', 'write', \
+'outside', 'process']" 'bench --threads: the stages'
+cat >law.py <<'PY'
+import json
+o = json.load(open("t.json"))
+rows = {r["name"]: r for r in o["rows"]}
+for k, threads in enumerate((1, 2)):
+    runs = {n: r["runs"][k] for n, r in rows.items()}
+    own = sum(r["ms"] for n, r in runs.items() if n != "process")
+    assert all(r["threads"] == threads for r in runs.values()), runs
+    assert abs(own - runs["process"]["ms"]) < 1e-6 * own, (own, runs)
+for r in rows.values():
+    one, two = (x["ms"] for x in r["runs"])
+    assert r["serial_ms"] >= 0 and r["parallel_ms"] >= 0, r
+    if one >= two >= one / 2:  # the line goes through both
+        fit = r["serial_ms"] + r["parallel_ms"] / 2
+        assert abs(fit - two) < 1e-6 * two, r
+print("holds")
+PY
+is "$("$python" law.py 2>&1)" holds 'stages add up to the process, lines fit'
+like "$(cat out)" '*process*cores: CPU time*' 'bench --threads: a table'
+run bench --threads 1,2 --runs 1 nowhere.exr
+fails_with 3 nowhere.exr 'a frame that no run finds'
+run bench --threads 1,2 --paper
+fails_with 2 --paper '--paper with several numbers of threads'
+run bench --threads 1,2 - <in.exr
+fails_with 2 --threads 'stdin with several numbers of threads'
+run bench --threads 0,2 in.exr
+fails_with 2 --threads 'all processors among several numbers'
+run bench --threads 1,2,3,4,5,6,7,8,9 in.exr
+fails_with 2 --threads 'nine numbers of threads'
+run --threads 1,2 -o out.png in.exr
+fails_with 2 --threads 'several numbers of threads for pictures'
 run bench in.exr dark.exr
 fails_with 2 dark.exr 'two inputs'
 run bench --paper in.exr

@@ -18,7 +18,7 @@ is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
 'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
 'fov_from', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
-'clamped', 'depth', 'times_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
+'clamped', 'depth', 'times_ms', 'cpu_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
     "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'
@@ -33,6 +33,11 @@ is "$(field r.json 'list(o["times_ms"])')" "['read', 'sensors', 'kernel', \
 'glare', 'compose', 'tonemap', 'write', 'total']" 'times'
 is "$(field r.json 'abs(sum(o["times_ms"].values()) - 2 * o["times_ms"]["total"]) < 0.02')" \
     True 'times add up to the total'
+is "$(field r.json 'list(o["cpu_ms"]) == list(o["times_ms"])[:-1] and all(v >= 0 for v in o["cpu_ms"].values())')" \
+    True 'CPU time of each stage'
+run --threads 1 --report one.json -o out.png in.exr
+is "$(field one.json 'all(o["cpu_ms"][k] <= 1.1 * v + 1 for k, v in o["times_ms"].items() if k != "total")')" \
+    True 'CPU time of one thread is no more than the wall time'
 is "$(field r.json 'all(0 < b <= a * 1.00001 for a, b in zip(o["flux_in"], o["flux_out"]))')" \
     True 'no more light comes out than goes in'
 is "$(field r.json 'len(o["fft_size"]), o["nonfinite"], o["clamped"]')" \

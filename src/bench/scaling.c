@@ -1,0 +1,314 @@
+/* The whole program with several numbers of threads: time, busy cores and the
+ * serial share of each stage (Amdahl 1967). */
+#include "bench/bench_priv.h"
+
+#include "core/clock.h"
+#include "core/json.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+static const int predicted[] = {8, 16, 64}; // threads
+enum { PREDICTED = sizeof predicted / sizeof *predicted };
+
+/* A stage, what is outside of all of them, or the process. */
+struct row {
+    char name[24];
+    double wall[GP_COUNTS], cpu[GP_COUNTS]; // ms, of the least wall time
+    double serial, parallel;                // ms of the fitted line
+};
+enum { ROWS = 24 };
+
+struct table {
+    struct row row[ROWS];
+    int n;
+};
+
+/* The row of that name, which is made where it is missing and there is room. */
+static struct row *row_of(struct table *t, const char *name)
+{
+    int i = 0;
+    while (i < t->n && strcmp(t->row[i].name, name) != 0)
+        i++;
+    if (i == ROWS)
+        return &t->row[ROWS - 1];
+    struct row *const r = &t->row[i];
+    if (i == t->n) {
+        t->n++;
+        snprintf(r->name, sizeof r->name, "%s", name);
+        for (int k = 0; k < GP_COUNTS; k++)
+            r->wall[k] = INFINITY;
+    }
+    return r;
+}
+
+static void keep_least(struct row *r, int k, double wall, double cpu)
+{
+    if (r->wall[k] <= wall)
+        return;
+    r->wall[k] = wall;
+    r->cpu[k] = cpu;
+}
+
+// -- one run -----------------------------------------------------------------
+
+/* Makes the words of a run, the pointers and their text in one block; NULL when
+ * memory is full. Free with free(). */
+static char **make_words(const struct gp_scaling_request *req, int threads)
+{
+    char number[16], *text = NULL;
+    size_t size = 0;
+    const char *const last[] = {
+        "--threads", number, "--quiet", "-o", "-", "--stdout-format", "png",
+        "--report", "/dev/fd/3", "--", req->input,
+    };
+    enum { LAST = sizeof last / sizeof *last };
+    const int n = 1 + req->words + LAST;
+    snprintf(number, sizeof number, "%d", threads);
+    FILE *const f = open_memstream(&text, &size);
+    for (int i = 0; i <= n && f; i++) // room for the pointers
+        fwrite(&(char *) {NULL}, sizeof(char *), 1, f);
+    for (int i = 0; i < n && f; i++) {
+        const char *const word = i == 0            ? "glarepp"
+                                 : i <= req->words ? req->word[i - 1]
+                                                   : last[i - 1 - req->words];
+        fwrite(word, 1, strlen(word) + 1, f);
+    }
+    if (!f || fclose(f)) {
+        free(text);
+        return NULL;
+    }
+    char **const words = (void *) text;
+    char *at = text + (size_t) (n + 1) * sizeof *words;
+    for (int i = 0; i < n; i++) {
+        words[i] = at;
+        at += strlen(at) + 1;
+    }
+    return words;
+}
+
+/* Starts the program: its picture goes nowhere, its report to `to`. Returns
+ * errno. */
+static int start(char *const words[], int to, pid_t *pid)
+{
+    posix_spawn_file_actions_t files;
+    int error = posix_spawn_file_actions_init(&files);
+    if (error)
+        return error;
+    error = posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY,
+                                             0);
+    if (!error)
+        error = posix_spawn_file_actions_adddup2(&files, to, 3);
+    if (!error)
+        error = posix_spawn(pid, "/proc/self/exe", &files, NULL, words,
+                            environ);
+    posix_spawn_file_actions_destroy(&files);
+    return error;
+}
+
+static double ms_of(struct timeval t)
+{
+    return (double) t.tv_sec * 1e3 + (double) t.tv_usec * 1e-3;
+}
+
+/* Adds a run with the k-th number of threads to the table. */
+static void keep_run(struct table *t, int k, const json_t *report, double wall,
+                     double cpu)
+{
+    const char *name;
+    json_t *v, *const walls = json_object_get(report, "times_ms");
+    const json_t *const cpus = json_object_get(report, "cpu_ms");
+    const double process = wall, all = cpu;
+    json_object_foreach(walls, name, v) {
+        const double ms = json_number_value(v);
+        const double own = json_number_value(json_object_get(cpus, name));
+        if (strcmp(name, "total") == 0)
+            continue;
+        keep_least(row_of(t, name), k, ms, own);
+        wall -= ms;
+        cpu -= own;
+    }
+    keep_least(row_of(t, "outside"), k, fmax(wall, 0.0), fmax(cpu, 0.0));
+    keep_least(row_of(t, "process"), k, process, all);
+}
+
+static gp_status run_once(const struct gp_log *log,
+                          const struct gp_scaling_request *req, int k,
+                          struct table *t)
+{
+    gp_status st = GP_OK;
+    int ends[2], status = 0;
+    struct rusage used = {0};
+    pid_t pid;
+    char **const words = make_words(req, req->threads.v[k]);
+    if (!words)
+        return gp_no_memory(log, req->input);
+    int error = pipe2(ends, O_CLOEXEC) ? errno : 0;
+    FILE *const from = error ? NULL : fdopen(ends[0], "r");
+    const double begin = gp_now_ms();
+    if (!error) {
+        error = from ? start(words, ends[1], &pid) : errno;
+        close(ends[1]);
+        if (!from)
+            close(ends[0]);
+    }
+    free(words);
+    if (error) {
+        if (from)
+            fclose(from);
+        return gp_fail(log, GP_ERR_IO, "%s: no run can be started (%s); close "
+                       "other programs, and see that /proc is mounted",
+                       req->input, strerror(error));
+    }
+    json_t *const report = json_loadf(from, JSON_DISABLE_EOF_CHECK, NULL);
+    while (getc(from) != EOF)
+        ;
+    fclose(from);
+    while (wait4(pid, &status, 0, &used) < 0 && errno == EINTR)
+        ;
+    if (WIFEXITED(status) && WEXITSTATUS(status))
+        st = (gp_status) WEXITSTATUS(status); // has said why
+    else if (!WIFEXITED(status) || !report)
+        st = gp_fail(log, GP_ERR_BUG, "%s: a run with %d threads ended without "
+                     "a report (%s); run it without bench", req->input,
+                     req->threads.v[k], WIFSIGNALED(status)
+                         ? strsignal(WTERMSIG(status)) : "no signal");
+    else
+        keep_run(t, k, report, gp_now_ms() - begin,
+                 ms_of(used.ru_utime) + ms_of(used.ru_stime));
+    json_decref(report);
+    return st;
+}
+
+// -- the line ----------------------------------------------------------------
+
+/* Fits wall = serial + parallel / threads by least squares, neither under 0;
+ * NaN with one number of threads. */
+static void fit_line(const struct gp_counts *n, struct row *r)
+{
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (int k = 0; k < n->n; k++) {
+        const double at = 1.0 / n->v[k], share = 1.0 / n->n;
+        x += share * at;
+        y += share * r->wall[k];
+        xx += share * at * at;
+        xy += share * at * r->wall[k];
+    }
+    const double spread = xx - x * x;
+    r->parallel = spread > 1e-12 ? fmax((xy - x * y) / spread, 0.0)
+                                 : (double) NAN;
+    r->serial = y - r->parallel * x;
+    if (r->serial < 0.0) { // more than n times as fast with n threads
+        r->serial = 0.0;
+        r->parallel = xy / xx;
+    }
+}
+
+// -- printing ----------------------------------------------------------------
+
+/* Returns true when every number of threads has a time. */
+static bool ran(const struct gp_counts *n, const struct row *r)
+{
+    for (int k = 0; k < n->n; k++) {
+        if (!isfinite(r->wall[k]))
+            return false;
+    }
+    return true;
+}
+
+static void print_table(const struct gp_scaling_request *req,
+                        const struct table *t)
+{
+    const struct gp_counts *const n = &req->threads;
+    printf("%s to PNG, the whole program from cold; least of %d runs\n\n%-9s",
+           gp_printable(req->input).text, req->runs, "threads");
+    for (int k = 0; k < n->n; k++)
+        printf("%9d       ", n->v[k]);
+    printf("  serial  predicted ms at\n%-9s", "");
+    for (int k = 0; k < n->n; k++)
+        printf("%9s %6s", "ms", "cores");
+    printf("   share");
+    for (int i = 0; i < PREDICTED; i++)
+        printf("%8d", predicted[i]);
+    putchar('\n');
+    for (int i = 0; i < t->n; i++) {
+        const struct row *const r = &t->row[i];
+        if (!ran(n, r))
+            continue;
+        const double sum = r->serial + r->parallel;
+        printf("%-9s", r->name);
+        for (int k = 0; k < n->n; k++)
+            printf("%9.2f %6.2f", r->wall[k],
+                   r->wall[k] > 0.0 ? r->cpu[k] / r->wall[k] : 0.0);
+        if (isfinite(r->parallel)) {
+            printf("%7.1f%%", sum > 0.0 ? 100.0 * r->serial / sum : 0.0);
+            for (int p = 0; p < PREDICTED; p++)
+                printf("%8.2f", r->serial + r->parallel / predicted[p]);
+        }
+        putchar('\n');
+    }
+    printf("\ncores: CPU time of all threads over wall time\n"
+           "outside: start, plans and the end, which no stage counts\n"
+           "serial share, predictions: by the line a + b / threads through "
+           "the wall times\n");
+}
+
+static gp_status save_json(const struct gp_log *log,
+                           const struct gp_scaling_request *req,
+                           const struct table *t)
+{
+    json_t *const rows = json_array();
+    for (int i = 0; i < t->n; i++) {
+        const struct row *const r = &t->row[i];
+        if (!ran(&req->threads, r))
+            continue;
+        json_t *const runs = json_array();
+        for (int k = 0; k < req->threads.n; k++)
+            json_array_append_new(runs, json_pack("{si sf sf}",
+                "threads", req->threads.v[k], "ms", r->wall[k], "cpu_ms",
+                r->cpu[k]));
+        json_t *const o = json_pack("{ss so}", "name", r->name, "runs", runs);
+        if (isfinite(r->parallel)) {
+            json_object_set_new(o, "serial_ms", json_real(r->serial));
+            json_object_set_new(o, "parallel_ms", json_real(r->parallel));
+        }
+        json_array_append_new(rows, o);
+    }
+    return gp_bench_save_json(log, json_pack("{so si so ss}",
+        "input", gp_json_name(req->input), "runs", req->runs, "rows", rows,
+        "version", GP_VERSION), req->json);
+}
+
+gp_status gp_scaling_run(const struct gp_log *log,
+                         const struct gp_scaling_request *req)
+{
+    gp_status st;
+    struct table t = {.n = 0};
+    const bool dash = req->json && gp_is_dash(req->json);
+    if (req->json && !dash)
+        GP_TRY(gp_file_check(log, req->json, false));
+    for (int i = 0; i < req->runs; i++) {
+        for (int k = 0; k < req->threads.n; k++)
+            GP_TRY(run_once(log, req, k, &t));
+    }
+    for (int i = 0; i < t.n; i++)
+        fit_line(&req->threads, &t.row[i]);
+    if (!dash)
+        print_table(req, &t);
+    if (req->json)
+        GP_TRY(save_json(log, req, &t));
+    st = gp_flush_stdout(log);
+out:
+    return st;
+}
