@@ -175,10 +175,9 @@ out:
 
 /* Sets the eye, and the matrix to clip coordinates: y stays down, depth is
  * near / distance. */
-static gp_status set_view(const struct gp_log *log, struct gp_drawing *d)
+static void set_view(struct gp_drawing *d)
 {
     const double *const ndc = d->c->to_ndc;
-    const double *const m = d->c->to_camera;
     for (int r = 0; r < 4; r++) {
         const double w = ndc[4 * r + 3];
         d->to_clip[4 * r] = 2.0 * ndc[4 * r] - w;
@@ -186,19 +185,7 @@ static gp_status set_view(const struct gp_log *log, struct gp_drawing *d)
         d->to_clip[4 * r + 2] = r == 3 ? d->p.near : 0.0;
         d->to_clip[4 * r + 3] = w;
     }
-    // the eye is the point that the camera has at 0: e * M3 = -(last row)
-    const struct gp_v3 r0 = {m[0], m[4], m[8]}, r1 = {m[1], m[5], m[9]},
-                       r2 = {m[2], m[6], m[10]}, t = {-m[12], -m[13], -m[14]};
-    const double det = gp_v3_det(r0, r1, r2);
-    if (!d->c->has_camera || !(fabs(det) > 0.0))
-        return gp_fail(log, GP_ERR_BUG, "%s: drawn without a camera; report "
-                       "this", d->s->path);
-    d->eye = gp_v3_scale(
-        gp_v3_add(gp_v3_scale(gp_v3_cross(r1, r2), t.x),
-                  gp_v3_add(gp_v3_scale(gp_v3_cross(r2, r0), t.y),
-                            gp_v3_scale(gp_v3_cross(r0, r1), t.z))),
-        1.0 / det);
-    return GP_OK;
+    d->eye = gp_camera_eye(d->c);
 }
 
 gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
@@ -216,7 +203,7 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
         d->whole = gp_box_with(d->whole, s->object[i].box.lo);
         d->whole = gp_box_with(d->whole, s->object[i].box.hi);
     }
-    GP_TRY(set_view(log, d));
+    set_view(d);
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(upload_meshes(log, d));
     GP_TRY(upload_cutouts(log, d));

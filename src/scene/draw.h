@@ -46,7 +46,7 @@ struct gp_draw_light {
 struct gp_drawing; // a scene on a context
 
 /* Uploads the posed scene's meshes; its places are read at each draw.
- *   gl, s, c  borrowed; c with to_camera
+ *   gl, s, c  borrowed
  *   out       written on GP_OK only; end with gp_drawing_close()
  * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_drawing_open(const struct gp_log *log,

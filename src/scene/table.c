@@ -1,0 +1,304 @@
+#include "scene/table.h"
+
+#include "core/clock.h"
+#include "core/memory.h"
+#include "scene/bounds.h"
+#include "scene/sets.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const gp_table_names[GP_TABLE_ROWS] = {
+    [GP_TABLE_FRUSTUM] = "frustum",
+    [GP_TABLE_OCCLUSION] = "+ occlusion",
+    [GP_TABLE_LIGHTS] = "+ lights",
+    [GP_TABLE_SHADOWS] = "+ shadows",
+    [GP_TABLE_SCISSOR] = "+ scissor",
+};
+
+struct work {
+    const struct gp_log *log;
+    const struct gp_gl *gl;
+    const struct gp_scene *s;
+    const struct gp_table_params *p;
+    struct gp_drawing *d;
+    struct gp_bodies *bodies;
+    struct gp_sets_view view;
+    struct gp_box all;  // of F
+    int *order;         // objects, those that look largest first
+    int *list, *caster; // room for all objects
+    float *depth;
+    struct gp_table *out;
+};
+
+/* An object and how large it looks. */
+struct look {
+    double size;
+    int object;
+};
+
+static int larger_first(const void *a, const void *b)
+{
+    const struct look *const x = a, *const y = b;
+    if (x->size != y->size)
+        return x->size < y->size ? 1 : -1;
+    return x->object - y->object;
+}
+
+/* Sorts all objects: the same order in every row, as surfaces at one depth show
+ * the one that was drawn last. */
+static gp_status set_order(struct work *w)
+{
+    const struct gp_v3 eye = gp_camera_eye(&w->view.camera);
+    const int n = w->s->objects;
+    struct look *look = NULL;
+    gp_status st = gp_alloc(w->log, "order of objects", (size_t) n + 1,
+                            sizeof *look, &look);
+    if (st)
+        return st;
+    for (int i = 0; i < n; i++) {
+        const struct gp_object *const o = &w->s->object[i];
+        const struct gp_v3 c = {fmin(fmax(eye.x, o->box.lo.x), o->box.hi.x),
+                                fmin(fmax(eye.y, o->box.lo.y), o->box.hi.y),
+                                fmin(fmax(eye.z, o->box.lo.z), o->box.hi.z)};
+        const double far = gp_v3_length(gp_v3_sub(c, eye));
+        look[i] = (struct look) {o->radius / fmax(far, w->view.near), i};
+    }
+    qsort(look, (size_t) n, sizeof *look, larger_first);
+    for (int i = 0; i < n; i++)
+        w->order[i] = look[i].object;
+    gp_free(look);
+    return GP_OK;
+}
+
+/* Returns the widest angle between a lookup in a map and its ray: across the
+ * square of four texels; of a sun the width of that. */
+static double texel_of(const struct work *w)
+{
+    const double across = 2.0 * sqrt(2.0) / (w->p->draw.map - 2) * 1.05;
+    const struct gp_v3 half =
+        gp_v3_scale(gp_v3_sub(w->all.hi, w->all.lo), 0.5);
+    double widest = across; // of a cube's square
+    for (int i = 0; i < w->s->lights; i++) {
+        const struct gp_scene_light *const l = &w->s->light[i];
+        const double is = l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(half)
+                          : l->kind == GP_LIGHT_SPOT && l->outer < 1.05
+                              ? tan(l->outer) : 1.0;
+        widest = fmax(widest, across * is);
+    }
+    return widest;
+}
+
+/* Lists the objects of a set, in w->order[from] to w->order[to - 1]. */
+static int list_set(const struct work *w, const struct gp_sets *sets,
+                    unsigned set, int from, int to, int *list)
+{
+    const uint8_t *const flag = gp_sets_flags(sets);
+    int n = 0;
+    for (int i = from; i < to; i++) {
+        list[n] = w->order[i];
+        n += (flag[w->order[i]] & set) != 0;
+    }
+    return n;
+}
+
+/* Draws the ambient pass of V, and leaves the sets of the frame in *sets. */
+static gp_status draw_visible(struct work *w, unsigned use,
+                              struct gp_sets **sets)
+{
+    const int n = w->s->objects;
+    const bool by_depth = use & GP_SETS_OCCLUSION;
+    gp_status st;
+    w->view.depth = NULL;
+    GP_TRY(gp_sets_open(w->log, w->s, w->bodies, &w->view, use, sets));
+    int first = n, drawn = 0;
+    if (by_depth) { // those of F that look largest
+        for (first = 0; first < n && drawn < w->p->occluders; first++)
+            drawn += list_set(w, *sets, GP_SET_F, first, first + 1, w->list);
+    }
+    drawn = list_set(w, *sets, GP_SET_F, 0, first, w->list);
+    GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+    if (!by_depth)
+        return GP_OK;
+    w->view.depth = w->depth;
+    for (int pass = 0; pass < 2; pass++) {
+        gp_drawing_depth(w->d, w->depth);
+        gp_sets_close(sets);
+        GP_TRY(gp_sets_open(w->log, w->s, w->bodies, &w->view, use, sets));
+        if (pass == 0) {
+            drawn = list_set(w, *sets, GP_SET_V, first, n, w->list);
+            GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+        }
+    }
+out:
+    return st;
+}
+
+/* Draws a light with its sets, which are added to the row and to the table. */
+static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
+                            bool last, struct gp_table_row *row)
+{
+    const int n = w->s->objects;
+    struct gp_table_light *const to = &w->out->light[light];
+    const bool on = gp_sets_light(sets, light);
+    const struct gp_scissor cut = gp_sets_scissor(sets);
+    to->light = light;
+    to->rect = (struct gp_rect) {0};
+    if (!on)
+        return GP_OK;
+    const struct gp_draw_light l = {
+        .light = &w->s->light[light], .shadow = w->caster, .lit = w->list,
+        .shadows = list_set(w, sets, GP_SET_S, 0, n, w->caster),
+        .lits = list_set(w, sets, GP_SET_I, 0, n, w->list),
+        // the least and largest depth are surfaces: a little beyond them
+        .cut = cut.rect, .near = last ? cut.near * (1.0 - 1e-5) : 0.0,
+        .far = last ? cut.far * (1.0 + 1e-5) : INFINITY, .all = w->all,
+    };
+    row->lit += l.lits;
+    row->casters += l.shadows;
+    for (int merged = 0; merged < 2; merged++)
+        row->batches[merged] += gp_sets_batches(sets, GP_SET_I, false) +
+                                gp_sets_batches(sets, GP_SET_S, merged);
+    to->rect = cut.rect;
+    to->near = cut.near;
+    to->far = cut.far;
+    const uint8_t *const flag = gp_sets_flags(sets);
+    for (int i = 0; i < n && last; i++)
+        w->out->set[i] |= flag[i];
+    return gp_drawing_light(w->log, w->d, &l);
+}
+
+/* Draws the picture of a row once. */
+static gp_status draw_row(struct work *w, enum gp_table_kind kind,
+                          struct gp_table_row *row)
+{
+    static const unsigned uses[GP_TABLE_ROWS] = {
+        [GP_TABLE_FRUSTUM] = 0,
+        [GP_TABLE_OCCLUSION] = GP_SETS_OCCLUSION,
+        [GP_TABLE_LIGHTS] = GP_SETS_OCCLUSION | GP_SETS_LIGHTS,
+        [GP_TABLE_SHADOWS] =
+            GP_SETS_OCCLUSION | GP_SETS_LIGHTS | GP_SETS_SHADOWS,
+        [GP_TABLE_SCISSOR] = GP_SETS_ALL,
+    };
+    struct gp_sets *sets = NULL;
+    gp_status st;
+    *row = (struct gp_table_row) {.fragments = -1};
+    gp_drawing_clear(w->d);
+    GP_TRY(draw_visible(w, uses[kind], &sets));
+    row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
+    for (int merged = 0; merged < 2; merged++)
+        row->batches[merged] = gp_sets_batches(sets, GP_SET_V, false);
+    for (int i = 0; i < w->s->lights; i++)
+        GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_SCISSOR, row));
+    row->drawn = gp_drawing_counts(w->d);
+out:
+    gp_sets_close(&sets);
+    return st;
+}
+
+/* Draws a row: once to count and to compare, then for the time. */
+static gp_status measure_row(struct work *w, enum gp_table_kind kind,
+                             const float *first, float *picture)
+{
+    struct gp_table_row *const row = &w->out->row[kind];
+    const size_t bytes = 4 * sizeof *picture * (size_t) w->p->draw.w *
+                         (size_t) w->p->draw.h;
+    gp_status st = GP_OK;
+    double fastest = INFINITY;
+    for (int run = 0; run <= w->p->runs && !st; run++) {
+        struct gp_table_row timed;
+        const double start = gp_now_ms();
+        if (!run)
+            gp_count_begin(w->gl);
+        st = draw_row(w, kind, run ? &timed : row);
+        if (!run)
+            row->fragments = gp_count_end(w->gl);
+        gp_drawing_picture(w->d, picture); // waits
+        if (run)
+            fastest = fmin(fastest, gp_now_ms() - start);
+        else
+            row->same = !first || memcmp(first, picture, bytes) == 0;
+    }
+    row->ms = fastest;
+    return st;
+}
+
+static void set_view(struct work *w, const struct gp_camera *c)
+{
+    w->view = (struct gp_sets_view) {
+        .camera = *c, .display = {0, 0, w->p->draw.w, w->p->draw.h},
+        .window = {0, 0, w->p->draw.w, w->p->draw.h}, .near = w->p->draw.near,
+    };
+}
+
+/* Finds the box of F, over which suns lay their maps: it is the same in every
+ * row. */
+static gp_status find_all(struct work *w)
+{
+    struct gp_sets *sets = NULL;
+    gp_status st = gp_sets_open(w->log, w->s, w->bodies, &w->view, 0, &sets);
+    if (st)
+        return st;
+    w->all = GP_BOX_EMPTY;
+    for (int i = 0; i < w->s->objects; i++) {
+        if (!(gp_sets_flags(sets)[i] & GP_SET_F))
+            continue;
+        w->all = gp_box_with(w->all, w->s->object[i].box.lo);
+        w->all = gp_box_with(w->all, w->s->object[i].box.hi);
+    }
+    if (gp_box_empty(w->all))
+        w->all = (struct gp_box) {{0, 0, 0}, {0, 0, 0}};
+    gp_sets_close(&sets);
+    return GP_OK;
+}
+
+gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_scene *s, const struct gp_camera *c,
+    const struct gp_table_params *p, struct gp_table *out)
+{
+    const size_t objects = (size_t) s->objects + 1;
+    const size_t pixels = (size_t) p->draw.w * (size_t) p->draw.h;
+    struct gp_table t = {0};
+    struct work w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
+    float *other = NULL;
+    gp_status st;
+    set_view(&w, c);
+    GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
+    GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
+    GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));
+    GP_TRY(gp_alloc(log, "depth", pixels, sizeof *w.depth, &w.depth));
+    GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &other));
+    GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &t.picture));
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1, sizeof *t.light,
+                         &t.light));
+    GP_TRY(gp_alloc_zero(log, "sets", objects, 1, &t.set));
+    GP_TRY(gp_bodies_make(log, s, &w.bodies));
+    GP_TRY(find_all(&w));
+    w.view.texel = texel_of(&w);
+    GP_TRY(set_order(&w));
+    GP_TRY(gp_drawing_open(log, gl, s, c, &p->draw, &w.d));
+    for (int i = 0; i < GP_TABLE_ROWS; i++)
+        GP_TRY(measure_row(&w, i, i ? t.picture : NULL, i ? other : t.picture));
+    GP_TRY(gp_gl_check(log, gl, "drawing the scene"));
+    *out = t;
+    t = (struct gp_table) {0};
+out:
+    gp_drawing_close(&w.d);
+    gp_bodies_free(&w.bodies);
+    gp_table_free(&t);
+    gp_free(other);
+    gp_free(w.depth);
+    gp_free(w.caster);
+    gp_free(w.list);
+    gp_free(w.order);
+    return st;
+}
+
+void gp_table_free(struct gp_table *t)
+{
+    gp_free(t->picture);
+    gp_free(t->light);
+    gp_free(t->set);
+    *t = (struct gp_table) {0};
+}
