@@ -162,6 +162,7 @@ struct least_layer {
     int whole;               // columns of them that the frame does not cut
     int far_w, far_h;        // far cells that hold any of the frame
     float *near[3], *far[3]; // light of each cell
+    bool *lit;               // of each row of far cells: it holds light
     float *back[3];          // least mean of the layer, far part, a far cell
     double (*together)[3];   // of each row of near cells
 };
@@ -194,6 +195,7 @@ static void far_row(void *ctx, int y, int thread)
 {
     const struct least_layer *const m = ctx;
     const int reach = m->s->far_reach, n = 2 * reach + 1;
+    const int across = gp_min(reach, m->far_w - 1);
     (void) thread;
     for (int c = 0; c < 3; c++) {
         const float *const table = m->s->far[m->s->channels == 1 ? 0 : c];
@@ -202,7 +204,7 @@ static void far_row(void *ctx, int y, int thread)
              sy <= gp_min(m->far_h - 1, y + reach); sy++) {
             const float *const from =
                 m->far[c] + (size_t) sy * (size_t) m->far_w;
-            for (int dx = -reach; dx <= reach; dx++) {
+            for (int dx = -across; m->lit[sy] && dx <= across; dx++) {
                 if (abs(dx) < FAR_FROM && abs(y - sy) < FAR_FROM)
                     continue; // near cells count these
                 const float k = table[(y - sy + reach) * n + dx + reach];
@@ -283,7 +285,10 @@ static gp_status find_layer_least(const struct gp_log *log,
         GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &m.far[c]));
         GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &m.back[c]));
     }
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) m.far_h, sizeof *m.lit,
+                         &m.lit));
     for (int y = 0; y < src->h; y++) {
+        m.lit[y / FAR] |= src->row[y + 1] > src->row[y];
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
             const size_t n = (size_t) (y / NEAR) * (size_t) m.w +
                              (size_t) (src->x[i] / NEAR);
@@ -316,6 +321,7 @@ out:
         gp_free(m.back[c]);
     }
     gp_free(integral);
+    gp_free(m.lit);
     gp_free(m.alone);
     gp_free(m.together);
     return st;
