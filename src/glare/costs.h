@@ -68,6 +68,9 @@
 #define GP_COST_TAIL_SOURCE 1.4e-6
 #define GP_COST_TAIL_POINT 2e-5
 
+/* ms of one sample of a whole kernel, of each recipe that has a tail */
+#define GP_COST_WHOLE_SAMPLE 1.5e-5
+
 /* -- splat --
  *
  * Measured on OSMesa. A GPU's costs would show only once its context is open,

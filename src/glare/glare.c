@@ -217,6 +217,11 @@ gp_status gp_glare_run(const struct gp_log *log,
     if (named < 0) {
         GP_TRY(gp_plan(&req, g, path, &floor, &taken));
         stats->bound = taken.bound;
+        if (taken.whole) {
+            GP_TRY(find_whole(log, g, kernel, src->w, src->h, &drawn));
+            req.kernel = drawn;
+            req.tail = NULL;
+        }
     } else {
         snprintf(stats->why, sizeof stats->why, "named by --engine");
         warn_of_hours(&req, drawn != kernel ? kernel : req.kernel, g, named,

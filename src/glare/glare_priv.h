@@ -89,6 +89,8 @@ struct gp_candidate {
     int engine;                   // index in gp_engines
     struct gp_splat_params splat; // its settings, where it is a splat
     bool exact;                   // rounding is its only error
+    bool whole;                   // it sums the kernel with its tail, sample by
+                                  // sample
     double ms;                    // predicted for this frame, set-up included;
                                   // INFINITY: not a candidate
     double later_ms;              // predicted without set-up, <= ms; with it
@@ -138,7 +140,9 @@ int gp_plan_candidates(const struct gp_glare_request *req,
                        const struct gp_glare *g,
                        struct gp_candidate c[GP_CANDIDATES]);
 
-/* Chooses the candidate for a request and writes stats->why. Warns once in a
+/* Chooses the candidate for a request and writes stats->why. Where the kernel
+ * has a tail, whose coarse grid keeps all candidates over the tolerance, but
+ * `direct` keeps it for the whole kernel, that is chosen. Warns once in a
  * sequence, naming `path`, when no candidate keeps the tolerance.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_request *req,

@@ -4,6 +4,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/bound/bound.h"
+#include "glare/direct/direct.h"
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
 
@@ -259,7 +260,7 @@ add_words(struct words *w, const char *format, ...)
     w->room -= used;
 }
 
-/* "fft", "splat 4/8". */
+/* "fft", "splat 4/8", "direct of the whole kernel". */
 static void add_name(struct words *w, const struct gp_candidate *c)
 {
     const struct gp_splat_params *const s = &c->splat;
@@ -267,7 +268,8 @@ static void add_name(struct words *w, const struct gp_candidate *c)
         add_words(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group,
             s->cluster, s->shrink > 0.0f ? " shrunk" : "");
     else
-        add_words(w, "%s", gp_engines[c->engine]->name);
+        add_words(w, "%s%s", gp_engines[c->engine]->name,
+                  c->whole ? " of the whole kernel" : "");
 }
 
 // -- underflow ----------------------------------------------------------------
@@ -518,6 +520,78 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     return st;
 }
 
+/* Predicts and bounds `direct` with the kernel's tail at full rate. ms is
+ * INFINITY where such a kernel takes too much memory. */
+static gp_status ask_whole(const struct gp_glare_request *req,
+    struct gp_glare *g, const struct gp_pixel_floor *floor,
+    struct gp_candidate *out)
+{
+    static const double MOST = 1 << 28; // samples: 3 GiB
+    const struct gp_sources *const src = req->src;
+    struct gp_glare_request whole = *req;
+    struct gp_kernel k = *req->kernel;
+    struct gp_pixel_floor own = *floor;
+    struct gp_candidate c = {
+        .splat = req->params->splat, .exact = true, .whole = true,
+        .ms = INFINITY, .later_ms = INFINITY, .bound = INFINITY,
+    };
+    double lost;
+    while (gp_engines[c.engine] != &gp_engine_direct)
+        c.engine++;
+    k.w = 2 * src->w - 1;
+    k.h = 2 * src->h - 1;
+    k.cx = src->w - 1;
+    k.cy = src->h - 1;
+    k.serial = g->whole_of == k.serial ? g->whole.serial : 0;
+    *out = c;
+    if ((k.w + 2.0 * GP_TAPS_PAD) * k.h > MOST)
+        return GP_OK;
+    // the layer of the core is no more than that of the whole
+    whole.tail = NULL;
+    gp_status st = gp_floor_find(&whole, &g->floor, &lost);
+    whole.kernel = &k;
+    memset(own.tail, 0, sizeof own.tail);
+    const struct gp_prediction p = predict(&whole, g, c.engine, &c.splat, 0.0);
+    c.ms = p.ms;
+    c.later_ms = p.later_ms;
+    if (!k.serial)
+        c.ms += (GP_COST_WHOLE_SAMPLE +
+                 GP_COST_FRESH_BYTE * 3.0 * sizeof(float)) * k.w * k.h;
+    if (!st)
+        st = gp_engines[c.engine]->bound(&whole, &g->state[c.engine], &c.bound);
+    c.bound += lost;
+    if (!st && req->params->tolerance_pixel > 0.0f)
+        st = gp_plan_pixel(&whole, g, c.engine, &own, &c.pixel);
+    *out = c;
+    return st;
+}
+
+/* Takes `direct` of the whole kernel where only that keeps the tolerances. */
+static gp_status try_whole(const struct gp_glare_request *req,
+    struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,
+    struct gp_choice *choice, struct gp_candidate *out)
+{
+    static const double LONG_MS = 20e3;
+    const struct gp_glare_params *const asked = req->params;
+    struct gp_candidate c;
+    gp_status st = ask_whole(req, g, floor, &c);
+    if (st || !(c.ms < INFINITY) || !(c.bound <= (double) asked->tolerance) ||
+        (asked->tolerance_pixel > 0.0f &&
+         !(c.pixel <= (double) asked->tolerance_pixel)))
+        return st;
+    *out = c;
+    *choice = (struct gp_choice) {.taken = -1, .within = true};
+    g->past.last = 0; // no other is held against it in the next frame
+    if (c.ms > LONG_MS && !g->past.warned) {
+        g->past.warned = true;
+        gp_say(req->log, GP_LEVEL_WARN, "%s: only --engine direct guarantees "
+               "--tolerance %.3g, in about %.0f s for %zu sources; a larger "
+               "tolerance is faster", path, (double) asked->tolerance,
+               c.ms * 1e-3, req->src->n);
+    }
+    return GP_OK;
+}
+
 gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
                   const char *path, const struct gp_pixel_floor *floor,
                   struct gp_candidate *out)
@@ -534,6 +608,10 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
     *out = p.c[choice.taken];
     const bool pixel = out->bound > p.rel_l2[choice.taken];
     out->bound = p.rel_l2[choice.taken];
+    if (!choice.within && req->tail)
+        st = try_whole(req, g, path, floor, &choice, out);
+    if (st)
+        return st;
 
     // names every candidate whose bound was asked, the exact engines, and the
     // fastest splat: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"

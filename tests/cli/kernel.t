@@ -19,6 +19,21 @@ is "$(field r.json 'o["deg_per_pixel"], o["fov_from"]')" "(0.625, 'default')" \
 run -k k.exr --layer l.exr --report r.json in.exr
 is "$(field r.json '"deg_per_pixel" in o')" False 'an image has no angle'
 
+# the coarse grid of the far part keeps fft and direct over a small tolerance
+frame wide.exr seed=5 size=256x200
+run -k eye --verify --layer l.exr --report r.json wide.exr
+is "$(field r.json 'o["kernel"]["grid"] > 0, o["bound"] > 3e-6')" \
+    '(True, True)' 'a tail on a coarse grid'
+run -k eye --tolerance 3e-6 --verify --layer l.exr --report r.json wide.exr
+quiet_success 'a tolerance that only the whole kernel keeps'
+is "$(field r.json 'o["engine"], "whole kernel" in o["engine_why"]')" \
+    "('direct', True)" 'auto sums the whole kernel'
+is "$(field r.json 'o["measured"]["rel_l2"] <= o["bound"] <= 3e-6')" True \
+    'within its bound'
+run -k eye --tolerance 1e-9 --layer l.exr --report r.json wide.exr
+like "$(cat err)" '*no engine guarantees --tolerance 1e-09*' \
+    'and one that none keeps'
+
 # sizes that come back have the kernel that was made for them, in the same bytes
 for i in 1 2 3 4 5; do
     case $i in 2 | 4) size=48x40 ;; 5) size=40x30 ;; *) size=64x48 ;; esac
