@@ -39,17 +39,23 @@ static void fill_level(struct gp_hidden *h, int level)
     }
 }
 
-static void fill_least(struct gp_hidden *h)
+static void fill_tiles(struct gp_hidden *h)
 {
     const int across = h->w[GP_TILE_LEVEL];
     const int tiles = across * h->h[GP_TILE_LEVEL];
-    for (int i = 0; i < tiles; i++)
+    for (int i = 0; i < tiles; i++) {
         h->least[i] = INFINITY;
+        h->deepest[i] = 0.0f;
+    }
     for (int y = 0; y < h->h[0]; y++) {
         const float *const row = h->most[0] + (size_t) y * (size_t) h->w[0];
-        float *const tile = h->least + y / GP_TILE * across;
-        for (int x = 0; x < h->w[0]; x++)
-            tile[x / GP_TILE] = gp_minf(row[x], tile[x / GP_TILE]);
+        const int first = y / GP_TILE * across;
+        for (int x = 0; x < h->w[0]; x++) {
+            const int i = first + x / GP_TILE;
+            h->least[i] = gp_minf(row[x], h->least[i]);
+            if (row[x] < GP_DEPTH_HUGE)
+                h->deepest[i] = gp_maxf(row[x], h->deepest[i]);
+        }
     }
 }
 
@@ -76,10 +82,13 @@ gp_status gp_hidden_make(const struct gp_log *log, struct gp_rect window,
                                                                    : INFINITY;
     for (int k = 1; k < h.levels; k++)
         fill_level(&h, k);
-    GP_TRY(gp_alloc(log, "tiles of the scene",
-                    (size_t) h.w[GP_TILE_LEVEL] * (size_t) h.h[GP_TILE_LEVEL],
-                    sizeof *h.least, &h.least));
-    fill_least(&h);
+    const size_t tiles =
+        (size_t) h.w[GP_TILE_LEVEL] * (size_t) h.h[GP_TILE_LEVEL];
+    GP_TRY(gp_alloc(log, "tiles of the scene", tiles, sizeof *h.least,
+                    &h.least));
+    GP_TRY(gp_alloc(log, "tiles of the scene", tiles, sizeof *h.deepest,
+                    &h.deepest));
+    fill_tiles(&h);
 out:
     if (st)
         gp_hidden_free(&h);
@@ -92,6 +101,7 @@ void gp_hidden_free(struct gp_hidden *h)
     for (int k = 0; k < 32; k++)
         gp_free(h->most[k]);
     gp_free(h->least);
+    gp_free(h->deepest);
     *h = (struct gp_hidden) {0};
 }
 

@@ -17,7 +17,8 @@ struct gp_hidden {
     int levels;           // 0: no depth is known, nothing is hidden
     int w[32], h[32];
     float *most[32];      // owned; w * h of each level
-    float *least;         // owned; of tiles: level GP_TILE_LEVEL
+    // of tiles, as level GP_TILE_LEVEL; owned
+    float *least, *deepest; // of surfaces; INFINITY and 0 where there is none
 };
 
 /* Parts by which depths may be wrong: 2^-10 holds those stored as half. */

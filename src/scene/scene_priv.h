@@ -12,10 +12,6 @@ struct gp_volume gp_sets_hull(const struct gp_sets_view *v,
                               const struct gp_scissor *lit,
                               const struct gp_reach *light);
 
-/* Returns half sides e of a box at c, widened by the view's texel. */
-struct gp_v3 gp_sets_widen(const struct gp_reach *light, double texel,
-                           struct gp_v3 c, struct gp_v3 e, double radius);
-
 /* Returns a distance along the view axis over that of every object. */
 double gp_sets_far(const struct gp_scene *s, const struct gp_sets_view *v);
 

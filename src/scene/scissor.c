@@ -1,6 +1,8 @@
 /* Scissor and range of depths of a light, from its objects and tiles. */
 #include "scene/scissor.h"
 
+#include "core/memory.h"
+
 #include <limits.h>
 
 static struct gp_screen_box widened(struct gp_screen_box b)
@@ -10,12 +12,12 @@ static struct gp_screen_box widened(struct gp_screen_box b)
     return b;
 }
 
-/* Returns the bounds of the tiles of b, in pixels, that have depths of its
- * range. */
-static struct gp_scissor of_tiles(const struct gp_hidden *h,
-                                  const struct gp_screen_box *b)
+/* Returns the bounds of the tiles of r that have depths from near to far, and
+ * are lit; NULL: all are. */
+static struct gp_scissor of_tiles(const struct gp_hidden *h, struct gp_rect r,
+                                  double near, double far, const uint8_t *lit)
 {
-    const struct gp_rect w = h->window, r = gp_screen_pixels(b, w);
+    const struct gp_rect w = h->window;
     const int across = h->w[GP_TILE_LEVEL];
     struct gp_scissor s = {.near = INFINITY, .far = -INFINITY};
     if (gp_rect_empty(r))
@@ -24,11 +26,11 @@ static struct gp_scissor of_tiles(const struct gp_hidden *h,
     for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
          y++) {
         const float *const least = h->least + y * across,
-                    *const most = h->most[GP_TILE_LEVEL] + y * across;
+                    *const most = h->deepest + y * across;
         for (int x = (r.x0 - w.x0) / GP_TILE;
              x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
             const double lo = (double) least[x], hi = (double) most[x];
-            if (!(lo <= b->far && hi >= b->near && lo < INFINITY))
+            if (!(lo <= far && hi >= near) || (lit && !lit[y * across + x]))
                 continue;
             tile = gp_rect_join(tile, (struct gp_rect) {x, y, x + 1, y + 1});
             s.near = lo < s.near ? lo : s.near;
@@ -41,8 +43,8 @@ static struct gp_scissor of_tiles(const struct gp_hidden *h,
         r, (struct gp_rect) {w.x0 + tile.x0 * GP_TILE, w.y0 + tile.y0 * GP_TILE,
                              w.x0 + tile.x1 * GP_TILE,
                              w.y0 + tile.y1 * GP_TILE});
-    s.near = fmax(s.near, b->near);
-    s.far = fmin(s.far, b->far);
+    s.near = fmax(s.near, near);
+    s.far = fmin(s.far, far);
     return s;
 }
 
@@ -52,7 +54,8 @@ struct gp_screen_box gp_scissor_visible(const struct gp_hidden *h,
     const struct gp_screen_box b = widened(*box);
     if (h->levels == 0 || !b.seen)
         return *box;
-    const struct gp_scissor s = of_tiles(h, &b);
+    const struct gp_scissor s = of_tiles(
+        h, gp_screen_pixels(&b, h->window), b.near, b.far, NULL);
     if (gp_rect_empty(s.rect))
         return (struct gp_screen_box) {0};
     return (struct gp_screen_box) {
@@ -91,8 +94,123 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
         return (struct gp_scissor) {0};
     const struct gp_screen_box b = widened(all);
     if (h->levels > 0)
-        return of_tiles(h, &b);
+        return of_tiles(h, gp_screen_pixels(&b, h->window), b.near, b.far, NULL);
     const struct gp_scissor s = {gp_screen_pixels(&b, h->window), b.near,
                                  b.far};
     return gp_rect_empty(s.rect) ? (struct gp_scissor) {0} : s;
+}
+
+// -- tiles in the world ------------------------------------------------------
+
+/* Returns the box around the visible points of a tile. */
+static struct gp_box box_of(const struct gp_hidden *h, const struct gp_camera *c,
+                            struct gp_rect display, int tx, int ty)
+{
+    const int i = ty * h->w[GP_TILE_LEVEL] + tx;
+    const struct gp_rect w = h->window;
+    const double x[2] = {w.x0 + tx * GP_TILE,
+                         fmin(w.x0 + (tx + 1.0) * GP_TILE, w.x1)};
+    const double y[2] = {w.y0 + ty * GP_TILE,
+                         fmin(w.y0 + (ty + 1.0) * GP_TILE, w.y1)};
+    const struct gp_frustum f = gp_frustum_make(
+        c, display, x, y, (double) h->least[i] * (1.0 - GP_DEPTH_SLACK),
+        (double) h->deepest[i] * (1.0 + GP_DEPTH_SLACK));
+    struct gp_box box = GP_BOX_EMPTY;
+    for (int k = 0; k < 8; k++)
+        box = gp_box_with(box, f.corner[k]);
+    return box;
+}
+
+gp_status gp_lit_tiles_make(const struct gp_log *log, const struct gp_hidden *h,
+                        const struct gp_camera *c, struct gp_rect display,
+                        struct gp_lit_tiles *out)
+{
+    static const char what[] = "tiles of the scene";
+    gp_status st = GP_OK;
+    struct gp_lit_tiles t = {0};
+    *out = t;
+    if (h->levels == 0)
+        return GP_OK;
+    const int across = h->w[GP_TILE_LEVEL], down = h->h[GP_TILE_LEVEL];
+    const size_t n = (size_t) across * (size_t) down;
+    for (int k = 0; k < 3; k++) {
+        GP_TRY(gp_alloc(log, what, n, sizeof(double), &t.at[k]));
+        GP_TRY(gp_alloc(log, what, n, sizeof(double), &t.half[k]));
+    }
+    GP_TRY(gp_alloc_zero(log, what, n, 1, &t.lit));
+    for (int i = 0; i < across * down; i++) {
+        t.half[0][i] = -1.0;
+        if (!(h->least[i] < INFINITY))
+            continue;
+        const struct gp_box b =
+            box_of(h, c, display, i % across, i / across);
+        const struct gp_v3 at = gp_v3_scale(gp_v3_add(b.lo, b.hi), 0.5),
+                           half = gp_v3_scale(gp_v3_sub(b.hi, b.lo), 0.5);
+        t.at[0][i] = at.x;
+        t.at[1][i] = at.y;
+        t.at[2][i] = at.z;
+        t.half[0][i] = half.x;
+        t.half[1][i] = half.y;
+        t.half[2][i] = half.z;
+    }
+    *out = t;
+out:
+    if (st)
+        gp_lit_tiles_free(&t);
+    return st;
+}
+
+void gp_lit_tiles_free(struct gp_lit_tiles *t)
+{
+    for (int k = 0; k < 3; k++) {
+        gp_free(t->at[k]);
+        gp_free(t->half[k]);
+    }
+    gp_free(t->lit);
+    *t = (struct gp_lit_tiles) {0};
+}
+
+struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
+                                 const struct gp_scissor *s,
+                                 const struct gp_reach *light,
+                                 const struct gp_umbra *umbra, int umbras,
+                                 double texel)
+{
+    const int across = h->w[GP_TILE_LEVEL];
+    const struct gp_rect w = h->window, r = s->rect;
+    if (gp_rect_empty(r))
+        return *s;
+    for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
+         y++) {
+        for (int x = (r.x0 - w.x0) / GP_TILE;
+             x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
+            const int i = y * across + x;
+            const struct gp_v3 c = {t->at[0][i], t->at[1][i], t->at[2][i]},
+                               e = {t->half[0][i], t->half[1][i],
+                                    t->half[2][i]};
+            t->lit[i] = 0;
+            if (e.x < 0.0 || gp_reach_too_far(light, c, e))
+                continue;
+            const double radius = gp_v3_length(e);
+            if (gp_reach_beside(light, c, radius))
+                continue;
+            const struct gp_v3 wide = gp_texel_widen(light, texel, c, e, radius);
+            int u = 0;
+            while (u < umbras && !gp_umbra_holds(&umbra[u], c, wide))
+                u++;
+            t->lit[i] = u == umbras;
+        }
+    }
+    return of_tiles(h, r, s->near, s->far, t->lit);
+}
+
+bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
+                   const struct gp_scissor *s, const struct gp_screen_box *box)
+{
+    const struct gp_screen_box b = widened(*box);
+    const struct gp_rect r =
+        gp_rect_meet(s->rect, gp_screen_pixels(&b, h->window));
+    return !gp_rect_empty(r) &&
+           !gp_rect_empty(of_tiles(h, r, fmax(b.near, s->near),
+                                   fmin(b.far, s->far), t->lit).rect);
 }

@@ -3,6 +3,7 @@
 #define GP_SCENE_SCISSOR_H
 
 #include "scene/hidden.h"
+#include "scene/umbra.h"
 
 /* Pixels and a range of depths; empty: rect is, and the rest is 0. */
 struct gp_scissor {
@@ -27,5 +28,33 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
                                   const struct gp_screen_box *box,
                                   const int *index, int n,
                                   const struct gp_screen_box *light);
+
+/* Boxes of the world around the visible points of each tile. */
+struct gp_lit_tiles {
+    double *at[3], *half[3]; // owned; half[0] < 0: a tile without a surface
+    uint8_t *lit;            // owned; of the light
+};
+
+/* Out: *out, free with gp_lit_tiles_free(); empty on failure and without depths.
+ * Errors: GP_ERR_BUG memory is full. */
+GP_MUST_CHECK gp_status gp_lit_tiles_make(const struct gp_log *log,
+                                      const struct gp_hidden *h,
+                                      const struct gp_camera *c,
+                                      struct gp_rect display,
+                                      struct gp_lit_tiles *out);
+void gp_lit_tiles_free(struct gp_lit_tiles *t);
+
+/* Sets lit[i] of tiles that a light may reach past its umbras, and returns the
+ * part of a scissor that holds those in it.
+ *   texel  as of gp_sets_view */
+struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
+                                 const struct gp_scissor *s,
+                                 const struct gp_reach *light,
+                                 const struct gp_umbra *umbra, int umbras,
+                                 double texel);
+
+/* False where no lit tile of a scissor can show a point in the bounds. */
+bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
+                   const struct gp_scissor *s, const struct gp_screen_box *box);
 
 #endif

@@ -42,17 +42,6 @@ struct gp_volume gp_sets_hull(const struct gp_sets_view *v,
     return gp_hull(&f, light->from);
 }
 
-struct gp_v3 gp_sets_widen(const struct gp_reach *light, double texel,
-                           struct gp_v3 c, struct gp_v3 e, double radius)
-{
-    const double away =
-        light->from.w > 0.0
-            ? gp_v3_length(gp_v3_sub(c, light->from.p)) + radius
-            : 1.0;
-    const double more = texel * away;
-    return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
-}
-
 // -- the frame's sets --------------------------------------------------------
 
 struct gp_sets {
@@ -61,6 +50,7 @@ struct gp_sets {
     struct gp_sets_view view;
     unsigned use;
     struct gp_hidden hidden; // levels 0: no depth
+    struct gp_lit_tiles tiles;
     struct gp_volume frustum;
     double far;              // of all boxes
     // of each object
@@ -74,6 +64,8 @@ struct gp_sets {
     int *lit, *list;         // I; in its reach
     int lits, listed;
     struct gp_scissor scissor;
+    struct gp_umbra umbra[GP_OCCLUDERS];
+    int umbras;
 };
 
 static struct gp_v3 centre_of(const struct gp_sets *s, int i)
@@ -143,6 +135,8 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     s->hidden.window = view->window;
     if (view->depth && (use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
         GP_TRY(gp_hidden_make(log, view->window, view->depth, &s->hidden));
+    GP_TRY(gp_lit_tiles_make(log, &s->hidden, &view->camera, view->display,
+                         &s->tiles));
     s->view.depth = NULL;
     fill_arrays(s);
     s->far = gp_sets_far(scene, view);
@@ -182,6 +176,7 @@ void gp_sets_close(struct gp_sets **sets)
         gp_free(s->near);
         gp_free(s->lit);
         gp_free(s->list);
+        gp_lit_tiles_free(&s->tiles);
         gp_hidden_free(&s->hidden);
     }
     GP_FREE(*sets);
@@ -236,26 +231,26 @@ static void list_near(struct gp_sets *s, const struct gp_reach *r)
 /* Flags L, and I of V: those listed that are not in an umbra. */
 static void flag_lit(struct gp_sets *s, const struct gp_reach *r)
 {
-    struct gp_umbra umbra[GP_OCCLUDERS];
     struct gp_darkest most = {0};
-    int umbras = 0;
+    s->umbras = 0;
     if (s->use & GP_SETS_LIGHTS) {
         for (int k = 0; k < s->listed; k++) {
             const int i = s->list[k];
             if (s->size[i] > 0.0)
                 gp_darkest_try(&most, r, centre_of(s, i), s->size[i], i);
         }
-        umbras = gp_darkest_umbras(&most, s->scene, s->bodies, r, umbra);
+        s->umbras =
+            gp_darkest_umbras(&most, s->scene, s->bodies, r, s->umbra);
     }
     s->lits = 0;
     for (int k = 0; k < s->listed; k++) {
         const int i = s->list[k];
         const struct gp_v3 c = centre_of(s, i), e = half_of(s, i);
         const struct gp_v3 wide =
-            gp_sets_widen(r, s->view.texel, c, e, s->radius[i]);
+            gp_texel_widen(r, s->view.texel, c, e, s->radius[i]);
         bool dark = false;
-        for (int u = 0; u < umbras && !dark; u++)
-            dark = gp_umbra_holds(&umbra[u], c, wide);
+        for (int u = 0; u < s->umbras && !dark; u++)
+            dark = gp_umbra_holds(&s->umbra[u], c, wide);
         if (dark)
             continue;
         s->flag[i] |= GP_SET_L;
@@ -274,11 +269,26 @@ static void flag_casters(struct gp_sets *s, const struct gp_reach *r,
     for (int k = 0; k < s->listed; k++) {
         const int i = s->list[k];
         const struct gp_v3 c = centre_of(s, i);
-        const struct gp_v3 e = gp_sets_widen(r, s->view.texel, c,
+        const struct gp_v3 e = gp_texel_widen(r, s->view.texel, c,
                                              half_of(s, i), s->radius[i]);
         if ((s->flag[i] & GP_SET_L) && !gp_volume_misses(&hull, c, e))
             s->flag[i] |= GP_SET_S;
     }
+}
+
+/* Takes objects out of I that show nothing in the scissor. */
+static void leave_out(struct gp_sets *s)
+{
+    int n = 0;
+    for (int k = 0; k < s->lits; k++) {
+        const int i = s->lit[k];
+        if (s->hidden.levels > 0 &&
+            !gp_lit_tiles_show(&s->tiles, &s->hidden, &s->scissor, &s->box[i]))
+            s->flag[i] &= (uint8_t) ~GP_SET_I;
+        else
+            s->lit[n++] = i;
+    }
+    s->lits = n;
 }
 
 bool gp_sets_light(struct gp_sets *s, int light)
@@ -297,8 +307,11 @@ bool gp_sets_light(struct gp_sets *s, int light)
     flag_lit(s, &r);
     const struct gp_screen_box bounds = gp_reach_project(
         &r, &v->camera, v->display, v->near, INFINITY);
-    const struct gp_scissor lit =
+    struct gp_scissor lit =
         gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
+    if (s->hidden.levels > 0 && (s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)))
+        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &lit, &r, s->umbra,
+                             s->umbras, v->texel);
     const bool bright = s->lits > 0 &&
                         (!(s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)) ||
                          !gp_rect_empty(lit.rect));
@@ -308,9 +321,11 @@ bool gp_sets_light(struct gp_sets *s, int light)
         s->lits = 0;
         return false;
     }
-    s->scissor = s->use & GP_SETS_SCISSOR
-                     ? lit
-                     : (struct gp_scissor) {v->window, v->near, s->far};
+    s->scissor = (struct gp_scissor) {v->window, v->near, s->far};
+    if (s->use & GP_SETS_SCISSOR) {
+        s->scissor = lit;
+        leave_out(s);
+    }
     if (s->use & GP_SETS_SHADOWS) {
         flag_casters(s, &r, &lit);
         return true;

@@ -8,7 +8,7 @@
  *   V  in F, and not hidden by the frame's depth
  *   L  in a light's reach and cone, and not wholly in the umbra of its largest
  *      occluders
- *   I  V and L: lit anew
+ *   I  V and L: lit anew; with a scissor, less those that show nothing in it
  *   S  casts shadows: L in the hull of the light and of what it lights */
 #ifndef GP_SCENE_SETS_H
 #define GP_SCENE_SETS_H

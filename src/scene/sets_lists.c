@@ -59,14 +59,14 @@ static bool hidden(const struct gp_sets_view *v, const struct gp_screen_box *b)
     return true;
 }
 
-/* L of an opened light: in reach, in the cone, in no umbra. */
+/* L: in reach, in the cone, in no umbra. */
 static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
                       const struct gp_sets_view *v, const struct gp_reach *r,
-                      unsigned use, struct gp_set *l)
+                      unsigned use, struct gp_umbra umbra[GP_OCCLUDERS],
+                      int *umbras, struct gp_set *l)
 {
     struct gp_darkest most = {0};
-    struct gp_umbra umbra[GP_OCCLUDERS];
-    l->n = 0;
+    l->n = *umbras = 0;
     for (int i = 0; i < s->objects; i++) {
         const struct gp_object *const o = &s->object[i];
         if (gp_box_empty(o->box) ||
@@ -80,14 +80,14 @@ static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
     }
     if (!(use & GP_SETS_LIGHTS))
         return;
-    const int umbras = gp_darkest_umbras(&most, s, bodies, r, umbra);
+    *umbras = gp_darkest_umbras(&most, s, bodies, r, umbra);
     int n = 0;
     for (int k = 0; k < l->n; k++) {
         const struct gp_object *const o = &s->object[l->object[k]];
         const struct gp_v3 e =
-            gp_sets_widen(r, v->texel, centre(o), half(o), o->radius);
+            gp_texel_widen(r, v->texel, centre(o), half(o), o->radius);
         bool dark = false;
-        for (int u = 0; u < umbras; u++)
+        for (int u = 0; u < *umbras; u++)
             dark |= gp_umbra_holds(&umbra[u], centre(o), e);
         l->object[n] = l->object[k];
         n += !dark;
@@ -104,7 +104,7 @@ static void list_casters(const struct gp_scene *s, const struct gp_sets_view *v,
     for (int k = 0; k < out->l.n; k++) {
         const struct gp_object *const o = &s->object[out->l.object[k]];
         const struct gp_v3 e =
-            gp_sets_widen(r, v->texel, centre(o), half(o), o->radius);
+            gp_texel_widen(r, v->texel, centre(o), half(o), o->radius);
         if (!gp_volume_misses(&hull, centre(o), e))
             append(&out->s, out->l.object[k]);
     }
@@ -118,7 +118,9 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
     gp_status st;
     struct gp_lists a = {0};
     struct gp_hidden depths = {.window = v->window};
+    struct gp_lit_tiles tiles = {0};
     struct gp_screen_box *box = NULL;
+    struct gp_umbra *umbra = NULL;
     const size_t n = (size_t) s->objects + 1;
     struct gp_set *const set[] = {&a.f, &a.v, &a.l, &a.i, &a.s};
     for (int k = 0; k < 5; k++)
@@ -127,6 +129,10 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, "lists of the scene", n, sizeof *box, &box));
     if (v->depth && (use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
         GP_TRY(gp_hidden_make(log, v->window, v->depth, &depths));
+
+    GP_TRY(gp_lit_tiles_make(log, &depths, &v->camera, v->display, &tiles));
+    GP_TRY(gp_alloc(log, "umbras of the scene", GP_OCCLUDERS, sizeof *umbra,
+                    &umbra));
 
     const double far = gp_sets_far(s, v);
     const struct gp_volume frustum = gp_sets_frustum(v, far);
@@ -142,25 +148,38 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
         box[i] = gp_scissor_visible(&depths, &box[i]);
     }
     const struct gp_reach r = gp_light_reach(&s->light[light]);
+    int umbras = 0;
     if (gp_reach_meets(&r, &frustum)) {
-        list_seen(s, bodies, v, &r, use, &a.l);
+        list_seen(s, bodies, v, &r, use, umbra, &umbras, &a.l);
         intersect(&a.v, &a.l, &a.i);
     }
-    if (a.i.n > 0) {
-        const struct gp_screen_box bounds = gp_reach_project(
-            &r, &v->camera, v->display, v->near, INFINITY);
-        const struct gp_scissor lit =
-            gp_scissor_make(&depths, box, a.i.object, a.i.n, &bounds);
-        if ((use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)) &&
-            gp_rect_empty(lit.rect))
-            a.i.n = 0;
-        else if (use & GP_SETS_SHADOWS)
-            list_casters(s, v, &r, &lit, &a);
-        else
-            intersect(&a.l, &a.l, &a.s);
+    const struct gp_screen_box bounds =
+        gp_reach_project(&r, &v->camera, v->display, v->near, INFINITY);
+    struct gp_scissor lit =
+        gp_scissor_make(&depths, box, a.i.object, a.i.n, &bounds);
+    const bool cut = use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
+    if (depths.levels > 0 && cut)
+        lit = gp_lit_tiles_light(&tiles, &depths, &lit, &r, umbra, umbras,
+                                 v->texel);
+    if (cut && gp_rect_empty(lit.rect))
+        a.i.n = 0;
+    if (a.i.n > 0 && (use & GP_SETS_SHADOWS))
+        list_casters(s, v, &r, &lit, &a);
+    else if (a.i.n > 0)
+        intersect(&a.l, &a.l, &a.s);
+    if (depths.levels > 0 && (use & GP_SETS_SCISSOR)) { // shows nothing in it
+        int left = 0;
+        for (int k = 0; k < a.i.n; k++) {
+            a.i.object[left] = a.i.object[k];
+            left += gp_lit_tiles_show(&tiles, &depths, &lit,
+                                      &box[a.i.object[k]]);
+        }
+        a.i.n = left;
     }
 out:
     gp_free(box);
+    gp_free(umbra);
+    gp_lit_tiles_free(&tiles);
     gp_hidden_free(&depths);
     if (st)
         gp_lists_free(&a);

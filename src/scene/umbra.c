@@ -278,6 +278,17 @@ struct gp_umbra gp_umbra_make(const struct gp_body *body,
 
 // -- of a light --------------------------------------------------------------
 
+struct gp_v3 gp_texel_widen(const struct gp_reach *light, double texel,
+                           struct gp_v3 c, struct gp_v3 e, double radius)
+{
+    const double away =
+        light->from.w > 0.0
+            ? gp_v3_length(gp_v3_sub(c, light->from.p)) + radius
+            : 1.0;
+    const double more = texel * away;
+    return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
+}
+
 double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o)
 {
     if (b->of_mesh[o->mesh] < 0 || gp_box_empty(o->box))

@@ -54,6 +54,12 @@ static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,
     return u->planes > 0;
 }
 
+/* Returns half sides e of a box at c, wider by what lookups in a map of shadows
+ * may be off: `texel` radians as seen from the light; of one at infinity a
+ * length. */
+struct gp_v3 gp_texel_widen(const struct gp_reach *light, double texel,
+                            struct gp_v3 c, struct gp_v3 e, double radius);
+
 /* Convex bodies of a scene's meshes, for umbras: one search for all frames. */
 struct gp_bodies {
     int *of_mesh;         // index; -1: none
@@ -68,7 +74,7 @@ GP_MUST_CHECK gp_status gp_bodies_make(const struct gp_log *log,
 void gp_bodies_free(struct gp_bodies **b);
 
 /* The largest occluders of a light, by the angle that they fill. */
-enum { GP_OCCLUDERS = 8 };
+enum { GP_OCCLUDERS = 16 };
 struct gp_darkest {
     int n;
     int object[GP_OCCLUDERS];

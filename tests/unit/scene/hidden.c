@@ -76,14 +76,16 @@ static void tiles(void **state)
     assert_int_equal(p.w[GP_TILE_LEVEL], 4);
     assert_int_equal(p.h[GP_TILE_LEVEL], 3);
     for (int t = 0; t < 12; t++) {
-        float least = INFINITY, most = 0.0f;
+        float least = INFINITY, most = 0.0f, deepest = 0.0f;
         for (int i = 0; i < 53 * 37; i++) {
             if (i % 53 / 16 != t % 4 || i / 53 / 16 != t / 4)
                 continue;
             least = fminf(least, depth[i]);
+            deepest = depth[i] > 1e9f ? deepest : fmaxf(deepest, depth[i]);
             most = depth[i] > 1e9f ? INFINITY : fmaxf(most, depth[i]);
         }
         assert_true(p.least[t] == least);
+        assert_true(p.deepest[t] == deepest);
         assert_true(p.most[GP_TILE_LEVEL][t] == most);
     }
     gp_hidden_free(&p);
