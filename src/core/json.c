@@ -180,15 +180,44 @@ static gp_status fail_at(const struct gp_json_place *p, const char *fmt, ...)
 
 // -- reading -----------------------------------------------------------------
 
-gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
-                       json_t **out)
+gp_status gp_json_parse(const struct gp_log *log, const char *path,
+                        const char *text, size_t bytes, json_t **out)
 {
     static const char mark[] = "\xef\xbb\xbf"; // some editors' byte order mark
+    json_error_t e;
+    size_t first = 0;
+    if (bytes >= 3 && memcmp(text, mark, 3) == 0) {
+        text += 3;
+        bytes -= 3;
+    }
+    while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
+        first++;
+    if (first == bytes)
+        return gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
+                       "write an array or an object", path);
+    full = false;
+    json_t *const root = json_loadb(
+        text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
+    if (full) {
+        json_decref(root);
+        full = false;
+        return gp_no_memory(log, path);
+    }
+    if (!root)
+        return gp_fail(log, GP_ERR_DATA, "%s: not JSON at line %d, column %d "
+                       "(%s); correct it there", path, e.line, e.column,
+                       cut_text(e.text).text);
+    *out = root;
+    return GP_OK;
+}
+
+gp_status gp_load_file(const struct gp_log *log, const char *path, size_t most,
+                       void **out, size_t *size)
+{
     gp_status st;
     void *block = NULL;
-    size_t bytes = 0, room = 0, first = 0;
+    size_t bytes = 0, room = 0;
     struct stat about;
-    json_error_t e;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
         return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
@@ -212,33 +241,26 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
     if (bytes > most)
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu KiB); split "
                        "it", path, most >> 10));
-
-    const char *text = block;
-    if (bytes >= 3 && memcmp(text, mark, 3) == 0) {
-        text += 3;
-        bytes -= 3;
-    }
-    while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
-        first++;
-    if (first == bytes)
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
-                       "write an array or an object", path));
-    full = false;
-    json_t *const root = json_loadb(
-        text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
-    if (full) {
-        json_decref(root);
-        full = false;
-        GP_TRY(gp_no_memory(log, path));
-    }
-    if (!root)
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: not JSON at line %d, column %d "
-                       "(%s); correct it there", path, e.line, e.column,
-                       cut_text(e.text).text));
-    *out = root;
+    *out = block;
+    *size = bytes;
+    block = NULL; // the caller's
+    st = GP_OK;
 out:
     gp_free(block);
     close(fd);
+    return st;
+}
+
+gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
+                       json_t **out)
+{
+    void *text;
+    size_t bytes;
+    gp_status st = gp_load_file(log, path, most, &text, &bytes);
+    if (st)
+        return st;
+    st = gp_json_parse(log, path, text, bytes, out);
+    gp_free(text);
     return st;
 }
 

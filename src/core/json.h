@@ -28,6 +28,13 @@ struct gp_json_place {
     int index;         // from 1; 0: the file itself
 };
 
+/* Reads all bytes of a file or pipe into memory, at most `most`, at least 1024.
+ *   out  written on GP_OK only; gp_free()
+ * Errors: GP_ERR_IO cannot be read, is a folder; GP_ERR_DATA too large;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_load_file(const struct gp_log *log,
+    const char *path, size_t most, void **out, size_t *size);
+
 /* Reads a file of at most `most` bytes, at least 1024. Duplicate keys are
  * refused. Every number is read as a JSON_REAL, so that long integers (ids of
  * other programs) are no error. A byte order mark before the text is skipped.
@@ -38,6 +45,11 @@ struct gp_json_place {
 enum { GP_JSON_SMALL = 1 << 20 }; // bytes
 GP_MUST_CHECK gp_status gp_json_read(const struct gp_log *log, const char *path,
                                      size_t most, json_t **out);
+
+/* The same of text in memory, the JSON of a file of another kind, which `path`
+ * names in messages. Errors: GP_ERR_DATA; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_json_parse(const struct gp_log *log,
+    const char *path, const char *text, size_t bytes, json_t **out);
 
 /* The array that a file holds: itself, or value `key` of its object, whose
  * other keys are left to gp_json_keys(). *out is borrowed from root.

@@ -1,0 +1,74 @@
+/* Reads a glTF 2.0 scene, and poses it at a time. */
+#ifndef GP_SCENE_GLTF_H
+#define GP_SCENE_GLTF_H
+
+#include "scene/scene.h"
+
+/* Decodes pictures for the reader, which knows no format. */
+struct gp_scene_images {
+    void *user;
+    /* Coverage of a picture, 0 to 1, w * h samples from the upper left corner;
+     * 1 where it has no alpha.
+     *   name   of the picture, for messages; a file where `bytes` is NULL
+     *   alpha  written on GP_OK only; gp_free()
+     * Errors: those of its reader. */
+    gp_status (*alpha)(void *user, const struct gp_log *log, const char *name,
+                       const void *bytes, size_t n, int *w, int *h,
+                       float **alpha);
+};
+
+/* Reads a scene: .glb, or .gltf with buffers in data URIs and at most one file
+ * beside it. It is posed at its first key.
+ *
+ *   up      axis of the frame's world; GP_UP_AUTO is Y until gp_scene_turn()
+ *   images  of cut-out materials; NULL: they count as opaque, with a warning
+ *   out     written on GP_OK only; gp_scene_free()
+ *
+ * Nodes that no scene of the file holds are left out, and so are points, lines
+ * and orthographic cameras. Skins and morph targets keep their rest pose, with
+ * a warning.
+ *
+ * Memory: 64 MiB, 32 times the size of the file, 400 bytes for each byte of its
+ * JSON.
+ *
+ * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, a
+ * circle of nodes, a number out of its range, an extension that is required
+ * and not known (Draco, meshopt); GP_ERR_BUG out of memory; those of
+ * `images`. */
+GP_MUST_CHECK gp_status gp_scene_read(
+    const struct gp_log *log, const char *path, enum gp_up up,
+    const struct gp_scene_images *images, struct gp_scene *out);
+
+/* Places objects, lights and cameras at a time in seconds; before the first
+ * key of a node it is as at that, after the last as at that. A node that leaves
+ * 1e15 either way is at the origin with size 0. */
+void gp_scene_pose(struct gp_scene *s, double seconds);
+
+/* Turns a scene that was read with GP_UP_AUTO, and poses it anew. */
+void gp_scene_turn(struct gp_scene *s, enum gp_up up);
+
+/* Returns the axis for GP_UP_AUTO: the one by which a camera of the scene, as
+ * posed, is nearer to the frame's; without cameras in the scene the one of the
+ * world that is nearer to the picture's upright. */
+enum gp_up gp_scene_find_up(const struct gp_scene *s,
+                            const struct gp_camera *frame);
+
+/* Returns the camera of that name, or of name NULL the only one; NULL: none. */
+const struct gp_scene_camera *gp_scene_find_camera(const struct gp_scene *s,
+                                                   const char *name);
+
+/* A camera as posed, as a frame's, for a picture of that width to height.
+ * Errors: those of gp_camera_make(). */
+GP_MUST_CHECK gp_status gp_scene_camera_make(
+    const struct gp_log *log, const struct gp_scene *s,
+    const struct gp_scene_camera *c, double aspect, struct gp_camera *out);
+
+/* Returns how far apart two cameras place a point, in pixels: the largest
+ * distance over 3x3 places of the picture by `a`, at a tenth of the scene's
+ * diagonal and at all of it; INFINITY where b has one behind it. */
+double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
+                      const struct gp_camera *b, struct gp_rect display);
+
+void gp_scene_free(struct gp_scene *s);
+
+#endif

@@ -1,0 +1,446 @@
+/* The file: chunks of a .glb, JSON, data URIs, the file beside. */
+#include "scene/gltf_priv.h"
+
+#include "core/bytes.h"
+#include "core/memory.h"
+
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    MOST_FILE = INT_MAX - 1, // bytes; numbers of bytes fit an int
+    GLB_HEADER = 12, CHUNK_HEADER = 8,
+    GLB_JSON = 0x4e4f534a, GLB_BINARY = 0x004e4942,
+    MOST_FIXED = 64 << 20, MOST_COPIES = 32,
+};
+
+/* All lists that the reader knows. */
+static const char *const lists[] = {
+    "accessors", "animations", "buffers",   "bufferViews", "cameras",  "images",
+    "materials", "meshes",     "nodes",     "samplers",    "scenes",   "skins",
+    "textures",  NULL,
+};
+
+// -- places and messages ------------------------------------------------------
+
+void gp_gltf_place(const struct gp_gltf *g, const char *what, int index,
+                   struct gp_gltf_at *out)
+{
+    const size_t most = sizeof out->path - 64;
+    const size_t length = strlen(g->path);
+    const char *const tail = g->path + (length > most ? length - most : 0);
+    if (what)
+        snprintf(out->path, sizeof out->path, "%s: %s %d", tail, what, index);
+    else
+        snprintf(out->path, sizeof out->path, "%s", tail);
+    out->p = (struct gp_json_place) {.log = g->log, .path = out->path};
+}
+
+gp_status gp_gltf_fail(const struct gp_gltf_at *at, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    return gp_fail(at->p.log, GP_ERR_DATA, "%s: %s; export the scene again",
+                   at->path, text);
+}
+
+/* Prints the same about the whole file. */
+GP_PRINTF(2, 3)
+static gp_status fail_file(const struct gp_gltf *g, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    return gp_fail(g->log, GP_ERR_DATA, "%s: %s", g->path, text);
+}
+
+gp_status gp_gltf_take(struct gp_gltf *g, size_t bytes)
+{
+    const size_t most = (size_t) MOST_FIXED + MOST_COPIES * g->file_bytes;
+    if (bytes > most - g->taken)
+        return fail_file(g, "content out of proportion (over %zu MiB from a "
+                         "file of %zu KiB); export the scene again",
+                         most >> 20, g->file_bytes >> 10);
+    g->taken += bytes;
+    return GP_OK;
+}
+
+// -- items --------------------------------------------------------------------
+
+int gp_gltf_count(const struct gp_gltf *g, const char *list)
+{
+    return (int) json_array_size(json_object_get(g->root, list));
+}
+
+json_t *gp_gltf_item(const struct gp_gltf *g, const char *list, int index)
+{
+    return json_array_get(json_object_get(g->root, list), (size_t) index);
+}
+
+gp_status gp_gltf_index(const struct gp_gltf *g, const struct gp_gltf_at *at,
+                        json_t *o, const char *key, const char *list, int *out)
+{
+    const int n = gp_gltf_count(g, list);
+    bool found;
+    int index = -1;
+    gp_status st = gp_json_int(&at->p, o, key, 0, INT_MAX, &index, &found);
+    if (!st && found && index >= n)
+        return gp_gltf_fail(at, "no such \"%s\" (found %d, \"%s\" has %d)", key,
+                            index, list, n);
+    if (!st)
+        *out = found ? index : -1;
+    return st;
+}
+
+gp_status gp_gltf_extension(const struct gp_gltf_at *at, json_t *o,
+                            const char *name, json_t **out)
+{
+    json_t *const all = json_object_get(o, "extensions");
+    *out = json_object_get(all, name);
+    if ((all && !json_is_object(all)) || (*out && !json_is_object(*out)))
+        return gp_gltf_fail(at, "\"extensions\" holds no object (%s)", name);
+    return GP_OK;
+}
+
+void gp_gltf_name(json_t *o, char out[GP_SCENE_NAME])
+{
+    const char *const name = json_string_value(json_object_get(o, "name"));
+    snprintf(out, GP_SCENE_NAME, "%s", name ? name : "");
+    // no half of a UTF-8 character at the cut
+    for (size_t i = 0; out[i];) {
+        const size_t n = gp_utf8_bytes(out + i);
+        if (!n)
+            out[i] = '\0';
+        i += n;
+    }
+    gp_make_printable(out);
+}
+
+// -- buffers ------------------------------------------------------------------
+
+static int base64_value(char c)
+{
+    return c >= 'A' && c <= 'Z'   ? c - 'A'
+           : c >= 'a' && c <= 'z' ? c - 'a' + 26
+           : c >= '0' && c <= '9' ? c - '0' + 52
+           : c == '+' || c == '-' ? 62
+           : c == '/' || c == '_' ? 63
+                                  : -1;
+}
+
+/* Decodes "data:TYPE;base64,TEXT" (RFC 2397, RFC 4648). */
+static gp_status decode_uri(const struct gp_gltf_at *at, const char *uri,
+                            struct gp_gltf_span *out, void **own)
+{
+    const char *const comma = strchr(uri, ',');
+    if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
+        return gp_gltf_fail(at, "a data URI without \";base64,\"");
+    const char *text = comma + 1;
+    const size_t length = strlen(text);
+    uint8_t *to;
+    gp_status st = gp_alloc(at->p.log, at->path, length / 4 * 3 + 3, 1, &to);
+    if (st)
+        return st;
+    unsigned bits = 0;
+    int held = 0, n = 0;
+    for (; *text && *text != '='; text++) {
+        const int v = base64_value(*text);
+        if (v < 0) {
+            gp_free(to);
+            return gp_gltf_fail(at, "a data URI with a character that is not "
+                                "base64 (byte 0x%02x)", (unsigned char) *text);
+        }
+        bits = (bits << 6 | (unsigned) v) & 0xffffu;
+        held += 6;
+        if (held >= 8) {
+            held -= 8;
+            to[n++] = (uint8_t) (bits >> held);
+        }
+    }
+    *out = (struct gp_gltf_span) {to, n};
+    *own = to;
+    return GP_OK;
+}
+
+/* Returns a new path of a file beside the scene, whose percent codes are
+ * undone; NULL when memory is full. */
+static char *beside(const char *scene, const char *uri)
+{
+    const char *const slash = strrchr(scene, '/');
+    const size_t folder = slash ? (size_t) (slash + 1 - scene) : 0;
+    char *path;
+    if (gp_alloc(NULL, scene, folder + strlen(uri) + 1, 1, &path))
+        return NULL;
+    memcpy(path, scene, folder);
+    char *to = path + folder;
+    for (; *uri; uri++) {
+        unsigned code;
+        if (uri[0] == '%' && sscanf(uri + 1, "%2x", &code) == 1 && code &&
+            uri[1] != ' ' && uri[2]) {
+            *to++ = (char) code;
+            uri += 2;
+        } else {
+            *to++ = *uri;
+        }
+    }
+    *to = '\0';
+    return path;
+}
+
+/* Names the file beside the scene that a URI means. */
+static gp_status file_of_uri(const struct gp_gltf *g,
+                             const struct gp_gltf_at *at, const char *uri,
+                             char **out)
+{
+    const char *const colon = strchr(uri, ':');
+    char *const path = beside(g->path, uri);
+    if (!path)
+        return gp_no_memory(g->log, g->path);
+    const char *const slash = strrchr(g->path, '/');
+    const char *const name = path + (slash ? slash + 1 - g->path : 0);
+    if (!*name || *name == '/' || strstr(name, "..") || colon) {
+        gp_status st = gp_gltf_fail(at, "a URI that is no file beside the "
+                                    "scene (found \"%.100s\")", uri);
+        gp_free(path);
+        return st;
+    }
+    *out = path;
+    return GP_OK;
+}
+
+static gp_status read_buffer(struct gp_gltf *g, int index)
+{
+    struct gp_gltf_buffer *const b = &g->buffer[index];
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "buffers", index), *meshopt;
+    const char *uri = NULL;
+    char *file = NULL;
+    size_t size;
+    int declared = 0;
+    gp_status st;
+    gp_gltf_place(g, "buffer", index, &at);
+    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &declared, NULL));
+    GP_TRY(gp_json_text(&at.p, o, "uri", &uri, NULL));
+    GP_TRY(gp_gltf_extension(&at, o, "EXT_meshopt_compression", &meshopt));
+    if (!uri && meshopt)
+        return GP_OK; // a fallback without bytes: who uses it gets none
+    if (!uri && index == 0 && g->chunk.at) {
+        b->span = g->chunk;
+    } else if (!uri) {
+        GP_TRY(gp_gltf_fail(&at, "no \"uri\", and no binary chunk"));
+    } else if (strncmp(uri, "data:", 5) == 0) {
+        GP_TRY(decode_uri(&at, uri, &b->span, &b->own));
+    } else {
+        if (g->beside)
+            GP_TRY(gp_gltf_fail(&at, "a second file beside the scene (found "
+                                "\"%.100s\"); at most one is read", uri));
+        g->beside = true;
+        GP_TRY(file_of_uri(g, &at, uri, &file));
+        GP_TRY(gp_load_file(g->log, file, MOST_FILE, &b->own, &size));
+        b->span = (struct gp_gltf_span) {b->own, (int) size};
+        g->file_bytes += size;
+    }
+    if (declared > b->span.bytes)
+        GP_TRY(gp_gltf_fail(&at, "truncated (%d bytes, \"byteLength\" is %d)",
+                            b->span.bytes, declared));
+    b->span.bytes = declared;
+out:
+    gp_free(file);
+    return st;
+}
+
+gp_status gp_gltf_view(const struct gp_gltf *g, int index,
+                       struct gp_gltf_span *out, int *stride)
+{
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "bufferViews", index);
+    int buffer, offset = 0, bytes = 0;
+    gp_status st;
+    gp_gltf_place(g, "buffer view", index, &at);
+    *stride = 0;
+    GP_TRY(gp_gltf_index(g, &at, o, "buffer", "buffers", &buffer));
+    if (buffer < 0)
+        GP_TRY(gp_gltf_fail(&at, "no \"buffer\""));
+    GP_TRY(gp_json_int(&at.p, o, "byteOffset", 0, MOST_FILE, &offset, NULL));
+    GP_TRY(gp_json_int(&at.p, o, "byteLength", 1, MOST_FILE, &bytes, NULL));
+    GP_TRY(gp_json_int(&at.p, o, "byteStride", 4, 252, stride, NULL));
+    const struct gp_gltf_span all = g->buffer[buffer].span;
+    if (offset > all.bytes || bytes > all.bytes - offset)
+        GP_TRY(gp_gltf_fail(&at, "it leaves its buffer (bytes %d to %lld of "
+                            "%d)", offset, (long long) offset + bytes,
+                            all.bytes));
+    *out = (struct gp_gltf_span) {all.at ? all.at + offset : NULL, bytes};
+out:
+    return st;
+}
+
+gp_status gp_gltf_image(const struct gp_gltf *g, int index,
+                        struct gp_gltf_span *span, void **own, char **file)
+{
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "images", index);
+    const char *uri = NULL;
+    int view, stride;
+    gp_status st;
+    *span = (struct gp_gltf_span) {0};
+    gp_gltf_place(g, "image", index, &at);
+    GP_TRY(gp_json_text(&at.p, o, "uri", &uri, NULL));
+    GP_TRY(gp_gltf_index(g, &at, o, "bufferView", "bufferViews", &view));
+    if (view >= 0) {
+        GP_TRY(gp_gltf_view(g, view, span, &stride));
+        if (!span->at)
+            GP_TRY(gp_gltf_fail(&at, "it has no bytes"));
+    } else if (!uri) {
+        GP_TRY(gp_gltf_fail(&at, "neither \"uri\" nor \"bufferView\""));
+    } else if (strncmp(uri, "data:", 5) == 0) {
+        GP_TRY(decode_uri(&at, uri, span, own));
+    } else {
+        GP_TRY(file_of_uri(g, &at, uri, file));
+    }
+out:
+    return st;
+}
+
+// -- the file -----------------------------------------------------------------
+
+/* Finds JSON and binary chunk of a .glb (specification, 4.4). */
+static gp_status read_chunks(struct gp_gltf *g, struct gp_gltf_span *json)
+{
+    const uint8_t *const at = g->file;
+    const size_t declared = gp_le32(at + 8);
+    if (gp_le32(at + 4) != 2)
+        return fail_file(g, "binary glTF of version %u (2 is read); export "
+                         "the scene as glTF 2.0", gp_le32(at + 4));
+    if (declared > g->file_bytes || declared < GLB_HEADER)
+        return fail_file(g, "truncated (%zu bytes, its header declares %zu); "
+                         "copy or export the scene again", g->file_bytes,
+                         declared);
+    size_t from = GLB_HEADER;
+    for (int i = 0; declared - from >= CHUNK_HEADER; i++) {
+        const size_t bytes = gp_le32(at + from);
+        const uint32_t type = gp_le32(at + from + 4);
+        from += CHUNK_HEADER;
+        if (bytes > declared - from)
+            return fail_file(g, "damaged (chunk %d of %zu bytes, the file has "
+                             "%zu left); copy or export the scene again", i,
+                             bytes, declared - from);
+        const struct gp_gltf_span span = {at + from, (int) bytes};
+        if (i == 0 && type == GLB_JSON)
+            *json = span;
+        else if (i == 1 && type == GLB_BINARY)
+            g->chunk = span;
+        from += bytes;
+        from += from % 4 && declared - from >= 4 - from % 4 ? 4 - from % 4 : 0;
+    }
+    if (!json->at)
+        return fail_file(g, "damaged (its first chunk is not JSON); copy or "
+                         "export the scene again");
+    return GP_OK;
+}
+
+static gp_status check_root(const struct gp_gltf *g)
+{
+    struct gp_gltf_at at;
+    const char *version = NULL;
+    gp_status st;
+    gp_gltf_place(g, NULL, 0, &at);
+    if (!json_is_object(g->root))
+        return fail_file(g, "not glTF (its JSON is no object); give a .glb or "
+                         ".gltf file");
+    json_t *const asset = json_object_get(g->root, "asset");
+    st = gp_json_text(&at.p, asset, "version", &version, NULL);
+    if (st)
+        return st;
+    if (!version || version[0] != '2' || version[1] != '.')
+        return fail_file(g, "not glTF 2.0 (\"asset\" has %s%.20s); export the "
+                         "scene as glTF 2.0", version ? "version " :
+                         "no version", version ? version : "");
+    for (int i = 0; lists[i]; i++) {
+        json_t *const list = json_object_get(g->root, lists[i]);
+        json_t *item;
+        size_t k;
+        if (list && !json_is_array(list))
+            return fail_file(g, "\"%s\" is not an array; export the scene "
+                             "again", lists[i]);
+        json_array_foreach (list, k, item) {
+            if (!json_is_object(item))
+                return fail_file(g, "\"%s\" %zu is not an object; export the "
+                                 "scene again", lists[i], k);
+        }
+    }
+    return GP_OK;
+}
+
+/* Refuses files that cannot be read without an extension. */
+static gp_status check_extensions(const struct gp_gltf *g)
+{
+    static const char *const known[] = {
+        "KHR_lights_punctual", "KHR_mesh_quantization", NULL,
+    };
+    // they change how a surface shines, not where it is
+    static const char looks[] = "KHR_materials_";
+    const json_t *const list = json_object_get(g->root, "extensionsRequired");
+    const json_t *item;
+    size_t k;
+    json_array_foreach (list, k, item) {
+        const char *const name = json_string_value(item);
+        int i = 0;
+        if (!name)
+            return fail_file(g, "\"extensionsRequired\" holds no name; export "
+                             "the scene again");
+        if (strncmp(name, looks, sizeof looks - 1) == 0)
+            continue;
+        while (known[i] && strcmp(known[i], name) != 0)
+            i++;
+        if (!known[i])
+            return fail_file(g, "it needs the extension %.60s, which is not "
+                             "supported; export the scene without it (no "
+                             "compression)", name);
+    }
+    return GP_OK;
+}
+
+gp_status gp_gltf_open(const struct gp_log *log, const char *path,
+                       struct gp_gltf *out)
+{
+    struct gp_gltf_span json = {0};
+    gp_status st;
+    out->log = log;
+    out->path = path;
+    GP_TRY(gp_load_file(log, path, MOST_FILE, &out->file, &out->file_bytes));
+    if (out->file_bytes >= GLB_HEADER && memcmp(out->file, "glTF", 4) == 0)
+        GP_TRY(read_chunks(out, &json));
+    else
+        json = (struct gp_gltf_span) {out->file, (int) out->file_bytes};
+    GP_TRY(gp_json_parse(log, path, (const char *) json.at, (size_t) json.bytes,
+                         &out->root));
+    if (json.at == out->file)
+        GP_FREE(out->file);
+    GP_TRY(check_root(out));
+    GP_TRY(check_extensions(out));
+    out->buffers = gp_gltf_count(out, "buffers");
+    GP_TRY(gp_alloc_zero(log, path, (size_t) out->buffers, sizeof *out->buffer,
+                         &out->buffer));
+    for (int i = 0; i < out->buffers; i++)
+        GP_TRY(read_buffer(out, i));
+out:
+    return st;
+}
+
+void gp_gltf_close(struct gp_gltf *g)
+{
+    for (int i = 0; i < g->buffers && g->buffer; i++)
+        gp_free(g->buffer[i].own);
+    gp_free(g->buffer);
+    json_decref(g->root);
+    gp_free(g->file);
+    *g = (struct gp_gltf) {0};
+}

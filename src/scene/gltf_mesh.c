@@ -1,0 +1,384 @@
+/* Materials, as far as they hide or take light, and triangles. */
+#include "scene/gltf_priv.h"
+
+#include "core/memory.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+/* Samples of all cut-out textures of a scene. */
+enum { MOST_SAMPLES = 1 << 26 };
+
+// -- materials ----------------------------------------------------------------
+
+static enum gp_wrap wrap_of(int code)
+{
+    return code == 33071   ? GP_WRAP_CLAMP
+           : code == 33648 ? GP_WRAP_MIRROR
+                           : GP_WRAP_REPEAT; // 10497, and without a sampler
+}
+
+/* Reads the texture of a cut-out material into a gp_cutout, or finds the one
+ * that was read before: of_texture[] has their numbers, or -1. */
+static gp_status read_cutout(struct gp_gltf *g, int texture,
+    const struct gp_scene_images *images, int *of_texture, long long *samples,
+    struct gp_scene *out)
+{
+    struct gp_cutout *const c = &out->cutout[out->cutouts];
+    struct gp_gltf_at at, place;
+    struct gp_gltf_span span;
+    void *own = NULL;
+    char *file = NULL;
+    int image, sampler, code[2] = {0, 0};
+    gp_status st;
+    json_t *const o = gp_gltf_item(g, "textures", texture);
+    gp_gltf_place(g, "texture", texture, &at);
+    GP_TRY(gp_gltf_index(g, &at, o, "source", "images", &image));
+    GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
+    if (image < 0)
+        GP_TRY(gp_gltf_fail(&at, "no \"source\", a PNG or JPEG"));
+    GP_TRY(gp_gltf_image(g, image, &span, &own, &file));
+    gp_gltf_place(g, "image", image, &place);
+    GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
+                         span.at, (size_t) span.bytes, &c->w, &c->h,
+                         &c->alpha));
+    of_texture[texture] = out->cutouts++;
+    *samples += (long long) c->w * c->h;
+    if (*samples > MOST_SAMPLES)
+        GP_TRY(gp_gltf_fail(&at, "textures of over %d samples together",
+                            (int) MOST_SAMPLES));
+    if (sampler >= 0) {
+        json_t *const s = gp_gltf_item(g, "samplers", sampler);
+        GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0], NULL));
+        GP_TRY(gp_json_int(&at.p, s, "wrapT", 0, INT_MAX, &code[1], NULL));
+    }
+    for (int i = 0; i < 2; i++)
+        c->wrap[i] = wrap_of(code[i]);
+out:
+    gp_free(own);
+    gp_free(file);
+    return st;
+}
+
+/* Returns the texture's object of a material's base colour, or NULL. */
+static json_t *base_texture(json_t *material)
+{
+    return json_object_get(json_object_get(material, "pbrMetallicRoughness"),
+                           "baseColorTexture");
+}
+
+static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
+                               bool *blends, struct gp_material *m)
+{
+    static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
+    json_t *const o = gp_gltf_item(g, "materials", index), *moved;
+    json_t *const base = base_texture(o);
+    struct gp_gltf_at at;
+    double colour[4] = {1.0, 1.0, 1.0, 1.0}, cutoff = 0.5;
+    int mode = 0;
+    gp_status st;
+    gp_gltf_place(g, "material", index, &at);
+    GP_TRY(gp_json_numbers(&at.p, json_object_get(o, "pbrMetallicRoughness"),
+                           "baseColorFactor", 4, false, 0.0, 1.0, colour,
+                           NULL));
+    GP_TRY(gp_json_choice(&at.p, o, "alphaMode", modes, &mode, NULL));
+    if (mode == 1)
+        GP_TRY(gp_json_number(&at.p, o, "alphaCutoff", 0.0, 1e6, &cutoff,
+                              NULL));
+    GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
+    GP_TRY(gp_gltf_extension(&at, base, "KHR_texture_transform", &moved));
+    if (mode && moved)
+        GP_TRY(gp_gltf_fail(&at, "KHR_texture_transform of a cut-out is not "
+                            "supported; apply it to the UV map"));
+    if (!mode)
+        *texture = -1; // its alpha is ignored
+    *blends = *blends || mode == 2;
+    for (int i = 0; i < 4; i++)
+        m->base[i] = (float) colour[i];
+    m->cutoff = mode ? (float) cutoff : 0.0f;
+    m->two_sided = json_is_true(json_object_get(o, "doubleSided"));
+    gp_gltf_name(o, m->name);
+out:
+    return st;
+}
+
+gp_status gp_gltf_materials(struct gp_gltf *g,
+                            const struct gp_scene_images *images,
+                            struct gp_scene *out)
+{
+    const int n = gp_gltf_count(g, "materials");
+    const int textures = gp_gltf_count(g, "textures");
+    int *of_texture = NULL;
+    long long samples = 0;
+    bool blends = false, blind = false;
+    gp_status st;
+    GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n + 1, sizeof *out->material,
+                         &out->material));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) textures,
+                         sizeof *out->cutout, &out->cutout));
+    GP_TRY(gp_alloc(g->log, g->path, (size_t) textures, sizeof *of_texture,
+                    &of_texture));
+    for (int i = 0; i < textures; i++)
+        of_texture[i] = -1;
+    out->materials = n + 1;
+    out->material[n] = (struct gp_material) {
+        .base = {1.0f, 1.0f, 1.0f, 1.0f}, .cutout = -1,
+    };
+    for (int i = 0; i < n; i++) {
+        struct gp_material *const m = &out->material[i];
+        int texture;
+        m->cutout = -1;
+        GP_TRY(read_material(g, i, &texture, &blends, m));
+        blind = blind || (texture >= 0 && !images);
+        if (texture < 0 || !images)
+            continue;
+        if (of_texture[texture] < 0)
+            GP_TRY(read_cutout(g, texture, images, of_texture, &samples, out));
+        m->cutout = of_texture[texture];
+    }
+    if (blends)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: blended materials hide light where "
+               "their alpha is at least 0.5", g->path);
+    if (blind)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: textures of cut-outs are not read; "
+               "they count as opaque", g->path);
+out:
+    gp_free(of_texture);
+    return st;
+}
+
+// -- meshes -------------------------------------------------------------------
+
+/* Primitives are walked twice: `fill` false counts, then true writes. */
+struct walk {
+    struct gp_gltf *g;
+    struct gp_scene *out;
+    bool fill;
+    long long vertices, indices;
+    int parts;
+    int *first, *uv;   // of each accessor of positions: its first vertex, or
+                       // -1, and the accessor of its texture coordinates
+    bool morphs, drawn; // targets; points or lines that were left out
+};
+
+/* Writes the triangles of `n` vertices in glTF's mode 4 to 6. */
+static int triangles(int mode, int n, const uint32_t *v, uint32_t *to)
+{
+    int k = 0;
+    for (int i = 0; i + 2 < n; i += mode == 4 ? 3 : 1) {
+        const int odd = mode == 5 ? i & 1 : 0;
+        to[k++] = v[mode == 6 ? i + 1 : i];
+        to[k++] = v[mode == 6 ? i + 2 : i + 1 + odd];
+        to[k++] = v[mode == 6 ? 0 : i + 2 - odd];
+    }
+    return k;
+}
+
+/* Returns how many vertices these triangles have. */
+static long long triangle_vertices(int mode, int n)
+{
+    return n < 3 ? 0 : mode == 4 ? n / 3 * 3 : 3LL * (n - 2);
+}
+
+/* Reads the vertices of accessors, unless another primitive has. */
+static gp_status read_vertices(struct walk *w, int positions, int uv,
+                               const struct gp_gltf_accessor *a)
+{
+    struct gp_gltf_accessor map;
+    const bool known = w->first[positions] >= 0 && w->uv[positions] == uv;
+    gp_status st;
+    if (known)
+        return GP_OK;
+    if (uv >= 0) {
+        GP_TRY(gp_gltf_accessor(w->g, uv, &map));
+        if (map.count != a->count)
+            GP_TRY(gp_gltf_fail(&map.place, "%d texture coordinates for %d "
+                                "positions", map.count, a->count));
+    }
+    w->first[positions] = (int) w->vertices;
+    w->uv[positions] = uv;
+    if (w->fill) {
+        const size_t at = (size_t) w->vertices;
+        GP_TRY(gp_gltf_floats(a, 3, w->out->position + 3 * at));
+        if (uv >= 0)
+            GP_TRY(gp_gltf_floats(&map, 2, w->out->uv + 2 * at));
+    } else {
+        GP_TRY(gp_gltf_take(w->g, 5 * sizeof(float) * (size_t) a->count));
+    }
+    w->vertices += a->count;
+    if (w->vertices > INT_MAX / 4)
+        GP_TRY(gp_gltf_fail(&a->place, "over %d vertices", INT_MAX / 4));
+out:
+    return st;
+}
+
+/* Writes the triangles of a primitive, and grows the box of its mesh. */
+static gp_status fill_triangles(struct walk *w, int mode, int count, int first,
+                                const struct gp_gltf_accessor *a,
+                                const struct gp_gltf_accessor *index,
+                                struct gp_box *box)
+{
+    struct gp_scene *const s = w->out;
+    uint32_t *list = NULL, *const to = s->index + w->indices;
+    gp_status st;
+    GP_TRY(gp_alloc(w->g->log, w->g->path, (size_t) count, sizeof *list,
+                    &list));
+    if (index)
+        GP_TRY(gp_gltf_indices(index, a->count, list));
+    for (int i = 0; i < count && !index; i++)
+        list[i] = (uint32_t) i;
+    const int n = triangles(mode, count, list, to);
+    for (int i = 0; i < n; i++) {
+        to[i] += (uint32_t) first;
+        const float *const p = s->position + 3 * (size_t) to[i];
+        box->lo.x = fmin(box->lo.x, (double) p[0]);
+        box->lo.y = fmin(box->lo.y, (double) p[1]);
+        box->lo.z = fmin(box->lo.z, (double) p[2]);
+        box->hi.x = fmax(box->hi.x, (double) p[0]);
+        box->hi.y = fmax(box->hi.y, (double) p[1]);
+        box->hi.z = fmax(box->hi.z, (double) p[2]);
+    }
+    st = GP_OK;
+out:
+    gp_free(list);
+    return st;
+}
+
+/* Finds the texture coordinates that the material's cut-out reads; -1: none.
+ */
+static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
+                         json_t *attributes, int material, int *uv)
+{
+    const struct gp_material *const m = &w->out->material[material];
+    char key[32];
+    int set = 0;
+    gp_status st;
+    *uv = -1;
+    if (m->cutout < 0)
+        return GP_OK;
+    st = gp_json_int(
+        &at->p, base_texture(gp_gltf_item(w->g, "materials", material)),
+        "texCoord", 0, 99, &set, NULL);
+    snprintf(key, sizeof key, "TEXCOORD_%d", set);
+    return st ? st : gp_gltf_index(w->g, at, attributes, key, "accessors", uv);
+}
+
+static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
+                                json_t *o, struct gp_mesh *mesh)
+{
+    struct gp_gltf *const g = w->g;
+    struct gp_gltf_accessor a, index;
+    json_t *const attributes = json_object_get(o, "attributes"), *draco;
+    int mode = 4, positions, uv, indices, material;
+    gp_status st;
+    if (!json_is_object(o))
+        return gp_gltf_fail(at, "\"primitives\" holds no object");
+    GP_TRY(gp_json_int(&at->p, o, "mode", 0, 6, &mode, NULL));
+    GP_TRY(gp_gltf_index(g, at, attributes, "POSITION", "accessors",
+                         &positions));
+    GP_TRY(gp_gltf_index(g, at, o, "indices", "accessors", &indices));
+    GP_TRY(gp_gltf_index(g, at, o, "material", "materials", &material));
+    GP_TRY(gp_gltf_extension(at, o, "KHR_draco_mesh_compression", &draco));
+    w->drawn = w->drawn || mode < 4;
+    w->morphs = w->morphs || json_object_get(o, "targets");
+    if (mode < 4 || positions < 0)
+        return GP_OK;
+    material = material < 0 ? w->out->materials - 1 : material;
+    GP_TRY(find_uv(w, at, attributes, material, &uv));
+    GP_TRY(gp_gltf_accessor(g, positions, &a));
+    if (indices >= 0)
+        GP_TRY(gp_gltf_accessor(g, indices, &index));
+    if (draco && (!a.all.at || (indices >= 0 && !index.all.at)))
+        GP_TRY(gp_gltf_fail(at, "its triangles are compressed (Draco), which "
+                            "is not supported"));
+    GP_TRY(read_vertices(w, positions, uv, &a));
+    const int count = indices >= 0 ? index.count : a.count;
+    const long long n = triangle_vertices(mode, count);
+    if (n > INT_MAX - w->indices)
+        GP_TRY(gp_gltf_fail(at, "over %d indices", INT_MAX));
+    if (w->fill) {
+        w->out->part[w->parts] = (struct gp_part) {
+            (int) w->indices, (int) n, material,
+        };
+        GP_TRY(fill_triangles(w, mode, count, w->first[positions], &a,
+                              indices >= 0 ? &index : NULL, &mesh->box));
+    } else {
+        GP_TRY(gp_gltf_take(g, sizeof(uint32_t) * (size_t) n +
+                                   sizeof(struct gp_part)));
+    }
+    w->indices += n;
+    w->parts++;
+out:
+    return st;
+}
+
+static gp_status walk_meshes(struct walk *w)
+{
+    gp_status st;
+    w->vertices = w->indices = 0;
+    w->parts = 0;
+    for (int i = 0; i < gp_gltf_count(w->g, "accessors"); i++)
+        w->first[i] = -1;
+    for (int i = 0; i < w->out->meshes; i++) {
+        struct gp_mesh *const mesh = &w->out->mesh[i];
+        json_t *const o = gp_gltf_item(w->g, "meshes", i), *primitive;
+        json_t *const list = json_object_get(o, "primitives");
+        struct gp_gltf_at at;
+        size_t k;
+        gp_gltf_place(w->g, "mesh", i, &at);
+        mesh->first = w->parts;
+        mesh->box = (struct gp_box) {
+            {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
+        };
+        gp_gltf_name(o, mesh->name);
+        if (!json_is_array(list))
+            return gp_gltf_fail(&at, "no \"primitives\"");
+        json_array_foreach (list, k, primitive) {
+            st = read_primitive(w, &at, primitive, mesh);
+            if (st)
+                return st;
+        }
+        mesh->parts = w->parts - mesh->first;
+    }
+    return GP_OK;
+}
+
+gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
+{
+    struct walk w = {.g = g, .out = out};
+    const size_t accessors = (size_t) gp_gltf_count(g, "accessors");
+    const int n = gp_gltf_count(g, "meshes");
+    gp_status st;
+    GP_TRY(gp_gltf_take(g, (size_t) n * sizeof *out->mesh));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *out->mesh,
+                         &out->mesh));
+    out->meshes = n;
+    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.first, &w.first));
+    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.uv, &w.uv));
+    GP_TRY(walk_meshes(&w));
+    out->vertices = (int) w.vertices;
+    out->indices = (int) w.indices;
+    out->parts = w.parts;
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
+                         3 * sizeof *out->position, &out->position));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
+                         2 * sizeof *out->uv, &out->uv));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.indices,
+                         sizeof *out->index, &out->index));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.parts, sizeof *out->part,
+                         &out->part));
+    w.fill = true;
+    GP_TRY(walk_meshes(&w));
+    if (w.morphs)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: morph targets are not supported; "
+               "meshes keep their base shape", g->path);
+    if (w.drawn)
+        gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
+               "are left out", g->path);
+out:
+    gp_free(w.first);
+    gp_free(w.uv);
+    return st;
+}

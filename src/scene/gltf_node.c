@@ -1,0 +1,394 @@
+/* Nodes, lights and cameras; the scene as a whole. */
+#include "scene/gltf_priv.h"
+
+#include "core/memory.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double MOST_PLACE = 1e15;
+static const double PI = 3.14159265358979323846;
+
+// -- nodes --------------------------------------------------------------------
+
+static gp_status read_node(const struct gp_gltf *g, int index,
+                           struct gp_scene_node *n)
+{
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "nodes", index);
+    gp_status st;
+    *n = (struct gp_scene_node) {
+        .parent = -1, .turn = {0, 0, 0, 1}, .scale = {1, 1, 1},
+    };
+    gp_gltf_place(g, "node", index, &at);
+    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, false, -MOST_PLACE,
+                           MOST_PLACE, n->local, &n->matrix));
+    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, false, -MOST_PLACE,
+                           MOST_PLACE, n->move, NULL));
+    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, false, -MOST_PLACE,
+                           MOST_PLACE, n->turn, NULL));
+    GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, false, -MOST_PLACE, MOST_PLACE,
+                           n->scale, NULL));
+    // column-major for column vectors is row-major for row vectors
+    if (n->matrix && !(n->local[3] == 0.0 && n->local[7] == 0.0 &&
+                       n->local[11] == 0.0 && n->local[15] == 1.0))
+        GP_TRY(gp_gltf_fail(&at, "a \"matrix\" with perspective"));
+out:
+    return st;
+}
+
+/* Gives each node its parent, and refuses a second one. */
+static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
+{
+    for (int i = 0; i < s->n; i++) {
+        json_t *const list = json_object_get(gp_gltf_item(g, "nodes", i),
+                                             "children"), *item;
+        struct gp_gltf_at at;
+        size_t k;
+        gp_gltf_place(g, "node", i, &at);
+        if (list && !json_is_array(list))
+            return gp_gltf_fail(&at, "\"children\" is not an array");
+        json_array_foreach (list, k, item) {
+            const double d = json_number_value(item);
+            if (!json_is_number(item) || !(d >= 0.0 && d < s->n) ||
+                d != floor(d))
+                return gp_gltf_fail(&at, "no such child (found %g, there are "
+                                    "%d nodes)", d, s->n);
+            struct gp_scene_node *const child = &s->at[(int) d];
+            if (child->parent >= 0)
+                return gp_gltf_fail(&at, "its child %g has another parent (node "
+                                    "%d)", d, child->parent);
+            child->parent = i;
+        }
+    }
+    return GP_OK;
+}
+
+/* Orders the nodes, parents first. A node of a circle has no place in it. */
+static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
+{
+    struct gp_gltf_at at;
+    int n = 0;
+    for (int i = 0; i < s->n; i++) {
+        if (s->at[i].parent < 0)
+            s->order[n++] = i;
+    }
+    for (int k = 0; k < n; k++) {
+        json_t *const list = json_object_get(
+            gp_gltf_item(g, "nodes", s->order[k]), "children"), *item;
+        size_t c;
+        json_array_foreach (list, c, item)
+            s->order[n++] = (int) json_number_value(item);
+    }
+    if (n == s->n)
+        return GP_OK;
+    int lost = 0; // one that has no root
+    for (int k = 0; k < n; k++)
+        s->at[s->order[k]].placed = true;
+    while (s->at[lost].placed)
+        lost++;
+    gp_gltf_place(g, "node", lost, &at);
+    return gp_gltf_fail(&at, "its parents are a circle");
+}
+
+/* Marks the nodes of the file's scene; without one, all. */
+static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
+{
+    struct gp_gltf_at at;
+    const bool whole = gp_gltf_count(g, "scenes") == 0;
+    json_t *roots = NULL, *item;
+    size_t k;
+    int scene;
+    gp_gltf_place(g, NULL, 0, &at);
+    gp_status st = gp_gltf_index(g, &at, g->root, "scene", "scenes", &scene);
+    if (st)
+        return st;
+    if (!whole) // the specification leaves the choice; the first is usual
+        roots = json_object_get(
+            gp_gltf_item(g, "scenes", scene < 0 ? 0 : scene), "nodes");
+    json_array_foreach (roots, k, item) {
+        const double d = json_number_value(item);
+        if (!json_is_number(item) || !(d >= 0.0 && d < s->n) || d != floor(d) ||
+            s->at[(int) d].parent >= 0)
+            return gp_gltf_fail(&at, "its scene holds no root (found %g of %d "
+                                "nodes)", d, s->n);
+        s->at[(int) d].placed = true;
+    }
+    for (int i = 0; i < s->n; i++) {
+        struct gp_scene_node *const n = &s->at[s->order[i]];
+        n->placed = whole || (n->parent >= 0 ? s->at[n->parent].placed
+                                             : n->placed);
+    }
+    return GP_OK;
+}
+
+static gp_status read_nodes(struct gp_gltf *g, struct gp_scene *out)
+{
+    struct gp_scene_nodes *s;
+    const int n = gp_gltf_count(g, "nodes");
+    gp_status st;
+    GP_TRY(gp_alloc_zero(g->log, g->path, 1, sizeof *s, &out->nodes));
+    s = out->nodes;
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *s->at, &s->at));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *s->order,
+                         &s->order));
+    s->n = n;
+    for (int i = 0; i < n; i++)
+        GP_TRY(read_node(g, i, &s->at[i]));
+    GP_TRY(link_nodes(g, s));
+    GP_TRY(order_nodes(g, s));
+    GP_TRY(choose_nodes(g, s));
+out:
+    return st;
+}
+
+// -- lights and cameras -------------------------------------------------------
+
+/* Reads light `o` of KHR_lights_punctual. */
+static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
+                            struct gp_scene_light *l)
+{
+    static const char *const kinds[] = {"directional", "point", "spot", NULL};
+    json_t *const spot = json_object_get(o, "spot");
+    int kind = -1;
+    gp_status st;
+    *l = (struct gp_scene_light) {
+        .color = {1.0, 1.0, 1.0}, .intensity = 1.0, .range = INFINITY,
+        .outer = PI / 4,
+    };
+    if (!json_is_object(o))
+        return gp_gltf_fail(at, "not an object");
+    GP_TRY(gp_json_choice(&at->p, o, "type", kinds, &kind, NULL));
+    if (kind < 0)
+        GP_TRY(gp_gltf_fail(at, "no \"type\""));
+    l->kind = (enum gp_scene_light_kind) kind;
+    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, false, 0.0, 1e6, l->color,
+                           NULL));
+    GP_TRY(gp_json_number(&at->p, o, "intensity", 0.0, 1e12, &l->intensity,
+                          NULL));
+    GP_TRY(gp_json_number(&at->p, o, "range", 0.0, MOST_PLACE, &l->range,
+                          NULL));
+    GP_TRY(gp_json_number(&at->p, spot, "innerConeAngle", 0.0, PI / 2,
+                          &l->inner, NULL));
+    GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, PI / 2 + 1e-6,
+                          &l->outer, NULL));
+    if (l->inner > l->outer)
+        GP_TRY(gp_gltf_fail(at, "\"innerConeAngle\" %g is over "
+                            "\"outerConeAngle\" %g", l->inner, l->outer));
+    gp_gltf_name(o, l->name);
+out:
+    return st;
+}
+
+/* Reads all definitions of lights, so that a bad one is an error also where no
+ * node has it. Writes *n, and *list, which the caller frees. */
+static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
+                             int *n)
+{
+    struct gp_gltf_at at;
+    json_t *punctual, *lights, *o;
+    size_t k;
+    gp_status st;
+    gp_gltf_place(g, NULL, 0, &at);
+    GP_TRY(gp_gltf_extension(&at, g->root, "KHR_lights_punctual", &punctual));
+    lights = json_object_get(punctual, "lights");
+    *n = (int) json_array_size(lights);
+    GP_TRY(gp_gltf_take(g, (size_t) *n * sizeof **list));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) *n, sizeof **list, list));
+    json_array_foreach (lights, k, o) {
+        gp_gltf_place(g, "light", (int) k, &at);
+        GP_TRY(read_light(&at, o, &(*list)[k]));
+    }
+out:
+    return st;
+}
+
+/* Reads camera `index`; *perspective: it is one. */
+static gp_status read_camera(const struct gp_gltf *g, int index,
+                             bool *perspective, struct gp_scene_camera *c)
+{
+    static const char *const kinds[] = {"perspective", "orthographic", NULL};
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "cameras", index);
+    json_t *const p = json_object_get(o, "perspective");
+    int kind = -1;
+    gp_status st;
+    *c = (struct gp_scene_camera) {.far = INFINITY};
+    gp_gltf_place(g, "camera", index, &at);
+    GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind, NULL));
+    if (kind < 0)
+        GP_TRY(gp_gltf_fail(&at, "no \"type\""));
+    *perspective = kind == 0;
+    gp_gltf_name(o, c->name);
+    if (kind == 1)
+        return GP_OK;
+    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, PI - 1e-6, &c->yfov, NULL));
+    GP_TRY(gp_json_number(&at.p, p, "aspectRatio", 1e-6, 1e6, &c->aspect,
+                          NULL));
+    GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near, NULL));
+    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &c->far, NULL));
+    if (!(c->yfov > 0.0) || !(c->far > c->near))
+        GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
+out:
+    return st;
+}
+
+// -- what is placed -----------------------------------------------------------
+
+/* Counts of the lists, then places in them. */
+struct placed {
+    bool fill, skins, flat;
+    int objects, lights, cameras;
+    const struct gp_scene_light *light;
+    int defined;       // lights
+};
+
+static gp_status place_node(const struct gp_gltf *g, int index,
+                            struct placed *to, struct gp_scene *out)
+{
+    struct gp_gltf_at at;
+    json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
+    struct gp_scene_camera camera;
+    char name[GP_SCENE_NAME];
+    bool perspective = false;
+    int mesh, cam, light = -1;
+    gp_status st;
+    gp_gltf_place(g, "node", index, &at);
+    gp_gltf_name(o, name);
+    GP_TRY(gp_gltf_index(g, &at, o, "mesh", "meshes", &mesh));
+    GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
+    GP_TRY(gp_gltf_extension(&at, o, "KHR_lights_punctual", &punctual));
+    GP_TRY(gp_json_int(&at.p, punctual, "light", 0, INT_MAX, &light, NULL));
+    if (light >= to->defined)
+        GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
+                            light, to->defined));
+    to->skins = to->skins || json_object_get(o, "skin");
+    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x) {
+        if (to->fill)
+            out->object[to->objects] =
+                (struct gp_object) {.mesh = mesh, .node = index};
+        to->objects++;
+    }
+    if (light >= 0 && to->fill) {
+        struct gp_scene_light *const l = &out->light[to->lights];
+        *l = to->light[light];
+        l->node = index;
+        GP_TRY(gp_json_number(&at.p, json_object_get(o, "extras"),
+                              "ball_radius", 0.0, MOST_PLACE, &l->ball, NULL));
+        if (*name)
+            memcpy(l->name, name, sizeof name);
+    }
+    to->lights += light >= 0;
+    if (cam >= 0) {
+        GP_TRY(read_camera(g, cam, &perspective, &camera));
+        to->flat = to->flat || !perspective;
+    }
+    if (perspective && to->fill) {
+        out->camera[to->cameras] = camera;
+        out->camera[to->cameras].node = index;
+        if (*name)
+            memcpy(out->camera[to->cameras].name, name, sizeof name);
+    }
+    to->cameras += perspective;
+out:
+    return st;
+}
+
+static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
+{
+    struct placed to = {0};
+    struct gp_scene_light *defined = NULL;
+    struct gp_scene_camera camera;
+    bool perspective;
+    gp_status st;
+    GP_TRY(read_lights(g, &defined, &to.defined));
+    to.light = defined;
+    for (int i = 0; i < gp_gltf_count(g, "cameras"); i++)
+        GP_TRY(read_camera(g, i, &perspective, &camera));
+    for (int pass = 0; pass < 2; pass++) {
+        to.objects = to.lights = to.cameras = 0;
+        to.fill = pass == 1;
+        for (int i = 0; i < out->nodes->n; i++) {
+            if (out->nodes->at[i].placed)
+                GP_TRY(place_node(g, i, &to, out));
+        }
+        if (to.fill)
+            break;
+        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.objects,
+                             sizeof *out->object, &out->object));
+        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.lights,
+                             sizeof *out->light, &out->light));
+        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.cameras,
+                             sizeof *out->camera, &out->camera));
+    }
+    out->objects = to.objects;
+    out->lights = to.lights;
+    out->cameras = to.cameras;
+    if (to.skins)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: skins are not supported; meshes "
+               "keep the pose they are stored in", g->path);
+    if (to.flat)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: orthographic cameras are not "
+               "supported and left out", g->path);
+out:
+    gp_free(defined);
+    return st;
+}
+
+// -- the scene ----------------------------------------------------------------
+
+gp_status gp_scene_read(const struct gp_log *log, const char *path,
+                        enum gp_up up, const struct gp_scene_images *images,
+                        struct gp_scene *out)
+{
+    struct gp_gltf g = {0};
+    struct gp_scene s = {0};
+    gp_status st;
+    GP_TRY(gp_gltf_open(log, path, &g));
+    s.path = gp_strdup(path);
+    if (!s.path)
+        GP_TRY(gp_no_memory(log, path));
+    GP_TRY(gp_gltf_materials(&g, images, &s));
+    GP_TRY(gp_gltf_meshes(&g, &s));
+    GP_TRY(read_nodes(&g, &s));
+    GP_TRY(gp_gltf_animations(&g, &s));
+    GP_TRY(place_all(&g, &s));
+    s.nodes->turned = up == GP_UP_Z;
+    gp_scene_pose(&s, s.start);
+    *out = s;
+    s = (struct gp_scene) {0}; // the caller's
+out:
+    gp_scene_free(&s);
+    gp_gltf_close(&g);
+    return st;
+}
+
+void gp_scene_free(struct gp_scene *s)
+{
+    for (int i = 0; i < s->cutouts; i++)
+        gp_free(s->cutout[i].alpha);
+    for (int i = 0; s->nodes && i < s->nodes->keys; i++) {
+        gp_free(s->nodes->key[i].time);
+        gp_free(s->nodes->key[i].value);
+    }
+    if (s->nodes) {
+        gp_free(s->nodes->at);
+        gp_free(s->nodes->order);
+        gp_free(s->nodes->key);
+    }
+    gp_free(s->nodes);
+    gp_free(s->position);
+    gp_free(s->uv);
+    gp_free(s->index);
+    gp_free(s->part);
+    gp_free(s->mesh);
+    gp_free(s->material);
+    gp_free(s->cutout);
+    gp_free(s->object);
+    gp_free(s->light);
+    gp_free(s->camera);
+    free((char *) (uintptr_t) s->path);
+    *s = (struct gp_scene) {0};
+}
