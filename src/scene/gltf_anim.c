@@ -319,10 +319,12 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
     if (!nodes)
         return; // made in memory
     s->time = seconds;
+    // keys are floats: the time of a frame is rounded as that of its key was
+    const double rounded = (double) (float) seconds;
     for (int i = 0; i < nodes->keys; i++) {
         const struct gp_keys *const k = &nodes->key[i];
         struct gp_scene_node *const n = &nodes->at[k->node];
-        value_at(k, seconds, k->path == GP_KEY_MOVE   ? n->move
+        value_at(k, rounded, k->path == GP_KEY_MOVE   ? n->move
                              : k->path == GP_KEY_TURN ? n->turn
                                                       : n->scale);
     }

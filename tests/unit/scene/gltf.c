@@ -1,0 +1,654 @@
+/* The glTF reader: what is placed where, every form of numbers, and files that
+ * are wrong. */
+#include "gltf_made.h"
+
+#include <jansson.h>
+#include <unistd.h>
+
+static struct gp_scene read_scene(const char *file, enum gp_up up)
+{
+    struct gp_scene s = {0};
+    const gp_status st = gp_scene_read(&kept_log, file, up, NULL, &s);
+    if (st)
+        fail_msg("%s", kept_line);
+    return s;
+}
+
+static void assert_at(struct gp_v3 p, double x, double y, double z)
+{
+    if (!(fabs(p.x - x) + fabs(p.y - y) + fabs(p.z - z) < 1e-6))
+        fail_msg("at %.9g, %.9g, %.9g; expected %g, %g, %g", p.x, p.y, p.z, x,
+                 y, z);
+}
+
+/* A triangle (0,0,0) (1,0,0) (0,2,0), with indices. */
+static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
+static const uint16_t order[4] = {0, 1, 2, 0};
+#define TRIANGLE                                                              \
+    "'buffers': [{'uri': '%s', 'byteLength': 36}, {'uri': '%s', 'byteLength'" \
+    ": 6}], 'bufferViews': [{'buffer': 0, 'byteLength': 36}, {'buffer': 1, "  \
+    "'byteLength': 6}], 'accessors': [{'bufferView': 0, 'componentType': "    \
+    "5126, 'count': 3, 'type': 'VEC3'}, {'bufferView': 1, 'componentType': "  \
+    "5123, 'count': 3, 'type': 'SCALAR'}], 'meshes': [{'name': 'm', "         \
+    "'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}]"
+#define TRIANGLE_URIS gm_uri(corners, 36), gm_uri(order, 6)
+
+// -- places -------------------------------------------------------------------
+
+static void a_node_is_scaled_turned_and_moved_after_its_parent(void **state)
+{
+    // parent: 90 degrees round y (x to -z), up by 10; child: x by 3, right by 5
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'children': [1], 'rotation': [0, "
+                 "0.70710678118654752, 0, 0.70710678118654752], 'translation': "
+                 "[0, 10, 0]}, {'mesh': 0, 'scale': [3, 1, 1], 'translation': "
+                 "[5, 0, 0]}]", TRIANGLE_URIS), GP_UP_Y);
+    assert_int_equal(s.objects, 1);
+    assert_int_equal(s.indices, 3);
+    assert_int_equal(s.vertices, 3);
+    assert_string_equal(s.mesh[0].name, "m");
+    assert_at(s.object[0].box.lo, 0, 10, -8);
+    assert_at(s.object[0].box.hi, 0, 12, -5);
+    assert_at(s.object[0].centre, 0, 11, -6.5);
+    assert_true(fabs(s.object[0].radius - hypot(1.0, 1.5)) < 1e-9);
+    gp_scene_free(&s);
+    gp_scene_free(&s); // twice is harmless
+}
+
+static void a_matrix_is_read_by_columns(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'matrix': [0,1,0,0, -1,0,0,"
+                 "0, 0,0,1,0, 7,8,9,1]}]", TRIANGLE_URIS), GP_UP_Y);
+    assert_at(s.object[0].box.lo, 5, 8, 9);
+    assert_at(s.object[0].box.hi, 7, 9, 9);
+    gp_scene_free(&s);
+}
+
+static void z_up_turns_the_world(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'translation': [1, 2, 3]}]",
+                 TRIANGLE_URIS), GP_UP_AUTO);
+    assert_at(s.object[0].box.lo, 1, 2, 3);
+    gp_scene_turn(&s, GP_UP_Z);
+    assert_at(s.object[0].box.lo, 1, -3, 2);
+    assert_at(s.object[0].box.hi, 2, -3, 4);
+    gp_scene_turn(&s, GP_UP_Y);
+    assert_at(s.object[0].box.lo, 1, 2, 3);
+    gp_scene_free(&s);
+}
+
+static void only_the_nodes_of_the_scene_are_placed(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0}, {'children': [2]}, {'mesh'"
+                 ": 0, 'name': 'in'}, {'mesh': 0}], 'scene': 1, 'scenes': [{"
+                 "'nodes': [0, 3]}, {'nodes': [1]}]", TRIANGLE_URIS), GP_UP_Y);
+    assert_int_equal(s.objects, 1);
+    assert_int_equal(s.object[0].node, 2);
+    gp_scene_free(&s);
+}
+
+static void lights_have_the_defaults_of_their_extension(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write("'extensions': {'KHR_lights_punctual': {'lights': [{'type': "
+                 "'point', 'name': 'bulb'}, {'type': 'spot', 'spot': {}, 'range'"
+                 ": 4}, {'type': 'directional', 'color': [1, 0.5, 0]}]}}, "
+                 "'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}"
+                 "}, 'translation': [1, 2, 3], 'extras': {'ball_radius': 0.25}}"
+                 ", {'name': 'a', 'extensions': {'KHR_lights_punctual': {'light"
+                 "': 0}}}, {'name': 'b', 'extensions': {'KHR_lights_punctual': "
+                 "{'light': 1}}, 'rotation': [0, 1, 0, 0]}, {'extensions': {"
+                 "'KHR_lights_punctual': {'light': 2}}}]"), GP_UP_Y);
+    assert_int_equal(s.lights, 4);
+    assert_int_equal(s.light[0].kind, GP_LIGHT_POINT);
+    assert_string_equal(s.light[0].name, "bulb"); // the light's: no node's name
+    assert_string_equal(s.light[1].name, "a");
+    assert_at(s.light[0].at, 1, 2, 3);
+    assert_true(s.light[0].ball == 0.25 && s.light[1].ball == 0.0);
+    assert_true(s.light[0].intensity == 1.0 && isinf(s.light[0].range));
+    assert_true(s.light[2].range == 4.0 && s.light[2].inner == 0.0);
+    assert_true(fabs(s.light[2].outer - M_PI / 4) < 1e-12);
+    assert_at(s.light[2].along, 0, 0, 1);
+    assert_at(s.light[3].along, 0, 0, -1);
+    assert_true(s.light[3].color[1] == 0.5);
+    gp_scene_free(&s);
+}
+
+// -- numbers ------------------------------------------------------------------
+
+/* Positions of bytes, normalised, in a strided view, with a sparse vertex. */
+static void numbers_are_strided_normalised_and_sparse(void **state)
+{
+    static const int8_t bytes[24] = {127, -127, 0, 9, 0, 0, 0, 9,
+                                     -128, 64, 0, 9};
+    static const uint8_t where[1] = {1};
+    static const int8_t with[3] = {0, 0, 127};
+    struct gp_scene s = read_scene(
+        gm_write("'buffers': [{'uri': '%s', 'byteLength': 12}, {'uri': '%s', "
+                 "'byteLength': 1}, {'uri': '%s', 'byteLength': 3}], "
+                 "'bufferViews': [{'buffer': 0, 'byteLength': 12, 'byteStride'"
+                 ": 4}, {'buffer': 1, 'byteLength': 1}, {'buffer': 2, "
+                 "'byteLength': 3}], 'accessors': [{'bufferView': 0, "
+                 "'componentType': 5120, 'normalized': true, 'count': 3, 'type'"
+                 ": 'VEC3', 'sparse': {'count': 1, 'indices': {'bufferView': 1,"
+                 " 'componentType': 5121}, 'values': {'bufferView': 2}}}], "
+                 "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}"
+                 "], 'nodes': [{'mesh': 0}]", gm_uri(bytes, 12),
+                 gm_uri(where, 1), gm_uri(with, 3)), GP_UP_Y);
+    static const float expected[9] = {1, -1, 0, 0, 0, 1, -1, 64.0f / 127, 0};
+    assert_memory_equal(s.position, expected, sizeof expected);
+    gp_scene_free(&s);
+}
+
+/* Mode 5 and 6 of four corners, as the specification orders them (3.7.2.1). */
+static void strips_and_fans_become_triangles(void **state)
+{
+    static const float four[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    static const uint32_t expected[2][6] = {{0, 1, 2, 1, 3, 2},
+                                            {1, 2, 0, 2, 3, 0}};
+    for (int mode = 5; mode <= 6; mode++) {
+        struct gp_scene s = read_scene(
+            gm_write("'buffers': [{'uri': '%s', 'byteLength': 48}], "
+                     "'bufferViews': [{'buffer': 0, 'byteLength': 48}], "
+                     "'accessors': [{'bufferView': 0, 'componentType': 5126, "
+                     "'count': 4, 'type': 'VEC3'}], 'meshes': [{'primitives': "
+                     "[{'mode': %d, 'attributes': {'POSITION': 0}}]}], "
+                     "'nodes': [{'mesh': 0}]", gm_uri(four, 48), mode),
+            GP_UP_Y);
+        assert_int_equal(s.indices, 6);
+        assert_memory_equal(s.index, expected[mode - 5], sizeof expected[0]);
+        gp_scene_free(&s);
+    }
+}
+
+static void primitives_share_vertices_and_have_boxes_of_their_own(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0}, {'mesh': 0}]",
+                 TRIANGLE_URIS), GP_UP_Y);
+    assert_int_equal(s.objects, 2);
+    assert_int_equal(s.vertices, 3);
+    assert_int_equal(s.parts, 1);
+    assert_int_equal(s.part[0].material, s.materials - 1);
+    gp_scene_free(&s);
+}
+
+// -- binary files -------------------------------------------------------------
+
+/* Writes a.glb of chunks, whose header declares `declared` bytes; 0: its own.
+ */
+static const char *write_glb(const char *json, const void *bin, uint32_t n,
+                             uint32_t declared)
+{
+    uint8_t all[4096];
+    char text[2048];
+    const uint32_t length = (uint32_t) snprintf(text, sizeof text, "%s", json);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    const uint32_t padded = (length + 3) & ~3u;
+    const uint32_t head[5] = {0x46546c67, 2,
+                              declared ? declared : 28 + padded + n, padded,
+                              0x4e4f534a};
+    const uint32_t second[2] = {n, 0x004e4942};
+    memcpy(all, head, 20);
+    memset(all + 20, ' ', padded);
+    memcpy(all + 20, text, length);
+    memcpy(all + 20 + padded, second, 8);
+    memcpy(all + 28 + padded, bin, n);
+    return gm_write_bytes("a.glb", all, 28 + padded + n);
+}
+
+#define GLB_JSON                                                              \
+    "{'asset': {'version': '2.0'}, 'buffers': [{'byteLength': 36}], "         \
+    "'bufferViews': [{'buffer': 0, 'byteLength': 36}], 'accessors': [{"       \
+    "'bufferView': 0, 'componentType': 5126, 'count': 3, 'type': 'VEC3'}], "  \
+    "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}], 'nodes'"  \
+    ": [{'mesh': 0}]}"
+
+static void a_glb_has_its_buffer_in_its_second_chunk(void **state)
+{
+    struct gp_scene s = read_scene(write_glb(GLB_JSON, corners, 36, 0),
+                                   GP_UP_Y);
+    assert_memory_equal(s.position, corners, sizeof corners);
+    gp_scene_free(&s);
+    gm_refused(write_glb(GLB_JSON, corners, 32, 0), GP_ERR_DATA, "truncated");
+    gm_refused(write_glb(GLB_JSON, corners, 36, 9999), GP_ERR_DATA,
+               "truncated");
+    gm_refused(write_glb(GLB_JSON, corners, 36, 100), GP_ERR_DATA, "damaged");
+    gm_refused(gm_write_bytes("a.glb", "glTF\1\0\0\0\14\0\0\0", 12),
+               GP_ERR_DATA, "version 1");
+}
+
+static void a_gltf_has_one_file_beside_it(void **state)
+{
+    static const char json[] =
+        "'buffers': [{'byteLength': 36, 'uri': '%s'}], 'bufferViews': [{"
+        "'buffer': 0, 'byteLength': 36}], 'accessors': [{'bufferView': 0, "
+        "'componentType': 5126, 'count': 3, 'type': 'VEC3'}], 'meshes': [{"
+        "'primitives': [{'attributes': {'POSITION': 0}}]}], 'nodes': [{'mesh':"
+        " 0}]";
+    gm_write_bytes("a b.bin", corners, 36);
+    struct gp_scene s = read_scene(gm_write(json, "a%20b.bin"), GP_UP_Y);
+    assert_memory_equal(s.position, corners, sizeof corners);
+    gp_scene_free(&s);
+    gm_refused(gm_write(json, "no.bin"), GP_ERR_IO, "no.bin");
+    gm_refused(gm_write(json, "../a.bin"), GP_ERR_DATA, "no file beside");
+    gm_refused(gm_write(json, "%2e%2e/a.bin"), GP_ERR_DATA, "no file beside");
+    gm_refused(gm_write(json, "/etc/passwd"), GP_ERR_DATA, "no file beside");
+    gm_refused(gm_write(json, "http://a.b/c"), GP_ERR_DATA, "no file beside");
+    gm_refused(gm_write(json, "data:x;base64,A*"), GP_ERR_DATA, "not base64");
+    gm_refused(gm_write("'buffers': [{'byteLength': 1, 'uri': 'a%%20b.bin'}, {"
+                        "'byteLength': 1, 'uri': 'c.bin'}]"), GP_ERR_DATA,
+               "a second file");
+}
+
+// -- what is wrong ------------------------------------------------------------
+
+static void what_is_wrong_is_one_line(void **state)
+{
+    static const struct {
+        const char *json, *part;
+    } row[] = {
+        {"'asset': {'version': '1.0'}", "duplicate"},
+        {"'nodes': {}", "\"nodes\" is not an array"},
+        {"'nodes': [3]", "\"nodes\" 0 is not an object"},
+        {"'nodes': [{'children': [0]}]", "a circle"},
+        {"'nodes': [{'children': [1]}, {'children': [0]}]", "a circle"},
+        {"'nodes': [{'children': [2]}, {'children': [2]}, {}]",
+         "another parent"},
+        {"'nodes': [{'children': [1]}]", "no such child"},
+        {"'nodes': [{'children': [0.5]}]", "no such child"},
+        {"'nodes': [{'mesh': 0}]", "no such \"mesh\""},
+        {"'nodes': [{'matrix': [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]",
+         "perspective"},
+        {"'nodes': [{'scale': [1, 2]}]", "\"scale\""},
+        {"'nodes': [{'translation': [1, 2, 1e300]}]", "\"translation\""},
+        {"'nodes': [{}], 'scenes': [{'nodes': [1]}]", "holds no root"},
+        {"'scene': 0", "no such \"scene\""},
+        {"'extensionsRequired': ['KHR_draco_mesh_compression']",
+         "KHR_draco_mesh_compression"},
+        {"'extensionsRequired': ['EXT_meshopt_compression']",
+         "EXT_meshopt_compression"},
+        {"'accessors': [{'componentType': 5126, 'count': 3, 'type': 'MAT4'}], "
+         "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
+         "a type that is not read"},
+        {"'accessors': [{'componentType': 5124, 'count': 3, 'type': 'VEC3'}], "
+         "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}]",
+         "a type that is not read"},
+        // 2 GB of zeros from a file of 200 bytes
+        {"'accessors': [{'componentType': 5126, 'count': 100000000, 'type': "
+         "'VEC3'}], 'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}"
+         "]}]", "out of proportion"},
+        {"'buffers': [{'byteLength': 4}]", "no \"uri\""},
+        {"'buffers': [{'byteLength': 4, 'uri': 'data:x;base64,AAAA'}]",
+         "truncated (3 bytes"},
+        {"'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
+         "'bufferViews': [{'buffer': 0, 'byteOffset': 2147483647, 'byteLength'"
+         ": 1}], 'accessors': [{'bufferView': 0, 'componentType': 5121, 'count'"
+         ": 1, 'type': 'VEC3'}], 'meshes': [{'primitives': [{'attributes': {"
+         "'POSITION': 0}}]}]", "byteOffset"},
+        {"'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
+         "'bufferViews': [{'buffer': 0, 'byteOffset': 2, 'byteLength': 2147483"
+         "600}], 'accessors': [{'bufferView': 0, 'componentType': 5121, 'count'"
+         ": 1, 'type': 'VEC3'}], 'meshes': [{'primitives': [{'attributes': {"
+         "'POSITION': 0}}]}]", "leaves its buffer"},
+        {"'buffers': [{'byteLength': 3, 'uri': 'data:x;base64,AAAA'}], "
+         "'bufferViews': [{'buffer': 0, 'byteLength': 3, 'byteStride': 252}], "
+         "'accessors': [{'bufferView': 0, 'componentType': 5121, 'count': "
+         "134217000, 'type': 'VEC3'}], 'meshes': [{'primitives': [{"
+         "'attributes': {'POSITION': 0}}]}]", "leaves its buffer view"},
+        {"'extensions': {'KHR_lights_punctual': {'lights': [{}]}}",
+         "light 0: no \"type\""},
+        {"'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'spot', "
+         "'spot': {'innerConeAngle': 1, 'outerConeAngle': 0.5}}]}}",
+         "innerConeAngle"},
+        {"'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}}}]",
+         "no such light"},
+        {"'cameras': [{'type': 'perspective'}]", "yfov"},
+        {"'cameras': [{'type': 'perspective', 'perspective': {'yfov': 4}}]",
+         "yfov"},
+        {"'materials': [{'alphaMode': 'MASKED'}]", "alphaMode"},
+        {"'nodes': [{}], 'accessors': [{'componentType': 5126, 'count': 2, "
+         "'type': 'SCALAR'}, {'componentType': 5126, 'count': 2, 'type': 'VEC3'"
+         "}], 'animations': [{'channels': [{'sampler': 0, 'target': {'node': 0,"
+         " 'path': 'translation'}}], 'samplers': [{'input': 0, 'output': 1}]}]",
+         "keys that do not rise"},
+        {"'nodes': [{}], 'animations': [{'channels': [{'sampler': 3, 'target':"
+         " {'node': 0, 'path': 'translation'}}], 'samplers': []}]",
+         "a channel without sampler"},
+    };
+    for (size_t i = 0; i < COUNT(row); i++)
+        gm_refused(gm_write("%s", row[i].json), GP_ERR_DATA, row[i].part);
+    gm_refused(gm_write_bytes("a.gltf", "", 0), GP_ERR_DATA, "not JSON");
+    gm_refused(gm_write_bytes("a.gltf", "[]", 2), GP_ERR_DATA, "not glTF");
+    gm_refused(gm_write_bytes("a.gltf", "{}", 2), GP_ERR_DATA, "no version");
+    kept_clear();
+    gm_refused(in_folder("none.glb"), GP_ERR_IO, "none.glb");
+}
+
+static void bad_numbers_of_a_mesh_are_refused(void **state)
+{
+    float bad[9];
+    uint16_t far[4] = {0, 1, 3, 0};
+    memcpy(bad, corners, sizeof bad);
+    bad[4] = NAN;
+    gm_refused(gm_write(TRIANGLE, gm_uri(bad, 36), gm_uri(order, 6)),
+               GP_ERR_DATA, "element 1 is not finite");
+    bad[4] = 1e30f;
+    gm_refused(gm_write(TRIANGLE, gm_uri(bad, 36), gm_uri(order, 6)),
+               GP_ERR_DATA, "or over 1e+15");
+    gm_refused(gm_write(TRIANGLE, gm_uri(corners, 36), gm_uri(far, 6)),
+               GP_ERR_DATA, "index 2 is 3, there are 3 vertices");
+}
+
+static void skins_and_targets_warn_once(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'skin': 0}, {'mesh': 0, "
+                 "'skin': 0}], 'skins': [{}]", TRIANGLE_URIS), GP_UP_Y);
+    assert_int_equal(kept_lines, 1);
+    assert_non_null(strstr(kept_warning, "skins are not supported"));
+    gp_scene_free(&s);
+}
+
+static void places_out_of_range_are_at_the_origin(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'scale': [1e14, 1e14, 1e14], 'children'"
+                 ": [1]}, {'scale': [1e14, 1, 1], 'mesh': 0}]", TRIANGLE_URIS),
+        GP_UP_Y);
+    assert_at(s.object[0].box.lo, 0, 0, 0);
+    assert_at(s.object[0].box.hi, 0, 0, 0);
+    gp_scene_free(&s);
+}
+
+// -- keys ---------------------------------------------------------------------
+
+/* A node that keys move: times 0 and 1, or 2 of them. */
+static struct gp_scene moved(const char *way, const char *prop,
+                             const char *type, const float *values, int n,
+                             int count)
+{
+    static const float times[2] = {1, 3};
+    return read_scene(
+        gm_write("'buffers': [{'uri': '%s', 'byteLength': 8}, {'uri': '%s', "
+                 "'byteLength': %d}], 'bufferViews': [{'buffer': 0, "
+                 "'byteLength': 8}, {'buffer': 1, 'byteLength': %d}], "
+                 "'accessors': [{'bufferView': 0, 'componentType': 5126, "
+                 "'count': 2, 'type': 'SCALAR'}, {'bufferView': 1, "
+                 "'componentType': 5126, 'count': %d, 'type': '%s'}], 'nodes': "
+                 "[{'extensions': {'KHR_lights_punctual': {'light': 0}}}], "
+                 "'extensions': {'KHR_lights_punctual': {'lights': [{'type': "
+                 "'spot'}]}}, 'animations': [{'channels': [{'sampler': 0, "
+                 "'target': {'node': 0, 'path': '%s'}}], 'samplers': [{'input':"
+                 " 0, 'output': 1, 'interpolation': '%s'}]}]",
+                 gm_uri(times, 8), gm_uri(values, (size_t) n * 4), 4 * n, 4 * n,
+                 count, type, prop, way), GP_UP_Y);
+}
+
+static void keys_step_and_run_straight(void **state)
+{
+    static const float values[6] = {1, 2, 3, 5, 2, 3};
+    static const struct {
+        double t, step, linear;
+    } row[] = {{-5, 1, 1}, {1, 1, 1}, {1.5, 1, 2}, {2.5, 1, 4}, {3, 5, 5},
+               {99, 5, 5}};
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_scene a = moved("STEP", "translation", "VEC3", values, 6, 2);
+        struct gp_scene b = moved("LINEAR", "translation", "VEC3", values, 6,
+                                  2);
+        assert_true(a.start == 1.0 && a.end == 3.0);
+        gp_scene_pose(&a, row[i].t);
+        gp_scene_pose(&b, row[i].t);
+        assert_at(a.light[0].at, row[i].step, 2, 3);
+        assert_at(b.light[0].at, row[i].linear, 2, 3);
+        gp_scene_free(&a);
+        gp_scene_free(&b);
+    }
+}
+
+/* x(t) = t^3 - 2 t has the tangents 3 t^2 - 2: one cubic piece is it. */
+static void cubic_keys_follow_their_tangents(void **state)
+{
+    static const float values[18] = {9, 9, 9, -1, 0, 0, 1, 0, 0,
+                                     25, 0, 0, 21, 0, 0, 9, 9, 9};
+    struct gp_scene s = moved("CUBICSPLINE", "translation", "VEC3", values, 18,
+                              6);
+    for (double t = 1.0; t <= 3.0; t += 0.125) {
+        gp_scene_pose(&s, t);
+        assert_at(s.light[0].at, t * t * t - 2.0 * t, 0, 0);
+    }
+    gp_scene_pose(&s, 0.0);
+    assert_at(s.light[0].at, -1, 0, 0);
+    gp_scene_free(&s);
+}
+
+/* From no turn to 120 degrees round y, a quarter of the way: 30 degrees; and
+ * the same turn written with the other sign takes the same way. */
+static void turns_run_at_one_speed_the_shorter_way(void **state)
+{
+    const float s = sinf((float) M_PI / 3), c = cosf((float) M_PI / 3);
+    const float values[2][8] = {{0, 0, 0, 1, 0, s, 0, c},
+                                {0, 0, 0, 1, 0, -s, 0, -c}};
+    for (int i = 0; i < 2; i++) {
+        struct gp_scene scene = moved("LINEAR", "rotation", "VEC4", values[i],
+                                      8, 2);
+        gp_scene_pose(&scene, 1.5);
+        assert_at(scene.light[0].along, -sin(M_PI / 6), 0, -cos(M_PI / 6));
+        gp_scene_free(&scene);
+    }
+}
+
+// -- cut-outs -----------------------------------------------------------------
+
+struct picture {
+    int calls;
+    char name[256], bytes[8];
+    size_t n;
+};
+
+static gp_status give_alpha(void *user, const struct gp_log *log,
+                            const char *name, const void *bytes, size_t n,
+                            int *w, int *h, float **alpha)
+{
+    struct picture *const p = user;
+    p->calls++;
+    snprintf(p->name, sizeof p->name, "%s", name);
+    p->n = n;
+    if (bytes)
+        memcpy(p->bytes, bytes, n < 8 ? n : 8);
+    float *const v = *alpha = aligned_alloc(64, 64);
+    for (int i = 0; i < 2; i++)
+        v[i] = (float) i;
+    *w = 2;
+    *h = 1;
+    return GP_OK;
+}
+
+static void cutouts_are_read_once_for_all_materials(void **state)
+{
+    struct picture p = {0};
+    struct gp_scene s = {0};
+    const struct gp_scene_images images = {&p, give_alpha};
+    gm_write("'materials': [{'alphaMode': 'MASK', 'alphaCutoff': 0.25, "
+             "'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}, "
+             "'baseColorFactor': [1, 0.5, 0.25, 0.75]}}, {'alphaMode': 'MASK', "
+             "'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}}}, {"
+             "'pbrMetallicRoughness': {'baseColorTexture': {'index': 1}}}], "
+             "'textures': [{'source': 0, 'sampler': 0}, {'source': 1}], "
+             "'samplers': [{'wrapS': 33071, 'wrapT': 33648}], 'images': [{"
+             "'uri': 'data:image/png;base64,UE5H'}, {'uri': 'no.png'}]");
+    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_int_equal(p.calls, 1); // an opaque material's is not read
+    assert_int_equal(p.n, 3);
+    assert_memory_equal(p.bytes, "PNG", 3);
+    assert_int_equal(s.cutouts, 1);
+    assert_int_equal(s.cutout[0].wrap[0], GP_WRAP_CLAMP);
+    assert_int_equal(s.cutout[0].wrap[1], GP_WRAP_MIRROR);
+    assert_true(s.material[0].cutoff == 0.25f && s.material[1].cutoff == 0.5f);
+    assert_true(s.material[0].base[3] == 0.75f && s.material[2].cutoff == 0);
+    assert_int_equal(s.material[1].cutout, 0);
+    assert_int_equal(s.material[2].cutout, -1);
+    assert_int_equal(s.material[3].cutout, -1);
+    gp_scene_free(&s);
+    s = read_scene(path, GP_UP_Y);
+    assert_non_null(strstr(kept_warning, "they count as opaque"));
+    gp_scene_free(&s);
+}
+
+// -- cameras ------------------------------------------------------------------
+
+static void cameras_project_and_are_compared(void **state)
+{
+    static const struct gp_rect display = {0, 0, 200, 100};
+    struct gp_camera a, b;
+    struct gp_scene s = read_scene(
+        gm_write("'cameras': [{'type': 'perspective', 'perspective': {'yfov': "
+                 "1.5707963267948966, 'znear': 0.1}}, {'type': 'orthographic'}]"
+                 ", 'nodes': [{'camera': 0, 'name': 'main', 'translation': [0, "
+                 "0, 5], 'scale': [2, 2, 2]}, {'camera': 1}]"), GP_UP_Y);
+    assert_int_equal(s.cameras, 1);
+    assert_non_null(strstr(kept_warning, "orthographic"));
+    assert_null(gp_scene_find_camera(&s, "other"));
+    const struct gp_scene_camera *const c = gp_scene_find_camera(&s, "main");
+    assert_ptr_equal(c, gp_scene_find_camera(&s, NULL));
+    assert_ok(gp_scene_camera_make(&kept_log, &s, c, 2.0, &a));
+    // 45 degrees up and 45 right at a distance of 10
+    const struct gp_projected p = gp_camera_project(
+        &a, display, (double[3]) {10, 10, -5}, 1.0);
+    assert_true(fabs(p.x - 150.0) < 1e-9 && fabs(p.y) < 1e-9);
+    assert_true(fabs(p.z - 10.0) < 1e-9);
+    assert_true(gp_scene_apart(&s, &a, &a, display) < 1e-9);
+    b = a; // a shift of a picture's hundredth is 2 pixels
+    for (int i = 0; i < 4; i++)
+        b.to_ndc[4 * i] += 0.01 * b.to_ndc[4 * i + 3];
+    assert_true(fabs(gp_scene_apart(&s, &a, &b, display) - 2.0) < 1e-9);
+    assert_int_equal(gp_scene_find_up(&s, &a), GP_UP_Y);
+    gp_scene_turn(&s, GP_UP_Z);
+    assert_ok(gp_scene_camera_make(&kept_log, &s, s.camera, 2.0, &b));
+    gp_scene_turn(&s, GP_UP_Y);
+    assert_int_equal(gp_scene_find_up(&s, &b), GP_UP_Z);
+    s.cameras = 0; // then by the picture's upright
+    assert_int_equal(gp_scene_find_up(&s, &a), GP_UP_Y);
+    assert_int_equal(gp_scene_find_up(&s, &b), GP_UP_Z);
+    s.cameras = 1;
+    gp_scene_free(&s);
+}
+
+// -- the data's scenes --------------------------------------------------------
+
+static double number(const json_t *o, const char *key, int i)
+{
+    const json_t *const v = json_object_get(o, key);
+    return json_number_value(json_is_array(v) ? json_array_get(v, (size_t) i)
+                                              : v);
+}
+
+/* Lights and cameras of every frame against the file that Blender wrote beside
+ * them, in Blender's world. */
+static void check_scene(const char *name, int triangles, int objects)
+{
+    struct gp_scene s = {0};
+    char file[64];
+    struct picture p = {0};
+    const struct gp_scene_images images = {&p, give_alpha};
+    double worst = 0.0, camera = 0.0;
+    kept_clear();
+    snprintf(file, sizeof file, "scenes/%s.glb", name);
+    if (access(data_path(file), R_OK) != 0)
+        skip_for(NO_DATA);
+    assert_ok(gp_scene_read(&kept_log, data_path(file), GP_UP_AUTO, &images,
+                            &s));
+    assert_int_equal(kept_lines, 0);
+    long long placed = 0;
+    for (int i = 0; i < s.objects; i++) {
+        const struct gp_mesh *const m = &s.mesh[s.object[i].mesh];
+        for (int k = 0; k < m->parts; k++)
+            placed += s.part[m->first + k].count / 3;
+    }
+    assert_int_equal(placed, triangles);
+    assert_int_equal(s.objects, objects);
+    snprintf(file, sizeof file, "scenes/%s.camera.json", name);
+    json_t *const root = json_load_file(data_path(file), 0, NULL), *o;
+    assert_non_null(root);
+    gp_scene_turn(&s, GP_UP_Z);
+    size_t k;
+    json_array_foreach (json_object_get(root, "lamps"), k, o) {
+        const char *const lamp =
+            json_string_value(json_object_get(o, "name"));
+        int i = 0;
+        while (i < s.lights && strcmp(s.light[i].name, lamp) != 0)
+            i++;
+        assert_true(i < s.lights);
+        const struct gp_scene_light *const l = &s.light[i];
+        worst = fmax(worst, fabs(l->at.x - number(o, "pos_world", 0)));
+        worst = fmax(worst, fabs(l->at.y - number(o, "pos_world", 1)));
+        worst = fmax(worst, fabs(l->at.z - number(o, "pos_world", 2)));
+        worst = fmax(worst, fabs(l->ball - number(o, "ball_radius_m", 0)));
+        worst = fmax(worst, fabs(l->intensity / number(o, "intensity_cd", 0) -
+                                 1.0));
+        if (l->kind == GP_LIGHT_SPOT)
+            worst = fmax(worst, fabs(l->along.z - number(o, "dir_world", 2)));
+    }
+    json_array_foreach (json_object_get(root, "frames"), k, o) {
+        gp_scene_pose(&s, number(o, "time_s", 0));
+        for (int i = 0; i < 16; i++) { // theirs looks along +z
+            const double v = s.camera[0].to_camera[i] * (i % 4 == 2 ? -1 : 1);
+            camera = fmax(
+                camera, fabs(v - number(o, "worldToCamera_rowmajor", i)));
+        }
+        if (s.light[0].kind == GP_LIGHT_DIRECTIONAL)
+            worst = fmax(worst, fabs(s.light[0].along.z +
+                                     number(o, "sun_dir_world", 2)));
+    }
+    assert_int_equal(k, json_array_size(json_object_get(root, "frames")));
+    print_message("# %s: lights %.1e, camera %.1e from the file beside it\n",
+                  name, worst, camera);
+    assert_true(worst <= 1e-4);
+    assert_true(camera <= 1e-4);
+    json_decref(root);
+    gp_scene_free(&s);
+}
+
+static void the_street_is_where_blender_put_it(void **state)
+{
+    check_scene("street", 6032, 316);
+}
+
+static void the_forest_is_where_blender_put_it(void **state)
+{
+    check_scene("forest", 34794, 35);
+}
+
+/* Files of another writer, without nodes. */
+static void definitions_alone_are_a_scene_of_nothing(void **state)
+{
+    static const char *const files[] = {"gltf/magnum_camera.gltf",
+                                        "gltf/magnum_light.gltf"};
+    for (size_t i = 0; i < COUNT(files); i++) {
+        if (access(data_path(files[i]), R_OK) != 0)
+            skip_for(NO_DATA);
+        struct gp_scene s = read_scene(data_path(files[i]), GP_UP_Y);
+        assert_int_equal(s.lights + s.cameras + s.objects, 0);
+        gp_scene_free(&s);
+    }
+}
+
+SUITE_OF(gltf, make_folder, remove_folder,
+    a_node_is_scaled_turned_and_moved_after_its_parent,
+    a_matrix_is_read_by_columns, z_up_turns_the_world,
+    only_the_nodes_of_the_scene_are_placed,
+    lights_have_the_defaults_of_their_extension,
+    numbers_are_strided_normalised_and_sparse, strips_and_fans_become_triangles,
+    primitives_share_vertices_and_have_boxes_of_their_own,
+    a_glb_has_its_buffer_in_its_second_chunk, a_gltf_has_one_file_beside_it,
+    what_is_wrong_is_one_line, bad_numbers_of_a_mesh_are_refused,
+    skins_and_targets_warn_once, places_out_of_range_are_at_the_origin,
+    keys_step_and_run_straight, cubic_keys_follow_their_tangents,
+    turns_run_at_one_speed_the_shorter_way,
+    cutouts_are_read_once_for_all_materials, cameras_project_and_are_compared,
+    the_street_is_where_blender_put_it, the_forest_is_where_blender_put_it,
+    definitions_alone_are_a_scene_of_nothing)
