@@ -128,8 +128,8 @@ static gp_status set_counts(const struct use *u, void *field)
         const struct use w = {u->log, &one, n == strlen(u->value) ? u->value
                                                                   : word};
         if (list.n == GP_COUNTS)
-            return gp_fail(u->log, GP_ERR_USAGE, "--%s: too many numbers (found "
-                           "%s); give at most %d", one.name, u->value,
+            return gp_fail(u->log, GP_ERR_USAGE, "--%s: too many numbers "
+                           "(found %s); give at most %d", one.name, u->value,
                            (int) GP_COUNTS);
         st = set_number(&w, &list.v[list.n++]);
         s += n;
