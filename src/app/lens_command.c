@@ -91,8 +91,12 @@ static void print_ghosts(const struct gp_lens *lens,
                2.0 * fabs(g.m.a) * g.radius,
                (g.m.a * g.shift + g.m.b) / f->focal);
     }
+    printf("starburst    --lens and -k aperture: %.4g mm f/%.3g, ", f->focal,
+           f->f_number);
     if (lens->blades)
-        printf("starburst    -k aperture:blades=%d\n", lens->blades);
+        printf("%d blades\n", lens->blades);
+    else
+        printf("round\n");
 }
 
 /* Checks that the drawing does not replace the lens. */

@@ -354,7 +354,8 @@ const struct gp_option gp_options[] = {
     OPT(lens.name, .name = "lens", IN(SUN), .arg = "FILE|NAME",
         .help = "Add the ghosts of a real lens, a JSON file or an installed "
         "one, which glarepp lens lists: of the lights that have flux, without "
-        "lights of the 100 brightest groups of sources"),
+        "lights of the 100 brightest groups of sources; -k aperture then has "
+        "the stop of the lens"),
     OPT(lens.sensor, .name = "sensor-size", IN(SUN), .arg = "MM",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e4, .help = "Width of the "
         "display window on the lens's sensor; without it by --fov or the "

@@ -82,7 +82,7 @@ struct gp_facts {
     double kernel_faint[3];      // magnitudes of the kernel under FLT_MIN
     struct gp_kernel_facts kernel;
     double deg_per_pixel;        // 0: the kernel is an image
-    const char *fov_from;        // "option", "camera" or "default"
+    const char *fov_from;        // "option", "camera", "lens", "default"
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
     long long nonfinite;         // pixels of the input

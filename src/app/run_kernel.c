@@ -146,10 +146,23 @@ static bool moves_in_time(const struct gp_run *r)
     return moves;
 }
 
-/* True where the kernel for field `b` is that for field `a`. */
-static bool is_same(const struct gp_run *r, const struct gp_field *a,
-                    const struct gp_field *b)
+/* True where the recipes of two kernels of the run have the same values. */
+static bool has_values(const struct gp_run *r, const struct gp_recipe *a,
+                       const struct gp_recipe *b)
 {
+    bool same = true;
+    for (int i = 0; i < r->wanted.recipes; i++)
+        same = same && memcmp(a[i].value, b[i].value, sizeof a->value) == 0;
+    return same;
+}
+
+/* True where kernel `k` is that of `recipe` for field `b`. */
+static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
+                    const struct gp_recipe *recipe, const struct gp_field *b)
+{
+    const struct gp_field *const a = &k->field;
+    if (!has_values(r, k->recipe, recipe))
+        return false;
     if (!r->wanted.recipes)
         return a->aspect == b->aspect &&
                (a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0));
@@ -198,12 +211,14 @@ static void put_aside(struct gp_run *r)
     }
 }
 
-/* Takes the kernel for a field from the older ones; false: none is that. */
-static bool take_older(struct gp_run *r, const struct gp_field *field)
+/* Takes the kernel of `recipe` for a field from the older ones; false: none is
+ * that. */
+static bool take_older(struct gp_run *r, const struct gp_recipe *recipe,
+                       const struct gp_field *field)
 {
     for (int i = 0; i < GP_OLDER_KERNELS; i++) {
         struct gp_run_kernel *const k = r->older[i];
-        if (!k || !is_same(r, &k->field, field))
+        if (!k || !is_same(r, k, recipe, field))
             continue;
         memmove(&r->older[i], &r->older[i + 1],
                 (size_t) (GP_OLDER_KERNELS - 1 - i) * sizeof *r->older);
@@ -215,25 +230,30 @@ static bool take_older(struct gp_run *r, const struct gp_field *field)
     return false;
 }
 
-/* Makes the kernel for a field, unless one that is kept is that; *ms is the
- * time it took, or stays. */
+/* Makes the kernel of recipes for a field, unless one that is kept is that; *ms
+ * is the time it took, or stays.
+ *   recipe  those of r->wanted, with other values */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
-                             const struct gp_field *field, double *ms)
+    const struct gp_recipe *recipe, const struct gp_field *field, double *ms)
 {
     struct gp_run_kernel *k;
     const double from = gp_now_ms();
-    if ((r->kernel && is_same(r, &r->kernel->field, field)) ||
-        take_older(r, field))
+    if ((r->kernel && is_same(r, r->kernel, recipe, field)) ||
+        take_older(r, recipe, field))
         return GP_OK;
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
     if (st)
         return st;
+    memcpy(k->recipe, recipe, sizeof k->recipe);
+    // shapes are kept from kernel to kernel of the same recipes
+    if (r->kernel && !has_values(r, r->kernel->recipe, recipe))
+        gp_model_kept_free(&r->kept);
     struct gp_kernel_params p = gp_wanted_params(r->s, &r->wanted);
     p.aspect = field->aspect;
     p.scale = scale_of(r, field);
     st = r->wanted.recipes
-             ? gp_model_kernel_next(log, r->wanted.recipe, r->wanted.recipes,
-                                    field, &r->kept, &k->k)
+             ? gp_model_kernel_next(log, k->recipe, r->wanted.recipes, field,
+                                    &r->kept, &k->k)
              : gp_kernel_from_frame(log, &p, &r->wanted.image[0], &k->k);
     if (st) {
         gp_free(k);
@@ -258,17 +278,6 @@ void gp_run_kernels_free(struct gp_run *r)
     gp_model_kept_free(&r->kept);
 }
 
-double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
-{
-    struct gp_sun_files files = {r->s, fs->job};
-    struct gp_sun_about about = {0};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    if (r->s->fov > 0.0f)
-        return (double) r->s->fov;
-    reader.about(&files, &fs->frame, &about);
-    return gp_suns_fov(&r->suns, &about, &fs->frame);
-}
-
 /* The field of a frame, and where its angle comes from. */
 static struct gp_field find_field(const struct gp_run *r,
                                   struct gp_frame_state *fs)
@@ -281,8 +290,10 @@ static struct gp_field find_field(const struct gp_run *r,
     fs->facts.fov_from = s->fov > 0.0f ? "option" : "camera";
     reader.about(&files, &fs->frame, &about);
     if (!(fov > 0.0)) {
-        fov = GP_USUAL_FOV;
-        fs->facts.fov_from = "default";
+        struct gp_lens_stop stop = {.fov = GP_USUAL_FOV};
+        fs->facts.fov_from = gp_run_lens_stop(r, fs, &stop) ? "lens"
+                                                            : "default";
+        fov = stop.fov;
     }
     struct gp_field field = gp_field_of(&fs->frame, fov);
     field.rotate = (double) s->kernel.rotate;
@@ -343,7 +354,7 @@ static void note_kernel(const struct gp_run *r,
 {
     const struct gp_kernel *const k = &r->kernel->k;
     facts->kernel = (struct gp_kernel_facts) {
-        .recipe = r->wanted.recipe, .recipes = r->wanted.recipes,
+        .recipe = r->kernel->recipe, .recipes = r->wanted.recipes,
         .modelled = r->wanted.recipes || r->wanted.label[0].present,
         .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
         .left_out = k->left_out, .missed = use->missed,
@@ -368,14 +379,35 @@ static void reach_lights(const struct gp_run *r,
     }
 }
 
+/* Gives openings the stop of the lens, but for keys that are written. */
+static void fit_lens(const struct gp_run *r, const struct gp_lens_stop *stop,
+                     struct gp_recipe recipe[GP_RECIPES])
+{
+    for (int i = 0; i < r->wanted.recipes; i++) {
+        struct gp_recipe *const k = &recipe[i];
+        if (strcmp(gp_model_name(k->model), "aperture") != 0)
+            continue;
+        gp_recipe_preset(k, "blades", stop->blades);
+        gp_recipe_preset(k, "roundness", 0.0);
+        gp_recipe_preset(k, "rotation", stop->turn);
+        gp_recipe_preset(k, "fnumber", stop->f_number);
+        gp_recipe_preset(k, "focal", stop->focal);
+    }
+}
+
 gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
     double ms = -1.0;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns)) {
         struct gp_field field = find_field(r, fs);
+        struct gp_recipe recipe[GP_RECIPES];
+        struct gp_lens_stop stop;
+        memcpy(recipe, r->wanted.recipe, sizeof recipe);
+        if (gp_run_lens_stop(r, fs, &stop))
+            fit_lens(r, &stop, recipe);
         reach_lights(r, fs, &field);
-        st = make_kernel(fs->log, r, &field, &ms);
+        st = make_kernel(fs->log, r, recipe, &field, &ms);
     }
     if (ms >= 0.0) {
         fs->facts.ms[GP_TIME_KERNEL] = ms;
@@ -411,7 +443,7 @@ gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
     double ms;
-    st = make_kernel(log, r, &field, &ms);
+    st = make_kernel(log, r, r->wanted.recipe, &field, &ms);
     if (st)
         return st;
     const struct gp_kernel *const k = &r->kernel->k;

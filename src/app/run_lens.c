@@ -32,7 +32,7 @@ gp_status gp_run_lens_begin(const struct gp_log *log, struct gp_run *r)
  * and `aperture` (ImfStandardAttributes.h), where the lens can do as they
  * say. */
 static gp_status focus(const struct gp_run *r, const struct gp_frame_state *fs,
-                       struct gp_lens *lens)
+                       const struct gp_log *log, struct gp_lens *lens)
 {
     const struct gp_lens_settings *const p = &r->s->lens;
     double distance = INFINITY, f_number = (double) p->f_number, v;
@@ -51,7 +51,7 @@ static gp_status focus(const struct gp_run *r, const struct gp_frame_state *fs,
         f_number = 0.0;
     if (p->distance <= 0.0f) // nor a distance
         distance = INFINITY;
-    return gp_lens_focus(fs->log, lens, distance, f_number);
+    return gp_lens_focus(log, lens, distance, f_number);
 }
 
 /* Width of the display window on the sensor in mm: --sensor-size, the angle of
@@ -76,6 +76,27 @@ static double sensor_width(const struct gp_run *r, struct gp_frame_state *fs,
     return lens->claims_height > 0.0
                ? 2.0 * lens->claims_height * w / hypot(w, h)
                : 36.0; // of 35 mm film
+}
+
+bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
+                      struct gp_lens_stop *out)
+{
+    const struct gp_frame *const f = &fs->frame;
+    struct gp_lens_figures figures;
+    struct gp_lens lens;
+    if (!r->s->lens.name || focus(r, fs, NULL, &lens))
+        return false;
+    gp_lens_measure(&lens, &figures);
+    const double height = sensor_width(r, fs, &lens) * gp_rect_h(f->display) /
+                          (gp_rect_w(f->display) * (double) f->pixel_aspect);
+    // in digits that a report can do with
+    *out = (struct gp_lens_stop) {
+        .focal = round(1e3 * figures.focal) / 1e3,
+        .f_number = round(1e3 * figures.f_number) / 1e3,
+        .fov = 360.0 / acos(-1.0) * atan(0.5 * height / figures.focal),
+        .blades = lens.blades, .turn = lens.turn,
+    };
+    return true;
 }
 
 // -- lights -------------------------------------------------------------------
@@ -220,7 +241,7 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
     if (r->suns.n == 0 && fs->sources.n)
         GP_TRY(group_sources(fs->log, &fs->sources, light, &n, &facts->rest,
                              dark));
-    GP_TRY(focus(r, fs, &lens));
+    GP_TRY(focus(r, fs, fs->log, &lens));
     const double width = sensor_width(r, fs, &lens);
     const double mm = width / gp_rect_w(f->display);
     const struct gp_lens_view view = {

@@ -84,6 +84,8 @@ GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,
  * gp_run_kernel_free(). */
 struct gp_run_kernel {
     struct gp_kernel k;
+    struct gp_recipe recipe[GP_RECIPES]; // its own, with --lens the frame's;
+                                   // files and images are the run's
     struct gp_kernel_figures figures;
     struct gp_field field;         // chromaticities point to the copy
     float chromaticities[8];
@@ -198,6 +200,19 @@ double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs);
  * gp_lens_read() and gp_lens_focus(). */
 GP_MUST_CHECK gp_status gp_run_lens_begin(const struct gp_log *log,
                                           struct gp_run *r);
+
+/* The stop of the lens as it is focused and closed for a frame. */
+struct gp_lens_stop {
+    double focal, f_number; // mm
+    double fov;             // degrees, of the display window's height
+    int blades;
+    double turn;            // degrees, counter-clockwise
+};
+
+/* Finds the stop; false: no lens, or it cannot be focused so, an error that
+ * gp_run_lens() will report. */
+bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
+                      struct gp_lens_stop *out);
 
 /* Adds the lens's ghosts to the layer, which is made, of the lights that have flux,
  * or without lights of the 100 brightest blocks of 16x16 pixels with sources.

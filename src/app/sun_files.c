@@ -83,3 +83,14 @@ struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files)
     return (struct gp_sun_reader) {files, read_picture, describe_frame,
                                    read_planes};
 }
+
+double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
+{
+    struct gp_sun_files files = {r->s, fs->job};
+    struct gp_sun_about about = {0};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    if (r->s->fov > 0.0f)
+        return (double) r->s->fov;
+    reader.about(&files, &fs->frame, &about);
+    return gp_suns_fov(&r->suns, &about, &fs->frame);
+}

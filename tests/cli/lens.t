@@ -124,6 +124,40 @@ is $? 2 'whose ghosts the layer has'
 "$glarepp" -q -t 1e9 --lens tessar --layer a.exr in.exr
 result $? 'a dark frame'
 
+# -- the starburst -----------------------------------------------------------------
+
+recipe()
+{
+    "$glarepp" -q --tonemap none -o x.exr --report r.json "$@" &&
+        field r.json 'o["kernel"]["recipes"][-1], o["fov_from"]'
+}
+frame open.exr size=64x48 seed=5 lights=9 attr=aperture:float:5.6
+near='aperture:blades=7,roundness=0,fnumber'
+case $(recipe --lens zoom-wide -k aperture lit.exr) in
+"('$near=3.5,focal=36.022', 'lens')") result 0 'the stop of the lens' ;;
+*) result 1 'the stop of the lens' ;;
+esac
+case $(recipe --lens zoom-wide -k eye -k aperture --f-number 11 open.exr) in
+"('$near=11,focal=36.022', 'lens')") result 0 'closed by --f-number' ;;
+*) result 1 'closed by --f-number' ;;
+esac
+case $(recipe --lens zoom-wide -k aperture open.exr) in
+"('$near=5.6,focal=36.022', 'lens')") result 0 "and by the frame's aperture" ;;
+*) result 1 "and by the frame's aperture" ;;
+esac
+is "$(recipe --lens zoom-wide -k aperture:blades=5,roundness=.1,fnumber=8,focal=50 \
+    --fov 20 lit.exr)" \
+    "('aperture:blades=5,fnumber=8,focal=50', 'option')" 'written keys win'
+is "$(recipe -k aperture lit.exr)" "('aperture', 'default')" 'none without --lens'
+# frames of one run have their own stop
+cp lit.exr seq.1.exr
+cp open.exr seq.2.exr
+"$glarepp" -q --tonemap none --lens zoom-wide -k aperture -o seq.out.@.exr \
+    --report r.json seq.@.exr
+"$glarepp" -q --tonemap none --lens zoom-wide -k aperture -o two.exr open.exr
+"$glarepp" compare --no-flip --fail 0 seq.out.2.exr two.exr >out
+result $? 'frames of a sequence have each its own'
+
 cp list nolens.json
 wrong_run()
 {

@@ -66,6 +66,7 @@ const char *gp_kernel_word(int i, const char **text);
 struct gp_recipe {
     const struct gp_model *model;
     double value[GP_MODEL_KEYS];
+    unsigned written;              // bit i: key i was, in a recipe or preset
     char *file[GP_MODEL_KEYS];     // owned; NULL where not given
     const struct gp_frame *image;  // of its file; borrowed, set by the
                                    // caller before a kernel is made
@@ -85,6 +86,10 @@ GP_MUST_CHECK gp_status gp_recipe_parse(const struct gp_log *log,
                                         const char *text,
                                         struct gp_recipe *out);
 void gp_recipe_free(struct gp_recipe *r);
+
+/* Sets a key that its recipe did not write, to `value` or the nearest in its
+ * range. A model without the key stays as it is. */
+void gp_recipe_preset(struct gp_recipe *r, const char *key, double value);
 
 /* The recipe of an image file: model `image`, share 1, `degrees` high, or where
  * that is 0 `percent` of its pixels. As gp_recipe_parse(). */

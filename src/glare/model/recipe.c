@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 const struct gp_model *const gp_models[] = {
     &gp_model_spencer, &gp_model_cie, &gp_model_aperture,
@@ -246,6 +247,7 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
             return gp_fail(log, GP_ERR_USAGE, "%s: %s is given twice; keep one",
                            show(text, SIZE_MAX).text, key->name);
         given |= 1u << i;
+        r->written |= 1u << i;
         const char *const value = name_end + 1;
         if (key->file) {
             end = value + name_length(value);
@@ -303,6 +305,15 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
     else
         *out = r;
     return st;
+}
+
+void gp_recipe_preset(struct gp_recipe *r, const char *key, double value)
+{
+    for (int i = 0; r->model->keys[i].name; i++) {
+        const struct gp_model_key *const k = &r->model->keys[i];
+        if (strcmp(k->name, key) == 0 && !(r->written >> i & 1))
+            r->value[i] = fmin(fmax(value, k->lo), k->hi);
+    }
 }
 
 gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
