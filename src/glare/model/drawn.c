@@ -94,8 +94,8 @@ const struct gp_model gp_model_gaussian = {
 // -- moffat -------------------------------------------------------------------
 
 /* (beta - 1) / (pi a^2) (1 + t^2 / a^2)^-beta, Moffat 1969 eq. 7: a blur with
- * wings, as air and emulsions make it. 1 over the plane; light beyond 90
- * degrees is left out. */
+ * wings, as air and emulsions make it. 1 over the plane, which goes on beyond
+ * 90 degrees. */
 struct moffat {
     double a, beta, factor;
 };
@@ -103,8 +103,7 @@ struct moffat {
 static void moffat_profile(const void *ctx, double t, double out[3])
 {
     const struct moffat *const m = ctx;
-    out[0] = t < 90.0 ? m->factor * pow(1.0 + t * t / (m->a * m->a), -m->beta)
-                      : 0.0;
+    out[0] = m->factor * pow(1.0 + t * t / (m->a * m->a), -m->beta);
 }
 
 static const struct gp_model_key moffat_keys[] = {

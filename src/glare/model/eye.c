@@ -63,6 +63,15 @@ static void spencer_profile(const void *ctx, double t, double out[3])
     }
 }
 
+/* The shape of a profile of the sky: gp_radial_shape(). */
+static gp_status sky_shape(const struct gp_log *log, gp_profile p,
+    const void *ctx, int channels, double bends, const struct gp_field *f,
+    struct gp_shape *out)
+{
+    const struct gp_sky sky = {p, ctx, channels};
+    return gp_radial_shape(log, gp_sky_in_plane, &sky, channels, bends, f, out);
+}
+
 enum { PHOTOPIC, MESOPIC, SCOTOPIC };
 static const char *const lights[] = {"photopic", "mesopic", "scotopic", NULL};
 static const double spencer_weights[3][4] = {
@@ -267,8 +276,8 @@ static gp_status make_table(const struct gp_log *log, const struct spencer *e,
     struct gp_shape shape;
     struct tabling t = {.s = s, .shape = &shape};
     const size_t n = ((size_t) s->rx + 1) * ((size_t) s->ry + 1);
-    gp_status st = gp_radial_shape(log, spencer_profile, e, e->channels, bends,
-                                   f, &shape);
+    gp_status st = sky_shape(log, spencer_profile, e, e->channels, bends, f,
+                             &shape);
     if (st)
         return st;
     st = gp_alloc(log, "kernel", (size_t) e->channels * n, sizeof(double),
@@ -380,7 +389,7 @@ static gp_status open_night(const struct gp_log *log,
     n->degrees = f->degrees * fmin(f->aspect, 1.0);
     n->rx = (int) fmin(ceil(far / (f->degrees * f->aspect)), f->w - 1);
     n->ry = (int) fmin(ceil(far / f->degrees), f->h - 1);
-    GP_TRY(gp_radial_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
+    GP_TRY(sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
     GP_TRY(make_table(log, &eye, 0.0, f, n, even));
     n->even = even[0];
     if (s->channels == 3)
@@ -412,7 +421,7 @@ static gp_status open_spencer(const struct gp_log *log,
         return st;
     st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
              ? open_night(log, r, &s, f, out)
-             : gp_radial_shape(log, spencer_profile, &s, 1, 0.0, f, out);
+             : sky_shape(log, spencer_profile, &s, 1, 0.0, f, out);
     if (!st)
         out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
     return st;
@@ -531,7 +540,7 @@ static gp_status open_cie(const struct gp_log *log, const struct gp_recipe *r,
 {
     const struct cie e = cie_of(r);
     struct cie_rest *s;
-    gp_status st = gp_radial_shape(log, cie_profile, &e, 1, 0.2, f, out);
+    gp_status st = sky_shape(log, cie_profile, &e, 1, 0.2, f, out);
     if (!st)
         out->smooth = 0.2 / (f->degrees * fmin(f->aspect, 1.0));
     if (st || !e.general)

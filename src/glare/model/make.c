@@ -69,7 +69,7 @@ struct mixture {
     // far parts are all that there is of the mixture; as struct gp_shape's
     int tails;
     bool only_tails, tail_grey, tail_even;
-    double smooth;
+    double smooth, stretch;
     int sharp;           // offsets beyond which there are only far parts
 };
 
@@ -148,7 +148,7 @@ static gp_status open_mixture(const struct gp_log *log,
     *opened = 0;
     *m = (struct mixture) {
         .grey = true, .even = true, .only_tails = true, .tail_grey = true,
-        .tail_even = true,
+        .tail_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
     };
     for (int i = 0; i < n; i++) {
         struct gp_shape *const own = before ? &before->shape[i] : NULL;
@@ -341,7 +341,7 @@ static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
         return s;
     double smooth = m->smooth;
     do {
-        s = gp_tail_choose(smooth, m->sharp, w, h);
+        s = gp_tail_choose(smooth, m->stretch, m->sharp, w, h);
         smooth = s.from + 1.0;
     } while (s.step && !is_within(m, &s));
     return s;

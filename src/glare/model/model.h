@@ -17,7 +17,10 @@
  * Spencer et al. 1995 section 3.2: pixel (dx, dy) away from a light lies
  *   t = degrees * hypot(aspect * dx, dy)
  * degrees from it, and takes P(t) times its solid angle, the area in degrees
- * times (pi / 180)^2 sin(t) / t; past 90 degrees there is nothing. */
+ * times (pi / 180)^2 sin(t) / t. Beyond 45 degrees places of the frame are
+ * crowded together in the sky, so that its edge at 90 degrees, past which there
+ * is no light, is never met: the shares of light up to 45 degrees are those of
+ * the model, and no lamp has a rim. */
 #ifndef GP_GLARE_MODEL_MODEL_H
 #define GP_GLARE_MODEL_MODEL_H
 

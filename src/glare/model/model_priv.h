@@ -106,8 +106,8 @@ const struct gp_gauss *gp_gauss_rule(int n); // made at first call, kept
  * an even pixel at its side. n from 1 to 10. */
 const struct gp_gauss *gp_tent_rule(int n);
 
-/* Light per square degree, t >= 0 degrees from its source; 0 from 90 on. It may
- * be steep at 0 and fall by any power. */
+/* Light per square degree, t >= 0 degrees from its source. It may be steep at 0
+ * and fall by any power. */
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
@@ -119,6 +119,19 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * light per steradian into light per square degree of the plane that pixels
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
+
+/* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
+ * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
+ * the angle
+ *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
+ * as in a rectilinear picture, and has its light: all of the hemisphere's in
+ * the plane, and none is cut off with a rim. */
+struct gp_sky {
+    gp_profile p;
+    const void *ctx;
+    int channels;
+};
+void gp_sky_in_plane(const void *sky, double t, double out[3]);
 
 // -- quadrature.c: deposits ----------------------------------------------------
 

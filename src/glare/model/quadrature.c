@@ -117,6 +117,27 @@ double gp_plane_factor(double t)
     return degree * degree * (radians > 1e-4 ? sin(radians) / radians : 1.0);
 }
 
+/* The angle from the light, degrees, of a place `t` degrees away in the plane;
+ * *slope is its change by t. */
+static double plane_angle(double t, double *slope)
+{
+    static const double EVEN = 45.0, SKY = 90.0;
+    const double scale = (SKY - EVEN) * 2.0 / PI;
+    const double x = fmax(t - EVEN, 0.0) / scale;
+    *slope = 1.0 / (1.0 + x * x);
+    return x > 0.0 ? EVEN + scale * atan(x) : t;
+}
+
+void gp_sky_in_plane(const void *sky, double t, double out[3])
+{
+    const struct gp_sky *const s = sky;
+    double slope;
+    const double angle = plane_angle(t, &slope);
+    s->p(s->ctx, angle, out);
+    for (int c = 0; c < s->channels && slope < 1.0; c++)
+        out[c] *= angle * slope / t;
+}
+
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3])
 {

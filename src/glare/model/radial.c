@@ -126,18 +126,18 @@ static gp_status make_table(const struct gp_log *log, int channels,
     return st;
 }
 
-/* Fills pixels under two of the longer sides from the light; all of them where
- * the end at 90 degrees cuts through wide pixels. */
+/* Fills pixels under two of the longer sides from the light; where pixels are
+ * wide, those within which the sky's profiles bend. */
 static gp_status make_near(const struct gp_log *log, gp_profile p,
                            const void *ctx, struct radial_table *t)
 {
-    static const double LEAST = 1e-6, RATIO = 1.1, END = 90.0, WIDE = 4.0;
+    static const double LEAST = 1e-6, RATIO = 1.1, BENDS = 180.0, WIDE = 4.0;
     const double b = t->f.degrees, a = b * t->f.aspect;
-    const bool all = fmin(a, b) > WIDE;
-    const double reach = all ? END : 2.0 * fmax(a, b) * (1.0 - 1e-9);
-    const int rx = (int) ceil(reach / a) - !all;
-    const int ry = (int) ceil(reach / b) - !all;
-    const double end = fmin(hypot(a * (rx + 1), b * (ry + 1)), END);
+    const double sides = 2.0 * fmax(a, b) * (1.0 - 1e-9);
+    const double reach = fmin(a, b) > WIDE ? fmax(BENDS, sides) : sides;
+    const int rx = (int) ceil(reach / a) - 1;
+    const int ry = (int) ceil(reach / b) - 1;
+    const double end = hypot(a * (rx + 1), b * (ry + 1));
     double light[3] = {0};
     gp_status st = gp_deposit_make(log, rx, ry, &t->near);
     for (double from = 0.0, to = LEAST; from < end && !st; to *= RATIO) {
@@ -152,6 +152,7 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     struct gp_shape *out)
 {
     static const uint64_t one = 1ull << (52 - STEPS_LOG2);
+    static const double END = 1e6; // degrees: over 5000 frames of 180
     const double least = f->degrees * fmin(f->aspect, 1.0);
     const double most = f->degrees * fmax(f->aspect, 1.0);
     struct radial_table *t;
@@ -163,7 +164,7 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     t->bends = (int) fmin(bends / most + 1.0, INT_MAX / 2);
     st = make_near(log, p, ctx, t);
     if (!st)
-        st = make_table(log, channels, least, 90.0, &t->profile);
+        st = make_table(log, channels, least, END, &t->profile);
     if (st) {
         free_radial(t);
         return st;

@@ -26,16 +26,19 @@ static double smooth_step(double u)
     return u <= 0.5 ? s : 1.0 - s;
 }
 
-struct gp_tail_split gp_tail_choose(double smooth, int sharp, int w, int h)
+struct gp_tail_split gp_tail_choose(double smooth, double stretch, int sharp,
+                                    int w, int h)
 {
     static const int LEAST_STEP = 8, MOST_STEP = 32, NODES = 512;
     static const double WORTH = 1.5; // core and tail against the whole
+    static const double STRETCH = 2.0; // that NEAREST is enough for
     const int side = gp_max(w, h);
     struct gp_tail_split s = {.step = LEAST_STEP};
     while (s.step < MOST_STEP && side / s.step > NODES)
         s.step *= 2;
     const double scale = (double) s.step / LEAST_STEP;
-    s.from = fmax(NEAREST * scale, ceil(smooth));
+    s.from = fmax(ceil(NEAREST * scale * fmax(stretch / STRETCH, 1.0)),
+                  ceil(smooth));
     s.to = s.from + WIDE * scale;
     if (!(fmax(s.to, sharp) * WORTH < side)) // INFINITY too
         s = (struct gp_tail_split) {0};

@@ -53,9 +53,11 @@ struct gp_tail_split {
 
 /* Chooses the split of frames of w x h pixels for a kernel that, from `smooth`
  * pixels on, bends only on the scale of the distance, beside one that reaches
- * `sharp` pixels and stays in the core. Step 0 where it is not smooth far out
+ * `sharp` pixels and stays in the core. Circles of it are `stretch` times as
+ * long as wide, in pixels, >= 1. Step 0 where it is not smooth far out
  * (INFINITY), or the whole costs little more than a core. */
-struct gp_tail_split gp_tail_choose(double smooth, int sharp, int w, int h);
+struct gp_tail_split gp_tail_choose(double smooth, double stretch, int sharp,
+                                    int w, int h);
 
 /* The tail's share of the sample at offset (x, y), in [0, 1]; the core's is 1
  * less that. A step of degree 11 in the distance; five derivatives are

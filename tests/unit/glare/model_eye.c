@@ -38,6 +38,38 @@ static void light_goes_as_far_as_published(void **state)
     }
 }
 
+/* All the hemisphere's light is in the plane: what a field leaves out is the
+ * light beyond its edge, between that of the sides and that of the corners, at
+ * the angles that model_priv.h gives them. */
+static void the_plane_holds_the_hemisphere(void **state)
+{
+    static const char *const texts[] = {"spencer", "spencer:light=scotopic",
+                                        "cie:age=70"};
+    static const double sides[] = {20.0, 44.0, 70.0, 110.0, 300.0};
+    const double scale = 90.0 / acos(-1.0);
+    (void) state;
+    for (size_t i = 0; i < COUNT(texts) * COUNT(sides); i++) {
+        const double near = sides[i % 5], far = near * sqrt(2.0);
+        const double angle[2] = {
+            near < 45.0 ? near : 45.0 + scale * atan((near - 45.0) / scale),
+            far < 45.0 ? far : 45.0 + scale * atan((far - 45.0) / scale),
+        };
+        struct gp_recipe r = scene_recipe(texts[i / 5]);
+        struct gp_field f = plain;
+        struct gp_kernel k;
+        f.w = f.h = 151;
+        f.degrees = near / 150.5;
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
+        const double most = gp_eye_beyond(&r, &plain, angle[0]);
+        const double least = gp_eye_beyond(&r, &plain, angle[1]);
+        if (!(k.left_out <= most) || !(k.left_out >= least))
+            fail_msg("%s, %g degrees to each side: %g left out, not %g to %g",
+                     texts[i / 5], near, k.left_out, least, most);
+        gp_kernel_free(&k);
+        gp_recipe_free(&r);
+    }
+}
+
 static void term(const void *ctx, double t, double out[3])
 {
     out[0] = gp_plane_factor(t) * gp_spencer_term(*(const int *) ctx, t, 568.0);
@@ -152,5 +184,5 @@ static void needles_stay_on_their_circles(void **state)
 }
 
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
-    terms_are_normalised, general_equation_is_the_cies,
+    the_plane_holds_the_hemisphere, terms_are_normalised, general_equation_is_the_cies,
     pupil_chooses_the_light, needles_stay_on_their_circles)
