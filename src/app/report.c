@@ -401,11 +401,19 @@ static void put_lights(json_t *o, const struct gp_facts *f)
             put_number(one, "radius", l->radius, 1e-4);
         }
         put_number(one, "visibility", l->visibility, 1e-6);
+        if (!l->behind || l->low < l->high)
+            json_object_set_new(one, "interval",
+                                json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
+                                          ceil(l->high * 1e6) * 1e-6));
         json_array_append_new(list, one);
     }
     json_object_set_new(o, "lights", list);
     if (f->sun_way)
         put_name(o, "sun_method", f->sun_way);
+    if (f->depth && !f->mask && f->lights)
+        put_name(o, "sun_edges", "depth alone: within 0.06 of the truth for a "
+                                 "sun of 2.5 pixels; coverage (--mask) is "
+                                 "nearer");
 }
 
 static double peak_rss_mib(void)

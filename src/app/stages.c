@@ -471,6 +471,7 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
     facts->lights = suns->n;
     if (suns->n)
         memcpy(fs->light, suns->light, (size_t) suns->n * sizeof *fs->light);
+    gp_sun_interval(o, suns->p->map.outside, fs->light, suns->n);
     facts->depth = fs->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
     facts->mask = fs->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
     if ((o->depth && !fs->depth) || (o->mask && !fs->mask))

@@ -45,7 +45,9 @@ struct gp_light {
                        // GP_OUTSIDE_SCENE says
     double outside;    // share of its part outside the frame that is clear, 0
                        // to 1; for GP_OUTSIDE_SCENE
+    double outside_error; // of it, at most
     double visibility; // 0 hidden to 1 clear; written by exact and map
+    double low, high;  // of the true share; written by gp_sun_interval()
     struct gp_light_sight sight;
 };
 #define GP_LIGHT_DEFAULTS \

@@ -80,6 +80,17 @@ enum gp_sun_outside {
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n);
 
+/* Writes low and high, between which the true share of each light is: of all
+ * its disc, with every pixel at an edge hidden, and with every one clear. A
+ * pixel is at an edge where its coverage is not 0 or 1; by depth alone, where
+ * one of its eight neighbours shows another share.
+ * Outside of the frame a light may be hidden or clear; with GP_OUTSIDE_SCENE it
+ * is gp_light.outside within its error, without it one behind the camera is
+ * hidden. low <= visibility <= high.
+ * The same bits for any threads. Details thinner than a pixel may be missed. */
+void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+                     struct gp_light *light, int n);
+
 /* Area of the disc of radius r around (cx, cy) within [x, x+1) x [y, y+1), in
  * closed form; 0 to 1. Exact to 1e-12 for r up to 1e5. */
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y);

@@ -86,7 +86,7 @@ fails_with 2 'A, B, G, R, Z' 'a mask channel that is not there'
 
 run --sun 30,12,5 -v --report r.json in.exr
 is "$(field r.json 'o["lights"]')" \
-    "[{'x': 30.0, 'y': 12.0, 'radius': 5.0, 'visibility': 0.5}]" 'lights'
+    "[{'x': 30.0, 'y': 12.0, 'radius': 5.0, 'visibility': 0.5, 'interval': [0.37353, 0.62647]}]" 'lights'
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'empty': '1e+10'}" \
     'depth, and what of it is empty'
 is "$(field r.json '"sun" in o["times_ms"]')" True 'time of the sun'

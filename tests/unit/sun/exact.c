@@ -417,6 +417,41 @@ static double by_pixels(const struct gp_occluders *o, int outside,
     return area > 0.0 ? shown / area : 0.0;
 }
 
+/* Bounds of a share, pixel by pixel. */
+static void check_interval(const struct gp_occluders *o, int outside,
+                           struct gp_light l)
+{
+    const struct gp_rect f = o->frame;
+    double area = 0.0, low = 0.0, high = 0.0;
+    for (int i = 0; i < gp_rect_w(f) * gp_rect_h(f); i++) {
+        const int x = f.x0 + i % gp_rect_w(f), y = f.y0 + i / gp_rect_w(f);
+        const double a = gp_disc_pixel_area(l.x, l.y, l.radius, x, y);
+        double lo = 1.0, hi = 0.0;
+        for (int k = 0; k < 9; k++) {
+            const int near_x = x + k % 3 - 1, near_y = y + k / 3 - 1;
+            if (near_x < f.x0 || near_x >= f.x1 || near_y < f.y0 ||
+                near_y >= f.y1 || (o->mask && k != 4))
+                continue;
+            const double s = gp_occluders_show(o, &l, near_x, near_y);
+            lo = fmin(lo, s);
+            hi = fmax(hi, s);
+        }
+        area += a;
+        low += lo < 1.0 ? 0.0 : a;
+        high += hi > 0.0 ? a : 0.0;
+    }
+    const double disc = M_PI * l.radius * l.radius, rest = disc - area;
+    const bool scene = outside == (int) GP_OUTSIDE_SCENE;
+    l.outside_error = 0.1;
+    l.visibility = visibility(o, outside, l);
+    gp_sun_interval(o, (enum gp_sun_outside) outside, &l, 1);
+    assert_near(l.low, (low + rest * (scene ? 0.15 : 0.0)) / disc, 1e-9, "low",
+                outside);
+    assert_near(l.high, (high + rest * (scene ? 0.35 : 1.0)) / disc, 1e-9,
+                "high", outside);
+    assert_true(l.low <= l.visibility && l.visibility <= l.high);
+}
+
 /* Windows of depth, of the mask, and of the frame, in every relation. */
 static const struct gp_rect windows[][3] = {
     {{0, 0, 60, 40}, {0, 0, 60, 40}, {0, 0, 60, 40}},
@@ -452,6 +487,7 @@ static void test_windows(void **state)
             l.depth = 10.0;
             assert_near(visibility(&o, mode, l), by_pixels(&o, mode, &l),
                         1e-12, "windows", 100 * i + k);
+            check_interval(&o, mode, l);
         }
         gp_plane_free(&depth);
         gp_plane_free(&mask);

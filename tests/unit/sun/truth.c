@@ -61,8 +61,13 @@ static void exact_follows_a_fence(void **state)
             draw_fence(&p, shift, coverage);
             const struct gp_occluders o = occluders(
                 coverage ? NULL : &p, coverage ? &p : NULL, p.window);
-            const double got = visibility(&o, 0, light_at(x, y, r));
-            error = fmax(error, fabs(got - fence_truth(x, y, r, shift)));
+            const double truth = fence_truth(x, y, r, shift);
+            struct gp_light l = light_at(x, y, r);
+            gp_sun_exact(&o, GP_OUTSIDE_IGNORE, &l, 1);
+            gp_sun_interval(&o, GP_OUTSIDE_IGNORE, &l, 1);
+            assert_true(l.low <= truth + 1e-12 && l.high >= truth - 1e-12);
+            const double got = l.visibility;
+            error = fmax(error, fabs(got - truth));
             if (last >= 0.0)
                 largest = fmax(largest, fabs(got - last));
             last = got;

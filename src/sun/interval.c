@@ -1,0 +1,128 @@
+/* Bounds of a light's share: the pixels of edges all hidden, and all clear. */
+#include "sun/occluder.h"
+
+#include "core/parallel.h"
+
+#include <math.h>
+
+enum { STRIPS = 64 };         // of a disc, summed in order
+
+struct bounds_sums {
+    double area, lo, hi;
+};
+
+struct interval {
+    const struct gp_occluders *o;
+    const struct gp_light *light;
+    double radius;
+    struct gp_rect rect; // pixels under the disc
+    int n;               // strips
+    struct bounds_sums sum[STRIPS];
+};
+
+/* Least and largest of what is shown. */
+struct shown {
+    double lo, hi;
+};
+
+/* Returns those of column x in rows y - 1, y and y + 1, as far as they are in
+ * the frame; in row y where there is coverage. */
+static struct shown column(const struct interval *v, int x, int y)
+{
+    const struct gp_rect f = v->o->frame;
+    struct shown s = {INFINITY, -INFINITY};
+    const bool apart = v->o->mask != NULL;
+    const int y0 = apart || y == f.y0 ? y : y - 1;
+    const int y1 = apart || y + 1 == f.y1 ? y : y + 1;
+    for (int k = y0; k <= y1; k++) {
+        const double one = gp_occluders_show(v->o, v->light, x, k);
+        s.lo = fmin(s.lo, one);
+        s.hi = fmax(s.hi, one);
+    }
+    return s;
+}
+
+/* Area of the disc in a pixel; 1 where all four corners are inside. */
+static double area_of(const struct interval *v, int x, int y)
+{
+    const double dx = fmax(fabs(x - v->light->x), fabs(x + 1.0 - v->light->x));
+    const double dy = fmax(fabs(y - v->light->y), fabs(y + 1.0 - v->light->y));
+    return dx * dx + dy * dy < v->radius * v->radius
+               ? 1.0
+               : gp_disc_pixel_area(v->light->x, v->light->y, v->radius, x, y);
+}
+
+static void add_row(const struct interval *v, int y, struct bounds_sums *sum)
+{
+    const struct gp_rect f = v->o->frame;
+    const struct shown none = {INFINITY, -INFINITY};
+    const int x0 = v->rect.x0;
+    const bool apart = v->o->mask != NULL; // coverage has its edges in itself
+    struct shown left = x0 > f.x0 && !apart ? column(v, x0 - 1, y) : none;
+    struct shown middle = column(v, x0, y);
+    for (int x = x0; x < v->rect.x1; x++) {
+        const struct shown right = x + 1 < f.x1 ? column(v, x + 1, y) : none;
+        const double lo = fmin(middle.lo, apart ? 1.0 : fmin(left.lo, right.lo));
+        const double hi = fmax(middle.hi, apart ? 0.0 : fmax(left.hi, right.hi));
+        const double area = area_of(v, x, y);
+        // where there is no edge all of them show all, or nothing
+        sum->area += area;
+        sum->lo += lo >= 1.0 ? area : 0.0;
+        sum->hi += hi > 0.0 ? area : 0.0;
+        left = middle;
+        middle = right;
+    }
+}
+
+static void add_strip(void *ctx, int i, int thread)
+{
+    (void) thread;
+    struct interval *const v = ctx;
+    const int64_t h = gp_rect_h(v->rect);
+    for (int64_t k = h * i / v->n; k < h * (i + 1) / v->n; k++)
+        add_row(v, (int) (v->rect.y0 + k), &v->sum[i]);
+}
+
+/* v as a whole number within [lo, hi]. */
+static int within(double v, int lo, int hi)
+{
+    return !(v > (double) lo) ? lo : v < (double) hi ? (int) v : hi;
+}
+
+void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+                     struct gp_light *light, int n)
+{
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        const bool scene = outside == GP_OUTSIDE_SCENE;
+        const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
+                                : 0.0;
+        const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
+                          : l->behind ? 0.0
+                                      : 1.0;
+        struct interval v = {.o = o, .light = l};
+        v.radius = fmin(fmax(l->radius, 1e-3), 1e6);
+        const struct gp_rect f = o->frame;
+        v.rect.x0 = within(floor(l->x - v.radius), f.x0, f.x1);
+        v.rect.y0 = within(floor(l->y - v.radius), f.y0, f.y1);
+        v.rect.x1 = within(ceil(l->x + v.radius), v.rect.x0, f.x1);
+        v.rect.y1 = within(ceil(l->y + v.radius), v.rect.y0, f.y1);
+        struct bounds_sums s = {0};
+        if (!l->behind && !gp_rect_empty(v.rect)) {
+            const int h = gp_rect_h(v.rect);
+            v.n = h < STRIPS ? h : STRIPS;
+            gp_parallel_do(v.n, add_strip, &v);
+        }
+        for (int k = 0; k < v.n; k++) {
+            s.area += v.sum[k].area;
+            s.lo += v.sum[k].lo;
+            s.hi += v.sum[k].hi;
+        }
+        // (rounding may leave a little of a disc that is all inside)
+        const double disc = M_PI * v.radius * v.radius;
+        const double rest = disc - s.area > 1e-9 * disc ? disc - s.area : 0.0;
+        const double all = s.area + rest;
+        l->low = fmin((s.lo + rest * lo) / all, l->visibility);
+        l->high = fmax(fmin((s.hi + rest * hi) / all, 1.0), l->visibility);
+    }
+}
