@@ -306,6 +306,73 @@ static void reads_keys(void **state)
     gp_flare_free(&f);
 }
 
+/* Draws an element of JSON, of two lamps, in frame 3. */
+static void draw_text(const char *element, struct picture *p)
+{
+    struct gp_flare f = {0};
+    char text[300];
+    struct gp_light l[2] = {lamp_at(50.0, 40.0), lamp_at(140.0, 90.0)};
+    strcpy(l[0].name, "key");
+    strcpy(l[1].name, "fill");
+    l[1].visibility = 0.5;
+    snprintf(text, sizeof text, "[{%s}]", element);
+    if (gp_flare_read(&kept_log, jf_write(text), &f))
+        fail_msg("%s: %s", text, kept_line);
+    f.frame = 3;
+    memset(p->layer.c[0], 0, 3 * picture_pixels(p) * sizeof(float));
+    add(p, &f, l, 2);
+    gp_flare_free(&f);
+}
+
+/* No key is read and ignored: each changes a pixel of an element that has none
+ * of it. */
+static void every_key_acts(void **state)
+{
+    static const char *const rows[][2] = {
+        {"disc", "'position': 0.5"}, {"disc", "'size': 0.2"},
+        {"disc", "'color': 0.5"}, {"disc", "'scale': [1, 1.1, 1]"},
+        {"disc", "'profile': [1, 0]"}, {"disc", "'softness': 0.5"},
+        {"disc", "'rim': 1"}, {"disc", "'dispersion': 0.5"},
+        {"disc", "'aspect': 0.5"}, {"disc", "'count': 3"},
+        {"disc", "'count': 2, 'spread': 0.5"}, {"disc", "'offset': 0.2"},
+        {"disc", "'cut': 0.5"}, {"disc", "'shrink': 1"},
+        {"disc", "'flicker': 0.5"}, {"disc", "'only': 'k*'"},
+        {"disc", "'by_place': {'size': [1, 2]}"},
+        {"disc", "'by_place': {'brightness': [1, 2]}"},
+        {"disc", "'by_place': {'color': [1, [1, 2, 3]]}"},
+        {"disc", "'by_place': {'from': 'edge', 'brightness': [1, 2]}"},
+        {"polygon", "'rotation': 20"}, {"polygon", "'sides': 5"},
+        {"polygon", "'round': 0.5"}, {"polygon", "'turn': 'axis'"},
+        {"ring", "'width': 0.3"}, {"ring", "'completion': 0.5"},
+        {"ring", "'completion': 0.5, 'feather': 0.5"}, {"glow", "'falloff': 3"},
+        {"spikes", "'count': 5"}, {"spikes", "'random': 0.5"},
+        {"spikes", "'random': 0.5, 'seed': 7"}, {"spikes", "'width': 0.1"},
+        {"streak", "'count': 3, 'spread': 40"}, {"streak", "'count': 3"},
+    };
+    struct picture one = picture_of(200, 150), two = picture_of(200, 150);
+    const size_t bytes = 3 * picture_pixels(&one) * sizeof(float);
+    assert_ptr_equal(one.layer.c[2], one.layer.c[0] + 2 * picture_pixels(&one));
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char text[200];
+        snprintf(text, sizeof text, "'shape': '%s'", rows[i][0]);
+        // the last key of a row is tried, beside those before it
+        const char *const comma = strrchr(rows[i][1], ',');
+        const bool beside = comma && strchr(comma, ':') &&
+                            !strchr(rows[i][1], '{');
+        if (beside)
+            snprintf(text, sizeof text, "'shape': '%s', %.*s", rows[i][0],
+                     (int) (comma - rows[i][1]), rows[i][1]);
+        draw_text(text, &one);
+        snprintf(text, sizeof text, "'shape': '%s', %s", rows[i][0],
+                 rows[i][1]);
+        draw_text(text, &two);
+        if (memcmp(one.layer.c[0], two.layer.c[0], bytes) == 0)
+            fail_msg("%s: changes nothing", text);
+    }
+    picture_free(&one);
+    picture_free(&two);
+}
+
 static void refuses_keys(void **state)
 {
     static const char *const rows[] = {
@@ -335,4 +402,5 @@ static void refuses_keys(void **state)
 SUITE_OF(element, make_folder, remove_folder, totals_hold,
     looks_alike_at_every_size, dispersion_is_continuous,
     shapes_have_their_features, seeds_decide, transforms_follow_the_light,
-    triggers_act, names_choose_lights, dirt_is_lit, reads_keys, refuses_keys)
+    triggers_act, names_choose_lights, dirt_is_lit, reads_keys, every_key_acts,
+    refuses_keys)
