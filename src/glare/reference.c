@@ -1,3 +1,4 @@
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -35,7 +36,7 @@ static int row_of(const struct gp_sources *src, uint32_t i, int from)
 /* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. Only rows
  * with sources within the kernel's reach are visited: a tall frame has more
  * rows than sources. */
-static void plain_row(void *ctx, int y, int thread)
+GP_CLONES static void plain_row(void *ctx, int y, int thread)
 {
     const struct plain *const s = ctx;
     const struct gp_sources *const src = s->src;
@@ -57,11 +58,10 @@ static void plain_row(void *ctx, int y, int thread)
             const float *const row =
                 k->k.c[c] + (size_t) (y - sy + k->cy) * (size_t) k->w;
             const int at = src->x[i] - k->cx; // of kernel column 0
-            for (int kx = 0; kx < k->w; kx++) {
-                if (at + kx >= 0 && at + kx < w)
-                    out[at + kx] +=
-                        (double) src->rgb[c][i] * (double) row[kx];
-            }
+            const double light = (double) src->rgb[c][i];
+            const int last = gp_min(k->w, w - at);
+            for (int kx = gp_max(0, -at); kx < last; kx++)
+                out[at + kx] += light * (double) row[kx];
         }
     }
 }
