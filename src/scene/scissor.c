@@ -173,8 +173,7 @@ void gp_lit_tiles_free(struct gp_lit_tiles *t)
 struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
                                  const struct gp_scissor *s,
                                  const struct gp_reach *light,
-                                 const struct gp_umbra *umbra, int umbras,
-                                 double texel)
+                                 const struct gp_umbras *umbras, double texel)
 {
     const int across = h->w[GP_TILE_LEVEL];
     const struct gp_rect w = h->window, r = s->rect;
@@ -195,10 +194,7 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hid
             if (gp_reach_beside(light, c, radius))
                 continue;
             const struct gp_v3 wide = gp_texel_widen(light, texel, c, e, radius);
-            int u = 0;
-            while (u < umbras && !gp_umbra_holds(&umbra[u], c, wide))
-                u++;
-            t->lit[i] = u == umbras;
+            t->lit[i] = !gp_umbras_hold(umbras, c, wide);
         }
     }
     return of_tiles(h, r, s->near, s->far, t->lit);

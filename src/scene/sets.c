@@ -64,8 +64,7 @@ struct gp_sets {
     int *lit, *list;         // I; in its reach
     int lits, listed;
     struct gp_scissor scissor;
-    struct gp_umbra umbra[GP_OCCLUDERS];
-    int umbras;
+    struct gp_umbras umbras;
 };
 
 static struct gp_v3 centre_of(const struct gp_sets *s, int i)
@@ -232,15 +231,14 @@ static void list_near(struct gp_sets *s, const struct gp_reach *r)
 static void flag_lit(struct gp_sets *s, const struct gp_reach *r)
 {
     struct gp_darkest most = {0};
-    s->umbras = 0;
+    s->umbras.n = 0;
     if (s->use & GP_SETS_LIGHTS) {
         for (int k = 0; k < s->listed; k++) {
             const int i = s->list[k];
             if (s->size[i] > 0.0)
                 gp_darkest_try(&most, r, centre_of(s, i), s->size[i], i);
         }
-        s->umbras =
-            gp_darkest_umbras(&most, s->scene, s->bodies, r, s->umbra);
+        gp_umbras_make(&most, s->scene, s->bodies, r, &s->umbras);
     }
     s->lits = 0;
     for (int k = 0; k < s->listed; k++) {
@@ -248,10 +246,7 @@ static void flag_lit(struct gp_sets *s, const struct gp_reach *r)
         const struct gp_v3 c = centre_of(s, i), e = half_of(s, i);
         const struct gp_v3 wide =
             gp_texel_widen(r, s->view.texel, c, e, s->radius[i]);
-        bool dark = false;
-        for (int u = 0; u < s->umbras && !dark; u++)
-            dark = gp_umbra_holds(&s->umbra[u], c, wide);
-        if (dark)
+        if (s->umbras.n > 0 && gp_umbras_hold(&s->umbras, c, wide))
             continue;
         s->flag[i] |= GP_SET_L;
         if (s->flag[i] & GP_SET_V) {
@@ -310,8 +305,8 @@ bool gp_sets_light(struct gp_sets *s, int light)
     struct gp_scissor lit =
         gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
     if (s->hidden.levels > 0 && (s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)))
-        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &lit, &r, s->umbra,
-                             s->umbras, v->texel);
+        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &lit, &r,
+                                 &s->umbras, v->texel);
     const bool bright = s->lits > 0 &&
                         (!(s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)) ||
                          !gp_rect_empty(lit.rect));

@@ -62,11 +62,10 @@ static bool hidden(const struct gp_sets_view *v, const struct gp_screen_box *b)
 /* L: in reach, in the cone, in no umbra. */
 static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
                       const struct gp_sets_view *v, const struct gp_reach *r,
-                      unsigned use, struct gp_umbra umbra[GP_OCCLUDERS],
-                      int *umbras, struct gp_set *l)
+                      unsigned use, struct gp_umbras *umbras, struct gp_set *l)
 {
     struct gp_darkest most = {0};
-    l->n = *umbras = 0;
+    l->n = umbras->n = 0;
     for (int i = 0; i < s->objects; i++) {
         const struct gp_object *const o = &s->object[i];
         if (gp_box_empty(o->box) ||
@@ -80,15 +79,15 @@ static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
     }
     if (!(use & GP_SETS_LIGHTS))
         return;
-    *umbras = gp_darkest_umbras(&most, s, bodies, r, umbra);
+    gp_umbras_make(&most, s, bodies, r, umbras);
     int n = 0;
     for (int k = 0; k < l->n; k++) {
         const struct gp_object *const o = &s->object[l->object[k]];
         const struct gp_v3 e =
             gp_texel_widen(r, v->texel, centre(o), half(o), o->radius);
         bool dark = false;
-        for (int u = 0; u < *umbras; u++)
-            dark |= gp_umbra_holds(&umbra[u], centre(o), e);
+        for (int u = 0; u < umbras->n; u++)
+            dark |= gp_umbra_holds(&umbras->umbra[u], centre(o), e);
         l->object[n] = l->object[k];
         n += !dark;
     }
@@ -120,7 +119,7 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
     struct gp_hidden depths = {.window = v->window};
     struct gp_lit_tiles tiles = {0};
     struct gp_screen_box *box = NULL;
-    struct gp_umbra *umbra = NULL;
+    struct gp_umbras *umbras = NULL;
     const size_t n = (size_t) s->objects + 1;
     struct gp_set *const set[] = {&a.f, &a.v, &a.l, &a.i, &a.s};
     for (int k = 0; k < 5; k++)
@@ -131,8 +130,7 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
         GP_TRY(gp_hidden_make(log, v->window, v->depth, &depths));
 
     GP_TRY(gp_lit_tiles_make(log, &depths, &v->camera, v->display, &tiles));
-    GP_TRY(gp_alloc(log, "umbras of the scene", GP_OCCLUDERS, sizeof *umbra,
-                    &umbra));
+    GP_TRY(gp_alloc_zero(log, "umbras of the scene", 1, sizeof *umbras, &umbras));
 
     const double far = gp_sets_far(s, v);
     const struct gp_volume frustum = gp_sets_frustum(v, far);
@@ -148,9 +146,8 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
         box[i] = gp_scissor_visible(&depths, &box[i]);
     }
     const struct gp_reach r = gp_light_reach(&s->light[light]);
-    int umbras = 0;
     if (gp_reach_meets(&r, &frustum)) {
-        list_seen(s, bodies, v, &r, use, umbra, &umbras, &a.l);
+        list_seen(s, bodies, v, &r, use, umbras, &a.l);
         intersect(&a.v, &a.l, &a.i);
     }
     const struct gp_screen_box bounds =
@@ -159,7 +156,7 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
         gp_scissor_make(&depths, box, a.i.object, a.i.n, &bounds);
     const bool cut = use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
     if (depths.levels > 0 && cut)
-        lit = gp_lit_tiles_light(&tiles, &depths, &lit, &r, umbra, umbras,
+        lit = gp_lit_tiles_light(&tiles, &depths, &lit, &r, umbras,
                                  v->texel);
     if (cut && gp_rect_empty(lit.rect))
         a.i.n = 0;
@@ -178,7 +175,7 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
     }
 out:
     gp_free(box);
-    gp_free(umbra);
+    gp_free(umbras);
     gp_lit_tiles_free(&tiles);
     gp_hidden_free(&depths);
     if (st)

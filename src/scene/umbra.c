@@ -1,6 +1,7 @@
 /* Convex bodies of meshes, and the umbras they throw. */
 #include "scene/umbra.h"
 
+#include "core/cpu.h"
 #include "core/memory.h"
 
 #include <string.h>
@@ -226,11 +227,9 @@ static struct gp_half turned_from(struct gp_half h, struct gp_v3 inside)
                : h;
 }
 
-struct gp_umbra gp_umbra_make(const struct gp_body *body,
-                              const double to_world[16], struct gp_from light)
+void gp_umbra_make(const struct gp_body *body, const double to_world[16],
+                   struct gp_from light, struct gp_umbra *out)
 {
-    static const struct gp_umbra none = {0};
-    struct gp_umbra u = {0};
     struct gp_v3 p[GP_BODY_POINTS];
     bool front[GP_BODY_FACES]; // the light sees it
     const struct gp_v3 middle = gp_move(to_world, body->middle);
@@ -239,26 +238,27 @@ struct gp_umbra gp_umbra_make(const struct gp_body *body,
         p[i] = gp_move(to_world, body->point[i]);
         size = fmax(size, gp_v3_length(p[i]));
     }
-    u.margin = 1e-6 * size;
+    out->planes = 0;
+    out->margin = 1e-6 * size;
     for (int f = 0; f < body->faces; f++) {
         const unsigned char *const v = body->face[f];
         const struct gp_half h =
             turned_from(through(p[v[0]], p[v[1]], p[v[2]]), middle);
         const double at = gp_v3_dot(h.n, light.p) + light.w * h.d;
         if (gp_v3_length(h.n) < 0.5) // moved by a singular matrix
-            return none;
+            goto none;
         front[f] = at > 0.0;
         if (body->faces == 1) { // a polygon has two sides
-            if (fabs(at) <= (light.w > 0.0 ? u.margin : 1e-6))
-                return none;
+            if (fabs(at) <= (light.w > 0.0 ? out->margin : 1e-6))
+                goto none;
             front[f] = true;
         }
         if (front[f]) // away from the light is inside
-            u.plane[u.planes++] = at > 0.0 ? h
+            out->plane[out->planes++] = at > 0.0 ? h
                 : (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d};
     }
-    if (u.planes == 0) // the light is in the body
-        return none;
+    if (out->planes == 0) // the light is in the body
+        goto none;
     for (int i = 0; i < body->edges; i++) {
         const unsigned char *const side = body->edge[i].side;
         if (side[0] != side[1] && front[side[0]] == front[side[1]])
@@ -270,10 +270,12 @@ struct gp_umbra gp_umbra_make(const struct gp_body *body,
             gp_v3_cross(gp_v3_sub(b, a), gp_v3_sub(c, a));
         if (!(gp_v3_length(n) > 1e-9 * gp_v3_length(gp_v3_sub(b, a)) *
                                     gp_v3_length(gp_v3_sub(c, a))))
-            return none; // the light is on the edge's line
-        u.plane[u.planes++] = turned_from(through(a, b, c), middle);
+            goto none; // the light is on the edge's line
+        out->plane[out->planes++] = turned_from(through(a, b, c), middle);
     }
-    return u;
+    return;
+none:
+    out->planes = 0;
 }
 
 // -- of a light --------------------------------------------------------------
@@ -281,6 +283,8 @@ struct gp_umbra gp_umbra_make(const struct gp_body *body,
 struct gp_v3 gp_texel_widen(const struct gp_reach *light, double texel,
                            struct gp_v3 c, struct gp_v3 e, double radius)
 {
+    if (texel == 0.0)
+        return e;
     const double away =
         light->from.w > 0.0
             ? gp_v3_length(gp_v3_sub(c, light->from.p)) + radius
@@ -314,16 +318,87 @@ void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
     o->object[k] = i;
 }
 
-int gp_darkest_umbras(const struct gp_darkest *o, const struct gp_scene *s,
-                        const struct gp_bodies *b, const struct gp_reach *light,
-                        struct gp_umbra umbra[GP_OCCLUDERS])
+/* Sets the cone, or cylinder, of the rays through a body. Of a point light a box
+ * is in it where its centre's direction is: axis . to - cos |to| >= 0; of one at
+ * infinity, with (x, y) square to its direction, where
+ * r^2 - (x - mx)^2 - (y - my)^2 >= 0. */
+static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
+                     const double to_world[16])
 {
-    int n = 0;
+    const struct gp_from light = u->light;
+    const struct gp_v3 middle = gp_move(to_world, body->middle);
+    const struct gp_v3 axis =
+        light.w > 0.0 ? gp_v3_unit(gp_v3_sub(middle, light.p)) : light.p;
+    double least = 1.0, most = 0.0;
+    for (int i = 0; i < body->points; i++) {
+        const struct gp_v3 p = gp_move(to_world, body->point[i]);
+        least = fmin(least, gp_v3_dot(axis, gp_v3_unit(gp_v3_sub(p, light.p))));
+        most = fmax(most, gp_v3_length(gp_v3_cross(gp_v3_sub(p, middle), axis)));
+    }
+    if (light.w > 0.0) {
+        const double wide[4] = {axis.x, axis.y, axis.z, 1e-9 - least};
+        for (int k = 0; k < 4; k++) // (over 90 degrees it is not convex)
+            u->cone[k][n] = least > 0.01 ? wide[k] : k == 3;
+        return;
+    }
+    const double x = gp_v3_dot(middle, u->side), y = gp_v3_dot(middle, u->up);
+    u->cone[0][n] = 2.0 * x;
+    u->cone[1][n] = 2.0 * y;
+    u->cone[2][n] = most * most - x * x - y * y +
+                    1e-9 * (most * most + x * x + y * y);
+    u->cone[3][n] = -1.0;
+}
+
+void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
+                    const struct gp_bodies *b, const struct gp_reach *light,
+                    struct gp_umbras *out)
+{
+    const struct gp_v3 d = light->from.p;
+    const struct gp_v3 other = {fabs(d.x) < 0.7, fabs(d.x) >= 0.7, 0.0};
+    out->n = 0;
+    out->light = light->from;
+    out->side = gp_v3_unit(gp_v3_cross(d, other));
+    out->up = gp_v3_cross(gp_v3_unit(d), out->side);
     for (int k = 0; k < o->n; k++) {
         const struct gp_object *const at = &s->object[o->object[k]];
-        umbra[n] = gp_umbra_make(&b->body[b->of_mesh[at->mesh]], at->to_world,
-                                 light->from);
-        n += umbra[n].planes > 0;
+        const struct gp_body *const body = &b->body[b->of_mesh[at->mesh]];
+        gp_umbra_make(body, at->to_world, light->from, &out->umbra[out->n]);
+        if (out->umbra[out->n].planes > 0)
+            set_cone(out, out->n++, body, at->to_world);
     }
-    return n;
+    for (int k = out->n; k < GP_OCCLUDERS; k++)
+        out->cone[0][k] = out->cone[1][k] = out->cone[2][k] =
+            out->cone[3][k] = 0.0;
+}
+
+/* Sets in[i] where a box may be in umbra i. */
+static GP_CLONES void find_cones(const struct gp_umbras *u, const double v[4],
+                                 double in[GP_OCCLUDERS])
+{
+    for (int i = 0; i < GP_OCCLUDERS; i++)
+        in[i] = u->cone[0][i] * v[0] + u->cone[1][i] * v[1] +
+                u->cone[2][i] * v[2] + u->cone[3][i] * v[3];
+}
+
+bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
+{
+    double in[GP_OCCLUDERS], v[4];
+    if (u->light.w > 0.0) {
+        const struct gp_v3 to = gp_v3_sub(c, u->light.p);
+        v[0] = to.x;
+        v[1] = to.y;
+        v[2] = to.z;
+        v[3] = gp_v3_length(to);
+    } else {
+        v[0] = gp_v3_dot(c, u->side);
+        v[1] = gp_v3_dot(c, u->up);
+        v[2] = 1.0;
+        v[3] = v[0] * v[0] + v[1] * v[1];
+    }
+    find_cones(u, v, in);
+    for (int i = 0; i < u->n; i++) {
+        if (in[i] >= 0.0 && gp_umbra_holds(&u->umbra[i], c, e))
+            return true;
+    }
+    return false;
 }

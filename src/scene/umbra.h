@@ -36,10 +36,10 @@ struct gp_umbra {
     double margin; // what is in by less counts as outside: faces that touch
 };
 
-/* Returns the umbra of a body moved by `to_world` before a light. It is empty
+/* Makes the umbra of a body moved by `to_world` before a light. It is empty
  * where the light is in the body or in the plane of a flat one. */
-struct gp_umbra gp_umbra_make(const struct gp_body *body,
-                              const double to_world[16], struct gp_from light);
+void gp_umbra_make(const struct gp_body *body, const double to_world[16],
+                   struct gp_from light, struct gp_umbra *out);
 
 /* True where all of a box is in the umbra: of centre c and half sides e. */
 static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,
@@ -89,9 +89,23 @@ double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o);
 void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
                       struct gp_v3 centre, double size, int i);
 
-/* Makes their umbras; returns how many are not empty. */
-int gp_darkest_umbras(const struct gp_darkest *o, const struct gp_scene *s,
-                        const struct gp_bodies *b, const struct gp_reach *light,
-                        struct gp_umbra umbra[GP_OCCLUDERS]);
+/* The umbras of a light, each in a cone of its rays, or a cylinder of those of
+ * a light at infinity, that is quick to ask. */
+struct gp_umbras {
+    int n;
+    struct gp_from light;
+    struct gp_v3 side, up;         // square to a direction
+    double cone[4][GP_OCCLUDERS];  // a box can be in umbra i where the dot
+                                   // product with its own four is >= 0
+    struct gp_umbra umbra[GP_OCCLUDERS];
+};
+
+/* Makes the umbras of a choice of occluders, those that are not empty. */
+void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
+                    const struct gp_bodies *b, const struct gp_reach *light,
+                    struct gp_umbras *out);
+
+/* True where an umbra holds a box of centre c and half sides e. */
+bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e);
 
 #endif
