@@ -160,6 +160,15 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
                    size_t size);
 
+/* Keys of times_ms. */
+extern const char *const gp_time_names[GP_TIMES];
+
+/* Returns the most memory that the process has held, MiB; 0 when unknown. */
+double gp_peak_rss_mib(void);
+
+/* Returns the type's name: "uint", "half", "float". */
+const char *gp_pixel_type_name(enum gp_pixel_type type);
+
 /* Formats the facts as one line of text without a line feed: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
 
