@@ -186,6 +186,20 @@ static gp_status check_kernel_size(const struct gp_log *log,
 }
 
 /* Reads --size, and checks that glarepp kernel has one thing to do. */
+/* Sets the size of --size, or the usual one. */
+static gp_status check_size(const struct gp_log *log, struct gp_making *m,
+                            int w, int h)
+{
+    int size[2] = {w, h};
+    if (m->size && (!gp_read_whole(m->size, "x", size) || size[0] < 1 ||
+                    size[1] < 1 || size[0] > 16384 || size[1] > 16384))
+        return gp_fail(log, GP_ERR_USAGE, "--size: not a size (found \"%s\"); "
+                       "give WxH, e.g. 1920x1080, each 1 to 16384", m->size);
+    m->w = size[0];
+    m->h = size[1];
+    return GP_OK;
+}
+
 static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
@@ -220,16 +234,20 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     if (!m->check && gp_option_given(s, "mix"))
         return gp_fail(log, GP_ERR_USAGE, "--mix: a kernel is the same for "
                        "both; leave it out, or give it to --check");
-    m->w = 1920;
-    m->h = 1080;
-    int size[2] = {m->w, m->h};
-    if (m->size && (!gp_read_whole(m->size, "x", size) || size[0] < 1 ||
-                    size[1] < 1 || size[0] > 16384 || size[1] > 16384))
-        return gp_fail(log, GP_ERR_USAGE, "--size: not a size (found \"%s\"); "
-                       "give WxH, e.g. 1920x1080, each 1 to 16384", m->size);
-    m->w = size[0];
-    m->h = size[1];
-    return GP_OK;
+    return check_size(log, m, 1920, 1080);
+}
+
+static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
+{
+    if (s->inputs.n != 1)
+        return gp_fail(log, GP_ERR_USAGE, "sets: one scene (found %d); write "
+                       "glarepp sets scene.glb", s->inputs.n);
+    for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
+        if (s->debug[i])
+            return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp sets; "
+                           "give scissor or sets", gp_debugs[i].name);
+    }
+    return check_size(log, &s->making, 960, 540);
 }
 
 /* Checks that glarepp lens has one thing to do. */
@@ -326,6 +344,14 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_making(log, s);
     if (s->command == GP_COMMAND_LENS)
         return check_lens(log, s);
+    if (s->command == GP_COMMAND_SETS)
+        return check_sets(log, s);
+    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
+        if (s->debug[i])
+            return gp_fail(log, GP_ERR_USAGE, "--debug %s: of glarepp sets "
+                           "only; write glarepp sets --debug %s=%s SCENE",
+                           gp_debugs[i].name, gp_debugs[i].name, s->debug[i]);
+    }
     // something must be read and made
     const bool bench = s->command == GP_COMMAND_BENCH;
     for (int i = 0; i < GP_DEBUG_KINDS; i++)

@@ -170,6 +170,8 @@ void gp_help(FILE *f, enum gp_command command)
                    "(see glarepp kernel --help)\n"
                    "  glarepp lens [options]           "
                    "(see glarepp lens --help)\n"
+                   "  glarepp sets [options] SCENE     "
+                   "(see glarepp sets --help)\n"
                    "  glarepp help [TOPIC]\n\n"
                    "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
                    "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
@@ -184,6 +186,7 @@ void gp_help(FILE *f, enum gp_command command)
             : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
             : command == GP_COMMAND_KERNEL  ? "glarepp kernel --list"
             : command == GP_COMMAND_LENS    ? "glarepp lens --list"
+            : command == GP_COMMAND_SETS    ? "glarepp sets scene.glb"
                                         : "glarepp -o out.png frame.exr");
 }
 

@@ -67,7 +67,7 @@ static const struct {
 } commands[] = {
     {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
     {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
-    {"lens", GP_COMMAND_LENS},
+    {"lens", GP_COMMAND_LENS}, {"sets", GP_COMMAND_SETS},
     {"help", GP_COMMAND_HELP},
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };

@@ -5,6 +5,7 @@
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "app/sets_command.h"
 #include "app/stages.h"
 #include "bench/bench.h"
 #include "compare/compare.h"
@@ -236,6 +237,15 @@ static int run_kernel(const struct gp_log *log, const struct gp_settings *s)
     return st ? (int) st : faulty;
 }
 
+static int run_sets(const struct gp_log *log, const struct gp_settings *s)
+{
+    bool differ;
+    gp_set_threads(s->threads.v[0]);
+    gp_gl_prepare(); // while there is one thread
+    const gp_status st = gp_sets_command(log, s, &differ);
+    return st ? (int) st : differ;
+}
+
 static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
     char *command = NULL; // of the pictures
@@ -321,6 +331,8 @@ int main(int argc, char *argv[])
         status = run_compare(&log, &s);
     } else if (!st && s.command == GP_COMMAND_KERNEL) {
         status = run_kernel(&log, &s);
+    } else if (!st && s.command == GP_COMMAND_SETS) {
+        status = run_sets(&log, &s);
     } else if (!st && s.command == GP_COMMAND_LENS) {
         bool faulty;
         st = gp_lens_command(&log, &s, &faulty);

@@ -26,6 +26,8 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
         "glarepp kernel -k cie:age=70 -k star --size 2048x858 -o k.exr"},
     [GP_GROUP_LENS] = {"Lenses of glarepp lens", "optics",
         "glarepp lens --check heliar --draw heliar.svg"},
+    [GP_GROUP_SETS] = {"Scenes of glarepp sets", "visibility",
+        "glarepp sets --size 1280x720 --debug sets=sets.png scene.glb"},
     [GP_GROUP_BENCH] = {"Tables and plots of glarepp bench", "measuring",
         "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
     [GP_GROUP_COMPARE] = {"Limits and pictures of glarepp compare", "comparing",
@@ -53,6 +55,11 @@ const struct gp_option_choice gp_debugs[] = {
      "white where a light is visible"},
     {"intensity", GP_DEBUG_INTENSITY, "the intensity map: one pixel per light, "
      "as bright as its visible share"},
+    {"scissor", GP_DEBUG_SCISSOR, "glarepp sets: the picture with outlines of "
+     "the lights' scissors"},
+    {"sets", GP_DEBUG_SETS, "glarepp sets: the scene from above; objects are "
+     "grey in no set, blue hidden, red casting shadows, green visible, yellow "
+     "lit"},
     {0},
 };
 

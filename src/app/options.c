@@ -14,6 +14,7 @@ const struct gp_settings gp_defaults = {
     .write = GP_WRITE_DEFAULTS,
     .bench = GP_BENCH_DEFAULTS,
     .compare = GP_COMPARE_DEFAULTS,
+    .table = GP_TABLE_DEFAULTS,
     .sun = GP_SUN_DEFAULTS,
     .command = GP_COMMAND_MAIN,
     .level = GP_LEVEL_WARN,
@@ -202,16 +203,20 @@ static const struct gp_option_choice gp_shells[] = {
 #define MAKES(g) .group = GP_GROUP_##g,                                       \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL
 #define OPTICS .group = GP_GROUP_LENS, .commands = GP_COMMAND_LENS
+#define SETS .group = GP_GROUP_SETS, .commands = GP_COMMAND_SETS
 #define BENCH .group = GP_GROUP_BENCH, .commands = GP_COMMAND_BENCH
 #define COMPARE .group = GP_GROUP_COMPARE, .commands = GP_COMMAND_COMPARE
 #define ALL(g) .group = GP_GROUP_##g,                                         \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE |     \
-        GP_COMMAND_KERNEL
+        GP_COMMAND_KERNEL | GP_COMMAND_SETS
 
 const struct gp_option gp_options[] = {
-    OPT(outputs, .name = "output", .letter = 'o', MAKES(OUTPUT), .arg = "FILE",
-        .help = "Write a tone-mapped picture, or the kernel as EXR floats; the "
-                "ending picks the format; may be given more than once"),
+    OPT(outputs, .name = "output", .letter = 'o', .group = GP_GROUP_OUTPUT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL | GP_COMMAND_SETS,
+        .arg = "FILE",
+        .help = "Write a tone-mapped picture, the kernel as EXR floats, or the "
+                "scene's picture; the ending picks the format; may be given "
+                "more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through; may be given more than "
@@ -222,7 +227,8 @@ const struct gp_option gp_options[] = {
     OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = gp_grow_word,
         .open = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
-    OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
+    OPT(debug, .name = "debug", .group = GP_GROUP_OUTPUT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of an intermediate "
         "step"),
 
@@ -414,9 +420,10 @@ const struct gp_option gp_options[] = {
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "WHAT", .choices = gp_primitives,
         .help = "splat: draw polygons as this"),
-    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API",
-        .choices = gp_gls, .help = "Draw splat and sun maps in this GL "
-        "context"),
+    CHOICE(glare.gl, .name = "gl", .group = GP_GROUP_ENGINE,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_SETS,
+        .arg = "API", .choices = gp_gls,
+        .help = "Draw splat, sun maps and scenes in this GL context"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
         .choices = gp_plans, .help = "Choose FFT plans this way"),
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
@@ -521,8 +528,10 @@ const struct gp_option gp_options[] = {
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
 
-    OPT(making.size, .name = "size", KERNEL, .arg = "WxH",
-        .help = "Make it for frames of this size, without it 1920x1080"),
+    OPT(making.size, .name = "size", .group = GP_GROUP_KERNEL,
+        .commands = GP_COMMAND_KERNEL | GP_COMMAND_SETS, .arg = "WxH",
+        .help = "Make it for frames of this size, without it 1920x1080; sets: "
+        "draw pictures of this size, without it 960x540"),
     OPT(making.radius, .name = "radius", KERNEL, .arg = "N", .hi = 16383,
         .help = "Make only offsets up to N pixels, 0 for all"),
     OPT(making.frame, .name = "frame", KERNEL, .arg = "N", .lo = -1e9,
@@ -541,12 +550,27 @@ const struct gp_option gp_options[] = {
         .help = "Draw the lens of --check with the rays of its brightest "
         "ghost, as SVG; - is stdout"),
 
+    OPT(scene_time, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
+        .hi = 1e9, .help = "Draw the scene at this time of its animation; "
+        "without it, at its first key"),
+    OPT(table.draw.map, .name = "shadow-size", SETS, .arg = "N", .lo = 8,
+        .hi = 4096, .help = "Draw maps of shadows with N texels a side, six "
+        "such squares for a point light"),
+    OPT(table.draw.separate, .name = "separate-shadows", SETS,
+        .help = "Draw a shadow batch for each material of an object, in place "
+        "of one for all that is opaque"),
+    OPT(table.occluders, .name = "occluders", SETS, .arg = "N", .hi = 1000000,
+        .help = "Draw the N objects that look largest first, to find by their "
+        "depth which others are hidden"),
+    OPT(table.runs, .name = "repeat", SETS, .arg = "N", .lo = 1, .hi = 1000,
+        .help = "Time each row N times; the table has the fastest"),
+
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),
     OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
-        .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
-        .once = true,
-        .help = "bench: write the table as JSON; compare: write one object a "
+        .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE | GP_COMMAND_SETS,
+        .arg = "FILE", .once = true,
+        .help = "bench, sets: write the table as JSON; compare: write one object a "
                 "line for each pair; - is stdout"),
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE", .once = true,
         .help = "Draw error over time with the Pareto front, as SVG, by "

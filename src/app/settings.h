@@ -11,6 +11,7 @@
 #include "glare/sensors.h"
 #include "io/read.h"
 #include "io/write.h"
+#include "scene/table.h"
 #include "sun/stage.h"
 #include "tone/ocio.h"
 #include "tone/tone.h"
@@ -36,6 +37,8 @@ enum gp_debug_kind {
     GP_DEBUG_POLYGONS,
     GP_DEBUG_SUNMAP,
     GP_DEBUG_INTENSITY,
+    GP_DEBUG_SCISSOR, // of glarepp sets, as the next
+    GP_DEBUG_SETS,
     GP_DEBUG_KINDS,
 };
 
@@ -47,6 +50,7 @@ enum gp_command {
     GP_COMMAND_COMPARE = 1 << 2, // "compare": error between two images
     GP_COMMAND_KERNEL = 1 << 3, // "kernel": a kernel as a file
     GP_COMMAND_LENS = 1 << 4,   // "lens": figures of a lens
+    GP_COMMAND_SETS = 1 << 5,   // "sets": visibility sets of a scene
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
@@ -92,6 +96,7 @@ struct gp_settings {
     struct gp_write_params write;
     struct gp_bench_params bench;      // json: of compare too
     struct gp_compare_params compare;
+    struct gp_table_params table;      // its size is making's
     struct gp_sun_params sun;
     struct gp_lens_settings lens;
 
@@ -119,6 +124,7 @@ struct gp_settings {
         int frame;                     // number, for models that move
         const char *draw;              // SVG of the lens that `check` names
     } making;
+    float scene_time;                  // seconds, where --time is given
     const char *report;
     bool report_append;
     const char *frames;                // list as given
@@ -135,7 +141,7 @@ struct gp_settings {
     bool help, help_man, version;
     enum gp_shell completion;          // help --completion
 
-    uint64_t given[2];                 // a bit for each option of the table
+    uint64_t given[4];                 // a bit for each option of the table
 };
 
 /* The defaults of all options. */

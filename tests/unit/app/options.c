@@ -29,8 +29,14 @@ static void defaults_hold(void **state)
 }
 
 /* A line that may take the option: its command, and what it needs. */
-static int line_for(const struct gp_option *o, char *line, size_t size)
+static int line_for(const struct gp_option *o, const char *value, char *line,
+                    size_t size)
 {
+    const bool sets = o->kind == GP_KIND_NAMED &&
+                      (strcmp(value, "sets") == 0 ||
+                       strcmp(value, "scissor") == 0);
+    if (o->commands == GP_COMMAND_SETS || sets)
+        return snprintf(line, size, "sets s");
     if (o->commands == GP_COMMAND_LENS)
         return snprintf(line, size, "lens --check f");
     if (o->commands & GP_COMMAND_KERNEL && !(o->commands & GP_COMMAND_MAIN))
@@ -56,7 +62,7 @@ static void check_stored(const struct gp_option *o, const char *value,
 {
     struct gp_settings s;
     char line[256];
-    const int n = line_for(o, line, sizeof line);
+    const int n = line_for(o, value, line, sizeof line);
     snprintf(line + n, sizeof line - (size_t) n, " --%s %s%s", o->name, value,
              o->kind == GP_KIND_NAMED ? "=f" : "");
     if (parse(line, &s) != GP_OK)
