@@ -365,7 +365,8 @@ const struct gp_option gp_options[] = {
     OPT(lens.sensor, .name = "sensor-size", IN(SUN), .arg = "MM",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e4, .help = "Width of the "
         "display window on the lens's sensor; without it by --fov or the "
-        "frame's camera, else the format that the lens is for"),
+        "frame's camera, else by the frame's attribute "
+        "sensorOverallDimensions, else the format that the lens is for"),
     OPT(lens.distance, .name = "focus-distance", IN(SUN), .arg = "M",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e9, .help = "Focus the "
         "lens on this distance in metres; without it by the frame's attribute "

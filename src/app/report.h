@@ -54,7 +54,8 @@ struct gp_kernel_facts {
 struct gp_lens_facts {
     const char *name;            // borrowed; NULL: no --lens
     double sensor;               // width of the display window on it, mm
-    const char *sensor_from;     // "option", "angle", "lens" or "default"
+    const char *sensor_from;     // "option", "angle", "attribute", "lens"
+                                 // or "default"
     double rest;                 // share of the sources that has no ghosts
     double bound;                // of rel_l2 of the layer, of what is left out
     struct gp_lens_stats stats;

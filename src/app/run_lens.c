@@ -55,7 +55,8 @@ static gp_status focus(const struct gp_run *r, const struct gp_frame_state *fs,
 }
 
 /* Width of the display window on the sensor in mm: --sensor-size, the angle of
- * view, or the format that the lens is for. */
+ * view, the attribute `sensorOverallDimensions` (mm, OpenEXR 3.2), or the
+ * format that the lens is for. */
 static double sensor_width(const struct gp_run *r, struct gp_frame_state *fs,
                            const struct gp_lens *lens)
 {
@@ -64,6 +65,7 @@ static double sensor_width(const struct gp_run *r, struct gp_frame_state *fs,
     const double h = gp_rect_h(f->display);
     struct gp_lens_figures figures;
     const double fov = gp_run_fov(r, fs);
+    double size[2];
     fs->facts.lens.sensor_from = "option";
     if (r->s->lens.sensor > 0.0f)
         return (double) r->s->lens.sensor;
@@ -71,6 +73,11 @@ static double sensor_width(const struct gp_run *r, struct gp_frame_state *fs,
     if (fov > 0.0) {
         fs->facts.lens.sensor_from = "angle";
         return 2.0 * figures.focal * tan(fov * acos(-1.0) / 360.0) * w / h;
+    }
+    if (gp_frame_pair(f, "sensorOverallDimensions", size) && size[0] > 0.0 &&
+        size[0] <= 1e4) {
+        fs->facts.lens.sensor_from = "attribute";
+        return size[0];
     }
     fs->facts.lens.sensor_from = lens->claims_height > 0.0 ? "lens" : "default";
     return lens->claims_height > 0.0

@@ -608,3 +608,15 @@ bool gp_frame_real(const struct gp_frame *f, const char *name, double *v)
     *v = (double) found;
     return true;
 }
+
+bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2])
+{
+    const struct gp_input *const o = gp_input_of(f);
+    exr_attr_v2f_t found;
+    if (!o || exr_attr_get_v2f(o->exr, o->part, name, &found) ||
+        !isfinite(found.x) || !isfinite(found.y))
+        return false;
+    v[0] = (double) found.x;
+    v[1] = (double) found.y;
+    return true;
+}

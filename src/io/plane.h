@@ -69,6 +69,10 @@ double gp_frame_rate(const struct gp_frame *f);
  * was, where there is none. */
 bool gp_frame_real(const struct gp_frame *f, const char *name, double *v);
 
+/* Reads a v2f attribute of the frame's part, of finite values; false: none, v
+ * stays. */
+bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2]);
+
 /* A string attribute of the frame's colour part, from gp_alloc(); NULL where
  * there is none, or memory is full. */
 char *gp_frame_text(const struct gp_frame *f, const char *name);

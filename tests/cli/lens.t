@@ -111,6 +111,18 @@ is "$(field r.json 'o["lens"]["ghosts"]')" 0 '--tolerance 1 leaves all out'
 "$glarepp" compare --no-flip --fail 0 a.exr b.exr >out
 result $? "without options, the frame's attributes aperture and focus"
 
+frame sized.exr size=120x80 kind=dark dim=0.01 seed=2 \
+    attr=sensorOverallDimensions:v2f:36,24 attr=focus:float:2 \
+    attr=aperture:float:8
+"$glarepp" "$@" --lens heliar --layer b.exr sized.exr
+is "$(field r.json 'o["lens"]["sensor_mm"], o["lens"]["sensor_from"]')" \
+    "(36.0, 'attribute')" 'and the size of its sensor'
+"$glarepp" "$@" --lens heliar --sensor-size 36 --layer c.exr in.exr
+"$glarepp" compare --no-flip --fail 0 b.exr c.exr >out
+result $? 'as by --sensor-size'
+"$glarepp" "$@" --lens heliar --fov 20 --layer b.exr sized.exr
+is "$(field r.json 'o["lens"]["sensor_from"]')" angle 'but an angle says more'
+
 # without lights, of bright pixels
 frame lit.exr size=64x48 seed=5 lights=9
 "$glarepp" -q --lens tessar --report r.json --layer a.exr lit.exr
