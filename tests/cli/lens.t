@@ -136,6 +136,44 @@ is $? 2 'whose ghosts the layer has'
 "$glarepp" -q -t 1e9 --lens tessar --layer a.exr in.exr
 result $? 'a dark frame'
 
+# -- with what hides a light -------------------------------------------------------
+
+# two_of KEY: of a sun behind a mask, and of one that nothing hides
+frame veil.exr size=96x64 seed=3 channels=R,G,B,A
+set -- --sun 40.5,30.5,6 --sun-color 4e3 --sun-in-frame -t 1e9 -q --lens heliar \
+    --tolerance 0
+"$glarepp" "$@" --report clear.json --layer a.exr veil.exr
+"$glarepp" "$@" --report hidden.json --mask A --layer b.exr veil.exr
+is "$(field hidden.json '0.05 < o["lights"][0]["visibility"] < 0.95')" True \
+    'a sun that is partly hidden'
+is "$("$python" -c 'import json
+a, b = (json.load(open(f)) for f in ("clear.json", "hidden.json"))
+v = b["lights"][0]["visibility"]
+print(all(abs(y - v * x) < 1e-6 * x
+          for x, y in zip(a["lens"]["flux"], b["lens"]["flux"])))')" True \
+    'its ghosts have its visible share of their light'
+printf '{"name": "veil", "surfaces": [%s,%s,%s]}' \
+    '{"radius": 50, "thickness": 1, "n": 1.5, "semi": 10}' \
+    '{"radius": -50, "thickness": 1, "semi": 10}' \
+    '{"stop": true, "semi": 8}' >veil.json
+"$glarepp" -q --sun 40.5,30.5,6 --sun-color 4e3 --lens ./veil.json --mask A \
+    --layer b.exr veil.exr
+result $? 'a sun beside the frame'"'"'s own light, in a lens of a file'
+
+# -- the examples ------------------------------------------------------------------
+
+if [ -n "$quick" ] || ! command -v oiiotool >oiio.log; then
+    skip 2 'contact sheets: in the whole check, with oiiotool'
+elif [ ! -f "$root/examples/night.1001.exr" ]; then
+    skip 2 'no example frames'
+else
+    for sheet in lenses flares; do
+        sh "$root/examples/$sheet.sh" "$glarepp" >out 2>err
+        is "$? $(wc -l <err) $(head -c 2 $sheet.jpg | od -An -tx1)" '0 0  ff d8' \
+            "examples/$sheet.sh makes its sheet"
+    done
+fi
+
 # -- the starburst -----------------------------------------------------------------
 
 recipe()

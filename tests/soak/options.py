@@ -81,6 +81,7 @@ def sun(rng, folder, frame, form, gl):
         with open(folder + "/flare.json", "w") as f:
             json.dump(flare, f)
         words += ["--flare", folder + "/flare.json"]
+    words += some(rng, 0.15, "--lens", rng.choice(["heliar", "tessar"]))
     return words
 
 
