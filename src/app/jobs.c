@@ -444,7 +444,7 @@ static gp_status check_outputs(const struct gp_log *log,
                                "to choose an EXR layer use --layer-in %s",
                                name, name)
                  : t->kind == GP_TARGET_HDR
-                     ? gp_write_hdr_check(log, &s->write, name)
+                     ? gp_write_hdr_check(log, &s->write, GP_HDR_KEEPS, name)
                      : gp_write_check(log, &s->write, name);
             free(name);
         }

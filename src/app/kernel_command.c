@@ -59,7 +59,8 @@ static gp_status making_of_file(const struct gp_log *log,
     if (st)
         return st;
     st = gp_label_recipes(log, &f, wanted->recipe, &wanted->recipes);
-    m->label = gp_label_read(&f);
+    if (!st)
+        st = gp_label_read(log, &f, &m->label);
     gp_frame_free(&f);
     if (!st && !m->label.present)
         st = gp_fail(log, GP_ERR_DATA, "%s: does not say how it was made (no "
@@ -68,7 +69,7 @@ static gp_status making_of_file(const struct gp_log *log,
                      path);
     if (gp_option_given(s, "compression"))
         m->label.compression = s->write.compression;
-    return st ? st : gp_wanted_images_read(log, &limits, wanted);
+    return st ? st : gp_wanted_images_read(log, &limits, path, wanted);
 }
 
 /* Makes the kernel at full rate, as far as it was asked for, of `most` pixels;
@@ -152,10 +153,11 @@ static gp_status write_kernel(const struct gp_log *log,
     struct gp_write_stats stats = {0};
     struct gp_clobber clobber = {0};
     struct gp_label_texts labels = {.n = 0};
+    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
     write.type = GP_OUT_FLOAT;
     GP_TRY(gp_clobber_begin(log, s, output_owner, s, &clobber));
     for (int i = 0; i < s->outputs.n; i++) {
-        GP_TRY(gp_write_hdr_check(log, &write, s->outputs.at[i]));
+        GP_TRY(gp_write_hdr_check(log, &write, keeps, s->outputs.at[i]));
         GP_TRY(gp_clobber_output(&clobber, s->outputs.at[i], 0, i));
     }
     GP_TRY(gp_clobber_settle(&clobber));
@@ -266,8 +268,8 @@ static gp_status check_of_file(const struct gp_log *log,
             c->nonfinite += !isfinite(f.rgb.c[i][j]);
     }
     memcpy(c->luminance, f.luminance, sizeof c->luminance);
-    c->label = gp_label_read(&f);
-    if (!c->nonfinite)
+    st = gp_label_read(log, &f, &c->label);
+    if (!st && !c->nonfinite)
         st = gp_kernel_from_frame(log, &p, &f, &c->k);
     c->k.left_out = c->label.left_out;
     gp_frame_free(&f);
@@ -314,7 +316,7 @@ static void print_figures(const struct checked *c,
     printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
     if (c->label.present)
         printf("left out   %.3g %%, of which %.3g %% in the frame\n",
-               100.0 * f->left_out, 100.0 * c->use.missed);
+               100.0 * fmax(f->left_out, 0.0), 100.0 * c->use.missed);
 }
 
 /* Prints figures and faults, for a source of 1000 where no frame is given. */

@@ -105,7 +105,7 @@ static bool read_option(const struct gp_frame *f, const char *name,
     return read_number(f, name, o->lo, o->hi, v);
 }
 
-struct gp_kernel_label gp_label_read(const struct gp_frame *f)
+static struct gp_kernel_label read_label(const struct gp_frame *f)
 {
     struct gp_kernel_label l = {.present = true};
     const double slack = 1e-3; // sums of floats
@@ -172,6 +172,22 @@ gp_status gp_label_recipes(const struct gp_log *log, const struct gp_frame *f,
                      "has no glarepp:recipe); use a file of glarepp kernel",
                      f->path);
     return st == GP_ERR_USAGE ? GP_ERR_DATA : st;
+}
+
+gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
+                        struct gp_kernel_label *out)
+{
+    struct gp_recipe r[GP_RECIPES];
+    int n = 0;
+    gp_status st = GP_OK;
+    char *const first = gp_frame_text(f, "glarepp:recipe");
+    *out = first ? read_label(f) : (struct gp_kernel_label) {.present = false};
+    if (first)
+        st = gp_label_recipes(log, f, r, &n);
+    gp_free(first);
+    while (n > 0)
+        gp_recipe_free(&r[--n]);
+    return st;
 }
 
 // -- use ----------------------------------------------------------------------

@@ -39,8 +39,10 @@ GP_MUST_CHECK gp_status gp_label_write(const struct gp_log *log,
 void gp_label_texts_free(struct gp_label_texts *t);
 
 /* Reads the attributes but the recipes. All 0 where they are not whole, or out
- * of their options' ranges. */
-struct gp_kernel_label gp_label_read(const struct gp_frame *f);
+ * of their options' ranges. Errors: those of gp_label_recipes(), where the frame
+ * has any. */
+GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
+    const struct gp_frame *f, struct gp_kernel_label *out);
 
 /* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure:
  * free them with gp_recipe_free().

@@ -8,10 +8,12 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/tail/tail.h"
+#include "io/file.h"
 #include "io/plane.h"
 #include "io/read.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Pixels to which --grow kernel grows frames of models, which have no end: so
@@ -81,15 +83,14 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
         return st;
     if (one) {
         st = gp_read_frame(log, &limits, at[0], &out->image[0]);
-        if (!st)
-            out->label[0] = gp_label_read(&out->image[0]);
-        return st;
+        return st ? st
+                  : gp_label_read(log, &out->image[0], &out->label[0]);
     }
     for (int i = 0; i < n; i++) {
         GP_TRY(read_recipe(log, s, at[i], &k.recipe[i]));
         k.recipes++;
     }
-    GP_TRY(gp_wanted_images_read(log, &limits, &k));
+    GP_TRY(gp_wanted_images_read(log, &limits, NULL, &k));
     *out = k;
     for (int i = 0; i < n; i++)
         out->recipe[i].image = k.recipe[i].image ? &out->image[i] : NULL;
@@ -99,18 +100,44 @@ out:
     return st;
 }
 
+/* Reads an image that a recipe names: beside `from` if it is there, else as a
+ * path. */
+static gp_status read_image(const struct gp_log *log,
+    const struct gp_read_params *limits, const char *from, const char *file,
+    struct gp_frame *out)
+{
+    if (!from || file[0] == '/')
+        return gp_read_frame(log, limits, file, out);
+    char *const folder = gp_file_folder(from);
+    if (!folder)
+        return gp_no_memory(log, file);
+    const size_t room = strlen(folder) + strlen(file) + 2;
+    char *path = NULL;
+    gp_status st = gp_alloc(log, "kernel", room, 1, &path);
+    if (!st) {
+        snprintf(path, room, "%s/%s", folder, file);
+        st = gp_read_frame(log, limits, gp_file_exists(path) ? path : file,
+                           out);
+    }
+    gp_free(path);
+    gp_free(folder);
+    return st;
+}
+
 gp_status gp_wanted_images_read(const struct gp_log *log,
-    const struct gp_read_params *limits, struct gp_wanted_kernel *k)
+    const struct gp_read_params *limits, const char *from,
+    struct gp_wanted_kernel *k)
 {
     for (int i = 0; i < k->recipes; i++) {
         const char *const file = gp_recipe_file(&k->recipe[i]);
-        gp_status st = file ? gp_read_frame(log, limits, file, &k->image[i])
-                            : GP_OK;
+        if (!file)
+            continue;
+        gp_status st = read_image(log, limits, from, file, &k->image[i]);
+        if (!st && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
+            st = gp_label_read(log, &k->image[i], &k->label[i]);
         if (st)
             return st;
-        k->recipe[i].image = file ? &k->image[i] : NULL;
-        if (file && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
-            k->label[i] = gp_label_read(&k->image[i]);
+        k->recipe[i].image = &k->image[i];
         k->recipe[i].as_it_is = k->label[i].present;
     }
     return GP_OK;
@@ -306,15 +333,16 @@ static struct gp_field find_field(const struct gp_run *r,
 }
 
 /* The frame's use of the kernel: of several recipes, with the light that files
- * among them miss. */
+ * among them miss; *worst is the one that misses most. */
 static struct gp_kernel_use use_of(const struct gp_run *r,
-                                   const struct gp_frame_state *fs)
+    const struct gp_frame_state *fs, int *worst)
 {
     const struct gp_wanted_kernel *const wanted = &r->wanted;
     const struct gp_frame *const f = &fs->frame;
     const struct gp_field *const field = &r->kernel->field;
     struct gp_kernel_use use = {0};
-    double shares = 0.0, missed = 0.0;
+    double shares = 0.0, missed = 0.0, most = 0.0;
+    *worst = 0;
     for (int i = 0; i < gp_max(wanted->recipes, 1); i++) {
         const double share =
             wanted->recipes ? wanted->recipe[i].value[0] : 1.0;
@@ -322,6 +350,8 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
         gp_label_use(&wanted->label[i], scale, &r->kernel->k, gp_frame_w(f),
                      gp_frame_h(f), &use);
         missed += share * use.missed;
+        *worst = share * use.missed > most ? i : *worst;
+        most = fmax(most, share * use.missed);
         shares += share;
     }
     use.missed = missed / fmax(shares, 1.0);
@@ -332,10 +362,29 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
     return use;
 }
 
+/* Words of --kernel, from the first to before the last, for a message. */
+struct kernel_words {
+    char text[256];
+};
+
+static struct kernel_words words_of(const struct gp_settings *s, int first,
+                                    int last)
+{
+    struct kernel_words w = {"--kernel"};
+    for (int i = first; i < gp_min(last, s->kernels.n); i++) {
+        const size_t used = i > first ? strlen(w.text) : 0;
+        snprintf(w.text + used, sizeof w.text - used, "%s%s",
+                 i > first ? " and " : "", s->kernels.at[i]);
+    }
+    return w;
+}
+
 /* Warns once a run of each fault of the kernel that a frame shows. */
 static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
-                           const struct gp_kernel_use *use)
+                           const struct gp_kernel_use *use, int worst)
 {
+    const struct kernel_words all = words_of(r->s, 0, GP_RECIPES);
+    const struct kernel_words one = words_of(r->s, worst, worst + 1);
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         char line[GP_FAULT_BYTES];
         if (r->faults_said >> i & 1 ||
@@ -343,7 +392,7 @@ static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
                              line))
             continue;
         gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
-               r->wanted.recipes ? "--kernel" : r->wanted.image[0].path, line);
+               i == GP_RULE_LEFT_OUT ? one.text : all.text, line);
         r->faults_said |= 1u << i;
     }
 }
@@ -357,7 +406,7 @@ static void note_kernel(const struct gp_run *r,
         .recipe = r->kernel->recipe, .recipes = r->wanted.recipes,
         .modelled = r->wanted.recipes || r->wanted.label[0].present,
         .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
-        .left_out = k->left_out, .missed = use->missed,
+        .left_out = fmax(k->left_out, 0.0), .missed = use->missed,
     };
 }
 
@@ -414,8 +463,9 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         fs->facts.total_ms += ms;
     }
     if (!st && r->kernel) {
-        const struct gp_kernel_use use = use_of(r, fs);
-        warn_of_faults(r, fs, &use);
+        int worst;
+        const struct gp_kernel_use use = use_of(r, fs, &worst);
+        warn_of_faults(r, fs, &use, worst);
         note_kernel(r, &use, &fs->facts);
         fs->kernel = r->kernel;
         atomic_fetch_add(&fs->kernel->holders, 1);

@@ -74,19 +74,18 @@ bool gp_write_has_alpha(const struct gp_write_params *p, const char *path)
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,
-                             const struct gp_write_params *p, const char *path)
+    const struct gp_write_params *p, const char *keeps, const char *path)
 {
     char ending[ENDING_BYTES];
     const bool straight = find_ending(p, path, ending);
     if (straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-            "%s: --hdr keeps all channels, which only EXR can "
-            "(found --stdout-format %s); give --hdr a file", path, ending);
+            "%s: %s, which only EXR can (found --stdout-format %s); give it a "
+            "file", path, keeps, ending);
     if (strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --hdr keeps all channels, which only EXR can "
-                       "(ending %s); end the name in .exr", path,
-                       ending[0] ? ending : "missing");
+                       "%s: %s, which only EXR can (ending %s); end the name "
+                       "in .exr", path, keeps, ending[0] ? ending : "missing");
     return gp_write_check(log, p, path);
 }
 
@@ -120,7 +119,7 @@ gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
-    gp_status st = gp_write_hdr_check(log, p, path);
+    gp_status st = gp_write_hdr_check(log, p, GP_HDR_KEEPS, path);
     if (st || gp_write_would_clobber(p, path))
         return st;
     return gp_exr_write_hdr(log, p, path, set, n, stats);

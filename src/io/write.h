@@ -171,9 +171,11 @@ GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
     gp_convert *convert, void *user, struct gp_frame *f,
     struct gp_write_stats *stats);
 
-/* gp_write_check() for gp_write_hdr(), which writes only EXR. */
+/* gp_write_check() for outputs that only EXR can hold, as of gp_write_hdr();
+ * `keeps` is the option and what it keeps, for messages. */
+#define GP_HDR_KEEPS "--hdr keeps all channels"
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path);
+    const struct gp_write_params *p, const char *keeps, const char *path);
 
 /* True when a picture under that name can have alpha (GP_ALPHA_KEEP); in other
  * formats it is over black. */

@@ -160,6 +160,10 @@ run -k image:file=k.exr,share=1 -e direct --layer a.exr in.exr
 run -k k.exr -e direct --layer b.exr in.exr
 ok 'an image is its own recipe' "$glarepp" compare --fail-rel 1e-6 --no-flip \
     a.exr b.exr
+run -k eye-old:share=.5 -e direct --layer a.exr in.exr
+run -k builtin:eye-old:share=.5 -e direct --layer b.exr in.exr
+ok "a preset's keys, without builtin:" "$glarepp" compare --fail 0 --no-flip \
+    a.exr b.exr
 set --
 for i in 1 2 3 4 5 6 7 8 9; do set -- "$@" -k eye; done
 run "$@" --layer l.exr in.exr
@@ -201,6 +205,12 @@ run kernel --from a.exr -o b.exr
 same a.exr b.exr '--from: the same bytes, of another compression'
 run kernel --from a.exr --compression zip -o b.exr
 no '--from: a compression that is given' cmp -s a.exr b.exr
+mkdir -p away
+cp k.exr away/own.exr
+(cd away && "$glarepp" kernel -k image:file=own.exr,share=.1 --size 64x48 \
+    -o a.exr)
+run kernel --from away/a.exr -o b.exr
+same away/a.exr b.exr '--from: an image beside the file'
 run kernel --from k.exr -o b.exr
 fails_with 4 k.exr '--from a file without a recipe'
 # hostile attributes
@@ -223,6 +233,10 @@ for recipe in nosuch "star:ponits=3" "star:share=$long" "$long" ''; do
     run kernel --from odd.exr -o b.exr
     fails_with 4 odd.exr "--from: a recipe of ${#recipe} bytes that is none"
     ok 'in a short line' test "$(wc -c <err)" -lt 500
+    run kernel --check odd.exr
+    fails_with 4 odd.exr '--check: such a recipe'
+    run -k odd.exr --layer l.exr in.exr
+    fails_with 4 odd.exr 'a run: such a recipe'
 done
 for value in fov=1e9 fov=nan fov=0 fov= size=0x0,0 size=99999x9,0 size=64x48 \
     size=64x48,99999 rotate=inf frame=1e30 compression=lzw left_out=7 \
@@ -247,7 +261,7 @@ run -k a.exr --kernel-normalize none -e direct --layer m.exr in.exr
 ok 'the file makes the layer of its model' "$glarepp" compare --fail-rel 1e-6 \
     --no-flip l.exr m.exr
 run kernel -k eye -o a.png
-fails_with 2 a.png 'a kernel is an EXR file'
+fails_with 2 '-o of a kernel' 'a kernel is an EXR file'
 run kernel --list
 quiet_success '--list'
 is "$(awk 'length($0) > 79' out)" '' '--list: fits a terminal'
@@ -326,6 +340,8 @@ like "$status $(cat out)" "1 *% of its model's light falls in the frame*" \
 run kernel -k eye --size 64x48 -o whole.exr
 run kernel --check whole.exr
 status_is 0 '--check: a file as large as its frame'
+run kernel --check star
+like "$(cat out)" '*left out   0 %*' '--check: rounding is no light left out'
 for preset in $("$glarepp" kernel --list | sed -n 's/^  \([a-z-]*\)  .*/\1/p'); do
     run kernel --check builtin:$preset --size 320x180
     status_is 0 "--check: builtin:$preset"
@@ -364,7 +380,8 @@ run -k whole.exr --layer l.exr large.exr
 like "$status $(cat err)" "0 *% of its model's light falls in the frame*" \
     'a run warns of a kernel made for smaller frames'
 run -k image:file=small.exr,share=.5 -k star --layer l.exr --report r.json in.exr
-like "$status $(cat err)" "0 *--kernel: *% of its model's light falls in*" \
+like "$status $(cat err)" \
+    "0 *warning: image:file=small.exr,share=.5: *% of its model's light falls*" \
     'a run warns of one of several'
 
 # a light outside of the frame lights all of it: 124 pixels are more than 63
@@ -381,7 +398,10 @@ PY
 )" 'True True' 'a light beside the frame lights all of it'
 
 run -k circle:share=1 --fov 1 --mix add --layer l.exr in.exr
-like "$status $(cat err)" '0 *--kernel: *use --mix scatter*' \
+like "$status $(cat err)" '0 *warning: circle:share=1: *use --mix scatter*' \
     'a run warns of defocus'
+run -k circle:share=1 -k ring:share=1 --fov 1 --mix add --layer l.exr in.exr
+like "$(cat err)" '*warning: circle:share=1 and ring:share=1: *--mix scatter*' \
+    'of all kernels together'
 
 done_testing

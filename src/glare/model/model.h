@@ -78,7 +78,7 @@ struct gp_recipe {
 };
 
 /* True where `text` is a recipe or a preset, not a file's path: it begins with
- * "builtin:", with a model's name and ":", or is a model's or preset's name. */
+ * "builtin:", or with a model's or preset's name and ":", or is such a name. */
 bool gp_recipe_is(const char *text);
 
 /* Reads a recipe. Written only on GP_OK; free with gp_recipe_free().

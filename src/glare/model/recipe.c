@@ -104,7 +104,7 @@ bool gp_recipe_is(const char *text)
 {
     const char *const end = text + strcspn(text, ":");
     return strncmp(text, builtin, strlen(builtin)) == 0 ||
-           find_model(text, end) || (!*end && find_preset(text, end));
+           find_model(text, end) || find_preset(text, end);
 }
 
 // -- messages -----------------------------------------------------------------

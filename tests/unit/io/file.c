@@ -423,8 +423,11 @@ static void checks(void **state)
         assert_kept(rows[i].text);
         const bool exr = strstr(rows[i].path, ".exr") ||
                          strchr("-/", rows[i].path[0]);
-        assert_int_equal(gp_write_hdr_check(&kept_all, &p, rows[i].path),
+        kept_clear();
+        assert_int_equal(gp_write_hdr_check(&kept_all, &p, "-x keeps it",
+                                            rows[i].path),
                          exr ? rows[i].st : GP_ERR_USAGE);
+        assert_kept(exr ? rows[i].text : "-x keeps it, which only EXR can");
     }
 }
 
