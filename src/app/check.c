@@ -46,7 +46,8 @@ static gp_status check_needs(const struct gp_log *log,
                              unsigned *unmet)
 {
     const struct gp_sun_params *const sun = &s->sun;
-    const bool light = gp_suns_wanted(sun), config = s->ocio.config != NULL;
+    const bool light = gp_suns_wanted(sun) || s->scene.path;
+    const bool config = s->ocio.config != NULL;
     const bool mask = sun->method == GP_SUN_MASK ||
                       s->command == GP_COMMAND_BENCH; // runs every method
     const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
@@ -72,8 +73,8 @@ static gp_status check_needs(const struct gp_log *log,
          "shows its result; add --report FILE or -v", "", ""},
         {GP_NEED_RAW, raw, "contradicts --stdout-format; leave one of the two "
          "out", "", ""},
-        {GP_NEED_LIGHT, light, "needs a light; give --sun, --sun-dir, --camera "
-         "or --lights", "", ""},
+        {GP_NEED_LIGHT, light, "needs a light; give --sun, --sun-dir, --camera, "
+         "--lights or --scene", "", ""},
         {GP_NEED_NO_PLACE, !sun->at.n, "--sun already places the sun; leave "
          "one of the two out", "", ""},
         {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera, "needs --sun, "
@@ -107,6 +108,8 @@ static gp_status check_needs(const struct gp_log *log,
          "--report FILE", "", ""},
         {GP_NEED_LENS, s->lens.name != NULL, "does nothing without --lens; "
          "give --lens NAME, see glarepp lens --list", "", ""},
+        {GP_NEED_SCENE, s->scene.path != NULL, "does nothing without --scene; "
+         "give --scene FILE", "", ""},
         {GP_NEED_FILES, files, "does nothing without an output file; leave it "
          "out", "", ""},
     };
@@ -339,6 +342,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
     }
     GP_TRY(check_kernel_size(log, s));
+    s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
     s->kernel.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)
         return check_making(log, s);

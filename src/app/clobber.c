@@ -28,6 +28,7 @@ static const struct single {
     SINGLE(sun.camera, "--camera", false),
     SINGLE(sun.lights, "--lights", false),
     SINGLE(sun.flare, "--flare", false),
+    SINGLE(scene.path, "--scene", false),
     SINGLE(lens.name, "--lens", false),
     SINGLE(sun.depth_file, "--depth-file", false),
     SINGLE(sun.mask_file, "--mask-file", false),

@@ -96,6 +96,12 @@ static const struct gp_option_choice gp_outsides[] = {
     {"visible", GP_OUTSIDE_VISIBLE, "as visible, with its glare and flare"},
     {"hidden", GP_OUTSIDE_HIDDEN, "as hidden"}, {0},
 };
+static const struct gp_option_choice gp_ups[] = {
+    {"auto", GP_UP_AUTO, "the axis by which the scene's camera is nearer to the "
+     "frame's; without one, the axis nearer to the picture's upright"},
+    {"y", GP_UP_Y, "y, as in glTF"},
+    {"z", GP_UP_Z, "z, as in Blender"}, {0},
+};
 static const struct gp_option_choice gp_sun_draws[] = {
     {"auto", GP_DRAW_AUTO, "on GL with a GPU; on the CPU with a software "
      "context, where that takes a quarter of the time"},
@@ -375,6 +381,28 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LENS, .lo = 0.1, .hi = 1e4, .help = "Close the lens's "
         "stop to this f-number; without it by the frame's attribute aperture, "
         "else open"),
+    OPT(scene.path, .name = "scene", IN(SUN), .arg = "FILE", .help = "Read a "
+        "glTF scene (.glb, .gltf), whose lights join the frame's, and whose "
+        "camera serves frames that have none"),
+    OPT(scene.camera, .name = "scene-camera", IN(SUN), .arg = "NAME",
+        .needs = GP_NEED_SCENE, .help = "Take this camera of the scene; "
+        "without it, the only one"),
+    OPT(scene.start, .name = "scene-start", IN(SUN), .arg = "FRAME",
+        .needs = GP_NEED_SCENE, .lo = -1e9, .hi = 1e9, .help = "Start the "
+        "scene's time at this frame; a frame is 1/24 s, or as the file's "
+        "framesPerSecond says"),
+    CHOICE(scene.up, .name = "scene-up", IN(SUN), .arg = "AXIS",
+        .needs = GP_NEED_SCENE, .choices = gp_ups, .help = "Turn the scene so "
+        "that this axis of the frame's world points up"),
+    OPT(scene.light_scale, .name = "light-scale", IN(SUN), .arg = "F",
+        .needs = GP_NEED_SCENE, .lo = FLT_MIN, .hi = 1e12, .help = "Give the "
+        "scene's lights flux, which is glare of their own and flare: this "
+        "much of the frame's unit for a candela or lux, 0.00146413 (1/683) for "
+        "Blender"),
+    OPT(scene.lamp_size, .name = "lamp-size", IN(SUN), .arg = "R",
+        .needs = GP_NEED_SCENE, .hi = 1e9, .help = "Radius, in the scene's "
+        "unit, of lamps whose node has no extras.ball_radius; 0: half a "
+        "pixel"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Read depth from this channel, in any part; without it, from "
                 "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "

@@ -84,6 +84,7 @@ enum gp_need {
     GP_NEED_FILES = 1 << 19,      // an output file
     GP_NEED_REPORT_FILE = 1 << 20, // --report
     GP_NEED_LENS = 1 << 21,        // --lens
+    GP_NEED_SCENE = 1 << 22,       // --scene
 };
 
 struct gp_option {

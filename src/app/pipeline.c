@@ -286,6 +286,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
+    GP_TRY(gp_run_scene_begin(log, r));
     GP_TRY(gp_run_lens_begin(log, r));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct gp_ocio_names *const names =
@@ -360,6 +361,7 @@ out:;
     gp_run_ghosts_free(&p.run.ghosts);
     gp_run_ghosts_free(&p.run.group_ghosts);
     gp_suns_close(&p.run.suns);
+    gp_run_scene_free(&p.run.scene);
     gp_ocio_close(&p.run.ocio);
     gp_run_kernels_free(&p.run);
     gp_wanted_kernel_free(&p.run.wanted);

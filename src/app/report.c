@@ -176,7 +176,7 @@ static json_t *settings_json(const struct gp_settings *s)
         if (!(o->commands & s->command) || !makes_pixels(o) ||
             (o->needs & unmet) ||
             (o->group == GP_GROUP_SUN && !gp_option_given(s, o->name) &&
-             !gp_suns_wanted(&s->sun)))
+             !gp_suns_wanted(&s->sun) && !s->scene.path))
             continue;
         snprintf(key, sizeof key, "%s", o->name);
         for (char *c = key; *c; c++)
@@ -357,6 +357,21 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
 }
 
+/* Adds the scene, its time, and how far apart two cameras are. */
+static void put_scene(json_t *o, const struct gp_scene_facts *f)
+{
+    if (!f->path)
+        return;
+    json_t *const one = json_object();
+    put_name(one, "file", f->path);
+    put_number(one, "seconds", f->seconds, 1e-6);
+    if (f->camera)
+        put_name(one, "camera", f->camera);
+    if (f->compared)
+        put_number(one, "camera_apart", f->apart, 1e-6);
+    json_object_set_new(o, "scene", one);
+}
+
 /* Adds the depth channel, its values that are no surface, and the lights. */
 static void put_lights(json_t *o, const struct gp_facts *f)
 {
@@ -379,6 +394,8 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     for (int i = 0; i < f->lights; i++) {
         const struct gp_light *const l = &f->light[i];
         json_t *const one = json_object();
+        if (l->name[0])
+            put_name(one, "name", l->name);
         if (l->behind)
             json_object_set_new(one, "behind", json_true());
         else {
@@ -552,6 +569,7 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     put_glare(o, facts);
     if (facts->lens.name)
         json_object_set_new(o, "lens", gp_lens_facts_json(&facts->lens));
+    put_scene(o, &facts->scene);
     put_lights(o, facts);
     if (n) {
         const char *const field[][2] = {

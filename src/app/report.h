@@ -64,6 +64,15 @@ struct gp_lens_facts {
 /* The report's object of them, in run_lens.c; errors as gp_json_print(). */
 json_t *gp_lens_facts_json(const struct gp_lens_facts *l);
 
+/* Facts about the scene that a frame was posed from. */
+struct gp_scene_facts {
+    const char *path;            // NULL: no scene
+    double seconds;              // posed at
+    const char *camera;          // of the scene, where the frame has none
+    bool compared;               // both have one
+    double apart;                // pixels between the two
+};
+
 /* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
     bool numbered;
@@ -111,6 +120,7 @@ struct gp_facts {
                                  // frame has no light
     bool depth_reversed;         // larger is nearer
     const char *mask;            // coverage channel, or NULL
+    struct gp_scene_facts scene;
     const struct gp_ocio_names *ocio; // NULL: tone mapped
     const struct gp_settings *settings; // of the run; NULL: left out
     const char *warned;          // `warned_bytes` of lines, each with its null

@@ -11,6 +11,7 @@
 #include "glare/sensors.h"
 #include "io/read.h"
 #include "io/write.h"
+#include "scene/scene.h"
 #include "scene/table.h"
 #include "sun/stage.h"
 #include "tone/ocio.h"
@@ -77,6 +78,16 @@ struct gp_lens_settings {
     float f_number;
 };
 
+/* A scene, whose lights join the frame's. */
+struct gp_scene_settings {
+    const char *path;    // NULL: none
+    const char *camera;  // name; NULL: the only one
+    float start;         // number of the frame at the scene's time 0
+    enum gp_up up;
+    float light_scale;   // frame's units a cd or lux; 0: no flux
+    float lamp_size;     // radius of lamps whose nodes name none
+};
+
 /* Words from the command line, in its order. */
 struct gp_texts {
     const char **at;  // owned array of borrowed words
@@ -99,6 +110,7 @@ struct gp_settings {
     struct gp_table_params table;      // its size is making's
     struct gp_sun_params sun;
     struct gp_lens_settings lens;
+    struct gp_scene_settings scene;
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts hdr, layer;        // files of these options

@@ -90,7 +90,12 @@ static gp_status make_dark_layer(struct gp_frame_state *fs)
 
 static bool suns_asked(const struct gp_settings *s)
 {
-    return gp_suns_wanted(&s->sun);
+    return gp_suns_wanted(&s->sun) || s->scene.path;
+}
+
+static bool scene_asked(const struct gp_settings *s)
+{
+    return s->scene.path != NULL;
 }
 
 static bool lens_asked(const struct gp_settings *s)
@@ -668,10 +673,14 @@ enum {
     RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
     LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT, SUNS = GP_HAS_SUNS,
     FLARE = GP_HAS_FLARE, SHARES = GP_HAS_SHARES, LENS = GP_HAS_LENS,
+    SCENE = GP_HAS_SCENE,
 };
 const struct gp_stage gp_stages[GP_STAGES] = {
     {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
-    {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SUNS, run_suns, suns_asked},
+    {"scene", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SCENE, gp_run_scene,
+     scene_asked},
+    {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, run_suns,
+     suns_asked},
     {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB, SOURCES, run_sensors,
      NULL},
     {"kernel", GP_PHASE_COMPUTE, -1, SOURCES | SUNS, KERNEL,

@@ -15,6 +15,7 @@
 #include "glare/kernel_check.h"
 #include "glare/model/model.h"
 #include "glare/sensors.h"
+#include "scene/gltf.h"
 #include "sun/ghosts.h"
 #include "sun/lens_draw.h"
 #include "sun/stage.h"
@@ -37,6 +38,7 @@ enum {
     GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
     GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
     GP_HAS_LENS = 1 << 12,     // frame.layer with ghosts of --lens
+    GP_HAS_SCENE = 1 << 13,    // run.scene, posed; suns.more
 };
 
 /* A picture of --debug with a size of its own: sun maps, intensity map. */
@@ -149,6 +151,19 @@ GP_MUST_CHECK gp_status gp_run_ghosts_add(const struct gp_log *log,
     struct gp_flare_facts *facts);
 void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
 
+/* The scene of --scene, and the camera and lights of the frame that it is posed
+ * for. */
+struct gp_run_scene {
+    struct gp_scene scene;
+    int camera;                    // of the scene; -1: none is chosen
+    bool settled;                  // the axis that points up is
+    bool warned_time, warned_camera;
+    // of the frame
+    bool has_camera;
+    struct gp_camera frame_camera; // its own, else the scene's
+    struct gp_light_spec *spec;    // owned; of scene.light[]
+};
+
 /* Data that is made once for all frames. Stages of the COMPUTE phase, which run
  * on one thread, frame after frame, may change it; the write stage changes only
  * `raw`, and only when `ordered`. */
@@ -167,6 +182,7 @@ struct gp_run {
     struct gp_glare group_engines; // of light groups: auto's choice depends on
                                    // the frames before
     struct gp_suns suns;
+    struct gp_run_scene scene;     // zero without --scene
     struct gp_lens lens;           // of --lens, not focused
     struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
@@ -197,6 +213,18 @@ const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);
 /* The vertical angle of view of a frame by --fov or its camera; 0: by
  * neither. */
 double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs);
+
+/* Reads --scene. Errors: those of gp_scene_read(); GP_ERR_USAGE it has no such
+ * camera. */
+GP_MUST_CHECK gp_status gp_run_scene_begin(const struct gp_log *log,
+                                           struct gp_run *r);
+
+/* The stage: poses the scene for the frame, finds the frame's camera, and sets
+ * r->suns.more. Errors: those of gp_suns_camera(); GP_ERR_USAGE no camera is
+ * chosen. */
+GP_MUST_CHECK gp_status gp_run_scene(struct gp_run *r,
+                                     struct gp_frame_state *fs);
+void gp_run_scene_free(struct gp_run_scene *s);
 
 /* Reads --lens and checks what options ask of it. Errors: those of
  * gp_lens_read() and gp_lens_focus(). */
@@ -248,7 +276,7 @@ struct gp_stage {
     gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs);
     bool (*asked)(const struct gp_settings *s);
 };
-enum { GP_STAGES = 13 };
+enum { GP_STAGES = 14 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
 /* Returns the data that a target needs, as bits GP_HAS_*. */

@@ -55,7 +55,8 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !p->color.n && !p->lights)
+    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !p->color.n && !p->lights &&
+        !p->more_flux)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--flare: %s has elements of lights, "
                        "and there is no light with flux; give %s, or \"source\""
                        ": \"bright\" in the file", p->flare,
@@ -102,8 +103,51 @@ double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
         gp_camera_make(NULL, f->path, NULL, about->to_ndc,
                        suns->p->ndc == GP_NDC_AUTO ? about->ndc : suns->p->ndc,
                        &camera))
-        return 0.0;
+        return suns->more_fov;
     return gp_camera_fov(&camera);
+}
+
+/* Finds the entry of --camera for a frame; NULL without --camera. */
+static gp_status find_entry(const struct gp_log *log,
+                            const struct gp_suns *suns,
+                            const struct gp_sun_about *about,
+                            const struct gp_camera_frame **out)
+{
+    const char *const path = suns->p->camera;
+    *out = NULL;
+    if (!path)
+        return GP_OK;
+    *out = gp_camera_frame_find(&suns->cameras,
+                                about->numbered ? about->number : -1);
+    if (!*out && about->numbered)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: no camera for frame %d of %s; add it, or leave "
+                       "--camera out", path, about->number, about->name);
+    if (!*out)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: %s has no frame number to find its camera by; "
+                       "add one to its name, or keep one camera in the "
+                       "file", path, about->name);
+    return GP_OK;
+}
+
+gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
+                         const struct gp_sun_about *about,
+                         const struct gp_frame *f, struct gp_camera *out,
+                         bool *found)
+{
+    const struct gp_camera_frame *entry;
+    const enum gp_ndc asked = suns->p->ndc;
+    gp_status st = find_entry(log, suns, about, &entry);
+    *found = entry || about->has_ndc;
+    if (entry)
+        *out = entry->camera;
+    else if (!st && about->has_ndc)
+        st = gp_camera_make(log, f->path,
+                            about->has_camera ? about->to_camera : NULL,
+                            about->to_ndc,
+                            asked == GP_NDC_AUTO ? about->ndc : asked, out);
+    return st;
 }
 
 static gp_status place_lights(const struct gp_log *log,
@@ -112,51 +156,40 @@ static gp_status place_lights(const struct gp_log *log,
 {
     static const struct gp_sun_params usual = GP_SUN_DEFAULTS;
     const struct gp_sun_params *const p = suns->p;
-    const struct gp_camera_frame *entry = NULL;
+    const struct gp_suns_more *const more = &suns->more;
+    const int all = suns->specs + more->specs;
+    const struct gp_camera_frame *entry;
     struct gp_camera camera;
-    bool found = p->camera != NULL, needed = false;
-    gp_status st = GP_OK;
-    // the camera of --camera for this frame, with the sun that it gives, or
-    // that of the frame's own attributes where a light needs one
+    bool found = false, needed = p->camera || more->specs > 0;
+    gp_status st;
+    // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < suns->specs; i++)
         needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
-    if (p->camera) {
-        entry = gp_camera_frame_find(&suns->cameras,
-                                     about->numbered ? about->number : -1);
-        if (!entry && about->numbered)
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: no camera for frame %d of %s; add it, or leave "
-                           "--camera out", p->camera, about->number,
-                           about->name);
-        if (!entry)
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: %s has no frame number to find its camera by; "
-                           "add one to its name, or keep one camera in the "
-                           "file", p->camera, about->name);
-        camera = entry->camera;
-    } else if (needed && about->has_ndc) {
+    GP_TRY(find_entry(log, suns, about, &entry));
+    if (needed)
+        GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
+    if (needed && !found && more->camera) {
         found = true;
-        GP_TRY(gp_camera_make(log, f->path,
-                              about->has_camera ? about->to_camera : NULL,
-                              about->to_ndc,
-                              p->ndc == GP_NDC_AUTO ? about->ndc : p->ndc,
-                              &camera));
+        camera = *more->camera;
     }
     // the sun of --camera, where the command line names none
     const bool sun = entry && !p->at.n && !p->dir.n &&
-                     (entry->has_sun || !p->lights);
-    if (suns->specs + sun > GP_LIGHTS_MAX)
+                     (entry->has_sun || !(p->lights || more->specs));
+    if (all + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: too many lights with the sun (%d); the limit is %d",
-                       p->lights, suns->specs + sun, GP_LIGHTS_MAX));
+                       p->lights ? p->lights : f->path, all + sun,
+                       GP_LIGHTS_MAX));
     if (sun && !entry->has_sun)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: frame %lld has no sun_dir_world; give --sun, "
                        "--sun-dir or --lights", p->camera, entry->frame));
-    GP_TRY(gp_alloc(log, "lights", (size_t) (suns->specs + sun),
+    GP_TRY(gp_alloc(log, "lights", (size_t) (all + sun),
                     sizeof *suns->light, &suns->light));
-    for (int i = -(int) sun; i < suns->specs; i++) {
-        struct gp_light_spec spec = i < 0 ? sun_spec(p) : suns->spec[i];
+    for (int i = -(int) sun; i < all; i++) {
+        struct gp_light_spec spec = i < 0             ? sun_spec(p)
+                                    : i < suns->specs ? suns->spec[i]
+                                    : more->spec[i - suns->specs];
         if (i < 0) {
             memcpy(spec.at, entry->sun_dir, sizeof spec.at);
             spec.place = GP_PLACE_DIRECTION;

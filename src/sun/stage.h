@@ -44,6 +44,7 @@ struct gp_sun_params {
     struct gp_numbers color;   // flux by channel, or one for all
     float size;                // degrees across, with dir and camera
     bool in_frame;             // the frame's pixels hold the lights already
+    bool more_flux;            // gp_suns.more has lights with flux
     float adapt;               // share that a narrower pupil removes, 0 to 1
     enum gp_ndc ndc;
     enum gp_depth_type depth_type;
@@ -60,6 +61,14 @@ struct gp_sun_about {
     bool has_camera, has_ndc;
     double to_camera[16], to_ndc[16]; // row vectors; camera.h
     enum gp_ndc ndc;           // the range that to_ndc maps to
+};
+
+/* Lights and a camera of a frame that the caller knows, of a scene. Borrowed
+ * from gp_suns_place() to the end of the frame. */
+struct gp_suns_more {
+    const struct gp_light_spec *spec; // join those of the run
+    int specs;
+    const struct gp_camera *camera;   // of frames that have none; NULL: none
 };
 
 /* Reads files for the stage. `user` is the first argument of each call. */
@@ -93,6 +102,7 @@ struct gp_suns {
     int specs;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
+    double more_fov;            // degrees, of the scene's camera; 0: none
     bool warned_clear;          // warned that nothing hides the lights
     bool warned_window;         // warned that a plane does not cover the frame
     // on GL, kept from frame to frame
@@ -103,6 +113,7 @@ struct gp_suns {
     unsigned long sprite_kernel; // serial of the kernel they are made of
     int sprite_height;           // of the display that tails are sized for
     // of the frame
+    struct gp_suns_more more;   // set by the caller, before gp_suns_place()
     struct gp_plane depth, mask;
     struct gp_occluders occluders;
     struct gp_light *light;     // owned
@@ -122,6 +133,14 @@ GP_MUST_CHECK gp_status gp_suns_begin(
     const struct gp_log *log, const struct gp_sun_params *p, enum gp_gl_api api,
     const struct gp_sun_reader *reader, struct gp_suns *out);
 
+/* The camera of a frame: that of --camera, or of the frame's own attributes;
+ * *found false: neither. `out` is written where it is found.
+ * Errors: GP_ERR_DATA a frame that --camera does not have; those of
+ * gp_camera_make(). */
+GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
+    const struct gp_suns *suns, const struct gp_sun_about *about,
+    const struct gp_frame *f, struct gp_camera *out, bool *found);
+
 /* Reads the frame's depth and coverage, and gives each light its place.
  * Errors: GP_ERR_USAGE, GP_ERR_DATA, GP_ERR_IO of the readers; GP_ERR_DATA a
  * frame that --camera does not have. */
@@ -134,8 +153,8 @@ GP_MUST_CHECK gp_status gp_suns_place(
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
-/* The vertical angle of the picture in degrees, by --camera or by the frame's
- * own attributes; 0 where neither says so. */
+/* The vertical angle of the picture in degrees, by --camera, by the frame's own
+ * attributes, or by suns->more_fov; 0 where none says so. */
 double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
                    const struct gp_frame *f);
 

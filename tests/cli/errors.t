@@ -306,7 +306,7 @@ f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
 -o a i --sun 1,2 --sun-color 1,2 => --sun-color: two numbers; give one or three
 -o a i --sun 1,2 --sun-map 5 => --sun-map: odd (found 5); give an even number
 -o a i --lights l --sun-color 1 => --sun-color: needs --sun, --sun-dir or --camera; lights of --lights have flux of their own
--o a i --debug sunmap=f => --debug sunmap: needs a light; give --sun, --sun-dir, --camera or --lights
+-o a i --debug sunmap=f => --debug sunmap: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
 -o a i --view left => --view: needs --ocio CONFIG; for stereo use --views left
 -o a i --display d => --display: needs --ocio; give --ocio CONFIG or --ocio env
 -o a i -k builtin:sta => --kernel: no such value (found "builtin:sta"); did you mean builtin:star? Else give one of builtin:eye, builtin:eye-night, builtin:eye-old, builtin:star, builtin:cross, builtin:streak, builtin:ring, builtin:circle, spencer, cie, aperture, temporal, gaussian, moffat, image

@@ -86,7 +86,8 @@ fails_with 2 'A, B, G, R, Z' 'a mask channel that is not there'
 
 run --sun 30,12,5 -v --report r.json in.exr
 is "$(field r.json 'o["lights"]')" \
-    "[{'x': 30.0, 'y': 12.0, 'radius': 5.0, 'visibility': 0.5, 'interval': [0.37353, 0.62647]}]" 'lights'
+    "[{'name': 'sun', 'x': 30.0, 'y': 12.0, 'radius': 5.0, \
+'visibility': 0.5, 'interval': [0.37353, 0.62647]}]" 'lights'
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'empty': '1e+10'}" \
     'depth, and what of it is empty'
 is "$(field r.json '"sun" in o["times_ms"]')" True 'time of the sun'
@@ -258,7 +259,8 @@ for name in spec clip screen; do
         '[32.0, 12.0, 0.5]' "$name: --sun-dir finds the place"
 done
 run --sun-dir 0,0,-1 --report r.json spec.exr
-is "$(field r.json 'o["lights"]')" "[{'behind': True, 'visibility': 0.0}]" \
+is "$(field r.json 'o["lights"]')" \
+    "[{'name': 'sun', 'behind': True, 'visibility': 0.0}]" \
     'behind the camera'
 run --sun-dir 0,0.5,1 --ndc clip --report r.json spec.exr
 is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" '[48.0, 18.0]' \
