@@ -405,10 +405,11 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
                                    0, w, h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts.passes++;
+    const int seen = cube ? gp_shadow_seen(map, l->seen, l->seen_n) : 1;
     for (int i = 0; i < l->shadows; i++) {
         const struct gp_object *const o = &s->object[l->shadow[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
-        const int faces = cube ? gp_shadow_faces(map, &o->box) : 1;
+        const int faces = cube ? gp_shadow_faces(map, &o->box) & seen : 1;
         if (!faces)
             continue;
         if (!d->p.separate)
@@ -501,6 +502,10 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
         const struct gp_object *const o = &s->object[l->lit[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
         struct inputs in = {0};
+        if (l->own)
+            draw.cut = gp_rect_meet(l->cut, l->own[i]);
+        if (gp_rect_empty(draw.cut))
+            continue;
         begin(d, &in);
         add_light(d, l, map, &in);
         add_surface(d, o, l, map, &in);

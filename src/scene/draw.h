@@ -21,7 +21,7 @@ struct gp_drawing_params {
 };
 #define GP_DRAWING_DEFAULTS                                                   \
     { .w = 960, .h = 540, .near = 0.1, .light_scale = 1.0 / 683.0,            \
-      .ambient = 0.02, .map = 512 }
+      .ambient = 0.02, .map = 256 }
 
 /* Counts of what was drawn. A batch is a draw call. */
 struct gp_drawn {
@@ -36,6 +36,10 @@ struct gp_draw_light {
     const int *shadow, *lit;
     int shadows, lits;
     struct gp_rect cut; // pixels that its pass may change
+    const struct gp_rect *own; // ... of each lit object; NULL: cut
+    const struct gp_box *seen; // hold all that its pass may change: only parts
+    int seen_n;                // of a map that they can look up are drawn; 0:
+                               // all of it
     double near, far;   // distances along the view axis that it may change; far
                         // INFINITY: no limit. Counts where the context's info
                         // has depth_bounds

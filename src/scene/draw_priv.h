@@ -32,6 +32,11 @@ struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *l,
  * touch. */
 int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
 
+/* Returns bits of the squares in which some boxes look up their shadows; n 0:
+ * all. */
+int gp_shadow_seen(const struct gp_shadow_map *m, const struct gp_box *box,
+                   int n);
+
 /* Returns a * b, of matrices for row vectors: first a, then b. */
 void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
 

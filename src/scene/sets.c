@@ -339,6 +339,29 @@ const uint8_t *gp_sets_flags(const struct gp_sets *sets)
     return sets->flag;
 }
 
+int gp_sets_tiles(const struct gp_sets *s)
+{
+    const bool known = s->hidden.levels > 0 && s->use & GP_SETS_SCISSOR;
+    return known ? s->hidden.w[GP_TILE_LEVEL] * s->hidden.h[GP_TILE_LEVEL] : 0;
+}
+
+bool gp_sets_tile(const struct gp_sets *s, int tile, struct gp_box *out)
+{
+    const struct gp_lit_tiles *const t = &s->tiles;
+    if (!t->lit[tile] || t->half[0][tile] < 0.0)
+        return false;
+    const struct gp_v3 c = {t->at[0][tile], t->at[1][tile], t->at[2][tile]};
+    const struct gp_v3 e = {t->half[0][tile], t->half[1][tile],
+                            t->half[2][tile]};
+    *out = (struct gp_box) {gp_v3_sub(c, e), gp_v3_add(c, e)};
+    return true;
+}
+
+struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)
+{
+    return gp_screen_pixels(&s->box[object], s->scissor.rect);
+}
+
 struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)
 {
     return sets->scissor;

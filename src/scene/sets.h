@@ -75,9 +75,20 @@ const uint8_t *gp_sets_flags(const struct gp_sets *sets);
 /* Returns the scissor of the light; empty where nothing is lit. */
 struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
 
+/* Returns the part of that scissor in which an object of V can show a point. */
+struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
+
 /* Writes the objects of a set, GP_SET_*, in their order; returns how many.
  * `object` has room for all of the scene, or is NULL. */
 int gp_sets_list(const struct gp_sets *sets, unsigned set, int *object);
+
+/* Returns the number of tiles of the frame, 0 without depth or without a
+ * scissor: then nothing is known of the visible points. */
+int gp_sets_tiles(const struct gp_sets *sets);
+
+/* Sets a box around the visible points of a tile that the light may reach; false
+ * where there are none. */
+bool gp_sets_tile(const struct gp_sets *sets, int tile, struct gp_box *out);
 
 /* Returns how many batches draw a set once: the parts of its meshes (15.2.2).
  * `merged`: shadow batches, the opaque parts of an object in one. A frame has

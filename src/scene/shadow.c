@@ -102,6 +102,16 @@ struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *d,
     return m;
 }
 
+int gp_shadow_seen(const struct gp_shadow_map *m, const struct gp_box *box,
+                   int n)
+{
+    const int all = (1 << GP_FACES) - 1;
+    int faces = n ? 0 : all;
+    for (int i = 0; i < n && faces != all; i++)
+        faces |= gp_shadow_faces(m, &box[i]);
+    return faces;
+}
+
 int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box)
 {
     const double wide = 1.02; // the texel around each square

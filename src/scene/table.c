@@ -28,6 +28,8 @@ struct work {
     struct gp_box all;  // of F
     int *order;         // objects, those that look largest first
     int *list, *caster; // room for all objects
+    struct gp_rect *cut; // ... of their pixels
+    struct gp_box *seen; // room for a box of each tile
     float *depth;
     struct gp_table *out;
 };
@@ -147,10 +149,17 @@ static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
     to->rect = (struct gp_rect) {0};
     if (!on)
         return GP_OK;
+    const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
+    for (int i = 0; i < lits && last; i++)
+        w->cut[i] = gp_sets_scissor_of(sets, w->list[i]);
+    int tiles = last ? gp_sets_tiles(sets) : 0, seen = 0;
+    for (int i = 0; i < tiles; i++)
+        seen += gp_sets_tile(sets, i, &w->seen[seen]);
     const struct gp_draw_light l = {
         .light = &w->s->light[light], .shadow = w->caster, .lit = w->list,
         .shadows = list_set(w, sets, GP_SET_S, 0, n, w->caster),
-        .lits = list_set(w, sets, GP_SET_I, 0, n, w->list),
+        .lits = lits, .own = last ? w->cut : NULL,
+        .seen = w->seen, .seen_n = seen,
         // the least and largest depth are surfaces: a little beyond them
         .cut = cut.rect, .near = last ? cut.near * (1.0 - 1e-5) : 0.0,
         .far = last ? cut.far * (1.0 + 1e-5) : INFINITY, .all = w->all,
@@ -267,6 +276,10 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));
+    GP_TRY(gp_alloc(log, "objects", objects, sizeof *w.cut, &w.cut));
+    const size_t tiles = (size_t) (p->draw.w / GP_TILE + 1) *
+                         (size_t) (p->draw.h / GP_TILE + 1);
+    GP_TRY(gp_alloc(log, "tiles", tiles, sizeof *w.seen, &w.seen));
     GP_TRY(gp_alloc(log, "depth", pixels, sizeof *w.depth, &w.depth));
     GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &other));
     GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &t.picture));
@@ -289,6 +302,8 @@ out:
     gp_table_free(&t);
     gp_free(other);
     gp_free(w.depth);
+    gp_free(w.cut);
+    gp_free(w.seen);
     gp_free(w.caster);
     gp_free(w.list);
     gp_free(w.order);
