@@ -75,17 +75,6 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     *fs = (struct gp_frame_state) {0};
 }
 
-/* Makes frame.layer all 0. */
-static gp_status make_dark_layer(struct gp_frame_state *fs)
-{
-    struct gp_planes *const p = &fs->frame.layer;
-    const size_t n = gp_frame_pixels(&fs->frame);
-    gp_status st = gp_planes_make(fs->log, "layer", n, p);
-    if (!st)
-        gp_planes_clear(p, 0, n);
-    return st;
-}
-
 // -- reading -----------------------------------------------------------------
 
 static bool suns_asked(const struct gp_settings *s)
@@ -187,22 +176,6 @@ out:
 }
 
 // -- light -------------------------------------------------------------------
-
-/* Places the lights and measures their visible shares. */
-static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
-{
-    struct gp_sun_files files = {r->s, fs->job};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    gp_status st = gp_suns_place(fs->log, &reader, &fs->frame, &r->suns);
-    if (!st)
-        st = gp_suns_measure(fs->log, &r->suns);
-    if (st)
-        return st;
-    fs->facts.sun_way = gp_suns_way(&r->suns);
-    if (r->suns.gl)
-        fs->facts.sun_gl = gp_gl_info(r->suns.gl)->name;
-    return GP_OK;
-}
 
 /* Finds the sources of each light group, and replaces the frame's own by their
  * union. */
@@ -351,32 +324,10 @@ static bool flare_asked(const struct gp_settings *s)
     return suns_asked(s) || s->sun.flare;
 }
 
-/* Adds lens flare, and the glare of lights that are not among the sources. */
-static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
-{
-    struct gp_flare_facts *const facts = &fs->facts.flare;
-    int *const frame = &r->suns.flare.frame;
-    gp_status st = GP_OK;
-    double cpu = 0.0;
-    if (!gp_job_number(fs->job, frame))
-        *frame = 0;
-    if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
-        st = make_dark_layer(fs);
-    if (!st)
-        st = gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
-    cpu = gp_cpu_ms();
-    if (!st)
-        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->ghosts, &fs->frame,
-                               facts);
-    fs->engine_ms = facts->ms;
-    fs->engine_cpu_ms = gp_cpu_ms() - cpu;
-    return st;
-}
-
 /* Adds ghosts of a real lens. */
 static gp_status run_lens(struct gp_run *r, struct gp_frame_state *fs)
 {
-    const gp_status st = fs->frame.layer.c[0] ? GP_OK : make_dark_layer(fs);
+    const gp_status st = fs->frame.layer.c[0] ? GP_OK : gp_run_dark_layer(fs);
     return st ? st : gp_run_lens(r, fs);
 }
 
@@ -459,39 +410,6 @@ static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
         return GP_OK;
     return r->ocio ? gp_ocio_show(fs->log, r->ocio, &r->s->tone, &fs->frame)
                    : gp_tone_map(fs->log, &r->s->tone, &fs->frame, NULL);
-}
-
-/* Copies the facts about the lights, whose state the next frame reuses, and
- * makes their pictures. */
-static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
-{
-    const struct gp_suns *const suns = &r->suns;
-    const struct gp_occluders *const o = &suns->occluders;
-    struct gp_facts *const facts = &fs->facts;
-    gp_status st = gp_alloc(fs->log, "lights", (size_t) suns->n,
-                            sizeof *fs->light, &fs->light);
-    if (st)
-        return st;
-    facts->light = fs->light;
-    facts->lights = suns->n;
-    if (suns->n)
-        memcpy(fs->light, suns->light, (size_t) suns->n * sizeof *fs->light);
-    gp_sun_interval(o, suns->p->map.outside, fs->light, suns->n);
-    facts->depth = fs->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
-    facts->mask = fs->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
-    if ((o->depth && !fs->depth) || (o->mask && !fs->mask))
-        return gp_no_memory_bare(fs->log, "lights");
-    if (o->depth) {
-        memcpy(facts->depth_empty, o->facts.empty, sizeof o->facts.empty);
-        facts->depth_reversed = o->facts.reversed;
-    }
-    if (r->s->debug[GP_DEBUG_SUNMAP])
-        st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,
-                             &fs->sunmap.h, &fs->sunmap.planes);
-    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
-        st = gp_suns_picture(fs->log, suns, true, &fs->intensity.w,
-                             &fs->intensity.h, &fs->intensity.planes);
-    return st;
 }
 
 // -- writing -----------------------------------------------------------------
@@ -594,7 +512,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     case GP_TARGET_HDR:
         return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
     case GP_TARGET_LAYER:
-        st = f.layer.c[0] ? GP_OK : make_dark_layer(fs);
+        st = f.layer.c[0] ? GP_OK : gp_run_dark_layer(fs);
         shown = &fs->frame.layer;
         break;
     case GP_TARGET_SENSORS:
@@ -679,7 +597,7 @@ const struct gp_stage gp_stages[GP_STAGES] = {
     {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
     {"scene", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SCENE, gp_run_scene,
      scene_asked},
-    {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, run_suns,
+    {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, gp_run_suns,
      suns_asked},
     {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB, SOURCES, run_sensors,
      NULL},
@@ -690,7 +608,7 @@ const struct gp_stage gp_stages[GP_STAGES] = {
     {"verify", GP_PHASE_COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER,
      GP_HAS_MEASURED, run_verify, NULL},
     {"flare", GP_PHASE_COMPUTE, GP_TIME_SUN,
-     SOURCES | LAYER | KERNEL | SUNS, FLARE, run_flare, flare_asked},
+     SOURCES | LAYER | KERNEL | SUNS, FLARE, gp_run_flare, flare_asked},
     {"lens", GP_PHASE_COMPUTE, GP_TIME_LENS, RGB | SOURCES | LAYER | FLARE,
      LENS, run_lens, lens_asked},
     {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE | LENS, GP_HAS_FLUX, run_flux,
@@ -699,7 +617,7 @@ const struct gp_stage gp_stages[GP_STAGES] = {
      RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, run_compose, NULL},
     {"tonemap", GP_PHASE_COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN,
      run_tonemap, NULL},
-    {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_shares, suns_asked},
+    {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, gp_run_shares, suns_asked},
     {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES, GP_HAS_FILES, run_write,
      NULL},
 };

@@ -214,6 +214,20 @@ const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);
  * neither. */
 double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs);
 
+/* Makes frame.layer all 0. Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_run_dark_layer(struct gp_frame_state *fs);
+
+/* The stages of suns and lamps: places them and measures their visible shares;
+ * adds lens flare, and the glare of lights that are not among the sources;
+ * copies the facts about them, whose state the next frame reuses, and makes
+ * their pictures. Errors: those of sun/stage.h and gp_run_ghosts_add(). */
+GP_MUST_CHECK gp_status gp_run_suns(struct gp_run *r,
+                                    struct gp_frame_state *fs);
+GP_MUST_CHECK gp_status gp_run_flare(struct gp_run *r,
+                                     struct gp_frame_state *fs);
+GP_MUST_CHECK gp_status gp_run_shares(struct gp_run *r,
+                                      struct gp_frame_state *fs);
+
 /* Reads --scene. Errors: those of gp_scene_read(); GP_ERR_USAGE it has no such
  * camera. */
 GP_MUST_CHECK gp_status gp_run_scene_begin(const struct gp_log *log,
