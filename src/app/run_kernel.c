@@ -257,14 +257,14 @@ static bool take_older(struct gp_run *r, const struct gp_recipe *recipe,
     return false;
 }
 
-/* Makes the kernel of recipes for a field, unless one that is kept is that; *ms
- * is the time it took, or stays.
+/* Makes the kernel of recipes for a field, unless one that is kept is that; *made
+ * says so.
  *   recipe  those of r->wanted, with other values */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
-    const struct gp_recipe *recipe, const struct gp_field *field, double *ms)
+    const struct gp_recipe *recipe, const struct gp_field *field, bool *made)
 {
     struct gp_run_kernel *k;
-    const double from = gp_now_ms();
+    *made = false;
     if ((r->kernel && is_same(r, r->kernel, recipe, field)) ||
         take_older(r, recipe, field))
         return GP_OK;
@@ -293,7 +293,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     atomic_init(&k->holders, 1);
     put_aside(r);
     r->kernel = k;
-    *ms = gp_now_ms() - from;
+    *made = true;
     return GP_OK;
 }
 
@@ -447,7 +447,8 @@ static void fit_lens(const struct gp_run *r, const struct gp_lens_stop *stop,
 gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
-    double ms = -1.0;
+    const double from = gp_now_ms(), cpu = gp_cpu_ms();
+    bool made = false;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns)) {
         struct gp_field field = find_field(r, fs);
         struct gp_recipe recipe[GP_RECIPES];
@@ -456,11 +457,12 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         if (gp_run_lens_stop(r, fs, &stop))
             fit_lens(r, &stop, recipe);
         reach_lights(r, fs, &field);
-        st = make_kernel(fs->log, r, recipe, &field, &ms);
+        st = make_kernel(fs->log, r, recipe, &field, &made);
     }
-    if (ms >= 0.0) {
-        fs->facts.ms[GP_TIME_KERNEL] = ms;
-        fs->facts.total_ms += ms;
+    if (made) {
+        fs->facts.ms[GP_TIME_KERNEL] = gp_now_ms() - from;
+        fs->facts.cpu_ms[GP_TIME_KERNEL] = gp_cpu_ms() - cpu;
+        fs->facts.total_ms += fs->facts.ms[GP_TIME_KERNEL];
     }
     if (!st && r->kernel) {
         int worst;
@@ -492,8 +494,8 @@ gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
     struct gp_field field = gp_field_of(&square, 0.0);
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
-    double ms;
-    st = make_kernel(log, r, r->wanted.recipe, &field, &ms);
+    bool made;
+    st = make_kernel(log, r, r->wanted.recipe, &field, &made);
     if (st)
         return st;
     const struct gp_kernel *const k = &r->kernel->k;

@@ -43,6 +43,8 @@ made='["kernel" in json.loads(l)["times_ms"] for l in open("r.json")]'
 run -k star -e fft --layer 's.#.exr' --report r.json 'sizes.#.exr'
 is "$(field r.json "$made")" '[True, True, False, False, True]' \
     'times_ms has the kernel of frames for which one was made'
+run -k star --frame-jobs 1 --layer one.exr --report r.json sizes.4.exr
+is "$(field r.json 'o["cpu_ms"]["kernel"] > 0')" True 'and cpu_ms'
 run -k star -e fft --layer one.exr sizes.4.exr
 ok 'a kernel that was put aside is the kernel of its size' \
     "$glarepp" compare --no-flip --fail 0 one.exr s.4.exr
