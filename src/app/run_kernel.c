@@ -212,9 +212,9 @@ static double scale_of(const struct gp_run *r, const struct gp_field *field)
 static size_t bytes_of(const struct gp_kernel *k)
 {
     const struct gp_tail *const t = k->tail;
-    const size_t coarse = t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1)
-                            : 0;
-    return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + coarse);
+    const size_t nodes =
+        t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1) : 0;
+    return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + nodes);
 }
 
 /* Moves r->kernel to the older ones, the last used of which are kept. One that
@@ -257,8 +257,8 @@ static bool take_older(struct gp_run *r, const struct gp_recipe *recipe,
     return false;
 }
 
-/* Makes the kernel of recipes for a field, unless one that is kept is that; *made
- * says so.
+/* Makes the kernel of recipes for a field, unless one that is kept is that; then
+ * *made is false.
  *   recipe  those of r->wanted, with other values */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     const struct gp_recipe *recipe, const struct gp_field *field, bool *made)

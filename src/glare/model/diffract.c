@@ -268,7 +268,7 @@ static void finish_columns(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
     const struct gp_transform *const t = f->t[1];
-    const size_t first = (size_t) (group * GP_GROUP);
+    const size_t first = (size_t) group * GP_GROUP;
     const size_t block = first / LANES * LANES * (size_t) t->n + first % LANES;
     const float *const re = f->s->re[f->c], *const im = f->s->im[f->c];
     for (int y = 0; y < t->n; y++) {
