@@ -1,4 +1,4 @@
-#include "app/kernel_command.h"
+#include "app/commands.h"
 
 #include "app/clobber.h"
 #include "app/kernel_label.h"

@@ -1,4 +1,4 @@
-#include "app/lens_command.h"
+#include "app/commands.h"
 
 #include "app/clobber.h"
 #include "core/bridge.h"

@@ -130,7 +130,7 @@ static struct gp_light_spec spec_of(const struct gp_settings *s,
         .ball = l->ball > 0.0 ? l->ball : (double) s->scene.lamp_size,
     };
     struct gp_v3 to = gp_v3_scale(l->along, -1.0); // the light, from the eye
-    double sine; // of half the angle that the disc is seen under
+    double sine = 1.0; // of half the angle that the disc is seen under
     memcpy(spec.name, l->name, sizeof spec.name);
     if (l->kind == GP_LIGHT_DIRECTIONAL) {
         spec.place = GP_PLACE_DIRECTION;

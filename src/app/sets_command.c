@@ -1,4 +1,4 @@
-#include "app/sets_command.h"
+#include "app/commands.h"
 
 #include "app/clobber.h"
 #include "app/options.h"

@@ -1,5 +1,5 @@
 /* Pictures of visibility sets. */
-#include "app/sets_command.h"
+#include "app/commands.h"
 
 #include "core/minmax.h"
 #include "scene/bounds.h"

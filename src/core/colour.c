@@ -1,7 +1,7 @@
 #include "core/colour.h"
 
 #include "core/spectrum.h"
-#include "core/spectrum_priv.h"
+#include "core/core_priv.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-#include "core/memory_priv.h"
-
+#include "core/core_priv.h"
+#include "core/memory.h"
 
 #include <errno.h>
 #include <malloc.h>

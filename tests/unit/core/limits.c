@@ -1,6 +1,7 @@
 /* core/memory: limits of control groups, in trees made here. */
 #include "unit.h"
-#include "core/memory_priv.h"
+#include "core/core_priv.h"
+#include "core/memory.h"
 #include "folder.h"
 
 #include <sys/stat.h>

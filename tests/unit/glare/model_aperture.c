@@ -2,7 +2,7 @@
  * closed forms. */
 #include "unit.h"
 #include "core/parallel.h"
-#include "core/spectrum_priv.h"
+#include "core/core_priv.h"
 #include "glare/model/diffract_priv.h"
 #include "model_scene.h"
 

@@ -1,0 +1,41 @@
+/* The commands that are more than a run over frames. */
+#ifndef GP_APP_COMMANDS_H
+#define GP_APP_COMMANDS_H
+
+#include "app/settings.h"
+#include "core/status.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+
+/* glarepp kernel: writes kernels with the recipe that made them, makes them
+ * again, lists models and checks kernels, as s->making and s->outputs ask.
+ * *faulty is true where --check finds a fault.
+ * Errors: those of reading images, making kernels and writing pictures. */
+GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
+    const struct gp_settings *s, bool *faulty);
+
+/* glarepp lens: lists and checks lenses, and draws them, as s->making asks.
+ * *faulty is true where --check finds a lens that does not make what its file
+ * claims.
+ * Errors: those of gp_lens_read() and gp_lens_focus(); GP_ERR_IO writing. */
+GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
+    const struct gp_settings *s, bool *faulty);
+
+/* glarepp sets: O'Rorke's Table 15-1 for a scene. Reads the scene, draws each
+ * row, prints the table, and writes what is asked.
+ *   differ  true where a row draws another picture than the first; the command's
+ *           exit status is 1 then
+ * Errors: those of reading the scene, of its camera, of GL, of writing. */
+GP_MUST_CHECK gp_status gp_sets_command(const struct gp_log *log,
+    const struct gp_settings *s, bool *differ);
+
+/* Pictures of --debug, w * h samples in each of three planes, display-linear:
+ * outlines of the lights' scissors over the picture, and the scene from above
+ * with each object in the colour of its sets. */
+void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
+                           const struct gp_planes *rgb);
+void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
+                      const struct gp_camera *c, int w, int h,
+                      const struct gp_planes *rgb);
+
+#endif
