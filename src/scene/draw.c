@@ -383,7 +383,8 @@ static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
     const struct gp_target *const to = cube ? &d->atlas : &d->square;
     const struct gp_draw draw = {
         .program = cube ? &d->cube[of != NULL] : &d->flat[of != NULL],
-        .target = to, .cut = {0, 0, to->w, to->h}, .depth = GP_DEPTH_WRITE,
+        .target = to, .depth = GP_DEPTH_WRITE,
+        .cut = gp_shadow_cut(map, faces),
         .instances = cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = cube ? 4 : 0,
     };
@@ -405,11 +406,10 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
                                    0, w, h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts.passes++;
-    const int seen = cube ? gp_shadow_seen(map, l->seen, l->seen_n) : 1;
     for (int i = 0; i < l->shadows; i++) {
         const struct gp_object *const o = &s->object[l->shadow[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
-        const int faces = cube ? gp_shadow_faces(map, &o->box) & seen : 1;
+        const int faces = gp_shadow_faces(map, &o->box);
         if (!faces)
             continue;
         if (!d->p.separate)

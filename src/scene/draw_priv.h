@@ -21,6 +21,9 @@ struct gp_shadow_map {
     double to_map[16];   // world, from origin, to clip coordinates; not CUBE
     struct gp_v3 origin; // the light's place; of a sun the middle of its box
     float form_of[4];    // `map` of light.frag
+    // x0, y0, x1, y1 of each square in which a lit point looks, as places in it
+    // from -1 to 1; x0 > x1: none does
+    double cut[GP_FACES][4];
 };
 
 /* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get
@@ -28,14 +31,12 @@ struct gp_shadow_map {
 struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *l,
                                       const struct gp_box *whole, int side);
 
-/* Returns bits of the squares of a cube's map that a box of the world may
- * touch. */
+/* Returns bits of the squares of a map where a box of the world may be in the
+ * part that is looked at; of a map of one square 0 or 1. */
 int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
 
-/* Returns bits of the squares in which some boxes look up their shadows; n 0:
- * all. */
-int gp_shadow_seen(const struct gp_shadow_map *m, const struct gp_box *box,
-                   int n);
+/* Returns a rectangle around the texels of those squares that are looked at. */
+struct gp_rect gp_shadow_cut(const struct gp_shadow_map *m, int faces);
 
 /* Returns a * b, of matrices for row vectors: first a, then b. */
 void gp_matrix_mul(const double a[16], const double b[16], double out[16]);

@@ -30,7 +30,8 @@ static struct gp_scissor of_tiles(const struct gp_hidden *h, struct gp_rect r,
         for (int x = (r.x0 - w.x0) / GP_TILE;
              x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
             const double lo = (double) least[x], hi = (double) most[x];
-            if (!(lo <= far && hi >= near) || (lit && !lit[y * across + x]))
+            if (!(lo <= far && hi >= near) || 
+                (lit && lit[y * across + x] != GP_TILE_LIT))
                 continue;
             tile = gp_rect_join(tile, (struct gp_rect) {x, y, x + 1, y + 1});
             s.near = lo < s.near ? lo : s.near;
@@ -138,6 +139,7 @@ gp_status gp_lit_tiles_make(const struct gp_log *log, const struct gp_hidden *h,
         GP_TRY(gp_alloc(log, what, n, sizeof(double), &t.half[k]));
     }
     GP_TRY(gp_alloc_zero(log, what, n, 1, &t.lit));
+    GP_TRY(gp_alloc(log, what, n, sizeof *t.seen, &t.seen));
     for (int i = 0; i < across * down; i++) {
         t.half[0][i] = -1.0;
         if (!(h->least[i] < INFINITY))
@@ -167,6 +169,7 @@ void gp_lit_tiles_free(struct gp_lit_tiles *t)
         gp_free(t->half[k]);
     }
     gp_free(t->lit);
+    gp_free(t->seen);
     *t = (struct gp_lit_tiles) {0};
 }
 
@@ -187,14 +190,15 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hid
             const struct gp_v3 c = {t->at[0][i], t->at[1][i], t->at[2][i]},
                                e = {t->half[0][i], t->half[1][i],
                                     t->half[2][i]};
-            t->lit[i] = 0;
+            t->lit[i] = GP_TILE_BEYOND;
             if (e.x < 0.0 || gp_reach_too_far(light, c, e))
                 continue;
             const double radius = gp_v3_length(e);
             if (gp_reach_beside(light, c, radius))
                 continue;
             const struct gp_v3 wide = gp_texel_widen(light, texel, c, e, radius);
-            t->lit[i] = !gp_umbras_hold(umbras, c, wide);
+            t->lit[i] = gp_umbras_hold(umbras, c, wide) ? GP_TILE_DARK
+                                                        : GP_TILE_LIT;
         }
     }
     return of_tiles(h, r, s->near, s->far, t->lit);
@@ -209,4 +213,34 @@ bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
     return !gp_rect_empty(r) &&
            !gp_rect_empty(of_tiles(h, r, fmax(b.near, s->near),
                                    fmin(b.far, s->far), t->lit).rect);
+}
+
+struct gp_scissor gp_lit_tiles_list(struct gp_lit_tiles *t,
+                                    const struct gp_hidden *h,
+                                    const struct gp_scissor *s)
+{
+    const struct gp_rect w = h->window, r = s->rect;
+    struct gp_scissor all = *s;
+    t->seens = 0;
+    if (h->levels == 0 || gp_rect_empty(r))
+        return all;
+    for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
+         y++) {
+        for (int x = (r.x0 - w.x0) / GP_TILE;
+             x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
+            const int i = y * h->w[GP_TILE_LEVEL] + x;
+            const struct gp_v3 c = {t->at[0][i], t->at[1][i], t->at[2][i]},
+                               e = {t->half[0][i], t->half[1][i],
+                                    t->half[2][i]};
+            if (t->lit[i] == GP_TILE_BEYOND)
+                continue;
+            t->seen[t->seens++] =
+                (struct gp_box) {gp_v3_sub(c, e), gp_v3_add(c, e)};
+            all.near = fmin(all.near, (double) h->least[i]);
+            all.far = fmax(all.far, (double) h->deepest[i]);
+        }
+    }
+    all.near *= 1.0 - GP_DEPTH_SLACK;
+    all.far *= 1.0 + GP_DEPTH_SLACK;
+    return all;
 }

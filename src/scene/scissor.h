@@ -29,10 +29,19 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
                                   const int *index, int n,
                                   const struct gp_screen_box *light);
 
+/* A tile of the frame before a light. */
+enum {
+    GP_TILE_BEYOND, // out of its reach, or without a surface
+    GP_TILE_DARK,   // in its reach, in one umbra
+    GP_TILE_LIT,    // it may be lit
+};
+
 /* Boxes of the world around the visible points of each tile. */
 struct gp_lit_tiles {
     double *at[3], *half[3]; // owned; half[0] < 0: a tile without a surface
-    uint8_t *lit;            // owned; of the light
+    uint8_t *lit;            // owned; GP_TILE_DARK... of the light
+    struct gp_box *seen;     // owned; of the tiles of a scissor in reach
+    int seens;
 };
 
 /* Out: *out, free with gp_lit_tiles_free(); empty on failure and without depths.
@@ -44,8 +53,8 @@ GP_MUST_CHECK gp_status gp_lit_tiles_make(const struct gp_log *log,
                                       struct gp_lit_tiles *out);
 void gp_lit_tiles_free(struct gp_lit_tiles *t);
 
-/* Sets lit[i] of tiles that a light may reach past its umbras, and returns the
- * part of a scissor that holds those in it.
+/* Sets lit[i] of the tiles of a scissor, and returns the part of it that holds
+ * those that may be lit.
  *   texel  as of gp_sets_view */
 struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
                                  const struct gp_scissor *s,
@@ -55,5 +64,12 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hid
 /* False where no lit tile of a scissor can show a point in the bounds. */
 bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
                    const struct gp_scissor *s, const struct gp_screen_box *box);
+
+/* Lists the boxes of the tiles of a scissor that are in reach in `seen`, and
+ * returns it with the range of their depths: a pass over its pixels needs the
+ * shadows on them, also on those beyond the scissor's own range. */
+struct gp_scissor gp_lit_tiles_list(struct gp_lit_tiles *t,
+                                    const struct gp_hidden *h,
+                                    const struct gp_scissor *s);
 
 #endif

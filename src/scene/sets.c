@@ -293,6 +293,7 @@ bool gp_sets_light(struct gp_sets *s, int light)
         s->flag[s->list[k]] &= GP_SET_F | GP_SET_V;
     s->listed = s->lits = 0;
     s->scissor = (struct gp_scissor) {0};
+    s->tiles.seens = 0;
     const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
     if (!gp_reach_meets(&r, &s->frustum))
         return false;
@@ -302,10 +303,11 @@ bool gp_sets_light(struct gp_sets *s, int light)
     flag_lit(s, &r);
     const struct gp_screen_box bounds = gp_reach_project(
         &r, &v->camera, v->display, v->near, INFINITY);
-    struct gp_scissor lit =
+    const struct gp_scissor touched =
         gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
+    struct gp_scissor lit = touched;
     if (s->hidden.levels > 0 && (s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)))
-        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &lit, &r,
+        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &touched, &r,
                                  &s->umbras, v->texel);
     const bool bright = s->lits > 0 &&
                         (!(s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)) ||
@@ -322,7 +324,10 @@ bool gp_sets_light(struct gp_sets *s, int light)
         leave_out(s);
     }
     if (s->use & GP_SETS_SHADOWS) {
-        flag_casters(s, &r, &lit);
+        // what is drawn must have its shadows, lit or not
+        const struct gp_scissor all = gp_lit_tiles_list(
+            &s->tiles, &s->hidden, s->use & GP_SETS_SCISSOR ? &lit : &touched);
+        flag_casters(s, &r, &all);
         return true;
     }
     for (int k = 0; k < s->listed; k++) {
@@ -339,22 +344,10 @@ const uint8_t *gp_sets_flags(const struct gp_sets *sets)
     return sets->flag;
 }
 
-int gp_sets_tiles(const struct gp_sets *s)
+const struct gp_box *gp_sets_seen(const struct gp_sets *sets, int *n)
 {
-    const bool known = s->hidden.levels > 0 && s->use & GP_SETS_SCISSOR;
-    return known ? s->hidden.w[GP_TILE_LEVEL] * s->hidden.h[GP_TILE_LEVEL] : 0;
-}
-
-bool gp_sets_tile(const struct gp_sets *s, int tile, struct gp_box *out)
-{
-    const struct gp_lit_tiles *const t = &s->tiles;
-    if (!t->lit[tile] || t->half[0][tile] < 0.0)
-        return false;
-    const struct gp_v3 c = {t->at[0][tile], t->at[1][tile], t->at[2][tile]};
-    const struct gp_v3 e = {t->half[0][tile], t->half[1][tile],
-                            t->half[2][tile]};
-    *out = (struct gp_box) {gp_v3_sub(c, e), gp_v3_add(c, e)};
-    return true;
+    *n = sets->tiles.seens;
+    return sets->tiles.seen;
 }
 
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)

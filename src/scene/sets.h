@@ -82,17 +82,14 @@ struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
  * `object` has room for all of the scene, or is NULL. */
 int gp_sets_list(const struct gp_sets *sets, unsigned set, int *object);
 
-/* Returns the number of tiles of the frame, 0 without depth or without a
- * scissor: then nothing is known of the visible points. */
-int gp_sets_tiles(const struct gp_sets *sets);
-
-/* Sets a box around the visible points of a tile that the light may reach; false
- * where there are none. */
-bool gp_sets_tile(const struct gp_sets *sets, int tile, struct gp_box *out);
-
 /* Returns how many batches draw a set once: the parts of its meshes (15.2.2).
  * `merged`: shadow batches, the opaque parts of an object in one. A frame has
  * those of V, and for each light those of S and of I. */
 int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged);
+
+/* Returns boxes of the world that hold every visible point of the scissor that
+ * is in the light's reach, for as long as its sets; *n 0: none, or these may be
+ * anywhere, as without GP_SETS_SHADOWS or depths. */
+const struct gp_box *gp_sets_seen(const struct gp_sets *sets, int *n);
 
 #endif

@@ -152,16 +152,19 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
     }
     const struct gp_screen_box bounds =
         gp_reach_project(&r, &v->camera, v->display, v->near, INFINITY);
-    struct gp_scissor lit =
+    const struct gp_scissor touched =
         gp_scissor_make(&depths, box, a.i.object, a.i.n, &bounds);
+    struct gp_scissor lit = touched;
     const bool cut = use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
     if (depths.levels > 0 && cut)
-        lit = gp_lit_tiles_light(&tiles, &depths, &lit, &r, umbras,
+        lit = gp_lit_tiles_light(&tiles, &depths, &touched, &r, umbras,
                                  v->texel);
     if (cut && gp_rect_empty(lit.rect))
         a.i.n = 0;
+    const struct gp_scissor all = gp_lit_tiles_list(
+        &tiles, &depths, use & GP_SETS_SCISSOR ? &lit : &touched);
     if (a.i.n > 0 && (use & GP_SETS_SHADOWS))
-        list_casters(s, v, &r, &lit, &a);
+        list_casters(s, v, &r, &all, &a);
     else if (a.i.n > 0)
         intersect(&a.l, &a.l, &a.s);
     if (depths.levels > 0 && (use & GP_SETS_SCISSOR)) { // shows nothing in it

@@ -29,7 +29,6 @@ struct work {
     int *order;         // objects, those that look largest first
     int *list, *caster; // room for all objects
     struct gp_rect *cut; // ... of their pixels
-    struct gp_box *seen; // room for a box of each tile
     float *depth;
     struct gp_table *out;
 };
@@ -145,6 +144,8 @@ static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
     struct gp_table_light *const to = &w->out->light[light];
     const bool on = gp_sets_light(sets, light);
     const struct gp_scissor cut = gp_sets_scissor(sets);
+    int seen_n;
+    const struct gp_box *const seen = gp_sets_seen(sets, &seen_n);
     to->light = light;
     to->rect = (struct gp_rect) {0};
     if (!on)
@@ -152,17 +153,14 @@ static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
     const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
     for (int i = 0; i < lits && last; i++)
         w->cut[i] = gp_sets_scissor_of(sets, w->list[i]);
-    int tiles = last ? gp_sets_tiles(sets) : 0, seen = 0;
-    for (int i = 0; i < tiles; i++)
-        seen += gp_sets_tile(sets, i, &w->seen[seen]);
     const struct gp_draw_light l = {
         .light = &w->s->light[light], .shadow = w->caster, .lit = w->list,
         .shadows = list_set(w, sets, GP_SET_S, 0, n, w->caster),
         .lits = lits, .own = last ? w->cut : NULL,
-        .seen = w->seen, .seen_n = seen,
         // the least and largest depth are surfaces: a little beyond them
         .cut = cut.rect, .near = last ? cut.near * (1.0 - 1e-5) : 0.0,
         .far = last ? cut.far * (1.0 + 1e-5) : INFINITY, .all = w->all,
+        .seen = seen, .seen_n = seen_n,
     };
     row->lit += l.lits;
     row->casters += l.shadows;
@@ -277,9 +275,6 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof *w.cut, &w.cut));
-    const size_t tiles = (size_t) (p->draw.w / GP_TILE + 1) *
-                         (size_t) (p->draw.h / GP_TILE + 1);
-    GP_TRY(gp_alloc(log, "tiles", tiles, sizeof *w.seen, &w.seen));
     GP_TRY(gp_alloc(log, "depth", pixels, sizeof *w.depth, &w.depth));
     GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &other));
     GP_TRY(gp_alloc(log, "picture", pixels, 4 * sizeof *other, &t.picture));
@@ -303,7 +298,6 @@ out:
     gp_free(other);
     gp_free(w.depth);
     gp_free(w.cut);
-    gp_free(w.seen);
     gp_free(w.caster);
     gp_free(w.list);
     gp_free(w.order);

@@ -9,21 +9,23 @@
 
 #include <time.h>
 
-enum { W = 20, H = 14 };
-static const struct gp_rect window = {0, 0, W, H};
+enum { W = 20, H = 14, MOST = 96 * 64 };
 
 /* A frame of a scene: its camera, and the visible point of each pixel. */
 struct shot {
+    struct gp_rect window;
+    int w, pixels;
     struct gp_camera camera;
-    struct gp_v3 eye, point[W * H];
-    int object[W * H]; // -1: none
-    float depth[W * H];
+    struct gp_v3 eye, point[MOST];
+    int object[MOST]; // -1: none
+    float depth[MOST];
 };
 
 static const double NEAR = 0.05;
 
 /* Returns the direction through a pixel's centre, 1 long along the axis. */
-static struct gp_v3 through(const struct gp_camera *c, int x, int y)
+static struct gp_v3 through(const struct gp_camera *c, struct gp_rect window,
+                            int x, int y)
 {
     const double u[2] = {x + 0.5, x + 0.5}, v[2] = {y + 0.5, y + 0.5};
     const struct gp_frustum f = gp_frustum_make(c, window, u, v, 1.0, 2.0);
@@ -31,12 +33,15 @@ static struct gp_v3 through(const struct gp_camera *c, int x, int y)
 }
 
 static void take(const struct gp_scene *s, struct gp_camera c, struct gp_v3 eye,
-                 struct shot *shot)
+                 int w, int h, struct shot *shot)
 {
+    shot->window = (struct gp_rect) {0, 0, w, h};
+    shot->w = w;
+    shot->pixels = w * h;
     shot->camera = c;
     shot->eye = eye;
-    for (int i = 0; i < W * H; i++) {
-        const struct gp_v3 to = through(&c, i % W, i / W);
+    for (int i = 0; i < w * h; i++) {
+        const struct gp_v3 to = through(&c, shot->window, i % w, i / w);
         const struct ray_hit hit = ray_scene(s, eye, to, NEAR, 1e6);
         shot->object[i] = hit.object;
         shot->point[i] = gp_v3_add(eye, gp_v3_scale(to, hit.t));
@@ -46,8 +51,9 @@ static void take(const struct gp_scene *s, struct gp_camera c, struct gp_v3 eye,
 
 static struct gp_sets_view view_of(const struct shot *shot)
 {
-    return (struct gp_sets_view) {.camera = shot->camera, .display = window,
-                                  .window = window, .near = NEAR,
+    return (struct gp_sets_view) {.camera = shot->camera, .near = NEAR,
+                                  .display = shot->window,
+                                  .window = shot->window,
                                   .depth = shot->depth};
 }
 
@@ -58,8 +64,8 @@ static bool on_screen(const struct gp_camera *c,
     const bool sun = light->kind == GP_LIGHT_DIRECTIONAL;
     const struct gp_v3 at = sun ? gp_v3_scale(light->along, -1.0) : light->at;
     const double world[3] = {at.x, at.y, at.z};
-    const struct gp_projected p =
-        gp_camera_project(c, window, world, sun ? 0.0 : 1.0);
+    const struct gp_projected p = gp_camera_project(
+        c, (struct gp_rect) {0, 0, W, H}, world, sun ? 0.0 : 1.0);
     return !p.behind && p.x >= 0 && p.x < W && p.y >= 0 && p.y < H;
 }
 
@@ -100,6 +106,19 @@ static bool reaches(const struct gp_scene_light *light, struct gp_v3 p)
             gp_v3_dot(gp_v3_unit(to), light->along) > cos(light->outer));
 }
 
+/* True where a point is in the boxes of points that may be lit. */
+static bool held(const struct gp_sets *sets, struct gp_v3 p)
+{
+    int n;
+    const struct gp_box *const box = gp_sets_seen(sets, &n);
+    for (int i = 0; i < n; i++) {
+        if (p.x >= box[i].lo.x && p.x <= box[i].hi.x && p.y >= box[i].lo.y &&
+            p.y <= box[i].hi.y && p.z >= box[i].lo.z && p.z <= box[i].hi.z)
+            return true;
+    }
+    return false;
+}
+
 static void check_light(const struct gp_scene *s, const struct shot *shot,
                         struct gp_sets *sets, int light, unsigned long long at,
                         struct sum *sum)
@@ -109,28 +128,32 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
     const bool any = gp_sets_light(sets, light);
     const uint8_t *const flag = gp_sets_flags(sets);
     const struct gp_scissor cut = gp_sets_scissor(sets);
-    for (int k = 0; k < W * H; k++) {
+    for (int k = 0; k < shot->pixels; k++) {
         const int o = shot->object[k];
         const double z = (double) shot->depth[k];
         if (o < 0 || !reaches(from, shot->point[k]))
             continue;
         const int first = blocker(s, from, shot->point[k]);
-        const bool in = k % W >= cut.rect.x0 && k % W < cut.rect.x1 &&
-                        k / W >= cut.rect.y0 && k / W < cut.rect.y1 &&
-                        z >= cut.near && z <= cut.far &&
-                        (flag[o] & GP_SET_I) != 0;
+        // without a test of depth bounds all of its rectangle is drawn
+        const bool drawn = k % shot->w >= cut.rect.x0 && k % shot->w < cut.rect.x1 &&
+                           k / shot->w >= cut.rect.y0 && k / shot->w < cut.rect.y1 &&
+                           (flag[o] & GP_SET_I) != 0;
+        const bool in = drawn && z >= cut.near && z <= cut.far;
+        if (drawn && !held(sets, shot->point[k]))
+            fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d is in no box "
+                     "of lit points", at, light, k % shot->w, k / shot->w);
         if (first < 0) {
             lit[o] = true;
             if (!any || !in)
                 fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object "
                          "%d is lit and not in I or the scissor", at, light,
-                         k % W, k / W, o);
-        } else if (in) { // it must stay dark
+                         k % shot->w, k / shot->w, o);
+        } else if (drawn) { // it must stay dark
             casting[first] = true;
             if (!(flag[first] & GP_SET_S))
                 fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object "
-                         "%d casts a shadow and is not in S", at, light, k % W,
-                         k / W, first);
+                         "%d casts a shadow and is not in S", at, light, k % shot->w,
+                         k / shot->w, first);
         }
     }
     const struct gp_reach r = gp_light_reach(from);
@@ -158,20 +181,20 @@ static void check_frame(const struct gp_scene *s, const struct shot *shot,
 {
     bool seen[64] = {false};
     const uint8_t *const flag = gp_sets_flags(sets);
-    for (int k = 0; k < W * H; k++) {
+    for (int k = 0; k < shot->pixels; k++) {
         const int o = shot->object[k];
         if (o >= 0)
             seen[o] = true;
         if (o >= 0 && !(flag[o] & GP_SET_V))
             fail_msg("GLAREPP_SEED=%llu: object %d of pixel %d, %d is not in V",
-                     at, o, k % W, k / W);
+                     at, o, k % shot->w, k / shot->w);
         const struct gp_v3 to = gp_v3_sub(shot->point[k], shot->eye);
-        for (int i = 0; k % 5 == 0 && i < s->objects; i++) {
+        for (int i = 0; k % 5 == 0 && shot->w == W && i < s->objects; i++) {
             if (!(flag[i] & GP_SET_F) &&
                 isfinite(ray_object(s, &s->object[i], shot->eye, to,
                                     NEAR / 1e-3, 1e9)))
                 fail_msg("GLAREPP_SEED=%llu: object %d behind pixel %d, %d is "
-                         "not in F", at, i, k % W, k / W);
+                         "not in F", at, i, k % shot->w, k / shot->w);
         }
     }
     for (int i = 0; i < s->objects; i++) {
@@ -184,7 +207,7 @@ static void check_frame(const struct gp_scene *s, const struct shot *shot,
 
 /* A random scene and a camera in it, whose picture shows light 0 or not. */
 static struct gp_scene random_shot(uint64_t *seed, bool on, int objects,
-                                   struct shot *shot)
+                                   int size, struct shot *shot)
 {
     static const struct gp_box world = {{-18, -18, 0.5}, {18, 18, 9}};
     struct gp_scene s = made_random_scene(seed, objects, 2);
@@ -197,26 +220,26 @@ static struct gp_scene random_shot(uint64_t *seed, bool on, int objects,
         if (on_screen(&c, &s.light[0]) == on)
             break;
     }
-    take(&s, c, eye, shot);
+    take(&s, c, eye, size * W, size * H, shot);
     return s;
 }
 
-/* In 10,000 random scenes, half with the light off screen, no object is lost
- * that rays find to matter. GLAREPP_TEST_QUICK: in 500. */
-static void nothing_is_lost(void **state)
+/* Checks random scenes with pictures of size * W x size * H. */
+static struct sum check_scenes(int scenes, uint64_t first, int size)
 {
     static struct shot shot;
     struct sum n = {0};
-    const int scenes = getenv("GLAREPP_TEST_QUICK") ? 500 : 10000;
     for (int k = 0; k < scenes; k++) {
-        const uint64_t at = first_seed() + (uint64_t) k;
+        const uint64_t at = first + (uint64_t) k;
         uint64_t seed = at;
-        struct gp_scene s = random_shot(&seed, at % 2 == 0, 16, &shot);
+        struct gp_scene s = random_shot(&seed, at % 2 == 0, 16, size, &shot);
         struct gp_bodies *bodies;
         struct gp_sets *sets;
         const struct gp_sets_view view = view_of(&shot);
         assert_ok(gp_bodies_make(NULL, &s, &bodies));
-        assert_ok(gp_sets_open(NULL, &s, bodies, &view, GP_SETS_ALL, &sets));
+        assert_ok(gp_sets_open(NULL, &s, bodies, &view,
+                               k % 4 ? GP_SETS_ALL
+                                     : GP_SETS_ALL & ~GP_SETS_SCISSOR, &sets));
         check_frame(&s, &shot, sets, at, &n);
         for (int i = 0; i < s.lights; i++)
             check_light(&s, &shot, sets, i, at, &n);
@@ -229,10 +252,26 @@ static void nothing_is_lost(void **state)
                   "reach %ld, L %ld, I %ld, lit by rays %ld, S %ld, casting by "
                   "rays %ld\n", scenes, n.lights, n.off, n.objects, n.f, n.v,
                   n.seen, n.reach, n.l, n.i, n.lit, n.s, n.casting);
-    assert_true(n.off > n.lights / 3 && n.off < n.lights);
-    assert_true(n.seen > 2 * scenes && n.lit > scenes && n.casting > scenes);
     // it is of use
     assert_true(n.v < n.f && n.f < n.objects && n.l < n.reach && n.s < n.l);
+    return n;
+}
+
+/* In 10,000 random scenes, half with the light off screen, no object is lost
+ * that rays find to matter. GLAREPP_TEST_QUICK: in 500. */
+static void nothing_is_lost(void **state)
+{
+    const int scenes = getenv("GLAREPP_TEST_QUICK") ? 500 : 10000;
+    const struct sum n = check_scenes(scenes, first_seed(), 1);
+    assert_true(n.off > n.lights / 3 && n.off < n.lights);
+    assert_true(n.seen > 2 * scenes && n.lit > scenes && n.casting > scenes);
+}
+
+/* The same where the picture has 20 tiles. */
+static void many_tiles(void **state)
+{
+    check_scenes(getenv("GLAREPP_TEST_QUICK") ? 40 : 800,
+                 first_seed() + 20000, 4);
 }
 
 // -- against lists -----------------------------------------------------------
@@ -256,7 +295,7 @@ static void as_lists(void **state)
     int lit = 0;
     for (int k = 0; k < 300; k++) {
         uint64_t seed = first_seed() + 5000 + (uint64_t) k;
-        struct gp_scene s = random_shot(&seed, k % 2 == 0, 40, &shot);
+        struct gp_scene s = random_shot(&seed, k % 2 == 0, 40, 1, &shot);
         const unsigned use = (unsigned) k % 16;
         struct gp_bodies *bodies;
         struct gp_sets *sets;
@@ -302,7 +341,7 @@ static struct gp_scene figure(const struct gp_v3 *at, const struct gp_v3 *size,
     const struct gp_v3 eye = {0, -10, 2};
     const struct gp_camera c =
         made_camera(&s, eye, (struct gp_v3) {0, 0, 2}, 50.0, (double) W / H);
-    take(&s, c, eye, shot);
+    take(&s, c, eye, W, H, shot);
     return s;
 }
 
@@ -363,6 +402,7 @@ static void example_of_98(void **state)
     const struct gp_camera c =
         made_camera(&s, (struct gp_v3) {-3.5, -3.5, 2},
                     (struct gp_v3) {0, 0, 1}, 90.0, (double) W / H);
+    const struct gp_rect window = {0, 0, W, H};
     const struct gp_sets_view view = {.camera = c, .display = window,
                                       .window = window, .near = NEAR};
     struct gp_bodies *bodies;
@@ -478,13 +518,13 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, as_lists, figure_15_1, figure_15_2, example_of_98,
+        nothing_is_lost, many_tiles, as_lists, figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
-                                "nothing_is_lost, as_lists, figure_15_1, "
-                                "figure_15_2, example_of_98",
+                                "nothing_is_lost, many_tiles, as_lists, "
+                                "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
 }
