@@ -1,5 +1,5 @@
 /* The clear share of a disc by rays. */
-#include "scene/eye.h"
+#include "scene/eye_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -23,28 +23,13 @@ static double jitter(uint32_t i)
     return (double) i * 0x1p-32;
 }
 
-/* The axes across the disc's direction. */
-struct frame_of_disc {
-    struct gp_v3 to, across, up;
-    double rise; // 1 - cos(half)
-};
-
-static struct frame_of_disc frame_of(const struct gp_eye_disc *d)
-{
-    const struct gp_v3 away = fabs(d->to.z) < 0.9
-                                  ? (struct gp_v3) {0.0, 0.0, 1.0}
-                                  : (struct gp_v3) {1.0, 0.0, 0.0};
-    const struct gp_v3 across = gp_v3_unit(gp_v3_cross(d->to, away));
-    const double s = sin(0.5 * d->half);
-    return (struct frame_of_disc) {d->to, across, gp_v3_cross(across, d->to),
-                                   2.0 * s * s};
-}
-
 /* Returns the direction of (a, b) in [-1, 1]^2, unit: the concentric map
  * (Shirley and Chiu 1997) to a disc, whose area is that on the sphere when the
  * square of its radius is 1 - cos(angle). */
-static struct gp_v3 direction(const struct frame_of_disc *f, double a, double b)
+static struct gp_v3 direction(const struct gp_eye_measure *f, double a,
+                              double b)
 {
+    const double half = sin(0.5 * f->disc->half);
     double radius = a, turn = 0.0;
     if (fabs(a) > fabs(b)) {
         turn = PI / 4.0 * (b / a);
@@ -52,10 +37,10 @@ static struct gp_v3 direction(const struct frame_of_disc *f, double a, double b)
         radius = b;
         turn = PI / 2.0 - PI / 4.0 * (a / b);
     }
-    const double m = radius * radius * f->rise;
+    const double m = radius * radius * 2.0 * half * half;
     // the sign of the radius is that of the side of the square
     const double s = copysign(sqrt(m * (2.0 - m)), radius);
-    return gp_v3_add(gp_v3_scale(f->to, 1.0 - m),
+    return gp_v3_add(gp_v3_scale(f->disc->to, 1.0 - m),
                      gp_v3_add(gp_v3_scale(f->across, s * cos(turn)),
                                gp_v3_scale(f->up, s * sin(turn))));
 }
@@ -83,44 +68,19 @@ struct row_sums {
 };
 
 struct samples {
-    const struct gp_eye_disc *disc;
-    const struct gp_eye_window *window; // NULL: none
+    struct gp_eye_measure measure;
     const struct gp_rays *rays;
-    struct frame_of_disc frame;
-    bool plane;        // weigh by area in the picture
     int side;
     uint8_t bits[LAST * LAST];
     struct row_sums row[LAST];
 };
-
-static bool inside(const struct gp_eye_window *w, struct gp_v3 along)
-{
-    const double world[3] = {along.x, along.y, along.z};
-    if (!w || gp_rect_empty(w->known))
-        return false;
-    const struct gp_projected p =
-        gp_camera_project(w->camera, w->display, world, 0.0);
-    return !p.behind && p.x >= w->known.x0 && p.x < w->known.x1 &&
-           p.y >= w->known.y0 && p.y < w->known.y1;
-}
-
-/* Area in the picture of a solid angle there, but for a factor: 1 / cos^3 of
- * the angle from the view axis. */
-static double weight_of(const struct samples *s, struct gp_v3 along)
-{
-    if (!s->plane)
-        return 1.0;
-    const double *const m = s->window->camera->to_ndc;
-    const double c = gp_v3_dot(along, (struct gp_v3) {m[3], m[7], m[11]});
-    return 1.0 / (c * c * c);
-}
 
 static struct gp_v3 sample_at(const struct samples *s, int x, int y)
 {
     const uint32_t i = (uint32_t) (y * LAST + x) * 2u;
     const double a = ((double) x + jitter(i)) / s->side;
     const double b = ((double) y + jitter(i + 1u)) / s->side;
-    return direction(&s->frame, 2.0 * a - 1.0, 2.0 * b - 1.0);
+    return direction(&s->measure, 2.0 * a - 1.0, 2.0 * b - 1.0);
 }
 
 static void cast_row(void *ctx, int y, int thread)
@@ -130,13 +90,13 @@ static void cast_row(void *ctx, int y, int thread)
     struct row_sums sums = {0};
     for (int x = 0; x < s->side; x++) {
         const struct gp_v3 along = sample_at(s, x, y);
-        const double weight = weight_of(s, along);
-        uint8_t bits = inside(s->window, along) ? INSIDE : 0;
+        const double weight = gp_eye_weight(&s->measure, along);
+        uint8_t bits = gp_eye_inside(&s->measure, along) ? INSIDE : 0;
         sums.all += weight;
         if (!bits) {
             sums.outside += weight;
-            bits = gp_rays_stopped(s->rays, s->disc->eye, along,
-                                   way_to(s->disc, along))
+            const struct gp_eye_disc *const d = s->measure.disc;
+            bits = gp_rays_stopped(s->rays, d->eye, along, way_to(d, along))
                        ? 0
                        : SHOWN;
             sums.clear += bits & SHOWN ? weight : 0.0;
@@ -183,31 +143,6 @@ static void cast(struct samples *s, struct gp_eye_share *out)
     out->error = n > 0 ? 0.5 * sqrt((double) edges) / n : 0.0;
 }
 
-/* Returns true when the window has a part of the disc and lacks one: found by
- * rays around its edge and by its middle. */
-static bool is_cut(const struct samples *s)
-{
-    const bool middle = inside(s->window, s->disc->to);
-    for (int i = 0; i < LAST; i++) {
-        const double t = 8.0 * i / LAST; // around the square
-        const double u = fmod(t, 2.0) - 1.0;
-        const double a = t < 2.0 ? u : t < 4.0 ? 1.0 : t < 6.0 ? -u : -1.0;
-        const double b = t < 2.0 ? -1.0 : t < 4.0 ? u : t < 6.0 ? 1.0 : -u;
-        if (inside(s->window, direction(&s->frame, a, b)) != middle)
-            return true;
-    }
-    return false;
-}
-
-/* Returns true when all of the disc is before the camera. */
-static bool in_plane(const struct samples *s)
-{
-    const double *const m = s->window->camera->to_ndc;
-    const double c =
-        gp_v3_dot(s->disc->to, (struct gp_v3) {m[3], m[7], m[11]});
-    return c > 0.0 && acos(fmin(c, 1.0)) + s->disc->half < 0.999 * PI / 2.0;
-}
-
 static bool triangle_meets(const void *user, struct gp_v3 centre, double radius)
 {
     return gp_eye_meets_sphere(user, centre, radius);
@@ -226,20 +161,22 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, "rays to a light", 1, sizeof *samples, &samples));
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
-    samples->disc = d;
-    samples->window = window;
     samples->rays = &rays;
-    samples->frame = frame_of(d);
-    const bool cut = window && is_cut(samples);
-    samples->plane = cut && in_plane(samples);
+    samples->measure = gp_eye_measure_of(d, window);
     share.objects = gp_eye_set(s, d, object);
+    if (!samples->measure.cut) {
+        const bool in = gp_eye_inside(&samples->measure, d->to);
+        share.outside = in ? 0.0 : 1.0;
+        if (!in && gp_eye_hidden(s, d, object, share.objects))
+            share.clear = 0.0;
+        if (in || share.clear == 0.0) {
+            *out = share;
+            goto out;
+        }
+    }
     GP_TRY(gp_rays_make(log, s, object, share.objects, triangle_meets, d,
                         &rays));
-    if (!cut && inside(window, d->to)) {
-        share.outside = 0.0;
-    } else if (!cut && rays.n == 0) {
-        share.samples = 0;
-    } else {
+    if (samples->measure.cut || rays.n > 0) {
         int side = d->half > 0.0 ? FIRST : 1;
         do {
             samples->side = side;

@@ -1,5 +1,5 @@
 /* Discs before the eye, and the objects that their cones meet. */
-#include "scene/eye.h"
+#include "scene/eye_priv.h"
 
 #include "scene/bounds.h"
 
@@ -143,4 +143,100 @@ int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
             object[n++] = i;
     }
     return n;
+}
+
+// -- one triangle before all of it ---------------------------------------------
+
+/* Returns true when the cone of the disc is within the three planes through the
+ * eye and the triangle's edges, and the triangle is nearer than the disc. */
+static bool covers(const struct gp_eye_disc *d, const struct gp_v3 p[3])
+{
+    const double least = sin(fmin(d->half + SLACK, PI / 2.0));
+    const double turn = gp_v3_det(p[0], p[1], p[2]) < 0.0 ? -1.0 : 1.0;
+    for (int i = 0; i < 3; i++) {
+        const struct gp_v3 n = gp_v3_cross(p[i], p[(i + 1) % 3]);
+        if (!(turn * gp_v3_dot(n, d->to) > least * gp_v3_length(n)) ||
+            !(gp_v3_length(p[i]) < (d->distance - d->ball) * (1.0 - SLACK)))
+            return false;
+    }
+    return true;
+}
+
+bool gp_eye_hidden(const struct gp_scene *s, const struct gp_eye_disc *d,
+                   const int *object, int objects)
+{
+    for (int i = 0; i < objects; i++) {
+        const struct gp_object *const o = &s->object[object[i]];
+        const struct gp_mesh *const m = &s->mesh[o->mesh];
+        for (int k = m->first; k < m->first + m->parts; k++) {
+            const struct gp_part *const part = &s->part[k];
+            const bool opaque = !(s->material[part->material].cutoff > 0.0f);
+            const uint32_t *const index = s->index + part->first;
+            for (int t = 0; opaque && t < part->count; t += 3) {
+                struct gp_v3 p[3];
+                for (int v = 0; v < 3; v++)
+                    p[v] = gp_v3_sub(
+                        gp_move(o->to_world, gp_scene_vertex(s, index[t + v])),
+                        d->eye);
+                if (covers(d, p))
+                    return true;
+            }
+        }
+    }
+    return false;
+}
+
+// -- directions ---------------------------------------------------------------
+
+bool gp_eye_inside(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const struct gp_eye_window *const w = m->window;
+    const double world[3] = {along.x, along.y, along.z};
+    if (!w || gp_rect_empty(w->known))
+        return false;
+    const struct gp_projected p =
+        gp_camera_project(w->camera, w->display, world, 0.0);
+    return !p.behind && p.x >= w->known.x0 && p.x < w->known.x1 &&
+           p.y >= w->known.y0 && p.y < w->known.y1;
+}
+
+static double along_view(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const double *const c = m->window->camera->to_ndc;
+    return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
+}
+
+/* Area in the picture of a solid angle there, but for a factor: 1 / cos^3 of
+ * the angle from the view axis. */
+double gp_eye_weight(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const double c = m->plane ? along_view(m, along) : 1.0;
+    return 1.0 / (c * c * c);
+}
+
+struct gp_eye_measure gp_eye_measure_of(const struct gp_eye_disc *d,
+                                        const struct gp_eye_window *window)
+{
+    enum { AROUND = 256 }; // directions on the edge that are looked at
+    const struct gp_v3 other = fabs(d->to.z) < 0.9
+                                   ? (struct gp_v3) {0.0, 0.0, 1.0}
+                                   : (struct gp_v3) {1.0, 0.0, 0.0};
+    struct gp_eye_measure m = {.disc = d, .window = window};
+    m.across = gp_v3_unit(gp_v3_cross(d->to, other));
+    m.up = gp_v3_cross(m.across, d->to);
+    const bool middle = gp_eye_inside(&m, d->to);
+    for (int i = 0; window && i < AROUND; i++) {
+        const double turn = 2.0 * PI * i / AROUND;
+        const struct gp_v3 side =
+            gp_v3_add(gp_v3_scale(m.across, cos(turn)),
+                      gp_v3_scale(m.up, sin(turn)));
+        const struct gp_v3 edge =
+            gp_v3_add(gp_v3_scale(d->to, cos(d->half)),
+                      gp_v3_scale(side, sin(d->half)));
+        m.cut = m.cut || gp_eye_inside(&m, edge) != middle;
+    }
+    // all of the disc is before the camera
+    m.plane = m.cut && along_view(&m, d->to) > 0.0 &&
+              acos(fmin(along_view(&m, d->to), 1.0)) + d->half < 0.999 * PI / 2;
+    return m;
 }
