@@ -70,4 +70,23 @@ GP_MUST_CHECK gp_status gp_eye_rays(
     const struct gp_eye_disc *d, const struct gp_eye_window *window,
     struct gp_eye_share *out);
 
+/* Programs and targets on a context; kept from frame to frame. */
+struct gp_eye_map;
+
+/* Draws a sun map from geometry (Maughan, step 3): the viewer at the eye looks
+ * at the light, whose square fills the map; the sun is white, the objects of E
+ * black, alpha tested, without depth; the front plane is at the eye, or at
+ * 5e-4 of a lamp's distance, the back plane at the edge of a lamp's ball.
+ * Nothing is drawn where one triangle hides all. The map is read back, and
+ * texels whose centres are in the disc count as gp_eye_rays() counts.
+ *   side   texels, cut to [2, 256]
+ *   state  made at the first call; of one scene; gp_eye_map_close()
+ * Discs of no size, or of a half angle over 1 radian, are left to
+ * gp_eye_rays(). Errors: GP_ERR_GL; GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_eye_map_draw(
+    const struct gp_log *log, const struct gp_gl *gl, const struct gp_scene *s,
+    const struct gp_eye_disc *d, const struct gp_eye_window *window, int side,
+    struct gp_eye_map **state, struct gp_eye_share *out);
+void gp_eye_map_close(const struct gp_gl *gl, struct gp_eye_map **state);
+
 #endif
