@@ -342,6 +342,12 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
     }
     GP_TRY(check_kernel_size(log, s));
+    if (s->scene.path && !gp_option_given(s, "sun-outside"))
+        s->sun.map.outside = GP_OUTSIDE_SCENE;
+    if (!s->scene.path && s->sun.map.outside == GP_OUTSIDE_SCENE)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--sun-outside: scene needs --scene "
+                       "FILE; give it, or another rule, e.g. --sun-outside "
+                       "ignore"));
     s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
     s->kernel.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)

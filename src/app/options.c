@@ -94,7 +94,10 @@ static const struct gp_option_choice gp_sums[] = {
 static const struct gp_option_choice gp_outsides[] = {
     {"ignore", GP_OUTSIDE_IGNORE, "measure only the part inside"},
     {"visible", GP_OUTSIDE_VISIBLE, "as visible, with its glare and flare"},
-    {"hidden", GP_OUTSIDE_HIDDEN, "as hidden"}, {0},
+    {"hidden", GP_OUTSIDE_HIDDEN, "as hidden"},
+    {"scene", GP_OUTSIDE_SCENE, "as the objects of --scene hide it, also behind "
+     "the camera; the default with --scene"},
+    {0},
 };
 static const struct gp_option_choice gp_ups[] = {
     {"auto", GP_UP_AUTO, "the axis by which the scene's camera is nearer to the "

@@ -23,6 +23,8 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     gp_status st = gp_suns_place(fs->log, &reader, &fs->frame, &r->suns);
     if (!st)
+        st = gp_run_outside(r, fs);
+    if (!st)
         st = gp_suns_measure(fs->log, &r->suns);
     if (st)
         return st;

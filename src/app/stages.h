@@ -15,6 +15,7 @@
 #include "glare/kernel_check.h"
 #include "glare/model/model.h"
 #include "glare/sensors.h"
+#include "scene/eye.h"
 #include "scene/gltf.h"
 #include "sun/ghosts.h"
 #include "sun/lens_draw.h"
@@ -183,6 +184,7 @@ struct gp_run {
                                    // the frames before
     struct gp_suns suns;
     struct gp_run_scene scene;     // zero without --scene
+    struct gp_eye_map *eye_map;    // of gp_run_outside(), on suns.gl
     struct gp_lens lens;           // of --lens, not focused
     struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
@@ -239,6 +241,15 @@ GP_MUST_CHECK gp_status gp_run_scene_begin(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_run_scene(struct gp_run *r,
                                      struct gp_frame_state *fs);
 void gp_run_scene_free(struct gp_run_scene *s);
+
+/* Sets the clear share outside the frame of each light that is placed, where
+ * --sun-outside asks for it: by rays with --sun-method exact, else by a sun map
+ * from geometry. Errors: those of these; GP_ERR_USAGE no camera. */
+GP_MUST_CHECK gp_status gp_run_outside(struct gp_run *r,
+                                       struct gp_frame_state *fs);
+
+/* Frees its map, while the suns' context is open. */
+void gp_run_outside_close(struct gp_run *r);
 
 /* Reads --lens and checks what options ask of it. Errors: those of
  * gp_lens_read() and gp_lens_focus(). */

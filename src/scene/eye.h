@@ -32,11 +32,6 @@ struct gp_eye_disc gp_eye_lamp(struct gp_v3 eye, struct gp_v3 at, double ball);
 int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
                int *object);
 
-/* The two tests of the set; true when they may meet. */
-bool gp_eye_meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
-                         double radius);
-bool gp_eye_meets_box(const struct gp_eye_disc *d, const struct gp_box *box);
-
 /* The part of the picture that the frame itself answers for. */
 struct gp_eye_window {
     const struct gp_camera *camera; // its eye is the disc's

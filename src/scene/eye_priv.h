@@ -4,6 +4,11 @@
 
 #include "scene/eye.h"
 
+/* The two tests of the set; true when they may meet. */
+bool gp_eye_meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
+                         double radius);
+bool gp_eye_meets_box(const struct gp_eye_disc *d, const struct gp_box *box);
+
 /* A disc, the axes across it, and how its directions are weighed. */
 struct gp_eye_measure {
     const struct gp_eye_disc *disc;

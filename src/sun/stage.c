@@ -160,7 +160,8 @@ static gp_status place_lights(const struct gp_log *log,
     const int all = suns->specs + more->specs;
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
-    bool found = false, needed = p->camera || more->specs > 0;
+    bool found = false, needed = p->camera || more->specs > 0 ||
+                                p->map.outside == GP_OUTSIDE_SCENE;
     gp_status st;
     // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < suns->specs; i++)

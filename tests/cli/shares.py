@@ -2,9 +2,10 @@
 
 Usage: shares.py DATA REPORT LIMIT
 
-Prints frames, frames whose interval holds the truth, and whether the mean and
-the worst error of the frames with all of the light in the picture are within
-LIMIT (MEAN,WORST); the errors themselves go to stderr.
+Prints shares, those whose interval holds the truth, and whether the mean and
+the worst error are within LIMIT (MEAN,WORST); the errors themselves go to
+stderr. Without a scene only frames with all of the light in the picture count
+for the error.
 """
 import json
 import os
@@ -22,17 +23,29 @@ with open(f"{data}/scenes/forest.camera.json") as f:
         name = f"forest.{frame['frame']}.exr"
         truth[name] = frame["sun_visibility_true"]
         whole[name] = frame["on_screen"] == "full"
-off, holds = [], 0
+with open(f"{data}/scenes/street.camera.json") as f:
+    for frame in json.load(f)["frames"]:
+        for lamp in frame["lamps"]:
+            name = f"street.{frame['frame']}.exr"
+            truth[name, lamp["name"]] = lamp["visible_share"]
+off, holds, count = [], 0, 0
 with open(report) as f:
     lines = [json.loads(line) for line in f]
 for o in lines:
-    name, light = os.path.basename(o["input"]), o["lights"][0]
-    lo, hi = light["interval"]
-    holds += lo <= truth[name] <= hi
-    if whole.get(name, True):
-        off.append(abs(light["visibility"] - truth[name]))
+    for light in o["lights"]:
+        name = os.path.basename(o["input"])
+        true = truth.get((name, light.get("name")), truth.get(name))
+        by_scene = o["settings"].get("scene") is not None
+        # a light behind the camera is known by the scene; the truth of lamps
+        # has a standard error of 0.003
+        lo, hi = light.get("interval", [light["visibility"]] * 2)
+        slack = 0.003 if "street" in name else 0.0
+        holds += lo - slack <= true <= hi + slack
+        count += 1
+        if by_scene or whole.get(name, True):
+            off.append(abs(light["visibility"] - true))
 mean, worst = sum(off) / len(off), max(off)
-print(f"{len(off)} frames: mean {mean:.4f}, worst {worst:.4f}",
+print(f"{len(off)} shares: mean {mean:.4f}, worst {worst:.4f}",
       file=sys.stderr)
 bars = [float(v) for v in limit.split(",")]
-print(len(lines), holds, mean <= bars[0] and worst <= bars[1])
+print(count, holds, mean <= bars[0] and worst <= bars[1])

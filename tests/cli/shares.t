@@ -34,4 +34,69 @@ else
     skip 4 "$no_data"
 fi
 
+# -- a scene for what the frame does not show ----------------------------------
+
+street=$root/examples/street.glb
+gl=yes
+frame plain.exr channels=R,G,B kind=dark
+"$glarepp" --sun 30,12 --sun-method mask --report r.json plain.exr 2>err || gl=
+
+# lamps EXPRESSION: of r.json's lights, L by name
+lamps()
+{
+    field r.json "(lambda L: $1)({l['name']: l for l in o['lights']})"
+}
+
+# what the scene's maker counted with rays of its own: in this frame lamp3 is
+# beside the picture, .728 of it clear, lamp4 behind the camera and clear,
+# lamp6 beside it and hidden
+frame still.1004.exr channels=R,G,B,Z:float kind=dark size=640x360
+for method in exact mask; do
+    if [ $method = mask ] && [ -z "$gl" ]; then
+        skip 3 'no GL'
+        continue
+    fi
+    run --scene "$street" --sun-method $method --report r.json still.1004.exr
+    is "$(lamps '[round(L[k]["visibility"], 2) for k in ("lamp3", "lamp4",
+        "lamp6")]')" '[0.73, 1.0, 0.0]' "$method: lamps beside and behind"
+    is "$(lamps 'L["lamp4"]["behind"]')" True "$method: behind the camera"
+    is "$(lamps 'L["lamp3"]["interval"][0] < 0.7278 <
+        L["lamp3"]["interval"][1]')" True "$method: the interval holds it"
+done
+run --scene "$street" --threads 1 --report one.json still.1004.exr
+run --scene "$street" --threads 3 --report r.json still.1004.exr
+is "$(field r.json 'o["lights"]')" "$(field one.json 'o["lights"]')" \
+    'any threads, the same shares'
+run --scene "$street" --sun-outside ignore --report r.json still.1004.exr
+is "$(lamps '[L[k]["visibility"] for k in ("lamp3", "lamp4")]')" '[0.0, 0.0]' \
+    'another rule for the part outside'
+run --sun 30,12 --sun-outside scene --report r.json plain.exr
+fails_with 2 'needs --scene' 'a rule without its scene'
+
+if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
+    for method in exact mask; do
+        if [ $method = mask ] && [ -z "$gl" ]; then
+            skip 3 'no GL'
+            continue
+        fi
+        set -- -q --sun-method $method --report r.json
+        forest="--scene $data/scenes/forest.glb --sun-size 0.53"
+        "$glarepp" "$@" $forest "$data/scenes/forest.####.exr"
+        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.05 2>found)" \
+            '6 6 True' "$method: the sun in the forest, on screen and off"
+        note "depth, $(cat found)"
+        "$glarepp" "$@" $forest --mask A "$data/scenes/forest.####.exr"
+        is "$("$python" "$cli/shares.py" "$data" r.json 0.005,0.01 2>found)" \
+            '6 6 True' "$method: the same with coverage"
+        note "coverage, $(cat found)"
+        "$glarepp" "$@" --scene "$data/scenes/street.glb" \
+            "$data/scenes/street.####.exr"
+        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
+            '32 32 True' "$method: lamps in the street, by depth"
+        note "$(cat found)"
+    done
+else
+    skip 6 "$no_data"
+fi
+
 done_testing
