@@ -98,11 +98,10 @@ double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
 }
 
 /* Returns how far a camera of the scene is from the frame's: the distance of
- * the eyes over the scene's diagonal, and of the axes. The world is z up when
+ * the eyes over `across`, the scene's diagonal, and of the axes. The world is z up when
  * `turned`, and the scene is not turned. */
-static double camera_distance(const struct gp_scene *s,
-                              const struct gp_scene_camera *c, bool turned,
-                              const struct gp_camera *frame)
+static double camera_distance(const struct gp_scene_camera *c, bool turned,
+                              const struct gp_camera *frame, double across)
 {
     const double *const m = c->to_camera;
     struct gp_v3 axis = {-m[2], -m[6], -m[10]}, eye = {0.0, 0.0, 0.0};
@@ -120,7 +119,7 @@ static double camera_distance(const struct gp_scene *s,
     if (!point_at(frame, 0.0, 0.0, 0.0, own))
         return INFINITY;
     const struct gp_v3 at = {own[0], own[1], own[2]};
-    return gp_v3_length(gp_v3_sub(at, eye)) / diagonal(s) +
+    return gp_v3_length(gp_v3_sub(at, eye)) / across +
            gp_v3_length(gp_v3_sub(view, axis));
 }
 
@@ -128,10 +127,11 @@ enum gp_up gp_scene_find_up(const struct gp_scene *s,
                             const struct gp_camera *frame)
 {
     const double *const f = frame->to_ndc;
+    const double across = diagonal(s);
     double y = INFINITY, z = INFINITY;
     for (int i = 0; i < s->cameras; i++) {
-        y = fmin(y, camera_distance(s, &s->camera[i], false, frame));
-        z = fmin(z, camera_distance(s, &s->camera[i], true, frame));
+        y = fmin(y, camera_distance(&s->camera[i], false, frame, across));
+        z = fmin(z, camera_distance(&s->camera[i], true, frame, across));
     }
     if (s->cameras)
         return z < y ? GP_UP_Z : GP_UP_Y;

@@ -58,8 +58,8 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
                                     "%d nodes)", d, s->n);
             struct gp_scene_node *const child = &s->at[(int) d];
             if (child->parent >= 0)
-                return gp_gltf_fail(&at, "its child %g has another parent (node "
-                                    "%d)", d, child->parent);
+                return gp_gltf_fail(&at, "its child %g has another parent "
+                                    "(node %d)", d, child->parent);
             child->parent = i;
         }
     }

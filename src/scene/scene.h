@@ -3,8 +3,10 @@
  *
  *   gltf_file      .glb and .gltf, their buffers and images, bounds first
  *   gltf_accessor  numbers from buffers: strides, sparse, normalised
- *   gltf_node      nodes, meshes, materials, lights, cameras of a file
+ *   gltf_mesh      materials, cut-outs and triangles of a file
+ *   gltf_node      nodes, lights and cameras of a file
  *   gltf_anim      places of nodes at a time
+ *   gltf_camera    its cameras beside the frame's
  *   bounds         boxes and spheres of objects
  *   frustum        planes of a camera, and of its hull with a light (15.4.4)
  *   reach          volumes of lights
@@ -17,8 +19,7 @@
  *   draw, shadow   the paper's renderer on GL
  *   relight        the frame lit by the scene's lights
  *
- * The scene's world is the frame's: gp_scene_read() turns glTF's (y up) to it
- * once. Units are the file's, metres by glTF. Matrices are for row vectors,
+ * The scene's world is the frame's: gltf.h turns glTF's (y up) to it. Units are the file's, metres by glTF. Matrices are for row vectors,
  * p' = p * m, m[4 * row + column], as in core/camera.h.
  *
  * A scene is read once and posed for each frame; between poses it is const, and

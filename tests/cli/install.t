@@ -54,6 +54,7 @@ share/doc/glarepp/man/hardcases.md
 share/doc/glarepp/man/kernels.md
 share/doc/glarepp/man/lenses.md
 share/doc/glarepp/man/promises.md
+share/doc/glarepp/man/scenes.md
 share/doc/glarepp/man/sequences.md
 share/doc/glarepp/man/sun.md
 share/fish/vendor_completions.d/glarepp.fish
@@ -142,7 +143,8 @@ usr/share/doc/glarepp/man/hardcases.md
 usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md
 usr/share/doc/glarepp/man/promises.md
-usr/share/doc/glarepp/man/sequences.md
+usr/share/doc/glarepp/man/scenes.md
+share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md
 usr/share/fish/vendor_completions.d/glarepp.fish
 usr/share/man/man1/glarepp.1.gz

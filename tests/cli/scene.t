@@ -52,6 +52,49 @@ is "$(field f.json 'o["flux_in"][0] > 1000')" True \
     '--light-scale gives lamps flux'
 is "$(field r.json 'o["flux_in"]')" '[0.0, 0.0, 0.0]' 'without it they have none'
 
+# one lamp of 100 cd, 10 before a camera of 90 degrees: 0.01 * 100 / 10^2 in every
+# square of 1/50 (a pixel's side at distance 1), or sin(asin(0.05)) of a ball of 0.5
+cat >lamp.gltf <<'JSON'
+{"asset": {"version": "2.0"}, "cameras": [{"type": "perspective",
+ "perspective": {"yfov": 1.5707963267948966, "znear": 1}}],
+ "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point",
+ "intensity": 100}]}}, "nodes": [{"camera": 0}, {"name": "lamp",
+ "translation": [0, 0, -10], "extensions": {"KHR_lights_punctual":
+ {"light": 0}}}]}
+JSON
+frame small.exr channels=R,G,B kind=dark size=100x100
+run --scene lamp.gltf --light-scale 0.01 --report r.json --layer l.exr small.exr
+is "$(field r.json 'abs(o["flux_in"][1] - 25) < 0.01')" True \
+    'flux of a lamp without a size' || note "$(field r.json 'o["flux_in"]')"
+is "$(lights '[L["lamp"][k] for k in ("x", "y", "radius")]')" '[50.0, 50.0, 0.5]' \
+    'a lamp without a size is half a pixel'
+run --scene lamp.gltf --light-scale 0.01 --lamp-size 0.5 --report r.json \
+    --layer l.exr small.exr
+is "$(field r.json 'abs(o["flux_in"][1] - 25.06) < 0.01')" True \
+    'flux of a ball' || note "$(field r.json 'o["flux_in"]')"
+is "$(lights 'round(L["lamp"]["radius"], 2)')" 2.5 '--lamp-size'
+run --scene lamp.gltf --light-scale 0.01 --sun-in-frame --report r.json \
+    --layer l.exr small.exr
+is "$(field r.json 'o["flux_in"][1]')" 0.0 'lamps that the frame shows already'
+run --lamp-size 1 -o o.png small.exr
+like "$(cat err)" '*--lamp-size: does nothing without --scene*' \
+    'an option of scenes without one is said'
+
+# -- a frame's own camera -----------------------------------------------------------
+
+# the lamp's camera, moved by 0.01 at a distance of 1: half a pixel
+for x in 0 0.1; do
+    frame own$x.exr channels=R,G,B kind=dark size=100x100 \
+        attr=worldToNDC:m44f:0.5,0,0,0,0,-0.5,0,0,-0.5,-0.5,-1,-1,$x,0,-1,0
+done
+run --scene lamp.gltf --report r.json -o o.png own0.exr
+is "$(field r.json 'o["scene"]["camera_apart"] < 1e-4')" True \
+    "the frame's own camera is compared" || note "$(field r.json 'o["scene"]')"
+is "$(grep -c apart err)" 0 'two that agree are not said'
+run --scene lamp.gltf --report r.json -o o.png own0.1.exr
+like "$(cat err)" '*pixels apart; the frame*' 'over half a pixel is said'
+is "$(lights 'round(L["lamp"]["x"], 2)')" 51.0 "the frame's camera counts"
+
 # -- what is wrong ----------------------------------------------------------------
 
 printf 'glTF\002\0\0\0\377\377\0\0' >bad.glb

@@ -6,10 +6,11 @@
 set -eu
 cd "$(dirname "$0")/../.."
 case $1 in /*) glarepp=$1 ;; *) glarepp=$PWD/$1 ;; esac
-exr=$PWD/tests/cli/exr.py
+exr=$PWD/tests/cli/exr.py gltf=$PWD/tests/fuzz/seeds_gltf.py
 mkdir -p "$2"
 cd "$2"
-mkdir -p frame plane kernel members raw options frames json other scratch
+mkdir -p frame plane kernel members raw options frames json gltf other scratch
+/usr/bin/python3 "$gltf" gltf
 
 # frame NAME [key=value...]: what exr.py makes, written again by the program
 frame()

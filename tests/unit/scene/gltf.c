@@ -1,5 +1,6 @@
 /* The glTF reader: what is placed where, every form of numbers, and files that
  * are wrong. */
+#include "fail.h"
 #include "gltf_made.h"
 
 #include <jansson.h>
@@ -367,6 +368,28 @@ static void places_out_of_range_are_at_the_origin(void **state)
 
 // -- keys ---------------------------------------------------------------------
 
+/* A scene with all that is read: triangles, a light, a camera, keys. */
+static const char *whole_scene(void)
+{
+    static const float times[2] = {1, 3}, places[6] = {1, 2, 3, 5, 2, 3};
+    return gm_write(
+        "'buffers': [{'uri': '%s', 'byteLength': 36}, {'uri': '%s', "
+        "'byteLength': 8}, {'uri': '%s', 'byteLength': 24}], 'bufferViews': [{"
+        "'buffer': 0, 'byteLength': 36}, {'buffer': 1, 'byteLength': 8}, {"
+        "'buffer': 2, 'byteLength': 24}], 'accessors': [{'bufferView': 0, "
+        "'componentType': 5126, 'count': 3, 'type': 'VEC3'}, {'bufferView': 1,"
+        " 'componentType': 5126, 'count': 2, 'type': 'SCALAR'}, {'bufferView':"
+        " 2, 'componentType': 5126, 'count': 2, 'type': 'VEC3'}], 'materials':"
+        " [{}], 'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, "
+        "'material': 0}]}], 'nodes': [{'mesh': 0, 'camera': 0, 'children': [1]"
+        "}, {'extensions': {'KHR_lights_punctual': {'light': 0}}}], 'cameras':"
+        " [{'type': 'perspective', 'perspective': {'yfov': 1, 'znear': 1}}], "
+        "'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'spot'}]}}"
+        ", 'animations': [{'channels': [{'sampler': 0, 'target': {'node': 0, "
+        "'path': 'translation'}}], 'samplers': [{'input': 1, 'output': 2}]}]",
+        gm_uri(corners, 36), gm_uri(times, 8), gm_uri(places, 24));
+}
+
 /* A node that keys move: times 0 and 1, or 2 of them. */
 static struct gp_scene moved(const char *way, const char *prop,
                              const char *type, const float *values, int n,
@@ -440,6 +463,36 @@ static void turns_run_at_one_speed_the_shorter_way(void **state)
         assert_at(scene.light[0].along, -sin(M_PI / 6), 0, -cos(M_PI / 6));
         gp_scene_free(&scene);
     }
+}
+
+// -- memory -------------------------------------------------------------------
+
+/* Every call of the reader that may fail does: one line, and nothing is kept.
+ */
+static void full_memory_is_one_line_and_keeps_nothing(void **state)
+{
+    const char *const file = whole_scene();
+    const long blocks = fail_blocks();
+    struct gp_scene s = {0};
+    long n = 1;
+    for (;; n++) {
+        kept_clear();
+        fail_at(FAIL_ALLOC, n);
+        const gp_status st = gp_scene_read(&kept_log, file, GP_UP_Y, NULL, &s);
+        if (!fail_end()) {
+            assert_ok(st);
+            break;
+        }
+        if (st != GP_ERR_BUG || kept_errors != 1)
+            fail_msg("allocation %ld: status %d, %d lines (%s)", n, (int) st,
+                     kept_errors, kept_line);
+        assert_int_equal(fail_blocks(), blocks);
+    }
+    assert_true(n > 20);
+    gp_scene_free(&s);
+    assert_int_equal(fail_blocks(), blocks);
+    gm_refused(gm_write("'buffers': [{'byteLength': 1, 'uri': 'data:;base64,'}]"
+                        ), GP_ERR_DATA, "truncated (0 bytes");
 }
 
 // -- cut-outs -----------------------------------------------------------------
@@ -649,6 +702,7 @@ SUITE_OF(gltf, make_folder, remove_folder,
     skins_and_targets_warn_once, places_out_of_range_are_at_the_origin,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
+    full_memory_is_one_line_and_keeps_nothing,
     cutouts_are_read_once_for_all_materials, cameras_project_and_are_compared,
     the_street_is_where_blender_put_it, the_forest_is_where_blender_put_it,
     definitions_alone_are_a_scene_of_nothing)
