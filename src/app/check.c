@@ -108,6 +108,8 @@ static gp_status check_needs(const struct gp_log *log,
          "--report FILE", "", ""},
         {GP_NEED_LENS, s->lens.name != NULL, "does nothing without --lens; "
          "give --lens NAME, see glarepp lens --list", "", ""},
+        {GP_NEED_RELIGHT, s->relight.n > 0, "does nothing without --relight; "
+         "give --relight NAME", "", ""},
         {GP_NEED_SCENE, s->scene.path != NULL, "does nothing without --scene; "
          "give --scene FILE", "", ""},
         {GP_NEED_FILES, files, "does nothing without an output file; leave it "

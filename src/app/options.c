@@ -112,6 +112,9 @@ static const struct gp_option_choice gp_sun_draws[] = {
      "before they are drawn"},
     {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
 };
+static const struct gp_option_choice gp_spaces[] = {
+    {"world", GP_NORMALS_WORLD, NULL}, {"camera", GP_NORMALS_CAMERA, NULL}, {0},
+};
 static const struct gp_option_choice gp_ndcs[] = {
     {"auto", GP_NDC_AUTO, "spec or clip, by the point that the view axis maps "
      "to"},
@@ -402,6 +405,13 @@ const struct gp_option gp_options[] = {
         "scene's lights flux, which is glare of their own and flare: this "
         "much of the frame's unit for a candela or lux, 0.00146413 (1/683) for "
         "Blender"),
+    OPT(relight, .name = "relight", IN(SUN), .arg = "NAME|all",
+        .needs = GP_NEED_SCENE, .help = "Add the light of this lamp of the "
+        "scene to the frame, by its depth, normals and albedo; may be given "
+        "more than once"),
+    CHOICE(normal_space, .name = "normal-space", IN(SUN), .arg = "SPACE",
+        .needs = GP_NEED_RELIGHT, .choices = gp_spaces, .help = "Axes of the "
+        "frame's normals"),
     OPT(scene.lamp_size, .name = "lamp-size", IN(SUN), .arg = "R",
         .needs = GP_NEED_SCENE, .hi = 1e9, .help = "Radius, in the scene's "
         "unit, of lamps whose node has no extras.ball_radius; 0: half a "

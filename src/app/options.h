@@ -85,6 +85,7 @@ enum gp_need {
     GP_NEED_REPORT_FILE = 1 << 20, // --report
     GP_NEED_LENS = 1 << 21,        // --lens
     GP_NEED_SCENE = 1 << 22,       // --scene
+    GP_NEED_RELIGHT = 1 << 23,     // --relight
 };
 
 struct gp_option {

@@ -13,12 +13,12 @@
 // -- settings ----------------------------------------------------------------
 
 /* The lists of words. */
-enum { LISTS = 8 };
+enum { LISTS = 9 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
         &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
-        &s->light_groups, &s->options, &s->kernels,
+        &s->light_groups, &s->options, &s->kernels, &s->relight,
     };
     return list[i];
 }

@@ -94,6 +94,12 @@ struct gp_texts {
     int n;
 };
 
+/* Axes of normals (--normal-space). */
+enum gp_normal_space {
+    GP_NORMALS_WORLD,  // the frame's world
+    GP_NORMALS_CAMERA, // x right, y up, z to the eye
+};
+
 /* Strings are borrowed from argv or are constants. */
 struct gp_settings {
     enum gp_command command;
@@ -136,6 +142,8 @@ struct gp_settings {
         int frame;                     // number, for models that move
         const char *draw;              // SVG of the lens that `check` names
     } making;
+    struct gp_texts relight;           // names of the scene's lights, or all
+    enum gp_normal_space normal_space;
     float scene_time;                  // seconds, where --time is given
     const char *report;
     bool report_append;

@@ -175,6 +175,11 @@ out:
     return st;
 }
 
+static bool relight_asked(const struct gp_settings *s)
+{
+    return s->scene.path && s->relight.n;
+}
+
 // -- light -------------------------------------------------------------------
 
 /* Finds the sources of each light group, and replaces the frame's own by their
@@ -597,10 +602,12 @@ const struct gp_stage gp_stages[GP_STAGES] = {
     {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
     {"scene", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SCENE, gp_run_scene,
      scene_asked},
+    {"relight", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, GP_HAS_RELIT,
+     gp_run_relight, relight_asked},
     {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, gp_run_suns,
      suns_asked},
-    {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB, SOURCES, run_sensors,
-     NULL},
+    {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB | GP_HAS_RELIT, SOURCES,
+     run_sensors, NULL},
     {"kernel", GP_PHASE_COMPUTE, -1, SOURCES | SUNS, KERNEL,
      gp_run_kernel_hold, NULL},
     {"glare", GP_PHASE_COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,

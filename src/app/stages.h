@@ -40,6 +40,7 @@ enum {
     GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
     GP_HAS_LENS = 1 << 12,     // frame.layer with ghosts of --lens
     GP_HAS_SCENE = 1 << 13,    // run.scene, posed; suns.more
+    GP_HAS_RELIT = 1 << 14,    // frame.rgb with the light of --relight
 };
 
 /* A picture of --debug with a size of its own: sun maps, intensity map. */
@@ -251,6 +252,12 @@ GP_MUST_CHECK gp_status gp_run_outside(struct gp_run *r,
 /* Frees its map, while the suns' context is open. */
 void gp_run_outside_close(struct gp_run *r);
 
+/* The stage: adds the light of the scene's lights that --relight names to the
+ * frame's colour. Errors: GP_ERR_USAGE no such light, or no camera, depth,
+ * normals or albedo; those of reading them. */
+GP_MUST_CHECK gp_status gp_run_relight(struct gp_run *r,
+                                       struct gp_frame_state *fs);
+
 /* Reads --lens and checks what options ask of it. Errors: those of
  * gp_lens_read() and gp_lens_focus(). */
 GP_MUST_CHECK gp_status gp_run_lens_begin(const struct gp_log *log,
@@ -301,7 +308,7 @@ struct gp_stage {
     gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs);
     bool (*asked)(const struct gp_settings *s);
 };
-enum { GP_STAGES = 14 };
+enum { GP_STAGES = 15 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
 /* Returns the data that a target needs, as bits GP_HAS_*. */

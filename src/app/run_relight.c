@@ -1,0 +1,234 @@
+/* The stage of --relight: the frame lit by lights of its scene, before the
+ * sensors, so that what they light glares too. */
+#include "app/stages.h"
+
+#include "core/clock.h"
+#include "core/depth.h"
+#include "core/memory.h"
+#include "io/plane.h"
+#include "scene/relight.h"
+#include "scene/sets.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double BLENDER = 1.0 / 683.0; // radiance a cd or lux
+
+// -- channels -----------------------------------------------------------------
+
+/* Names that a layer of vectors or colours goes by, best first, and those of
+ * its channels. */
+struct layer_names {
+    const char *what;
+    const char *layer[8];      // after the last dot of what is before it; NULL
+                               // ends
+    const char *channel[3][3]; // sets of three; the first that is there
+};
+static const struct layer_names normal_names = {
+    "normals", {"N", "Normal", "normal", "Normals", "normals", NULL},
+    {{"X", "Y", "Z"}, {"x", "y", "z"}, {"R", "G", "B"}},
+};
+static const struct layer_names albedo_names = {
+    "albedo", {"albedo", "Albedo", "DiffCol", "diffuse_albedo",
+               "diffuse_color", NULL},
+    {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}},
+};
+
+/* True where `name` is LAYER.CHANNEL, or ends with .LAYER.CHANNEL. */
+static bool is_of(const char *name, const char *layer, const char *channel)
+{
+    char tail[64];
+    const int n = snprintf(tail, sizeof tail, "%s.%s", layer, channel);
+    const size_t length = strlen(name);
+    return length >= (size_t) n &&
+           strcmp(name + length - (size_t) n, tail) == 0 &&
+           (length == (size_t) n || name[length - (size_t) n - 1] == '.');
+}
+
+static const char *find_channel(const struct gp_frame *f, const char *layer,
+                                const char *channel)
+{
+    for (int i = 0; i < f->channels; i++) {
+        if (is_of(f->channel[i].name, layer, channel))
+            return f->channel[i].name;
+    }
+    return NULL;
+}
+
+/* Reads three planes of the first layer that the frame has. */
+static gp_status read_layer(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_frame *f,
+    const struct layer_names *names, struct gp_plane out[3])
+{
+    for (int l = 0; names->layer[l]; l++) {
+        for (int k = 0; k < 3; k++) {
+            const char *found[3];
+            for (int c = 0; c < 3; c++)
+                found[c] = find_channel(f, names->layer[l],
+                                        names->channel[k][c]);
+            if (!found[0] || !found[1] || !found[2])
+                continue;
+            gp_status st = GP_OK;
+            for (int c = 0; c < 3 && !st; c++)
+                st = gp_read_plane(log, &s->read, f, found[c], false, &out[c]);
+            return st;
+        }
+    }
+    return gp_fail(log, GP_ERR_USAGE, "%s: --relight needs %s, and no channel "
+                   "of its colour's part is %s.%s; render them into it",
+                   f->path, names->what, names->layer[0],
+                   names->channel[0][0]);
+}
+
+// -- the surfaces of a frame --------------------------------------------------
+
+/* Planes of a frame, and its surfaces that borrow from them. */
+struct surfaces {
+    struct gp_plane depth, mask, normal[3], albedo[3];
+    struct gp_surfaces f;
+    double near; // no surface is nearer
+};
+
+static void free_surfaces(struct surfaces *s)
+{
+    gp_plane_free(&s->depth);
+    gp_plane_free(&s->mask);
+    for (int c = 0; c < 3; c++) {
+        gp_plane_free(&s->normal[c]);
+        gp_plane_free(&s->albedo[c]);
+    }
+}
+
+static gp_status read_surfaces(struct gp_run *r, struct gp_frame_state *fs,
+                               struct surfaces *out)
+{
+    struct gp_sun_files files = {r->s, fs->job};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    const struct gp_run_scene *const own = &r->scene;
+    gp_status st;
+    if (!own->has_camera)
+        return gp_fail(fs->log, GP_ERR_USAGE, "%s: --relight needs a camera, "
+                       "and neither the frame nor the scene has one; give "
+                       "--camera", fs->job->input);
+    if (r->s->sun.depth_type != GP_DEPTH_Z)
+        return gp_fail(fs->log, GP_ERR_USAGE, "--relight: needs distances "
+                       "along the view axis; give --depth-type z, and depth of "
+                       "that kind");
+    GP_TRY(reader.planes(reader.user, fs->log, &fs->frame, &out->depth,
+                         &out->mask));
+    if (!out->depth.v)
+        return gp_fail(fs->log, GP_ERR_USAGE, "%s: --relight needs depth, and "
+                       "no channel is; name one with --depth",
+                       fs->job->input);
+    GP_TRY(read_layer(fs->log, r->s, &fs->frame, &normal_names, out->normal));
+    GP_TRY(read_layer(fs->log, r->s, &fs->frame, &albedo_names, out->albedo));
+    out->f = (struct gp_surfaces) {
+        .camera = own->frame_camera, .display = fs->frame.display,
+        .z = &out->depth, .normal = out->normal, .albedo = out->albedo,
+        .normal_of_camera = r->s->normal_space == GP_NORMALS_CAMERA,
+    };
+    const size_t n = (size_t) gp_rect_w(out->depth.window) *
+                     (size_t) gp_rect_h(out->depth.window);
+    double near = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        if (out->depth.v[i] > 0.0f)
+            near = fmin(near, (double) out->depth.v[i]);
+    }
+    out->near = near < (double) GP_DEPTH_HUGE ? 0.999 * near : 1.0;
+out:
+    return st;
+}
+
+// -- lights -------------------------------------------------------------------
+
+/* Adds one light to the frame's colour. */
+static gp_status add_light(struct gp_run *r, struct gp_frame_state *fs,
+    const struct surfaces *surfaces, struct gp_sets *sets, int light, int *list)
+{
+    const struct gp_scene *const s = &r->scene.scene;
+    const double start = gp_now_ms();
+    struct gp_relit facts = {0};
+    int casters = 0;
+    if (gp_sets_light(sets, light)) {
+        const uint8_t *const flag = gp_sets_flags(sets);
+        const struct gp_scissor cut = gp_sets_scissor(sets);
+        for (int i = 0; i < s->objects; i++) {
+            list[casters] = i;
+            casters += (flag[i] & GP_SET_S) != 0;
+        }
+        const struct gp_relight_pass pass = {
+            .light = &s->light[light], .caster = list, .casters = casters,
+            .light_scale = r->s->scene.light_scale > 0.0f
+                               ? (double) r->s->scene.light_scale : BLENDER,
+            .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
+            .far = cut.far * (1.0 + 1e-6),
+        };
+        gp_status st = gp_relight(fs->log, s, &surfaces->f, &pass,
+                                  fs->frame.data, &fs->frame.rgb, &facts);
+        if (st)
+            return st;
+    }
+    gp_say(fs->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects may "
+           "cast shadows, %lld rays, %.1f ms", fs->job->input,
+           s->light[light].name, facts.pixels, casters, facts.rays,
+           gp_now_ms() - start);
+    return GP_OK;
+}
+
+/* Finds the lights that --relight names: sets asked[i]. */
+static gp_status find_lights(const struct gp_log *log, const struct gp_run *r,
+                             unsigned char *asked)
+{
+    const struct gp_scene *const s = &r->scene.scene;
+    const struct gp_texts *const names = &r->s->relight;
+    for (int k = 0; k < names->n; k++) {
+        const bool all = strcmp(names->at[k], "all") == 0;
+        bool found = all;
+        for (int i = 0; i < s->lights; i++) {
+            const bool is = all || strcmp(names->at[k], s->light[i].name) == 0;
+            asked[i] |= is;
+            found |= is;
+        }
+        if (!found)
+            return gp_fail(log, GP_ERR_USAGE, "--relight: %s has no light of "
+                           "that name (found \"%s\"); it has %d, the first is "
+                           "%s", r->s->scene.path, names->at[k], s->lights,
+                           s->lights ? s->light[0].name : "none");
+    }
+    return GP_OK;
+}
+
+gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_scene *const s = &r->scene.scene;
+    struct surfaces surfaces = {0};
+    struct gp_bodies *bodies = NULL;
+    struct gp_sets *sets = NULL;
+    unsigned char *asked = NULL;
+    int *list = NULL;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(fs->log, "lights", (size_t) s->lights + 1, 1, &asked));
+    GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1, sizeof *list,
+                    &list));
+    GP_TRY(find_lights(fs->log, r, asked));
+    GP_TRY(read_surfaces(r, fs, &surfaces));
+    const struct gp_sets_view view = {
+        .camera = r->scene.frame_camera, .display = fs->frame.display,
+        .window = surfaces.depth.window, .near = surfaces.near,
+        .depth = surfaces.depth.v,
+    };
+    GP_TRY(gp_bodies_make(fs->log, s, &bodies));
+    GP_TRY(gp_sets_open(fs->log, s, bodies, &view, GP_SETS_ALL, &sets));
+    for (int i = 0; i < s->lights; i++) {
+        if (asked[i])
+            GP_TRY(add_light(r, fs, &surfaces, sets, i, list));
+    }
+out:
+    gp_sets_close(&sets);
+    gp_bodies_free(&bodies);
+    free_surfaces(&surfaces);
+    gp_free(list);
+    gp_free(asked);
+    return st;
+}

@@ -1,0 +1,429 @@
+#include "scene/relight.h"
+
+#include "core/depth.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "scene/rays.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+enum { MANY = 4 }; // rays along a pixel's side, where one is not enough
+
+/* A surface that a pixel shows, and the ray to it. */
+struct surface {
+    struct gp_v3 normal; // unit, to the eye's side
+    struct gp_v3 place;
+    double z;
+    double albedo[3];
+};
+
+struct row_facts {
+    long long pixels, rays;
+    double flux[3];
+};
+
+struct work {
+    const struct gp_surfaces *f;
+    const struct gp_relight_pass *pass;
+    struct gp_rect data, cut;
+    const struct gp_planes *rgb;
+    struct gp_rays rays;
+    struct gp_v3 eye;
+    struct gp_v3 axis;       // of the view, unit
+    struct gp_v3 camera[3];  // x, y and z of the camera in the world
+    struct row_facts *row;   // of cut
+    unsigned char *mark;     // of its pixels
+};
+
+/* Returns the sample of a plane, or 0 outside. */
+static double sample(const struct gp_plane *p, int x, int y)
+{
+    const struct gp_rect w = p->window;
+    if (!p->v || x < w.x0 || x >= w.x1 || y < w.y0 || y >= w.y1)
+        return 0.0;
+    return (double) p->v[(size_t) (y - w.y0) * (size_t) gp_rect_w(w) +
+                         (size_t) (x - w.x0)];
+}
+
+/* Returns the distance along the view axis; 0: no surface. */
+static double depth_at(const struct gp_surfaces *f, int x, int y)
+{
+    const double z = sample(f->z, x, y);
+    return z > 0.0 && z < (double) GP_DEPTH_HUGE ? z : 0.0;
+}
+
+/* Returns the way from the eye to a place of the picture, 1 long along the view
+ * axis. */
+static struct gp_v3 way_to(const struct work *w, double x, double y)
+{
+    const struct gp_v3 ray =
+        gp_camera_ray(&w->f->camera, w->f->display, x, y);
+    return gp_v3_scale(ray, 1.0 / gp_v3_dot(ray, w->axis));
+}
+
+/* Reads normal and albedo of a pixel, as they are in the frame; false where the
+ * normal has no direction or nothing takes light. Returns the normal's length
+ * in *length. */
+static bool read_pixel(const struct work *w, int x, int y, struct surface *s,
+                       double *length)
+{
+    const struct gp_surfaces *const f = w->f;
+    double n[3], most = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double a = sample(&f->albedo[c], x, y);
+        s->albedo[c] = a > 0.0 && isfinite(a) ? a : 0.0;
+        most = fmax(most, s->albedo[c]);
+        n[c] = sample(&f->normal[c], x, y);
+    }
+    s->normal = (struct gp_v3) {n[0], n[1], n[2]};
+    if (f->normal_of_camera)
+        s->normal = gp_v3_add(gp_v3_scale(w->camera[0], n[0]),
+                              gp_v3_add(gp_v3_scale(w->camera[1], n[1]),
+                                        gp_v3_scale(w->camera[2], n[2])));
+    *length = gp_v3_length(s->normal);
+    s->z = depth_at(f, x, y);
+    if (!(most > 0.0) || !(*length > 1e-6) || !isfinite(*length))
+        return false;
+    s->normal = gp_v3_scale(s->normal, 1.0 / *length);
+    const struct gp_v3 way = way_to(w, x + 0.5, y + 0.5);
+    s->place = gp_v3_add(w->eye, gp_v3_scale(way, s->z));
+    return true;
+}
+
+// -- pixels that show two surfaces --------------------------------------------
+//
+// Colour, normal and albedo are means over a pixel; depth is one sample of it.
+// The light of a mean normal at that one place would be wrong along each edge.
+// So a pixel there is taken apart: its mean is a mix of two surfaces beside it,
+// each with the light that it has itself.
+
+enum { BESIDE = 2 }; // pixels that are searched on each side
+
+/* Returns the distance along the view axis at which a surface's plane is seen
+ * at a place of the picture; 0: never. */
+static double plane_at(const struct work *w, const struct surface *s,
+                       struct gp_v3 way)
+{
+    const double slope = gp_v3_dot(s->normal, way);
+    const double z = slope != 0.0 ? gp_v3_dot(s->normal, gp_v3_sub(s->place,
+                                                       w->eye)) / slope : 0.0;
+    return z > 0.0 ? z : 0.0;
+}
+
+/* True where a surface's plane goes on in another's. */
+static bool goes_on(const struct work *w, const struct surface *a,
+                    const struct surface *b)
+{
+    const struct gp_v3 way = gp_v3_scale(gp_v3_sub(b->place, w->eye),
+                                         1.0 / b->z);
+    return gp_v3_dot(a->normal, b->normal) > 0.9 &&
+           fabs(plane_at(w, a, way) - b->z) < 0.02 * b->z;
+}
+
+/* Reads a pixel that shows one surface only: its normal was not shortened. */
+static bool read_pure(const struct work *w, int x, int y, struct surface *s)
+{
+    double length;
+    return read_pixel(w, x, y, s, &length) && s->z > 0.0 && length > 0.995;
+}
+
+/* True where a pixel may show more than its own surface. */
+static bool is_mixed(const struct work *w, const struct surface *own,
+                     double length, int x, int y)
+{
+    if (length < 0.995)
+        return true;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const double z = depth_at(w->f, x + dx, y + dy);
+            const struct gp_v3 way = way_to(w, x + dx + 0.5, y + dy + 0.5);
+            if (fabs(plane_at(w, own, way) - z) > 0.02 * own->z)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest by
+ * albedo and normal, and the square of what is left. b NULL: no surface. */
+static double share_of(const double mean[6], const struct surface *a,
+                       const struct surface *b, double *left)
+{
+    const double u[6] = {a->albedo[0], a->albedo[1], a->albedo[2], a->normal.x,
+                         a->normal.y, a->normal.z};
+    double v[6] = {0}, up = 0.0, down = 0.0;
+    if (b) {
+        memcpy(v, b->albedo, sizeof b->albedo);
+        v[3] = b->normal.x;
+        v[4] = b->normal.y;
+        v[5] = b->normal.z;
+    }
+    for (int i = 0; i < 6; i++) {
+        up += (mean[i] - v[i]) * (u[i] - v[i]);
+        down += (u[i] - v[i]) * (u[i] - v[i]);
+    }
+    // alike: three quarters of such pixels are of the surface at their middle
+    const double t = down > 1e-3 ? fmin(fmax(up / down, 0.0), 1.0) : 0.75;
+    *left = 0.0;
+    for (int i = 0; i < 6; i++) {
+        const double d = mean[i] - v[i] - t * (u[i] - v[i]);
+        *left += d * d;
+    }
+    return t;
+}
+
+/* Finds the surfaces that a pixel shows, one or two, and their shares. Returns
+ * how many. */
+static int find_surfaces(const struct work *w, int x, int y,
+                         struct surface of[2], double share[2])
+{
+    struct surface own, near, best = {0};
+    double length, least = INFINITY, found = 1.0;
+    bool has_own = false;
+    if (!read_pixel(w, x, y, &own, &length))
+        return 0;
+    of[0] = own;
+    share[0] = 1.0;
+    if (own.z > 0.0 && !is_mixed(w, &own, length, x, y))
+        return 1;
+    const double mean[6] = {
+        own.albedo[0], own.albedo[1], own.albedo[2], length * own.normal.x,
+        length * own.normal.y, length * own.normal.z};
+    // the surface of the sample of depth: a pure one that goes on to there
+    double nearest = INFINITY;
+    const struct gp_v3 way = way_to(w, x + 0.5, y + 0.5);
+    for (int i = 0; i < (2 * BESIDE + 1) * (2 * BESIDE + 1); i++) {
+        const int dx = i % (2 * BESIDE + 1) - BESIDE;
+        const int dy = i / (2 * BESIDE + 1) - BESIDE;
+        if (dx * dx + dy * dy >= nearest || !(own.z > 0.0) ||
+            !read_pure(w, x + dx, y + dy, &near) ||
+            fabs(plane_at(w, &near, way) - own.z) > 0.01 * own.z)
+            continue;
+        nearest = dx * dx + dy * dy;
+        has_own = true;
+        of[0] = near;
+        of[0].z = own.z;
+        of[0].place = own.place;
+    }
+    if (!has_own && own.z > 0.0) // a thin thing: its normal is the mean's
+        of[0] = own;
+    bool two = false;
+    for (int i = 0; i < (2 * BESIDE + 1) * (2 * BESIDE + 1); i++) {
+        const int dx = i % (2 * BESIDE + 1) - BESIDE;
+        const int dy = i / (2 * BESIDE + 1) - BESIDE;
+        const bool empty = depth_at(w->f, x + dx, y + dy) == 0.0;
+        double left, t;
+        if (empty && own.z > 0.0) {
+            t = share_of(mean, &of[0], NULL, &left);
+        } else {
+            if (empty || !read_pure(w, x + dx, y + dy, &near) ||
+                (own.z > 0.0 && goes_on(w, &of[0], &near)))
+                continue;
+            t = own.z > 0.0 ? share_of(mean, &of[0], &near, &left)
+                            : 1.0 - share_of(mean, &near, NULL, &left);
+        }
+        left += 1e-6 * (dx * dx + dy * dy); // of like ones the nearest
+        if (left >= least)
+            continue;
+        least = left;
+        found = t;
+        two = !empty;
+        best = near;
+    }
+    if (own.z > 0.0)
+        share[0] = found;
+    else if (two)
+        share[0] = 0.0;
+    else
+        return 0;
+    if (!two)
+        return 1;
+    of[1] = best;
+    share[1] = own.z > 0.0 ? 1.0 - share[0] : 1.0 - found;
+    // where its plane is seen here
+    const double z = plane_at(w, &best, way);
+    if (z > 0.8 * best.z && z < 1.25 * best.z) {
+        of[1].z = z;
+        of[1].place = gp_v3_add(w->eye, gp_v3_scale(way, z));
+    }
+    return 2;
+}
+
+/* Returns the light that falls on a surface by the formula, without shadows. */
+static double light_at(const struct gp_scene_light *l, const struct surface *s)
+{
+    if (l->kind == GP_LIGHT_DIRECTIONAL)
+        return l->intensity * fmax(-gp_v3_dot(l->along, s->normal), 0.0);
+    const struct gp_v3 to = gp_v3_sub(l->at, s->place);
+    const double d2 = gp_v3_dot(to, to), d = sqrt(d2);
+    const double cosine = gp_v3_dot(to, s->normal) / d;
+    if (!(cosine > 0.0) || !(d2 > 0.0))
+        return 0.0;
+    double light = l->intensity * cosine / d2;
+    if (isfinite(l->range) && l->range > 0.0) {
+        const double far = d2 / (l->range * l->range);
+        light *= fmax(1.0 - far * far, 0.0);
+    }
+    if (l->kind == GP_LIGHT_SPOT) {
+        const double outer = cos(l->outer);
+        const double soft = fmax(cos(l->inner) - outer, 1e-6);
+        const double edge = (-gp_v3_dot(to, l->along) / d - outer) / soft;
+        light *= edge <= 0.0 ? 0.0 : edge >= 1.0 ? 1.0 : edge * edge;
+    }
+    return light;
+}
+
+// -- a light's pass -------------------------------------------------------------
+
+/* Returns how many of n x n rays of a pixel are free from a surface to the
+ * light. */
+static int free_rays(const struct work *w, const struct surface *s, int x,
+                     int y, int n)
+{
+    const struct gp_scene_light *const l = w->pass->light;
+    const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
+    // a float of depth is right to 1e-7; normals of curved meshes are not those
+    // of their triangles
+    const struct gp_v3 off = gp_v3_scale(s->normal, 2e-4 * s->z);
+    int clear = 0;
+    for (int i = 0; i < n * n; i++) {
+        const struct gp_v3 way = way_to(w, x + (i % n + 0.5) / n,
+                                        y + (i / n + 0.5) / n);
+        double z = plane_at(w, s, way);
+        // a surface that is seen along its plane is not followed there
+        if (!(z > 0.8 * s->z && z < 1.25 * s->z))
+            z = s->z;
+        const struct gp_v3 p = gp_v3_add(
+            gp_v3_add(w->eye, gp_v3_scale(way, z)), off);
+        const struct gp_v3 to = sun ? gp_v3_scale(l->along, -1.0)
+                                    : gp_v3_sub(l->at, p);
+        clear += !gp_rays_stopped(&w->rays, p, to, sun ? INFINITY : 1.0);
+    }
+    return clear;
+}
+
+enum { DARK = 1, LIT = 2 }; // of a pixel's middle; 0: nothing to light
+
+/* Marks pixels of a row whose middle is in light and those in shadow. */
+static void mark_row(void *ctx, int i, int thread)
+{
+    const struct work *const w = ctx;
+    const int y = w->cut.y0 + i, n = gp_rect_w(w->cut);
+    unsigned char *const mark = w->mark + (size_t) i * (size_t) n;
+    (void) thread;
+    for (int x = 0; x < n; x++) {
+        struct surface s;
+        double length;
+        mark[x] = 0;
+        if (!read_pixel(w, w->cut.x0 + x, y, &s, &length) || !(s.z > 0.0) ||
+            !(light_at(w->pass->light, &s) > 0.0))
+            continue;
+        w->row[i].rays++;
+        mark[x] = free_rays(w, &s, w->cut.x0 + x, y, 1) ? LIT : DARK;
+    }
+}
+
+/* Returns the mark that all pixels around one have, or 0. */
+static int mark_around(const struct work *w, int x, int y)
+{
+    const int n = gp_rect_w(w->cut), h = gp_rect_h(w->cut);
+    int marks = 0;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            const int at = x + dx, row = y + dy;
+            if (at >= 0 && at < n && row >= 0 && row < h)
+                marks |= 1 << w->mark[(size_t) row * (size_t) n + (size_t) at];
+        }
+    }
+    return marks == 1 << LIT ? LIT : marks == 1 << DARK ? DARK : 0;
+}
+
+/* Returns the part of a pixel's surface that the light reaches. */
+static double clear_share(const struct work *w, const struct surface *s,
+                          int x, int y, struct row_facts *facts)
+{
+    facts->rays += MANY * MANY;
+    return (double) free_rays(w, s, x, y, MANY) / (MANY * MANY);
+}
+
+static void light_row(void *ctx, int i, int thread)
+{
+    const struct work *const w = ctx;
+    const struct gp_relight_pass *const pass = w->pass;
+    struct row_facts *const facts = &w->row[i];
+    const int y = w->cut.y0 + i;
+    (void) thread;
+    for (int x = w->cut.x0; x < w->cut.x1; x++) {
+        struct surface of[2];
+        double share[2], add[3] = {0};
+        const int n = find_surfaces(w, x, y, of, share);
+        const int around = n == 1 ? mark_around(w, x - w->cut.x0, i) : 0;
+        for (int k = 0; k < n; k++) {
+            double light = share[k] * light_at(pass->light, &of[k]);
+            if (!(light > 0.0) || of[k].z < pass->near || of[k].z > pass->far)
+                continue;
+            light *= around ? around == LIT
+                            : clear_share(w, &of[k], x, y, facts);
+            for (int c = 0; c < 3; c++)
+                add[c] += pass->light_scale * light / pi *
+                          pass->light->color[c] * of[k].albedo[c];
+        }
+        if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
+            continue;
+        const size_t at = (size_t) (y - w->data.y0) *
+                              (size_t) gp_rect_w(w->data) +
+                          (size_t) (x - w->data.x0);
+        facts->pixels++;
+        for (int c = 0; c < 3; c++) {
+            w->rgb->c[c][at] += (float) add[c];
+            facts->flux[c] += add[c];
+        }
+    }
+}
+
+/* Sets the axes of the camera in the world, from the matrix that leads to it. */
+static void set_axes(struct work *w)
+{
+    const double *const m = w->f->camera.to_camera;
+    const double *const ndc = w->f->camera.to_ndc;
+    w->axis = (struct gp_v3) {ndc[3], ndc[7], ndc[11]};
+    for (int c = 0; c < 3; c++)
+        w->camera[c] = gp_v3_unit((struct gp_v3) {m[c], m[4 + c], m[8 + c]});
+}
+
+gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
+    const struct gp_surfaces *f, const struct gp_relight_pass *pass,
+    struct gp_rect data, const struct gp_planes *rgb, struct gp_relit *out)
+{
+    struct work w = {
+        .f = f, .pass = pass, .data = data, .rgb = rgb,
+        .cut = gp_rect_meet(pass->cut, data), .eye = gp_camera_eye(&f->camera),
+    };
+    struct gp_relit facts = {0};
+    gp_status st;
+    const int rows = gp_rect_empty(w.cut) ? 0 : gp_rect_h(w.cut);
+    set_axes(&w);
+    GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *w.row,
+                         &w.row));
+    GP_TRY(gp_rays_make(log, s, pass->caster, pass->casters, NULL, NULL,
+                        &w.rays));
+    GP_TRY(gp_alloc(log, "lit pixels",
+                    (size_t) rows * (size_t) gp_rect_w(w.cut) + 1, 1, &w.mark));
+    gp_parallel_do(rows, mark_row, &w);
+    gp_parallel_do(rows, light_row, &w);
+    for (int i = 0; i < rows; i++) { // in order: the same sums
+        facts.pixels += w.row[i].pixels;
+        facts.rays += w.row[i].rays;
+        for (int c = 0; c < 3; c++)
+            facts.flux[c] += w.row[i].flux[c];
+    }
+    *out = facts;
+out:
+    gp_rays_free(&w.rays);
+    gp_free(w.mark);
+    gp_free(w.row);
+    return st;
+}

@@ -1,0 +1,53 @@
+/* The frame lit by lights of the scene: per-pixel lighting from depth, normal and
+ * albedo (O'Rorke 15.2), one pass a light inside its scissor and range of
+ * depths, shadows by rays through the objects of S. */
+#ifndef GP_SCENE_RELIGHT_H
+#define GP_SCENE_RELIGHT_H
+
+#include "core/frame.h"
+#include "scene/scene.h"
+
+/* Surfaces of a frame's pixels. A pixel outside a plane's window has no
+ * surface. */
+struct gp_surfaces {
+    struct gp_camera camera;
+    struct gp_rect display;        // of the camera
+    const struct gp_plane *z;      // along the view axis, units of the world;
+                                   // NaN, <= 0 and >= GP_DEPTH_HUGE: none
+    const struct gp_plane *normal; // three: x, y, z; of any length over 0
+    bool normal_of_camera;         // axes of the camera: x right, y up, z back
+    const struct gp_plane *albedo; // three: r, g, b; 0: lit by nothing
+};
+
+/* A light, and what its pass is drawn with. */
+struct gp_relight_pass {
+    const struct gp_scene_light *light;
+    double light_scale;     // the frame's units a cd or lux
+    const int *caster;      // S: indices of objects
+    int casters;
+    struct gp_rect cut;     // pixels that it can change, EXR pixel space
+    double near, far;       // distances along the view axis that it can change
+};
+
+struct gp_relit {
+    long long pixels;       // that got light
+    long long rays;
+    double flux[3];         // sum of what was added
+};
+
+/* Adds the light of a pass to `rgb`, whose pixels are those of `data`:
+ *
+ *   albedo / pi * light_scale * intensity * colour * cos / d^2 * window * cone
+ *
+ * with the window and cone that KHR_lights_punctual recommends; a directional
+ * light has no d, window and cone. The cosine is that of the pixel's normal,
+ * made 1 long. A pixel's shadow is the mean of 4 rays through it, on the plane
+ * of its normal, and of 16 where these differ.
+ *   out  facts; written on GP_OK only
+ * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
+    const struct gp_scene *s, const struct gp_surfaces *f,
+    const struct gp_relight_pass *pass, struct gp_rect data,
+    const struct gp_planes *rgb, struct gp_relit *out);
+
+#endif

@@ -1,0 +1,214 @@
+/* Light of a scene on a frame's surfaces: that of the formula, shadows of what is
+ * above them and off the picture, at any number of threads. */
+#include "unit.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "kept_log.h"
+#include "scene/relight.h"
+#include "scene_made.h"
+
+enum { W = 61, H = 37 };
+
+static struct gp_scene scene;
+static struct gp_surfaces surfaces;
+static struct gp_plane z, normal[3], albedo[3];
+static struct gp_planes rgb;
+static int every[4] = {0, 1, 2, 3};
+static const struct gp_rect all = {0, 0, W, H};
+static const double colour[3] = {0.25, 0.5, 0.75};
+
+static struct gp_plane plane(void)
+{
+    struct gp_plane p = {.window = all};
+    assert_ok(gp_alloc_zero(NULL, "plane", W * H, sizeof *p.v, &p.v));
+    return p;
+}
+
+/* A ground of which every pixel shows a part; a box above it, which none does. */
+static int set_up(void **state)
+{
+    (void) state;
+    scene = made_scene();
+    made_put(&scene, made_card(&scene, 0), (struct gp_v3) {0, 0, 0},
+             (struct gp_v3) {60, 60, 1}, 0);
+    made_put(&scene, made_box(&scene, 0), (struct gp_v3) {0, 0, 3.5},
+             (struct gp_v3) {1, 1, 0.5}, 20.0);
+    const struct gp_v3 eye = {0.3, -6, 5};
+    const struct gp_camera c = made_camera(&scene, eye, (struct gp_v3) {0, 0, 0},
+                                           30.0, (double) W / H);
+    z = plane();
+    for (int k = 0; k < 3; k++) {
+        normal[k] = plane();
+        albedo[k] = plane();
+    }
+    surfaces = (struct gp_surfaces) {
+        .camera = c, .display = all, .z = &z, .normal = normal,
+        .albedo = albedo,
+    };
+    for (int i = 0; i < W * H; i++) {
+        const struct gp_v3 ray = gp_camera_ray(&c, all, i % W + 0.5,
+                                               i / W + 0.5);
+        const struct gp_v3 p = gp_v3_add(eye, gp_v3_scale(ray, -eye.z / ray.z));
+        z.v[i] = (float) gp_camera_project(&c, all, (const double[3]) {
+            p.x, p.y, p.z}, 1.0).z;
+        normal[2].v[i] = 1.0f;
+        for (int k = 0; k < 3; k++)
+            albedo[k].v[i] = (float) colour[k];
+    }
+    assert_ok(gp_planes_make(NULL, "picture", W * H, &rgb));
+    gp_planes_clear(&rgb, 0, W * H);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void) state;
+    gp_plane_free(&z);
+    for (int k = 0; k < 3; k++) {
+        gp_plane_free(&normal[k]);
+        gp_plane_free(&albedo[k]);
+    }
+    gp_planes_free(&rgb);
+    made_free(&scene);
+    return 0;
+}
+
+static struct gp_relit add(int light, int casters, struct gp_rect cut)
+{
+    struct gp_relit facts;
+    const struct gp_relight_pass pass = {
+        .light = &scene.light[light], .light_scale = 2.0, .caster = every,
+        .casters = casters, .cut = cut, .far = INFINITY,
+    };
+    assert_ok(gp_relight(&kept_log, &scene, &surfaces, &pass, all, &rgb,
+                         &facts));
+    return facts;
+}
+
+/* The formula's light on the ground at p. */
+static double formula(const struct gp_scene_light *l, struct gp_v3 p)
+{
+    if (l->kind == GP_LIGHT_DIRECTIONAL)
+        return -l->intensity * l->along.z;
+    const struct gp_v3 to = gp_v3_sub(l->at, p);
+    const double d = gp_v3_length(to);
+    double light = l->intensity * to.z / (d * d * d) *
+                   fmax(1.0 - pow(d / l->range, 4.0), 0.0);
+    if (l->kind == GP_LIGHT_SPOT) {
+        const double x = (-gp_v3_dot(to, l->along) / d - cos(l->outer)) /
+                         (cos(l->inner) - cos(l->outer));
+        light *= x <= 0.0 ? 0.0 : x >= 1.0 ? 1.0 : x * x;
+    }
+    return light;
+}
+
+/* True where the box is on the way of p's light, grown by `more`. */
+static bool shaded(const struct gp_scene_light *l, struct gp_v3 p, double more)
+{
+    const struct gp_v3 to = l->kind == GP_LIGHT_DIRECTIONAL
+                                ? gp_v3_scale(l->along, -100.0)
+                                : gp_v3_sub(l->at, p);
+    const double c = cos(20.0 * MADE_PI / 180.0),
+                 s = sin(20.0 * MADE_PI / 180.0);
+    for (int i = 0; i <= 2000; i++) { // the part of the way at its height
+        const double t = (3.25 - more + (0.5 + 2 * more) * i / 2000.0) / to.z;
+        const struct gp_v3 q = gp_v3_add(p, gp_v3_scale(to, t));
+        if (t < 1.0 && fabs(q.x * c + q.y * s) < 0.5 + more &&
+            fabs(q.y * c - q.x * s) < 0.5 + more)
+            return true;
+    }
+    return false;
+}
+
+static void light_is_that_of_the_formula(void **state)
+{
+    made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
+    made_spot(&scene, (struct gp_v3) {1, -1, 6}, (struct gp_v3) {-0.2, 0.1, -1},
+              100.0, 30.0, 10.0, 22.0);
+    made_sun(&scene, (struct gp_v3) {0.1, 0.1, -1}, 3.0);
+    for (int l = 0; l < 3; l++) {
+        int dark = 0, lit = 0;
+        gp_planes_clear(&rgb, 0, W * H);
+        const struct gp_relit facts = add(l, 2, all);
+        double flux = 0.0;
+        for (int i = 0; i < W * H; i++) {
+            const struct gp_v3 ray = gp_camera_ray(&surfaces.camera, all,
+                                                   i % W + 0.5, i / W + 0.5);
+            const struct gp_v3 eye = gp_camera_eye(&surfaces.camera);
+            const struct gp_v3 p =
+                gp_v3_add(eye, gp_v3_scale(ray, -eye.z / ray.z));
+            const double full = 2.0 / MADE_PI * formula(&scene.light[l], p);
+            flux += (double) rgb.c[1][i];
+            for (int c = 0; c < 3; c++) {
+                const double got = (double) rgb.c[c][i];
+                const double want = full * colour[c];
+                // what the box hides by more or by less than its sides
+                const bool dark_here = shaded(&scene.light[l], p, -0.1);
+                const bool lit_here = !shaded(&scene.light[l], p, 0.1);
+                const double slack = 1e-5 * want + 1e-7;
+                if (dark_here ? got != 0.0
+                    : lit_here ? fabs(got - want) > slack
+                               : got < 0.0 || got > want + slack)
+                    fail_msg("light %d at %d,%d: %g, not %g", l, i % W, i / W,
+                             got, want);
+                dark += got == 0.0 && want > 0.0;
+                lit += got > 0.0;
+            }
+        }
+        assert_true(dark > 30 && lit > 300);
+        assert_int_equal(3 * facts.pixels, lit);
+        assert_true(fabs(facts.flux[1] - flux) <= 1e-4 * flux);
+        assert_true(facts.rays >= facts.pixels);
+    }
+}
+
+static void settings_of_a_pass_count(void **state)
+{
+    made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
+    float first[W * H];
+    const double *const m = surfaces.camera.to_camera;
+    add(0, 2, all);
+    memcpy(first, rgb.c[1], sizeof first);
+    // light is added; any threads; nothing outside the cut
+    gp_set_threads(1);
+    add(0, 2, (struct gp_rect) {-5, 0, 20, H});
+    gp_set_threads(0);
+    for (int i = 0; i < W * H; i++)
+        assert_true(rgb.c[1][i] == (i % W < 20 ? first[i] + first[i]
+                                               : first[i]));
+    // axes of the camera
+    for (int i = 0; i < W * H; i++) {
+        for (int c = 0; c < 3; c++)
+            normal[c].v[i] = (float) m[8 + c];
+    }
+    surfaces.normal_of_camera = true;
+    gp_planes_clear(&rgb, 0, W * H);
+    add(0, 2, all);
+    for (int i = 0; i < W * H; i++)
+        assert_true(fabsf(rgb.c[1][i] - first[i]) <=
+                    1e-5f * first[i] + 1e-7f);
+    // no caster: no shadow; no albedo, no normal, no depth: no light
+    gp_planes_clear(&rgb, 0, W * H);
+    assert_true(add(0, 0, all).pixels == W * H);
+    for (int y = 0; y < H; y++) {
+        for (int x = 0; x < 6; x++) {
+            const int i = y * W + x;
+            if (x < 2)
+                albedo[0].v[i] = albedo[1].v[i] = albedo[2].v[i] = 0.0f;
+            else if (x < 4)
+                normal[0].v[i] = normal[1].v[i] = normal[2].v[i] = NAN;
+            z.v[i] = x < 4 ? z.v[i] : 1e10f;
+        }
+    }
+    gp_planes_clear(&rgb, 0, W * H);
+    add(0, 0, all);
+    for (int i = 0; i < W * H; i++) // a neighbour's light may reach one pixel
+        assert_true(i % W >= 4 || rgb.c[1][i] == 0.0f);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < W * H; i++)
+            assert_true(isfinite(rgb.c[c][i]));
+    }
+}
+
+SUITE_OF_EACH(relight, set_up, tear_down, light_is_that_of_the_formula,
+    settings_of_a_pass_count)
