@@ -184,5 +184,6 @@ static void needles_stay_on_their_circles(void **state)
 }
 
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
-    the_plane_holds_the_hemisphere, terms_are_normalised, general_equation_is_the_cies,
-    pupil_chooses_the_light, needles_stay_on_their_circles)
+    the_plane_holds_the_hemisphere, terms_are_normalised,
+    general_equation_is_the_cies, pupil_chooses_the_light,
+    needles_stay_on_their_circles)

@@ -1,4 +1,4 @@
-/* A lone lamp in the dark, 6 stops brighter: kernels have no rim and no ball. */
+/* A lone lamp in the dark, 6 stops brighter: no kernel has a rim or a ball. */
 #include "unit.h"
 #include "core/minmax.h"
 #include "hard_cases.h"
@@ -105,8 +105,8 @@ static void engines_add_no_steps(void **state)
 }
 
 /* Models that go on over the whole field: the largest steps of their own light,
- * %, from pixel to pixel, 150 pixels and more from the lamp; and beside the step
- * before, 20 pixels and more from it. Of 540, 1080 and 2160 lines of 30
+ * %, from pixel to pixel, 150 pixels and more from the lamp; and beside the
+ * step before, 20 pixels and more from it. Of 540, 1080 and 2160 lines of 30
  * degrees, then of 540 lines of 60, 100 and 170 degrees. A power p of the
  * distance steps by p / 150 there, more than 2 % from p = 3 on. */
 static const struct {
