@@ -3,31 +3,44 @@
 
 // -- of an object ------------------------------------------------------------
 
+enum { MOST_INDICES = 4096 };
+
+/* Returns point i of those that hold an object, in its mesh's space. */
+static struct gp_v3 point_of(const struct gp_scene *s, const struct gp_mesh *m,
+                             const struct gp_part *p, int i, bool corners)
+{
+    return corners ? gp_box_corner(&m->box, i)
+                   : gp_scene_vertex(s, s->index[p->first + i]);
+}
+
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
-    const struct gp_part *const end = s->part + m->first + m->parts;
     struct gp_box box = GP_BOX_EMPTY;
-    for (const struct gp_part *p = s->part + m->first; p < end; p++) {
-        for (int i = p->first; i < p->first + p->count; i++)
-            box = gp_box_with(
-                box, gp_move(o->to_world, gp_scene_vertex(s, s->index[i])));
+    struct gp_v3 c = {0.0, 0.0, 0.0};
+    double most = 0.0; // squared
+    int indices = 0;
+    for (int k = m->first; k < m->first + m->parts; k++)
+        indices += s->part[k].count;
+    const bool corners = indices > MOST_INDICES;
+    for (int pass = 0; pass < 2; pass++) { // the box, then the sphere
+        for (int k = m->first; k < m->first + m->parts; k++) {
+            const struct gp_part *const p = &s->part[k];
+            const int n = corners ? 8 : p->count;
+            for (int i = 0; i < n; i++) {
+                const struct gp_v3 at =
+                    gp_move(o->to_world, point_of(s, m, p, i, corners));
+                const struct gp_v3 d = gp_v3_sub(at, c);
+                if (pass == 0)
+                    box = gp_box_with(box, at);
+                else
+                    most = fmax(most, gp_v3_dot(d, d));
+            }
+        }
+        if (!gp_box_empty(box))
+            c = gp_v3_scale(gp_v3_add(box.lo, box.hi), 0.5);
     }
     o->box = box;
-    o->centre = (struct gp_v3) {0.0, 0.0, 0.0};
-    o->radius = 0.0;
-    if (gp_box_empty(box))
-        return;
-
-    const struct gp_v3 c = gp_v3_scale(gp_v3_add(box.lo, box.hi), 0.5);
-    double most = 0.0; // squared
-    for (const struct gp_part *p = s->part + m->first; p < end; p++) {
-        for (int i = p->first; i < p->first + p->count; i++) {
-            const struct gp_v3 d = gp_v3_sub(
-                gp_move(o->to_world, gp_scene_vertex(s, s->index[i])), c);
-            most = fmax(most, gp_v3_dot(d, d));
-        }
-    }
     o->centre = c;
     o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out
 }

@@ -47,8 +47,9 @@ static inline struct gp_v3 gp_scene_vertex(const struct gp_scene *s, uint32_t v)
 }
 
 /* Sets box, centre and radius of an object from to_world and each vertex of
- * its mesh that a triangle uses. Without one the box is empty, and so is the
- * sphere: centre 0, radius 0. */
+ * its mesh that a triangle uses; of a mesh with over 4096 indices from the
+ * corners of its box, as scenes are posed anew for every frame. Without a vertex
+ * the box is empty, and so is the sphere: centre 0, radius 0. */
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
 
 /* A box of the world in the picture. */

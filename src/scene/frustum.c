@@ -3,6 +3,7 @@
 #include "scene/frustum.h"
 
 #include "scene/bounds.h"
+#include "scene/scene_priv.h"
 
 /* Corners 0 to 3 are the near ones, 4 to 7 the far ones:
  *

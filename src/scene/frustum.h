@@ -17,20 +17,12 @@ static inline double gp_half_at(struct gp_half h, struct gp_v3 p)
 
 /* The pixels of a rectangle between two distances along the view axis: corners
  * (bit 0 right, 1 low, 2 far) and planes (left, right, upper, lower, near,
- * far). Each pair of planes that meet has an edge, gp_frustum_edge. */
+ * far). Each pair of planes that meet has an edge. */
 struct gp_frustum {
     struct gp_v3 corner[8];
     struct gp_half plane[6];
     double turn;    // 1 or, of a camera that mirrors, -1: winding of edges
 };
-
-/* An edge from one corner to the other. Seen from outside plane `with` it is in
- * counter-clockwise order, outside `against` clockwise; gp_frustum.turn -1 swaps
- * them. */
-struct gp_frustum_edge {
-    unsigned char from, to, with, against;
-};
-extern const struct gp_frustum_edge gp_frustum_edges[12];
 
 /* The intersection of half-spaces, and a box around it; a frustum has 6, a hull
  * with a point at most 6 and one for each edge. */

@@ -2,6 +2,7 @@
 #include "scene/gltf_priv.h"
 
 #include "core/memory.h"
+#include "scene/bounds.h"
 
 #include <limits.h>
 #include <math.h>
@@ -254,40 +255,6 @@ static struct gp_v3 row_of(const double m[16], int i)
     return (struct gp_v3) {m[4 * i], m[4 * i + 1], m[4 * i + 2]};
 }
 
-static struct gp_v3 point_by(const double m[16], struct gp_v3 p)
-{
-    struct gp_v3 to = row_of(m, 3);
-    to = gp_v3_add(to, gp_v3_scale(row_of(m, 0), p.x));
-    to = gp_v3_add(to, gp_v3_scale(row_of(m, 1), p.y));
-    return gp_v3_add(to, gp_v3_scale(row_of(m, 2), p.z));
-}
-
-/* Box and sphere of an object, from the corners of its mesh's box: a hull of
- * the corners holds every vertex. */
-static void bound_object(const struct gp_box *box, struct gp_object *o)
-{
-    const struct gp_v3 lo = box->lo, hi = box->hi;
-    const struct gp_v3 middle = gp_v3_scale(gp_v3_add(lo, hi), 0.5);
-    o->centre = point_by(o->to_world, middle);
-    o->radius = 0.0;
-    for (int i = 0; i < 8; i++) {
-        const struct gp_v3 p = point_by(
-            o->to_world, (struct gp_v3) {i & 1 ? hi.x : lo.x,
-                                         i & 2 ? hi.y : lo.y,
-                                         i & 4 ? hi.z : lo.z});
-        const double r = gp_v3_length(gp_v3_sub(p, o->centre));
-        o->radius = fmax(o->radius, r);
-        if (i == 0)
-            o->box = (struct gp_box) {p, p};
-        o->box.lo = (struct gp_v3) {fmin(o->box.lo.x, p.x),
-                                    fmin(o->box.lo.y, p.y),
-                                    fmin(o->box.lo.z, p.z)};
-        o->box.hi = (struct gp_v3) {fmax(o->box.hi.x, p.x),
-                                    fmax(o->box.hi.y, p.y),
-                                    fmax(o->box.hi.z, p.z)};
-    }
-}
-
 /* The inverse of a camera's place, without its scale: cameras have none. */
 static void camera_from(const double world[16], double out[16])
 {
@@ -342,7 +309,7 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
     for (int i = 0; i < s->objects; i++) {
         struct gp_object *const o = &s->object[i];
         memcpy(o->to_world, nodes->at[o->node].world, sizeof o->to_world);
-        bound_object(&s->mesh[o->mesh].box, o);
+        gp_bounds_set(s, o);
     }
     for (int i = 0; i < s->lights; i++) {
         struct gp_scene_light *const l = &s->light[i];

@@ -98,7 +98,9 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
         return of_tiles(h, gp_screen_pixels(&b, h->window), b.near, b.far, NULL);
     const struct gp_scissor s = {gp_screen_pixels(&b, h->window), b.near,
                                  b.far};
-    return gp_rect_empty(s.rect) ? (struct gp_scissor) {0} : s;
+    if (gp_rect_empty(s.rect))
+        return (struct gp_scissor) {0};
+    return s;
 }
 
 // -- tiles in the world ------------------------------------------------------

@@ -8,6 +8,12 @@
 
 // -- shared with the sorted lists --------------------------------------------
 
+double gp_object_radius(const struct gp_object *o, struct gp_v3 c)
+{
+    const double corner = gp_v3_length(gp_v3_sub(o->box.hi, c));
+    return fmin(corner, o->radius + gp_v3_length(gp_v3_sub(o->centre, c)));
+}
+
 double gp_sets_far(const struct gp_scene *s, const struct gp_sets_view *v)
 {
     const double *const m = v->camera.to_ndc;
@@ -112,7 +118,7 @@ static void fill_arrays(struct gp_sets *s)
         s->half[0][i] = e.x;
         s->half[1][i] = e.y;
         s->half[2][i] = e.z;
-        s->radius[i] = empty ? -1.0 : o->radius;
+        s->radius[i] = empty ? -1.0 : gp_object_radius(o, c);
         s->size[i] = gp_darkest_size(s->bodies, o);
     }
 }

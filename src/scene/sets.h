@@ -78,10 +78,6 @@ struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
 /* Returns the part of that scissor in which an object of V can show a point. */
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
 
-/* Writes the objects of a set, GP_SET_*, in their order; returns how many.
- * `object` has room for all of the scene, or is NULL. */
-int gp_sets_list(const struct gp_sets *sets, unsigned set, int *object);
-
 /* Returns how many batches draw a set once: the parts of its meshes (15.2.2).
  * `merged`: shadow batches, the opaque parts of an object in one. A frame has
  * those of V, and for each light those of S and of I. */

@@ -70,7 +70,7 @@ static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
         const struct gp_object *const o = &s->object[i];
         if (gp_box_empty(o->box) ||
             gp_reach_too_far(r, centre(o), half(o)) ||
-            gp_reach_beside(r, centre(o), o->radius))
+            gp_reach_beside(r, centre(o), gp_object_radius(o, centre(o))))
             continue;
         append(l, i);
         const double size = gp_darkest_size(bodies, o);
@@ -84,7 +84,8 @@ static void list_seen(const struct gp_scene *s, const struct gp_bodies *bodies,
     for (int k = 0; k < l->n; k++) {
         const struct gp_object *const o = &s->object[l->object[k]];
         const struct gp_v3 e =
-            gp_texel_widen(r, v->texel, centre(o), half(o), o->radius);
+            gp_texel_widen(r, v->texel, centre(o), half(o),
+                           gp_object_radius(o, centre(o)));
         bool dark = false;
         for (int u = 0; u < umbras->n; u++)
             dark |= gp_umbra_holds(&umbras->umbra[u], centre(o), e);
@@ -103,7 +104,8 @@ static void list_casters(const struct gp_scene *s, const struct gp_sets_view *v,
     for (int k = 0; k < out->l.n; k++) {
         const struct gp_object *const o = &s->object[out->l.object[k]];
         const struct gp_v3 e =
-            gp_texel_widen(r, v->texel, centre(o), half(o), o->radius);
+            gp_texel_widen(r, v->texel, centre(o), half(o),
+                           gp_object_radius(o, centre(o)));
         if (!gp_volume_misses(&hull, centre(o), e))
             append(&out->s, out->l.object[k]);
     }

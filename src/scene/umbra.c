@@ -3,16 +3,11 @@
 
 #include "core/cpu.h"
 #include "core/memory.h"
+#include "scene/scene_priv.h"
 
 #include <string.h>
 
 // -- bodies ------------------------------------------------------------------
-
-/* A plane and a bound of the distance at which a point is on it. */
-struct flat {
-    struct gp_half h;
-    double near;
-};
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 

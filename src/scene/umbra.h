@@ -20,11 +20,6 @@ struct gp_body {
     int points, faces, edges;
 };
 
-/* Finds the body of a mesh: of all of its triangles at once, in any winding.
- * False where they make none: not convex, open but not flat, cut out or
- * transparent, over 64 points or faces. Triangles without area do not count. */
-bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out);
-
 /* True where no light passes through a part of a mesh. */
 bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p);
 
@@ -35,11 +30,6 @@ struct gp_umbra {
     struct gp_half plane[GP_BODY_EDGES + GP_BODY_FACES];
     double margin; // what is in by less counts as outside: faces that touch
 };
-
-/* Makes the umbra of a body moved by `to_world` before a light. It is empty
- * where the light is in the body or in the plane of a flat one. */
-void gp_umbra_make(const struct gp_body *body, const double to_world[16],
-                   struct gp_from light, struct gp_umbra *out);
 
 /* True where all of a box is in the umbra: of centre c and half sides e. */
 static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,

@@ -29,6 +29,30 @@ static void vertices_of_objects(void **state)
     }
 }
 
+/* A large mesh is held by the corners of its box: every vertex, and little
+ * more. */
+static void large_mesh(void **state)
+{
+    uint64_t seed = 3;
+    struct gp_scene s = made_scene();
+    const int ball = made_ball(&s, 0, 40);
+    for (int i = 0; i < 10; i++) {
+        const int at = made_put_along(
+            &s, ball, (struct gp_v3) {i, 2, 3}, (struct gp_v3) {1, 2, i + 1.0},
+            (struct gp_v3) {made_random(&seed), 1, made_random(&seed)});
+        const struct gp_object want = s.object[at];
+        gp_bounds_set(&s, &s.object[at]);
+        const struct gp_object *const o = &s.object[at];
+        const struct gp_box both =
+            gp_box_with(gp_box_with(o->box, want.box.lo), want.box.hi);
+        assert_memory_equal(&both, &o->box, sizeof both);
+        const double off = gp_v3_length(gp_v3_sub(o->centre, want.centre));
+        assert_true(o->radius >= want.radius - off);
+        assert_true(o->radius < 2.0 * want.radius);
+    }
+    made_free(&s);
+}
+
 /* A mesh without triangles has an empty box. */
 static void mesh_of_nothing(void **state)
 {
@@ -172,5 +196,5 @@ static void outwards(void **state)
     made_free(&s);
 }
 
-SUITE_OF(bounds, NULL, NULL, vertices_of_objects, mesh_of_nothing,
+SUITE_OF(bounds, NULL, NULL, vertices_of_objects, large_mesh, mesh_of_nothing,
          boxes_on_screen, example_of_15_2_1, outwards)

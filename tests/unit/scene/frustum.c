@@ -2,6 +2,7 @@
 #include "scene/frustum.h"
 
 #include "scene/bounds.h"
+#include "scene/scene_priv.h"
 #include "scene_made.h"
 
 static const struct gp_rect display = {-3, 5, 157, 95};

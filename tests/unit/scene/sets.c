@@ -6,6 +6,7 @@
 #include "scene/scene_priv.h"
 
 #include "scene_rays.h"
+#include "starved.h"
 
 #include <time.h>
 
@@ -326,6 +327,43 @@ static void as_lists(void **state)
     assert_true(lit > 100);
 }
 
+// -- a full memory -----------------------------------------------------------
+
+static struct gp_scene *starving;
+static struct shot *starving_shot;
+static double found;
+
+static gp_status find_all(void)
+{
+    gp_status st;
+    struct gp_bodies *bodies = NULL;
+    struct gp_sets *sets = NULL;
+    struct gp_lists lists = {0};
+    const struct gp_sets_view view = view_of(starving_shot);
+    const struct gp_log *const log = &kept_log;
+    GP_TRY(gp_bodies_make(log, starving, &bodies));
+    GP_TRY(gp_sets_open(log, starving, bodies, &view, GP_SETS_ALL, &sets));
+    GP_TRY(gp_lists_make(log, starving, bodies, &view, GP_SETS_ALL, 0, &lists));
+    gp_sets_light(sets, 0);
+    found = 1.0 + gp_sets_list(sets, GP_SET_F, NULL) + lists.s.n;
+out:
+    gp_lists_free(&lists);
+    gp_sets_close(&sets);
+    gp_bodies_free(&bodies);
+    return st;
+}
+
+static void memory_is_full(void **state)
+{
+    static struct shot shot;
+    uint64_t seed = first_seed();
+    struct gp_scene s = random_shot(&seed, true, 16, 1, &shot);
+    starving = &s;
+    starving_shot = &shot;
+    starve("sets", find_all, &found, 40);
+    made_free(&s);
+}
+
 // -- the paper's figures -----------------------------------------------------
 
 /* A ground, a camera at (0, -10, 2) that looks along y, and `things` boxes of
@@ -518,13 +556,13 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, as_lists, figure_15_1, figure_15_2, example_of_98,
+        nothing_is_lost, many_tiles, as_lists, memory_is_full, figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
-                                "nothing_is_lost, many_tiles, as_lists, "
+                                "nothing_is_lost, many_tiles, as_lists, memory_is_full, "
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 #include "scene/umbra.h"
 
 #include "scene/bounds.h"
+#include "scene/scene_priv.h"
 #include "scene_rays.h"
 
 static struct gp_v3 around(uint64_t *seed, double size)
