@@ -163,20 +163,18 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
                     sizeof *object, &object));
     samples->rays = &rays;
     samples->measure = gp_eye_measure_of(d, window);
-    share.objects = gp_eye_set(s, d, object);
-    if (!samples->measure.cut) {
-        const bool in = gp_eye_inside(&samples->measure, d->to);
-        share.outside = in ? 0.0 : 1.0;
-        if (!in && gp_eye_hidden(s, d, object, share.objects))
-            share.clear = 0.0;
-        if (in || share.clear == 0.0) {
-            *out = share;
-            goto out;
-        }
+    const bool cut = samples->measure.cut;
+    const bool whole = !cut && gp_eye_inside(&samples->measure, d->to);
+    share.outside = whole ? 0.0 : 1.0;
+    share.objects = whole ? 0 : gp_eye_set(s, d, object);
+    if (!cut && gp_eye_hidden(s, d, object, share.objects)) {
+        share.clear = 0.0;
+        *out = share;
+        goto out;
     }
     GP_TRY(gp_rays_make(log, s, object, share.objects, triangle_meets, d,
                         &rays));
-    if (samples->measure.cut || rays.n > 0) {
+    if (cut || rays.n > 0) {
         int side = d->half > 0.0 ? FIRST : 1;
         do {
             samples->side = side;

@@ -73,6 +73,15 @@ is "$(lamps '[L[k]["visibility"] for k in ("lamp3", "lamp4")]')" '[0.0, 0.0]' \
 run --sun 30,12 --sun-outside scene --report r.json plain.exr
 fails_with 2 'needs --scene' 'a rule without its scene'
 
+cat >bare.gltf <<'EOF'
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+ "nodes": [{"name": "nothing"}]}
+EOF
+run --scene bare.gltf --sun 30,12 --report r.json still.1004.exr
+fails_with 2 '--sun-outside ignore' 'a scene, and no camera to see it from'
+run --scene bare.gltf --sun 30,12 --sun-outside ignore --report r.json plain.exr
+status_is 0 'another rule needs no camera'
+
 if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
     for method in exact mask; do
         if [ $method = mask ] && [ -z "$gl" ]; then

@@ -174,5 +174,41 @@ static void places_that_are_known(void **state)
     assert_false(gp_eye_meets_box(&sun, &GP_BOX_EMPTY));
 }
 
+/* One triangle that hides all of a disc leaves no ray through; without one some
+ * discs are hidden by many. */
+static void one_triangle_hides_all(void **state)
+{
+    enum { SCENES = 100, RAYS = 40 };
+    uint64_t seed = 13;
+    int hidden = 0, others = 0;
+    for (int i = 0; i < SCENES; i++) {
+        struct gp_scene s = made_random_scene(&seed, 40, 0);
+        struct gp_rays rays = {0};
+        int object[40];
+        for (int k = 0; k < 40; k++)
+            object[k] = k;
+        assert_ok(gp_rays_make(NULL, &s, object, 40, NULL, NULL, &rays));
+        for (int j = 0; j < 10; j++) {
+            const struct gp_eye_disc d = random_disc(&seed);
+            const bool all = gp_eye_hidden(&s, &d, object, 40);
+            bool open = false;
+            for (int k = 0; k < RAYS; k++) {
+                const struct gp_v3 along = within(&d, &seed);
+                open = open || !gp_rays_stopped(&rays, d.eye, along,
+                                                ball_way(&d, along));
+            }
+            if (all && open)
+                fail_msg("scene %d, disc %d shows", i, j);
+            hidden += all;
+            others += !all && !open;
+        }
+        gp_rays_free(&rays);
+        made_free(&s);
+    }
+    print_message("# %d of %d discs hidden by one triangle, %d by more\n",
+                  hidden, 10 * SCENES, others);
+    assert_true(hidden > 100 && others < hidden);
+}
+
 SUITE_OF(eye_set, NULL, NULL, no_object_is_lost, boxes_as_their_points,
-         places_that_are_known)
+         places_that_are_known, one_triangle_hides_all)
