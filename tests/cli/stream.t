@@ -208,9 +208,9 @@ is "$(wc -c <want.raw)" $((2 * 640 * 360 * 6)) 'two example frames as pixels'
 (PATH=$tmp/bin:$PATH && export PATH && sh "$examples/movie.sh" "$glarepp" movie.raw)
 same movie.raw want.raw 'examples/movie.sh gives every byte'
 
-# readme: the command of README.md for a movie, for frames of this size
-sed -n '/^    glarepp --raw/,/[^\\]$/p' "$root/README.md" |
-    sed "s/glarepp/\"\$glarepp\"/; s/1920x1080/300x200/; s/shot\.####/big.####/" >readme.sh
+# manual: the command of man/sequences.md for a movie, for frames of this size
+sed -n '/^    glarepp --raw/,/[^\\]$/p' "$root/man/sequences.md" |
+    sed "s/glarepp/\"\$glarepp\"/; s/1920x1080/300x200/; s/shot\.####/big.####/" >manual.sh
 # played FILE: H.264 in 4:2:0 with an index first, BT.709 in all tags
 played()
 {
@@ -221,7 +221,7 @@ played()
         head -n 1)" moov "$1: the index comes first"
 }
 wanted='bt709 -color_trc bt709 -colorspace bt709 -color_range tv -movflags +faststart'
-for way in 'sh readme.sh' "sh $examples/movie.sh $glarepp shot.mp4 big.####.exr 300x200"; do
+for way in 'sh manual.sh' "sh $examples/movie.sh $glarepp shot.mp4 big.####.exr 300x200"; do
     rm -f shot.mp4*
     (PATH=$tmp/bin:$PATH && export PATH glarepp && $way)
     like "$(cat shot.mp4.words | xargs)" \
@@ -234,7 +234,7 @@ if command -v ffmpeg >ffmpeg.path; then
     ffmpeg -v error -i movie.mkv -f rawvideo -pix_fmt rgb48le movie.back </dev/null
     same movie.back want.raw 'examples/movie.sh with ffmpeg: every code is back'
     rm -f shot.mp4*
-    (export glarepp && sh readme.sh 2>ffmpeg.log)
+    (export glarepp && sh manual.sh 2>ffmpeg.log)
     played shot.mp4
     # BT.709's luma of red, and not BT.601's: 63, not 81
     "$python" -c 'import sys
