@@ -63,10 +63,17 @@ struct gp_sources {
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`, of which it copies sizes, window, weights, faint, the facts
- * of the frame, darkest and visible. Written only on GP_OK; free with gp_sources_free().
- * Errors: GP_ERR_BUG out of memory. */
+ * of the frame, darkest and visible. Written only on GP_OK; free with
+ * gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
+
+/* Returns what counts as a dark pixel's own luminance: `darkest`, or with a black
+ * frame, which has none to spoil, 1e-6 of the brightest source. */
+static inline double gp_sources_dark(const struct gp_sources *s)
+{
+    return s->darkest > 0.0 ? s->darkest : 1e-6 * (double) s->brightest;
+}
 
 /* Appends a source that comes after all others in row order, and adds it to
  * flux, energy, brightest and count. Channels that count as 0 are added to
@@ -77,8 +84,8 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources, darkest and visible, halved so many times. Written only on GP_OK;
- * free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+/* The same sources, darkest and visible, halved so many times. Written only on
+ * GP_OK; free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);
 

@@ -305,9 +305,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
     // times and milliseconds that noise which can be seen is worth
     static const double SEEN_WORTH = 10.0, SEEN_MS = 100.0;
-    // black frames have no own value to spoil: the layer's peak counts there
-    const double own = src->darkest > 0.0 ? src->darkest
-                                          : 1e-6 * (double) src->brightest;
+    const double own = gp_sources_dark(src);
     struct search s = {
         .src = src, .tail = tail,
         .scale = gain * NOISE / sqrt(points) / own,

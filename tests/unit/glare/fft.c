@@ -354,9 +354,7 @@ static void choices_keep_the_rules(void **state)
         for (size_t g = 0; g < COUNT(gains); g++) {
             const struct chosen c = choose(&s, gains[g]);
             const int none = c.split.core < 0 && c.split.hot_count == 0;
-            const double own = s.src.darkest > 0.0
-                                   ? s.src.darkest
-                                   : 1e-6 * (double) s.src.brightest;
+            const double own = gp_sources_dark(&s.src);
             const double seen = s.src.visible / own;
             const bool hides = c.plain > 0.999 * seen &&
                                c.split.rounding <= seen &&
