@@ -4,6 +4,10 @@
 
 #include "scene/eye.h"
 
+/* Returns a texture's alpha at (u, v): bilinear between texel centres on the
+ * base level, wrapped. */
+double gp_cutout_alpha(const struct gp_cutout *c, double u, double v);
+
 /* The two tests of the set; true when they may meet. */
 bool gp_eye_meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
                          double radius);

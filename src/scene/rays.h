@@ -8,10 +8,6 @@
 
 #include "scene/scene.h"
 
-/* Returns a texture's alpha at (u, v): bilinear between texel centres on the
- * base level, wrapped. */
-double gp_cutout_alpha(const struct gp_cutout *c, double u, double v);
-
 /* Triangles in a tree of boxes. */
 struct gp_rays {
     const struct gp_scene *scene;     // borrowed
