@@ -368,6 +368,11 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     const bool bench = s->command == GP_COMMAND_BENCH;
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
         wants = wants || s->debug[i];
+    if (bench && (s->lens.name || s->sun.flare) && gp_suns_wanted(&s->sun))
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
+                       "pixels, and lights by their visibility (found a "
+                       "light); leave one out", s->lens.name ? "--lens"
+                                                             : "--flare");
     if (bench && !s->bench.paper && s->inputs.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
                        "frame.exr, or glarepp bench --paper");

@@ -135,9 +135,14 @@ static gp_status run_bench(const struct gp_log *log,
     struct gp_sun_files files = {s, &suns};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     struct gp_wanted_kernel wanted = {0};
+    struct gp_bench_layers layers = {0};
     gp_status st = gp_wanted_kernel_read(log, s, &wanted);
-    if (st)
+    if (!st)
+        st = gp_bench_layers_begin(log, s, input, &layers);
+    if (st) {
+        gp_wanted_kernel_free(&wanted);
         return st;
+    }
     const struct gp_kernel_params image = gp_wanted_params(s, &wanted);
     const struct gp_bench_request job = {
         .params = &s->bench,
@@ -156,6 +161,8 @@ static gp_status run_bench(const struct gp_log *log,
         .tone = &s->tone,
         .sun = &s->sun,
         .reader = &reader,
+        .extra = layers.row,
+        .extras = layers.rows,
     };
     st = gp_clobber_begin(log, s, NULL, NULL, &c);
     if (!st)
@@ -167,6 +174,7 @@ static gp_status run_bench(const struct gp_log *log,
     gp_gl_prepare(); // while there is one thread
     if (!st)
         st = gp_bench_run(log, &job);
+    gp_bench_layers_end(&layers);
     gp_wanted_kernel_free(&wanted);
     return st;
 }

@@ -364,26 +364,26 @@ const struct gp_option gp_options[] = {
         .help = "Read the frame's worldToNDC matrix with this range"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
-    OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE|preset:NAME",
+    OPT(sun.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
         .help = "Read lens-flare elements from a JSON file, or take an "
                 "installed flare (preset:list names them); each light that has "
                 "flux draws them, scaled by its visible share, or every bright "
                 "pixel does"),
-    OPT(lens.name, .name = "lens", IN(SUN), .arg = "FILE|NAME",
+    OPT(lens.name, .name = "lens", BOTH(SUN), .arg = "FILE|NAME",
         .help = "Add the ghosts of a real lens, a JSON file or an installed "
         "one, which glarepp lens lists: of the lights that have flux, without "
         "lights of the 100 brightest groups of sources; -k aperture then has "
         "the stop of the lens"),
-    OPT(lens.sensor, .name = "sensor-size", IN(SUN), .arg = "MM",
+    OPT(lens.sensor, .name = "sensor-size", BOTH(SUN), .arg = "MM",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e4, .help = "Width of the "
         "display window on the lens's sensor; without it by --fov or the "
         "frame's camera, else by the frame's attribute "
         "sensorOverallDimensions, else the format that the lens is for"),
-    OPT(lens.distance, .name = "focus-distance", IN(SUN), .arg = "M",
+    OPT(lens.distance, .name = "focus-distance", BOTH(SUN), .arg = "M",
         .needs = GP_NEED_LENS, .lo = FLT_MIN, .hi = 1e9, .help = "Focus the "
         "lens on this distance in metres; without it by the frame's attribute "
         "focus, else far away"),
-    OPT(lens.f_number, .name = "f-number", IN(SUN), .arg = "N",
+    OPT(lens.f_number, .name = "f-number", BOTH(SUN), .arg = "N",
         .needs = GP_NEED_LENS, .lo = 0.1, .hi = 1e4, .help = "Close the lens's "
         "stop to this f-number; without it by the frame's attribute aperture, "
         "else open"),

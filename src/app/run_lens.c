@@ -226,6 +226,14 @@ static gp_status set_bound(const struct gp_log *log, const struct gp_frame *f,
 
 gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
 {
+    // hidden lights count, so that nothing changes as they appear
+    return gp_run_lens_as(r, fs, r->suns.n > 0 && r->suns.n <= FEW
+                                     ? GP_LENS_FINE : GP_LENS_COARSE);
+}
+
+gp_status gp_run_lens_as(struct gp_run *r, struct gp_frame_state *fs,
+                         enum gp_lens_detail detail)
+{
     struct gp_frame *const f = &fs->frame;
     struct gp_lens_facts *const facts = &fs->facts.lens;
     struct gp_lens_light *light = NULL;
@@ -256,10 +264,10 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
         .mm = {mm, mm / (double) f->pixel_aspect},
         .chromaticities = f->chromaticities, .luminance = f->luminance,
         .mean = gp_log_average(f, &f->rgb),
-        .tolerance = (double) r->s->glare.tolerance,
+        .tolerance = detail == GP_LENS_REFERENCE
+                         ? 0.0 : (double) r->s->glare.tolerance,
         .rest = {dark[0], dark[1], dark[2]},
-        // hidden lights count, so that nothing changes as they appear
-        .fine = r->suns.n > 0 && r->suns.n <= FEW,
+        .detail = detail,
     };
     facts->name = r->lens.name;
     facts->sensor = width;

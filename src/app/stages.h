@@ -278,9 +278,12 @@ bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
 
 /* Adds the lens's ghosts to the layer, which is made, of the lights that have flux,
  * or without lights of the 100 brightest blocks of 16x16 pixels with sources.
- * Errors: GP_ERR_BUG memory. */
+ * The second with this detail; the reference leaves no ghost out. Errors:
+ * GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_run_lens(struct gp_run *r,
                                     struct gp_frame_state *fs);
+GP_MUST_CHECK gp_status gp_run_lens_as(struct gp_run *r,
+    struct gp_frame_state *fs, enum gp_lens_detail detail);
 
 /* Reads for the sun's stage: planes of depth and coverage, pictures of flare
  * elements, the camera of a frame's file. `files` must outlive the reader; in
@@ -290,6 +293,21 @@ struct gp_sun_files {
     const struct gp_job *job; // of the frame; NULL: pictures only
 };
 struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files);
+
+/* Rows of bench for layers of --flare and --lens. Zeroed is none. */
+struct gp_bench_layers {
+    struct gp_run run;
+    struct gp_job job;
+    struct gp_sun_files files;
+    struct gp_bench_extra row[GP_BENCH_EXTRAS];
+    int rows;
+};
+
+/* Makes the rows that s asks for. End with gp_bench_layers_end(). Errors: those
+ * of reading flare and lens. */
+GP_MUST_CHECK gp_status gp_bench_layers_begin(const struct gp_log *log,
+    const struct gp_settings *s, char *input, struct gp_bench_layers *out);
+void gp_bench_layers_end(struct gp_bench_layers *b);
 
 /* Finds the number of a frame: the job's, else the one in its file's name.
  * Returns false where there is none. */

@@ -241,6 +241,45 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
+/* Measures an extra layer, and makes its truth where that of `before`, the row
+ * before, is another's. */
+static gp_status run_extra(struct bench *b, const struct gp_bench_extra *e,
+    const struct gp_bench_extra *before, double *ms, struct gp_bench_row *row)
+{
+    const size_t n = gp_frame_pixels(b->f);
+    double total = 0.0;
+    int runs = 0;
+    gp_status st;
+    if (!before || strcmp(before->layer, e->layer) != 0) {
+        memset(b->exact, 0, 3 * n * sizeof *b->exact);
+        gp_planes_clear(&b->f->layer, 0, n);
+        GP_TRY(e->exact(e->user, b->log, &b->src, b->f, b->exact));
+    }
+    for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);
+         i++) {
+        gp_planes_clear(&b->f->layer, 0, n);
+        const double start = gp_now_ms();
+        GP_TRY(e->draw(e->user, b->log, &b->src, b->f, &row->bound));
+        const double took = gp_now_ms() - start;
+        total += took;
+        if (i == 0)
+            row->ms_first = took;
+        else
+            ms[runs++] = took;
+    }
+    row->runs = runs;
+    row->ms = gp_bench_median(ms, runs);
+    row->ms_min = ms[0];
+    row->ms_max = ms[runs - 1];
+    gp_glare_measure(b->f, &b->f->layer, b->exact, b->req->compose->gain, NULL,
+                     &row->error);
+    row->measured = true;
+    gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
+           row->ms, row->error.rel_l2);
+out:
+    return st;
+}
+
 /* Measures all techniques on a frame into t->frame, in the order of
  * gp_bench_techniques. A run that would take over 6 s is made with a part of
  * the sources (a tenth, or a hundredth where that takes too long as well) and
@@ -287,6 +326,19 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         }
         row->why[0] = '\0';
         GP_TRY(run_technique(b, ms, technique, row));
+    }
+    for (int i = 0; i < b->req->extras; i++) {
+        const struct gp_bench_extra *const e = &b->req->extra[i];
+        struct gp_bench_row *const row = &out->row[out->rows++];
+        *row = (struct gp_bench_row) {
+            .name = e->name, .layer = e->layer, .share = 1.0, .bound = NAN,
+            .flip = NAN, .why = "no pixel is over the threshold",
+        };
+        snprintf(row->options, sizeof row->options, "%s", e->options);
+        if (b->src.n == 0)
+            continue;
+        row->why[0] = '\0';
+        GP_TRY(run_extra(b, e, i ? e - 1 : NULL, ms, row));
     }
     gp_bench_mark_pareto(out);
 out:

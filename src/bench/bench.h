@@ -21,6 +21,21 @@ struct gp_bench_params {
 };
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
+/* A layer that is no engine's of the kernel: its row, and its truth. */
+struct gp_bench_extra {
+    const char *name, *options;
+    const char *layer;     // rows of the same one are compared, and share exact
+    void *user;
+    /* Adds the layer of the sources to f->layer, which is dark. Sets *bound of
+     * rel_l2. */
+    gp_status (*draw)(void *user, const struct gp_log *log,
+        const struct gp_sources *src, struct gp_frame *f, double *bound);
+    /* Adds the exact one to `out`, 3 * w * h; may use f->layer. */
+    gp_status (*exact)(void *user, const struct gp_log *log,
+        const struct gp_sources *src, struct gp_frame *f, double *out);
+};
+enum { GP_BENCH_EXTRAS = 3 };
+
 /* A run; all is borrowed. */
 struct gp_bench_request {
     const struct gp_bench_params *params;
@@ -39,6 +54,8 @@ struct gp_bench_request {
     const struct gp_tone_params *tone;
     const struct gp_sun_params *sun;
     const struct gp_sun_reader *reader;  // for the sun and the camera
+    const struct gp_bench_extra *extra;  // up to GP_BENCH_EXTRAS
+    int extras;
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;
@@ -50,6 +67,8 @@ struct gp_bench_request {
  * visibility: exact, readback, masks of 4 to 64 texels a side, disc and square,
  * summed in float, in 8 bits and by bilinear quarters, and one mask on the CPU;
  * the error is the difference to exact over all lights. Without a plot.
+ *
+ * Extra layers are rows after the techniques, each against its own truth.
  *
  * A technique that cannot run here (no GL) is a row that says so.
  * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when

@@ -52,7 +52,10 @@ struct gp_bench_technique {
     struct gp_splat_params splat;  // for engine "splat"
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
-enum { GP_BENCH_ROWS = 15 };  // of gp_bench_techniques
+enum {
+    GP_BENCH_ROWS = 15,       // of gp_bench_techniques
+    GP_BENCH_MOST = GP_BENCH_ROWS + GP_BENCH_EXTRAS,
+};
 
 /* Writes the main command's options for that technique. */
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
@@ -77,7 +80,8 @@ struct gp_bench_row {
     bool measured;             // `error` is known; never when extrapolated
     struct gp_glare_error error;
     double flip;               // mean LDR-FLIP; NaN: not defined
-    bool pareto;               // no row is both faster and nearer
+    const char *layer;         // of gp_bench_extra; NULL: the kernel's
+    bool pareto;               // no row of the layer is both faster and nearer
 };
 
 /* All techniques on one frame. */
@@ -89,7 +93,7 @@ struct gp_bench_frame {
     char *kernel;              // name or path, owned
     double kernel_left_out;    // as in struct gp_kernel; NaN: no model's
     const struct gp_paper_rate *paper; // or NULL
-    struct gp_bench_row row[GP_BENCH_ROWS];
+    struct gp_bench_row row[GP_BENCH_MOST];
     int rows;
 };
 

@@ -131,14 +131,15 @@ void gp_lens_item_place(const struct gp_lens_view *v,
                 least(all.x0, box[half].x0), least(all.y0, box[half].y0),
                 most(all.x1, box[half].x1), most(all.y1, box[half].y1)};
     }
+    const double finer = 1 << v->detail;
     // a step must not hide the size
     const double size = most(all.x1 - all.x0, all.y1 - all.y0);
-    const double finest = least((v->fine ? 0.35 : 0.7) * g->blur /
+    const double finest = least(0.7 / finer * g->blur /
                                    least(v->mm[0], v->mm[1]), size / 24.0);
     int level = 0;
     while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)
         level++;
-    const double allowed = (v->fine ? 1.5 : 3.0) * (1 << level);
+    const double allowed = 3.0 / finer * (1 << level);
     it->y0 = INFINITY;
     it->y1 = -INFINITY;
     for (int i = 0; i < cells; i++) {

@@ -179,13 +179,11 @@ static gp_status trace_item(void *ctx, int i, int thread)
     place_axes(v, it);
     it->blades = gp_lens_blades_of(job->lens, atan2(it->turn[1], it->turn[0]));
     gp_lens_path(job->lens, g->first, g->second, &path);
-    const gp_status st = gp_lens_mesh_make(NULL, job->optics, &path,
-                                           &it->blades, it->u,
-                                           v->fine ? fmin(v->tolerance, 5e-4)
-                                                   : v->tolerance,
-                                           (v->fine ? 0.25 : 1.0) *
-                                               fmax(g->blur, v->mm[0]),
-                                           &it->mesh);
+    static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
+    const gp_status st = gp_lens_mesh_make(
+        NULL, job->optics, &path, &it->blades, it->u,
+        fmin(v->tolerance, most[v->detail]),
+        edge[v->detail] * fmax(g->blur, v->mm[0]), &it->mesh);
     if (!st && it->mesh.cells)
         gp_lens_item_place(v, g, it);
     return st;

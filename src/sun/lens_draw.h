@@ -25,6 +25,14 @@ struct gp_lens_light {
     double flux[3];   // of its image, scene-linear, summed over pixels
 };
 
+/* Cells of meshes, steps of pixels and bands of the spectrum. */
+enum gp_lens_detail {
+    GP_LENS_COARSE,            // of many lights
+    GP_LENS_FINE,              // of a few: several times the time
+    GP_LENS_REFERENCE,         // the finest, many times the time; for bench and
+                               // tests
+};
+
 struct gp_lens_view {
     struct gp_rect frame;      // of the layer
     struct gp_rect display;    // its middle is on the axis
@@ -37,8 +45,7 @@ struct gp_lens_view {
                                // order; error of meshes
     double rest[3];            // flux of lights that are not given, which
                                // counts as left out
-    bool fine;                 // meshes and bands as for a few lights: several
-                               // times the time
+    enum gp_lens_detail detail;
 };
 
 struct gp_lens_stats {

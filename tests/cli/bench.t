@@ -369,6 +369,23 @@ run bench -o out.png in.exr
 fails_with 2 -o 'a picture from bench'
 run --runs 3 -o out.png in.exr
 fails_with 2 --runs 'runs without bench'
+# layers of --flare and --lens are rows of the same table
+cat >flare.json <<'JSON'
+[{"source": "bright", "shape": "disc", "position": 0.4, "size": 0.2},
+ {"source": "bright", "shape": "ring", "position": 1.7, "size": 0.3}]
+JSON
+run bench --runs 1 -k kernel.exr --flare flare.json --lens tessar --fov 20 \
+    --json layers.json in.exr
+is "$status" 0 'bench with flare and lens'
+is "$("$python" -c 'import json
+rows = json.load(open("layers.json"))["frames"][0]["rows"]
+flare, many, few = (r for r in rows if r["options"][:3] in ("--f", "--l"))
+print(0 < flare["rel_l2"] <= min(1e-6, flare["bound"]), 0 < many["rel_l2"] < 0.2,
+      0 < few["rel_l2"] < many["rel_l2"], "bound" in few,
+      all(r["ms"] > 0 for r in (flare, many, few)))')" \
+    'True True True False True' 'each near its own truth'
+run bench --flare flare.json --sun 3,3 in.exr
+fails_with 2 --flare 'bench of flare with a light'
 run bench --csv - --json - in.exr
 fails_with 2 - 'two files on stdout'
 run bench nowhere.exr

@@ -37,6 +37,10 @@ printf '%s' '{"name": "a\u001b[31m\u202eb", "note": "\u009b2J\u007f", "patent": 
 result $? 'a lens with control characters in its names'
 no 'none of which is printed' env LC_ALL=C grep -q "$(printf '\033\\|\302\233\\|\177\\|\342\200\256\\|\342\201\246')" out err marks.svg
 
+"$glarepp" lens --check heliar >out
+is "$(grep -c '^image height .* claimed 50.5: covered$' out)" 1 \
+    'an image height that the rims cover, beside its claim'
+
 # -- the drawing -----------------------------------------------------------------
 
 "$glarepp" lens --check heliar --draw a.svg >out 2>err

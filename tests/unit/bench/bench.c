@@ -33,6 +33,21 @@ static void the_front_is_what_nothing_beats(void **state)
     }
 }
 
+/* Rows of another layer are beaten by rows of that layer only. */
+static void layers_have_their_own_front(void **state)
+{
+    static const char flare[] = "flare", lens[] = "lens";
+    struct gp_bench_frame f = {.rows = 4, .row = {
+        {.ms = 1, .error.rel_l2 = 1e-8, .measured = true},
+        {.ms = 9, .error.rel_l2 = 1e-3, .measured = true, .layer = flare},
+        {.ms = 10, .error.rel_l2 = 1e-3, .measured = true, .layer = lens},
+        {.ms = 11, .error.rel_l2 = 1e-2, .measured = true, .layer = lens},
+    }};
+    gp_bench_mark_pareto(&f);
+    assert_true(f.row[0].pareto && f.row[1].pareto && f.row[2].pareto);
+    assert_false(f.row[3].pareto);
+}
+
 static void options_ask_for_the_technique(void **state)
 {
     static const struct {
@@ -157,5 +172,6 @@ static void gnuplot_gives_all_it_writes(void **state)
 }
 
 SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,
-         options_ask_for_the_technique, parts_are_even_and_untouched,
-         no_light_has_a_part_without_any, gnuplot_gives_all_it_writes)
+    layers_have_their_own_front, options_ask_for_the_technique,
+    parts_are_even_and_untouched, no_light_has_a_part_without_any,
+    gnuplot_gives_all_it_writes)

@@ -272,7 +272,8 @@ static void coarse_is_near_fine(void **state)
         const struct gp_lens_view view = {
             .frame = frame, .display = frame, .mm = {84.0 / W, 84.0 / W},
             .chromaticities = gp_rec709_chromaticities,
-            .luminance = gp_rec709_luminance, .tolerance = 1e-3, .fine = k,
+            .luminance = gp_rec709_luminance, .tolerance = 1e-3,
+            .detail = k ? GP_LENS_FINE : GP_LENS_COARSE,
         };
         assert_ok(gp_planes_make(&kept_log, "layer", N, &p[k]));
         gp_planes_clear(&p[k], 0, N);
