@@ -311,12 +311,36 @@ static struct sums sum_rect(const struct gp_occluders *o,
 // -- the frame ---------------------------------------------------------------
 
 /* The part of the frame in which a plane has samples; empty for NULL. */
-static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame)
+static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
+                                 int margin)
 {
     if (!p || !p->v)
         return (struct gp_rect) {0};
-    const struct gp_rect r = gp_rect_meet(p->window, frame);
-    return gp_rect_empty(r) ? (struct gp_rect) {0} : r;
+    struct gp_rect r = gp_rect_meet(p->window, frame);
+    if (gp_rect_empty(r))
+        return (struct gp_rect) {0};
+    r.x0 -= r.x0 > frame.x0 ? margin : 0;
+    r.y0 -= r.y0 > frame.y0 ? margin : 0;
+    r.x1 += r.x1 < frame.x1 ? margin : 0;
+    r.y1 += r.y1 < frame.y1 ? margin : 0;
+    return r;
+}
+
+int gp_sun_parts(const struct gp_occluders *o, int margin,
+                 struct gp_rect part[GP_SUN_PARTS])
+{
+    const struct gp_rect depth = known_rect(o->depth, o->frame, margin);
+    const struct gp_rect mask = known_rect(o->mask, o->frame, margin);
+    const struct gp_rect both = gp_rect_meet(mask, depth);
+    const bool apart = gp_rect_empty(both);
+    // the mask's window without that of the depth: parts may be empty
+    part[0] = depth;
+    part[1] = apart ? mask
+                    : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0};
+    part[2] = (struct gp_rect) {mask.x0, both.y0, both.x0, both.y1};
+    part[3] = (struct gp_rect) {both.x1, both.y0, mask.x1, both.y1};
+    part[4] = (struct gp_rect) {mask.x0, both.y1, mask.x1, mask.y1};
+    return apart ? 2 : GP_SUN_PARTS;
 }
 
 static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
@@ -329,19 +353,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
 {
     // only pixels in a plane's window are visited: a display window may be
     // larger than any plane by any factor
-    const struct gp_rect depth = known_rect(o->depth, o->frame);
-    const struct gp_rect mask = known_rect(o->mask, o->frame);
-    const struct gp_rect both = gp_rect_meet(mask, depth);
-    const bool apart = gp_rect_empty(both);
-    const int parts = apart ? 2 : 5;
-    // the mask's window without that of the depth: parts may be empty
-    const struct gp_rect part[5] = {
-        depth,
-        apart ? mask : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0},
-        {mask.x0, both.y0, both.x0, both.y1},
-        {both.x1, both.y0, mask.x1, both.y1},
-        {mask.x0, both.y1, mask.x1, mask.y1},
-    };
+    struct gp_rect part[GP_SUN_PARTS];
+    const int parts = gp_sun_parts(o, 0, part);
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         l->visibility = 0.0;

@@ -1,9 +1,10 @@
 /* Bounds of a light's share: the pixels of edges all hidden, and all clear. */
-#include "sun/occluder.h"
+#include "sun/sun_priv.h"
 
 #include "core/parallel.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { STRIPS = 64 };         // of a disc, summed in order
 
@@ -89,9 +90,35 @@ static int within(double v, int lo, int hi)
     return !(v > (double) lo) ? lo : v < (double) hi ? (int) v : hi;
 }
 
+/* Adds the pixels of a rectangle that the disc may touch. */
+static void add_rect(struct interval *v, struct gp_rect r,
+                     struct bounds_sums *sum)
+{
+    const struct gp_light *const l = v->light;
+    v->rect.x0 = within(floor(l->x - v->radius), r.x0, r.x1);
+    v->rect.y0 = within(floor(l->y - v->radius), r.y0, r.y1);
+    v->rect.x1 = within(ceil(l->x + v->radius), v->rect.x0, r.x1);
+    v->rect.y1 = within(ceil(l->y + v->radius), v->rect.y0, r.y1);
+    if (gp_rect_empty(v->rect))
+        return;
+    const int h = gp_rect_h(v->rect);
+    v->n = h < STRIPS ? h : STRIPS;
+    memset(v->sum, 0, sizeof v->sum);
+    gp_parallel_do(v->n, add_strip, v);
+    for (int k = 0; k < v->n; k++) {
+        sum->area += v->sum[k].area;
+        sum->lo += v->sum[k].lo;
+        sum->hi += v->sum[k].hi;
+    }
+}
+
 void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n)
 {
+    // pixels beside the planes' windows and their edges are clear
+    struct gp_rect part[GP_SUN_PARTS];
+    const int parts = gp_sun_parts(o, 1, part);
+    const struct gp_rect f = o->frame;
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         const bool scene = outside == GP_OUTSIDE_SCENE;
@@ -101,25 +128,20 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                           : l->behind ? 0.0
                                       : 1.0;
         struct interval v = {.o = o, .light = l};
-        v.radius = fmin(fmax(l->radius, 1e-3), 1e6);
-        const struct gp_rect f = o->frame;
-        v.rect.x0 = within(floor(l->x - v.radius), f.x0, f.x1);
-        v.rect.y0 = within(floor(l->y - v.radius), f.y0, f.y1);
-        v.rect.x1 = within(ceil(l->x + v.radius), v.rect.x0, f.x1);
-        v.rect.y1 = within(ceil(l->y + v.radius), v.rect.y0, f.y1);
         struct bounds_sums s = {0};
-        if (!l->behind && !gp_rect_empty(v.rect)) {
-            const int h = gp_rect_h(v.rect);
-            v.n = h < STRIPS ? h : STRIPS;
-            gp_parallel_do(v.n, add_strip, &v);
-        }
-        for (int k = 0; k < v.n; k++) {
-            s.area += v.sum[k].area;
-            s.lo += v.sum[k].lo;
-            s.hi += v.sum[k].hi;
-        }
-        // (rounding may leave a little of a disc that is all inside)
+        v.radius = fmin(fmax(l->radius, 1e-3), 1e9); // as gp_sun_exact()
         const double disc = M_PI * v.radius * v.radius;
+        if (!l->behind) {
+            for (int k = 0; k < parts; k++)
+                add_rect(&v, part[k], &s);
+            const double clear =
+                gp_disc_rect_area(l->x, l->y, v.radius, f.x0, f.y0, f.x1,
+                                  f.y1) - s.area;
+            // (rounding lets no light in)
+            s.area += clear > 1e-9 * disc ? clear : 0.0;
+            s.lo += clear > 1e-9 * disc ? clear : 0.0;
+            s.hi += clear > 1e-9 * disc ? clear : 0.0;
+        }
         const double rest = disc - s.area > 1e-9 * disc ? disc - s.area : 0.0;
         const double all = s.area + rest;
         l->low = fmin((s.lo + rest * lo) / all, l->visibility);

@@ -43,6 +43,13 @@ void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
                          double x1, double y1);
 
+/* Divides the pixels of the frame in which a plane has samples, and `margin` (0
+ * or 1) more on each side, into rectangles that do not overlap; some may be
+ * empty. Returns how many. */
+enum { GP_SUN_PARTS = 5 };
+int gp_sun_parts(const struct gp_occluders *o, int margin,
+                 struct gp_rect part[GP_SUN_PARTS]);
+
 // -- lights in pixels of the frame, and the pixels under them (map_pixels.c) -
 
 /* Place on the scale of depth of a pixel without surface, and of a light

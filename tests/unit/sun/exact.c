@@ -517,6 +517,16 @@ static void test_vast_frame(void **state)
     assert_near(visibility(&o, 0, light_at(900000005, 900000005, 3)), 0, 0,
                 "mask", 0);
     assert_near(visibility(&o, 0, light_at(10, 10, 1e9)), 1, 1e-12, "all", 0);
+    // so do bounds: a block of 10 x 10, its edges on both sides
+    struct gp_light l = light_at(10, 10, 1000);
+    l.visibility = visibility(&alone, 0, l);
+    gp_sun_interval(&alone, GP_OUTSIDE_IGNORE, &l, 1);
+    assert_near(l.low, 1.0 - 144.0 / (M_PI * 1e6), 1e-12, "low", 0);
+    assert_near(l.high, 1.0 - 64.0 / (M_PI * 1e6), 1e-12, "high", 0);
+    l = light_at(10, 10, 1e6);
+    l.visibility = visibility(&o, 0, l);
+    gp_sun_interval(&o, GP_OUTSIDE_IGNORE, &l, 1);
+    assert_near(l.high - l.low, 0.0, 1e-9, "both", 0);
     gp_plane_free(&depth);
     gp_plane_free(&mask);
 }
