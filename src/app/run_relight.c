@@ -206,8 +206,10 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     unsigned char *asked = NULL;
-    int *list = NULL;
+    int *list = NULL, *visible = NULL;
     gp_status st;
+    GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1,
+                    sizeof *visible, &visible));
     GP_TRY(gp_alloc_zero(fs->log, "lights", (size_t) s->lights + 1, 1, &asked));
     GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1, sizeof *list,
                     &list));
@@ -220,6 +222,11 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     };
     GP_TRY(gp_bodies_make(fs->log, s, &bodies));
     GP_TRY(gp_sets_open(fs->log, s, bodies, &view, GP_SETS_ALL, &sets));
+    for (int i = 0; i < s->objects; i++) {
+        visible[surfaces.f.objects] = i;
+        surfaces.f.objects += (gp_sets_flags(sets)[i] & GP_SET_V) != 0;
+    }
+    surfaces.f.object = visible;
     for (int i = 0; i < s->lights; i++) {
         if (asked[i])
             GP_TRY(add_light(r, fs, &surfaces, sets, i, list));
@@ -228,6 +235,7 @@ out:
     gp_sets_close(&sets);
     gp_bodies_free(&bodies);
     free_surfaces(&surfaces);
+    gp_free(visible);
     gp_free(list);
     gp_free(asked);
     return st;

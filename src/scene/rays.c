@@ -233,24 +233,26 @@ static bool opaque_at(const struct gp_scene *s,
     return alpha >= (double) m->cutoff;
 }
 
-/* Moeller and Trumbore 1997, without culling. */
-static bool triangle_stops(const struct gp_scene *s,
+/* Returns where a triangle stops a ray before `most`, or `most` (Moeller and
+ * Trumbore 1997, without culling). */
+static double triangle_at(const struct gp_scene *s,
     const struct gp_rays_triangle *t, struct gp_v3 from, struct gp_v3 along,
     double most)
 {
     const struct gp_v3 p = gp_v3_cross(along, t->ac);
     const double det = gp_v3_dot(t->ab, p);
     if (det == 0.0)
-        return false;
+        return most;
     const struct gp_v3 to = gp_v3_sub(from, t->a);
     const double b = gp_v3_dot(to, p) / det;
     if (!(b >= -EDGE && b <= 1.0 + EDGE))
-        return false;
+        return most;
     const struct gp_v3 q = gp_v3_cross(to, t->ab);
     const double c = gp_v3_dot(along, q) / det;
     const double at = gp_v3_dot(t->ac, q) / det;
-    return c >= -EDGE && b + c <= 1.0 + EDGE && at > 0.0 && at < most &&
-           opaque_at(s, t, b, c);
+    const bool stops = c >= -EDGE && b + c <= 1.0 + EDGE && at > 0.0 &&
+                       at < most && opaque_at(s, t, b, c);
+    return stops ? at : most;
 }
 
 /* Returns true when the ray meets the box, by slabs; `per` is 1 / along. */
@@ -280,7 +282,8 @@ bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
         if (!box_meets(&node->box, from, per, most))
             continue;
         for (int i = node->first; i < node->first + node->count; i++) {
-            if (triangle_stops(r->scene, &r->triangle[i], from, along, most))
+            if (triangle_at(r->scene, &r->triangle[i], from, along, most) <
+                most)
                 return true;
         }
         if (node->count == 0) {
@@ -289,4 +292,40 @@ bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
         }
     }
     return false;
+}
+
+bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
+                   struct gp_v3 along, double most, struct gp_rays_hit *out)
+{
+    const struct gp_v3 per = {1.0 / along.x, 1.0 / along.y, 1.0 / along.z};
+    const struct gp_rays_triangle *found = NULL;
+    int wait[DEEP], n = 0;
+    if (r->n > 0)
+        wait[n++] = 0;
+    while (n > 0) {
+        const struct gp_rays_node *const node = &r->node[wait[--n]];
+        if (!box_meets(&node->box, from, per, most))
+            continue;
+        for (int i = node->first; i < node->first + node->count; i++) {
+            const double at =
+                triangle_at(r->scene, &r->triangle[i], from, along, most);
+            found = at < most ? &r->triangle[i] : found;
+            most = at;
+        }
+        if (node->count == 0) { // the nearer one is taken first
+            const struct gp_box *const x = &r->node[node->left].box;
+            const struct gp_box *const y = &r->node[node->left + 1].box;
+            const struct gp_v3 way = gp_v3_sub(gp_v3_add(y->lo, y->hi),
+                                               gp_v3_add(x->lo, x->hi));
+            const int near = gp_v3_dot(way, along) < 0.0;
+            wait[n++] = node->left + 1 - near;
+            wait[n++] = node->left + near;
+        }
+    }
+    if (!found)
+        return false;
+    out->at = most;
+    out->normal = gp_v3_unit(gp_v3_cross(found->ab, found->ac));
+    out->material = found->material;
+    return true;
 }

@@ -34,4 +34,16 @@ void gp_rays_free(struct gp_rays *r);
 bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
                      struct gp_v3 along, double most);
 
+/* A triangle that a ray meets. */
+struct gp_rays_hit {
+    double at;           // lengths of `along` from the start
+    struct gp_v3 normal; // unit, of the triangle, on either side
+    int material;
+};
+
+/* Finds the first triangle on that way; false, and *out as it was, where there
+ * is none. */
+bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
+                   struct gp_v3 along, double most, struct gp_rays_hit *out);
+
 #endif

@@ -10,7 +10,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { MANY = 4 }; // rays along a pixel's side, where one is not enough
+enum { SIDE = 6, MANY = SIDE * SIDE }; // places of a pixel
+static const double REACH = 1.0;       // of them from its middle, pixels
 
 /* A surface that a pixel shows, and the ray to it. */
 struct surface {
@@ -30,7 +31,9 @@ struct work {
     const struct gp_relight_pass *pass;
     struct gp_rect data, cut;
     const struct gp_planes *rgb;
-    struct gp_rays rays;
+    struct gp_rays rays;     // casters
+    struct gp_rays shown;    // what the eye may see
+    double weight[MANY];     // of places; sum 1
     struct gp_v3 eye;
     struct gp_v3 axis;       // of the view, unit
     struct gp_v3 camera[3];  // x, y and z of the camera in the world
@@ -176,19 +179,21 @@ static double share_of(const double mean[6], const struct surface *a,
 }
 
 /* Finds the surfaces that a pixel shows, one or two, and their shares. Returns
- * how many. */
+ * how many. *edge: it may show others than its own. */
 static int find_surfaces(const struct work *w, int x, int y,
-                         struct surface of[2], double share[2])
+                         struct surface of[2], double share[2], bool *edge)
 {
     struct surface own, near, best = {0};
     double length, least = INFINITY, found = 1.0;
     bool has_own = false;
+    *edge = false;
     if (!read_pixel(w, x, y, &own, &length))
         return 0;
     of[0] = own;
     share[0] = 1.0;
     if (own.z > 0.0 && !is_mixed(w, &own, length, x, y))
         return 1;
+    *edge = true;
     const double mean[6] = {
         own.albedo[0], own.albedo[1], own.albedo[2], length * own.normal.x,
         length * own.normal.y, length * own.normal.z};
@@ -276,33 +281,123 @@ static double light_at(const struct gp_scene_light *l, const struct surface *s)
     return light;
 }
 
+/* True where a light's range and cone hold a place. */
+static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
+{
+    if (l->kind == GP_LIGHT_DIRECTIONAL)
+        return true;
+    const struct gp_v3 from = gp_v3_sub(place, l->at);
+    const double d = gp_v3_length(from);
+    return !(l->range > 0.0 && d >= l->range) &&
+           (l->kind != GP_LIGHT_SPOT ||
+            gp_v3_dot(from, l->along) > d * cos(l->outer));
+}
+
 // -- a light's pass -------------------------------------------------------------
 
-/* Returns how many of n x n rays of a pixel are free from a surface to the
- * light. */
-static int free_rays(const struct work *w, const struct surface *s, int x,
-                     int y, int n)
+/* Returns the way from the eye to a place of a pixel. */
+static struct gp_v3 way_to_place(const struct work *w, int x, int y, int i)
+{
+    const double step = 2.0 * REACH / SIDE;
+    return way_to(w, x + 0.5 - REACH + (i % SIDE + 0.5) * step,
+                  y + 0.5 - REACH + (i / SIDE + 0.5) * step);
+}
+
+/* Weighs the places by Blender's pixel filter: Blackman and Harris's window of
+ * four terms, 3 pixels wide. */
+static void set_weights(double weight[MANY])
+{
+    double side[SIDE], sum = 0.0;
+    for (int i = 0; i < SIDE; i++) {
+        const double at = (i + 0.5) * 2.0 / SIDE - 1.0;
+        const double v = 2.0 * pi * (REACH * at / 3.0 + 0.5);
+        side[i] = 0.35875 - 0.48829 * cos(v) + 0.14128 * cos(2.0 * v) -
+                  0.01168 * cos(3.0 * v);
+        sum += side[i];
+    }
+    for (int i = 0; i < MANY; i++)
+        weight[i] = side[i % SIDE] * side[i / SIDE] / (sum * sum);
+}
+
+/* True where nothing is between a place of a surface and the light. */
+static bool is_free(const struct work *w, struct gp_v3 place,
+                    struct gp_v3 normal, double z)
 {
     const struct gp_scene_light *const l = w->pass->light;
     const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     // a float of depth is right to 1e-7; normals of curved meshes are not those
     // of their triangles
-    const struct gp_v3 off = gp_v3_scale(s->normal, 2e-4 * s->z);
-    int clear = 0;
-    for (int i = 0; i < n * n; i++) {
-        const struct gp_v3 way = way_to(w, x + (i % n + 0.5) / n,
-                                        y + (i / n + 0.5) / n);
+    const struct gp_v3 p = gp_v3_add(place, gp_v3_scale(normal, 2e-4 * z));
+    const struct gp_v3 to = sun ? gp_v3_scale(l->along, -1.0)
+                                : gp_v3_sub(l->at, p);
+    return !gp_rays_stopped(&w->rays, p, to, sun ? INFINITY : 1.0);
+}
+
+/* Returns the part of a pixel's surface that the light reaches. */
+static double clear_share(const struct work *w, const struct surface *s,
+                          int x, int y, struct row_facts *facts)
+{
+    double clear = 0.0;
+    facts->rays += MANY;
+    for (int i = 0; i < MANY; i++) {
+        const struct gp_v3 way = way_to_place(w, x, y, i);
         double z = plane_at(w, s, way);
         // a surface that is seen along its plane is not followed there
         if (!(z > 0.8 * s->z && z < 1.25 * s->z))
             z = s->z;
-        const struct gp_v3 p = gp_v3_add(
-            gp_v3_add(w->eye, gp_v3_scale(way, z)), off);
-        const struct gp_v3 to = sun ? gp_v3_scale(l->along, -1.0)
-                                    : gp_v3_sub(l->at, p);
-        clear += !gp_rays_stopped(&w->rays, p, to, sun ? INFINITY : 1.0);
+        if (is_free(w, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal, z))
+            clear += w->weight[i];
     }
-    return clear;
+    return fmin(clear, 1.0);
+}
+
+/* Adds the light of the scene's surfaces that a pixel at an edge shows. False
+ * where these are not those of the frame: their mean normal and albedo differ. */
+static bool light_edge(const struct work *w, int x, int y, double add[3],
+                       struct row_facts *facts)
+{
+    struct surface of[MANY], own;
+    double mean[6] = {0}, length, left = 0.0;
+    if (!read_pixel(w, x, y, &own, &length))
+        return false;
+    for (int i = 0; i < MANY; i++) {
+        const struct gp_v3 way = way_to_place(w, x, y, i);
+        struct gp_rays_hit hit;
+        of[i].z = 0.0;
+        if (!gp_rays_first(&w->shown, w->eye, way, INFINITY, &hit))
+            continue;
+        const float *const base = w->shown.scene->material[hit.material].base;
+        const double turn = gp_v3_dot(hit.normal, way) > 0.0 ? -1.0 : 1.0;
+        of[i].z = hit.at;
+        of[i].place = gp_v3_add(w->eye, gp_v3_scale(way, hit.at));
+        of[i].normal = gp_v3_scale(hit.normal, turn);
+        mean[3] += w->weight[i] * of[i].normal.x;
+        mean[4] += w->weight[i] * of[i].normal.y;
+        mean[5] += w->weight[i] * of[i].normal.z;
+        for (int c = 0; c < 3; c++) {
+            of[i].albedo[c] = (double) base[c];
+            mean[c] += w->weight[i] * of[i].albedo[c];
+        }
+    }
+    const double frame[6] = {
+        own.albedo[0], own.albedo[1], own.albedo[2], length * own.normal.x,
+        length * own.normal.y, length * own.normal.z};
+    for (int i = 0; i < 6; i++)
+        left += (mean[i] - frame[i]) * (mean[i] - frame[i]);
+    if (left > 0.1)
+        return false;
+    for (int i = 0; i < MANY; i++) {
+        double light = of[i].z > 0.0 ? light_at(w->pass->light, &of[i]) : 0.0;
+        if (!(light > 0.0))
+            continue;
+        facts->rays++;
+        if (!is_free(w, of[i].place, of[i].normal, of[i].z))
+            continue;
+        light *= w->weight[i] * w->pass->light_scale / pi;
+        for (int c = 0; c < 3; c++)
+            add[c] += light * w->pass->light->color[c] * of[i].albedo[c];
+    }
+    return true;
 }
 
 enum { DARK = 1, LIT = 2 }; // of a pixel's middle; 0: nothing to light
@@ -322,12 +417,12 @@ static void mark_row(void *ctx, int i, int thread)
             !(light_at(w->pass->light, &s) > 0.0))
             continue;
         w->row[i].rays++;
-        mark[x] = free_rays(w, &s, w->cut.x0 + x, y, 1) ? LIT : DARK;
+        mark[x] = is_free(w, s.place, s.normal, s.z) ? LIT : DARK;
     }
 }
 
-/* Returns the mark that all pixels around one have, or 0. */
-static int mark_around(const struct work *w, int x, int y)
+/* Returns the marks of a pixel and of those around it, as bits. */
+static int marks_around(const struct work *w, int x, int y)
 {
     const int n = gp_rect_w(w->cut), h = gp_rect_h(w->cut);
     int marks = 0;
@@ -338,15 +433,7 @@ static int mark_around(const struct work *w, int x, int y)
                 marks |= 1 << w->mark[(size_t) row * (size_t) n + (size_t) at];
         }
     }
-    return marks == 1 << LIT ? LIT : marks == 1 << DARK ? DARK : 0;
-}
-
-/* Returns the part of a pixel's surface that the light reaches. */
-static double clear_share(const struct work *w, const struct surface *s,
-                          int x, int y, struct row_facts *facts)
-{
-    facts->rays += MANY * MANY;
-    return (double) free_rays(w, s, x, y, MANY) / (MANY * MANY);
+    return marks;
 }
 
 static void light_row(void *ctx, int i, int thread)
@@ -359,14 +446,24 @@ static void light_row(void *ctx, int i, int thread)
     for (int x = w->cut.x0; x < w->cut.x1; x++) {
         struct surface of[2];
         double share[2], add[3] = {0};
-        const int n = find_surfaces(w, x, y, of, share);
-        const int around = n == 1 ? mark_around(w, x - w->cut.x0, i) : 0;
+        bool edge;
+        int n = find_surfaces(w, x, y, of, share, &edge);
+        const int next = marks_around(w, x - w->cut.x0, i);
+        const bool lit = !edge && next == 1 << LIT;
+        const bool dark = !edge && next == 1 << DARK;
+        bool reached = false;
+        for (int k = 0; k < n; k++)
+            reached = reached || reaches(pass->light, of[k].place);
+        if (!reached || (!edge && !(next & 1 << LIT)))
+            continue;
+        if (edge && light_edge(w, x, y, add, facts))
+            n = 0;
         for (int k = 0; k < n; k++) {
             double light = share[k] * light_at(pass->light, &of[k]);
             if (!(light > 0.0) || of[k].z < pass->near || of[k].z > pass->far)
                 continue;
-            light *= around ? around == LIT
-                            : clear_share(w, &of[k], x, y, facts);
+            light *= lit ? 1.0 : dark ? 0.0
+                                      : clear_share(w, &of[k], x, y, facts);
             for (int c = 0; c < 3; c++)
                 add[c] += pass->light_scale * light / pi *
                           pass->light->color[c] * of[k].albedo[c];
@@ -410,6 +507,8 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
                          &w.row));
     GP_TRY(gp_rays_make(log, s, pass->caster, pass->casters, NULL, NULL,
                         &w.rays));
+    GP_TRY(gp_rays_make(log, s, f->object, f->objects, NULL, NULL, &w.shown));
+    set_weights(w.weight);
     GP_TRY(gp_alloc(log, "lit pixels",
                     (size_t) rows * (size_t) gp_rect_w(w.cut) + 1, 1, &w.mark));
     gp_parallel_do(rows, mark_row, &w);
@@ -423,6 +522,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     *out = facts;
 out:
     gp_rays_free(&w.rays);
+    gp_rays_free(&w.shown);
     gp_free(w.mark);
     gp_free(w.row);
     return st;

@@ -17,6 +17,8 @@ struct gp_surfaces {
     const struct gp_plane *normal; // three: x, y, z; of any length over 0
     bool normal_of_camera;         // axes of the camera: x right, y up, z back
     const struct gp_plane *albedo; // three: r, g, b; 0: lit by nothing
+    const int *object;             // indices of those that may be visible
+    int objects;
 };
 
 /* A light, and what its pass is drawn with. */
@@ -41,8 +43,14 @@ struct gp_relit {
  *
  * with the window and cone that KHR_lights_punctual recommends; a directional
  * light has no d, window and cone. The cosine is that of the pixel's normal,
- * made 1 long. A pixel's shadow is the mean of 4 rays through it, on the plane
- * of its normal, and of 16 where these differ.
+ * made 1 long.
+ *
+ * Colour, normal and albedo of a frame are means over a pixel and a little
+ * beside it; depth is one sample. A pixel inside a surface takes one ray for its
+ * shadow. Where a shadow ends, and at edges, 36 places are weighed as Blender's
+ * filter does (Blackman and Harris, 3 pixels wide). At edges they show the
+ * scene's own surfaces, if these have the pixel's mean normal and albedo; else
+ * its mean is taken apart into the two surfaces beside it.
  *   out  facts; written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,

@@ -60,6 +60,6 @@ for c in "RGB":
 print((wrong / light) ** 0.5)
 PYTHON
 )
-result "$(awk "BEGIN { exit !($error <= 0.1) }"; echo $?)" \
-    "lamp2 is within 0.1 of its own light (rel_l2 $error)"
+result "$(awk "BEGIN { exit !($error <= 0.05) }"; echo $?)" \
+    "lamp2 is within 0.05 of its own light (rel_l2 $error)"
 done_testing

@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "kept_log.h"
+#include "scene/rays.h"
 #include "scene/relight.h"
 #include "scene_made.h"
 
@@ -143,8 +144,8 @@ static void light_is_that_of_the_formula(void **state)
                 const double got = (double) rgb.c[c][i];
                 const double want = full * colour[c];
                 // what the box hides by more or by less than its sides
-                const bool dark_here = shaded(&scene.light[l], p, -0.1);
-                const bool lit_here = !shaded(&scene.light[l], p, 0.1);
+                const bool dark_here = shaded(&scene.light[l], p, -0.3);
+                const bool lit_here = !shaded(&scene.light[l], p, 0.3);
                 const double slack = 1e-5 * want + 1e-7;
                 if (dark_here ? got != 0.0
                     : lit_here ? fabs(got - want) > slack
@@ -210,5 +211,41 @@ static void settings_of_a_pass_count(void **state)
     }
 }
 
-SUITE_OF_EACH(relight, set_up, tear_down, light_is_that_of_the_formula,
+/* Rays find the nearest triangle, its normal and its material. */
+static void first_triangle_is_found(void **state)
+{
+    static const struct {
+        struct gp_v3 from, along;
+        double most, at; // 0: none
+        double z;        // of the normal, either side
+    } rows[] = {
+        {{0, 0, 10}, {0, 0, -1}, INFINITY, 6.25, 1.0}, // the box's top
+        {{0, 0, 10}, {0, 0, -1}, 6.0, 0.0, 0.0},       // before it
+        {{0, 0, 3}, {0, 0, -2}, INFINITY, 1.5, 1.0},   // the ground
+        {{2, 2, 10}, {0, 0, -1}, INFINITY, 10.0, 1.0}, // beside the box
+        {{9, 0, 3.5}, {-1, 0, 0}, 10.0, 8.5, 0.0},     // its side, near 0.5
+        {{9, 0, 3.5}, {1, 0, 0}, INFINITY, 0.0, 0.0},
+    };
+    struct gp_rays rays = {0};
+    assert_ok(gp_rays_make(&kept_log, &scene, every, 2, NULL, NULL, &rays));
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_rays_hit hit = {.at = -1.0};
+        const bool found = gp_rays_first(&rays, rows[i].from, rows[i].along,
+                                         rows[i].most, &hit);
+        assert_int_equal(found, rows[i].at > 0.0);
+        assert_int_equal(gp_rays_stopped(&rays, rows[i].from, rows[i].along,
+                                         rows[i].most), found);
+        if (!found) {
+            assert_true(hit.at == -1.0);
+            continue;
+        }
+        assert_true(fabs(hit.at - rows[i].at) < 0.1);
+        assert_true(fabs(fabs(hit.normal.z) - rows[i].z) < 1e-9);
+        assert_true(fabs(gp_v3_length(hit.normal) - 1.0) < 1e-9);
+        assert_int_equal(hit.material, 0);
+    }
+    gp_rays_free(&rays);
+}
+
+SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found, light_is_that_of_the_formula,
     settings_of_a_pass_count)
