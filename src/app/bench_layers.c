@@ -34,7 +34,7 @@ static void add_window(const struct gp_frame *f, const struct gp_sources *moved,
 
 /* The same, each run summed in double. */
 static gp_status sum_flare(void *user, const struct gp_log *log,
-    const struct gp_sources *src, struct gp_frame *f, double *out)
+    const struct gp_sources *src, const struct gp_frame *f, double *out)
 {
     struct gp_bench_layers *const b = user;
     struct gp_ghosts *const set = &b->run.ghosts.set;
@@ -63,7 +63,7 @@ static gp_status sum_flare(void *user, const struct gp_log *log,
 
 /* Ghosts of the lens into f->layer. Meshes have no bound. */
 static gp_status draw_lens(struct gp_bench_layers *b, const struct gp_log *log,
-    const struct gp_sources *src, struct gp_frame *f,
+    const struct gp_sources *src, const struct gp_frame *f,
     enum gp_lens_detail detail)
 {
     struct gp_frame_state fs = {
@@ -86,12 +86,18 @@ static gp_status draw_fine(void *user, const struct gp_log *log,
 }
 
 static gp_status draw_reference(void *user, const struct gp_log *log,
-    const struct gp_sources *src, struct gp_frame *f, double *out)
+    const struct gp_sources *src, const struct gp_frame *f, double *out)
 {
     const size_t n = gp_frame_pixels(f);
-    const gp_status st = draw_lens(user, log, src, f, GP_LENS_REFERENCE);
+    struct gp_frame own = *f;
+    gp_status st = gp_planes_make(log, "exact layer", n, &own.layer);
+    if (st)
+        return st;
+    gp_planes_clear(&own.layer, 0, n);
+    st = draw_lens(user, log, src, &own, GP_LENS_REFERENCE);
     for (size_t i = 0; i < 3 * n && !st; i++)
-        out[i] += (double) f->layer.c[i / n][i % n];
+        out[i] += (double) own.layer.c[i / n][i % n];
+    gp_planes_free(&own.layer);
     return st;
 }
 

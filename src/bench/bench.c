@@ -252,7 +252,6 @@ static gp_status run_extra(struct bench *b, const struct gp_bench_extra *e,
     gp_status st;
     if (!before || strcmp(before->layer, e->layer) != 0) {
         memset(b->exact, 0, 3 * n * sizeof *b->exact);
-        gp_planes_clear(&b->f->layer, 0, n);
         GP_TRY(e->exact(e->user, b->log, &b->src, b->f, b->exact));
     }
     for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);

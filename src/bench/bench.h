@@ -30,9 +30,9 @@ struct gp_bench_extra {
      * rel_l2. */
     gp_status (*draw)(void *user, const struct gp_log *log,
         const struct gp_sources *src, struct gp_frame *f, double *bound);
-    /* Adds the exact one to `out`, 3 * w * h; may use f->layer. */
+    /* Adds the exact one to `out`, 3 * w * h. */
     gp_status (*exact)(void *user, const struct gp_log *log,
-        const struct gp_sources *src, struct gp_frame *f, double *out);
+        const struct gp_sources *src, const struct gp_frame *f, double *out);
 };
 enum { GP_BENCH_EXTRAS = 3 };
 

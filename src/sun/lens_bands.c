@@ -37,7 +37,7 @@ static double seen(double nm)
 void gp_lens_light_of(const struct gp_lens_band *b,
                       const double root[GP_LENS_NODES], double out[3])
 {
-    double pair[GP_LENS_PAIRS];
+    double pair[GP_LENS_PAIRS] = {0};
     int n = 0;
     for (int i = 0; i < GP_LENS_NODES; i++) {
         for (int k = i; k < GP_LENS_NODES; k++)

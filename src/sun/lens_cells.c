@@ -189,7 +189,7 @@ static unsigned find_cells(const struct gp_lens_item *it, double y0, double y1,
 {
     const int cells = it->mesh.cells, w = cells + 1;
     unsigned all = 0;
-    memset(out->needs, 0, (size_t) (w * (cells / 2 + 1)));
+    memset(out->needs, 0, sizeof out->needs);
     for (int half = 0; half < 2; half++) {
         for (int i = 0; i < cells * (cells / 2); i++) {
             const struct gp_lens_cell *const c = &it->cell[half][i];
@@ -390,10 +390,12 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
     }
     for (int j = 0; j <= rows; j++) {
         for (int i = 0; i <= cells; i++) {
-            const double (*const d)[3] = &rays->density[j * cells + i];
-            const double *const here = j < rows && i < cells ? d[0] : NULL;
-            const double *const left = j < rows && i > 0 ? d[-1] : NULL;
-            const double *const above = j > 0 && i < cells ? d[-cells] : NULL;
+            const double (*const d)[3] = rays->density;
+            const int at = j * cells + i;
+            const double *const here = j < rows && i < cells ? d[at] : NULL;
+            const double *const left = j < rows && i > 0 ? d[at - 1] : NULL;
+            const double *const above = j > 0 && i < cells ? d[at - cells]
+                                                           : NULL;
             const double *const p = rays->p[j * w + i][half];
             if (here || above)
                 add_between(k, p, rays->p[j * w + i + 1][half], here, above);
@@ -430,7 +432,8 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
     const unsigned sets = find_cells(it, (top - 1.0) * step,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
-        const int bands = sets & 1u << set ? gp_lens_bands_of_set[set] : 0;
+        const bool has = sets >> set & 1;
+        const int bands = has ? gp_lens_bands_of_set[set] : 0;
         for (int b = 0; b < bands; b++) {
             make_rays(it, set, &band[set][b], step, scale, rays);
             draw_half(it, rays, 0, set, &k);
