@@ -20,6 +20,17 @@ static inline struct gp_v3 gp_box_corner(const struct gp_box *b, int i)
                            i & 4 ? b->hi.z : b->lo.z};
 }
 
+/* Returns the middle of a box, and half its sides. */
+static inline struct gp_v3 gp_box_middle(const struct gp_box *b)
+{
+    return gp_v3_scale(gp_v3_add(b->lo, b->hi), 0.5);
+}
+
+static inline struct gp_v3 gp_box_half(const struct gp_box *b)
+{
+    return gp_v3_scale(gp_v3_sub(b->hi, b->lo), 0.5);
+}
+
 /* Returns the smallest box that holds b and p. */
 static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
 {

@@ -95,7 +95,8 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
         return (struct gp_scissor) {0};
     const struct gp_screen_box b = widened(all);
     if (h->levels > 0)
-        return of_tiles(h, gp_screen_pixels(&b, h->window), b.near, b.far, NULL);
+        return of_tiles(h, gp_screen_pixels(&b, h->window), b.near, b.far,
+                        NULL);
     const struct gp_scissor s = {gp_screen_pixels(&b, h->window), b.near,
                                  b.far};
     if (gp_rect_empty(s.rect))
@@ -106,8 +107,9 @@ struct gp_scissor gp_scissor_make(const struct gp_hidden *h,
 // -- tiles in the world ------------------------------------------------------
 
 /* Returns the box around the visible points of a tile. */
-static struct gp_box box_of(const struct gp_hidden *h, const struct gp_camera *c,
-                            struct gp_rect display, int tx, int ty)
+static struct gp_box box_of(const struct gp_hidden *h,
+                            const struct gp_camera *c, struct gp_rect display,
+                            int tx, int ty)
 {
     const int i = ty * h->w[GP_TILE_LEVEL] + tx;
     const struct gp_rect w = h->window;
@@ -175,10 +177,12 @@ void gp_lit_tiles_free(struct gp_lit_tiles *t)
     *t = (struct gp_lit_tiles) {0};
 }
 
-struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
-                                 const struct gp_scissor *s,
-                                 const struct gp_reach *light,
-                                 const struct gp_umbras *umbras, double texel)
+struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t,
+                                     const struct gp_hidden *h,
+                                     const struct gp_scissor *s,
+                                     const struct gp_reach *light,
+                                     const struct gp_umbras *umbras,
+                                     double texel)
 {
     const int across = h->w[GP_TILE_LEVEL];
     const struct gp_rect w = h->window, r = s->rect;
@@ -198,7 +202,8 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hid
             const double radius = gp_v3_length(e);
             if (gp_reach_beside(light, c, radius))
                 continue;
-            const struct gp_v3 wide = gp_texel_widen(light, texel, c, e, radius);
+            const struct gp_v3 wide =
+                gp_texel_widen(light, texel, c, e, radius);
             t->lit[i] = gp_umbras_hold(umbras, c, wide) ? GP_TILE_DARK
                                                         : GP_TILE_LIT;
         }

@@ -56,10 +56,12 @@ void gp_lit_tiles_free(struct gp_lit_tiles *t);
 /* Sets lit[i] of the tiles of a scissor, and returns the part of it that holds
  * those that may be lit.
  *   texel  as of gp_sets_view */
-struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t, const struct gp_hidden *h,
-                                 const struct gp_scissor *s,
-                                 const struct gp_reach *light,
-                                 const struct gp_umbras *umbras, double texel);
+struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t,
+                                     const struct gp_hidden *h,
+                                     const struct gp_scissor *s,
+                                     const struct gp_reach *light,
+                                     const struct gp_umbras *umbras,
+                                     double texel);
 
 /* False where no lit tile of a scissor can show a point in the bounds. */
 bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,

@@ -110,8 +110,8 @@ static void fill_arrays(struct gp_sets *s)
         const struct gp_object *const o = &s->scene->object[i];
         const bool empty = gp_box_empty(o->box);
         const struct gp_v3 none = {0.0, 0.0, 0.0};
-        const struct gp_v3 c = empty ? none : gp_v3_scale(gp_v3_add(o->box.lo, o->box.hi), 0.5);
-        const struct gp_v3 e = empty ? none : gp_v3_scale(gp_v3_sub(o->box.hi, o->box.lo), 0.5);
+        const struct gp_v3 c = empty ? none : gp_box_middle(&o->box);
+        const struct gp_v3 e = empty ? none : gp_box_half(&o->box);
         s->at[0][i] = c.x;
         s->at[1][i] = c.y;
         s->at[2][i] = c.z;

@@ -33,12 +33,12 @@ static void intersect(const struct gp_set *a, const struct gp_set *b,
 
 static struct gp_v3 centre(const struct gp_object *o)
 {
-    return gp_v3_scale(gp_v3_add(o->box.lo, o->box.hi), 0.5);
+    return gp_box_middle(&o->box);
 }
 
 static struct gp_v3 half(const struct gp_object *o)
 {
-    return gp_v3_scale(gp_v3_sub(o->box.hi, o->box.lo), 0.5);
+    return gp_box_half(&o->box);
 }
 
 /* True where no pixel of the bounds has a depth at or behind the nearest of the
@@ -132,7 +132,8 @@ gp_status gp_lists_make(const struct gp_log *log, const struct gp_scene *s,
         GP_TRY(gp_hidden_make(log, v->window, v->depth, &depths));
 
     GP_TRY(gp_lit_tiles_make(log, &depths, &v->camera, v->display, &tiles));
-    GP_TRY(gp_alloc_zero(log, "umbras of the scene", 1, sizeof *umbras, &umbras));
+    GP_TRY(gp_alloc_zero(log, "umbras of the scene", 1, sizeof *umbras,
+                         &umbras));
 
     const double far = gp_sets_far(s, v);
     const struct gp_volume frustum = gp_sets_frustum(v, far);

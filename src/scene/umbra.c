@@ -67,6 +67,14 @@ static bool add_edge(struct gp_body *b, int from, int to, int face)
     return true;
 }
 
+static bool on_plane(const struct gp_body *b, const int p[3], struct gp_half h,
+                     double near)
+{
+    return fabs(gp_half_at(h, b->point[p[0]])) <= near &&
+           fabs(gp_half_at(h, b->point[p[1]])) <= near &&
+           fabs(gp_half_at(h, b->point[p[2]])) <= near;
+}
+
 /* Adds a triangle, to the face of its plane or to one of its own. False: no
  * room, or more than two faces at an edge. */
 static bool add_triangle(struct gp_body *b, const int p[3], double near,
@@ -78,9 +86,7 @@ static bool add_triangle(struct gp_body *b, const int p[3], double near,
     if (turned)
         h = (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d};
     int f = 0;
-    while (f < b->faces && !(fabs(gp_half_at(plane[f], b->point[p[0]])) <= near &&
-                             fabs(gp_half_at(plane[f], b->point[p[1]])) <= near &&
-                             fabs(gp_half_at(plane[f], b->point[p[2]])) <= near))
+    while (f < b->faces && !on_plane(b, p, plane[f], near))
         f++;
     if (f == b->faces) {
         if (f == GP_BODY_FACES)
@@ -313,9 +319,9 @@ void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
     o->object[k] = i;
 }
 
-/* Sets the cone, or cylinder, of the rays through a body. Of a point light a box
- * is in it where its centre's direction is: axis . to - cos |to| >= 0; of one at
- * infinity, with (x, y) square to its direction, where
+/* Sets the cone, or cylinder, of the rays through a body. Of a point light a
+ * box is in it where its centre's direction is: axis . to - cos |to| >= 0; of
+ * one at infinity, with (x, y) square to its direction, where
  * r^2 - (x - mx)^2 - (y - my)^2 >= 0. */
 static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
                      const double to_world[16])
@@ -328,7 +334,8 @@ static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
     for (int i = 0; i < body->points; i++) {
         const struct gp_v3 p = gp_move(to_world, body->point[i]);
         least = fmin(least, gp_v3_dot(axis, gp_v3_unit(gp_v3_sub(p, light.p))));
-        most = fmax(most, gp_v3_length(gp_v3_cross(gp_v3_sub(p, middle), axis)));
+        const struct gp_v3 off = gp_v3_cross(gp_v3_sub(p, middle), axis);
+        most = fmax(most, gp_v3_length(off));
     }
     if (light.w > 0.0) {
         const double wide[4] = {axis.x, axis.y, axis.z, 1e-9 - least};

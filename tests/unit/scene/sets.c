@@ -136,8 +136,9 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
             continue;
         const int first = blocker(s, from, shot->point[k]);
         // without a test of depth bounds all of its rectangle is drawn
-        const bool drawn = k % shot->w >= cut.rect.x0 && k % shot->w < cut.rect.x1 &&
-                           k / shot->w >= cut.rect.y0 && k / shot->w < cut.rect.y1 &&
+        const int x = k % shot->w, y = k / shot->w;
+        const bool drawn = x >= cut.rect.x0 && x < cut.rect.x1 &&
+                           y >= cut.rect.y0 && y < cut.rect.y1 &&
                            (flag[o] & GP_SET_I) != 0;
         const bool in = drawn && z >= cut.near && z <= cut.far;
         if (drawn && !held(sets, shot->point[k]))
@@ -153,8 +154,8 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
             casting[first] = true;
             if (!(flag[first] & GP_SET_S))
                 fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object "
-                         "%d casts a shadow and is not in S", at, light, k % shot->w,
-                         k / shot->w, first);
+                         "%d casts a shadow and is not in S", at, light, x,
+                         y, first);
         }
     }
     const struct gp_reach r = gp_light_reach(from);
@@ -537,7 +538,8 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
     const double lists = cpu_ms() - start;
     printf("%s: %d objects, %d lights: flags %.2f ms (F and V %.2f), lists "
            "%.0f ms; F %ld, V %ld; mean of lights: L %.1f, I %.1f, S %.1f\n",
-           name, s.objects, s.lights, least, frame, lists, sum[0] / 100, sum[1] / 100,
+           name, s.objects, s.lights, least, frame, lists, sum[0] / 100,
+           sum[1] / 100,
            (double) sum[2] / 100, (double) sum[3] / 100, (double) sum[4] / 100);
     gp_bodies_free(&bodies);
     free(depth);
@@ -556,13 +558,15 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, as_lists, memory_is_full, figure_15_1, figure_15_2, example_of_98,
+        nothing_is_lost, many_tiles, as_lists, memory_is_full,
+        figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
-                                "nothing_is_lost, many_tiles, as_lists, memory_is_full, "
+                                "nothing_is_lost, many_tiles, as_lists, "
+                                "memory_is_full, "
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
 }
