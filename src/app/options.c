@@ -390,7 +390,8 @@ const struct gp_option gp_options[] = {
     OPT(scene.path, .name = "scene", IN(SUN), .arg = "FILE", .help = "Read a "
         "glTF scene (.glb, .gltf), whose lights join the frame's, and whose "
         "camera serves frames that have none"),
-    OPT(scene.camera, .name = "scene-camera", IN(SUN), .arg = "NAME",
+    OPT(scene.camera, .name = "scene-camera", .group = GP_GROUP_SUN,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "NAME",
         .needs = GP_NEED_SCENE, .help = "Take this camera of the scene; "
         "without it, the only one"),
     OPT(scene.start, .name = "scene-start", IN(SUN), .arg = "FRAME",

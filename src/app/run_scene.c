@@ -62,11 +62,15 @@ static void camera_names(const struct gp_scene *s, char *text, size_t size)
                                 s->camera[i].name);
 }
 
+struct gp_scene_images gp_scene_images_of(const struct gp_settings *s)
+{
+    return (struct gp_scene_images) {(void *) (uintptr_t) s, read_alpha};
+}
+
 gp_status gp_run_scene_begin(const struct gp_log *log, struct gp_run *r)
 {
     const struct gp_scene_settings *const p = &r->s->scene;
-    const struct gp_scene_images images = {(void *) (uintptr_t) r->s,
-                                           read_alpha};
+    const struct gp_scene_images images = gp_scene_images_of(r->s);
     struct gp_run_scene *const own = &r->scene;
     char names[512];
     gp_status st;

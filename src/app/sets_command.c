@@ -2,6 +2,7 @@
 
 #include "app/clobber.h"
 #include "app/options.h"
+#include "app/stages.h"
 #include "core/colour.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -177,10 +178,17 @@ static gp_status find_camera(const struct gp_log *log,
     struct gp_table_params *p, struct gp_camera *out)
 {
     const double aspect = (double) s->making.w / s->making.h;
-    const struct gp_scene_camera *const c = gp_scene_find_camera(scene, NULL);
+    const struct gp_scene_camera *const c =
+        gp_scene_find_camera(scene, s->scene.camera);
+    if (!c && s->scene.camera)
+        return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has no camera of "
+                       "that name (found \"%s\"); the first of its %d is %s",
+                       scene->path, s->scene.camera, scene->cameras,
+                       scene->cameras ? scene->camera[0].name : "none");
     if (!c)
         return gp_fail(log, GP_ERR_DATA, "%s: %d cameras; sets are those of one "
-                       "camera, export one", scene->path, scene->cameras);
+                       "camera, name it with --scene-camera", scene->path,
+                       scene->cameras);
     if (c->near > 0.0)
         p->draw.near = c->near;
     return gp_scene_camera_make(log, scene, c, aspect, out);
@@ -194,12 +202,13 @@ gp_status gp_sets_command(const struct gp_log *log, const struct gp_settings *s,
     struct gp_gl *gl = NULL;
     struct gp_table t = {0};
     struct gp_table_params p = s->table;
+    const struct gp_scene_images images = gp_scene_images_of(s);
     gp_status st;
     *differ = false;
     p.draw.w = s->making.w;
     p.draw.h = s->making.h;
     GP_TRY(check_names(log, s));
-    GP_TRY(gp_scene_read(log, s->inputs.at[0], GP_UP_Y, NULL, &scene));
+    GP_TRY(gp_scene_read(log, s->inputs.at[0], GP_UP_Y, &images, &scene));
     gp_scene_pose(&scene, gp_option_given(s, "time") ? (double) s->scene_time
                                                       : scene.start);
     GP_TRY(find_camera(log, s, &scene, &p, &camera));

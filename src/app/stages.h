@@ -231,6 +231,9 @@ GP_MUST_CHECK gp_status gp_run_flare(struct gp_run *r,
 GP_MUST_CHECK gp_status gp_run_shares(struct gp_run *r,
                                       struct gp_frame_state *fs);
 
+/* Reads a scene's pictures by the limits of `s`, which must outlive it. */
+struct gp_scene_images gp_scene_images_of(const struct gp_settings *s);
+
 /* Reads --scene. Errors: those of gp_scene_read(); GP_ERR_USAGE it has no such
  * camera. */
 GP_MUST_CHECK gp_status gp_run_scene_begin(const struct gp_log *log,
