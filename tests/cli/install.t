@@ -144,7 +144,7 @@ usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md
 usr/share/doc/glarepp/man/promises.md
 usr/share/doc/glarepp/man/scenes.md
-share/doc/glarepp/man/sequences.md
+usr/share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md
 usr/share/fish/vendor_completions.d/glarepp.fish
 usr/share/man/man1/glarepp.1.gz
