@@ -170,6 +170,15 @@ static gp_status decode_uri(const struct gp_gltf_at *at, const char *uri,
     return GP_OK;
 }
 
+/* Returns the value of a hexadecimal digit, -1 of another character. */
+static int hex_value(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
 /* Returns a new path of a file beside the scene, whose percent codes are
  * undone; NULL when memory is full. */
 static char *beside(const char *scene, const char *uri)
@@ -182,14 +191,12 @@ static char *beside(const char *scene, const char *uri)
     memcpy(path, scene, folder);
     char *to = path + folder;
     for (; *uri; uri++) {
-        unsigned code;
-        if (uri[0] == '%' && sscanf(uri + 1, "%2x", &code) == 1 && code &&
-            uri[1] != ' ' && uri[2]) {
-            *to++ = (char) code;
-            uri += 2;
-        } else {
-            *to++ = *uri;
-        }
+        const int high = uri[0] == '%' ? hex_value(uri[1]) : -1;
+        const int low = high >= 0 ? hex_value(uri[2]) : -1;
+        const int code = 16 * high + low;
+        const bool coded = low >= 0 && code > 0;
+        *to++ = coded ? (char) code : *uri;
+        uri += coded ? 2 : 0;
     }
     *to = '\0';
     return path;
@@ -262,7 +269,7 @@ gp_status gp_gltf_view(const struct gp_gltf *g, int index,
 {
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "bufferViews", index);
-    int buffer, offset = 0, bytes = 0;
+    int buffer = -1, offset = 0, bytes = 0;
     gp_status st;
     gp_gltf_place(g, "buffer view", index, &at);
     *stride = 0;
@@ -288,7 +295,7 @@ gp_status gp_gltf_image(const struct gp_gltf *g, int index,
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "images", index);
     const char *uri = NULL;
-    int view, stride;
+    int view = -1, stride;
     gp_status st;
     *span = (struct gp_gltf_span) {0};
     gp_gltf_place(g, "image", index, &at);

@@ -25,6 +25,12 @@ for n in 1 2 3; do
 done
 frame big.exr size=400x300 lights=3
 echo '[{"pixel": [20, 10], "radius": 2, "flux": [5, 5, 5]}]' >lights.json
+cat >lamp.gltf <<'JSON'
+{"asset": {"version": "2.0"}, "cameras": [{"type": "perspective",
+ "perspective": {"yfov": 1, "znear": 1}}], "extensions": {"KHR_lights_punctual":
+ {"lights": [{"type": "point"}]}}, "nodes": [{"camera": 0}, {"translation":
+ [0, 0, -9], "extensions": {"KHR_lights_punctual": {"light": 0}}}]}
+JSON
 cp "$root/examples/flare.json" .
 cp "$cli/c.ocio" . || exit 1
 

@@ -25,8 +25,8 @@ RUNNER = os.environ.get("FAULT_RUN", "").split()
 SECONDS = 120 if RUNNER else 30  # a run that takes longer hangs
 STOP = 99   # of FAULT_RUN
 AT_ONCE = 2
-INPUTS = ("in.exr", "lights.json", "flare.json", "c.ocio", "s.0001.exr",
-          "s.0002.exr", "s.0003.exr", "parts.exr", "views.exr")
+INPUTS = ("in.exr", "lights.json", "lamp.gltf", "flare.json", "c.ocio",
+          "s.0001.exr", "s.0002.exr", "s.0003.exr", "parts.exr", "views.exr")
 
 FILES = "-o o/a.png --hdr o/h.exr --report o/r.json --debug sensors=o/s.exr"
 ONE = f"--threads 1 {FILES} in.exr"
@@ -62,6 +62,8 @@ CONFIGURATIONS = {
              (3,), 24),
     "large": ("-e direct --threads 1 --compression none --type float "
               "--hdr o/h.exr big.exr", (), 1),
+    "scene": ("-e direct --threads 1 --scene lamp.gltf --light-scale 1 "
+              "--layer o/l.exr in.exr", (), 8),
     "flight": ("-e direct --threads 3 --frame-jobs 3 -o o/a.#.png "
                "--hdr o/h.#.exr s.####.exr", (), 1),
     "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 24),
