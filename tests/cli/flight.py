@@ -23,7 +23,7 @@ FEW = [(1, 1), (0, 2), (3, 2), (7, 3), (64, 8)]
 if not os.environ.get("GLAREPP_TEST_LONG"): # each number of either
     ALL = [(1, 8), (2, 1), (3, 3), (7, 2), (64, 8)]
     FEW = [(0, 2), (7, 3), (64, 8)]
-DIFFERS = "times_ms", "peak_rss_mib", "threads"
+DIFFERS = "times_ms", "cpu_ms", "peak_rss_mib", "threads"
 TIMES = re.compile(rb"; (read|total) .* MiB$", re.M)
 
 

@@ -168,7 +168,7 @@ def facts(data):
             o = json.loads(line)
         except ValueError:
             return "not JSON: " + repr(line[:80])
-        for key in ("times_ms", "peak_rss_mib", "gl"):
+        for key in ("times_ms", "cpu_ms", "peak_rss_mib", "gl"):
             o.pop(key, None)
         lines.append(o)
     if not data.endswith(b"\n"):

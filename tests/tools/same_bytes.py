@@ -27,7 +27,7 @@ DATA = os.path.abspath(
     os.environ.get("GLAREPP_DATA", os.path.join(ROOT, "../shared/data")))
 PATTERN = sys.argv[4] if len(sys.argv) > 4 else ""
 # fields of the report that differ from run to run or build to build
-VARIES = {"times_ms", "peak_rss_mib", "version", "threads", "engine_why"}
+VARIES = {"times_ms", "cpu_ms", "peak_rss_mib", "version", "threads", "engine_why"}
 EXAMPLES = os.path.join(ROOT, "examples")
 
 # Options and outputs for examples/foliage.1004.exr (colour, depth) and
