@@ -119,8 +119,9 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
         struct gp_gltf_at at;
         size_t k;
         gp_gltf_place(g, "animation", i, &at);
-        json_array_foreach (json_object_get(o, "channels"), k, channel)
+        json_array_foreach (json_object_get(o, "channels"), k, channel) {
             GP_TRY(read_channel(g, &at, o, channel, nodes, moved, &seen));
+        }
     }
     for (int i = 0; i < nodes->keys; i++) {
         const struct gp_keys *const k = &nodes->key[i];

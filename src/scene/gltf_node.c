@@ -79,8 +79,9 @@ static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
         json_t *const list = json_object_get(
             gp_gltf_item(g, "nodes", s->order[k]), "children"), *item;
         size_t c;
-        json_array_foreach (list, c, item)
+        json_array_foreach (list, c, item) {
             s->order[n++] = (int) json_number_value(item);
+        }
     }
     if (n == s->n)
         return GP_OK;
