@@ -82,7 +82,8 @@ static void sizes_that_lie(void **state)
             .compression = lossless[c / 2],
         }}};
         size_t size;
-        uint8_t *bytes = fixture_make(&f, &size);
+        static uint8_t *bytes; // not lost in a child that exits
+        bytes = fixture_make(&f, &size);
         for (size_t i = 0; i < COUNT(window); i++) {
             set_value(bytes, size, "dataWindow", "box2i", window[i], 16);
             fixture_save(path, bytes, size);

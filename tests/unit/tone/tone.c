@@ -343,7 +343,7 @@ static gp_status run_map(void)
 static void memory_is_full(void **state)
 {
     starved = make_frame(33, 21);
-    starve("tone map", run_map, &found, 3);
+    starve("tone map", run_map, &found, 1);
     gp_frame_free(&starved);
 }
 
