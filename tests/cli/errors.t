@@ -319,7 +319,8 @@ compare a => compare: needs two images (found 1); write glarepp compare A B
 -o a i --ocio c --output-space s => --output-space: converts only --hdr; give --hdr FILE
 -o a i --ocio c --tonemap reinhard => --tonemap: --ocio replaces it; leave one of the two out
 bench --paper --sun 1,2 => --paper: its frames have no depth to hide a light; leave --paper or the lights out
-bench --sun 1,2 --flare f i => --flare: not for glarepp bench; see glarepp bench --help
+bench --sun 1,2 --flare f i => --flare: bench measures it for bright pixels, and lights by their visibility (found a light); leave one out
+bench --report f i => --report: not for glarepp bench; see glarepp bench --help
 -o a i --group 3 => --group: not a power of two (found 3); give 1, 2, 4, 8, 16, 32 or 64
 -o a i --cluster 1 => --cluster: must be larger than --group (found 1 and 4); give a larger one, or 0 for none
 -o a i --debug polygons= => --debug: no file (found "polygons="); write polygons=FILE
