@@ -372,6 +372,24 @@ static void put_scene(json_t *o, const struct gp_scene_facts *f)
     json_object_set_new(o, "scene", one);
 }
 
+/* Adds the lights of --relight. */
+static void put_relit(json_t *o, const struct gp_facts *f)
+{
+    if (!f->relits)
+        return;
+    json_t *const list = json_array();
+    for (int i = 0; i < f->relits; i++) {
+        const struct gp_relit_facts *const l = &f->relit[i];
+        json_t *const one = json_object();
+        put_name(one, "name", l->name);
+        json_object_set_new(one, "pixels", json_integer(l->pixels));
+        json_object_set_new(one, "rays", json_integer(l->rays));
+        json_object_set_new(one, "casters", json_integer(l->casters));
+        json_array_append_new(list, one);
+    }
+    json_object_set_new(o, "relit", list);
+}
+
 /* Adds the depth channel, its values that are no surface, and the lights. */
 static void put_lights(json_t *o, const struct gp_facts *f)
 {
@@ -570,6 +588,7 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     if (facts->lens.name)
         json_object_set_new(o, "lens", gp_lens_facts_json(&facts->lens));
     put_scene(o, &facts->scene);
+    put_relit(o, facts);
     put_lights(o, facts);
     if (n) {
         const char *const field[][2] = {

@@ -18,6 +18,8 @@
 /* Stages that are timed, in their order. */
 enum gp_time {
     GP_TIME_READ,
+    GP_TIME_SCENE,
+    GP_TIME_RELIGHT,
     GP_TIME_SUN,
     GP_TIME_SENSORS,
     GP_TIME_KERNEL, // of frames that none kept fits
@@ -73,6 +75,14 @@ struct gp_scene_facts {
     double apart;                // pixels between the two
 };
 
+/* Facts about a light of --relight. */
+struct gp_relit_facts {
+    const char *name;            // borrowed from the scene
+    long long pixels;            // that got light
+    long long rays;              // cast for its shadows and edges
+    int casters;                 // objects that may cast its shadows
+};
+
 /* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
     bool numbered;
@@ -121,6 +131,8 @@ struct gp_facts {
     bool depth_reversed;         // larger is nearer
     const char *mask;            // coverage channel, or NULL
     struct gp_scene_facts scene;
+    const struct gp_relit_facts *relit; // `relits` of them, in the scene's order
+    int relits;                  // 0: no --relight
     const struct gp_ocio_names *ocio; // NULL: tone mapped
     const struct gp_settings *settings; // of the run; NULL: left out
     const char *warned;          // `warned_bytes` of lines, each with its null

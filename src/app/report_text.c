@@ -7,6 +7,7 @@
 
 const char *const gp_time_names[GP_TIMES] = {
     [GP_TIME_READ] = "read",
+    [GP_TIME_SCENE] = "scene", [GP_TIME_RELIGHT] = "relight",
     [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
     [GP_TIME_KERNEL] = "kernel",
     [GP_TIME_GLARE] = "glare", [GP_TIME_LENS] = "lens",

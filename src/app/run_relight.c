@@ -142,7 +142,7 @@ out:
 
 // -- lights -------------------------------------------------------------------
 
-/* Adds one light to the frame's colour. */
+/* Adds one light to the frame's colour, and its facts to fs. */
 static gp_status add_light(struct gp_run *r, struct gp_frame_state *fs,
     const struct surfaces *surfaces, struct gp_sets *sets, int light, int *list)
 {
@@ -169,6 +169,10 @@ static gp_status add_light(struct gp_run *r, struct gp_frame_state *fs,
         if (st)
             return st;
     }
+    fs->relit[fs->facts.relits++] = (struct gp_relit_facts) {
+        .name = s->light[light].name, .pixels = facts.pixels,
+        .rays = facts.rays, .casters = casters,
+    };
     gp_say(fs->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects may "
            "cast shadows, %lld rays, %.1f ms", fs->job->input,
            s->light[light].name, facts.pixels, casters, facts.rays,
@@ -199,6 +203,29 @@ static gp_status find_lights(const struct gp_log *log, const struct gp_run *r,
     return GP_OK;
 }
 
+/* Warns of lights that are named and light no pixel; where "all" is named, if
+ * no light does. */
+static void warn_of_dark(const struct gp_run *r,
+                         const struct gp_frame_state *fs)
+{
+    const struct gp_facts *const f = &fs->facts;
+    const struct gp_texts *const names = &r->s->relight;
+    long long lit = 0;
+    for (int i = 0; i < f->relits; i++)
+        lit += f->relit[i].pixels;
+    for (int k = 0; k < names->n; k++) {
+        const char *const name = names->at[k];
+        bool dark = strcmp(name, "all") == 0 && lit == 0;
+        for (int i = 0; i < f->relits; i++)
+            dark |= f->relit[i].pixels == 0 &&
+                    strcmp(f->relit[i].name, name) == 0;
+        if (dark)
+            gp_say(fs->log, GP_LEVEL_WARN, "%s: --relight %s lights no pixel: out of "
+                   "reach, hidden, or on albedo of 0; leave it out, or check "
+                   "--scene-start", f->input, gp_printable(name).text);
+    }
+}
+
 gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_scene *const s = &r->scene.scene;
@@ -213,6 +240,9 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     GP_TRY(gp_alloc_zero(fs->log, "lights", (size_t) s->lights + 1, 1, &asked));
     GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1, sizeof *list,
                     &list));
+    GP_TRY(gp_alloc(fs->log, "lights", (size_t) s->lights + 1,
+                    sizeof *fs->relit, &fs->relit));
+    fs->facts.relit = fs->relit;
     GP_TRY(find_lights(fs->log, r, asked));
     GP_TRY(read_surfaces(r, fs, &surfaces));
     const struct gp_sets_view view = {
@@ -231,6 +261,7 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
         if (asked[i])
             GP_TRY(add_light(r, fs, &surfaces, sets, i, list));
     }
+    warn_of_dark(r, fs);
 out:
     gp_sets_close(&sets);
     gp_bodies_free(&bodies);

@@ -70,6 +70,7 @@ void gp_frame_state_end(struct gp_frame_state *fs)
         free(fs->names[i]);
     gp_free(fs->names);
     gp_free(fs->light);
+    gp_free(fs->relit);
     gp_free(fs->depth);
     gp_free(fs->mask);
     *fs = (struct gp_frame_state) {0};
@@ -600,9 +601,9 @@ enum {
 };
 const struct gp_stage gp_stages[GP_STAGES] = {
     {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
-    {"scene", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SCENE, gp_run_scene,
+    {"scene", GP_PHASE_COMPUTE, GP_TIME_SCENE, RGB, SCENE, gp_run_scene,
      scene_asked},
-    {"relight", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, GP_HAS_RELIT,
+    {"relight", GP_PHASE_COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, GP_HAS_RELIT,
      gp_run_relight, relight_asked},
     {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, gp_run_suns,
      suns_asked},

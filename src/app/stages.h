@@ -123,6 +123,7 @@ struct gp_frame_state {
                                    // the one being written, then NULL
     int targets;
     struct gp_light *light;        // owned facts.light
+    struct gp_relit_facts *relit;  // owned facts.relit
     char *depth, *mask;            // owned facts.depth, facts.mask
     struct gp_facts facts;
 };
@@ -256,7 +257,8 @@ GP_MUST_CHECK gp_status gp_run_outside(struct gp_run *r,
 void gp_run_outside_close(struct gp_run *r);
 
 /* The stage: adds the light of the scene's lights that --relight names to the
- * frame's colour. Errors: GP_ERR_USAGE no such light, or no camera, depth,
+ * frame's colour. Warns of those that are named and light no pixel, and where
+ * all do. Errors: GP_ERR_USAGE no such light, or no camera, depth,
  * normals or albedo; those of reading them. */
 GP_MUST_CHECK gp_status gp_run_relight(struct gp_run *r,
                                        struct gp_frame_state *fs);

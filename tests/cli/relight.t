@@ -23,6 +23,32 @@ fails_with 2 'needs albedo' 'a frame without albedo'
 run --scene $street --relight all --depth-type ray -o o.png n.exr
 fails_with 2 'give --depth-type z' 'distances from the eye'
 
+# -- the report ----------------------------------------------------------------
+
+frame lit.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B \
+    kind=dark size=64x36
+frame still.exr channels=R,G,B,Z:float kind=dark size=64x36
+run --scene $street --relight lamp6 --relight lamp1 --report r.json -o o.png \
+    lit.exr
+status_is 0 'two lamps, of which one lights nothing'
+is "$(field r.json '[(l["name"], l["pixels"] > 0, l["rays"] > l["pixels"] > 0, l["casters"] > 0) for l in o["relit"]]')" \
+    "[('lamp1', True, True, True), ('lamp6', False, False, False)]" \
+    'the report counts pixels, rays and casters of each lamp'
+is "$(field r.json '[k for k in o["times_ms"] if k in ("scene", "relight", "sun")]')" \
+    "['scene', 'relight', 'sun']" 'scene and lamps have their own times'
+is "$(field r.json 'o["cpu_ms"]["relight"] > o["cpu_ms"]["sun"]')" True \
+    'the time of lamps is not that of suns'
+like "$(cat err)" '*lit.exr: --relight lamp6 lights no pixel*' \
+    'a lamp that lights nothing is a warning'
+no 'a lamp that lights is none' grep -q 'lamp1 lights no' err
+is "$(field r.json 'len(o["warnings"])')" 1 'the report has the warning'
+run --scene $street --relight all --report r.json -o o.png lit.exr
+is "$(field r.json 'len(o["relit"]), o["warnings"]')" '(8, [])' \
+    'all lamps: no warning, as one of them lights'
+run --scene $street --report r.json -o o.png still.exr
+is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["times_ms"]')" \
+    '(False, False, True)' 'without --relight there is only the scene'
+
 # -- the street's lamps, each rendered by itself ---------------------------------
 
 if [ -z "$data" ] || [ ! -f "$data/scenes/street.1001.exr" ]; then

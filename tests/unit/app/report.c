@@ -102,7 +102,7 @@ static void what_was_not_needed_is_left_out(void **state)
     static const char *const gone[] = {
         "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
         "form", "fft_size", "flux_out", "bound", "measured", "clamped_out",
-        "depth", "gl", "view", "part", "layer", "settings",
+        "depth", "gl", "view", "part", "layer", "settings", "relit",
     };
     char *text = reported(&facts, 1);
     json_t *o = json_loads(text, 0, NULL);
@@ -111,6 +111,24 @@ static void what_was_not_needed_is_left_out(void **state)
     assert_int_equal(json_object_size(json_object_get(o, "times_ms")), 2);
     assert_non_null(strstr(text, "\"outputs\":[],"));
     json_decref(o);
+    free(text);
+}
+
+/* Lights of --relight, between the scene and the depth. */
+static void lights_of_relight(void **state)
+{
+    static const struct gp_relit_facts lamps[] = {
+        {"one", 1LL << 40, 1LL << 50, 3}, {"two", 0, 0, 0},
+    };
+    struct gp_facts facts = full_facts();
+    facts.relit = lamps;
+    facts.relits = 2;
+    char *text = reported(&facts, 1);
+    assert_non_null(strstr(text, "\"relit\":[{\"name\":\"one\",\"pixels\":"
+        "1099511627776,\"rays\":1125899906842624,\"casters\":3},{\"name\":"
+        "\"two\",\"pixels\":0,\"rays\":0,\"casters\":0}]"));
+    assert_non_null(strstr(text, "\"scene\":1.123,\"relight\":2.123,"
+                                 "\"sun\":3.123,"));
     free(text);
 }
 
@@ -257,6 +275,7 @@ static void lines_are_cut_not_overrun(void **state)
 }
 
 SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
+         lights_of_relight,
          what_was_not_needed_is_left_out, hard_values_stay_json,
          locales_do_not_matter, files_are_touched_with_the_first_line,
          lines_are_appended, errors_of_files, lines_are_cut_not_overrun)
