@@ -142,6 +142,18 @@ static gp_status check_needs(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Returns true where an option does nothing without a light; --camera by itself
+ * may give only an angle of view. */
+static bool light_needed(const struct gp_settings *s)
+{
+    bool needed = s->command == GP_COMMAND_BENCH || s->debug[GP_DEBUG_SUNMAP] ||
+                  s->debug[GP_DEBUG_INTENSITY] ||
+                  gp_option_given(s, "sun-size");
+    for (const struct gp_option *o = gp_options; o->name && !needed; o++)
+        needed = (o->needs & GP_NEED_LIGHT) && gp_option_given(s, o->name);
+    return needed;
+}
+
 unsigned gp_needs_unmet(const struct gp_settings *s)
 {
     unsigned unmet = 0;
@@ -351,6 +363,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
     s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
+    s->sun.needed = light_needed(s);
     s->kernel.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)
         return check_making(log, s);

@@ -358,8 +358,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LIGHT, .help = "Dim the picture by F times the "
         "visible share, as the pupil does"),
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
-        .help = "Read each frame's camera and the sun's direction from a JSON "
-                "file"),
+        .help = "Read each frame's camera, and the sun's direction where it is "
+                "there, from a JSON file"),
     CHOICE(sun.ndc, .name = "ndc", BOTH(SUN), .arg = "HOW", .choices = gp_ndcs,
         .help = "Read the frame's worldToNDC matrix with this range"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",

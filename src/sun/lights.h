@@ -115,7 +115,8 @@ GP_MUST_CHECK gp_status gp_light_place_in(
  *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
  *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
  *     "sun_radius_px": r}], "width": w}      or only that array
- * where w, if it is there, is the width of the picture that r is for.
+ * where sun_dir_world may be left out: the frame has a camera and no sun, and
+ * w, if it is there, is the width of the picture that r is for.
  * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
  * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
  * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */

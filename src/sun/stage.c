@@ -174,14 +174,13 @@ static gp_status place_lights(const struct gp_log *log,
         camera = *more->camera;
     }
     // the sun of --camera, where the command line names none
-    const bool sun = entry && !p->at.n && !p->dir.n &&
-                     (entry->has_sun || !(p->lights || more->specs));
+    const bool sun = entry && !p->at.n && !p->dir.n && entry->has_sun;
     if (all + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: too many lights with the sun (%d); the limit is %d",
                        p->lights ? p->lights : f->path, all + sun,
                        GP_LIGHTS_MAX));
-    if (sun && !entry->has_sun)
+    if (entry && p->needed && !(all + sun))
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: frame %lld has no sun_dir_world; give --sun, "
                        "--sun-dir or --lights", p->camera, entry->frame));
@@ -237,10 +236,12 @@ gp_status gp_suns_place(const struct gp_log *log,
     gp_status st;
     reader->about(reader->user, f, &about);
     GP_TRY(place_lights(log, &about, f, suns));
-    GP_TRY(reader->planes(reader->user, log, f, &suns->depth, &suns->mask));
+    if (suns->n)
+        GP_TRY(reader->planes(reader->user, log, f, &suns->depth,
+                              &suns->mask));
     warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
     warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
-    if (!suns->depth.v && !suns->mask.v && !suns->warned_clear) {
+    if (suns->n && !suns->depth.v && !suns->mask.v && !suns->warned_clear) {
         suns->warned_clear = true;
         gp_say(log, GP_LEVEL_WARN,
                "%s: no depth channel and no --mask: nothing hides the lights",

@@ -45,6 +45,7 @@ struct gp_sun_params {
     float size;                // degrees across, with dir and camera
     bool in_frame;             // the frame's pixels hold the lights already
     bool more_flux;            // gp_suns.more has lights with flux
+    bool needed;               // a frame without any light is an error
     float adapt;               // share that a narrower pupil removes, 0 to 1
     enum gp_ndc ndc;
     enum gp_depth_type depth_type;
@@ -141,9 +142,11 @@ GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_sun_about *about,
     const struct gp_frame *f, struct gp_camera *out, bool *found);
 
-/* Reads the frame's depth and coverage, and gives each light its place.
+/* Gives each light its place and, where there are lights, reads the frame's
+ * depth and coverage.
  * Errors: GP_ERR_USAGE, GP_ERR_DATA, GP_ERR_IO of the readers; GP_ERR_DATA a
- * frame that --camera does not have. */
+ * frame that --camera does not have, or one without a sun there where
+ * p->needed and no other light is given. */
 GP_MUST_CHECK gp_status gp_suns_place(
     const struct gp_log *log, const struct gp_sun_reader *reader,
     const struct gp_frame *f, struct gp_suns *suns);

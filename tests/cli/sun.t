@@ -298,6 +298,24 @@ printf '{"lights": [{"world": [0, 4, 8], "radius": 4},
 run --camera camera.json --lights lamps.json --report r.json shot.7.exr
 is "$(field r.json 'len(o["lights"])')" 3 'lamps beside the camera'\''s sun'
 
+# a camera without a sun: the angle of view, and places of other lights
+cat >night.json <<'JSON'
+{"frames": [{"frame": 7,
+  "worldToNDC_rowmajor": [0.5,0,0,0,0,-0.5,0,0,0.5,0.5,1,1,0,0,-1,0]}]}
+JSON
+run -t 0 --camera night.json --report r.json shot.7.exr
+is "$status $(field r.json '[o["fov_from"], o["lights"]]')" \
+    "0 ['camera', []]" '--camera without a sun'
+run --camera night.json --sun-dir 0,0.5,1 --report r.json shot.7.exr
+is "$(field r.json 'o["lights"][0]["y"]')" 12.0 \
+    '--sun-dir by a camera without a sun'
+run --camera night.json --lights lamps.json --report r.json shot.7.exr
+is "$(field r.json 'len(o["lights"])')" 2 'lamps by a camera without a sun'
+for more in '--sun-color 5' '--sun-in-frame' '--sun-size 2' '--mask A'; do
+    run --camera night.json $more --report r.json shot.7.exr
+    fails_with 4 sun_dir_world "$more: of a sun that --camera lacks"
+done
+
 # -- refusals ------------------------------------------------------------------
 
 # refuses NAME DESCRIPTION ARGUMENT...
