@@ -14,7 +14,10 @@
 //      to_map   from `place` to the map's clip coordinates; not IN_CUBE
 // out  light: scene-linear, added
 // A surface is in shadow where any of the four texels around it is: the light
-// does not leak along the edges of what hides it.
+// does not leak along the edges of what hides it. Each texel is compared with
+// the surface's plane there, or with the surface where its plane is farther:
+// no slope, however steep, shadows itself or lets the light pass below what
+// hides it. The sets of umbra.h rely on this.
 // CPU twin: relight.c
 uniform vec4 eye;
 uniform vec4 tint;
@@ -31,18 +34,22 @@ in vec3 place;
 in vec3 normal;
 layout(location = 0) out vec4 light;
 
-// Nearest of the four texels of a square at `low` around a place in it, in
-// [-1, 1].
-float nearest(vec2 at, ivec2 low)
+// True where a texel of the four of a square at `low` around a place in it, in
+// [-1, 1], is hidden from the light: a surface there is over `depth` by the
+// factor and the summand of `more`. `slope`: the plane's change of depth from
+// texel to texel.
+bool is_hidden(vec2 at, ivec2 low, float depth, vec2 slope, vec2 more)
 {
     int last = int(map.x) - 1;
-    ivec2 first = ivec2(floor((at + 1.0) * 0.5 * map.x - 0.5));
-    ivec2 a = low + clamp(first, ivec2(0), ivec2(last));
-    ivec2 b = low + clamp(first + 1, ivec2(0), ivec2(last));
-    return max(max(texelFetch(shadows, a, 0).r,
-                   texelFetch(shadows, ivec2(b.x, a.y), 0).r),
-               max(texelFetch(shadows, ivec2(a.x, b.y), 0).r,
-                   texelFetch(shadows, b, 0).r));
+    vec2 place = (at + 1.0) * 0.5 * map.x - 0.5;
+    for (int i = 0; i < 4; i++) {
+        ivec2 texel = ivec2(floor(place)) + ivec2(i & 1, i >> 1);
+        float plane = depth + max(dot(slope, vec2(texel) - place), 0.0);
+        ivec2 from = low + clamp(texel, ivec2(0), ivec2(last));
+        if (texelFetch(shadows, from, 0).r * more.x > plane + more.y)
+            return true;
+    }
+    return false;
 }
 
 void main()
@@ -66,27 +73,41 @@ void main()
     light = vec4(0.0);
     if (cosine <= 0.0 || strength <= 0.0)
         return;
-    float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.02);
+    // the plane's steepest slope, and rounding: in texels' widths
+    float least = max(cosine, 0.02);
+    float rounding = 0.5 + sqrt(max(1.0 - cosine * cosine, 0.0)) / least / 64.0;
 #ifdef IN_CUBE
     vec3 size = abs(place);
     int axis = size.x >= size.y && size.x >= size.z ? 0
                : size.y >= size.z ? 1 : 2;
     float m = size[axis];
     int face = 2 * axis + (place[axis] < 0.0 ? 1 : 0);
-    vec2 xy = axis == 0 ? place.yz : axis == 1 ? place.zx : place.xy;
-    float found = nearest(xy / m * ((map.x - 2.0) / map.x),
-                          ivec2(face % 3, face / 3) * int(map.x));
+    ivec2 low = ivec2(face % 3, face / 3) * int(map.x);
+    float inner = (map.x - 2.0) / map.x;
+    vec2 at = (axis == 0 ? place.yz : axis == 1 ? place.zx : place.xy) / m
+              * inner;
+    vec2 tilt = axis == 0 ? n.yz : axis == 1 ? n.zx : n.xy;
+    float width = 2.0 / (map.x * inner);
 #else
     vec4 q = to_map * vec4(place, 1.0);
     float m = q.w;
-    float found = nearest(q.xy / m, ivec2(0));
+    ivec2 low = ivec2(0);
+    vec2 at = q.xy / m;
+    vec2 tilt = vec2(
+        dot(n, normalize(vec3(to_map[0].x, to_map[1].x, to_map[2].x))),
+        dot(n, normalize(vec3(to_map[0].y, to_map[1].y, to_map[2].y))));
+    float width = 2.0 / (map.x * map.z);
 #endif
 #ifdef SUN
-    bool hidden = found > q.z + (2.0 * slope + 0.5) * map.y * map.z;
+    float texel = map.y * map.z;
+    bool hidden = is_hidden(at, low, q.z, -tilt / least * texel,
+                            vec2(1.0, rounding * texel));
 #else
-    // a texel's width where the surface is, along its slope
-    float bias = min(0.0005 + 3.0 * slope / (map.x * map.z), 0.1);
-    bool hidden = found * m * (1.0 - bias) > map.y;
+    // 1 / m is linear over a square
+    bool hidden = is_hidden(at, low, map.y / m,
+                            -tilt / (least * length(place)) * (map.y * width),
+                            vec2(1.0 - min(0.0005 + rounding * width, 0.1),
+                                 0.0));
 #endif
     if (!hidden)
         light = vec4(tint.rgb * (cosine * strength), 0.0);

@@ -50,4 +50,55 @@ static void rows_draw_the_same_picture(void **state)
     gp_gl_close(&gl);
 }
 
-SUITE_OF(table, NULL, NULL, rows_draw_the_same_picture)
+/* Suns and lamps that graze a slab, and boxes, balls and cards close to it: maps
+ * of coarse texels light no surface that umbras leave out. */
+static void light_grazes_slabs(void **state)
+{
+    static const struct gp_box world = {{-9, -9, -4}, {9, 9, 4}};
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_table_params p = GP_TABLE_DEFAULTS;
+    int first = 0, last = 0;
+    p.draw.w = 160;
+    p.draw.h = 90;
+    p.draw.light_scale = 1.0;
+    p.runs = 1;
+    for (uint64_t k = 0; k < 60; k++) {
+        uint64_t seed = 1501 + k;
+        struct gp_scene s = made_scene();
+        const int slab = made_box(&s, 0);
+        const int mesh[] = {slab, made_ball(&s, 0, 4), made_card(&s, 0)};
+        const struct gp_v3 thin = {20, 20, 0.3};
+        made_put_along(&s, slab, (struct gp_v3) {0, 0, 0}, thin,
+                       made_within(&seed, world));
+        for (int i = 0; i < 6; i++) {
+            const double big = made_between(&seed, 0.3, 4.0);
+            made_put_along(&s, mesh[i % 3], made_within(&seed, world),
+                           (struct gp_v3) {big, big, 0.5 * big},
+                           made_within(&seed, world));
+        }
+        for (int i = 0; i < 3; i++)
+            made_sun(&s, made_within(&seed, world), 3.0);
+        made_point(&s, made_within(&seed, world), 50.0, 30.0);
+        const struct gp_camera c = made_camera(
+            &s, (struct gp_v3) {0, -22, 6}, (struct gp_v3) {0, 0, 0}, 50.0,
+            16.0 / 9.0);
+        struct gp_table t = {0};
+        p.draw.map = 64 << (k % 3);
+        if (gp_table_make(&kept_log, gl, &s, &c, &p, &t) != GP_OK)
+            fail_msg("%s", kept_line);
+        for (int i = 0; i < GP_TABLE_ROWS; i++) {
+            if (!t.row[i].same)
+                fail_msg("seed %d: row %s draws another picture", (int) k,
+                         gp_table_names[i]);
+        }
+        first += t.row[0].lit;
+        last += t.row[GP_TABLE_ROWS - 1].lit;
+        gp_table_free(&t);
+        made_free(&s);
+    }
+    if (last >= first) // umbras left something out
+        fail_msg("%d objects lit of %d", last, first);
+    gp_gl_close(&gl);
+}
+
+SUITE_OF(table, NULL, NULL, rows_draw_the_same_picture, light_grazes_slabs)
