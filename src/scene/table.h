@@ -31,7 +31,7 @@ struct gp_table_row {
 
 struct gp_table_params {
     struct gp_drawing_params draw;
-    int runs;      // timed runs of each row, >= 1, after one that is not
+    int runs;      // timed runs of all rows in turn, >= 1, after one that is not
     int occluders; // objects that are drawn first, for V by depth, >= 0: those
                    // that look largest
 };
