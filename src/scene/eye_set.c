@@ -162,12 +162,26 @@ static bool covers(const struct gp_eye_disc *d, const struct gp_v3 p[3])
     return true;
 }
 
+/* Returns true when a sphere holds all ways to the disc, as that of an object
+ * does whose triangle hides all. */
+static bool sphere_covers(const struct gp_eye_disc *d, struct gp_v3 centre,
+                          double radius)
+{
+    const struct gp_v3 c = gp_v3_sub(centre, d->eye);
+    const double distance = gp_v3_length(c);
+    const double r = radius + SLACK * (distance + radius);
+    return distance <= r ||
+           angle_between(c, d->to) + d->half <= asin(r / distance) + SLACK;
+}
+
 bool gp_eye_hidden(const struct gp_scene *s, const struct gp_eye_disc *d,
                    const int *object, int objects)
 {
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &s->object[object[i]];
         const struct gp_mesh *const m = &s->mesh[o->mesh];
+        if (!sphere_covers(d, o->centre, o->radius))
+            continue;
         for (int k = m->first; k < m->first + m->parts; k++) {
             const struct gp_part *const part = &s->part[k];
             const bool opaque = !(s->material[part->material].cutoff > 0.0f);

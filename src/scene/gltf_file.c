@@ -356,7 +356,7 @@ static gp_status read_chunks(struct gp_gltf *g, struct gp_gltf_span *json)
 static gp_status check_root(const struct gp_gltf *g)
 {
     struct gp_gltf_at at;
-    const char *version = NULL;
+    const char *version = NULL, *least = NULL;
     gp_status st;
     gp_gltf_place(g, NULL, 0, &at);
     if (!json_is_object(g->root))
@@ -370,6 +370,13 @@ static gp_status check_root(const struct gp_gltf *g)
         return fail_file(g, "not glTF 2.0 (\"asset\" has %s%.20s); export the "
                          "scene as glTF 2.0", version ? "version " :
                          "no version", version ? version : "");
+    st = gp_json_text(&at.p, asset, "minVersion", &least, NULL);
+    if (st)
+        return st;
+    if (least && strcmp(least, "2.0") != 0)
+        return fail_file(g, "it needs a reader of glTF %.20s "
+                         "(\"minVersion\"; 2.0 is read); export the scene as "
+                         "glTF 2.0", least);
     for (int i = 0; lists[i]; i++) {
         json_t *const list = json_object_get(g->root, lists[i]);
         json_t *item;
@@ -423,7 +430,13 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     out->log = log;
     out->path = path;
     GP_TRY(gp_load_file(log, path, MOST_FILE, &out->file, &out->file_bytes));
-    if (out->file_bytes >= GLB_HEADER && memcmp(out->file, "glTF", 4) == 0)
+    const bool binary =
+        out->file_bytes >= 4 && memcmp(out->file, "glTF", 4) == 0;
+    if (binary && out->file_bytes < GLB_HEADER)
+        GP_TRY(fail_file(out, "truncated (%zu bytes, the header of a .glb has "
+                         "%d); copy or export the scene again",
+                         out->file_bytes, GLB_HEADER));
+    if (binary)
         GP_TRY(read_chunks(out, &json));
     else
         json = (struct gp_gltf_span) {out->file, (int) out->file_bytes};

@@ -31,6 +31,9 @@ static gp_status read_node(const struct gp_gltf *g, int index,
                            MOST_PLACE, n->turn, NULL));
     GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, false, -MOST_PLACE, MOST_PLACE,
                            n->scale, NULL));
+    if (n->turn[0] == 0.0 && n->turn[1] == 0.0 && n->turn[2] == 0.0 &&
+        n->turn[3] == 0.0)
+        GP_TRY(gp_gltf_fail(&at, "\"rotation\" is 0, 0, 0, 0, no turn"));
     // column-major for column vectors is row-major for row vectors
     if (n->matrix && !(n->local[3] == 0.0 && n->local[7] == 0.0 &&
                        n->local[11] == 0.0 && n->local[15] == 1.0))
@@ -175,6 +178,9 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
                           &l->inner, NULL));
     GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, PI / 2 + 1e-6,
                           &l->outer, NULL));
+    if (!(l->range > 0.0))
+        GP_TRY(gp_gltf_fail(at, "\"range\" is not over 0 (found %g)",
+                            l->range));
     if (l->inner > l->outer)
         GP_TRY(gp_gltf_fail(at, "\"innerConeAngle\" %g is over "
                             "\"outerConeAngle\" %g", l->inner, l->outer));

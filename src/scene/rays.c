@@ -178,25 +178,33 @@ static void collect(const struct gp_scene *s, const struct gp_object *o,
 }
 
 gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
-    const int *object, int objects, gp_rays_keep keep, const void *user,
-    struct gp_rays *out)
+    const int *object, int objects, int most, gp_rays_keep keep,
+    const void *user, int *used, struct gp_rays *out)
 {
     gp_status st = GP_OK;
+    int n = 0;
     out->scene = s;
-    for (int pass = 0; pass < 2; pass++) {
-        out->n = 0;
-        for (int i = 0; i < objects; i++)
-            collect(s, &s->object[object[i]], keep, user, out);
-        if (out->n == 0 || pass == 1)
+    *used = 0;
+    for (; *used < objects; ++*used) { // counts; a mesh's triangles fit an int
+        collect(s, &s->object[object[*used]], keep, user, out);
+        if (*used > 0 && out->n > most)
             break;
-        const size_t n = (size_t) out->n;
-        GP_TRY(gp_alloc(log, "triangles before a light", n,
-                        sizeof *out->triangle, &out->triangle));
-        GP_TRY(gp_alloc(log, "triangles before a light", 2 * n,
-                        sizeof *out->node, &out->node));
+        n = out->n;
+        if (n > most) { // one object alone
+            ++*used;
+            break;
+        }
     }
-    if (out->n > 0)
-        build(out);
+    out->n = 0;
+    if (n == 0)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "triangles before a light", (size_t) n,
+                    sizeof *out->triangle, &out->triangle));
+    GP_TRY(gp_alloc(log, "triangles before a light", 2 * (size_t) n,
+                    sizeof *out->node, &out->node));
+    for (int i = 0; i < *used; i++)
+        collect(s, &s->object[object[i]], keep, user, out);
+    build(out);
 out:
     return st;
 }

@@ -20,13 +20,21 @@ struct gp_rays {
 typedef bool (*gp_rays_keep)(const void *user, struct gp_v3 centre,
                              double radius);
 
-/* Builds the tree of the triangles of some objects, as posed.
+/* Triangles of one tree: 60 MB. */
+enum { GP_RAYS_TREE = 1 << 18 };
+
+/* Builds the tree of the triangles of some objects, as posed: of the first
+ * ones that have at most `most` triangles together, and of one at least. A few
+ * nodes may place one large mesh often; a caller that visits the objects tree
+ * by tree needs no memory for each of its copies.
  *   keep  NULL: takes all of them
+ *   used  objects in the tree, 1 to `objects` (0 of 0)
  *   out   zero; freed by gp_rays_free() in any case
  * Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_rays_make(
     const struct gp_log *log, const struct gp_scene *s, const int *object,
-    int objects, gp_rays_keep keep, const void *user, struct gp_rays *out);
+    int objects, int most, gp_rays_keep keep, const void *user, int *used,
+    struct gp_rays *out);
 void gp_rays_free(struct gp_rays *r);
 
 /* Returns true when a triangle is on the way from `from` along `along`, less

@@ -7,6 +7,9 @@
 #include "core/frame.h"
 #include "scene/scene.h"
 
+/* Triangles of more than one object in a tree: 4 GB. */
+enum { GP_RELIGHT_MOST = 1 << 24 };
+
 /* Surfaces of a frame's pixels. A pixel outside a plane's window has no
  * surface. */
 struct gp_surfaces {
@@ -52,7 +55,8 @@ struct gp_relit {
  * scene's own surfaces, if these have the pixel's mean normal and albedo; else
  * its mean is taken apart into the two surfaces beside it.
  *   out  facts; written on GP_OK only
- * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
+ * The same bits for any number of threads. Errors: GP_ERR_BUG memory;
+ * GP_ERR_DATA the objects have over GP_RELIGHT_MOST triangles. */
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
     const struct gp_scene *s, const struct gp_surfaces *f,
     const struct gp_relight_pass *pass, struct gp_rect data,

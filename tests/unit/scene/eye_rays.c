@@ -215,6 +215,60 @@ static void threads_and_memory(void **state)
     made_free(&many);
 }
 
+/* A card of side x side squares, of the size and place of made_card()'s. */
+static int fine_card(struct gp_scene *s, int side)
+{
+    const int first = s->indices;
+    for (int y = 0; y <= side; y++) {
+        for (int x = 0; x <= side; x++)
+            made_vertex(s, (double) x / side - 0.5, (double) y / side - 0.5,
+                        0.0, 0.0, 0.0);
+    }
+    const int from = s->vertices - (side + 1) * (side + 1);
+    for (int y = 0; y < side; y++) {
+        for (int x = 0; x < side; x++) {
+            const int a = from + y * (side + 1) + x;
+            made_quad(s, a, a + 1, a + side + 2, a + side + 1);
+        }
+    }
+    return made_part(s, first, 0, false);
+}
+
+/* Copies of a large mesh are visited tree by tree, and hide as small ones in
+ * their place do. */
+static void copies_of_a_large_mesh(void **state)
+{
+    enum { COPIES = 6, SIDE = 240 };
+    struct gp_scene fine = made_scene(), coarse = made_scene();
+    const int large = fine_card(&fine, SIDE), card = made_card(&coarse, 0);
+    int object[COPIES], used;
+    for (int i = 0; i < COPIES; i++) {
+        object[i] = i;
+        put_wall(&fine, large, 20.0 + i, 2.0 * i - 5.0, -3.1, 1.0 + 0.3 * i);
+        put_wall(&coarse, card, 20.0 + i, 2.0 * i - 5.0, -3.1, 1.0 + 0.3 * i);
+    }
+    struct gp_rays rays = {0};
+    assert_ok(gp_rays_make(NULL, &fine, object, COPIES, GP_RAYS_TREE, NULL,
+                           NULL, &used, &rays));
+    assert_int_equal(used, GP_RAYS_TREE / (2 * SIDE * SIDE));
+    assert_true(used < COPIES && rays.n <= GP_RAYS_TREE);
+    gp_rays_free(&rays);
+    assert_ok(gp_rays_make(NULL, &fine, object, COPIES, 1, NULL, NULL, &used,
+                           &rays));
+    assert_int_equal(used, 1); // one at least
+    gp_rays_free(&rays);
+    const struct gp_eye_disc d = gp_eye_sun(
+        (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, 0.5);
+    const struct gp_eye_share got = share_of(&fine, &d, NULL);
+    const struct gp_eye_share want = share_of(&coarse, &d, NULL);
+    assert_true(want.clear > 0.5 && want.clear < 0.99);
+    near_to("copies", got.clear, want.clear, 1e-9);
+    assert_int_equal(got.samples, want.samples);
+    assert_int_equal(got.objects, COPIES);
+    made_free(&fine);
+    made_free(&coarse);
+}
+
 /* Bilinear alpha, wrapped in three ways. */
 static void alpha_of_cutouts(void **state)
 {
@@ -249,4 +303,4 @@ static void alpha_of_cutouts(void **state)
 
 SUITE_OF(eye_rays, NULL, NULL, edge_of_a_wall, leaves_with_holes,
          walls_and_lamps, closed_balls_are_tight, windows_are_left_out,
-         threads_and_memory, alpha_of_cutouts)
+         threads_and_memory, copies_of_a_large_mesh, alpha_of_cutouts)

@@ -303,6 +303,9 @@ static void what_is_wrong_is_one_line(void **state)
         {"'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'spot', "
          "'spot': {'innerConeAngle': 1, 'outerConeAngle': 0.5}}]}}",
          "innerConeAngle"},
+        {"'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'point', "
+         "'range': 0}]}}", "\"range\" is not over 0"},
+        {"'nodes': [{'rotation': [0, 0, 0, 0]}]", "node 0: \"rotation\""},
         {"'nodes': [{'extensions': {'KHR_lights_punctual': {'light': 0}}}]",
          "no such light"},
         {"'cameras': [{'type': 'perspective'}]", "yfov"},
@@ -323,6 +326,12 @@ static void what_is_wrong_is_one_line(void **state)
     gm_refused(gm_write_bytes("a.gltf", "", 0), GP_ERR_DATA, "not JSON");
     gm_refused(gm_write_bytes("a.gltf", "[]", 2), GP_ERR_DATA, "not glTF");
     gm_refused(gm_write_bytes("a.gltf", "{}", 2), GP_ERR_DATA, "no version");
+    static const char least[] =
+        "{\"asset\": {\"version\": \"2.0\", \"minVersion\": \"2.1\"}}";
+    gm_refused(gm_write_bytes("a.gltf", least, sizeof least - 1), GP_ERR_DATA,
+               "reader of glTF 2.1");
+    gm_refused(gm_write_bytes("a.glb", "glTF\2\0\0\0\x10\x63\1", 11),
+               GP_ERR_DATA, "truncated (11 bytes");
     kept_clear();
     gm_refused(in_folder("none.glb"), GP_ERR_IO, "none.glb");
 }

@@ -227,7 +227,9 @@ static void first_triangle_is_found(void **state)
         {{9, 0, 3.5}, {1, 0, 0}, INFINITY, 0.0, 0.0},
     };
     struct gp_rays rays = {0};
-    assert_ok(gp_rays_make(&kept_log, &scene, every, 2, NULL, NULL, &rays));
+    int used;
+    assert_ok(gp_rays_make(&kept_log, &scene, every, 2, GP_RAYS_TREE, NULL, NULL,
+                           &used, &rays));
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rays_hit hit = {.at = -1.0};
         const bool found = gp_rays_first(&rays, rows[i].from, rows[i].along,
