@@ -32,7 +32,7 @@ enum gp_time {
 };
 
 /* Facts about the flare of bright pixels. Its bound is of rel_l2 of that part
- * of the layer, from the engines' bounds of each run. */
+ * of the layer: the engines' bounds of each run, and its gp_ghost.split. */
 struct gp_flare_facts {
     int elements, runs;  // runs 0: none was needed
     const char *engine;  // of all runs; "several"

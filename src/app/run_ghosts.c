@@ -114,6 +114,7 @@ gp_status gp_run_ghosts_add(const struct gp_log *log, const struct gp_run *r,
         error += stats.bound < 1.0
                      ? stats.bound * sqrt(norm2[0]) / (1.0 - stats.bound)
                      : INFINITY;
+        error += run->split * sqrt(norm2[0]);
         light += norm2[1]; // no layer is negative: their sum has no less
     }
     facts->bound = error < sqrt(light) ? error / (sqrt(light) - error)

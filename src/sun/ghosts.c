@@ -52,6 +52,56 @@ static bool is_one_run(const struct gp_flare *f, int i, int k)
                   sizeof a->by_place.colour) == 0;
 }
 
+/* Returns the error (rel_l2) of the worst channel where w * h pixels of `image`
+ * are split evenly among four, against `half`, drawn half a pixel further. */
+static double split_error(const struct gp_planes *image,
+                          const struct gp_planes *half, int w, int h)
+{
+    double worst = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double off = 0.0, norm = 0.0;
+        for (int y = 1; y < h; y++) {
+            const float *const v = image->c[c] + (size_t) y * (size_t) w;
+            const float *const above = v - w;
+            const float *const want = half->c[c] + (size_t) y * (size_t) w;
+            for (int x = 1; x < w; x++) {
+                const double got = 0.25 * ((double) v[x] + (double) v[x - 1] +
+                                           (double) above[x] +
+                                           (double) above[x - 1]);
+                const double d = got - (double) want[x];
+                off += d * d;
+                norm += got * got;
+            }
+        }
+        if (norm > 0.0)
+            worst = fmax(worst, sqrt(off / norm));
+    }
+    return worst;
+}
+
+/* Draws the elements of `own` again, half a pixel further, and finds what
+ * splitting their image, 2m + 1 by 2n + 1 pixels, makes of them. */
+static gp_status measure_split(const struct gp_log *log,
+    const struct gp_flare *own, struct gp_light lamp, int m, int n,
+    struct gp_rect display, const struct gp_planes *image, double *split)
+{
+    const int w = 2 * m + 1, h = 2 * n + 1;
+    const size_t pixels = (size_t) w * (size_t) h;
+    struct gp_planes half = {0};
+    gp_status st;
+    lamp.x += 0.5;
+    lamp.y += 0.5;
+    GP_TRY(gp_planes_make(log, "flare of bright pixels", pixels, &half));
+    gp_planes_clear(&half, 0, pixels);
+    GP_TRY(gp_flare_add(log, own, &lamp, 1,
+                        (struct gp_rect) {-m, -n, m + 1, n + 1}, display,
+                        &half));
+    *split = split_error(image, &half, w, h);
+out:
+    gp_planes_free(&half);
+    return st;
+}
+
 /* Draws the elements of a run, of which k is the first, into its image. */
 static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_ghosts *g, int k0, struct gp_ghost *run)
@@ -111,6 +161,9 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
         for (size_t i = 0; black && i < pixels; i++)
             black = !(planes.c[c][i] > 1e-37f);
     }
+    if (!black && run->scale != rint(run->scale))
+        GP_TRY(measure_split(log, &own, lamp, m, n, g->display, &planes,
+                             &run->split));
     if (!black) {
         st = gp_kernel_of_planes(log, f->path, 2 * m + 1, 2 * n + 1, &planes,
                                  &run->kernel);

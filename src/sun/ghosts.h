@@ -12,7 +12,8 @@
  * at whole 1 - a nothing is split at all: at a = 1 all sources are one. The
  * element is thereby its own bilinear interpolation, whose error at a pixel is
  * at most (|f_xx| + |f_yy|) / 8 of its image f, in pixels: it shows at edges
- * only, which it softens by half a pixel. */
+ * only, which it softens by half a pixel. gp_ghost.split is its norm where it is
+ * largest, half a pixel from the grid both ways. */
 #ifndef GP_SUN_GHOSTS_H
 #define GP_SUN_GHOSTS_H
 
@@ -27,6 +28,9 @@ struct gp_ghost {
     const struct gp_flare_element *e; // the first; the flare's
     double scale;            // of the sources about the centre: 1 - position
     int elements;
+    double split;            // rel_l2 of the image split among four pixels,
+                             // against the image drawn half a pixel further
+                             // both ways; of the worst channel; 0: whole scale
     struct gp_kernel kernel; // their image; no samples: it is black
     int pixel[2];            // pixel nearest to the display's centre, and the
     int moved[2];            // one that holds it, scaled; EXR pixel space

@@ -305,6 +305,63 @@ static void splits_stay_within_their_bound(void **state)
     free(v);
 }
 
+/* A run states the norm of what splitting does to hard edges and thin rays; at
+ * whole scales that is nothing. */
+static void runs_state_the_error_of_splits(void **state)
+{
+    enum { W = 160, H = 100, N = W * H };
+    static const struct gp_flare_element hard[] = {
+        {.shape = GP_FLARE_DISC, .at = 0.37, .size = 0.5},
+        {.shape = GP_FLARE_POLYGON, .at = 1.63, .size = 0.3, .rotation = 11.0},
+        {.shape = GP_FLARE_RING, .at = 0.37, .size = 0.4},
+        {.shape = GP_FLARE_SPIKES, .at = 0.37, .size = 0.6, .width = 0.01,
+         .count = 8},
+        {.shape = GP_FLARE_RING, .at = 2.0, .size = 0.4},
+    };
+    const struct gp_rect frame = {0, 0, W, H};
+    for (size_t k = 0; k < COUNT(hard); k++) {
+        struct gp_flare_element e = whole(hard[k]), one = e;
+        const struct gp_flare f = flare_of(&e, 1);
+        double *const got = calloc(3 * N, sizeof *got);
+        double *const exact = calloc(3 * N, sizeof *exact);
+        double off = 0.0, norm = 0.0;
+        struct gp_ghosts g = {0};
+        struct sky s;
+        assert_non_null(got);
+        assert_non_null(exact);
+        sky_make(&s, frame, frame);
+        assert_ok(gp_ghosts_make(&kept_log, &f, frame, frame, &g));
+        add_run(&s, &g, g.run, "direct", got);
+        one.at = 0.0;
+        one.source = GP_FLARE_LIGHTS;
+        for (int i = 0; i < SOURCES; i++) {
+            struct gp_light l = lamp_at(
+                0.5 * W + (1.0 - e.at) * (s.at[i].x + 0.5 - 0.5 * W),
+                0.5 * H + (1.0 - e.at) * (s.at[i].y + 0.5 - 0.5 * H));
+            struct picture p = picture_make(frame, frame);
+            memcpy(l.flux, s.at[i].rgb, sizeof l.flux);
+            add_one(&p, one, l);
+            for (size_t j = 0; j < 3 * N; j++)
+                exact[j] += (double) p.layer.c[j / N][j % N];
+            picture_free(&p);
+        }
+        for (size_t j = 0; j < 3 * N; j++) {
+            off += (got[j] - exact[j]) * (got[j] - exact[j]);
+            norm += got[j] * got[j];
+        }
+        off = sqrt(off / norm);
+        if (e.at == 2.0)
+            assert_true(g.run->split == 0.0 && off < 1e-6);
+        else if (!(off <= g.run->split && g.run->split < 8.0 * off))
+            fail_msg("element %zu: off by %g, stated %g", k, off,
+                     g.run->split);
+        free(got);
+        free(exact);
+        gp_ghosts_free(&g);
+        gp_sources_free(&s.src);
+    }
+}
+
 /* At whole scales nothing is split: one source at the centre, each source at
  * itself or at its mirror's place. */
 static void whole_scales_split_nothing(void **state)
@@ -389,5 +446,5 @@ static void darkness_is_no_error(void **state)
 
 SUITE_OF(ghosts, NULL, NULL, runs_equal_the_sum_over_sources,
     sources_keep_flux_and_centroid, splits_stay_within_their_bound,
-    whole_scales_split_nothing, far_sources_are_cut, refuses_huge_images,
+    runs_state_the_error_of_splits, whole_scales_split_nothing, far_sources_are_cut, refuses_huge_images,
     darkness_is_no_error)
