@@ -82,6 +82,9 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
         GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: no %s; add it in "
                        "millimetres", p->path, p->index,
                        has_semi ? "thickness" : "semi"));
+    if (has_radius && radius == 0.0)
+        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: the radius is 0; "
+                       "leave it out for a flat surface", p->path, p->index));
     if (has_radius && fabs(radius) < s.semi)
         GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: the radius is "
                        "under semi (found %g and %g); no sphere is so wide",
