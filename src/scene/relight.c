@@ -351,6 +351,71 @@ static double clear_share(const struct work *w, const struct surface *s,
     return fmin(clear, 1.0);
 }
 
+enum { MEANS = 6 }; // albedo and normal
+
+/* Returns albedo and normal of a place in `out`, 0 where it has no surface. */
+static void means_of(const struct surface *s, double out[MEANS])
+{
+    const bool any = s->z > 0.0;
+    for (int c = 0; c < 3; c++)
+        out[c] = any ? s->albedo[c] : 0.0;
+    out[3] = any ? s->normal.x : 0.0;
+    out[4] = any ? s->normal.y : 0.0;
+    out[5] = any ? s->normal.z : 0.0;
+}
+
+/* Solves a x = b in place of b; a is symmetric and positive, and is lost
+ * (Cholesky). */
+static void solve(double a[MEANS][MEANS], double b[MEANS])
+{
+    for (int i = 0; i < MEANS; i++) {
+        for (int j = 0; j <= i; j++) {
+            for (int k = 0; k < j; k++)
+                a[i][j] -= a[i][k] * a[j][k];
+            a[i][j] = i == j ? sqrt(a[i][i]) : a[i][j] / a[j][j];
+        }
+        for (int k = 0; k < i; k++)
+            b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (int i = MEANS - 1; i >= 0; i--) {
+        for (int k = i + 1; k < MEANS; k++)
+            b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+}
+
+/* Weighs the places of a pixel so that their mean comes near the frame's: the
+ * renderer's places are random, and met its surfaces in other shares (the
+ * regression estimator of Deville and Sarndal 1992). */
+static void match_frame(const struct work *w, const struct surface of[MANY],
+                        const double mean[MEANS], const double frame[MEANS],
+                        double weight[MANY])
+{
+    static const double RIDGE = 1e-3; // variances under it count as noise
+    double a[MEANS][MEANS] = {0}, move[MEANS], own[MEANS];
+    for (int i = 0; i < MEANS; i++) {
+        move[i] = frame[i] - mean[i];
+        a[i][i] = RIDGE;
+    }
+    for (int i = 0; i < MANY; i++) {
+        means_of(&of[i], own);
+        for (int j = 0; j < MEANS; j++) {
+            for (int k = 0; k <= j; k++)
+                a[j][k] += w->weight[i] * (own[j] - mean[j]) *
+                           (own[k] - mean[k]);
+        }
+    }
+    solve(a, move);
+    for (int i = 0; i < MANY; i++) {
+        double more = 1.0;
+        means_of(&of[i], own);
+        for (int j = 0; j < MEANS; j++)
+            more += move[j] * (own[j] - mean[j]);
+        weight[i] = w->weight[i] * fmax(more, 0.0);
+    }
+}
+
 /* Adds the light of the scene's surfaces that a pixel at an edge shows. False
  * where these are not those of the frame: their mean normal and albedo differ. */
 static bool light_edge(const struct work *w, int x, int y, double add[3],
@@ -386,6 +451,8 @@ static bool light_edge(const struct work *w, int x, int y, double add[3],
         left += (mean[i] - frame[i]) * (mean[i] - frame[i]);
     if (left > 0.1)
         return false;
+    double weight[MANY];
+    match_frame(w, of, mean, frame, weight);
     for (int i = 0; i < MANY; i++) {
         double light = of[i].z > 0.0 ? light_at(w->pass->light, &of[i]) : 0.0;
         if (!(light > 0.0))
@@ -393,7 +460,7 @@ static bool light_edge(const struct work *w, int x, int y, double add[3],
         facts->rays++;
         if (!is_free(w, of[i].place, of[i].normal, of[i].z))
             continue;
-        light *= w->weight[i] * w->pass->light_scale / pi;
+        light *= weight[i] * w->pass->light_scale / pi;
         for (int c = 0; c < 3; c++)
             add[c] += light * w->pass->light->color[c] * of[i].albedo[c];
     }

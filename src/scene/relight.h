@@ -52,8 +52,9 @@ struct gp_relit {
  * beside it; depth is one sample. A pixel inside a surface takes one ray for its
  * shadow. Where a shadow ends, and at edges, 36 places are weighed as Blender's
  * filter does (Blackman and Harris, 3 pixels wide). At edges they show the
- * scene's own surfaces, if these have the pixel's mean normal and albedo; else
- * its mean is taken apart into the two surfaces beside it.
+ * scene's own surfaces, if these have nearly the pixel's mean normal and albedo,
+ * in shares that have them; else its mean is taken apart into the two surfaces
+ * beside it.
  *   out  facts; written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory;
  * GP_ERR_DATA the objects have over GP_RELIGHT_MOST triangles. */
