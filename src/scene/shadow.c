@@ -105,24 +105,27 @@ static struct look look_at(const struct gp_shadow_map *m, int face,
                           face & 1 ? -q[axis] : q[axis]};
 }
 
+/* False where no point of a box is in a part of a square: x0, y0, x1, y1. */
+static bool may_meet(const struct gp_shadow_map *m, int face,
+                     const struct gp_box *box, const double c[4])
+{
+    bool out[5] = {true, true, true, true, true};
+    for (int i = 0; i < 8; i++) {
+        const struct look p = look_at(m, face, gp_box_corner(box, i));
+        out[0] &= p.x < c[0] * p.w;
+        out[1] &= p.y < c[1] * p.w;
+        out[2] &= p.x > c[2] * p.w;
+        out[3] &= p.y > c[3] * p.w;
+        out[4] &= p.w < 0.0;
+    }
+    return c[0] <= c[2] && !(out[0] | out[1] | out[2] | out[3] | out[4]);
+}
+
 int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box)
 {
     int faces = 0;
-    for (int face = 0; face < squares_of(m); face++) {
-        const double *const c = m->cut[face];
-        bool out[5] = {true, true, true, true, true};
-        for (int i = 0; i < 8; i++) {
-            const struct look p = look_at(m, face, gp_box_corner(box, i));
-            out[0] &= p.x < c[0] * p.w;
-            out[1] &= p.y < c[1] * p.w;
-            out[2] &= p.x > c[2] * p.w;
-            out[3] &= p.y > c[3] * p.w;
-            out[4] &= p.w < 0.0;
-        }
-        if (c[0] <= c[2] &&
-            !(out[0] | out[1] | out[2] | out[3] | out[4]))
-            faces |= 1 << face;
-    }
+    for (int face = 0; face < squares_of(m); face++)
+        faces |= may_meet(m, face, box, m->cut[face]) << face;
     return faces;
 }
 
@@ -130,11 +133,13 @@ int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box)
 static void add_seen(struct gp_shadow_map *m, int face,
                      const struct gp_box *box, double wide)
 {
+    const double square[4] = {-wide, -wide, wide, wide};
     double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
-    bool before = false, behind = false;
+    bool behind = false;
+    if (!may_meet(m, face, box, square))
+        return;
     for (int i = 0; i < 8; i++) {
         const struct look p = look_at(m, face, gp_box_corner(box, i));
-        before |= p.w > 0.0;
         behind |= !(p.w > 1e-9 * (fabs(p.x) + fabs(p.y)));
         const double at[2] = {p.x / p.w, p.y / p.w};
         for (int k = 0; k < 2 && !behind; k++) {
@@ -142,8 +147,6 @@ static void add_seen(struct gp_shadow_map *m, int face,
             hi[k] = fmax(hi[k], at[k]);
         }
     }
-    if (!before)
-        return;
     // the four texels around a lookup, and rounding
     const double more = 6.0 / m->side;
     double *const c = m->cut[face];
