@@ -114,7 +114,7 @@ gp_status gp_bench_layers_begin(const struct gp_log *log,
     out->job = (struct gp_job) {.input = input};
     out->files = (struct gp_sun_files) {s, &out->job};
     out->run.s = s;
-    if (s->sun.flare) {
+    if (s->sun.flare || s->lens.name) {
         const struct gp_sun_reader reader = gp_sun_reader_of(&out->files);
         GP_TRY(gp_suns_begin(log, &s->sun, s->glare.gl, &reader,
                              &out->run.suns));

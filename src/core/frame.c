@@ -11,9 +11,9 @@ gp_status gp_planes_make(const struct gp_log *log, const char *what,
 {
     // one block: of three, each would end in a huge page that it fills in part
     const size_t line = GP_ALIGN / sizeof(float);
-    const size_t apart = samples / line * line + (samples % line ? line : 0);
+    const size_t apart = (samples + line - 1) / line * line;
     *p = (struct gp_planes) {0};
-    gp_status st = gp_alloc(log, what, samples > SIZE_MAX / 4 ? SIZE_MAX : apart,
+    gp_status st = gp_alloc(log, what, samples > SIZE_MAX / 16 ? SIZE_MAX : apart,
                             3 * sizeof(float), &p->c[0]);
     for (int c = 1; !st && c < 3; c++)
         p->c[c] = p->c[c - 1] + apart;

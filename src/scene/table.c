@@ -294,7 +294,8 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(set_order(&w));
     GP_TRY(gp_drawing_open(log, gl, s, c, &p->draw, &w.d));
     for (int i = 0; i < GP_TABLE_ROWS; i++)
-        GP_TRY(count_row(&w, i, i ? t.picture : NULL, i ? other : t.picture));
+        GP_TRY(count_row(&w, (enum gp_table_kind) i, i ? t.picture : NULL,
+                         i ? other : t.picture));
     GP_TRY(time_rows(&w, other));
     GP_TRY(gp_gl_check(log, gl, "drawing the scene"));
     *out = t;

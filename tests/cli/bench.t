@@ -384,6 +384,10 @@ print(0 < flare["rel_l2"] <= min(1e-6, flare["bound"]), 0 < many["rel_l2"] < 0.2
       0 < few["rel_l2"] < many["rel_l2"], "bound" in few,
       all(r["ms"] > 0 for r in (flare, many, few)))')" \
     'True True True False True' 'each near its own truth'
+frame camera.exr size=32x24 lights=5 \
+    attr=worldToNDC:m44f:0.5,0,0,0,0,-0.5,0,0,0.5,0.5,1,1,0,0,-1,0
+run bench --runs 1 -k kernel.exr --lens tessar --json - camera.exr
+is "$status" 0 'bench with a lens on a frame that has a camera'
 run bench --flare flare.json --sun 3,3 in.exr
 fails_with 2 --flare 'bench of flare with a light'
 run bench --csv - --json - in.exr

@@ -105,7 +105,7 @@ E_PY
     is "$(cat out)" '' 'blender_camera.py: the matrices and the sun that Blender gave'
     for camera in made.json "$TRUTH"; do
         run -e fft --camera "$camera" --report - "$root/examples/foliage.1004.exr"
-        sed 's/.*"lights":\[{"x":\([0-9.]*\),"y":\([0-9.]*\).*/\1 \2/' out
+        sed 's/.*"lights":\[{[^}]*"x":\([0-9.]*\),"y":\([0-9.]*\).*/\1 \2/' out
     done >places
     is "$(awk '{ printf "%d,%d ", $1, $2 }' places)" '283,129 283,129 ' \
         'blender_camera.py: --camera puts the sun where it was'

@@ -26,14 +26,8 @@ static void models_without_fftw(void)
     const struct gp_field field = gp_field_of(&f, 5.0);
     struct gp_recipe eye, aperture;
     struct gp_kernel k;
-    fail_always.library = "libfftw3.so.3"; // in double precision
     assert_ok(gp_recipe_parse(NULL, "eye", &eye));
     assert_ok(gp_recipe_parse(NULL, "aperture", &aperture));
-    kept_clear();
-    assert_int_equal(gp_model_kernel(&kept_log, &aperture, 1, &field, &k),
-                     GP_ERR_IO);
-    assert_non_null(strstr(kept_line, "-k aperture"));
-    assert_null(strstr(kept_line, "--engine"));
     fail_always.library = "libfftw3f.so.3";
     assert_ok(gp_model_kernel(NULL, &eye, 1, &field, &k));
     assert_true(k.tail);
@@ -60,6 +54,13 @@ static void models_without_fftw(void)
     }
     gp_sources_free(&src);
     gp_kernel_free(&k);
+    // in double precision; in single precision it is loaded here
+    fail_always.library = "libfftw3.so.3";
+    kept_clear();
+    assert_int_equal(gp_model_kernel(&kept_log, &aperture, 1, &field, &k),
+                     GP_ERR_IO);
+    assert_non_null(strstr(kept_line, "-k aperture"));
+    assert_null(strstr(kept_line, "--engine"));
     gp_recipe_free(&eye);
     gp_recipe_free(&aperture);
     gp_frame_free(&f);

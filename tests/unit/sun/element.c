@@ -373,6 +373,24 @@ static void every_key_acts(void **state)
     picture_free(&two);
 }
 
+/* Copies share the light of their element. */
+static void copies_keep_the_light(void **state)
+{
+    for (int count = 2; count <= 16; count *= 2) {
+        struct gp_flare f = {0};
+        char text[120];
+        double sum = 0.0;
+        snprintf(text, sizeof text, "[{'shape': 'disc', 'count': %d, 'spread': "
+                 "0.5, 'seed': %d, 'color': 0.5}]", count, count);
+        assert_ok(gp_flare_read(&kept_log, jf_write(text), &f));
+        assert_int_equal(f.n, count);
+        for (int i = 0; i < f.n; i++)
+            sum += (double) f.element[i].colour[1];
+        assert_near(sum, 0.5, 1e-6, "copies", (double) count);
+        gp_flare_free(&f);
+    }
+}
+
 static void refuses_keys(void **state)
 {
     static const char *const rows[] = {
@@ -403,4 +421,4 @@ SUITE_OF(element, make_folder, remove_folder, totals_hold,
     looks_alike_at_every_size, dispersion_is_continuous,
     shapes_have_their_features, seeds_decide, transforms_follow_the_light,
     triggers_act, names_choose_lights, dirt_is_lit, reads_keys, every_key_acts,
-    refuses_keys)
+    copies_keep_the_light, refuses_keys)
