@@ -21,24 +21,30 @@ struct interval {
     struct bounds_sums sum[STRIPS];
 };
 
-/* Least and largest of what is shown. */
+/* Least and largest of what is shown by pixels of a column, what its middle
+ * pixel shows, and where a surface beyond the light is. */
 struct shown {
-    double lo, hi;
+    double lo, hi, own;
+    bool own_beyond, beyond; // in the middle; in any row
 };
 
 /* Returns those of column x in rows y - 1, y and y + 1, as far as they are in
- * the frame; in row y where there is coverage. */
+ * the frame; in row y where there is coverage alone. */
 static struct shown column(const struct interval *v, int x, int y)
 {
     const struct gp_rect f = v->o->frame;
-    struct shown s = {INFINITY, -INFINITY};
-    const bool apart = v->o->mask != NULL;
+    struct shown s = {.lo = INFINITY, .hi = -INFINITY};
+    const bool apart = v->o->mask && !v->o->depth;
     const int y0 = apart || y == f.y0 ? y : y - 1;
     const int y1 = apart || y + 1 == f.y1 ? y : y + 1;
     for (int k = y0; k <= y1; k++) {
         const double one = gp_occluders_show(v->o, v->light, x, k);
+        const bool beyond = gp_occluders_beyond(v->o, v->light, x, k);
         s.lo = fmin(s.lo, one);
         s.hi = fmax(s.hi, one);
+        s.own = k == y ? one : s.own;
+        s.own_beyond = k == y ? beyond : s.own_beyond;
+        s.beyond = s.beyond || beyond;
     }
     return s;
 }
@@ -56,22 +62,29 @@ static double area_of(const struct interval *v, int x, int y)
 static void add_row(const struct interval *v, int y, struct bounds_sums *sum)
 {
     const struct gp_rect f = v->o->frame;
-    const struct shown none = {INFINITY, -INFINITY};
+    const struct shown none = {.lo = INFINITY, .hi = -INFINITY};
     const int x0 = v->rect.x0;
-    const bool apart = v->o->mask != NULL; // coverage has its edges in itself
+    const bool apart = v->o->mask && !v->o->depth;
     struct shown left = x0 > f.x0 && !apart ? column(v, x0 - 1, y) : none;
     struct shown middle = column(v, x0, y);
     for (int x = x0; x < v->rect.x1; x++) {
-        const struct shown right = x + 1 < f.x1 ? column(v, x + 1, y) : none;
-        const double lo = fmin(middle.lo, apart ? 1.0 : fmin(left.lo, right.lo));
-        const double hi = fmax(middle.hi, apart ? 0.0 : fmax(left.hi, right.hi));
+        const struct shown right = x + 1 < f.x1 && !apart ? column(v, x + 1, y)
+                                                   : none;
+        double lo = fmin(middle.lo, fmin(left.lo, right.lo));
+        double hi = fmax(middle.hi, fmax(left.hi, right.hi));
+        // coverage has its edges in itself, but for those of surfaces beyond
+        // the light, which show all of it
+        if (v->o->mask && !middle.own_beyond) {
+            lo = middle.own;
+            hi = left.beyond || middle.beyond || right.beyond ? 1.0 : lo;
+        }
         const double area = area_of(v, x, y);
         // where there is no edge all of them show all, or nothing
         sum->area += area;
         sum->lo += lo >= 1.0 ? area : 0.0;
         sum->hi += hi > 0.0 ? area : 0.0;
-        left = middle;
-        middle = right;
+        left = apart ? none : middle;
+        middle = apart && x + 1 < f.x1 ? column(v, x + 1, y) : right;
     }
 }
 

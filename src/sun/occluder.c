@@ -70,6 +70,15 @@ double gp_occluders_show(const struct gp_occluders *o,
     return hit || (empty && has(o->mask)) ? 1.0 - hidden : 1.0;
 }
 
+bool gp_occluders_beyond(const struct gp_occluders *o,
+                         const struct gp_light *l, int x, int y)
+{
+    if (!has(o->depth) || !within(o->depth->window, x, y))
+        return false;
+    const double place = gp_depth_place(o, *sample_at(o->depth, x, y));
+    return !isinf(place) && !hides(l, place);
+}
+
 // -- many pixels at a time ---------------------------------------------------
 //
 // Places grow or fall with the samples, so a light's depth becomes two

@@ -56,6 +56,11 @@ double gp_depth_place(const struct gp_occluders *o, float v);
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y);
 
+/* Returns true when depth has a surface in the pixel that is not nearer than
+ * the light. */
+bool gp_occluders_beyond(const struct gp_occluders *o,
+                         const struct gp_light *l, int x, int y);
+
 /* Sum of s over pixels [x0, x1) of row y: the same values, many at a time. */
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
                         int x0, int x1, int y);
@@ -83,7 +88,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
 /* Writes low and high, between which the true share of each light is: of all
  * its disc, with every pixel at an edge hidden, and with every one clear. A
  * pixel is at an edge where its coverage is not 0 or 1; by depth alone, where
- * one of its eight neighbours shows another share.
+ * one of its eight neighbours shows another share; with both, there too if it
+ * or that neighbour has a surface that is not nearer than the light.
  * Outside of the frame a light may be hidden or clear; with GP_OUTSIDE_SCENE it
  * is gp_light.outside within its error, without it one behind the camera is
  * hidden. low <= visibility <= high.

@@ -430,7 +430,10 @@ static void check_interval(const struct gp_occluders *o, int outside,
         for (int k = 0; k < 9; k++) {
             const int near_x = x + k % 3 - 1, near_y = y + k / 3 - 1;
             if (near_x < f.x0 || near_x >= f.x1 || near_y < f.y0 ||
-                near_y >= f.y1 || (o->mask && k != 4))
+                near_y >= f.y1)
+                continue;
+            if (o->mask && k != 4 && !gp_occluders_beyond(o, &l, x, y) &&
+                !gp_occluders_beyond(o, &l, near_x, near_y))
                 continue;
             const double s = gp_occluders_show(o, &l, near_x, near_y);
             lo = fmin(lo, s);
