@@ -5,10 +5,10 @@
 
 #include <math.h>
 
-enum { FINE = 48 }; // bands that sets of bands join
+enum { FINE = GP_LENS_BANDS }; // bands that sets of bands join
 
 const double gp_lens_node[GP_LENS_NODES] = {450.0, 545.0, 640.0};
-const int gp_lens_bands_of_set[GP_LENS_SETS] = {1, 3, 6, 12, 24};
+const int gp_lens_bands_of_set[GP_LENS_SETS] = {1, 3, 6, 12, 24, 48, 96};
 
 /* In 1 / nm: Cauchy's index, and with it the places of rays, go with its
  * square. */
@@ -28,6 +28,13 @@ static void lagrange(double nm, double out[GP_LENS_NODES])
 static double seen(double nm)
 {
     return nm > 420.0 ? (nm < 680.0 ? nm : 680.0) : 420.0;
+}
+
+/* Places, of Cauchy's index, are followed further: all violet at the place of
+ * one wavelength would be a ring. */
+static double placed(double nm)
+{
+    return nm > 390.0 ? (nm < 720.0 ? nm : 720.0) : 390.0;
 }
 
 /* Sets each channel's light from that at the nodes. A coat's reflectance goes
@@ -84,11 +91,11 @@ void gp_lens_bands_make(const float *chromaticities,
                     root += at[k] * sqrt(image[k]);
                 add_light(rgb[i], at, root * root, out);
                 for (int c = 0; c < 3; c++) {
-                    sum += rgb[i][c];
-                    middle += rgb[i][c] * nm[i];
+                    sum += fabs(rgb[i][c]);
+                    middle += fabs(rgb[i][c]) * nm[i];
                 }
             }
-            lagrange(seen(middle / sum), out->of_node);
+            lagrange(placed(middle / sum), out->of_node);
         }
     }
 }

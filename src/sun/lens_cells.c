@@ -115,7 +115,7 @@ static bool measure(const struct gp_lens_view *v,
 }
 
 void gp_lens_item_place(const struct gp_lens_view *v,
-                        const struct gp_lens_ghost *g,
+                        const struct gp_lens_ghost *g, double ease,
                         struct gp_lens_item *it)
 {
     const struct gp_lens_mesh *const m = &it->mesh;
@@ -139,15 +139,16 @@ void gp_lens_item_place(const struct gp_lens_view *v,
     int level = 0;
     while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)
         level++;
-    const double allowed = 3.0 / finer * (1 << level);
+    // bands of equal width in nm are three times as far apart in the blue
+    const double allowed = (v->detail ? 0.5 : 3.0 * ease) * (1 << level);
+    const int sets = v->detail ? GP_LENS_SETS : GP_LENS_SETS_COARSE;
     it->y0 = INFINITY;
     it->y1 = -INFINITY;
     for (int i = 0; i < cells; i++) {
         int set = 0;
         if (!measure(v, it, i, box, &apart))
             continue;
-        while (set + 1 < GP_LENS_SETS &&
-               apart > allowed * gp_lens_bands_of_set[set])
+        while (set + 1 < sets && apart > allowed * gp_lens_bands_of_set[set])
             set++;
         for (int half = 0; half < 2; half++) {
             // bands reach beyond the nodes

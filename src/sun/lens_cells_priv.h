@@ -9,8 +9,9 @@
 #include <stdint.h>
 
 enum {
-    GP_LENS_SETS = 5,   // of bands
-    GP_LENS_BANDS = 24, // most of a set
+    GP_LENS_SETS = 7,        // of bands
+    GP_LENS_SETS_COARSE = 5, // that many lights have
+    GP_LENS_BANDS = 96,      // most of a set
     GP_LENS_PAIRS = GP_LENS_NODES * (GP_LENS_NODES + 1) / 2,
 };
 
@@ -63,9 +64,10 @@ void gp_lens_light_of(const struct gp_lens_band *b,
                       const double root[GP_LENS_NODES], double out[3]);
 
 /* Finds the step of an item with a mesh, the bands of each of its cells, and
- * the rows of those in the frame. */
+ * the rows of those in the frame. `ease` >= 1: bands of many lights may be
+ * so much wider. */
 void gp_lens_item_place(const struct gp_lens_view *v,
-                        const struct gp_lens_ghost *g,
+                        const struct gp_lens_ghost *g, double ease,
                         struct gp_lens_item *it);
 
 /* Draws an item into rows [top, end) of the steps of its level. */

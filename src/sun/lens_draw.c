@@ -13,8 +13,8 @@
 static const double pi = 3.14159265358979323846;
 
 enum {
-    PART_ROWS = 256,   // of pixels, drawn by one thread
-    CHUNK = 128,       // ghosts of lights in memory at once
+    PART_ROWS = 256, // of pixels, drawn by one thread
+    CHUNK = 64,      // ghosts of lights in memory at once
 };
 
 struct job {
@@ -25,6 +25,7 @@ struct job {
     const struct gp_lens_ghost *ghost;
     const struct gp_lens_optics *optics;
     const int *kept;   // indices of ghosts
+    double (*bright)[3]; // of a pixel of each ghost, for a flux of 1
     int kept_n, first; // of the chunk: light * kept_n + ghost
     double scale;      // mm on the sensor for a slope of 1
     struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS];
@@ -46,6 +47,7 @@ static double luminance(const struct gp_lens_view *v, const double rgb[3])
 struct rank {
     double bright;   // luminance at a pixel that all lights together may make
     double share[3]; // of a light's flux, by channel
+    double pixels;   // that it covers
     double norm;     // over the frame's pixels, for a share of 1
     int ghost;
 };
@@ -72,6 +74,7 @@ static struct rank rank_of(const struct job *job, int i,
     const double frame = (double) gp_rect_w(v->frame) *
                          (double) gp_rect_h(v->frame);
     struct rank rank = {.norm = sqrt(fmin(pixels, frame)) / pixels,
+                        .pixels = pixels,
                         .ghost = i};
     double root[GP_LENS_NODES], all[3];
     for (int k = 0; k < GP_LENS_NODES; k++)
@@ -115,6 +118,10 @@ static gp_status choose(struct job *job, int n, const double light[3],
     }
     for (int i = 0; i < n; i++)
         rank[i] = rank_of(job, i, through[i], light);
+    for (int i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++)
+            job->bright[i][c] = rank[i].share[c] / rank[i].pixels;
+    }
     qsort(rank, (size_t) n, sizeof *rank, by_brightness);
     while (left < n && sum + rank[left].bright <= v->tolerance * v->mean) {
         sum += rank[left].bright;
@@ -153,6 +160,21 @@ static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
                     v->frame.y0;
 }
 
+/* Returns how much coarser than a bright ghost one may be that adds little to
+ * the frame: 1 from a tenth of its mean luminance on, up to 4. */
+static double ease_of(const struct job *job, int ghost, const double flux[3])
+{
+    const double plain = 0.03, most = 4.0;
+    double light[3];
+    for (int c = 0; c < 3; c++)
+        light[c] = flux[c] * job->bright[ghost][c];
+    const double bright = luminance(job->view, light);
+    const double ease = sqrt(plain * job->view->mean / bright);
+    return ease > 1.0 && job->view->detail != GP_LENS_REFERENCE
+               ? fmin(ease, most)
+               : 1.0;
+}
+
 static gp_status trace_item(void *ctx, int i, int thread)
 {
     struct job *const job = ctx;
@@ -160,8 +182,8 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const struct gp_lens_view *const v = job->view;
     const int at = job->first + i;
     const struct gp_lens_light *const light = &job->light[at / job->kept_n];
-    const struct gp_lens_ghost *const g =
-        &job->ghost[job->kept[at % job->kept_n]];
+    const int ghost = job->kept[at % job->kept_n];
+    const struct gp_lens_ghost *const g = &job->ghost[ghost];
     const double x = (light->x - 0.5 * ((double) v->display.x0 +
                                         (double) v->display.x1)) * v->mm[0];
     const double y = (light->y - 0.5 * ((double) v->display.y0 +
@@ -180,12 +202,13 @@ static gp_status trace_item(void *ctx, int i, int thread)
     it->blades = gp_lens_blades_of(job->lens, atan2(it->turn[1], it->turn[0]));
     gp_lens_path(job->lens, g->first, g->second, &path);
     static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
+    const double ease = ease_of(job, ghost, light->flux);
     const gp_status st = gp_lens_mesh_make(
         NULL, job->optics, &path, &it->blades, it->u,
-        fmin(v->tolerance, most[v->detail]),
-        edge[v->detail] * fmax(g->blur, v->mm[0]), &it->mesh);
+        ease * fmin(v->tolerance, most[v->detail]),
+        ease * edge[v->detail] * fmax(g->blur, v->mm[0]), &it->mesh);
     if (!st && it->mesh.cells)
-        gp_lens_item_place(v, g, it);
+        gp_lens_item_place(v, g, ease, it);
     return st;
 }
 
@@ -274,6 +297,8 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     gp_status st;
     GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *ghost, &ghost));
     GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *kept, &kept));
+    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *job.bright,
+                    &job.bright));
     GP_TRY(gp_alloc(log, "lens", GP_LENS_NODES, sizeof *optics, &optics));
     GP_TRY(gp_alloc(log, "ghosts", CHUNK, sizeof *job.item, &job.item));
     for (int k = 0; k < GP_LENS_NODES; k++)
@@ -317,6 +342,7 @@ out:
         gp_free(job.level[l].v);
     gp_free(job.item);
     gp_free(optics);
+    gp_free(job.bright);
     gp_free(kept);
     gp_free(ghost);
     return st;

@@ -6,10 +6,10 @@
 #include "sun/lens.h"
 
 enum {
-    GP_LENS_TABLE = 512,   // steps of the cosine
-    GP_LENS_NODES = 3,     // traced wavelengths
-    GP_LENS_PASSES = 3,    // of the stop on one path
-    GP_LENS_CELLS = 64,    // most of a mesh, a side
+    GP_LENS_TABLE = 512, // steps of the cosine
+    GP_LENS_NODES = 3,   // traced wavelengths
+    GP_LENS_PASSES = 3,  // of the stop on one path
+    GP_LENS_CELLS = 128, // most of a mesh, a side
 };
 
 /* The lens at one wavelength. */
@@ -82,7 +82,8 @@ struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
 
 /* Traces meshes of a path with 16, 32, ... cells, until the light that arrives
  * and the area that it covers change by less than ten times `tolerance`, or
- * than would move an edge by `step` mm on the sensor, and sets `scale` by
+ * than would move an edge by `step` mm on the sensor, and, where `tolerance` is
+ * under 1e-3, sides of cells are straight and even enough; sets `scale` by
  * Richardson's rule, as both err with the square of a cell.
  *   optics  GP_LENS_NODES of them
  *   out     free with gp_lens_mesh_free()

@@ -479,6 +479,32 @@ static void place_mesh(const struct gp_lens *lens,
     }
 }
 
+/* Returns the largest distance, in mm on the sensor, of a ray that passes from
+ * the middle of its two neighbours: the finer mesh is off by an eighth of it
+ * where the coarser is off by a half. */
+static double bend_of(const struct gp_lens_mesh *m,
+                      const struct gp_lens_hit *hit)
+{
+    const int w = m->cells + 1, h = m->cells / 2 + 1;
+    double bend = 0.0;
+    for (int j = 0; j < h; j++) {
+        for (int i = 0; i < w; i++) {
+            const struct gp_lens_hit *const at = &hit[j * w + i];
+            for (int down = 0; down < 2; down++) {
+                const int beside = down ? w : 1;
+                if (down ? j == 0 || j == h - 1 : i == 0 || i == w - 1)
+                    continue;
+                const struct gp_lens_hit *const a = at - beside;
+                const struct gp_lens_hit *const b = at + beside;
+                if (passes(a) && passes(at) && passes(b))
+                    bend = fmax(bend, hypot(at->x - 0.5 * (a->x + b->x),
+                                            at->y - 0.5 * (a->y + b->y)));
+            }
+        }
+    }
+    return bend;
+}
+
 gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
@@ -488,7 +514,8 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens *const lens = optics->lens;
     const double front = lens->at[0].semi;
     // coarser where an error of 1e-3 is allowed
-    const int most = tolerance < 1e-3 ? GP_LENS_CELLS : GP_LENS_CELLS / 2;
+    const bool coarse_will_do = !(tolerance < 1e-3);
+    const int most = coarse_will_do ? GP_LENS_CELLS / 4 : GP_LENS_CELLS;
     const double cosine = 1.0 / sqrt(1.0 + u * u);
     struct gp_lens_mesh m = {0};
     struct gp_lens_hit *hit = NULL;
@@ -523,8 +550,13 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         // it times r, and the finer mesh is off by a third of the change: by
         // a step at most
         const double seen = 6.0 * step * sqrt(acos(-1.0) / fine.area);
+        // cells whose sides show have facets, and those whose sizes differ a
+        // grid
+        const double straight =
+            fmin(8.0 * step, 40.0 * tolerance * sqrt(fine.area) / m.cells);
+        const bool smooth = coarse_will_do || bend_of(&m, hit) <= straight;
         if (m.cells * 2 > most ||
-            change <= fmax(10.0 * tolerance, seen)) {
+            (change <= fmax(10.0 * tolerance, seen) && smooth)) {
             out->scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
             out->scale = fmin(fmax(out->scale, 0.8), 1.25);
             out->lost = fine.lost * cosine;

@@ -152,11 +152,11 @@ static void faint_ghosts_are_counted(void **state)
  * under it; lights that are not given count as much as lights that are. */
 static void left_out_is_bounded(void **state)
 {
-    enum { W = 240, H = 160, N = W * H };
+    enum { W = 120, H = 80, N = W * H };
     static const char *const names[] = {"heliar", "tessar", "double-gauss"};
     const struct gp_rect frame = {0, 0, W, H};
-    const struct gp_lens_light light[2] = {{70.0, 60.0, {1e3, 1e3, 1e3}},
-                                           {180.0, 90.0, {5e2, 1e3, 2e3}}};
+    const struct gp_lens_light light[2] = {{35.0, 30.0, {1e3, 1e3, 1e3}},
+                                           {90.0, 45.0, {5e2, 1e3, 2e3}}};
     for (size_t l = 0; l < COUNT(names); l++) {
         for (int t = 0; t < 3; t++) {
             static const double mean[] = {0.003, 0.03, 1e9};
@@ -167,9 +167,13 @@ static void left_out_is_bounded(void **state)
             assert_ok(gp_lens_read(&kept_log, names[l], &lens));
             assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
             struct gp_lens_view view = {
-                .frame = frame, .display = frame, .mm = {84.0 / W, 84.0 / W},
+                .frame = frame,
+                .display = frame,
+                .mm = {84.0 / W, 84.0 / W},
                 .chromaticities = gp_rec709_chromaticities,
-                .luminance = gp_rec709_luminance, .tolerance = 1e-3,
+                .luminance = gp_rec709_luminance,
+                .tolerance = 1e-3,
+                .detail = GP_LENS_REFERENCE, // the same meshes
             };
             for (int k = 0; k < 2; k++) {
                 view.mean = k ? mean[t] : 0.0;
@@ -296,6 +300,96 @@ static void coarse_is_near_fine(void **state)
     gp_planes_free(&p[1]);
 }
 
+/* Middle of a telephoto's ghost, whose violet light is spread over many pixels:
+ * each channel rises and falls once, without rings of bands. */
+static void bands_leave_no_rings(void **state)
+{
+    enum { W = 1920, H = 1080, X = 1000, CROP = 480 };
+    struct gp_lens lens = {0};
+    const struct gp_lens_light light = {1280.0, 180.0, {1e7, 1e7, 1e7}};
+    struct gp_lens_stats stats;
+    struct gp_planes p;
+    assert_ok(gp_lens_read(&kept_log, "telephoto", &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+    const struct gp_lens_view view = {
+        .frame = {X, 232, X + CROP, 236},
+        .display = {0, 0, W, H},
+        .mm = {36.0 / W, 36.0 / W},
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance,
+        .tolerance = 1e-3,
+        .mean = 0.01,
+        .detail = GP_LENS_FINE,
+    };
+    assert_ok(gp_planes_make(&kept_log, "layer", CROP * 4, &p));
+    gp_planes_clear(&p, 0, CROP * 4);
+    assert_ok(gp_lens_draw(&kept_log, &lens, &view, &light, 1, &p, &stats));
+    for (int c = 0; c < 3; c++) {
+        enum { NEAR = 12 }; // pixels: finer than rings that an eye sees
+        float row[CROP] = {0}, top = 0.0f;
+        for (int x = 0; x < CROP - NEAR; x++) {
+            for (int i = 0; i < NEAR; i++)
+                row[x] += p.c[c][CROP + x + i] / NEAR;
+            top = fmaxf(top, row[x]);
+        }
+        float turn = row[0];
+        int turns = 0, way = 0;
+        for (int x = 0; x < CROP - NEAR; x++) {
+            const float off = row[x] - turn;
+            if (way == 0 ? fabsf(off) > 0.15f * top
+                         : (float) way * off < -0.15f * top) {
+                turns += way != 0;
+                way = off > 0.0f ? 1 : -1;
+                turn = row[x];
+            }
+            turn = (float) way * (row[x] - turn) > 0.0f ? row[x] : turn;
+        }
+        if (turns > 3)
+            fail_msg("channel %d turns %d times", c, turns);
+    }
+    gp_planes_free(&p);
+}
+
+/* Rays between those of a fine mesh are at most an eighth of a bend away from
+ * its sides: a step, unless the mesh is the finest. */
+static void sides_are_straight(void **state)
+{
+    struct gp_lens lens = {0};
+    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+    struct gp_lens_optics o[GP_LENS_NODES];
+    const double step = 0.05;
+    assert_ok(gp_lens_read(&kept_log, "zoom-tele", &lens));
+    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
+    const int n = gp_lens_ghosts(&lens, GP_D_LINE, ghost);
+    const struct gp_lens_blades blades = gp_lens_blades_of(&lens, 0.0);
+    for (int k = 0; k < GP_LENS_NODES; k++)
+        gp_lens_optics_make(&lens, 550.0, &o[k]);
+    for (int g = 0; g < n; g += 7) {
+        struct gp_lens_path path;
+        struct gp_lens_mesh m;
+        double bend = 0.0;
+        gp_lens_path(&lens, ghost[g].first, ghost[g].second, &path);
+        assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, 0.13, 5e-4,
+                                    step, &m));
+        const int w = m.cells + 1;
+        for (int j = 0; m.cells && j <= m.cells / 2; j++) {
+            for (int i = 1; i < m.cells; i++) {
+                const struct gp_lens_hit *const h = &m.hit[j * w + i];
+                bool clear = true;
+                for (int k = -1; k <= 1; k++)
+                    clear = clear && h[k].through >= 0.0f && h[k].rim < 1.0f &&
+                            hypotf(h[k].stop[0][0], h[k].stop[0][1]) < 1.0f;
+                if (clear)
+                    bend = fmax(bend, hypot(h->x - 0.5 * (h[-1].x + h[1].x),
+                                            h->y - 0.5 * (h[-1].y + h[1].y)));
+            }
+        }
+        if (bend > 8.0 * step && m.cells < GP_LENS_CELLS)
+            fail_msg("ghost %d: %d cells, bend %g mm", g, m.cells, bend);
+        gp_lens_mesh_free(&m);
+    }
+}
+
 static void threads_change_nothing(void **state)
 {
     enum { W = 300, H = 530 }; // more than one part
@@ -369,6 +463,6 @@ static void cover_is_exact(void **state)
 }
 
 SUITE_OF(lens_draw, make_folder, remove_folder, light_in_closed_form,
-    disc_is_even, faint_ghosts_are_counted, left_out_is_bounded, colours_follow_the_spectrum,
-    coarse_is_near_fine, threads_change_nothing,
-    cover_is_exact)
+         disc_is_even, faint_ghosts_are_counted, left_out_is_bounded,
+         colours_follow_the_spectrum, coarse_is_near_fine, bands_leave_no_rings,
+         sides_are_straight, threads_change_nothing, cover_is_exact)
