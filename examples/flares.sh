@@ -52,7 +52,7 @@ for flare in anamorphic zoom vintage lamps veil; do
     for frame in $frames; do
         n=$((n + 1))
         case $flare in
-        lamps | veil) shot $flare $flare.x$n -t 4 "$frame" ;;
+        lamps | veil) shot $flare $flare.x$n -t 1 "$frame" ;;
         *) shot $flare $flare.x$n -t 4 --lights "$work/lamp.json" \
             --sun-in-frame "$frame" ;;
         esac
