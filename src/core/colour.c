@@ -187,11 +187,22 @@ static void fold(int n, const double *y, double (*rgb)[3], double sum[3])
     }
 }
 
-void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
+void gp_gamut_fold(const float luminance[3], double rgb[3])
+{
+    const double least = fmin(fmin(rgb[0], rgb[1]), rgb[2]);
+    double y = 0.0;
+    if (!(least < 0.0))
+        return;
+    for (int c = 0; c < 3; c++)
+        y += (double) luminance[c] * rgb[c];
+    for (int c = 0; c < 3; c++)
+        rgb[c] = y > 0.0 ? fmax(y + y / (y - least) * (rgb[c] - y), 0.0) : 0.0;
+}
+
+void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3])
 {
-    enum { STEPS = 100 }; // luminances to 1e-3
-    double to_xyz[9], from_xyz[9], y[GP_BANDS], sum[3], white[3] = {0};
+    double to_xyz[9], from_xyz[9], white[3] = {0};
     if (!gp_rgb_to_xyz(chromaticities, to_xyz))
         gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
     gp_invert3(to_xyz, from_xyz);
@@ -208,11 +219,23 @@ void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
         for (int c = 0; c < 3; c++)
             v[c] = rgb[i][c] / white[c] *
                    (to_xyz[3 * c] + to_xyz[3 * c + 1] + to_xyz[3 * c + 2]);
-        y[i] = v[1];
         for (int c = 0; c < 3; c++)
             rgb[i][c] = from_xyz[3 * c] * v[0] + from_xyz[3 * c + 1] * v[1] +
                         from_xyz[3 * c + 2] * v[2];
     }
+}
+
+void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
+                         double (*rgb)[3])
+{
+    enum { STEPS = 100 }; // luminances to 1e-3
+    double to_xyz[9], y[GP_BANDS], sum[3];
+    if (!gp_rgb_to_xyz(chromaticities, to_xyz))
+        gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
+    gp_spectrum_colours(chromaticities, n, nm, rgb);
+    for (int i = 0; i < n; i++)
+        y[i] = to_xyz[3] * rgb[i][0] + to_xyz[4] * rgb[i][1] +
+               to_xyz[5] * rgb[i][2];
     // light that folding takes from a channel and gives to others has no
     // luminance: it is spread over all bands, which are folded again
     for (int step = 0; step < STEPS; step++) {

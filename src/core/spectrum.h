@@ -12,4 +12,14 @@ enum { GP_NM_FROM = 380, GP_NM_TO = 780, GP_BANDS = 256 };
 void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3]);
 
+/* The same, not folded in: a channel of a band may be negative. A sum of bands
+ * has one colour in all primaries, and gp_gamut_fold() then folds it in. */
+void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
+                         double (*rgb)[3]);
+
+/* Moves a colour with a negative channel towards grey of its own luminance until
+ * that channel is 0; one without luminance becomes 0.
+ *   luminance  weights of the primaries */
+void gp_gamut_fold(const float luminance[3], double rgb[3]);
+
 #endif

@@ -8,7 +8,9 @@
  * A is the pupil's autocorrelation by the lag u in mm, f is in cycles per
  * radian, sinc is a pixel's: Goodman, Introduction to Fourier Optics,
  * sections 4.3 and 6.3. The spectrum is summed in the transfer function, one
- * transform a channel; OTF_c(0) is 1, so no light is lost.
+ * transform a channel; OTF_c(0) is 1, so no light is lost. A channel of a
+ * sample outside of the primaries' gamut comes out negative, and is folded in at
+ * constant luminance.
  *
  * A is linear between lags, as that of a pupil of square cells; I is divided by
  * the falloff of cells, and of means over them, in its far parts. Pixels wider
@@ -261,6 +263,7 @@ struct finishing {
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], reach;       // degrees
     struct samples *out;
+    const float *luminance;       // of the primaries
 };
 
 /* Four columns of the spectrum to rows of samples. */
@@ -322,18 +325,37 @@ static void finish_rows(void *ctx, int group, int thread)
             const double window = across * gp_sinc((double) x / n);
             const double v = creal(from[x < 0 ? x + n : x]) *
                              fade(at, f->reach) / (all * window * window);
-            to[x + rx] = (float) fmax(v, 0.0); // rounding is all that is under
+            to[x + rx] = (float) v;
         }
+    }
+}
+
+/* Folds a row of samples in; of one channel, rounding is all that is under 0. */
+static void fold_row(void *ctx, int y, int thread)
+{
+    const struct finishing *const f = ctx;
+    const size_t w = 2 * (size_t) f->out->r[0] + 1;
+    float *const *const k = f->out->k.c;
+    (void) thread;
+    for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
+        double v[3] = {0};
+        for (int c = 0; c < f->s->channels; c++)
+            v[c] = (double) k[c][i];
+        if (f->s->channels == 3)
+            gp_gamut_fold(f->luminance, v);
+        for (int c = 0; c < f->s->channels; c++)
+            k[c][i] = (float) fmax(v[c], 0.0);
     }
 }
 
 static gp_status finish(const struct gp_log *log, const struct spectra *s,
     const struct gp_transform t[2], const double pixel[2], double reach,
-    struct samples *out)
+    const float luminance[3], struct samples *out)
 {
     struct finishing f = {
         .s = s, .t = {&t[0], &t[1]}, .pixel = {pixel[0], pixel[1]},
         .reach = reach, .out = out, .pitch = LANES * (size_t) s->blocks,
+        .luminance = luminance,
     };
     const size_t rows = 2 * (size_t) out->r[1] + 1;
     gp_status st = gp_alloc(log, "kernel", rows, f.pitch * sizeof *f.z, &f.z);
@@ -341,6 +363,8 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
         gp_parallel_do((int) (f.pitch / GP_GROUP), finish_columns, &f);
         gp_parallel_do(((int) rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
     }
+    if (!st)
+        gp_parallel_do((int) rows, fold_row, &f);
     gp_free(f.z);
     return st;
 }
@@ -381,7 +405,7 @@ static gp_status make_spectra(const struct gp_log *log,
     struct gp_correlator t = {0};
     struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
     gp_status st;
-    gp_spectrum_weights(f->chromaticities, bands, nm, rgb);
+    gp_spectrum_colours(f->chromaticities, bands, nm, rgb);
     if (d->nm > 0.0) {
         bands = 1;
         nm[0] = d->nm;
@@ -509,7 +533,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
         GP_TRY(gp_transform_make(log, period[i], &t[i]));
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
-    GP_TRY(finish(log, &s, t, pixel, reach, k));
+    GP_TRY(finish(log, &s, t, pixel, reach, f->luminance, k));
     if (parts[0] > 1 || parts[1] > 1) {
         st = join_parts(log, k, parts, f, out);
         goto out;

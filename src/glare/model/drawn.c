@@ -341,13 +341,15 @@ const struct gp_model gp_model_circle = {
  *   v_c(t) = sum over wavelengths l, drops d of w_c(l) d^4 / l^2 (J1(x) / x)^2
  *   x      = pi d sin t / l
  *
- * an aureole and rings, blue inside and red outside. `radius` is the first
+ * folded into the primaries where a channel of the sum is under 0: an aureole
+ * and rings, blue inside and red outside. `radius` is the first
  * ring's at 550 nm, x = 5.1356; drops are `spread` apart, and all
  * fades between 2 and 3 radii. */
 enum { BANDS = 24, DROPS = 5 };
 struct halo {
     double size, spread, end; // of a drop: x is size sin t at 550 nm
     double nm[BANDS], rgb[BANDS][3];
+    const float *luminance;   // of the primaries; borrowed
 };
 
 static void halo_value(const void *ctx, double t, double out[3])
@@ -368,6 +370,7 @@ static void halo_value(const void *ctx, double t, double out[3])
         for (int c = 0; c < 3; c++)
             out[c] += h->rgb[i][c] * fade * v;
     }
+    gp_gamut_fold(h->luminance, out);
 }
 
 static const struct gp_model_key ring_keys[] = {
@@ -386,9 +389,9 @@ static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
     const double radius = gp_recipe_value(r, "radius");
     struct halo h = {
         .size = first / sin(radius * PI / 180.0), .end = 3.0 * radius,
-        .spread = gp_recipe_value(r, "spread"),
+        .spread = gp_recipe_value(r, "spread"), .luminance = f->luminance,
     };
-    gp_spectrum_weights(f->chromaticities, BANDS, h.nm, h.rgb);
+    gp_spectrum_colours(f->chromaticities, BANDS, h.nm, h.rgb);
     return make_radial(log, f, h.end, radius / first, false, halo_value, &h,
                        out);
 }

@@ -353,24 +353,39 @@ static void rays_free(void *state)
     gp_free(r);
 }
 
+/* A strand's light at share t of its length, at one wavelength. */
+static double curve_of(double nm, double t, double core, double dispersion)
+{
+    const double scale = 1.0 + dispersion * (550.0 / nm - 1.0);
+    const double at = t * scale / core, end = fmax(1.0 - t, 0.0);
+    return end * end * scale / (1.0 + at * at);
+}
+
 /* g_c by wavelengths, of integral 1 in each channel, for strands of length 1;
- * what their round ends add is in their gains. */
+ * what their round ends add is in their gains. Every wavelength has its light,
+ * so that a strand is white in sum, in all primaries. */
 static void make_curves(struct rays *r, double core, double dispersion)
 {
-    double nm[BANDS], rgb[BANDS][3], sum[3] = {0};
-    gp_spectrum_weights(r->f.chromaticities, BANDS, nm, rgb);
+    double nm[BANDS], rgb[BANDS][3], sum[3] = {0}, light[BANDS] = {0};
+    gp_spectrum_colours(r->f.chromaticities, BANDS, nm, rgb);
+    for (int k = 0; k < BANDS; k++) {
+        for (int i = 0; i <= TABLE; i++)
+            light[k] += curve_of(nm[k], (double) i / TABLE, core, dispersion) *
+                        (i == 0 ? 0.5 : 1.0) / TABLE;
+    }
     for (int i = 0; i <= TABLE + 1; i++) {
-        const double t = (double) i / TABLE;
+        double v[3] = {0};
         for (int k = 0; k < BANDS; k++) {
-            const double scale = 1.0 + dispersion * (550.0 / nm[k] - 1.0);
-            const double at = t * scale / core;
-            const double end = fmax(1.0 - t, 0.0);
-            const double g = end * end * scale / (1.0 + at * at);
+            const double g = curve_of(nm[k], (double) i / TABLE, core,
+                                      dispersion) / light[k];
             for (int c = 0; c < 3; c++)
-                r->curve[c][i] += rgb[k][c] * g;
+                v[c] += rgb[k][c] * g;
         }
-        for (int c = 0; c < 3; c++)
-            sum[c] += r->curve[c][i] * (i == 0 ? 0.5 : 1.0) / TABLE;
+        gp_gamut_fold(r->f.luminance, v);
+        for (int c = 0; c < 3; c++) {
+            r->curve[c][i] = v[c];
+            sum[c] += v[c] * (i == 0 ? 0.5 : 1.0) / TABLE;
+        }
     }
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i <= TABLE + 1; i++)

@@ -1,5 +1,6 @@
 /* glare/model: recipes, quadrature, and laws that hold for each model. */
 #include "unit.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
@@ -376,7 +377,72 @@ static void threads_do_not_matter(void **state)
     }
 }
 
+/* Fills a kernel of a recipe made for these primaries. */
+static void make_for(const char *text, double degrees, const float ch[8],
+                     struct gp_kernel *k)
+{
+    float weight[3];
+    struct gp_recipe r = scene_recipe(text);
+    struct gp_field f = scene_field(81, 61, degrees, 1.0);
+    gp_luminance_weights(ch, weight);
+    f.chromaticities = ch;
+    f.luminance = weight;
+    assert_ok(gp_model_kernel(NULL, &r, 1, &f, k));
+    gp_recipe_free(&r);
+}
+
+/* A kernel of spectra for the primaries of CIE XYZ, which hold every colour,
+ * converted to BT.709, is the one made for BT.709 where that holds the colour:
+ * the sum over wavelengths is folded in, and not each wavelength. */
+static void colours_are_those_of_any_primaries(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *text;
+        double degrees;
+    } rows[] = {
+        {"ring:share=1", 0.1}, {"star:share=1", 0.1},
+        {"streak:share=1,red=1,green=1,blue=1,dispersion=1", 0.3},
+        {"aperture:share=1", 0.02}, {"aperture:share=1,blades=0", 0.02},
+    };
+    static const float xyz[8] = {1, 0, 0, 1, 0, 0, 0.3127f, 0.3290f};
+    double from[9], to[9], back[9], m[9];
+    assert_true(gp_rgb_to_xyz(xyz, from));
+    assert_true(gp_rgb_to_xyz(gp_rec709_chromaticities, to));
+    gp_invert3(to, back);
+    gp_multiply3(back, from, m);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel a, b;
+        int held = 0;
+        double worst = 0.0;
+        make_for(rows[i].text, rows[i].degrees, xyz, &a);
+        make_for(rows[i].text, rows[i].degrees, gp_rec709_chromaticities, &b);
+        assert_true(a.w == b.w && a.h == b.h);
+        for (int k = 0; k < a.w * a.h; k++) {
+            double v[3], most = 0.0, least = INFINITY;
+            for (int c = 0; c < 3; c++) {
+                v[c] = 0.0;
+                for (int d = 0; d < 3; d++)
+                    v[c] += m[3 * c + d] * (double) a.k.c[d][k];
+                most = fmax(most, v[c]);
+                least = fmin(least, v[c]);
+            }
+            // the rounding of floats is relative to the brightest sample
+            if (!(least > 0.0) || !(most > 1e-6))
+                continue;
+            held++;
+            for (int c = 0; c < 3; c++)
+                worst = fmax(worst, fabs((double) b.k.c[c][k] - v[c]) / most);
+        }
+        if (!(worst < 0.01) || held < 100)
+            fail_msg("%s: %g apart in %d samples", rows[i].text, worst, held);
+        gp_kernel_free(&a);
+        gp_kernel_free(&b);
+    }
+}
+
 SUITE_OF(model, NULL, NULL,
+    colours_are_those_of_any_primaries,
     recipes_are_read, messages_are_short,
     presets_are_in_range,
     pixels_add_up,
