@@ -13,6 +13,7 @@
 #include "io/write.h"
 
 #include <limits.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -316,7 +317,8 @@ static void print_figures(const struct checked *c,
     printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
     if (c->label.present)
         printf("left out   %.3g %%, of which %.3g %% in the frame\n",
-               100.0 * fmax(f->left_out, 0.0), 100.0 * c->use.missed);
+               f->left_out > (double) FLT_EPSILON ? 100.0 * f->left_out : 0.0,
+               100.0 * c->use.missed);
 }
 
 /* Prints figures and faults, for a source of 1000 where no frame is given. */
