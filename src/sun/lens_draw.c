@@ -161,7 +161,7 @@ static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
 }
 
 /* Returns how much coarser than a bright ghost one may be that adds little to
- * the frame: 1 from a tenth of its mean luminance on, up to 4. */
+ * the frame: 1 from 0.03 of its mean luminance on, up to 4. */
 static double ease_of(const struct job *job, int ghost, const double flux[3])
 {
     const double plain = 0.03, most = 4.0;
