@@ -392,8 +392,8 @@ const struct gp_option gp_options[] = {
         "camera serves frames that have none"),
     OPT(scene.camera, .name = "scene-camera", .group = GP_GROUP_SUN,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "NAME",
-        .needs = GP_NEED_SCENE, .help = "Take this camera of the scene; "
-        "without it, the only one"),
+        .needs = GP_NEED_SCENE, .help = "Take this camera of the scene, "
+        "by its name or the number of its node; without it, the only one"),
     OPT(scene.start, .name = "scene-start", IN(SUN), .arg = "FRAME",
         .needs = GP_NEED_SCENE, .lo = -1e9, .hi = 1e9, .help = "Start the "
         "scene's time at this frame; a frame is 1/24 s, or as the file's "

@@ -431,7 +431,7 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     json_object_set_new(o, "lights", list);
     if (f->sun_way)
         put_name(o, "sun_method", f->sun_way);
-    if (f->depth && !f->mask && f->lights)
+    if (gp_facts_by_depth(f))
         put_name(o, "sun_edges", "depth alone: within 0.06 of the truth for a "
                                  "sun of 2.5 pixels; coverage (--mask) is "
                                  "nearer");

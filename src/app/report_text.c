@@ -58,6 +58,14 @@ void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
         append(line, size, &at, "all are black); check the frame");
 }
 
+bool gp_facts_by_depth(const struct gp_facts *f)
+{
+    bool seen = false;
+    for (int i = 0; i < f->lights; i++)
+        seen = seen || f->light[i].in_frame;
+    return f->depth && !f->mask && seen;
+}
+
 void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 {
     const struct gp_glare_stats *g = &f->glare;
@@ -91,6 +99,9 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
                f->light[i].visibility);
     if (f->lights > 8)
         append(line, size, &at, " ... of %d", f->lights);
+    if (gp_facts_by_depth(f))
+        append(line, size, &at, ", edges by depth alone (within 0.06 for a sun "
+               "of 2.5 pixels)");
     if (f->depth && !f->depth_empty[0])
         append(line, size, &at, ", depth %s (%s)", f->depth,
                gp_pixel_type_name(f->depth_type));

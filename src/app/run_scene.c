@@ -72,7 +72,6 @@ gp_status gp_run_scene_begin(const struct gp_log *log, struct gp_run *r)
     const struct gp_scene_settings *const p = &r->s->scene;
     const struct gp_scene_images images = gp_scene_images_of(r->s);
     struct gp_run_scene *const own = &r->scene;
-    char names[512];
     gp_status st;
     if (!p->path)
         return GP_OK;
@@ -82,12 +81,8 @@ gp_status gp_run_scene_begin(const struct gp_log *log, struct gp_run *r)
         gp_scene_find_camera(s, p->camera);
     own->camera = camera ? (int) (camera - s->camera) : -1;
     own->settled = p->up != GP_UP_AUTO;
-    if (p->camera && !camera) {
-        camera_names(s, names, sizeof names);
-        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has no camera of "
-                       "that name (found \"%s\"); use one of: %s", p->path,
-                       p->camera, s->cameras ? names : "(it has none)"));
-    }
+    if (p->camera && !camera)
+        GP_TRY(gp_scene_no_camera(log, s, p->camera));
     if (s->lights > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too many lights (found %d); the "
                        "limit is %d", p->path, s->lights, GP_LIGHTS_MAX));
@@ -239,11 +234,14 @@ static gp_status find_camera(struct gp_run *r, struct gp_frame_state *fs,
         gp_scene_apart(s, &own->frame_camera, &theirs, display);
     facts->scene.compared = true;
     if (facts->scene.apart > MOST_APART && !own->warned_camera) {
+        char apart[64] = "see nothing in common";
+        if (isfinite(facts->scene.apart))
+            snprintf(apart, sizeof apart, "are %.3g pixels apart",
+                     facts->scene.apart);
         own->warned_camera = true;
-        gp_say(fs->log, GP_LEVEL_WARN, "%s: its camera and \"%s\" of %s are "
-               "%.3g pixels apart; the frame's counts; check --scene-start and "
-               "--scene-up", fs->job->input, c->name, p->path,
-               facts->scene.apart);
+        gp_say(fs->log, GP_LEVEL_WARN, "%s: its camera and \"%s\" of %s %s; "
+               "the frame's counts; check --scene-start and --scene-up",
+               fs->job->input, c->name, p->path, apart);
     }
 out:
     return st;

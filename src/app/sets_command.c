@@ -181,10 +181,7 @@ static gp_status find_camera(const struct gp_log *log,
     const struct gp_scene_camera *const c =
         gp_scene_find_camera(scene, s->scene.camera);
     if (!c && s->scene.camera)
-        return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has no camera of "
-                       "that name (found \"%s\"); the first of its %d is %s",
-                       scene->path, s->scene.camera, scene->cameras,
-                       scene->cameras ? scene->camera[0].name : "none");
+        return gp_scene_no_camera(log, scene, s->scene.camera);
     if (!c)
         return gp_fail(log, GP_ERR_DATA, "%s: %d cameras; sets are those of one "
                        "camera, name it with --scene-camera", scene->path,

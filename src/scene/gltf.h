@@ -53,9 +53,15 @@ void gp_scene_turn(struct gp_scene *s, enum gp_up up);
 enum gp_up gp_scene_find_up(const struct gp_scene *s,
                             const struct gp_camera *frame);
 
-/* Returns the camera of that name, or of name NULL the only one; NULL: none. */
+/* Returns the camera of that name, else the one whose node has that number, or
+ * of name NULL the only one; NULL: none, or more than one of the name. */
 const struct gp_scene_camera *gp_scene_find_camera(const struct gp_scene *s,
                                                    const char *name);
+
+/* Fails with the cameras that --scene-camera may name where
+ * gp_scene_find_camera() found none, or more than one. */
+gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
+                             const char *name);
 
 /* A camera as posed, as a frame's, for a picture of that width to height.
  * Errors: those of gp_camera_make(). */

@@ -3,18 +3,55 @@
 #include "scene/gltf_priv.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+
+static int count_named(const struct gp_scene *s, const char *name)
+{
+    int n = 0;
+    for (int i = 0; i < s->cameras; i++)
+        n += strcmp(s->camera[i].name, name) == 0;
+    return n;
+}
 
 const struct gp_scene_camera *gp_scene_find_camera(const struct gp_scene *s,
                                                    const char *name)
 {
     if (!name)
         return s->cameras == 1 ? s->camera : NULL;
+    const int n = count_named(s, name);
+    char node[16];
     for (int i = 0; i < s->cameras; i++) {
-        if (strcmp(s->camera[i].name, name) == 0)
+        snprintf(node, sizeof node, "%d", s->camera[i].node);
+        if (n == 1 ? strcmp(s->camera[i].name, name) == 0
+                   : n == 0 && strcmp(node, name) == 0)
             return &s->camera[i];
     }
     return NULL;
+}
+
+gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
+                             const char *name)
+{
+    char names[512] = "(it has none)"; // cut to fit
+    const int n = count_named(s, name);
+    size_t at = 0;
+    for (int i = 0; i < s->cameras && at < sizeof names; i++) {
+        const struct gp_scene_camera *const c = &s->camera[i];
+        const char *const comma = i ? ", " : "";
+        at += (size_t) (count_named(s, c->name) > 1
+                            ? snprintf(names + at, sizeof names - at,
+                                       "%s%d (%s)", comma, c->node, c->name)
+                            : snprintf(names + at, sizeof names - at, "%s%s",
+                                       comma, c->name));
+    }
+    if (n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has %d cameras "
+                       "of that name (found \"%s\"); give the number of a "
+                       "node, one of: %s", s->path, n, name, names);
+    return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has no camera of "
+                   "that name (found \"%s\"); use one of: %s", s->path, name,
+                   names);
 }
 
 gp_status gp_scene_camera_make(const struct gp_log *log,

@@ -155,6 +155,7 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
             s.lo += clear > 1e-9 * disc ? clear : 0.0;
             s.hi += clear > 1e-9 * disc ? clear : 0.0;
         }
+        l->in_frame = s.area > 0.0;
         const double rest = disc - s.area > 1e-9 * disc ? disc - s.area : 0.0;
         const double all = s.area + rest;
         l->low = fmin((s.lo + rest * lo) / all, l->visibility);

@@ -48,6 +48,7 @@ struct gp_light {
     double outside_error; // of it, at most
     double visibility; // 0 hidden to 1 clear; written by exact and map
     double low, high;  // of the true share; written by gp_sun_interval()
+    bool in_frame;     // the frame has a part of it; written with them
     struct gp_light_sight sight;
 };
 #define GP_LIGHT_DEFAULTS \

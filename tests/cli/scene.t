@@ -41,6 +41,13 @@ run --scene $street --scene-up z --report s.json in.exr
 is "$(field s.json '[round(l["x"], 2) for l in o["lights"] if "x" in l]')" \
     "$(field r.json '[round(l["x"], 2) for l in o["lights"] if "x" in l]')" \
     'camera and lights turn together'
+like "$(field r.json 'o["sun_edges"]')" 'depth alone: *' \
+    'lamps that the frame shows have edges by depth'
+run -v --sun 5000,100,3 --report s.json in.exr
+is "$(field s.json '"sun_edges" in o')" False \
+    'a light off screen has none'
+run -v --sun 300,100,3 --report s.json in.exr
+like "$(cat err)" '*edges by depth alone*' '--verbose says so too'
 run --scene $street --scene-camera top -o o.png in.exr
 fails_with 2 'use one of: cam' 'a camera that is not there'
 

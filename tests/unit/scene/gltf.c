@@ -560,6 +560,24 @@ static void cutouts_are_read_once_for_all_materials(void **state)
 
 // -- cameras ------------------------------------------------------------------
 
+static void cameras_of_one_name_are_told_apart_by_node(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write("'cameras': [{'type': 'perspective', 'perspective': {'yfov': "
+                 "1, 'znear': 0.1}}], 'nodes': [{}, {'camera': 0, 'name': "
+                 "'Cam'}, {'camera': 0, 'name': 'Cam'}, {'camera': 0, 'name': "
+                 "'other'}]"), GP_UP_Y);
+    assert_null(gp_scene_find_camera(&s, "Cam"));
+    assert_int_equal(gp_scene_no_camera(&kept_log, &s, "Cam"), GP_ERR_USAGE);
+    assert_non_null(strstr(kept_line, "2 cameras of that name"));
+    assert_non_null(strstr(kept_line, "one of: 1 (Cam), 2 (Cam), other"));
+    assert_ptr_equal(gp_scene_find_camera(&s, "2"), &s.camera[1]);
+    assert_ptr_equal(gp_scene_find_camera(&s, "other"), &s.camera[2]);
+    assert_null(gp_scene_find_camera(&s, "0")); // a node without one
+    kept_clear();
+    gp_scene_free(&s);
+}
+
 static void cameras_project_and_are_compared(void **state)
 {
     static const struct gp_rect display = {0, 0, 200, 100};
@@ -610,4 +628,5 @@ SUITE_OF(gltf, make_folder, remove_folder,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
-    cutouts_are_read_once_for_all_materials, cameras_project_and_are_compared)
+    cutouts_are_read_once_for_all_materials, cameras_project_and_are_compared,
+         cameras_of_one_name_are_told_apart_by_node)
