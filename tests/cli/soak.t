@@ -37,9 +37,9 @@ END_OF_SCRIPT
 done <<END_OF_ROWS
 2 dwaa --max-value=2 stored layer
 2 b44 -g=0.5 stored hdr
-31 pxr24 --exposure=1 stored out
-1 half --max-value=1.1 stored layer
-48 all --max-value=1.1 layer
+0 pxr24 --exposure=1 stored out
+0 half --max-value=1.1 stored layer
+1 all --max-value=1.1 layer
 28 all --max-value=0.6 lobes
 74 all -g=0.5 hdr
 74 all --exposure=0.01 picture
