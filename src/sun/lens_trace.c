@@ -480,8 +480,8 @@ static void place_mesh(const struct gp_lens *lens,
 }
 
 /* Returns the largest distance, in mm on the sensor, of a ray that passes from
- * the middle of its two neighbours. A straight side of a cell is off by an
- * eighth of it. */
+ * the middle of its two neighbours. A straight side of a cell is off by a
+ * quarter of it. */
 static double bend_of(const struct gp_lens_mesh *m,
                       const struct gp_lens_hit *hit)
 {

@@ -350,8 +350,8 @@ static void bands_leave_no_rings(void **state)
     gp_planes_free(&p);
 }
 
-/* Rays between those of a fine mesh are at most an eighth of a bend away from
- * its sides: a step, unless the mesh is the finest. */
+/* Rays between those of a fine mesh are a quarter of a bend away from its
+ * sides: two steps at most, unless the mesh is the finest. */
 static void sides_are_straight(void **state)
 {
     struct gp_lens lens = {0};
