@@ -380,8 +380,8 @@ is "$status" 0 'bench with flare and lens'
 is "$("$python" -c 'import json
 rows = json.load(open("layers.json"))["frames"][0]["rows"]
 flare, many, few = (r for r in rows if r["options"][:3] in ("--f", "--l"))
-print(0 < flare["rel_l2"] <= min(1e-6, flare["bound"]), 0 < many["rel_l2"] < 0.2,
-      0 < few["rel_l2"] < many["rel_l2"], "bound" in few,
+print(0 < flare["rel_l2"] <= min(1e-6, flare["bound"]), 0 < many["rel_l2"] < 0.1,
+      0 < few["rel_l2"] < 0.1, "bound" in few,
       all(r["ms"] > 0 for r in (flare, many, few)))')" \
     'True True True False True' 'each near its own truth'
 frame camera.exr size=32x24 lights=5 \
