@@ -12,8 +12,8 @@
 #include "io/read.h"
 #include "io/write.h"
 
-#include <limits.h>
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

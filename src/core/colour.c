@@ -229,7 +229,7 @@ void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3])
 {
     enum { STEPS = 100 }; // luminances to 1e-3
-    double to_xyz[9], y[GP_BANDS], sum[3];
+    double to_xyz[9] = {0}, y[GP_BANDS], sum[3];
     if (!gp_rgb_to_xyz(chromaticities, to_xyz))
         gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
     gp_spectrum_colours(chromaticities, n, nm, rgb);
