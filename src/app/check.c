@@ -330,13 +330,69 @@ static gp_status check_scaling(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Checks that something is read and made. */
+static gp_status check_inputs(const struct gp_log *log,
+                              const struct gp_settings *s)
+{
+    const bool bench = s->command == GP_COMMAND_BENCH;
+    bool wants = s->outputs.n || s->hdr.n || s->layer.n || s->report;
+    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
+        if (s->debug[i])
+            return gp_fail(log, GP_ERR_USAGE, "--debug %s: of glarepp sets "
+                           "only; write glarepp sets --debug %s=%s SCENE",
+                           gp_debugs[i].name, gp_debugs[i].name, s->debug[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        wants = wants || s->debug[i];
+    if (bench && (s->lens.name || s->sun.flare) && gp_suns_wanted(&s->sun))
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
+                       "pixels, and lights by their visibility (found a "
+                       "light); leave one out", s->lens.name ? "--lens"
+                                                             : "--flare");
+    if (bench && !s->bench.paper && s->inputs.n == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
+                       "frame.exr, or glarepp bench --paper");
+    if (bench && !s->bench.paper && s->inputs.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
+            "(found %d); give one", s->inputs.at[1], s->inputs.n);
+    if (bench && s->threads.n > 1)
+        return check_scaling(log, s);
+    if (!bench && s->inputs.n == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
+                       "frame.exr, or see glarepp --help");
+    if (!bench && !wants)
+        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
+                       "out.png %s, or see glarepp --help", s->inputs.at[0]);
+    return GP_OK;
+}
+
+/* Checks numbers of suns and their maps; warns to `warn`. */
+static gp_status check_lights(const struct gp_log *log,
+                              const struct gp_log *warn,
+                              const struct gp_sun_params *sun)
+{
+    if (sun->at.n == 3 && sun->at.v[2] < 0.0)
+        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
+                       "%g); give 0 or more", sun->at.v[2]);
+    if (sun->color.n == 2)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-color: two numbers; give one or three");
+    if (sun->map.side % 2)
+        return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
+                       "an even number", sun->map.side);
+    if (sun->map.sum == GP_SUM_BYTE && sun->map.side > 16 &&
+        sun->method == GP_SUN_MASK)
+        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
+               "round to 0 (found %d); use --sun-map 16", sun->map.side);
+    return GP_OK;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
     const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
     const int words = s->completion ? 0 : 1;
     const struct gp_sun_params *const sun = &s->sun;
-    bool wants = s->outputs.n || s->hdr.n || s->layer.n || s->report;
     if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
                        "give one topic", s->inputs.at[words]);
@@ -371,53 +427,13 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_lens(log, s);
     if (s->command == GP_COMMAND_SETS)
         return check_sets(log, s);
-    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
-        if (s->debug[i])
-            return gp_fail(log, GP_ERR_USAGE, "--debug %s: of glarepp sets "
-                           "only; write glarepp sets --debug %s=%s SCENE",
-                           gp_debugs[i].name, gp_debugs[i].name, s->debug[i]);
-    }
-    // something must be read and made
-    const bool bench = s->command == GP_COMMAND_BENCH;
-    for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        wants = wants || s->debug[i];
-    if (bench && (s->lens.name || s->sun.flare) && gp_suns_wanted(&s->sun))
-        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
-                       "pixels, and lights by their visibility (found a "
-                       "light); leave one out", s->lens.name ? "--lens"
-                                                             : "--flare");
-    if (bench && !s->bench.paper && s->inputs.n == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
-                       "frame.exr, or glarepp bench --paper");
-    if (bench && !s->bench.paper && s->inputs.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
-            "(found %d); give one", s->inputs.at[1], s->inputs.n);
-    if (bench && s->threads.n > 1)
-        GP_TRY(check_scaling(log, s));
-    if (!bench && s->inputs.n == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
-                       "frame.exr, or see glarepp --help");
-    if (!bench && !wants)
-        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
-                       "out.png %s, or see glarepp --help", s->inputs.at[0]);
+    GP_TRY(check_inputs(log, s));
     GP_TRY(check_needs(log, s, false, NULL));
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
-    // lights
-    if (sun->at.n == 3 && sun->at.v[2] < 0.0)
-        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
-                       "%g); give 0 or more", sun->at.v[2]);
-    if (sun->color.n == 2)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--sun-color: two numbers; give one or three");
-    if (sun->map.side % 2)
-        return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
-                       "an even number", sun->map.side);
-    if (sun->map.sum == GP_SUM_BYTE && sun->map.side > 16 &&
-        sun->method == GP_SUN_MASK)
-        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
-               "round to 0 (found %d); use --sun-map 16", sun->map.side);
+    GP_TRY(check_lights(log, warn, sun));
     // Ando et al. spread whole pixels and add the layer
+    const bool bench = s->command == GP_COMMAND_BENCH;
     if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
         s->sensor.mode = GP_THRESHOLD_WHOLE;
     if (bench && s->bench.paper && !gp_option_given(s, "mix"))

@@ -103,18 +103,6 @@ void gp_run_scene_free(struct gp_run_scene *s)
 
 // -- a frame's lights ---------------------------------------------------------
 
-/* Returns the share of a spot's intensity in the direction `to`, unit
- * (KHR_lights_punctual, inner and outer cone angles). */
-static double cone_share(const struct gp_scene_light *l, struct gp_v3 to)
-{
-    if (l->kind != GP_LIGHT_SPOT)
-        return 1.0;
-    const double at = gp_v3_dot(l->along, to), outer = cos(l->outer);
-    const double share = (at - outer) / fmax(cos(l->inner) - outer, 1e-9);
-    const double cut = fmin(fmax(share, 0.0), 1.0);
-    return cut * cut;
-}
-
 /* Light of the scene as one of the frame. Its flux is that of a disc as bright
  * as the light: a lamp's intensity over pi r^2, a sun's illuminance over the
  * disc's solid angle, times the disc's pixels. */
@@ -151,7 +139,8 @@ static struct gp_light_spec spec_of(const struct gp_settings *s,
         const double distance = fmax(gp_v3_length(to), 1e-9);
         const double size = spec.ball > 0.0 ? spec.ball : 1e-4 * distance;
         to = gp_v3_scale(to, 1.0 / distance);
-        power *= cone_share(l, gp_v3_scale(to, -1.0)) / (distance * distance);
+        power *= gp_spot_share(l, gp_v3_scale(to, -1.0)) /
+                 (distance * distance);
         sine = fmin(size / distance, 1.0);
     }
     const double dir[3] = {to.x, to.y, to.z};

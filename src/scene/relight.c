@@ -272,13 +272,7 @@ static double light_at(const struct gp_scene_light *l, const struct surface *s)
         const double far = d2 / (l->range * l->range);
         light *= fmax(1.0 - far * far, 0.0);
     }
-    if (l->kind == GP_LIGHT_SPOT) {
-        const double outer = cos(l->outer);
-        const double soft = fmax(cos(l->inner) - outer, 1e-6);
-        const double edge = (-gp_v3_dot(to, l->along) / d - outer) / soft;
-        light *= edge <= 0.0 ? 0.0 : edge >= 1.0 ? 1.0 : edge * edge;
-    }
-    return light;
+    return light * gp_spot_share(l, gp_v3_scale(to, -1.0 / d));
 }
 
 /* True where a light's range and cone hold a place. */

@@ -112,6 +112,20 @@ struct gp_scene_light {
     char name[GP_SCENE_NAME]; // of the node, else of the light
 };
 
+/* Returns the share of a light's intensity towards a unit vector: of a spot
+ * clamp((cos a - cos outer) / (cos inner - cos outer), 0, 1)^2 at the angle a
+ * from its axis (KHR_lights_punctual), else 1. */
+static inline double gp_spot_share(const struct gp_scene_light *l,
+                                   struct gp_v3 to)
+{
+    if (l->kind != GP_LIGHT_SPOT)
+        return 1.0;
+    const double outer = cos(l->outer);
+    const double soft = fmax(cos(l->inner) - outer, 1e-6);
+    const double edge = (gp_v3_dot(to, l->along) - outer) / soft;
+    return edge <= 0.0 ? 0.0 : edge >= 1.0 ? 1.0 : edge * edge;
+}
+
 /* A camera of the scene (perspective). */
 struct gp_scene_camera {
     double to_camera[16];  // posed; y up, it looks along -z
