@@ -239,6 +239,24 @@ static double bend_at(const float *v, int w, int h, int x, int y)
                 (double) v[at + w]);
 }
 
+/* Draws an element of bright pixels for the i-th source alone, at its own
+ * place, as one of a light. */
+static struct picture draw_alone(const struct gp_flare_element *e,
+                                 const struct sky *s, int i,
+                                 struct gp_rect frame)
+{
+    const double x = 0.5 * frame.x1, y = 0.5 * frame.y1;
+    struct gp_flare_element one = *e;
+    struct gp_light l = lamp_at(x + (1.0 - e->at) * (s->at[i].x + 0.5 - x),
+                                y + (1.0 - e->at) * (s->at[i].y + 0.5 - y));
+    struct picture p = picture_make(frame, frame);
+    one.at = 0.0;
+    one.source = GP_FLARE_LIGHTS;
+    memcpy(l.flux, s->at[i].rgb, sizeof l.flux);
+    add_one(&p, one, l);
+    return p;
+}
+
 /* Splitting a source among four points is off at a pixel by an eighth of the
  * image's second differences at most, the largest within two pixels. */
 static void splits_stay_within_their_bound(void **state)
@@ -252,7 +270,7 @@ static void splits_stay_within_their_bound(void **state)
     double *const v = calloc(3 * N, sizeof *v), *const exact = v + N;
     assert_non_null(v);
     for (size_t k = 0; k < COUNT(smooth); k++) {
-        struct gp_flare_element e = whole(smooth[k]), one = e;
+        struct gp_flare_element e = whole(smooth[k]);
         const struct gp_flare f = flare_of(&e, 1);
         double *const got = calloc(3 * N, sizeof *got), *const bound = v;
         double worst = 0.0, most = 0.0;
@@ -263,15 +281,8 @@ static void splits_stay_within_their_bound(void **state)
         sky_make(&s, frame, frame);
         assert_ok(gp_ghosts_make(&kept_log, &f, frame, frame, &g));
         add_run(&s, &g, g.run, "direct", got);
-        one.at = 0.0;
-        one.source = GP_FLARE_LIGHTS;
         for (int i = 0; i < SOURCES; i++) {
-            struct gp_light l = lamp_at(
-                0.5 * W + (1.0 - e.at) * (s.at[i].x + 0.5 - 0.5 * W),
-                0.5 * H + (1.0 - e.at) * (s.at[i].y + 0.5 - 0.5 * H));
-            struct picture p = picture_make(frame, frame);
-            memcpy(l.flux, s.at[i].rgb, sizeof l.flux);
-            add_one(&p, one, l);
+            struct picture p = draw_alone(&e, &s, i, frame);
             for (int y = 2; y < H - 2; y++) {
                 for (int x = 2; x < W - 2; x++) {
                     double near = 0.0;
@@ -320,7 +331,7 @@ static void runs_state_the_error_of_splits(void **state)
     };
     const struct gp_rect frame = {0, 0, W, H};
     for (size_t k = 0; k < COUNT(hard); k++) {
-        struct gp_flare_element e = whole(hard[k]), one = e;
+        struct gp_flare_element e = whole(hard[k]);
         const struct gp_flare f = flare_of(&e, 1);
         double *const got = calloc(3 * N, sizeof *got);
         double *const exact = calloc(3 * N, sizeof *exact);
@@ -332,15 +343,8 @@ static void runs_state_the_error_of_splits(void **state)
         sky_make(&s, frame, frame);
         assert_ok(gp_ghosts_make(&kept_log, &f, frame, frame, &g));
         add_run(&s, &g, g.run, "direct", got);
-        one.at = 0.0;
-        one.source = GP_FLARE_LIGHTS;
         for (int i = 0; i < SOURCES; i++) {
-            struct gp_light l = lamp_at(
-                0.5 * W + (1.0 - e.at) * (s.at[i].x + 0.5 - 0.5 * W),
-                0.5 * H + (1.0 - e.at) * (s.at[i].y + 0.5 - 0.5 * H));
-            struct picture p = picture_make(frame, frame);
-            memcpy(l.flux, s.at[i].rgb, sizeof l.flux);
-            add_one(&p, one, l);
+            struct picture p = draw_alone(&e, &s, i, frame);
             for (size_t j = 0; j < 3 * N; j++)
                 exact[j] += (double) p.layer.c[j / N][j % N];
             picture_free(&p);
