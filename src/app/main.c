@@ -2,7 +2,6 @@
 #include "app/commands.h"
 #include "app/jobs.h"
 #include "app/options.h"
-#include "app/pipeline.h"
 #include "app/progress.h"
 #include "app/stages.h"
 #include "bench/bench.h"

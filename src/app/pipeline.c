@@ -1,4 +1,4 @@
-#include "app/pipeline.h"
+#include "app/commands.h"
 
 #include "app/flight.h"
 #include "app/stages.h"

@@ -7,7 +7,7 @@
 #include "glare/engine.h"
 #include "glare/model/model.h"
 #include "io/read.h"
-#include "sun/lens_draw.h"
+#include "sun/lens.h"
 #include "sun/lights.h"
 #include "tone/ocio.h"
 

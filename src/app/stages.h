@@ -18,7 +18,7 @@
 #include "scene/eye.h"
 #include "scene/gltf.h"
 #include "sun/ghosts.h"
-#include "sun/lens_draw.h"
+#include "sun/lens.h"
 #include "sun/stage.h"
 
 #include <stdatomic.h>

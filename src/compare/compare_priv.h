@@ -5,7 +5,7 @@
 
 #include "compare/compare.h"
 #include "compare/flip.h"
-#include "io/stored.h"
+#include "io/read.h"
 
 /* Channels of one name, or of one number where the name fits none; NULL, and
  * 0 everywhere, in an image without it. */

@@ -1,8 +1,6 @@
 /* Makes cameras from matrices; projects points and discs. */
 #include "core/camera.h"
 
-#include "core/vector.h"
-
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,5 @@
 #include "core/colour.h"
 
-#include "core/spectrum.h"
 #include "core/core_priv.h"
 
 #include <math.h>

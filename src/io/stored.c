@@ -1,4 +1,4 @@
-#include "io/stored.h"
+#include "io/read.h"
 
 #include "core/colour.h"
 #include "core/memory.h"

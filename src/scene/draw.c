@@ -1,4 +1,4 @@
-#include "scene/draw_priv.h"
+#include "scene/scene_priv.h"
 
 #include "core/memory.h"
 #include "scene/bounds.h"

@@ -1,5 +1,5 @@
 /* The clear share of a disc by a sun map from geometry (Maughan, step 3). */
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include "core/memory.h"
 #include "scene/bounds.h"

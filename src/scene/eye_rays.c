@@ -1,5 +1,5 @@
 /* The clear share of a disc by rays. */
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"

@@ -1,5 +1,5 @@
 /* Discs before the eye, and the objects that their cones meet. */
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include "scene/bounds.h"
 

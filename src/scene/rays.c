@@ -3,7 +3,7 @@
 
 #include "core/memory.h"
 #include "scene/bounds.h"
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include <math.h>
 #include <string.h>

@@ -29,7 +29,6 @@
 
 #include "core/camera.h"
 #include "core/status.h"
-#include "core/vector.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* Maps of shadows: one square for spots and suns, six of one atlas for points.
  * Depth is reversed, as in gl: near / distance, of a sun from 1 to 0. */
-#include "scene/draw_priv.h"
+#include "scene/scene_priv.h"
 
 #include "scene/bounds.h"
 

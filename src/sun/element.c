@@ -20,7 +20,6 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/spectrum.h"
 #include "sun/sun_priv.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Parts of the spectrum, and the light of rays in them. */
-#include "sun/lens_cells_priv.h"
+#include "sun/sun_priv.h"
 
-#include "core/spectrum.h"
+#include "core/colour.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
 /* Chooses ghosts, traces their meshes light by light, and draws them. */
-#include "sun/lens_draw.h"
+#include "sun/lens.h"
 
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "sun/lens_cells_priv.h"
+#include "sun/sun_priv.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,11 @@
 /* Lights, lens flare, lenses and cameras: the same text for each reader, and what it
  * makes of it put to use. */
+#include "core/camera.h"
 #include "core/colour.h"
 #include "core/memory.h"
 #include "harness.h"
-#include "core/camera.h"
 #include "sun/flare.h"
-#include "sun/lens_draw.h"
+#include "sun/lens.h"
 #include "sun/lights.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * before and with itself. */
 #include "compare/compare_priv.h"
 #include "harness.h"
-#include "io/stored.h"
+#include "io/read.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 #include "files_read.h"
 #include "hardcases.h"
 
-#include "io/stored.h"
+#include "io/read.h"
 
 #include <png.h>
 

@@ -2,7 +2,7 @@
 #ifndef GP_GLARE_MODEL_MODEL_PRIV_H
 #define GP_GLARE_MODEL_MODEL_PRIV_H
 
-#include "core/spectrum.h"
+#include "core/colour.h"
 #include "glare/model/model.h"
 
 #include <stdint.h>

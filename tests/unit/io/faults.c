@@ -2,19 +2,18 @@
  * the second, and so on until the whole work is done without a fault. Each
  * time: the documented status, one line, nothing in the outputs, and no file
  * left. (The sanitizers and valgrind see what would leak.) */
-#include "unit.h"
 #include "core/parallel.h"
+#include "exr_fixture.h"
+#include "fail.h"
 #include "io/file.h"
-#include "io/read.h"
 #include "io/plane.h"
-#include "io/stored.h"
+#include "io/read.h"
 #include "io/sequence.h"
+#include "reading.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
+#include "unit.h"
 #include "write_fixture.h"
-#include "exr_fixture.h"
-#include "reading.h"
-#include "fail.h"
 
 #include <fcntl.h>
 

@@ -1,9 +1,9 @@
 /* io/stored: every channel as stored, and which of them are light. */
-#include "unit.h"
-#include "io/stored.h"
 #include "bridge_here.h"
 #include "exr_fixture.h"
+#include "io/read.h"
 #include "reading.h"
+#include "unit.h"
 
 #define WIDE FIXTURE_WINDOW(0, 0, 512, 1)
 

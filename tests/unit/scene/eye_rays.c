@@ -1,5 +1,5 @@
 /* Shares of discs by rays against closed forms, and laws of them. */
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include "core/parallel.h"
 #include "scene/rays.h"

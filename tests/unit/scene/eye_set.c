@@ -1,6 +1,6 @@
 /* The set E against rays through each object, and its tests of boxes and
  * spheres against points of them. */
-#include "scene/eye_priv.h"
+#include "scene/scene_priv.h"
 
 #include "scene/bounds.h"
 #include "scene/rays.h"

@@ -1,8 +1,8 @@
 /* lens: prescriptions are read strictly; first order agrees with traced rays,
  * and light with closed forms; no more light leaves than enters. */
-#include "scene.h"
 #include "json_file.h"
-#include "sun/lens_priv.h"
+#include "scene.h"
+#include "sun/sun_priv.h"
 
 static const char *const installed[] = {
     "heliar", "double-gauss", "tessar", "telephoto", "zoom-wide", "zoom-tele"};

@@ -1,12 +1,11 @@
 /* lens_draw: ghosts in a layer hold the light of closed forms, at every size of
  * the frame; what is left out is counted; threads change nothing. */
-#include "scene.h"
-#include "json_file.h"
 #include "core/colour.h"
 #include "core/parallel.h"
-#include "core/spectrum.h"
-#include "sun/lens_draw.h"
-#include "sun/lens_priv.h"
+#include "json_file.h"
+#include "scene.h"
+#include "sun/lens.h"
+#include "sun/sun_priv.h"
 
 /* Stop and thin lens, of glass without dispersion: one ghost, R^2 of the
  * image's light, a disc about six times the stop's size. */
