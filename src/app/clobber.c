@@ -49,17 +49,10 @@ static const char *single_name(const struct gp_settings *s, int i)
 
 // -- files that are still to be made -----------------------------------------
 
-/* FNV-1a, 64 bits, of a name and a slash. */
-static uint64_t hash_name(uint64_t h, const char *name)
-{
-    for (; *name; name++)
-        h = (h ^ (unsigned char) *name) * 1099511628211u;
-    return (h ^ '/') * 1099511628211u;
-}
-
 /* Identifies the file that will be made under a name that does not exist: by
  * device and node of the deepest folder in it that exists, and a hash of the
- * names after it, from last to first; --create-dir would make these folders. */
+ * names after it, FNV-1a from last to first; --create-dir would make these
+ * folders. */
 static gp_status find_place(const struct gp_log *log, const char *path,
                             struct gp_clobber_file *file)
 {
@@ -73,13 +66,16 @@ static gp_status find_place(const struct gp_log *log, const char *path,
     snprintf(way, room, "%s%s", *path == '/' ? "" : "./", path);
     do {
         slash = strrchr(way, '/');
-        const char *const name = slash + 1;
+        const char *name = slash + 1;
         if (strcmp(name, "..") == 0)
             up++;
         else if (*name && strcmp(name, ".") != 0 && up > 0)
             up--;
-        else if (*name && strcmp(name, ".") != 0)
-            hash = hash_name(hash, name);
+        else if (*name && strcmp(name, ".") != 0) {
+            for (; *name; name++)
+                hash = (hash ^ (unsigned char) *name) * 1099511628211u;
+            hash = (hash ^ '/') * 1099511628211u;
+        }
         slash[slash == way] = '\0';
     } while ((stat(way, &info) != 0 || !S_ISDIR(info.st_mode)) &&
              slash != way && strcmp(way, ".") != 0);
@@ -98,7 +94,7 @@ static gp_status find_place(const struct gp_log *log, const char *path,
 
 // -- the list ----------------------------------------------------------------
 
-static gp_status add_file(struct gp_clobber *c, struct gp_clobber_file file)
+static gp_status append(struct gp_clobber *c, struct gp_clobber_file file)
 {
     if (c->n == c->room) {
         const size_t room = c->room ? 2 * c->room : 16;
@@ -110,19 +106,23 @@ static gp_status add_file(struct gp_clobber *c, struct gp_clobber_file file)
         c->file = block;
         c->room = room;
     }
+    file.by.name = gp_strdup(file.by.name);
+    if (!file.by.name)
+        return gp_no_memory(c->log, "output list");
     c->file[c->n++] = file;
     return GP_OK;
 }
 
-gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
-                            int item)
+gp_status gp_clobber_add(struct gp_clobber *c,
+                         const struct gp_clobber_output *output)
 {
-    struct gp_clobber_file file = {.role = role, .item = item};
+    struct gp_clobber_file file = {.by = *output};
+    const char *const path = output->name;
     struct stat info;
     bool exists, link = false;
     if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
         file.tail = 1; // no folder has device 0 and node 0
-        gp_status st = add_file(c, file);
+        gp_status st = append(c, file);
         if (st)
             return st;
         exists = fstat(STDOUT_FILENO, &info) == 0;
@@ -143,7 +143,7 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
         file.device = info.st_dev;
         file.node = info.st_ino;
         c->exists = true;
-        return add_file(c, file);
+        return append(c, file);
     }
     // writing through a dangling link makes its target; a link that cannot be
     // resolved is reported when it is opened
@@ -152,29 +152,28 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
         return gp_no_memory(c->log, path);
     const gp_status st = find_place(c->log, end ? end : path, &file);
     gp_free(end);
-    return st ? st : add_file(c, file);
+    return st ? st : append(c, file);
 }
 
-gp_status gp_clobber_begin(
-    const struct gp_log *log, const struct gp_settings *s,
-    struct gp_clobber_owner (*owner)(const void *user,
-                                     const struct gp_clobber_file *file),
-    const void *user, struct gp_clobber *out)
+gp_status gp_clobber_begin(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_clobber *out)
 {
     gp_status st = GP_OK;
-    *out = (struct gp_clobber) {
-        .log = log, .s = s, .owner = owner, .user = user,
-    };
+    *out = (struct gp_clobber) {.log = log, .s = s};
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(s, i);
         if (name && singles[i].written)
-            st = gp_clobber_output(out, name, -1 - i, 0);
+            st = gp_clobber_add(out, &(struct gp_clobber_output) {
+                .name = name, .what = singles[i].what, .as = name,
+                .order = i - SINGLES});
     }
     return st;
 }
 
 void gp_clobber_end(struct gp_clobber *c)
 {
+    for (size_t i = 0; i < c->n; i++)
+        gp_free((char *) c->file[i].by.name); // a copy
     gp_free(c->file);
     *c = (struct gp_clobber) {0};
 }
@@ -192,26 +191,11 @@ static int by_file(const void *a, const void *b)
                                   : ORDER(x->tail, y->tail);
 }
 
-/* Orders by file identity, then by the items of the command line. */
-static int by_file_and_owner(const void *a, const void *b)
+static int by_file_and_order(const void *a, const void *b)
 {
     const struct gp_clobber_file *x = a, *y = b;
     const int order = by_file(a, b);
-    return order              ? order
-         : x->item != y->item ? ORDER(x->item, y->item)
-                              : ORDER(x->role, y->role);
-}
-
-static struct gp_clobber_owner owner_of(const struct gp_clobber *c,
-                                        const struct gp_clobber_file *file)
-{
-    if (file->role >= 0)
-        return c->owner(c->user, file);
-    const char *const name = single_name(c->s, -1 - file->role);
-    return (struct gp_clobber_owner) {
-        .name = gp_strdup(name), .what = singles[-1 - file->role].what,
-        .as = name,
-    };
+    return order ? order : ORDER(x->by.order, y->by.order);
 }
 
 gp_status gp_clobber_settle(struct gp_clobber *c)
@@ -219,28 +203,24 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
     const struct gp_clobber_file *first = NULL;
     gp_status st = GP_OK;
     if (c->n)
-        qsort(c->file, c->n, sizeof *c->file, by_file_and_owner);
+        qsort(c->file, c->n, sizeof *c->file, by_file_and_order);
     for (size_t i = 1; i < c->n; i++) {
         const struct gp_clobber_file *const file = &c->file[i];
         const bool same = by_file(file - 1, file) == 0 &&
                           !(file[-1].open && file->open);
-        if (same && (!first || file->item < first->item))
+        if (same && (!first || file->by.order < first->by.order))
             first = file;
     }
     if (first) {
-        const struct gp_clobber_owner x = owner_of(c, first - 1);
-        const struct gp_clobber_owner y = owner_of(c, first);
-        const char *const name = x.name ? x.name : ""; // "": memory is full
+        const struct gp_clobber_output x = first[-1].by, y = first->by;
 #define OF(o)                                                                 \
     (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
     (o).view ? (o).view : ""
         st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
-            "%s%s%s%s%s and %s %s%s%s%s%s); %s", name, x.what, x.as, OF(x),
-            y.what, y.as, OF(y), gp_is_dash(name) ? "only one can go to "
+            "%s%s%s%s%s and %s %s%s%s%s%s); %s", x.name, x.what, x.as, OF(x),
+            y.what, y.as, OF(y), gp_is_dash(x.name) ? "only one can go to "
             "stdout" : "give each a name of its own");
 #undef OF
-        gp_free(x.name);
-        gp_free(y.name);
     }
     for (int i = 0; i < c->s->kernels.n && !st; i++) {
         char *const path = gp_kernel_path(c->s->kernels.at[i]);
@@ -267,12 +247,21 @@ gp_status gp_clobber_input(const struct gp_clobber *c, const char *what,
                                         .node = info.st_ino};
     const struct gp_clobber_file *const found =
         bsearch(&key, c->file, c->n, sizeof key, by_file);
-    if (!found)
-        return GP_OK;
-    const struct gp_clobber_owner o = owner_of(c, found);
-    gp_status st = gp_fail(c->log, GP_ERR_USAGE, "%s: %s would replace a file "
-                           "that is read (%s %s); write to another name",
-                           o.name ? o.name : "", o.what, what, path);
-    gp_free(o.name);
+    return !found ? GP_OK
+                  : gp_fail(c->log, GP_ERR_USAGE, "%s: %s would replace a file "
+                        "that is read (%s %s); write to another name",
+                        found->by.name, found->by.what, what, path);
+}
+
+gp_status gp_clobber_check(const struct gp_log *log,
+    const struct gp_settings *s, const char *what, const char *path)
+{
+    struct gp_clobber c;
+    gp_status st = gp_clobber_begin(log, s, &c);
+    if (!st)
+        st = gp_clobber_settle(&c);
+    if (!st && path)
+        st = gp_clobber_input(&c, what, path);
+    gp_clobber_end(&c);
     return st;
 }

@@ -21,52 +21,43 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* A file that is written, and its owner. */
-struct gp_clobber_file {
-    dev_t device;
-    ino_t node;      // the file's, or its folder's
-    uint64_t tail;   // hash of the name in the folder; 0: the file exists
-    int role, item;  // the owner's, role >= 0; role < 0: a file of an option
-    bool open;       // a descriptor, which may be given several times
-};
-
-/* The output that writes a file, for messages. */
-struct gp_clobber_owner {
-    char *name;        // as written; from malloc, NULL: memory is full
+/* An output. Its texts, but for the name, are borrowed. */
+struct gp_clobber_output {
+    const char *name;  // of the file, as written
     const char *what;  // "--hdr"
     const char *as;    // its value, which may be a pattern
     const char *of;    // input that it is made of; NULL: the only one
     const char *view;  // of that input, or NULL
+    long long order;   // >= 0; of two faults the one of lower order is reported
+};
+
+/* A file that is written, by an output with a name of its own. */
+struct gp_clobber_file {
+    dev_t device;
+    ino_t node;      // the file's, or its folder's
+    uint64_t tail;   // hash of the name in the folder; 0: the file exists
+    bool open;       // a descriptor, which may be given several times
+    struct gp_clobber_output by;
 };
 
 struct gp_clobber {
     const struct gp_log *log;
     const struct gp_settings *s;
-    struct gp_clobber_owner (*owner)(const void *user,
-                                     const struct gp_clobber_file *file);
-    const void *user;
     struct gp_clobber_file *file; // owned
     size_t n, room;
     bool exists;                  // some output exists: it may be an input
 };
 
 /* Starts with the files that options with plain names write.
- *
- *   s      borrowed until gp_clobber_end()
- *   owner  returns the owner of a file of gp_clobber_output(); NULL: none is
- *          added
- *   out    end with gp_clobber_end(), also after a failure
- *
+ *   s    borrowed until gp_clobber_end()
+ *   out  end with gp_clobber_end(), also after a failure
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_clobber_begin(
-    const struct gp_log *log, const struct gp_settings *s,
-    struct gp_clobber_owner (*owner)(const void *user,
-                                     const struct gp_clobber_file *file),
-    const void *user, struct gp_clobber *out);
+GP_MUST_CHECK gp_status gp_clobber_begin(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_clobber *out);
 
 /* Adds an output. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_clobber_output(struct gp_clobber *c,
-                                          const char *path, int role, int item);
+GP_MUST_CHECK gp_status gp_clobber_add(struct gp_clobber *c,
+                                       const struct gp_clobber_output *output);
 
 /* Compares all outputs with each other, and with the files that options with
  * plain names read. Call it after the last gp_clobber_output().
@@ -81,5 +72,10 @@ GP_MUST_CHECK gp_status gp_clobber_input(const struct gp_clobber *c,
                                          const char *what, const char *path);
 
 void gp_clobber_end(struct gp_clobber *c);
+
+/* All of it, for a command whose only outputs are those of plain options.
+ *   path  of its input, NULL: none */
+GP_MUST_CHECK gp_status gp_clobber_check(const struct gp_log *log,
+    const struct gp_settings *s, const char *what, const char *path);
 
 #endif

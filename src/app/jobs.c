@@ -322,22 +322,6 @@ static gp_status check_missing(const struct gp_log *log,
 
 // -- names -------------------------------------------------------------------
 
-/* The role is a target, the item a job. */
-static struct gp_clobber_owner output_owner(const void *user,
-                                            const struct gp_clobber_file *file)
-{
-    const struct gp_jobs *const j = user;
-    const struct gp_output *const t = &j->target[file->role];
-    const struct gp_job *const job = &j->job[file->item];
-    return (struct gp_clobber_owner) {
-        .name = gp_job_name(job, t),
-        .what = target_options[t->kind],
-        .as = t->name.path,
-        .of = j->n > 1 ? job->input : NULL,
-        .view = j->n > 1 ? job->view : NULL,
-    };
-}
-
 /* Checks the files of --depth-file and --mask-file when these are patterns. */
 static gp_status check_beside(const struct gp_log *log,
                               const struct gp_clobber *c, const char *what,
@@ -366,7 +350,7 @@ gp_status gp_jobs_check_names(
 {
     gp_status st;
     struct gp_clobber c;
-    GP_TRY(gp_clobber_begin(log, s, output_owner, j, &c));
+    GP_TRY(gp_clobber_begin(log, s, &c));
     for (int t = 0; t < j->targets; t++) {
         const struct gp_output *const target = &j->target[t];
         const struct gp_pattern *const p = &target->name;
@@ -374,12 +358,19 @@ gp_status gp_jobs_check_names(
         const int step = gp_is_dash(p->path) ? j->n
                          : target->whole || target->hero ? j->views : 1;
         for (int i = 0; i < j->n; i += step) {
-            char *const name = gp_job_name(&j->job[i], target);
+            const struct gp_job *const job = &j->job[i];
+            char *const name = gp_job_name(job, target);
+            const struct gp_clobber_output output = {
+                .name = name, .what = target_options[target->kind],
+                .as = p->path, .of = j->n > 1 ? job->input : NULL,
+                .view = j->n > 1 ? job->view : NULL,
+                .order = (long long) i * j->targets + t,
+            };
             st = !name ? gp_no_memory(log, p->path)
                  : p->views && gp_is_dash(name)
                      ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
                                "which is stdout; write ./%s", p->path, p->path)
-                     : gp_clobber_output(&c, name, t, i);
+                     : gp_clobber_add(&c, &output);
             free(name);
             GP_TRY(st);
         }

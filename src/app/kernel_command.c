@@ -134,15 +134,6 @@ static gp_status frame_of(const struct gp_log *log, const struct gp_kernel *k,
     return GP_OK;
 }
 
-static struct gp_clobber_owner output_owner(const void *user,
-    const struct gp_clobber_file *file)
-{
-    const struct gp_settings *const s = user;
-    const char *const path = s->outputs.at[file->item];
-    return (struct gp_clobber_owner) {.name = strdup(path), .what = "-o",
-                                      .as = path};
-}
-
 static gp_status write_kernel(const struct gp_log *log,
                               const struct gp_settings *s)
 {
@@ -156,10 +147,12 @@ static gp_status write_kernel(const struct gp_log *log,
     struct gp_label_texts labels = {.n = 0};
     static const char keeps[] = "-o of a kernel keeps floats and its recipe";
     write.type = GP_OUT_FLOAT;
-    GP_TRY(gp_clobber_begin(log, s, output_owner, s, &clobber));
+    GP_TRY(gp_clobber_begin(log, s, &clobber));
     for (int i = 0; i < s->outputs.n; i++) {
-        GP_TRY(gp_write_hdr_check(log, &write, keeps, s->outputs.at[i]));
-        GP_TRY(gp_clobber_output(&clobber, s->outputs.at[i], 0, i));
+        const char *const path = s->outputs.at[i];
+        GP_TRY(gp_write_hdr_check(log, &write, keeps, path));
+        GP_TRY(gp_clobber_add(&clobber, &(struct gp_clobber_output) {
+            .name = path, .what = "-o", .as = path, .order = i}));
     }
     GP_TRY(gp_clobber_settle(&clobber));
     GP_TRY(s->making.from

@@ -99,20 +99,6 @@ static void print_ghosts(const struct gp_lens *lens,
         printf("round\n");
 }
 
-/* Checks that the drawing does not replace the lens. */
-static gp_status check_names(const struct gp_log *log,
-                             const struct gp_settings *s)
-{
-    struct gp_clobber c;
-    gp_status st = gp_clobber_begin(log, s, NULL, NULL, &c);
-    if (!st)
-        st = gp_clobber_settle(&c);
-    if (!st)
-        st = gp_clobber_input(&c, "--check", s->making.check);
-    gp_clobber_end(&c);
-    return st;
-}
-
 static gp_status draw_lens(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_lens *lens,
     const struct gp_lens_ghost *ghost, int n)
@@ -145,7 +131,7 @@ static gp_status check_lens(const struct gp_log *log,
     struct gp_lens_figures f;
     struct gp_lens_ghost *ghost = NULL;
     gp_status st;
-    GP_TRY(check_names(log, s));
+    GP_TRY(gp_clobber_check(log, s, "--check", s->making.check));
     GP_TRY(gp_lens_read(log, s->making.check, &lens));
     GP_TRY(gp_lens_focus(log, &lens, INFINITY, 0.0));
     GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *ghost, &ghost));

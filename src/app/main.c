@@ -128,7 +128,6 @@ out:
 static gp_status run_bench(const struct gp_log *log,
                            const struct gp_settings *s)
 {
-    struct gp_clobber c;
     char *const input = s->inputs.n ? (char *) s->inputs.at[0] : NULL;
     struct gp_job suns = {.input = input};
     struct gp_sun_files files = {s, &suns};
@@ -163,12 +162,7 @@ static gp_status run_bench(const struct gp_log *log,
         .extra = layers.row,
         .extras = layers.rows,
     };
-    st = gp_clobber_begin(log, s, NULL, NULL, &c);
-    if (!st)
-        st = gp_clobber_settle(&c);
-    if (!st && input)
-        st = gp_clobber_input(&c, "input", input);
-    gp_clobber_end(&c);
+    st = gp_clobber_check(log, s, "input", input);
     gp_set_threads(s->threads.v[0]);
     gp_gl_prepare(); // while there is one thread
     if (!st)
@@ -186,20 +180,6 @@ static char *frame_name(const struct gp_compare_names *n,
     return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
 }
 
-/* Names the picture of a file: role 0 is the heatmap, 1 the difference. */
-static struct gp_clobber_owner picture_owner(
-    const void *user, const struct gp_clobber_file *file)
-{
-    const struct gp_compare_names *const n = user;
-    const struct gp_pattern *const p = file->role ? &n->difference
-                                                  : &n->heatmap;
-    return (struct gp_clobber_owner) {
-        .name = frame_name(n, p, file->item),
-        .what = file->role ? "--difference" : "--heatmap",
-        .as = p->path,
-    };
-}
-
 /* Checks that no picture replaces a compared file or another output. */
 static gp_status check_compare_names(const struct gp_log *log, const void *user,
                                      const struct gp_compare_names *names)
@@ -209,15 +189,18 @@ static gp_status check_compare_names(const struct gp_log *log, const void *user,
     struct gp_clobber c;
     char *name = NULL;
     const int n = names->frames.n ? names->frames.n : 1;
-    GP_TRY(gp_clobber_begin(log, s, picture_owner, names, &c));
+    GP_TRY(gp_clobber_begin(log, s, &c));
     for (int i = 0; i < 2 * n; i++) {
         const struct gp_pattern *const p = i % 2 ? &names->difference
                                                  : &names->heatmap;
         if (!(i % 2 ? s->compare.difference : s->compare.heatmap))
             continue;
         name = frame_name(names, p, i / 2);
-        GP_TRY(name ? gp_clobber_output(&c, name, i % 2, i / 2)
-                    : gp_no_memory(log, p->path));
+        if (!name)
+            GP_TRY(gp_no_memory(log, p->path));
+        GP_TRY(gp_clobber_add(&c, &(struct gp_clobber_output) {
+            .name = name, .what = i % 2 ? "--difference" : "--heatmap",
+            .as = p->path, .order = i}));
         GP_FREE(name);
     }
     GP_TRY(gp_clobber_settle(&c));

@@ -31,30 +31,21 @@ static int pictures(const struct gp_settings *s)
     return s->outputs.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
 }
 
-static struct gp_clobber_owner picture_owner(const void *user,
-    const struct gp_clobber_file *file)
-{
-    const struct gp_settings *const s = user;
-    const char *const path = picture_path(s, file->item);
-    return (struct gp_clobber_owner) {
-        .name = strdup(path), .as = path,
-        .what = file->item < s->outputs.n ? "-o" : "--debug",
-    };
-}
-
 /* Checks that no picture replaces the scene or another output. */
 static gp_status check_names(const struct gp_log *log,
                              const struct gp_settings *s)
 {
     struct gp_clobber c;
     gp_status st;
-    GP_TRY(gp_clobber_begin(log, s, picture_owner, s, &c));
+    GP_TRY(gp_clobber_begin(log, s, &c));
     for (int i = 0; i < pictures(s); i++) {
         const char *const path = picture_path(s, i);
         if (!path)
             continue;
         GP_TRY(gp_write_check(log, &s->write, path));
-        GP_TRY(gp_clobber_output(&c, path, 0, i));
+        GP_TRY(gp_clobber_add(&c, &(struct gp_clobber_output) {
+            .name = path, .what = i < s->outputs.n ? "-o" : "--debug",
+            .as = path, .order = i}));
     }
     GP_TRY(gp_clobber_settle(&c));
     GP_TRY(gp_clobber_input(&c, "scene", s->inputs.at[0]));
