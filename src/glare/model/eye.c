@@ -35,6 +35,7 @@ struct spencer {
     int channels;
     double factor;
     double nm[BANDS], rgb[BANDS][3];
+    const float *luminance; // of the primaries; borrowed
 };
 
 double gp_spencer_term(int i, double t, double nm)
@@ -46,21 +47,33 @@ double gp_spencer_term(int i, double t, double nm)
                     : 436.9 * 568.0 / nm * exp(-19.75 * off * off);
 }
 
-static void spencer_profile(const void *ctx, double t, double out[3])
+/* f0 to f2, and in three channels f3, per steradian. The sum of all is folded
+ * into the primaries. Returns the part that is grey, of f0 to f2. */
+static double spencer_sky(const struct spencer *s, double t, double out[3])
 {
-    const struct spencer *const s = ctx;
-    const double plane = s->factor * gp_plane_factor(t);
     double grey = 0.0;
     for (int i = 0; i < 3; i++)
         grey += s->weight[i] * gp_spencer_term(i, t, 0.0);
     for (int c = 0; c < s->channels; c++)
-        out[c] = plane * grey;
-    for (int i = 0; i < BANDS && s->channels == 3; i++) {
-        const double halo =
-            s->weight[3] * plane * gp_spencer_term(3, t, s->nm[i]);
+        out[c] = grey;
+    if (s->channels == 1)
+        return grey;
+    for (int i = 0; i < BANDS; i++) {
+        const double halo = s->weight[3] * gp_spencer_term(3, t, s->nm[i]);
         for (int c = 0; c < 3; c++)
             out[c] += s->rgb[i][c] * halo;
     }
+    gp_gamut_fold(s->luminance, out);
+    return grey;
+}
+
+static void spencer_profile(const void *ctx, double t, double out[3])
+{
+    const struct spencer *const s = ctx;
+    const double plane = s->factor * gp_plane_factor(t);
+    spencer_sky(s, t, out);
+    for (int c = 0; c < s->channels; c++)
+        out[c] *= plane;
 }
 
 /* The shape of a profile of the sky: gp_radial_shape(). */
@@ -100,13 +113,13 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     const double at = pupil > 0.0 ? fmin(fmax((pupil - 3.0) / 2.0, 0.0), 2.0)
                                   : gp_recipe_value(r, "light");
     const int i = at < 1.0 ? 0 : 1;
-    struct spencer s = {.factor = 1.0};
+    struct spencer s = {.factor = 1.0, .luminance = f->luminance};
     for (int k = 0; k < 4; k++)
         s.weight[k] = spencer_weights[i][k] +
                       (at - i) * (spencer_weights[i + 1][k] -
                                   spencer_weights[i][k]);
     s.channels = s.weight[3] > 0.0 ? 3 : 1;
-    gp_spectrum_weights(f->chromaticities, BANDS, s.nm, s.rgb);
+    gp_spectrum_colours(f->chromaticities, BANDS, s.nm, s.rgb);
     double sum[3], y = 0.0;
     gp_profile_integral(spencer_profile, &s, s.channels, 0.0, 90.0, sum);
     for (int c = 0; c < 3; c++)
@@ -137,12 +150,16 @@ static const double HALO_END = 5.0;
 
 /* An eye that is more than even and grey: the part that is so, which goes on
  * over the whole field, and what halo and needles add near the light. */
+enum { LEAST = 256 };
 struct night {
     struct gp_shape eye;
     double degrees;   // a pixel's shorter side
+    double least[LEAST + 1]; // of a channel over the grey part, from i / LEAST
+                      // of HALO_END on; 1 without a halo
+    float luminance[3];      // of the primaries
     int rx, ry;       // offsets of what follows
     double *even;     // eye, of offsets 0 .. rx, 0 .. ry
-    double *halo[3];  // the same; NULL: no halo
+    double *all[3];   // the same with the halo; NULL: no halo
     float *add;       // needles, of offsets -rx .. rx, -ry .. ry; NULL: none
 };
 
@@ -210,28 +227,49 @@ static void night_row(const void *state, int x, int y, int n,
     const int from = x < -s->rx ? -s->rx : x;
     const int to = x + n > s->rx + 1 ? s->rx + 1 : x + n;
     const bool near = abs(y) <= s->ry && from < to;
+    const float *const needles =
+        near && s->add
+            ? s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1) + s->rx
+            : NULL;
     night_far(state, x, y, n, out[0]);
-    if (near && s->add) {
-        const float *const row =
-            s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1);
-        for (int i = from; i < to; i++)
-            out[0][i - x] =
-                fmax(out[0][i - x] + (double) row[i + s->rx], 0.0);
-    }
-    for (int c = 1; c < 3 && s->halo[0]; c++)
+    for (int c = 1; c < 3 && s->all[0]; c++)
         memcpy(out[c], out[0], (size_t) n * sizeof *out[c]);
-    for (int c = 0; c < 3 && near && s->halo[0]; c++) {
-        const double *const row =
-            s->halo[c] + (size_t) abs(y) * ((size_t) s->rx + 1);
-        for (int i = from; i < to; i++)
-            out[c][i - x] += row[abs(i)];
+    for (int i = from; i < to && needles && !s->all[0]; i++)
+        out[0][i - x] = fmax(out[0][i - x] + (double) needles[i], 0.0);
+    for (int i = from; i < to && near && s->all[0]; i++) {
+        const size_t at =
+            (size_t) abs(y) * ((size_t) s->rx + 1) + (size_t) abs(i);
+        double v[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = s->all[c][at] + (needles ? (double) needles[i] : 0.0);
+        gp_gamut_fold(s->luminance, v); // it is darker between needles
+        for (int c = 0; c < 3; c++)
+            out[c][i - x] = v[c];
     }
 }
 
 static double night_least(const void *state, double pixels)
 {
     const struct night *const s = state;
-    return s->add ? 1.0 - CONTRAST * needle_fade(pixels * s->degrees) : 1.0;
+    // both pixels' corners are nearer to each other
+    const double t = fmax((pixels - 2.0) * s->degrees, 0.0);
+    const double share = s->least[(int) fmin(t / HALO_END * LEAST, LEAST)];
+    const double gaps = CONTRAST * needle_fade(pixels * s->degrees);
+    return s->add ? fmax(share - gaps, 0.0) : share;
+}
+
+/* Fills s->least for eyes of three channels, or of one. Tables are exact to
+ * ROUNDING. */
+static void find_least(const struct spencer *e, struct night *s)
+{
+    static const double ROUNDING = 1e-6;
+    for (int i = LEAST; i >= 0; i--) {
+        double v[3] = {0};
+        const double grey = spencer_sky(e, HALO_END * i / LEAST, v);
+        s->least[i] = i < LEAST ? s->least[i + 1] : 1.0;
+        for (int c = 0; c < e->channels; c++)
+            s->least[i] = fmin(s->least[i], v[c] / grey + ROUNDING);
+    }
 }
 
 static void free_night(void *state)
@@ -240,7 +278,7 @@ static void free_night(void *state)
     if (s->eye.free)
         s->eye.free(s->eye.state);
     gp_free(s->even);
-    gp_free(s->halo[0]);
+    gp_free(s->all[0]);
     gp_free(s->add);
     gp_free(s);
 }
@@ -378,27 +416,27 @@ static gp_status open_night(const struct gp_log *log,
     gp_status st;
     struct night *n;
     double *even[3];
-    struct spencer eye = *s, halo = *s;
+    struct spencer eye = *s;
     const double far = fmax(HALO_END, NEEDLE_END);
     eye.channels = 1;
-    for (int i = 0; i < 3; i++)
-        halo.weight[i] = 0.0;
     st = gp_alloc_zero(log, "kernel", 1, sizeof *n, &n);
     if (st)
         return st;
     n->degrees = f->degrees * fmin(f->aspect, 1.0);
+    memcpy(n->luminance, f->luminance, sizeof n->luminance);
+    find_least(s, n);
     n->rx = (int) fmin(ceil(far / (f->degrees * f->aspect)), f->w - 1);
     n->ry = (int) fmin(ceil(far / f->degrees), f->h - 1);
     GP_TRY(sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
     GP_TRY(make_table(log, &eye, 0.0, f, n, even));
     n->even = even[0];
     if (s->channels == 3)
-        GP_TRY(make_table(log, &halo, HALO_END, f, n, n->halo));
+        GP_TRY(make_table(log, s, HALO_END, f, n, n->all));
     if (gp_recipe_value(r, "needles") >= 1.0)
         GP_TRY(add_needles(log, r, s, f, n));
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
-        .least = night_least, .grey = !n->halo[0], .even = !n->add,
+        .least = night_least, .grey = !n->all[0], .even = !n->add,
         .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
     };
     if (n->rx < f->w - 1 && n->ry < f->h - 1) {

@@ -15,11 +15,10 @@
  *
  * Colours are sums over wavelengths in the frame's primaries. Where such a sum
  * has a negative channel it is moved towards grey of its luminance until that is
- * 0: by the pixel in `aperture` and `temporal`, by the angle in `ring`, `star`,
- * `cross` and `streak`, so that colours which the primaries hold are the same in
- * all of them. The light that this adds to a channel is not taken from another
- * pixel: a model is white in sum to 1 %. The halo of `spencer`, whose every angle
- * is a spectral colour, is folded by the wavelength, and white in sum.
+ * 0: by the pixel in `aperture` and `temporal`, by the angle in `spencer`,
+ * `ring`, `star`, `cross` and `streak`, so that colours which the primaries hold
+ * are the same in all of them. The light that this adds to a channel is not
+ * taken from another pixel: a model is white in sum to 1 %.
  *
  * Angles are taken as proportional to pixels over the whole field, as in
  * Spencer et al. 1995 section 3.2: pixel (dx, dy) away from a light lies

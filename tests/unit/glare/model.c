@@ -202,6 +202,14 @@ static void pixels_add_up(void **state)
     }
 }
 
+static double luminance_of(const double v[3], bool grey)
+{
+    double y = 0.0;
+    for (int c = 0; c < 3; c++)
+        y += (double) gp_rec709_luminance[c] * v[grey ? 0 : c];
+    return y;
+}
+
 /* A scene has one glare at all resolutions: a pixel's share is the mean of
  * those of its four quarters, each of light from each of the four quarters of
  * the light's pixel. */
@@ -237,8 +245,9 @@ static void resolution_does_not_matter(void **state)
                 for (int k = 0; k < 16; k++) {
                     b.row(b.state, 2 * x + k % 2 - k / 2 % 2,
                           2 * y + k / 4 % 2 - k / 8, 1, from);
-                    sum += v[0] / 4.0;
+                    sum += luminance_of(v, b.grey) / 4.0;
                 }
+                one[0] = luminance_of(one, a.grey);
                 // a blur's own share; of rays and edges that of their peak
                 worst = fmax(worst, fabs(sum - one[0]) /
                                         (rows[i].within > 2e-4 ? 1.0 : one[0]));

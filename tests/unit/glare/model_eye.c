@@ -161,9 +161,10 @@ static void needles_stay_on_their_circles(void **state)
             const size_t at = (size_t) y * (size_t) k[0].w + (size_t) x;
             if (ring >= RINGS)
                 continue;
-            const double v[3] = {(double) k[0].k.c[1][at],
-                                 (double) k[1].k.c[1][at],
-                                 (double) k[2].k.c[1][at]};
+            double v[3] = {0}; // luminance, which folding keeps
+            for (int c = 0; c < 9; c++)
+                v[c / 3] += (double) plain.luminance[c % 3] *
+                            (double) k[c / 3].k.c[c % 3][at];
             light[0][ring] += v[0];
             light[1][ring] += v[1];
             uneven = fmax(uneven, v[1] / v[0]);
@@ -183,7 +184,49 @@ static void needles_stay_on_their_circles(void **state)
     gp_recipe_free(&other);
 }
 
+/* The halo's colours are folded into the primaries as a sum with the corona's
+ * grey, at each angle: as deep as the primaries hold, of eq. 8's luminance. */
+static void halo_is_folded_as_a_sum(void **state)
+{
+    enum { BANDS = 20 };
+    static const double weights[] = {0.282, 0.478, 0.207, 0.033}; // scotopic
+    double nm[BANDS], rgb[BANDS][3], deepest = 1.0;
+    struct gp_recipe r = scene_recipe("spencer:light=scotopic");
+    struct gp_shape s;
+    (void) state;
+    gp_spectrum_colours(plain.chromaticities, BANDS, nm, rgb);
+    assert_ok(r.model->open(NULL, &r, &plain, &s));
+    for (int x = 60; x <= 160; x++) { // 1.7 to 4.4 degrees
+        const double t = x * plain.degrees;
+        double v[3], want[3] = {0}, grey = 0.0;
+        double *const out[3] = {&v[0], &v[1], &v[2]};
+        s.row(s.state, x, 0, 1, out);
+        for (int i = 0; i < 3; i++)
+            grey += weights[i] * gp_spencer_term(i, t, 0.0);
+        for (int c = 0; c < 3; c++) {
+            want[c] = grey;
+            for (int i = 0; i < BANDS; i++)
+                want[c] += weights[3] * rgb[i][c] *
+                           gp_spencer_term(3, t, nm[i]);
+        }
+        gp_gamut_fold(plain.luminance, want);
+        const double area = gp_plane_factor(t) * plain.degrees * plain.degrees;
+        for (int c = 0; c < 3; c++) {
+            const double got = v[c] / area;
+            deepest = fmin(deepest, got / grey);
+            // (a pixel's mean, where a channel becomes 0; f0 to f3 are 1 to
+            // 1e-3)
+            if (!(fabs(got - want[c]) < 0.01 * want[c] + 0.1 * grey))
+                fail_msg("%.2f degrees, channel %d: %g of the corona's grey, "
+                         "not %g", t, c, got / grey, want[c] / grey);
+        }
+    }
+    assert_true(deepest < 0.02); // a channel has no light beside its ring
+    s.free(s.state);
+    gp_recipe_free(&r);
+}
+
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
     the_plane_holds_the_hemisphere, terms_are_normalised,
     general_equation_is_the_cies, pupil_chooses_the_light,
-    needles_stay_on_their_circles)
+    needles_stay_on_their_circles, halo_is_folded_as_a_sum)

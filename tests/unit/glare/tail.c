@@ -452,7 +452,7 @@ static void sharp_shapes_stay_in_the_core(void **state)
         bool turned;  // the same when halved by a line through the centre
     } rows[] = {
         {"cie+star", 185, true}, {"moffat+eye+cross:length=3", 130, true},
-        {"spencer:light=scotopic", 181, true}, {"eye-night", 200, false},
+        {"spencer:light=scotopic", 197, true}, {"eye-night", 210, false},
         {"spencer:needles=40+circle", 200, false},
         {"cie+temporal:reach=4", 150, false},
     };
