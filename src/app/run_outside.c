@@ -35,7 +35,7 @@ static gp_status measure(const struct gp_log *log, struct gp_run *r,
     const struct gp_sun_params *const p = &r->s->sun;
     const struct gp_scene *const s = &r->scene.scene;
     if (p->method == GP_SUN_EXACT)
-        return gp_eye_rays(log, s, disc, window, out);
+        return gp_eye_rays(log, s, &r->scene.meshes, disc, window, out);
     gp_status st = r->suns.gl ? gp_gl_use(log, r->suns.gl)
                               : gp_gl_open(log, r->suns.api, &r->suns.gl);
     return st ? st

@@ -164,8 +164,9 @@ static gp_status add_light(struct gp_run *r, struct gp_frame_state *fs,
             .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
             .far = cut.far * (1.0 + 1e-6),
         };
-        gp_status st = gp_relight(fs->log, s, &surfaces->f, &pass,
-                                  fs->frame.data, &fs->frame.rgb, &facts);
+        gp_status st = gp_relight(fs->log, s, &r->scene.meshes, &surfaces->f,
+                                  &pass, fs->frame.data, &fs->frame.rgb,
+                                  &facts);
         if (st)
             return st;
     }

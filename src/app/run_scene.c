@@ -96,6 +96,7 @@ out:
 
 void gp_run_scene_free(struct gp_run_scene *s)
 {
+    gp_meshes_free(&s->meshes);
     gp_scene_free(&s->scene);
     gp_free(s->spec);
     *s = (struct gp_run_scene) {0};

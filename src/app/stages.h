@@ -158,6 +158,7 @@ void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
  * for. */
 struct gp_run_scene {
     struct gp_scene scene;
+    struct gp_meshes meshes;       // that rays have met
     int camera;                    // of the scene; -1: none is chosen
     bool settled;                  // the axis that points up is
     bool warned_time, warned_camera;

@@ -6,6 +6,7 @@
 #define GP_SCENE_EYE_H
 
 #include "gl/gl.h"
+#include "scene/rays.h"
 #include "scene/scene.h"
 
 /* A light as the eye sees it: the directions within `half` of `to`. */
@@ -57,13 +58,14 @@ struct gp_eye_share {
  * is doubled up to 256 until `error` is at most 5e-4. The disc's part outside
  * the window counts by area in the picture where the window cuts it, as that
  * inside does, and else by solid angle.
+ *   meshes  of this scene, kept from call to call; NULL: made and freed
  *   window  NULL: no part is known
  *   out     written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_eye_rays(
     const struct gp_log *log, const struct gp_scene *s,
-    const struct gp_eye_disc *d, const struct gp_eye_window *window,
-    struct gp_eye_share *out);
+    struct gp_meshes *meshes, const struct gp_eye_disc *d,
+    const struct gp_eye_window *window, struct gp_eye_share *out);
 
 /* Programs and targets on a context; kept from frame to frame. */
 struct gp_eye_map;

@@ -267,7 +267,7 @@ gp_status gp_eye_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     int *object = NULL;
     gp_status st = GP_OK;
     if (!(d->half > 0.0 && d->half <= WIDEST))
-        return gp_eye_rays(log, s, d, window, out);
+        return gp_eye_rays(log, s, NULL, d, window, out);
     if (!measure.cut && gp_eye_inside(&measure, d->to))
         share.outside = 0.0;
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,

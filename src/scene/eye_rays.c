@@ -71,7 +71,6 @@ struct samples {
     struct gp_eye_measure measure;
     const struct gp_rays *rays; // borrowed
     int side;
-    bool known;                 // `bits` are those that earlier trees left
     uint8_t bits[LAST * LAST];
     struct row_sums row[LAST];
 };
@@ -93,8 +92,7 @@ static void cast_row(void *ctx, int y, int thread)
         const struct gp_v3 along = sample_at(s, x, y);
         const double weight = gp_eye_weight(&s->measure, along);
         uint8_t *const bits = &s->bits[y * s->side + x];
-        if (!s->known)
-            *bits = gp_eye_inside(&s->measure, along) ? INSIDE : SHOWN;
+        *bits = gp_eye_inside(&s->measure, along) ? INSIDE : SHOWN;
         const struct gp_eye_disc *const d = s->measure.disc;
         if ((*bits & SHOWN) &&
             gp_rays_stopped(s->rays, d->eye, along, way_to(d, along)))
@@ -130,7 +128,6 @@ static void cast(struct samples *s, struct gp_eye_share *out)
     struct row_sums sum = {0};
     int n;
     gp_parallel_do(s->side, cast_row, s);
-    s->known = true;
     for (int y = 0; y < s->side; y++) {
         sum.all += s->row[y].all;
         sum.outside += s->row[y].outside;
@@ -144,47 +141,23 @@ static void cast(struct samples *s, struct gp_eye_share *out)
     out->error = n > 0 ? 0.5 * sqrt((double) edges) / n : 0.0;
 }
 
-static bool triangle_meets(const void *user, struct gp_v3 centre, double radius)
-{
-    return gp_eye_meets_sphere(user, centre, radius);
-}
-
-/* Casts rays through the objects tree by tree, into `level`, LEVELS of them,
- * of rising sides: one that is good enough is the last where one tree holds all
- * objects. Where there are more trees every level meets each tree once. */
+/* Casts rays through the objects, of rising sides until one is good enough. */
 static gp_status cast_all(const struct gp_log *log, const struct gp_scene *s,
-                          const int *object, struct samples *level,
-                          struct gp_eye_share *share)
+                          struct gp_meshes *meshes, const int *object,
+                          struct samples *level, struct gp_eye_share *share)
 {
     const struct gp_eye_disc *const d = level->measure.disc;
-    const struct gp_eye_share none = *share;
     const int levels = d->half > 0.0 ? LEVELS : 1;
-    struct gp_eye_share part[LEVELS];
     struct gp_rays rays = {0};
-    int done = 0, used, n = 0;
-    gp_status st = GP_OK;
-    double clear; // of any level
-    do {
-        gp_rays_free(&rays);
-        GP_TRY(gp_rays_make(log, s, object + done, share->objects - done,
-                            GP_RAYS_TREE, triangle_meets, d, &used, &rays));
-        if (!level->measure.cut && rays.n == 0)
-            break; // nothing is before it
-        done += used;
-        clear = 0.0;
-        for (n = 0; n < levels;) {
-            level[n].rays = &rays;
-            level[n].side = levels > 1 ? FIRST << n : 1;
-            part[n] = none;
-            cast(&level[n], &part[n]);
-            clear = fmax(clear, part[n].clear);
-            if (part[n++].error <= GOOD && used == share->objects)
-                break;
-        }
-    } while (done < share->objects && clear > 0.0);
-    for (int i = 0; i < n; i++) {
-        *share = part[i];
-        if (part[i].error <= GOOD)
+    gp_status st;
+    GP_TRY(gp_rays_make(log, s, meshes, object, share->objects, &rays));
+    if (!level->measure.cut && rays.triangles == 0)
+        goto out; // nothing is before it
+    for (int n = 0; n < levels; n++) {
+        level->rays = &rays;
+        level->side = levels > 1 ? FIRST << n : 1;
+        cast(level, share);
+        if (share->error <= GOOD)
             break;
     }
 out:
@@ -193,19 +166,19 @@ out:
 }
 
 gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
-                      const struct gp_eye_disc *d,
+                      struct gp_meshes *meshes, const struct gp_eye_disc *d,
                       const struct gp_eye_window *window,
                       struct gp_eye_share *out)
 {
     struct samples *level = NULL;
+    struct gp_meshes own = {0};
     struct gp_eye_share share = {.clear = 1.0, .outside = 1.0};
     int *object = NULL;
     gp_status st;
-    GP_TRY(gp_alloc_zero(log, "rays to a light", LEVELS, sizeof *level, &level));
+    GP_TRY(gp_alloc_zero(log, "rays to a light", 1, sizeof *level, &level));
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
-    for (int i = 0; i < LEVELS; i++)
-        level[i].measure = gp_eye_measure_of(d, window);
+    level->measure = gp_eye_measure_of(d, window);
     const bool cut = level->measure.cut;
     const bool whole = !cut && gp_eye_inside(&level->measure, d->to);
     share.outside = whole ? 0.0 : 1.0;
@@ -213,9 +186,11 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     if (!cut && gp_eye_hidden(s, d, object, share.objects))
         share.clear = 0.0;
     else
-        GP_TRY(cast_all(log, s, object, level, &share));
+        GP_TRY(cast_all(log, s, meshes ? meshes : &own, object, level,
+                        &share));
     *out = share;
 out:
+    gp_meshes_free(&own);
     gp_free(object);
     gp_free(level);
     return st;

@@ -2,26 +2,32 @@
 #include "scene/rays.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "scene/bounds.h"
 #include "scene/scene_priv.h"
+#include "scene/tree.h"
 
 #include <math.h>
 #include <string.h>
 
-struct gp_rays_triangle {
-    struct gp_v3 a, ab, ac;
-    float uv[6];
+/* A triangle of a mesh, in its space. */
+struct triangle {
+    float at[9];    // three vertices
+    int index;      // of its first vertex in the scene's index
     int material;
 };
 
-/* A box of triangles [first, first + count), or of two nodes, at left and
- * left + 1, where count is 0. */
-struct gp_rays_node {
-    struct gp_box box;
-    int first, count, left;
+struct gp_mesh_tree {
+    struct gp_tree tree;       // without its items
+    struct triangle *triangle; // in the order of leaves; owned
+    bool made;
 };
 
-enum { LEAF = 4, DEEP = 64 }; // triangles of a leaf; nodes that wait, at most
+/* An object: a place of the world is (p - move) . in[0..2] in its mesh. */
+struct gp_rays_place {
+    struct gp_v3 move, in[3];
+    int object;
+};
 
 // -- cutouts -----------------------------------------------------------------
 
@@ -54,165 +60,179 @@ double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
     return (1.0 - fy) * row[0] + fy * row[1];
 }
 
-// -- building ----------------------------------------------------------------
+// -- meshes ------------------------------------------------------------------
 
-static struct gp_v3 centroid(const struct gp_rays_triangle *t)
+static struct gp_tree_box box_of(const struct triangle *t)
 {
-    return gp_v3_add(t->a, gp_v3_scale(gp_v3_add(t->ab, t->ac), 1.0 / 3.0));
-}
-
-static double axis_of(struct gp_v3 p, int axis)
-{
-    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-}
-
-/* Moves the k smallest along an axis to the front (Hoare's select). */
-static void select_first(struct gp_rays_triangle *t, int n, int k, int axis)
-{
-    int lo = 0, hi = n - 1;
-    while (lo < hi) {
-        const double pivot =
-            axis_of(centroid(&t[lo + (hi - lo) / 2]), axis);
-        int i = lo, j = hi;
-        while (i <= j) {
-            while (axis_of(centroid(&t[i]), axis) < pivot)
-                i++;
-            while (axis_of(centroid(&t[j]), axis) > pivot)
-                j--;
-            if (i <= j) {
-                const struct gp_rays_triangle swap = t[i];
-                t[i++] = t[j];
-                t[j--] = swap;
-            }
-        }
-        if (k <= j)
-            hi = j;
-        else if (k >= i)
-            lo = i;
-        else
-            return;
+    struct gp_tree_box b;
+    for (int c = 0; c < 3; c++) {
+        b.lo[c] = gp_minf(gp_minf(t->at[c], t->at[3 + c]), t->at[6 + c]);
+        b.hi[c] = gp_maxf(gp_maxf(t->at[c], t->at[3 + c]), t->at[6 + c]);
     }
+    return b;
 }
 
-static struct gp_box box_of(const struct gp_rays_triangle *t, int n)
+/* Copies the triangles of a mesh; returns how many. `out` NULL: counts them. */
+static int list_triangles(const struct gp_scene *s, const struct gp_mesh *m,
+                          struct triangle *out)
 {
-    struct gp_box box = GP_BOX_EMPTY;
-    for (int i = 0; i < n; i++) {
-        box = gp_box_with(box, t[i].a);
-        box = gp_box_with(box, gp_v3_add(t[i].a, t[i].ab));
-        box = gp_box_with(box, gp_v3_add(t[i].a, t[i].ac));
-    }
-    return box;
-}
-
-/* Splits nodes at the middle triangle along the longest side, until leaves are
- * small: at most 2 n nodes, and as deep as n has bits. */
-static void build(struct gp_rays *r)
-{
-    int nodes = 1;
-    r->node[0] = (struct gp_rays_node) {.count = r->n};
-    for (int i = 0; i < nodes; i++) {
-        struct gp_rays_node *const node = &r->node[i];
-        struct gp_rays_triangle *const t = r->triangle + node->first;
-        const int n = node->count, half = n / 2;
-        node->box = box_of(t, n);
-        if (n <= LEAF)
-            continue;
-        const struct gp_v3 size = gp_v3_sub(node->box.hi, node->box.lo);
-        const int axis = size.x >= size.y && size.x >= size.z ? 0
-                         : size.y >= size.z                   ? 1
-                                                              : 2;
-        select_first(t, n, half, axis);
-        node->left = nodes;
-        node->count = 0;
-        r->node[nodes++] =
-            (struct gp_rays_node) {.first = node->first, .count = half};
-        r->node[nodes++] = (struct gp_rays_node) {
-            .first = node->first + half, .count = n - half};
-    }
-}
-
-/* The triangle of three indices, in the world. */
-static struct gp_rays_triangle triangle_of(const struct gp_scene *s,
-    const struct gp_object *o, const uint32_t *index, int material)
-{
-    struct gp_rays_triangle t = {.material = material};
-    struct gp_v3 p[3];
-    for (int i = 0; i < 3; i++) {
-        p[i] = gp_move(o->to_world, gp_scene_vertex(s, index[i]));
-        memcpy(t.uv + 2 * i, s->uv + 2 * (size_t) index[i], 2 * sizeof *t.uv);
-    }
-    t.a = p[0];
-    t.ab = gp_v3_sub(p[1], p[0]);
-    t.ac = gp_v3_sub(p[2], p[0]);
-    return t;
-}
-
-static bool keeps(gp_rays_keep keep, const void *user,
-                  const struct gp_rays_triangle *t)
-{
-    const struct gp_v3 c = centroid(t), a = gp_v3_sub(t->a, c);
-    return !keep ||
-           keep(user, c, fmax(gp_v3_length(a),
-                              fmax(gp_v3_length(gp_v3_add(a, t->ab)),
-                                   gp_v3_length(gp_v3_add(a, t->ac)))));
-}
-
-/* Collects the triangles of an object; only counts them where r has no room. */
-static void collect(const struct gp_scene *s, const struct gp_object *o,
-                    gp_rays_keep keep, const void *user, struct gp_rays *r)
-{
-    const struct gp_mesh *const m = &s->mesh[o->mesh];
+    int n = 0;
     for (int k = m->first; k < m->first + m->parts; k++) {
         const struct gp_part *const part = &s->part[k];
-        for (int i = part->first; i < part->first + part->count; i += 3) {
-            const struct gp_rays_triangle t =
-                triangle_of(s, o, s->index + i, part->material);
-            if (!keeps(keep, user, &t))
-                continue;
-            if (r->triangle)
-                r->triangle[r->n] = t;
-            r->n++;
+        for (int i = part->first; out && i < part->first + part->count;
+             i += 3) {
+            struct triangle *const t = &out[n + (i - part->first) / 3];
+            t->index = i;
+            t->material = part->material;
+            for (int v = 0; v < 3; v++)
+                memcpy(t->at + 3 * v,
+                       s->position + 3 * (size_t) s->index[i + v],
+                       3 * sizeof *t->at);
         }
+        n += part->count / 3;
     }
+    return n;
+}
+
+static gp_status make_mesh(const struct gp_log *log, const struct gp_scene *s,
+                           const struct gp_mesh *m, struct gp_mesh_tree *out)
+{
+    static const char what[] = "triangles before a light";
+    const size_t n = (size_t) list_triangles(s, m, NULL);
+    struct triangle *listed = NULL;
+    struct gp_tree_box *box = NULL;
+    struct gp_tree tree = {0};
+    gp_status st;
+    GP_TRY(gp_alloc(log, what, n + 1, sizeof *listed, &listed));
+    GP_TRY(gp_alloc(log, what, n + 1, sizeof *box, &box));
+    list_triangles(s, m, listed);
+    for (size_t i = 0; i < n; i++)
+        box[i] = box_of(&listed[i]);
+    GP_TRY(gp_tree_make(log, box, (int) n, &tree));
+    GP_FREE(box);
+    GP_TRY(gp_alloc(log, what, n + 1, sizeof *out->triangle, &out->triangle));
+    for (size_t i = 0; i < n; i++)
+        out->triangle[i] = listed[tree.item[i]];
+    GP_FREE(tree.item);
+    out->tree = tree;
+    tree = (struct gp_tree) {0};
+    out->made = true;
+out:
+    gp_tree_free(&tree);
+    gp_free(box);
+    gp_free(listed);
+    return st;
+}
+
+/* Makes the trees of objects' meshes that are not yet there. */
+static gp_status make_meshes(const struct gp_log *log, const struct gp_scene *s,
+                             const int *object, int objects,
+                             struct gp_meshes *out)
+{
+    gp_status st = GP_OK;
+    if (!out->tree) {
+        GP_TRY(gp_alloc_zero(log, "meshes", (size_t) s->meshes + 1,
+                             sizeof *out->tree, &out->tree));
+        out->n = s->meshes;
+    }
+    for (int i = 0; i < objects; i++) {
+        const int mesh = s->object[object[i]].mesh;
+        if (!out->tree[mesh].made)
+            GP_TRY(make_mesh(log, s, &s->mesh[mesh], &out->tree[mesh]));
+    }
+out:
+    return st;
+}
+
+void gp_meshes_free(struct gp_meshes *m)
+{
+    for (int i = 0; i < m->n; i++) {
+        gp_tree_free(&m->tree[i].tree);
+        gp_free(m->tree[i].triangle);
+    }
+    gp_free(m->tree);
+    *m = (struct gp_meshes) {0};
+}
+
+// -- objects -----------------------------------------------------------------
+
+/* Sets the way from the world to an object's mesh. A flat object gets a
+ * thickness of 1e-7 of its scale, so that there is a way; false of one that is a
+ * line or a point, which stops no ray. */
+static bool set_place(const struct gp_object *o, struct gp_rays_place *out)
+{
+    const double *const m = o->to_world;
+    struct gp_v3 row[3], across[3];
+    double scale = 0.0, wide = 0.0, thick = 0.0;
+    for (int pass = 0; pass < 2; pass++) {
+        int widest = 0;
+        for (int i = 0; i < 3; i++) {
+            if (pass == 0)
+                row[i] = (struct gp_v3) {m[4 * i], m[4 * i + 1], m[4 * i + 2]};
+            scale = fmax(scale, gp_v3_length(row[i]));
+        }
+        for (int i = 0; i < 3; i++) {
+            across[i] = gp_v3_cross(row[(i + 1) % 3], row[(i + 2) % 3]);
+            if (gp_v3_length(across[i]) > gp_v3_length(across[widest]))
+                widest = i;
+        }
+        wide = gp_v3_length(across[widest]);
+        thick = gp_v3_dot(row[0], across[0]);
+        if (!(wide > 1e-14 * scale * scale))
+            return false;
+        if (fabs(thick) > 1e-10 * scale * wide)
+            break;
+        // the sum of row[i] * (across[i] . normal) is 0: no other change of the
+        // rows gives them a third direction with less
+        const struct gp_v3 normal = gp_v3_unit(across[widest]);
+        for (int i = 0; i < 3; i++)
+            row[i] = gp_v3_add(row[i], gp_v3_scale(
+                normal, 1e-7 * scale * gp_v3_dot(across[i], normal) / wide));
+    }
+    for (int i = 0; i < 3; i++)
+        out->in[i] = gp_v3_scale(across[i], 1.0 / thick);
+    out->move = (struct gp_v3) {m[12], m[13], m[14]};
+    return isfinite(1.0 / thick);
 }
 
 gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
-    const int *object, int objects, int most, gp_rays_keep keep,
-    const void *user, int *used, struct gp_rays *out)
+                       struct gp_meshes *meshes, const int *object, int objects,
+                       struct gp_rays *out)
 {
-    gp_status st = GP_OK;
+    struct gp_rays_place *listed = NULL;
+    struct gp_tree_box *box = NULL;
+    gp_status st;
     int n = 0;
     out->scene = s;
-    *used = 0;
-    for (; *used < objects; ++*used) { // counts; a mesh's triangles fit an int
-        collect(s, &s->object[object[*used]], keep, user, out);
-        if (*used > 0 && out->n > most)
-            break;
-        n = out->n;
-        if (n > most) { // one object alone
-            ++*used;
-            break;
-        }
+    GP_TRY(make_meshes(log, s, object, objects, meshes));
+    out->mesh = meshes->tree;
+    GP_TRY(gp_alloc(log, "objects before a light", (size_t) objects + 1,
+                    sizeof *listed, &listed));
+    GP_TRY(gp_alloc(log, "objects before a light", (size_t) objects + 1,
+                    sizeof *box, &box));
+    for (int i = 0; i < objects; i++) {
+        const struct gp_object *const o = &s->object[object[i]];
+        listed[n].object = object[i];
+        if (out->mesh[o->mesh].tree.n == 0 || !set_place(o, &listed[n]))
+            continue;
+        box[n++] = gp_tree_box_of(&o->box);
+        out->triangles += out->mesh[o->mesh].tree.n;
     }
-    out->n = 0;
-    if (n == 0)
-        return GP_OK;
-    GP_TRY(gp_alloc(log, "triangles before a light", (size_t) n,
-                    sizeof *out->triangle, &out->triangle));
-    GP_TRY(gp_alloc(log, "triangles before a light", 2 * (size_t) n,
-                    sizeof *out->node, &out->node));
-    for (int i = 0; i < *used; i++)
-        collect(s, &s->object[object[i]], keep, user, out);
-    build(out);
+    GP_TRY(gp_tree_make(log, box, n, &out->tree));
+    GP_TRY(gp_alloc(log, "objects before a light", (size_t) n + 1,
+                    sizeof *out->place, &out->place));
+    for (int i = 0; i < n; i++)
+        out->place[i] = listed[out->tree.item[i]];
 out:
+    gp_free(box);
+    gp_free(listed);
     return st;
 }
 
 void gp_rays_free(struct gp_rays *r)
 {
-    gp_free(r->triangle);
-    gp_free(r->node);
+    gp_tree_free(&r->tree);
+    gp_free(r->place);
     *r = (struct gp_rays) {0};
 }
 
@@ -222,118 +242,129 @@ void gp_rays_free(struct gp_rays *r)
  * slips between two that share it. */
 static const double EDGE = 1e-12;
 
-static bool opaque_at(const struct gp_scene *s,
-                      const struct gp_rays_triangle *t, double b, double c)
+static bool opaque_at(const struct gp_scene *s, const struct triangle *t,
+                      double b, double c)
 {
     const struct gp_material *const m = &s->material[t->material];
     if (!(m->cutoff > 0.0f))
         return true;
     double alpha = (double) m->base[3];
     if (m->cutout >= 0) {
+        const uint32_t *const v = s->index + t->index;
+        const float *const p = s->uv + 2 * (size_t) v[0];
+        const float *const q = s->uv + 2 * (size_t) v[1];
+        const float *const r = s->uv + 2 * (size_t) v[2];
         const double a = 1.0 - b - c;
         alpha *= gp_cutout_alpha(
             &s->cutout[m->cutout],
-            a * (double) t->uv[0] + b * (double) t->uv[2] +
-                c * (double) t->uv[4],
-            a * (double) t->uv[1] + b * (double) t->uv[3] +
-                c * (double) t->uv[5]);
+            a * (double) p[0] + b * (double) q[0] + c * (double) r[0],
+            a * (double) p[1] + b * (double) q[1] + c * (double) r[1]);
     }
     return alpha >= (double) m->cutoff;
 }
 
-/* Returns where a triangle stops a ray before `most`, or `most` (Moeller and
- * Trumbore 1997, without culling). */
-static double triangle_at(const struct gp_scene *s,
-    const struct gp_rays_triangle *t, struct gp_v3 from, struct gp_v3 along,
-    double most)
+/* A ray in the space of a mesh, and the triangle that it was last stopped by. */
+struct walk {
+    const struct gp_rays *rays;
+    const struct gp_mesh_tree *mesh;
+    struct gp_v3 from, along;             // of the mesh
+    struct gp_v3 world_from, world_along;
+    const struct triangle *found;         // NULL: none yet
+    int object;                           // its
+    bool any;                             // the first found ends the walk
+};
+
+static struct gp_v3 vertex(const struct triangle *t, int i)
 {
-    const struct gp_v3 p = gp_v3_cross(along, t->ac);
-    const double det = gp_v3_dot(t->ab, p);
+    const float *const p = t->at + 3 * i;
+    return (struct gp_v3) {(double) p[0], (double) p[1], (double) p[2]};
+}
+
+/* Returns the distance at which a triangle stops a ray before `most`, or `most`
+ * (Moeller and Trumbore 1997, without culling). */
+static inline double triangle_at(const struct walk *w, const struct triangle *t,
+                                 double most)
+{
+    const struct gp_v3 a = vertex(t, 0);
+    const struct gp_v3 ab = gp_v3_sub(vertex(t, 1), a);
+    const struct gp_v3 ac = gp_v3_sub(vertex(t, 2), a);
+    const struct gp_v3 p = gp_v3_cross(w->along, ac);
+    const double det = gp_v3_dot(ab, p);
     if (det == 0.0)
         return most;
-    const struct gp_v3 to = gp_v3_sub(from, t->a);
-    const double b = gp_v3_dot(to, p) / det;
+    const double per = 1.0 / det;
+    const struct gp_v3 to = gp_v3_sub(w->from, a);
+    const double b = gp_v3_dot(to, p) * per;
     if (!(b >= -EDGE && b <= 1.0 + EDGE))
         return most;
-    const struct gp_v3 q = gp_v3_cross(to, t->ab);
-    const double c = gp_v3_dot(along, q) / det;
-    const double at = gp_v3_dot(t->ac, q) / det;
+    const struct gp_v3 q = gp_v3_cross(to, ab);
+    const double c = gp_v3_dot(w->along, q) * per;
+    const double at = gp_v3_dot(ac, q) * per;
     const bool stops = c >= -EDGE && b + c <= 1.0 + EDGE && at > 0.0 &&
-                       at < most && opaque_at(s, t, b, c);
+                       at < most && opaque_at(w->rays->scene, t, b, c);
     return stops ? at : most;
 }
 
-/* Returns true when the ray meets the box, by slabs; `per` is 1 / along. */
-static bool box_meets(const struct gp_box *b, struct gp_v3 from,
-                      struct gp_v3 per, double most)
+static double meet_triangles(void *user, int first, int n, double most)
 {
-    const double x0 = (b->lo.x - from.x) * per.x, x1 = (b->hi.x - from.x) * per.x;
-    const double y0 = (b->lo.y - from.y) * per.y, y1 = (b->hi.y - from.y) * per.y;
-    const double z0 = (b->lo.z - from.z) * per.z, z1 = (b->hi.z - from.z) * per.z;
-    // fmin and fmax leave out the NaN of a ray in the slab's own plane
-    const double near = fmax(fmax(fmin(x0, x1), fmin(y0, y1)),
-                             fmax(fmin(z0, z1), 0.0));
-    const double far = fmin(fmin(fmax(x0, x1), fmax(y0, y1)),
-                            fmin(fmax(z0, z1), most));
-    return near <= far * (1.0 + 1e-12);
+    struct walk *const w = user;
+    for (int i = first; i < first + n; i++) {
+        const double at = triangle_at(w, &w->mesh->triangle[i], most);
+        if (!(at < most))
+            continue;
+        w->found = &w->mesh->triangle[i];
+        most = at;
+        if (w->any)
+            return -1.0;
+    }
+    return most;
+}
+
+static double meet_objects(void *user, int first, int n, double most)
+{
+    struct walk *const w = user;
+    const struct gp_scene *const s = w->rays->scene;
+    for (int i = first; i < first + n && most >= 0.0; i++) {
+        const struct gp_rays_place *const p = &w->rays->place[i];
+        const struct gp_v3 from = gp_v3_sub(w->world_from, p->move);
+        const double before = most;
+        w->mesh = &w->rays->mesh[s->object[p->object].mesh];
+        w->from = (struct gp_v3) {gp_v3_dot(from, p->in[0]),
+                                  gp_v3_dot(from, p->in[1]),
+                                  gp_v3_dot(from, p->in[2])};
+        w->along = (struct gp_v3) {gp_v3_dot(w->world_along, p->in[0]),
+                                   gp_v3_dot(w->world_along, p->in[1]),
+                                   gp_v3_dot(w->world_along, p->in[2])};
+        most = gp_tree_walk(&w->mesh->tree, w->from, w->along, most,
+                            meet_triangles, w);
+        w->object = most < before ? p->object : w->object;
+    }
+    return most;
 }
 
 bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
                      struct gp_v3 along, double most)
 {
-    const struct gp_v3 per = {1.0 / along.x, 1.0 / along.y, 1.0 / along.z};
-    int wait[DEEP], n = 0;
-    if (r->n > 0)
-        wait[n++] = 0;
-    while (n > 0) {
-        const struct gp_rays_node *const node = &r->node[wait[--n]];
-        if (!box_meets(&node->box, from, per, most))
-            continue;
-        for (int i = node->first; i < node->first + node->count; i++) {
-            if (triangle_at(r->scene, &r->triangle[i], from, along, most) <
-                most)
-                return true;
-        }
-        if (node->count == 0) {
-            wait[n++] = node->left + 1;
-            wait[n++] = node->left;
-        }
-    }
-    return false;
+    struct walk w = {
+        .rays = r, .world_from = from, .world_along = along, .any = true,
+    };
+    gp_tree_walk(&r->tree, from, along, most, meet_objects, &w);
+    return w.found;
 }
 
 bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
                    struct gp_v3 along, double most, struct gp_rays_hit *out)
 {
-    const struct gp_v3 per = {1.0 / along.x, 1.0 / along.y, 1.0 / along.z};
-    const struct gp_rays_triangle *found = NULL;
-    int wait[DEEP], n = 0;
-    if (r->n > 0)
-        wait[n++] = 0;
-    while (n > 0) {
-        const struct gp_rays_node *const node = &r->node[wait[--n]];
-        if (!box_meets(&node->box, from, per, most))
-            continue;
-        for (int i = node->first; i < node->first + node->count; i++) {
-            const double at =
-                triangle_at(r->scene, &r->triangle[i], from, along, most);
-            found = at < most ? &r->triangle[i] : found;
-            most = at;
-        }
-        if (node->count == 0) { // the nearer one is taken first
-            const struct gp_box *const x = &r->node[node->left].box;
-            const struct gp_box *const y = &r->node[node->left + 1].box;
-            const struct gp_v3 way = gp_v3_sub(gp_v3_add(y->lo, y->hi),
-                                               gp_v3_add(x->lo, x->hi));
-            const int near = gp_v3_dot(way, along) < 0.0;
-            wait[n++] = node->left + 1 - near;
-            wait[n++] = node->left + near;
-        }
-    }
-    if (!found)
+    struct walk w = {.rays = r, .world_from = from, .world_along = along};
+    most = gp_tree_walk(&r->tree, from, along, most, meet_objects, &w);
+    if (!w.found)
         return false;
+    const double *const m = r->scene->object[w.object].to_world;
+    const struct gp_v3 a = gp_move(m, vertex(w.found, 0));
+    const struct gp_v3 ab = gp_v3_sub(gp_move(m, vertex(w.found, 1)), a);
+    const struct gp_v3 ac = gp_v3_sub(gp_move(m, vertex(w.found, 2)), a);
     out->at = most;
-    out->normal = gp_v3_unit(gp_v3_cross(found->ab, found->ac));
-    out->material = found->material;
+    out->normal = gp_v3_unit(gp_v3_cross(ab, ac));
+    out->material = w.found->material;
     return true;
 }

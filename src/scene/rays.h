@@ -7,34 +7,38 @@
 #define GP_SCENE_RAYS_H
 
 #include "scene/scene.h"
+#include "scene/tree.h"
 
-/* Triangles in a tree of boxes. */
-struct gp_rays {
-    const struct gp_scene *scene;     // borrowed
-    struct gp_rays_triangle *triangle; // owned
-    struct gp_rays_node *node;         // owned
+/* Trees of a scene's meshes, each in its mesh's space: one that many objects
+ * place is there once. They are made when an object first needs them, and hold
+ * while the scene is posed anew. Zero is none. */
+struct gp_meshes {
+    struct gp_mesh_tree *tree; // owned; of scene->mesh[]
     int n;
 };
 
-/* Selects triangles by a sphere around them. */
-typedef bool (*gp_rays_keep)(const void *user, struct gp_v3 centre,
-                             double radius);
+void gp_meshes_free(struct gp_meshes *m);
 
-/* Triangles of one tree: 60 MB. */
-enum { GP_RAYS_TREE = 1 << 18 };
+/* Objects in a tree, in their places. */
+struct gp_rays {
+    const struct gp_scene *scene;     // borrowed
+    const struct gp_mesh_tree *mesh;  // borrowed
+    struct gp_tree tree;
+    struct gp_rays_place *place;      // owned; in the order of leaves
+    long long triangles;              // of all places
+};
 
-/* Builds the tree of the triangles of some objects, as posed: of the first
- * ones that have at most `most` triangles together, and of one at least. A few
- * nodes may place one large mesh often; a caller that visits the objects tree
- * by tree needs no memory for each of its copies.
- *   keep  NULL: takes all of them
- *   used  objects in the tree, 1 to `objects` (0 of 0)
- *   out   zero; freed by gp_rays_free() in any case
+/* Builds the tree of some objects, as posed, and the trees of their meshes that
+ * are not yet in `meshes`: 92 bytes for each triangle of these, 110 more while
+ * they are built; 420 for each object.
+ *   meshes  of this scene; they are there as long as `out` is used
+ *   out     zero; freed by gp_rays_free() in any case
  * Errors: GP_ERR_BUG memory. */
-GP_MUST_CHECK gp_status gp_rays_make(
-    const struct gp_log *log, const struct gp_scene *s, const int *object,
-    int objects, int most, gp_rays_keep keep, const void *user, int *used,
-    struct gp_rays *out);
+GP_MUST_CHECK gp_status gp_rays_make(const struct gp_log *log,
+                                     const struct gp_scene *s,
+                                     struct gp_meshes *meshes,
+                                     const int *object, int objects,
+                                     struct gp_rays *out);
 void gp_rays_free(struct gp_rays *r);
 
 /* Returns true when a triangle is on the way from `from` along `along`, less

@@ -552,23 +552,8 @@ static void set_axes(struct work *w)
         w->camera[c] = gp_v3_unit((struct gp_v3) {m[c], m[4 + c], m[8 + c]});
 }
 
-/* Builds one tree of all of the objects. */
-static gp_status make_rays(const struct gp_log *log, const struct gp_scene *s,
-                           const int *object, int objects, struct gp_rays *out)
-{
-    int used;
-    gp_status st = gp_rays_make(log, s, object, objects, GP_RELIGHT_MOST, NULL,
-                                NULL, &used, out);
-    if (!st && used < objects)
-        st = gp_fail(log, GP_ERR_DATA, "%s: too many triangles to relight "
-                     "(over %d in the %d objects of a light); export the scene "
-                     "with fewer copies of large meshes", s->path,
-                     GP_RELIGHT_MOST, objects);
-    return st;
-}
-
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
-    const struct gp_surfaces *f, const struct gp_relight_pass *pass,
+    struct gp_meshes *meshes, const struct gp_surfaces *f, const struct gp_relight_pass *pass,
     struct gp_rect data, const struct gp_planes *rgb, struct gp_relit *out)
 {
     struct work w = {
@@ -581,8 +566,9 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     set_axes(&w);
     GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *w.row,
                          &w.row));
-    GP_TRY(make_rays(log, s, pass->caster, pass->casters, &w.rays));
-    GP_TRY(make_rays(log, s, f->object, f->objects, &w.shown));
+    GP_TRY(gp_rays_make(log, s, meshes, pass->caster, pass->casters,
+                        &w.rays));
+    GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
     set_weights(w.weight);
     GP_TRY(gp_alloc(log, "lit pixels",
                     (size_t) rows * (size_t) gp_rect_w(w.cut) + 1, 1, &w.mark));

@@ -5,10 +5,8 @@
 #define GP_SCENE_RELIGHT_H
 
 #include "core/frame.h"
+#include "scene/rays.h"
 #include "scene/scene.h"
-
-/* Triangles of more than one object in a tree: 4 GB. */
-enum { GP_RELIGHT_MOST = 1 << 24 };
 
 /* Surfaces of a frame's pixels. A pixel outside a plane's window has no
  * surface. */
@@ -56,11 +54,11 @@ struct gp_relit {
  * in shares that have them; else its mean is taken apart into the two surfaces
  * beside it.
  *   out  facts; written on GP_OK only
- * The same bits for any number of threads. Errors: GP_ERR_BUG memory;
- * GP_ERR_DATA the objects have over GP_RELIGHT_MOST triangles. */
+ *   meshes  of this scene, kept from call to call
+ * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
-    const struct gp_scene *s, const struct gp_surfaces *f,
-    const struct gp_relight_pass *pass, struct gp_rect data,
+    const struct gp_scene *s, struct gp_meshes *meshes,
+    const struct gp_surfaces *f, const struct gp_relight_pass *pass, struct gp_rect data,
     const struct gp_planes *rgb, struct gp_relit *out);
 
 #endif

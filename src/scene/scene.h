@@ -16,6 +16,7 @@
  *   scissor        bounds on screen and in depth of what a light reaches (15.5)
  *   eye_set        objects between the eye and a light's disc, and the share of
  *                  it that they leave clear
+ *   tree, rays     rays through triangles, in double
  *   draw, shadow   the paper's renderer on GL
  *   relight        the frame lit by the scene's lights
  *

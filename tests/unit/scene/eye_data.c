@@ -88,7 +88,7 @@ static void check_scene(const char *name, int shares)
                 const struct gp_eye_disc d = gp_eye_sun(
                     eye, gp_v3_scale(l->along, -1.0),
                     number(frame, "sun_half_angle_deg") * acos(-1.0) / 180.0);
-                assert_ok(gp_eye_rays(&kept_log, &s, &d, NULL, &got));
+                assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, NULL, &got));
                 count(&e, l->name, at, &got,
                       number(frame, "sun_visibility_true"),
                       number(frame, "sun_visibility_true_se"));
@@ -96,7 +96,7 @@ static void check_scene(const char *name, int shares)
             }
             const struct gp_eye_disc d = gp_eye_lamp(eye, l->at, l->ball);
             assert_true(l->ball > 0.0);
-            assert_ok(gp_eye_rays(&kept_log, &s, &d, NULL, &got));
+            assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, NULL, &got));
             for (size_t j = 0; j < json_array_size(lamps); j++) {
                 const json_t *const lamp = json_array_get(lamps, j);
                 if (!strcmp(json_string_value(json_object_get(lamp, "name")),

@@ -63,7 +63,7 @@ static void maps_are_near_rays(void **state)
                       : gp_eye_sun(eye, gp_v3_sub(at, eye),
                                    made_between(&seed, 0.002, 0.3));
             struct gp_eye_share want, got;
-            assert_ok(gp_eye_rays(&kept_log, &s, &d, NULL, &want));
+            assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, NULL, &want));
             if (gp_eye_map_draw(&kept_log, gl, &s, &d, NULL, SIDE, &map, &got))
                 fail_msg("%s", kept_line);
             const double off = fabs(got.clear - want.clear);
@@ -100,7 +100,7 @@ static void windows_and_small_maps(void **state)
     made_put(&s, made_box(&s, 0), (struct gp_v3) {10, 20, -5},
              (struct gp_v3) {60, 0.1, 10}, 0.0);
     struct gp_eye_share rays, got;
-    assert_ok(gp_eye_rays(&kept_log, &s, &d, &w, &rays));
+    assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, &w, &rays));
     assert_ok(gp_eye_map_draw(&kept_log, gl, &s, &d, &w, 16, &map, &got));
     assert_int_equal(got.samples, 16);
     assert_true(fabs(got.outside - 0.5) < 0.05);

@@ -29,7 +29,7 @@ static struct gp_eye_share share_of(const struct gp_scene *s,
                                     const struct gp_eye_window *w)
 {
     struct gp_eye_share out;
-    assert_ok(gp_eye_rays(NULL, s, d, w, &out));
+    assert_ok(gp_eye_rays(NULL, s, NULL, d, w, &out));
     assert_true(out.clear >= 0.0 && out.clear <= 1.0);
     return out;
 }
@@ -191,7 +191,7 @@ static gp_status one_share(void)
     const struct gp_eye_disc d = gp_eye_sun(
         (struct gp_v3) {-19, -19, 3}, (struct gp_v3) {1, 0.8, 0.1}, 0.3);
     struct gp_eye_share share;
-    const gp_status st = gp_eye_rays(&kept_log, &many, &d, NULL, &share);
+    const gp_status st = gp_eye_rays(&kept_log, &many, NULL, &d, NULL, &share);
     if (!st)
         many_share = share.clear;
     return st;
@@ -234,29 +234,29 @@ static int fine_card(struct gp_scene *s, int side)
     return made_part(s, first, 0, false);
 }
 
-/* Copies of a large mesh are visited tree by tree, and hide as small ones in
+/* Copies of a large mesh are one tree, and hide as small ones in
  * their place do. */
 static void copies_of_a_large_mesh(void **state)
 {
     enum { COPIES = 6, SIDE = 240 };
     struct gp_scene fine = made_scene(), coarse = made_scene();
     const int large = fine_card(&fine, SIDE), card = made_card(&coarse, 0);
-    int object[COPIES], used;
+    int object[COPIES];
     for (int i = 0; i < COPIES; i++) {
         object[i] = i;
         put_wall(&fine, large, 20.0 + i, 2.0 * i - 5.0, -3.1, 1.0 + 0.3 * i);
         put_wall(&coarse, card, 20.0 + i, 2.0 * i - 5.0, -3.1, 1.0 + 0.3 * i);
     }
     struct gp_rays rays = {0};
-    assert_ok(gp_rays_make(NULL, &fine, object, COPIES, GP_RAYS_TREE, NULL,
-                           NULL, &used, &rays));
-    assert_int_equal(used, GP_RAYS_TREE / (2 * SIDE * SIDE));
-    assert_true(used < COPIES && rays.n <= GP_RAYS_TREE);
+    struct gp_meshes meshes = {0};
+    assert_ok(gp_rays_make(NULL, &fine, &meshes, object, COPIES, &rays));
+    const struct gp_mesh_tree *const first = meshes.tree;
+    assert_int_equal(rays.triangles, COPIES * 2 * SIDE * SIDE);
     gp_rays_free(&rays);
-    assert_ok(gp_rays_make(NULL, &fine, object, COPIES, 1, NULL, NULL, &used,
-                           &rays));
-    assert_int_equal(used, 1); // one at least
+    assert_ok(gp_rays_make(NULL, &fine, &meshes, object, 1, &rays));
+    assert_ptr_equal(meshes.tree, first); // made once
     gp_rays_free(&rays);
+    gp_meshes_free(&meshes);
     const struct gp_eye_disc d = gp_eye_sun(
         (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, 0.5);
     const struct gp_eye_share got = share_of(&fine, &d, NULL);

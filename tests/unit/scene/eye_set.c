@@ -46,13 +46,13 @@ static void no_object_is_lost(void **state)
 {
     enum { SCENES = 150, OBJECTS = 40, RAYS = 60 };
     uint64_t seed = 11;
-    int kept = 0, hit = 0, sphere_alone = 0, used;
+    int kept = 0, hit = 0, sphere_alone = 0;
     for (int i = 0; i < SCENES; i++) {
         struct gp_scene s = made_random_scene(&seed, OBJECTS, 0);
         struct gp_rays rays[OBJECTS] = {{0}};
+        struct gp_meshes meshes = {0};
         for (int k = 0; k < OBJECTS; k++)
-            assert_ok(gp_rays_make(NULL, &s, &k, 1, GP_RAYS_TREE, NULL, NULL,
-                                   &used, &rays[k]));
+            assert_ok(gp_rays_make(NULL, &s, &meshes, &k, 1, &rays[k]));
         for (int j = 0; j < 4; j++) {
             const struct gp_eye_disc d = random_disc(&seed);
             bool in[OBJECTS] = {0}, hits[OBJECTS] = {0};
@@ -80,6 +80,7 @@ static void no_object_is_lost(void **state)
         }
         for (int k = 0; k < OBJECTS; k++)
             gp_rays_free(&rays[k]);
+        gp_meshes_free(&meshes);
         made_free(&s);
     }
     print_message("# E: %d objects of %d discs, %d hit by rays, %d by spheres "
@@ -181,15 +182,15 @@ static void one_triangle_hides_all(void **state)
 {
     enum { SCENES = 100, RAYS = 40 };
     uint64_t seed = 13;
-    int hidden = 0, others = 0, used;
+    int hidden = 0, others = 0;
     for (int i = 0; i < SCENES; i++) {
         struct gp_scene s = made_random_scene(&seed, 40, 0);
         struct gp_rays rays = {0};
+        struct gp_meshes meshes = {0};
         int object[40];
         for (int k = 0; k < 40; k++)
             object[k] = k;
-        assert_ok(gp_rays_make(NULL, &s, object, 40, GP_RAYS_TREE, NULL, NULL,
-                               &used, &rays));
+        assert_ok(gp_rays_make(NULL, &s, &meshes, object, 40, &rays));
         for (int j = 0; j < 10; j++) {
             const struct gp_eye_disc d = random_disc(&seed);
             const bool all = gp_eye_hidden(&s, &d, object, 40);
@@ -205,6 +206,7 @@ static void one_triangle_hides_all(void **state)
             others += !all && !open;
         }
         gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
         made_free(&s);
     }
     print_message("# %d of %d discs hidden by one triangle, %d by more\n",

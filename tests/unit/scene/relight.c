@@ -11,6 +11,7 @@
 enum { W = 61, H = 37 };
 
 static struct gp_scene scene;
+static struct gp_meshes meshes;
 static struct gp_surfaces surfaces;
 static struct gp_plane z, normal[3], albedo[3];
 static struct gp_planes rgb;
@@ -70,6 +71,7 @@ static int tear_down(void **state)
         gp_plane_free(&albedo[k]);
     }
     gp_planes_free(&rgb);
+    gp_meshes_free(&meshes);
     made_free(&scene);
     return 0;
 }
@@ -81,8 +83,8 @@ static struct gp_relit add(int light, int casters, struct gp_rect cut)
         .light = &scene.light[light], .light_scale = 2.0, .caster = every,
         .casters = casters, .cut = cut, .far = INFINITY,
     };
-    assert_ok(gp_relight(&kept_log, &scene, &surfaces, &pass, all, &rgb,
-                         &facts));
+    assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, &pass, all,
+                         &rgb, &facts));
     return facts;
 }
 
@@ -227,9 +229,7 @@ static void first_triangle_is_found(void **state)
         {{9, 0, 3.5}, {1, 0, 0}, INFINITY, 0.0, 0.0},
     };
     struct gp_rays rays = {0};
-    int used;
-    assert_ok(gp_rays_make(&kept_log, &scene, every, 2, GP_RAYS_TREE, NULL, NULL,
-                           &used, &rays));
+    assert_ok(gp_rays_make(&kept_log, &scene, &meshes, every, 2, &rays));
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rays_hit hit = {.at = -1.0};
         const bool found = gp_rays_first(&rays, rows[i].from, rows[i].along,

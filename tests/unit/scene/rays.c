@@ -1,0 +1,225 @@
+/* Rays through objects beside a test of every triangle in the world: moved,
+ * sheared, mirrored, flat and far away ones. */
+#include "scene/rays.h"
+
+#include "kept_log.h"
+#include "scene/scene_priv.h"
+#include "scene_made.h"
+#include "starved.h"
+
+/* The first triangle that a ray meets, by each of the scene's. */
+struct truth {
+    double at, beside; // `beside`: the least distance from an edge, as a share
+    bool found;
+};
+
+static bool opaque(const struct gp_scene *s, const struct gp_material *m,
+                   const uint32_t *v, const double share[3])
+{
+    double u = 0.0, w = 0.0, alpha = (double) m->base[3];
+    if (!(m->cutoff > 0.0f))
+        return true;
+    for (int i = 0; i < 3; i++) {
+        u += share[i] * (double) s->uv[2 * v[i]];
+        w += share[i] * (double) s->uv[2 * v[i] + 1];
+    }
+    if (m->cutout >= 0)
+        alpha *= gp_cutout_alpha(&s->cutout[m->cutout], u, w);
+    return alpha >= (double) m->cutoff;
+}
+
+static struct truth first_of_all(const struct gp_scene *s, struct gp_v3 from,
+                                 struct gp_v3 along, double most)
+{
+    struct truth out = {.at = most, .beside = INFINITY};
+    for (int k = 0; k < s->objects; k++) {
+        const struct gp_object *const o = &s->object[k];
+        const struct gp_mesh *const m = &s->mesh[o->mesh];
+        for (int j = m->first; j < m->first + m->parts; j++) {
+            const struct gp_part *const p = &s->part[j];
+            for (int i = p->first; i < p->first + p->count; i += 3) {
+                const struct gp_v3 a = made_corner(s, o, i);
+                const struct gp_v3 b = made_corner(s, o, i + 1);
+                const struct gp_v3 c = made_corner(s, o, i + 2);
+                const struct gp_v3 n =
+                    gp_v3_cross(gp_v3_sub(b, a), gp_v3_sub(c, a));
+                const double slope = gp_v3_dot(n, along);
+                const double area = gp_v3_dot(n, n);
+                if (slope == 0.0 || area == 0.0)
+                    continue;
+                const double at = gp_v3_dot(n, gp_v3_sub(a, from)) / slope;
+                const struct gp_v3 hit =
+                    gp_v3_add(from, gp_v3_scale(along, at));
+                const struct gp_v3 to[3] = {gp_v3_sub(a, hit),
+                                            gp_v3_sub(b, hit),
+                                            gp_v3_sub(c, hit)};
+                const double share[3] = {
+                    gp_v3_dot(n, gp_v3_cross(to[1], to[2])) / area,
+                    gp_v3_dot(n, gp_v3_cross(to[2], to[0])) / area,
+                    gp_v3_dot(n, gp_v3_cross(to[0], to[1])) / area};
+                const double least =
+                    fmin(fmin(share[0], share[1]), share[2]);
+                if (at > 0.0 && at <= most)
+                    out.beside = fmin(out.beside, fabs(least));
+                if (at > 0.0 && at < out.at && least >= 0.0 &&
+                    opaque(s, &s->material[p->material], s->index + i, share)) {
+                    out.at = at;
+                    out.found = true;
+                }
+            }
+        }
+    }
+    return out;
+}
+
+/* Moves each object by a random matrix, and all of them by `far`; one in six is
+ * flat. */
+static void move_objects(struct gp_scene *s, uint64_t *seed, double far)
+{
+    for (int k = 0; k < s->objects; k++) {
+        struct gp_object *const o = &s->object[k];
+        double m[16] = {0};
+        for (int i = 0; i < 12; i++)
+            m[i] = i % 4 < 3 ? made_between(seed, -3.0, 3.0) : 0.0;
+        if (k % 6 == 5) { // in the plane of two rows
+            const double u = made_between(seed, -1.0, 1.0);
+            for (int c = 0; c < 3; c++)
+                m[4 + c] = k % 12 == 5 ? 0.0 : u * m[c];
+        }
+        for (int c = 0; c < 3; c++)
+            m[12 + c] = made_between(seed, -8.0, 8.0) + far;
+        m[15] = 1.0;
+        memcpy(o->to_world, m, sizeof m);
+        made_bounds(s, o);
+    }
+}
+
+static void rays_meet_what_each_triangle_says(void **state)
+{
+    enum { SCENES = 24, OBJECTS = 30, RAYS = 400 };
+    static const double offset[] = {0.0, 1e4, -3e6};
+    uint64_t seed = 31;
+    int found = 0, none = 0, unsure = 0;
+    for (int i = 0; i < SCENES; i++) {
+        const double far = offset[i % 3];
+        struct gp_scene s = made_random_scene(&seed, OBJECTS, 0);
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        int object[OBJECTS];
+        for (int k = 0; k < OBJECTS; k++)
+            object[k] = k;
+        move_objects(&s, &seed, far);
+        assert_ok(gp_rays_make(NULL, &s, &meshes, object, OBJECTS, &rays));
+        for (int k = 0; k < RAYS; k++) {
+            const struct gp_box world = {{far - 15, far - 15, far - 15},
+                                         {far + 15, far + 15, far + 15}};
+            const struct gp_v3 from = made_within(&seed, world);
+            struct gp_v3 along =
+                gp_v3_scale(gp_v3_sub(made_within(&seed, world), from),
+                            made_between(&seed, 0.1, 3.0));
+            if (k % 16 == 0) // along an axis
+                along = (struct gp_v3) {0.0, k % 32 ? 2.0 : -2.0, 0.0};
+            const double most = k % 3 ? INFINITY : 1.0;
+            const struct truth want = first_of_all(&s, from, along, most);
+            struct gp_rays_hit hit = {.at = -1.0};
+            const bool got = gp_rays_first(&rays, from, along, most, &hit);
+            if (want.beside < 1e-7 * (1.0 + fabs(far))) {
+                unsure++; // on an edge, as far as a double says
+                continue;
+            }
+            if (got != want.found ||
+                gp_rays_stopped(&rays, from, along, most) != got ||
+                (got && !(fabs(hit.at - want.at) <
+                          1e-6 * (1.0 + 1e-2 * fabs(far)))))
+                fail_msg("scene %d, ray %d: %d at %.9g, not %d at %.9g", i, k,
+                         got, hit.at, want.found, want.at);
+            found += got;
+            none += !got;
+        }
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+    print_message("# %d rays stopped, %d free, %d on edges\n", found, none,
+                  unsure);
+    assert_true(found > 1000 && none > 1000 && unsure < found);
+}
+
+/* An object of no height hides as one that has some; one that is a line or a
+ * point hides nothing. */
+static void flat_objects_hide(void **state)
+{
+    static const struct {
+        double size[3];
+        bool hides;
+    } row[] = {{{2, 2, 1}, true},  {{2, 2, 1e-5}, true}, {{2, 2, 1e-12}, true},
+               {{2, 2, 0}, true},  {{2, 2, -0.0}, true}, {{0, 2, 2}, false},
+               {{2, 0, 0}, false}, {{0, 0, 0}, false},   {{-2, 2, 0}, true}};
+    const struct gp_v3 from = {0.3, 0.2, 9.0}, down = {0.0, 0.0, -2.0};
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_scene s = made_scene();
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        struct gp_rays_hit hit = {.at = -1.0};
+        const int one = 0;
+        made_put(&s, made_ball(&s, 0, 6), (struct gp_v3) {0, 0, 1},
+                 (struct gp_v3) {row[i].size[0], row[i].size[1],
+                                 row[i].size[2]}, 30.0);
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, 1, &rays));
+        if (gp_rays_first(&rays, from, down, INFINITY, &hit) != row[i].hides)
+            fail_msg("row %zu hides or not", i);
+        if (row[i].hides)
+            assert_true(fabs(hit.at - 4.0 + 0.23 * row[i].size[2]) < 0.03);
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+}
+
+static struct gp_scene many;
+static double triangles;
+
+static gp_status one_tree(void)
+{
+    static const int object[] = {0, 3, 5, 7, 9};
+    struct gp_meshes meshes = {0};
+    struct gp_rays rays = {0};
+    const gp_status st =
+        gp_rays_make(&kept_log, &many, &meshes, object, 5, &rays);
+    if (!st)
+        triangles = (double) rays.triangles;
+    gp_rays_free(&rays);
+    gp_meshes_free(&meshes);
+    return st;
+}
+
+static void full_memory_is_an_error(void **state)
+{
+    uint64_t seed = 5;
+    many = made_random_scene(&seed, 12, 0);
+    starve("trees", one_tree, &triangles, 12);
+    made_free(&many);
+}
+
+/* No object, and one without triangles, stop nothing. */
+static void empty_trees_stop_nothing(void **state)
+{
+    struct gp_scene s = made_scene();
+    struct gp_meshes meshes = {0};
+    struct gp_rays rays = {0};
+    const int one = 0;
+    made_put(&s, made_open_box(&s, 0, 63), (struct gp_v3) {0, 0, 0},
+             (struct gp_v3) {1, 1, 1}, 0.0);
+    for (int n = 0; n < 2; n++) {
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, n, &rays));
+        assert_int_equal(rays.triangles, 0);
+        assert_false(gp_rays_stopped(&rays, (struct gp_v3) {0, 0, 9},
+                                     (struct gp_v3) {0, 0, -1}, INFINITY));
+        gp_rays_free(&rays);
+    }
+    gp_meshes_free(&meshes);
+    made_free(&s);
+}
+
+SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says, flat_objects_hide,
+         empty_trees_stop_nothing, full_memory_is_an_error)
