@@ -505,7 +505,7 @@ void gp_jobs_free(struct gp_jobs *j)
 {
     for (int i = 0; i < j->n; i++)
         free(j->job[i].input);
-    free(j->job);
+    gp_free(j->job);
     gp_members_free(&j->members);
     gp_views_free(&j->view);
     gp_free(j->target);

@@ -45,7 +45,7 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
         gp_free(job);
         return st;
     }
-    free(j->job);
+    gp_free(j->job);
     j->job = job;
     j->n *= n;
     j->views = n;

@@ -3,107 +3,29 @@
 
 #include <errno.h>
 #include <malloc.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* Planes of this size ask for huge pages: a page fault for every 4 KiB of a
- * single frame at 1920x1080 took a fifth of the run's CPU time. */
-enum { HUGE_PAGE = 2 << 20, LARGE = HUGE_PAGE, KEPT_LEAST = 256 << 10 };
-
-/* Blocks that grow to whole huge pages by no more than this share: three planes
- * of 1920x1080 by 1.2 %, for 443 faults less. */
-enum { GROWTH = 16 };
-
-// -- large blocks, from frame to frame ---------------------------------------
-
-/* The C library returns large blocks to the system at once, which then clears
- * their pages again for every frame: a sixth of the CPU time of a sequence at
- * 3840x2160. In its heap, frames in flight would leave holes, and a thousand
- * frames grow it by a fifth. So blocks of KEPT_LEAST and more are kept here;
- * not under sanitizers, which must see what is freed. */
+/* Sanitizers must see what is freed: all blocks are the C library's then. */
 #ifndef __has_feature
 #define __has_feature(x) 0 // clang's; gcc has names for them
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||          \
     __has_feature(address_sanitizer)
-enum { KEPT_MOST = 0, KEPT_ROOM = 1 };
+enum { ARENA = false };
 #else
-enum { KEPT_MOST = 64, KEPT_ROOM = KEPT_MOST };
+enum { ARENA = true };
 #endif
 
-static struct {
-    pthread_mutex_t lock;
-    void *block[KEPT_ROOM]; // oldest first
-    size_t bytes[KEPT_ROOM];
-    int n;
-    size_t waiting;         // bytes of these
-    size_t used, most;      // bytes in use now, and at most so far
-    bool on;                // set before there are threads
-} kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
+enum { ARENA_LEAST = 64 << 10 }; // bytes of a block of the arena
 
-/* Counts a block in use. Locked. */
-static void count_block(size_t bytes)
-{
-    kept.used += bytes;
-    kept.most = kept.used > kept.most ? kept.used : kept.most;
-}
-
-/* The bytes of a block that is large enough to count, else 0. */
-static size_t counted_bytes(void *block)
-{
-    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
-    return bytes < KEPT_LEAST ? 0 : bytes;
-}
-
-/* Counts a block that comes into use, or goes out of it. */
-static void count_use(size_t bytes, bool used)
-{
-    if (!bytes)
-        return;
-    pthread_mutex_lock(&kept.lock);
-    if (used)
-        count_block(bytes);
-    else
-        kept.used -= bytes < kept.used ? bytes : kept.used;
-    pthread_mutex_unlock(&kept.lock);
-}
-
-static void *take_kept(int i)
-{
-    void *const block = kept.block[i];
-    kept.waiting -= kept.bytes[i];
-    kept.n--;
-    for (; i < kept.n; i++) {
-        kept.block[i] = kept.block[i + 1];
-        kept.bytes[i] = kept.bytes[i + 1];
-    }
-    return block;
-}
-
-void gp_free(void *p)
-{
-    const size_t bytes = counted_bytes(p);
-    if (!bytes) {
-        free(p);
-        return;
-    }
-    pthread_mutex_lock(&kept.lock);
-    if (kept.n == KEPT_MOST)
-        free(take_kept(0));
-    kept.used -= bytes < kept.used ? bytes : kept.used;
-    kept.waiting += bytes;
-    kept.block[kept.n] = p;
-    kept.bytes[kept.n++] = bytes;
-    pthread_mutex_unlock(&kept.lock);
-}
+static bool arena_on; // set before there are threads
 
 // -- allocation --------------------------------------------------------------
 
@@ -122,59 +44,33 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     memcpy(out, &block, sizeof block); // of whatever type it points to
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
-        bytes > SIZE_MAX - HUGE_PAGE)
+        bytes > SIZE_MAX / 2)
         return gp_fail_bare(log, GP_ERR_BUG, "%s: size overflows (%zu x %zu "
             "bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
-    const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
-    const size_t rest = bytes % HUGE_PAGE ? HUGE_PAGE - bytes % HUGE_PAGE : 0;
-    if (bytes >= LARGE && rest <= bytes / GROWTH)
-        bytes += rest;
-    if (kept.on && bytes >= KEPT_LEAST) {
-        // the smallest that is large enough and not much more: an aligned block
-        // may have up to a huge page after it
-        const size_t page = bytes < LARGE ? 0 : HUGE_PAGE;
-        const size_t most = bytes + (bytes / 8 > page ? bytes / 8 : page);
-        int best = -1;
-        pthread_mutex_lock(&kept.lock);
-        for (int i = 0; i < kept.n; i++) {
-            if (kept.bytes[i] >= bytes && kept.bytes[i] <= most &&
-                (best < 0 || kept.bytes[i] <= kept.bytes[best]))
-                best = i;
-        }
-        if (best >= 0) {
-            count_block(kept.bytes[best]);
-            block = take_kept(best);
-        }
-        // blocks that are kept may not raise the peak that was in use
-        while (!block && kept.n > 0 &&
-               kept.used + bytes + kept.waiting > kept.most)
-            free(take_kept(0));
-        pthread_mutex_unlock(&kept.lock);
-    }
-    if (!block) {
-        if (posix_memalign(&block, align, bytes) != 0)
-            return no_memory(log, what, bytes);
-#ifdef MADV_HUGEPAGE
-        if (bytes >= LARGE)
-            madvise(block, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
-#endif
-        count_use(counted_bytes(block), true);
-    }
+    if (arena_on && bytes >= ARENA_LEAST)
+        block = gp_arena_take(bytes);
+    if (!block && posix_memalign(&block, GP_ALIGN, bytes) != 0)
+        return no_memory(log, what, bytes);
     memcpy(out, &block, sizeof block);
     return GP_OK;
+}
+
+void gp_free(void *p)
+{
+    if (arena_on && gp_arena_has(p))
+        gp_arena_give(p);
+    else
+        free(p);
 }
 
 gp_status gp_resize(const struct gp_log *log, const char *what, size_t bytes,
                     void **block)
 {
-    count_use(counted_bytes(*block), false);
     void *const moved = realloc(*block, bytes);
-    if (moved)
-        *block = moved;
-    count_use(counted_bytes(*block), true);
     if (!moved)
         return no_memory(log, what, bytes);
+    *block = moved;
     return GP_OK;
 }
 
@@ -191,8 +87,8 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
 
 void gp_keep_memory(void)
 {
-    kept.on = KEPT_MOST > 0;
-    static const int apart = KEPT_LEAST; // mapped, so that they are kept here
+    arena_on = ARENA;
+    static const int apart = 256 << 10; // mapped by itself
     static const int ends = 1 << 30; // free bytes that the heap keeps
     static const int heaps = 1; // a heap for each thread would grow by what
                                 // other threads take from it and free

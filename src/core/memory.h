@@ -23,8 +23,8 @@ GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
                                  size_t count, size_t size, void *out);
 
-/* Gives *block, which is NULL or from here, a new size of `bytes` >= 1 and
- * keeps its content, as far as it fits. The system moves the pages of a large
+/* Gives *block, which is NULL or from this function, a new size of `bytes` >= 1
+ * and keeps its content, as far as it fits. The system moves pages of a large
  * block, so that old and new never exist at once. The block is aligned for any
  * type, but not at GP_ALIGN. On failure *block is as it was.
  * Errors: as gp_alloc(). */
@@ -36,9 +36,9 @@ GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,
 #define GP_FREE(p) (gp_free(p), (void) ((p) = NULL))
 void gp_free(void *p);
 
-/* Keeps freed blocks for reuse, which saves a page fault for each 4 KiB: a
- * sequence makes the same planes for every frame. Call once, before any thread
- * starts. */
+/* Keeps the pages of freed blocks for the next ones, of any size: stages of a
+ * frame take turns with them, and so do frames of a sequence (core/arena.c).
+ * Call once, before any thread starts. */
 void gp_keep_memory(void);
 
 /* Returns a number > 0, unique in this process: caches compare it to see

@@ -1,13 +1,15 @@
-/* core/memory: sizes that overflow, alignment, and large blocks that stay
- * from frame to frame without adding to what was in use. */
+/* core/memory, core/arena: sizes that overflow, alignment, and large blocks
+ * that stay from frame to frame without adding to what was in use. */
 #include "unit.h"
+#include "core/core_priv.h"
 #include "core/frame.h"
 #include "core/memory.h"
 #include "fail.h"
 #include "kept_log.h"
 
-#include <malloc.h>
 #include <pthread.h>
+#include <stdio.h>
+#include <unistd.h>
 
 enum { MIB = 1 << 20 };
 
@@ -73,28 +75,33 @@ static void need_kept_blocks(void)
 #endif
 }
 
-/* Bytes that the C library has mapped for large blocks. */
-static size_t mapped(void)
-{
-    return mallinfo2().hblkhd;
-}
-
 static void same_blocks_again(void **state)
 {
     void *block[8];
     need_kept_blocks();
     for (int i = 0; i < 8; i++)
         block[i] = alloc_block(33 * MIB + 100);
-    const size_t most = mapped();
+    const size_t most = gp_arena_mapped();
     for (int frame = 0; frame < 20; frame++) {
         for (int i = 0; i < 8; i++)
             gp_free(block[i]);
         for (int i = 0; i < 8; i++)
             block[i] = alloc_block(33 * MIB + 100);
-        assert_true(mapped() <= most);
+        assert_int_equal(gp_arena_mapped(), most);
     }
     for (int i = 0; i < 8; i++)
         gp_free(block[i]);
+}
+
+/* Pages that the process has, in bytes. */
+static size_t resident(void)
+{
+    size_t pages = 0, held = 0;
+    FILE *const f = fopen("/proc/self/statm", "r");
+    assert_non_null(f);
+    assert_int_equal(fscanf(f, "%zu %zu", &pages, &held), 2);
+    fclose(f);
+    return held * (size_t) sysconf(_SC_PAGESIZE);
 }
 
 /* Sizes that change take the place of those before. */
@@ -102,15 +109,88 @@ static void never_more_than_was_in_use(void **state)
 {
     static const int mib[] = {300, 20, 64, 17, 200, 35, 16, 128};
     need_kept_blocks();
-    gp_free(alloc_block((size_t) 400 * MIB)); // earlier tests' blocks give way
-    const size_t most = mapped();
+    void *const large = alloc_block((size_t) 400 * MIB);
+    const size_t most = resident(), mapped = gp_arena_mapped();
+    gp_free(large);
     for (int round = 0; round < 50; round++) {
         void *a = alloc_block((size_t) mib[round % 8] * MIB);
         void *b = alloc_block((size_t) mib[(round + 3) % 8] / 4 * MIB + MIB);
         gp_free(a);
         gp_free(b);
-        assert_true(mapped() <= most + (size_t) 20 * MIB);
+        assert_int_equal(gp_arena_mapped(), mapped);
+        assert_true(resident() <= most + (size_t) 20 * MIB);
     }
+}
+
+/* A block too small to be worth new pages takes what is free, or is the C
+ * library's. Before all tests that map pages. */
+static void small_blocks_need_no_pages(void **state)
+{
+    need_kept_blocks();
+    void *block[64];
+    const size_t mapped = gp_arena_mapped();
+    for (int i = 0; i < 64; i++)
+        block[i] = alloc_block(100 << 10);
+    assert_int_equal(gp_arena_mapped(), mapped);
+    for (int i = 0; i < 64; i++)
+        gp_free(block[i]);
+}
+
+/* Holes that a large block does not fit into return their pages to the system,
+ * before the peak grows by more than an eighth. First of all tests, since the
+ * peak is that of the process. */
+static void pages_of_holes_return(void **state)
+{
+    enum { BLOCKS = 6, EACH = 64 * MIB, LARGE = 150 * MIB };
+    void *block[BLOCKS];
+    need_kept_blocks();
+    const size_t before = resident();
+    for (int i = 0; i < BLOCKS; i++)
+        block[i] = alloc_block(EACH);
+    for (int i = 0; i < BLOCKS; i += 2)
+        gp_free(block[i]);
+    void *const large = alloc_block(LARGE);
+    assert_true(resident() - before <= (size_t) BLOCKS * EACH / 8 * 9 +
+                                       4 * MIB);
+    for (int i = 1; i < BLOCKS; i += 2) {
+        for (size_t k = 0; k < EACH; k += 4093)
+            assert_int_equal(((uint8_t *) block[i])[k], 0x5a);
+        gp_free(block[i]);
+    }
+    gp_free(large);
+}
+
+/* Blocks of many sizes, freed in another order than they came, leave holes,
+ * which are joined. */
+static void holes_are_joined(void **state)
+{
+    enum { BLOCKS = 40, ROUNDS = 400 };
+    void *block[BLOCKS] = {NULL};
+    size_t bytes[BLOCKS] = {0}, used = 0, most = 0;
+    uint32_t seed = 5;
+    need_kept_blocks();
+    for (int round = 0; round < ROUNDS; round++) {
+        seed = seed * 1664525u + 1013904223u;
+        const int i = (int) (seed >> 8) % BLOCKS;
+        uint8_t *p = block[i];
+        for (size_t k = 0; k < bytes[i]; k += 4093)
+            assert_int_equal(p[k], i + 1); // nobody else wrote there
+        gp_free(p);
+        used -= bytes[i];
+        bytes[i] = (size_t) 70000 << (seed >> 24) % 8;
+        bytes[i] += bytes[i] * (seed >> 27) / 32;
+        block[i] = p = alloc_block(bytes[i]);
+        memset(p, i + 1, bytes[i]);
+        used += bytes[i];
+        most = used > most ? used : most;
+    }
+    const size_t mapped = gp_arena_mapped();
+    for (int i = 0; i < BLOCKS; i++)
+        gp_free(block[i]);
+    // one span again, as large as all of them
+    void *const all = alloc_block(most);
+    assert_int_equal(gp_arena_mapped(), mapped);
+    gp_free(all);
 }
 
 static void *use_blocks(void *arg)
@@ -201,6 +281,7 @@ static int keep_memory(void **state)
     return 0;
 }
 
-SUITE_OF(memory, keep_memory, NULL, sizes_are_checked, memory_is_full,
+SUITE_OF(memory, keep_memory, NULL, small_blocks_need_no_pages,
+         pages_of_holes_return, sizes_are_checked, memory_is_full,
          small_and_none, zero_of_a_used_block, resized, same_blocks_again,
-         never_more_than_was_in_use, threads_share)
+         never_more_than_was_in_use, holes_are_joined, threads_share)
