@@ -32,6 +32,32 @@ struct direct {
     uint32_t **row;             // scratch of each thread, h + 1 each
 };
 
+enum { LAID = 64 }; // rows a task lays out
+
+struct laying {
+    const struct gp_kernel *k;
+    const struct gp_taps *taps;
+    struct gp_rect cut;
+    int tasks; // of each channel
+};
+
+static void lay_rows(void *ctx, int i, int thread)
+{
+    const struct laying *const l = ctx;
+    const struct gp_taps *const t = l->taps;
+    const int c = i / l->tasks, first = i % l->tasks * LAID;
+    const size_t pad = GP_TAPS_PAD * sizeof(float);
+    const size_t bytes = (size_t) t->w * sizeof(float);
+    (void) thread;
+    for (int y = first; y < first + LAID && y < t->h; y++) {
+        const size_t at = (size_t) (y + l->cut.y0) * (size_t) l->k->w;
+        float *const row = t->k[c] + (size_t) y * t->pitch;
+        memset(row, 0, pad);
+        memcpy(row + GP_TAPS_PAD, l->k->k.c[c] + at + l->cut.x0, bytes);
+        memset(row + GP_TAPS_PAD + t->w, 0, pad);
+    }
+}
+
 gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
                        int radius, struct gp_taps *out)
 {
@@ -44,28 +70,24 @@ gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
         .cx = k->cx - cut.x0, .cy = k->cy - cut.y0,
     };
     t.pitch = (size_t) t.w + 2 * GP_TAPS_PAD;
-    for (int c = 0; c < 3; c++) {
-        gp_status st = gp_alloc_zero(log, "kernel", t.pitch * (size_t) t.h,
-                                     sizeof(float), &t.k[c]);
-        if (st) {
-            gp_taps_free(&t);
-            return st;
-        }
-        for (int y = 0; y < t.h; y++) {
-            float *const row = t.k[c] + (size_t) y * t.pitch + GP_TAPS_PAD;
-            memcpy(row,
-                   k->k.c[c] + (size_t) (y + cut.y0) * (size_t) k->w + cut.x0,
-                   (size_t) t.w * sizeof(float));
-        }
-    }
+    // one block, as it fills huge pages
+    const int channels = k->grey ? 1 : 3;
+    const size_t plane = t.pitch * (size_t) t.h;
+    gp_status st = gp_alloc(log, "kernel", (size_t) channels * plane,
+                            sizeof(float), &t.k[0]);
+    if (st)
+        return st;
+    for (int c = 1; c < 3; c++)
+        t.k[c] = t.k[0] + (k->grey ? 0 : (size_t) c * plane);
+    struct laying l = {k, &t, cut, (t.h + LAID - 1) / LAID};
+    gp_parallel_do(channels * l.tasks, lay_rows, &l);
     *out = t;
     return GP_OK;
 }
 
 void gp_taps_free(struct gp_taps *t)
 {
-    for (int c = 0; c < 3; c++)
-        gp_free(t->k[c]);
+    gp_free(t->k[0]);
     *t = (struct gp_taps) {0};
 }
 

@@ -18,7 +18,7 @@ enum { GP_TAPS_PAD = 32 };
 struct gp_taps {
     int w, h, cx, cy;  // as in gp_kernel
     size_t pitch;      // floats from row to row
-    float *k[3];
+    float *k[3];       // one block; a grey kernel's are the same
 };
 
 /* Copies the part of the kernel within `radius` pixels of its centre in x

@@ -20,7 +20,7 @@ struct fft_state {
     int core;
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
     struct gp_fft_matrix work;     // of one channel: three leave the cache
-    size_t work_rows;
+    int work_rows;
     unsigned long shape_kernel; // serial of the shapes'
     struct gp_fft_shape shape[3];
     unsigned long taps_kernel; // serial of the taps'
@@ -147,7 +147,8 @@ static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
 /* Transforms the kernel, its samples within `core` pixels of the centre in x
  * and y left out (-1: none), unless the state has that spectrum: one channel
  * (a grey kernel) or three of p->ny rows, scaled so that the passes need no
- * more factors. fft has the plans of p->nx and p->ny and one channel. */
+ * more factors. fft has the plans of p->nx and p->ny and one channel; s->work
+ * fits p, and is overwritten. */
 static gp_status make_spectrum(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_fft_request *fft,
     const struct gp_fft_placing *p, int core)
@@ -156,7 +157,7 @@ static gp_status make_spectrum(const struct gp_glare_request *req,
     const struct gp_kernel *const k = req->kernel;
     const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
     const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
-    struct gp_fft_matrix rows = {0}, spectrum = {0};
+    struct gp_fft_matrix spectrum = {0};
     int *places = NULL;
     struct gp_fft_request one = *fft;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
@@ -165,14 +166,13 @@ static gp_status make_spectrum(const struct gp_glare_request *req,
     if (has_spectrum(s, k, p, core))
         return GP_OK;
     gp_fft_matrix_free(&s->spectrum);
-    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, n, &rows));
     GP_TRY(gp_fft_matrix_make(req->log, channels, p->nx, p->ny, &spectrum));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *places,
                     &places));
     for (int j = 0; j < n; j++)
         places[j] = wrap_index(p->taps.y0 + j, p->ny);
     for (one.channel = 0; one.channel < channels; one.channel++) {
-        struct gp_fft_matrix m = one_channel(&rows, one.channel);
+        struct gp_fft_matrix m = one_channel(&s->work, one.channel);
         GP_TRY(gp_fft_rows_in(&one, n, load_kernel_row, &from, &m));
         GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &spectrum));
     }
@@ -184,7 +184,6 @@ static gp_status make_spectrum(const struct gp_glare_request *req,
 out:
     gp_fft_matrix_free(&spectrum);
     gp_free(places);
-    gp_fft_matrix_free(&rows);
     return st;
 }
 
@@ -267,6 +266,19 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
     return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer);
 }
 
+/* Makes s->work fit so many rows of light or of the layer, and the kernel's. */
+static gp_status fit_work(const struct gp_log *log, struct fft_state *s,
+    const struct gp_fft_placing *p, int lines)
+{
+    const int rows = gp_max(lines, gp_rect_h(p->taps));
+    if (s->work.columns == (p->nx / 2 + 4) / 4 * 4 && s->work_rows == rows)
+        return GP_OK;
+    gp_fft_matrix_free(&s->work);
+    gp_status st = gp_fft_matrix_make(log, 1, p->nx, rows, &s->work);
+    s->work_rows = rows;
+    return st;
+}
+
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
@@ -283,7 +295,6 @@ static gp_status transform(const struct gp_glare_request *req,
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
     GP_TRY(find_plan(req, s, p->nx, &fft.x));
     fft.y = &kept;
-    GP_TRY(make_spectrum(req, s, &fft, p, core));
     const size_t lit = (size_t) gp_rect_h(p->in);
     GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.y));
     GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.place));
@@ -293,13 +304,8 @@ static gp_status transform(const struct gp_glare_request *req,
             light.place[light.n++] = row - p->in.y0;
         }
     }
-    const int rows = light.n > count ? light.n : count;
-    if (s->work.columns != (p->nx / 2 + 4) / 4 * 4 ||
-        s->work_rows != (size_t) rows) {
-        gp_fft_matrix_free(&s->work);
-        GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, rows, &s->work));
-        s->work_rows = (size_t) rows;
-    }
+    GP_TRY(fit_work(req->log, s, p, gp_max(light.n, count)));
+    GP_TRY(make_spectrum(req, s, &fft, p, core));
     const size_t w = (size_t) src->w;
     gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
     gp_planes_clear(req->layer, w * (size_t) p->out.y1,

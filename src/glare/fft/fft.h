@@ -76,7 +76,7 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p);
 struct gp_fft_matrix {
     int columns;    // stored: nx / 2 + 1, rounded up to a multiple of 4
     size_t pitch;   // complex numbers from column to column, multiple of 8
-    float *z[3];    // interleaved re, im; [column * pitch + row]
+    float *z[3];    // interleaved re, im; [column * pitch + row]; one block
 };
 
 /* Makes `channels` planes; not cleared. Free with gp_fft_matrix_free(). */

@@ -307,22 +307,21 @@ gp_status gp_fft_matrix_make(const struct gp_log *log, int channels, int nx,
     m.pitch = ((size_t) rows + ROWS - 1) / ROWS * ROWS;
     if (m.pitch % 64 == 0)
         m.pitch += ROWS; // neighbouring columns must not share a cache set
-    for (int c = 0; c < channels; c++) {
-        gp_status st = gp_alloc(log, "spectrum", (size_t) m.columns * m.pitch,
-                                2 * sizeof(float), &m.z[c]);
-        if (st) {
-            gp_fft_matrix_free(&m);
-            return st;
-        }
-    }
+    // one block, as it fills huge pages
+    const size_t plane = (size_t) m.columns * m.pitch;
+    gp_status st = gp_alloc(log, "spectrum", (size_t) channels * plane,
+                            2 * sizeof(float), &m.z[0]);
+    if (st)
+        return st;
+    for (int c = 1; c < channels; c++)
+        m.z[c] = m.z[0] + 2 * (size_t) c * plane;
     *out = m;
     return GP_OK;
 }
 
 void gp_fft_matrix_free(struct gp_fft_matrix *m)
 {
-    for (int c = 0; c < 3; c++)
-        gp_free(m->z[c]);
+    gp_free(m->z[0]);
     *m = (struct gp_fft_matrix) {0};
 }
 
