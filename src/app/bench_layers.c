@@ -68,7 +68,7 @@ static gp_status draw_lens(struct gp_bench_layers *b, const struct gp_log *log,
 {
     struct gp_frame_state fs = {
         .log = log, .job = &b->job, .frame = *f, .sources = *src};
-    return gp_run_lens_as(&b->run, &fs, detail);
+    return gp_run_lens(&b->run, &fs, detail);
 }
 
 static gp_status draw_coarse(void *user, const struct gp_log *log,

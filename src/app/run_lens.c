@@ -6,7 +6,6 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "io/plane.h"
 
 #include <math.h>
@@ -109,7 +108,7 @@ bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
 // -- lights -------------------------------------------------------------------
 
 /* Groups of sources: blocks of the frame, of which the brightest are lights. */
-enum { BLOCK = 16, GROUPS = 100, FEW = 8 };
+enum { BLOCK = 16, GROUPS = 100 };
 
 static double light_of(const struct gp_sources *s, const double rgb[3])
 {
@@ -185,60 +184,14 @@ static gp_status group_sources(const struct gp_log *log,
 
 // -- the layer ----------------------------------------------------------------
 
-struct squares {
-    const struct gp_frame *frame;
-    double *sum; // of each row of the layer
-};
-
-static void add_squares(void *ctx, int y, int thread)
-{
-    const struct squares *const s = ctx;
-    const size_t w = (size_t) gp_frame_w(s->frame);
-    (void) thread;
-    s->sum[y] = 0.0;
-    for (int c = 0; c < 3; c++) {
-        const float *const row = s->frame->layer.c[c] + (size_t) y * w;
-        for (size_t x = 0; x < w; x++)
-            s->sum[y] += (double) row[x] * (double) row[x];
-    }
-}
-
-/* Sets the bound: all ghosts are light, so the exact layer is no less than the
- * one without some. */
-static gp_status set_bound(const struct gp_log *log, const struct gp_frame *f,
-                           struct gp_lens_facts *facts)
-{
-    const int h = gp_frame_h(f);
-    struct squares s = {.frame = f};
-    double sum = 0.0;
-    const gp_status st = gp_alloc(log, "norm", (size_t) h, sizeof *s.sum,
-                                  &s.sum);
-    if (st)
-        return st;
-    gp_parallel_do(h, add_squares, &s);
-    for (int y = 0; y < h; y++)
-        sum += s.sum[y];
-    facts->bound = facts->stats.missing > 0.0
-                       ? facts->stats.missing / sqrt(sum) : 0.0;
-    gp_free(s.sum);
-    return GP_OK;
-}
-
-gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs)
-{
-    // hidden lights count, so that nothing changes as they appear
-    return gp_run_lens_as(r, fs, r->suns.n > 0 && r->suns.n <= FEW
-                                     ? GP_LENS_FINE : GP_LENS_COARSE);
-}
-
-gp_status gp_run_lens_as(struct gp_run *r, struct gp_frame_state *fs,
-                         enum gp_lens_detail detail)
+gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs,
+                      enum gp_lens_detail detail)
 {
     struct gp_frame *const f = &fs->frame;
     struct gp_lens_facts *const facts = &fs->facts.lens;
     struct gp_lens_light *light = NULL;
     struct gp_lens lens;
-    double dark[3] = {0};
+    double dark[3] = {0}, sum[3], squares;
     gp_status st;
     int n = 0;
     GP_TRY(gp_alloc_zero(fs->log, "lights",
@@ -276,7 +229,10 @@ gp_status gp_run_lens_as(struct gp_run *r, struct gp_frame_state *fs,
         goto out;
     GP_TRY(gp_lens_draw(fs->log, &lens, &view, light, n, &f->layer,
                         &facts->stats));
-    st = set_bound(fs->log, f, facts);
+    // all ghosts are light: the exact layer is no less than one without some
+    gp_planes_sum(&f->layer, gp_frame_pixels(f), sum, &squares);
+    facts->bound = facts->stats.missing > 0.0
+                       ? facts->stats.missing / sqrt(squares) : 0.0;
 out:
     gp_free(light);
     return st;

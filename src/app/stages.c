@@ -5,7 +5,6 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "glare/engine.h"
 #include "glare/sources.h"
 #include "glare/splat/polygons.h"
@@ -333,47 +332,21 @@ static bool flare_asked(const struct gp_settings *s)
 /* Adds ghosts of a real lens. */
 static gp_status run_lens(struct gp_run *r, struct gp_frame_state *fs)
 {
+    enum { FEW = 8 }; // hidden lights count: nothing changes as they appear
+    const enum gp_lens_detail detail = r->suns.n > 0 && r->suns.n <= FEW
+                                           ? GP_LENS_FINE : GP_LENS_COARSE;
     const gp_status st = fs->frame.layer.c[0] ? GP_OK : gp_run_dark_layer(fs);
-    return st ? st : gp_run_lens(r, fs);
-}
-
-/* Sums by rows, so that the number of threads changes no bit. */
-struct row_sums {
-    const float *plane;
-    int w;
-    double *sum;  // one a row
-};
-
-static void sum_row(void *ctx, int y, int thread)
-{
-    const struct row_sums *s = ctx;
-    const float *row = s->plane + (size_t) y * (size_t) s->w;
-    double sum = 0.0;
-    (void) thread;
-    for (int x = 0; x < s->w; x++)
-        sum += (double) row[x];
-    s->sum[y] = sum;
+    return st ? st : gp_run_lens(r, fs, detail);
 }
 
 static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
 {
+    double squares;
     (void) r;
-    int h = gp_frame_h(&fs->frame);
-    double *sums;
     fs->facts.has_flux_out = true;
-    if (!fs->frame.layer.c[0])
-        return GP_OK;
-    gp_status st = gp_alloc(fs->log, "flux", (size_t) h, sizeof *sums, &sums);
-    if (st)
-        return st;
-    for (int c = 0; c < 3; c++) {
-        struct row_sums s = {fs->frame.layer.c[c], gp_frame_w(&fs->frame),
-                             sums};
-        gp_parallel_do(h, sum_row, &s);
-        for (int y = 0; y < h; y++)
-            fs->facts.flux_out[c] += sums[y];
-    }
-    gp_free(sums);
+    if (fs->frame.layer.c[0])
+        gp_planes_sum(&fs->frame.layer, gp_frame_pixels(&fs->frame),
+                      fs->facts.flux_out, &squares);
     return GP_OK;
 }
 

@@ -282,13 +282,10 @@ struct gp_lens_stop {
 bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
                       struct gp_lens_stop *out);
 
-/* Adds the lens's ghosts to the layer, which is made, of the lights that have flux,
- * or without lights of the 100 brightest blocks of 16x16 pixels with sources.
- * The second with this detail; the reference leaves no ghost out. Errors:
- * GP_ERR_BUG memory. */
+/* Adds the lens's ghosts to the layer, which is made, of the lights that have
+ * flux, or without lights of the 100 brightest blocks of 16x16 pixels with
+ * sources. The finest detail leaves no ghost out. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_run_lens(struct gp_run *r,
-                                    struct gp_frame_state *fs);
-GP_MUST_CHECK gp_status gp_run_lens_as(struct gp_run *r,
     struct gp_frame_state *fs, enum gp_lens_detail detail);
 
 /* Reads for the sun's stage: planes of depth and coverage, pictures of flare

@@ -40,11 +40,10 @@ struct trial {
     double *ms;                     // of the runs
 };
 
-static void keep_line(void *user, enum gp_level level, const char *line)
+void gp_bench_keep_why(void *why, enum gp_level level, const char *line)
 {
-    struct gp_bench_row *const row = user;
     if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
-        snprintf(row->why, sizeof row->why, "%s", line);
+        snprintf(why, GP_BENCH_WHY, "%s", line);
 }
 
 /* A run's times, and the sources it had. */
@@ -195,7 +194,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
 {
     struct trial t = {
         .b = b, .params = *b->req->glare, .row = row, .ms = ms,
-        .log = {keep_line, row, GP_LEVEL_ERROR},
+        .log = {gp_bench_keep_why, row->why, GP_LEVEL_ERROR},
     };
     t.params.engine = technique->engine;
     t.params.splat = technique->splat;

@@ -18,6 +18,8 @@ enum gp_paper_kind {
 };
 
 /* The paper's size of glare images. Its frames were 1024 x 786, as printed. */
+enum { GP_BENCH_WHY = 512 }; // bytes of a line
+
 enum { GP_PAPER_W = 1024, GP_PAPER_H = 768, GP_PAPER_KERNEL = 512 };
 
 /* The paper's figures of its approximate method on a GeForce 7800 GTX: frames
@@ -65,7 +67,7 @@ void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
 struct gp_bench_row {
     const char *name;          // of the technique
     char options[128];
-    char why[512];             // reason that it could not run; "": it ran
+    char why[GP_BENCH_WHY];    // reason that it could not run; "": it ran
 
     double ms, ms_min, ms_max; // median and range of `runs` with state kept
     double ms_first;           // of the first run, which makes the state
@@ -162,5 +164,8 @@ GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
  * method that cannot run is a row that says why. */
 GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
                                      const struct gp_bench_request *req);
+
+/* Sink of a log: keeps errors in `why`, char[GP_BENCH_WHY]. */
+void gp_bench_keep_why(void *why, enum gp_level level, const char *line);
 
 #endif

@@ -52,17 +52,11 @@ static double octaves(struct dice *d, double low, double high)
     return v < high ? v : high;
 }
 
-static double smooth(double x)
-{
-    x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
-    return x * x * (3.0 - 2.0 * x);
-}
-
 /* Value noise in [0, 1): random at whole x and y, smooth between. */
 static double noise(uint64_t seed, double x, double y)
 {
     const int64_t ix = (int64_t) floor(x), iy = (int64_t) floor(y);
-    const double fx = smooth(x - (double) ix), fy = smooth(y - (double) iy);
+    const double fx = gp_smoothstep(x - (double) ix), fy = gp_smoothstep(y - (double) iy);
     double corner[4];
     for (int i = 0; i < 4; i++) {
         const uint64_t at = (uint64_t) (ix + i % 2) * 0x9e3779b97f4a7c15u +
@@ -308,7 +302,7 @@ gp_status gp_paper_kernel(const struct gp_log *log, int size,
                 }
                 light += 0.02 * streaks / ((r + 3.0) * sqrt(r + 3.0));
                 // fades over the last sixth, and ends inside the border
-                *to++ = (float) (light * smooth((half - sqrt(u * u + v * v)) /
+                *to++ = (float) (light * gp_smoothstep((half - sqrt(u * u + v * v)) /
                                                 (half / 6.0)));
             }
         }

@@ -19,7 +19,7 @@ enum {
 struct row {
     struct gp_sun_params p;
     char name[40];
-    char why[200];         // "": it ran
+    char why[GP_BENCH_WHY]; // "": it ran
     double ms, least, most, first;
     double flight;         // a frame's ms with FLIGHT of them under way
     double visibility;     // of the first light
@@ -100,16 +100,9 @@ static gp_status time_runs(struct bench *b, const struct gp_log *log,
     return st;
 }
 
-static void keep_line(void *user, enum gp_level level, const char *line)
-{
-    struct row *const r = user;
-    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
-        snprintf(r->why, sizeof r->why, "%s", line);
-}
-
 static gp_status measure_row(struct bench *b, struct row *r)
 {
-    const struct gp_log log = {keep_line, r, GP_LEVEL_ERROR};
+    const struct gp_log log = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
     gp_status st;
     const int runs = b->req->params->runs;
     GP_TRY(time_runs(b, &log, r, 1, 1, &r->first));

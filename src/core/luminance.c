@@ -9,6 +9,47 @@
 #include <stdint.h>
 #include <string.h>
 
+// -- sums of planes ----------------------------------------------------------
+
+struct plane_sums {
+    const struct gp_planes *p;
+    size_t pixels;
+    struct {
+        double sum[3], squares;
+    } band[GP_FRAME_BANDS];
+};
+
+static void sum_band(void *ctx, int band, int thread)
+{
+    struct plane_sums *const s = ctx;
+    const size_t end = gp_band_start(s->pixels, band + 1);
+    double squares = 0.0;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0;
+        for (size_t i = gp_band_start(s->pixels, band); i < end; i++) {
+            const double v = (double) s->p->c[c][i];
+            sum += v;
+            squares += v * v;
+        }
+        s->band[band].sum[c] = sum;
+    }
+    s->band[band].squares = squares;
+}
+
+void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
+                   double *squares)
+{
+    struct plane_sums s = {.p = p, .pixels = pixels};
+    gp_parallel_do(GP_FRAME_BANDS, sum_band, &s);
+    sum[0] = sum[1] = sum[2] = *squares = 0.0;
+    for (int i = 0; i < GP_FRAME_BANDS; i++) {
+        for (int c = 0; c < 3; c++)
+            sum[c] += s.band[i].sum[c];
+        *squares += s.band[i].squares;
+    }
+}
+
 // -- the average -------------------------------------------------------------
 
 /* A sum of logarithms, as the product of mantissas and the sum of exponents:

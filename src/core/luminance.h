@@ -1,4 +1,5 @@
-/* The luminance of a frame as a whole: its average, percentiles, and largest.
+/* Sums of a frame's planes, and its luminance as a whole: its average,
+ * percentiles, and largest.
  * All are the same for any number of threads. */
 #ifndef GP_CORE_LUMINANCE_H
 #define GP_CORE_LUMINANCE_H
@@ -30,6 +31,10 @@ gp_lit_luminance(const float weight[3], float r, float g, float b)
     return weight[0] * gp_lit(r) + weight[1] * gp_lit(g) +
            weight[2] * gp_lit(b);
 }
+
+/* Sums each of three planes of `pixels`, and the squares in all of them. */
+void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
+                   double *squares);
 
 /* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
  * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);

@@ -51,12 +51,6 @@ static double clamp01(double v)
     return v < 0.0 ? 0.0 : v > 1.0 ? 1.0 : v;
 }
 
-static double smooth(double v)
-{
-    const double t = clamp01(v);
-    return t * t * (3.0 - 2.0 * t);
-}
-
 /* Brightness at q in [0, 1] from middle to rim, without edges. */
 static double body(const struct gp_flare_element *e, double q)
 {
@@ -81,7 +75,7 @@ static double body(const struct gp_flare_element *e, double q)
  * more wide around it, or of one `soft` wide inside it where that is more. */
 static double edge(double d, double pixel, double soft)
 {
-    return soft > pixel ? smooth(d / soft) : clamp01(0.5 + d / pixel);
+    return soft > pixel ? gp_smoothstep(d / soft) : clamp01(0.5 + d / pixel);
 }
 
 /* Radius of a ring's hole at radius r pixels, in q; under 0: none. */

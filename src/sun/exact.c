@@ -2,6 +2,7 @@
  * of a light by the area of each pixel under it. */
 #include "sun/sun_priv.h"
 
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -223,12 +224,6 @@ struct bands {
     struct sums sum[BANDS];
 };
 
-/* v as a whole number within [lo, hi]; NaN gives lo. */
-static int within(double v, int lo, int hi)
-{
-    return !(v > (double) lo) ? lo : v < (double) hi ? (int) v : hi;
-}
-
 /* Returns half the chord at a distance from the centre; under 0: none. */
 static double half_chord(double r, double distance)
 {
@@ -266,13 +261,13 @@ static void add_band(void *ctx, int i, int thread)
         if (outer < 0.0)
             continue;
         // a pixel more on each side: the chords are rounded
-        const int x0 = within(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
-        const int x1 = within(ceil(l->x + outer) + 1.0, x0, rect.x1);
+        const int x0 = gp_clamp_whole(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
+        const int x1 = gp_clamp_whole(ceil(l->x + outer) + 1.0, x0, rect.x1);
         // (a whole one that add_edge() takes counts the same)
         int in0 = x1, in1 = x1;
         if (inner > 0.0) {
-            in0 = within(ceil(l->x - inner) + 1.0, x0, x1);
-            in1 = within(floor(l->x + inner) - 1.0, in0, x1);
+            in0 = gp_clamp_whole(ceil(l->x - inner) + 1.0, x0, x1);
+            in1 = gp_clamp_whole(floor(l->x + inner) - 1.0, in0, x1);
         }
         add_edge(b, x0, in0, y, s);
         s->area += (double) in1 - (double) in0;
@@ -286,10 +281,10 @@ static struct sums sum_rect(const struct gp_occluders *o,
     const struct gp_light *l, double r, struct gp_rect rect)
 {
     struct bands b = {.o = o, .light = l, .radius = r};
-    b.rect.x0 = within(floor(l->x - r), rect.x0, rect.x1);
-    b.rect.y0 = within(floor(l->y - r), rect.y0, rect.y1);
-    b.rect.x1 = within(ceil(l->x + r), b.rect.x0, rect.x1);
-    b.rect.y1 = within(ceil(l->y + r), b.rect.y0, rect.y1);
+    b.rect.x0 = gp_clamp_whole(floor(l->x - r), rect.x0, rect.x1);
+    b.rect.y0 = gp_clamp_whole(floor(l->y - r), rect.y0, rect.y1);
+    b.rect.x1 = gp_clamp_whole(ceil(l->x + r), b.rect.x0, rect.x1);
+    b.rect.y1 = gp_clamp_whole(ceil(l->y + r), b.rect.y0, rect.y1);
     struct sums s = {0};
     if (gp_rect_empty(b.rect))
         return s;

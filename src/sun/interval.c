@@ -1,6 +1,7 @@
 /* Bounds of a light's share: the pixels of edges all hidden, and all clear. */
 #include "sun/sun_priv.h"
 
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -97,21 +98,15 @@ static void add_strip(void *ctx, int i, int thread)
         add_row(v, (int) (v->rect.y0 + k), &v->sum[i]);
 }
 
-/* v as a whole number within [lo, hi]. */
-static int within(double v, int lo, int hi)
-{
-    return !(v > (double) lo) ? lo : v < (double) hi ? (int) v : hi;
-}
-
 /* Adds the pixels of a rectangle that the disc may touch. */
 static void add_rect(struct interval *v, struct gp_rect r,
                      struct bounds_sums *sum)
 {
     const struct gp_light *const l = v->light;
-    v->rect.x0 = within(floor(l->x - v->radius), r.x0, r.x1);
-    v->rect.y0 = within(floor(l->y - v->radius), r.y0, r.y1);
-    v->rect.x1 = within(ceil(l->x + v->radius), v->rect.x0, r.x1);
-    v->rect.y1 = within(ceil(l->y + v->radius), v->rect.y0, r.y1);
+    v->rect.x0 = gp_clamp_whole(floor(l->x - v->radius), r.x0, r.x1);
+    v->rect.y0 = gp_clamp_whole(floor(l->y - v->radius), r.y0, r.y1);
+    v->rect.x1 = gp_clamp_whole(ceil(l->x + v->radius), v->rect.x0, r.x1);
+    v->rect.y1 = gp_clamp_whole(ceil(l->y + v->radius), v->rect.y0, r.y1);
     if (gp_rect_empty(v->rect))
         return;
     const int h = gp_rect_h(v->rect);

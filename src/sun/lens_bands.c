@@ -24,19 +24,6 @@ static void lagrange(double nm, double out[GP_LENS_NODES])
     }
 }
 
-/* No curve is followed below the least light that an eye sees. */
-static double seen(double nm)
-{
-    return nm > 420.0 ? (nm < 680.0 ? nm : 680.0) : 420.0;
-}
-
-/* Places, of Cauchy's index, are followed further: all violet at the place of
- * one wavelength would be a ring. */
-static double placed(double nm)
-{
-    return nm > 390.0 ? (nm < 720.0 ? nm : 720.0) : 390.0;
-}
-
 /* Sets each channel's light from that at the nodes. A coat's reflectance goes
  * with the square of the distance, in 1 / nm, to its own wavelength, and that
  * of two surfaces with the fourth power: it is the root that Lagrange's
@@ -86,7 +73,8 @@ void gp_lens_bands_make(const float *chromaticities,
             *out = (struct gp_lens_band) {0};
             for (int i = b * each; i < (b + 1) * each; i++) {
                 double at[GP_LENS_NODES], root = 0.0;
-                lagrange(seen(nm[i]), at);
+                // no curve is followed below the least light that an eye sees
+                lagrange(fmin(fmax(nm[i], 420.0), 680.0), at);
                 for (int k = 0; k < GP_LENS_NODES; k++)
                     root += at[k] * sqrt(image[k]);
                 add_light(rgb[i], at, root * root, out);
@@ -95,7 +83,9 @@ void gp_lens_bands_make(const float *chromaticities,
                     middle += fabs(rgb[i][c]) * nm[i];
                 }
             }
-            lagrange(placed(middle / sum), out->of_node);
+            // places, of Cauchy's index, are followed further: all violet at
+            // the place of one wavelength would be a ring
+            lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out->of_node);
         }
     }
 }

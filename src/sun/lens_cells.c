@@ -3,19 +3,10 @@
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <math.h>
 #include <string.h>
-
-static inline double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double most(double a, double b)
-{
-    return a > b ? a : b;
-}
 
 /* Rays of a mesh at node k. */
 static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
@@ -85,8 +76,8 @@ static void widen(const struct gp_lens_item *it, const struct spot *s, int half,
                          aside * it->aside[0];
         const double y = it->middle[1] + s->x[k] * it->along[1] +
                          aside * it->aside[1];
-        *b = (struct box) {least(b->x0, x), least(b->y0, y), most(b->x1, x),
-                           most(b->y1, y)};
+        *b = (struct box) {gp_mind(b->x0, x), gp_mind(b->y0, y), gp_maxd(b->x1, x),
+                           gp_maxd(b->y1, y)};
     }
 }
 
@@ -100,13 +91,13 @@ static bool measure(const struct gp_lens_view *v,
     const int w = m->cells + 1, last = GP_LENS_NODES - 1;
     const int first = cell / m->cells * w + cell % m->cells;
     const int at[4] = {first, first + 1, first + w + 1, first + w};
-    const double pixel = least(v->mm[0], v->mm[1]);
+    const double pixel = gp_mind(v->mm[0], v->mm[1]);
     struct spot spot[8];
     const int n = spots_of(m, at, spot);
     *apart = 0.0;
     box[0] = box[1] = (struct box) {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int e = 0; e < n; e++) {
-        *apart = most(*apart, hypot(spot[e].x[last] - spot[e].x[0],
+        *apart = gp_maxd(*apart, hypot(spot[e].x[last] - spot[e].x[0],
                                     spot[e].y[last] - spot[e].y[0]) / pixel);
         widen(it, &spot[e], 0, &box[0]);
         widen(it, &spot[e], 1, &box[1]);
@@ -128,14 +119,14 @@ void gp_lens_item_place(const struct gp_lens_view *v,
             continue;
         for (int half = 0; half < 2; half++)
             all = (struct box) {
-                least(all.x0, box[half].x0), least(all.y0, box[half].y0),
-                most(all.x1, box[half].x1), most(all.y1, box[half].y1)};
+                gp_mind(all.x0, box[half].x0), gp_mind(all.y0, box[half].y0),
+                gp_maxd(all.x1, box[half].x1), gp_maxd(all.y1, box[half].y1)};
     }
     const double finer = 1 << v->detail;
     // a step must not hide the size
-    const double size = most(all.x1 - all.x0, all.y1 - all.y0);
-    const double finest = least(0.7 / finer * g->blur /
-                                   least(v->mm[0], v->mm[1]), size / 24.0);
+    const double size = gp_maxd(all.x1 - all.x0, all.y1 - all.y0);
+    const double finest = gp_mind(0.7 / finer * g->blur /
+                                   gp_mind(v->mm[0], v->mm[1]), size / 24.0);
     int level = 0;
     while (level + 1 < GP_LENS_LEVELS && 2 << level <= finest)
         level++;
@@ -162,8 +153,8 @@ void gp_lens_item_place(const struct gp_lens_view *v,
                 continue;
             it->cell[half][i] = (struct gp_lens_cell) {
                 (float) b.y0, (float) b.y1, (uint8_t) (1 + set)};
-            it->y0 = least(it->y0, b.y0);
-            it->y1 = most(it->y1, b.y1);
+            it->y0 = gp_mind(it->y0, b.y0);
+            it->y1 = gp_maxd(it->y1, b.y1);
         }
     }
     it->level = it->y0 < it->y1 ? level : -1;
@@ -225,7 +216,7 @@ static void make_rays(const struct gp_lens_item *it, int set,
             const struct gp_lens_hit *const h = &it->mesh.hit[k * n + i];
             x += b->of_node[k] * h->x;
             y += b->of_node[k] * h->y;
-            root[k] = sqrt(most((double) h->through, 0.0));
+            root[k] = sqrt(gp_maxd((double) h->through, 0.0));
             out->arrives[i] = out->arrives[i] && h->through >= 0.0f;
         }
         gp_lens_light_of(b, root, out->light[i]);
@@ -356,10 +347,10 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 arrives = arrives && rays->arrives[at[e]];
                 passes = passes || hit[at[e]].rim < 1.0f;
                 clear = clear && rays->clear[at[e]];
-                low = least(low, p[e][1]);
-                high = most(high, p[e][1]);
-                left = least(left, p[e][0]);
-                right = most(right, p[e][0]);
+                low = gp_mind(low, p[e][1]);
+                high = gp_maxd(high, p[e][1]);
+                left = gp_mind(left, p[e][0]);
+                right = gp_maxd(right, p[e][0]);
                 for (int c = 0; c < 3; c++)
                     light[c] += 0.25 * rays->light[at[e]][c];
             }

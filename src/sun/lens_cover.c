@@ -3,19 +3,10 @@
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
-
-static inline double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double most(double a, double b)
-{
-    return a > b ? a : b;
-}
 
 static inline void add(double *at, double amount, const double light[3])
 {
@@ -39,7 +30,7 @@ static void add_in_row(double *row, double x0, double x1, double high,
     const double slope = high / (x1 - x0);
     double before = 0.0;
     for (int i = first; i < end; i++) {
-        const double a = most(x0, i), b = least(x1, i + 1.0);
+        const double a = gp_maxd(x0, i), b = gp_mind(x1, i + 1.0);
         const double mean = slope * ((b - a) * (i + 1.0 - 0.5 * (a + b)));
         const double whole = slope * (a - x0); // of what ends before a
         add(row + 3 * i, mean + whole - before, light);
@@ -63,15 +54,15 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
         y1 = y;
     }
     const double step = (x1 - x0) / (y1 - y0);
-    const double from = most(y0, k->y0), to = least(y1, k->y1);
-    const double low = least(x0, x1), high = most(x0, x1);
-    double x = least(most(x0 + step * (from - y0), low), high);
+    const double from = gp_maxd(y0, k->y0), to = gp_mind(y1, k->y1);
+    const double low = gp_mind(x0, x1), high = gp_maxd(x0, x1);
+    double x = gp_mind(gp_maxd(x0 + step * (from - y0), low), high);
     int row = (int) from; // over 0
     double *at = k->v + 3 * (size_t) (row - k->top) * (size_t) (k->w + 2);
     for (double y = from; y < to; row++, at += 3 * (k->w + 2)) {
-        const double next = least(row + 1.0, to);
-        const double after = least(most(x + step * (next - y), low), high);
-        add_in_row(at, least(x, after), most(x, after), sign * (next - y),
+        const double next = gp_mind(row + 1.0, to);
+        const double after = gp_mind(gp_maxd(x + step * (next - y), low), high);
+        add_in_row(at, gp_mind(x, after), gp_maxd(x, after), sign * (next - y),
                    light);
         x = after;
         y = next;
@@ -83,15 +74,16 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
 static void add_beside(const struct gp_lens_cover *k, double x0, double y0,
                        double x1, double y1, const double light[3])
 {
-    if (most(y0, y1) > k->y0 && least(y0, y1) < k->y1 && least(x0, x1) < k->w)
-        add_edge(k, least(most(x0, 0.0), k->w), y0, least(most(x1, 0.0), k->w),
+    if (gp_maxd(y0, y1) > k->y0 && gp_mind(y0, y1) < k->y1 && gp_mind(x0, x1) < k->w)
+        add_edge(k, gp_mind(gp_maxd(x0, 0.0), k->w), y0, gp_mind(gp_maxd(x1, 0.0), k->w),
                  y1, light);
 }
 
-/* Cuts an edge at the first and the last column, and adds its parts. */
-static void add_clipped(const struct gp_lens_cover *k, double x0, double y0,
-                        double x1, double y1, const double light[3])
+// cuts the edge at the first and the last column, and adds its parts
+void gp_lens_cover_edge(const struct gp_lens_cover *k, const double a[2],
+                        const double b[2], const double light[3])
 {
+    const double x0 = a[0], y0 = a[1], x1 = b[0], y1 = b[1];
     const double side[2] = {x0 < x1 ? 0.0 : k->w, x0 < x1 ? k->w : 0.0};
     const double slope = (y1 - y0) / (x1 - x0); // used where they differ
     double x = x0, y = y0;
@@ -119,12 +111,6 @@ static void add_point(const struct gp_lens_cover *k, const double p[2],
     add(at + 3, -1.0, light);
 }
 
-void gp_lens_cover_edge(const struct gp_lens_cover *k, const double a[2],
-                        const double b[2], const double light[3])
-{
-    add_clipped(k, a[0], a[1], b[0], b[1], light);
-}
-
 void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
                        int n, const double light[3])
 {
@@ -147,7 +133,7 @@ void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
         each[c] = -light[c] / area;
     for (int i = 0; i < n; i++) {
         const double *const a = p[i], *const b = p[i + 1 < n ? i + 1 : 0];
-        add_clipped(k, a[0], a[1], b[0], b[1], each);
+        gp_lens_cover_edge(k, a, b, each);
     }
 }
 

@@ -1,6 +1,7 @@
 /* Models by plain formulas: blurs, discs and rings; and an image, as one of
  * several recipes: a lens' measured or painted picture of a point of light. */
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
 #include <float.h>
@@ -297,17 +298,11 @@ struct disc {
     double radius, soft, rim;
 };
 
-static double smoothstep(double t)
-{
-    t = fmin(fmax(t, 0.0), 1.0);
-    return t * t * (3.0 - 2.0 * t);
-}
-
 static void disc_value(const void *ctx, double t, double out[3])
 {
     const struct disc *const d = ctx;
     const double share = t / d->radius;
-    out[0] = smoothstep((d->radius - t) / d->soft + 0.5) *
+    out[0] = gp_smoothstep((d->radius - t) / d->soft + 0.5) *
              (1.0 + d->rim * pow(fmin(share, 1.0), 8.0));
 }
 
@@ -355,7 +350,7 @@ struct halo {
 static void halo_value(const void *ctx, double t, double out[3])
 {
     const struct halo *const h = ctx;
-    const double fade = smoothstep(3.0 * (h->end - t) / h->end);
+    const double fade = gp_smoothstep(3.0 * (h->end - t) / h->end);
     out[0] = out[1] = out[2] = 0.0;
     for (int i = 0; i < BANDS; i++) {
         double v = 0.0;
