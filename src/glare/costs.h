@@ -48,6 +48,9 @@
 /* ms of a pass for each nanosecond of its transforms: moved, placed,
  * multiplied */
 #define GP_COST_FFT_PASS 1.35e-6
+/* ns of one point of a transform in a pass, moved, placed and multiplied: what
+ * the factor is for in the mean */
+#define GP_COST_FFT_POINT 0.5
 /* ms of any run */
 #define GP_COST_FFT_RUN 0.00553
 /* ms of one source loaded, in one channel */

@@ -41,6 +41,12 @@ double gp_fft_cost(int n, enum gp_fft_plan how);
  * of 8 whose other factors are 3, 5 and 7. */
 int gp_fft_length(int n);
 
+/* The same for the passes below, of plans by estimate and with each point's
+ * moves: the length of columns; and that of rows where columns are ny long,
+ * `rows` > 0 rows each way, for which a longer row has more columns. */
+int gp_fft_column_length(int n);
+int gp_fft_row_length(int n, int rows, int ny);
+
 /* The plans of one length: out of place, GP_ALIGN-aligned arrays. */
 struct gp_fft_plan_pair {
     int n;

@@ -92,7 +92,8 @@ double gp_fft_cost(int n, enum gp_fft_plan how)
            n * log2(n);
 }
 
-int gp_fft_length(int n)
+/* The length >= n of the least cost, planned so, with `each` ns more a point. */
+static int find_length(int n, enum gp_fft_plan how, double each)
 {
     static const double ps[] = GP_COST_FFT_PS;
     int best = 0;
@@ -101,14 +102,15 @@ int gp_fft_length(int n)
     // latest; before that where the least cost of any length from m up, with
     // the whole part of the logarithm, is no less
     for (int m = (n + 7) / 8 * 8; m < 2 * n + 8; m += 8) {
-        if (ps[0] * 1e-3 * m * (31 - __builtin_clz((unsigned) m)) >= cost)
+        if (m * (ps[0] * 1e-3 * (31 - __builtin_clz((unsigned) m)) + each) >=
+            cost)
             break;
         int rest = m; // of factors that the passes take
         for (int p = 2; p <= 7; p += p == 2 ? 1 : 2) {
             while (rest % p == 0)
                 rest /= p;
         }
-        const double ns = rest == 1 ? gp_fft_cost(m, GP_FFT_PLAN_MEASURE)
+        const double ns = rest == 1 ? gp_fft_cost(m, how) + each * m
                                     : INFINITY;
         if (ns < cost) {
             best = m;
@@ -116,6 +118,25 @@ int gp_fft_length(int n)
         }
     }
     return best;
+}
+
+int gp_fft_length(int n)
+{
+    return find_length(n, GP_FFT_PLAN_MEASURE, 0.0);
+}
+
+int gp_fft_column_length(int n)
+{
+    return find_length(n, GP_FFT_PLAN_ESTIMATE, GP_COST_FFT_POINT);
+}
+
+int gp_fft_row_length(int n, int rows, int ny)
+{
+    // each point more is two transforms of half a column
+    const double column =
+        gp_fft_cost(ny, GP_FFT_PLAN_ESTIMATE) + GP_COST_FFT_POINT * ny;
+    return find_length(n, GP_FFT_PLAN_ESTIMATE,
+                       GP_COST_FFT_POINT + column / rows);
 }
 
 // -- plans -------------------------------------------------------------------

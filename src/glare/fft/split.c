@@ -33,8 +33,9 @@ struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
     const int y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h, &p.out.y0,
                              &p.out.y1, &p.taps.y0, &p.taps.y1);
     if (!gp_rect_empty(p.out)) {
-        p.nx = gp_fft_length(x);
-        p.ny = gp_fft_length(y);
+        // by the frame's rows: lights that come and go change no length
+        p.ny = gp_fft_column_length(y);
+        p.nx = gp_fft_row_length(x, s->h, p.ny);
     }
     return p;
 }
@@ -311,7 +312,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_COST_DIRECT_TAP,
         .pass_ms = GP_COST_DIRECT_PIXEL * src->w * src->h,
-        .core_most = fft_ms + ANYWAY_MS,
+        .core_most = fft_ms / 2.0 + ANYWAY_MS,
     };
     for (int b = 0; b < BINS; b++)
         s.energy += bin_energy(src, b);
