@@ -304,6 +304,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
+    static const double FINE = 1e-5; // as the layer in rel_l2
     // times and milliseconds that noise which can be seen is worth
     static const double SEEN_WORTH = 10.0, SEEN_MS = 100.0;
     const double own = gp_sources_dark(src);
@@ -333,7 +334,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         found = find_split(&s, SEEN_WORTH * fft_ms + SEEN_MS, seen, 0);
     if (!(found.rounding <= (shows ? fmax(most, seen) : most))) {
         const double least = find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
-        found = find_split(&s, fft_ms / 2.0, NEAR * least, 0);
+        found = find_split(&s, fft_ms / 2.0, fmax(NEAR * least, FINE), 0);
         if (found.rounding * LEAST_GAIN > none.rounding)
             return;
     }
