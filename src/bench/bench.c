@@ -40,12 +40,6 @@ struct trial {
     double *ms;                     // of the runs
 };
 
-void gp_bench_keep_why(void *why, enum gp_level level, const char *line)
-{
-    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
-        snprintf(why, GP_BENCH_WHY, "%s", line);
-}
-
 /* A run's times, and the sources it had. */
 struct run {
     double sense_ms, glare_ms, ms; // of the two stages, of both

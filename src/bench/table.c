@@ -94,6 +94,12 @@ void gp_bench_table_free(struct gp_bench_table *t)
     t->frames = 0;
 }
 
+void gp_bench_keep_why(void *why, enum gp_level level, const char *line)
+{
+    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
+        snprintf(why, GP_BENCH_WHY, "%s", line);
+}
+
 static int by_value(const void *a, const void *b)
 {
     const double x = *(const double *) a, y = *(const double *) b;
