@@ -433,8 +433,10 @@ static void find_darkest(const struct sense *s, int threads,
             break;
         }
     }
-    out->visible = black * 1000ull > black + lit
-                       ? HALF_CODE : fmax(HALF_CODE, SHARE * out->darkest);
+    const bool dark = black * 1000ull > black + lit;
+    out->visible =
+        dark ? HALF_CODE : fmax(HALF_CODE, SHARE * out->darkest);
+    out->hidden = dark ? ldexp(HALF_CODE, -6) : 0.0;
 }
 
 static double total(wide v)

@@ -36,7 +36,7 @@ gp_status gp_sources_make(const struct gp_log *log,
         .flux_clamped = {like->flux_clamped[0], like->flux_clamped[1],
                          like->flux_clamped[2]},
         .threshold = like->threshold, .darkest = like->darkest,
-        .visible = like->visible,
+        .visible = like->visible, .hidden = like->hidden,
     };
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row,
                          &s.row));
@@ -106,6 +106,7 @@ gp_status gp_sources_halve(const struct gp_log *log,
         return st;
     out->darkest = ldexp(out->darkest, -times);
     out->visible = ldexp(out->visible, -times);
+    out->hidden = ldexp(out->hidden, -times);
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
             const float rgb[3] = {ldexpf(src->rgb[0][i], -times),

@@ -59,11 +59,13 @@ struct gp_sources {
                           // EV 0: half a code near black, or 0.5 % of darkest
                           // where that is more and at most 0.1 % is black; 0
                           // is not known
+    double hidden;        // where more is black, noise that a picture shows
+                          // nowhere at EV +6; else 0
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`, of which it copies sizes, window, weights, faint, the facts
- * of the frame, darkest and visible. Written only on GP_OK; free with
+ * of the frame, darkest, visible and hidden. Written only on GP_OK; free with
  * gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
@@ -84,8 +86,8 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources, darkest and visible, halved so many times. Written only on
- * GP_OK; free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+/* The same sources, darkest, visible and hidden, halved so many times. Written
+ * only on GP_OK; free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);
 

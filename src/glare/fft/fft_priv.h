@@ -149,12 +149,14 @@ struct gp_fft_split {
 
 /* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
  * most four times the transform and 5 ms, the core half of the transform and 5
- * ms: a night is worth that. When none does, and the rounding would show near
- * black (half a code of 8 bits at EV 0, 0.5 % of the darkest light): the
- * cheapest that hides it for at most ten times the transform and 100 ms. Else,
- * as in a bright sky: the cheapest that costs at most half of the transform and
- * comes within 1e-5, or within twice the least rounding to be had for that, if
- * it is at least 4 times less than without; else no split.
+ * ms: a night is worth that; of a frame that is black, the cheapest that hides
+ * it there at EV +6 for at most four times the transform and 40 ms. When none
+ * does, and the rounding would show near black (half a code of 8 bits at EV 0,
+ * 0.5 % of the darkest light): the cheapest that hides it for at most ten times
+ * the transform and 100 ms. Else, as in a bright sky: the cheapest that costs at
+ * most half of the transform and comes within 1e-5, or within twice the least
+ * rounding to be had for that, if it is at least 4 times less than without; else
+ * no split.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform
