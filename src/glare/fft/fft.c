@@ -112,15 +112,16 @@ struct kernel_rows {
     const struct gp_kernel *kernel;
     const struct gp_fft_placing *p;
     int core;
+    int first; // offset of row 0
 };
 
-/* Row of offset dy = taps.y0 + j, each sample at its offset modulo nx. */
+/* Row of offset dy = first + j, each sample at its offset modulo nx. */
 static void load_kernel_row(const void *ctx, int c, int j, float *z)
 {
     const struct kernel_rows *const r = ctx;
     const struct gp_kernel *const k = r->kernel;
     const struct gp_rect taps = r->p->taps;
-    const int dy = taps.y0 + j, nx = r->p->nx;
+    const int dy = r->first + j, nx = r->p->nx;
     const float *const row =
         k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
     for (int from = taps.x0, end; from < taps.x1; from = end) {
@@ -144,37 +145,65 @@ static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
     return view;
 }
 
+/* Tests whether a kernel is even about its centre, and all of it is in
+ * `taps`. */
+static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
+{
+    if (taps->x0 != 1 - taps->x1 || taps->y0 != 1 - taps->y1)
+        return false;
+    for (int c = 0; c < (k->grey ? 1 : 3); c++) {
+        const float *const centre =
+            k->k.c[c] + (size_t) k->cy * (size_t) k->w + k->cx;
+        for (int y = 0; y < taps->y1; y++) {
+            const float *const low = centre + (ptrdiff_t) y * k->w;
+            const float *const high = centre - (ptrdiff_t) y * k->w;
+            int differ = 0;
+            for (int x = taps->x0; x < taps->x1; x++)
+                differ |= low[x] != high[-x];
+            if (differ)
+                return false;
+        }
+    }
+    return true;
+}
+
 /* Transforms the kernel, its samples within `core` pixels of the centre in x
- * and y left out (-1: none), unless the state has that spectrum: one channel
- * (a grey kernel) or three of p->ny rows, scaled so that the passes need no
- * more factors. fft has the plans of p->nx and p->ny and one channel; s->work
- * fits p, and is overwritten. */
+ * and y left out (-1: none), into the state's spectrum: one channel (a grey
+ * kernel) or three of p->ny rows, scaled so that the passes need no more
+ * factors. fft has the plans of p->nx and p->ny and one channel; s->work fits
+ * p, and is overwritten. */
 static gp_status make_spectrum(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_fft_request *fft,
     const struct gp_fft_placing *p, int core)
 {
-    gp_status st = GP_OK;
+    gp_status st;
     const struct gp_kernel *const k = req->kernel;
     const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
-    const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
+    const bool even = is_even(k, &p->taps);
+    const struct kernel_rows from = {
+        .kernel = k, .p = p, .core = core, .first = even ? 0 : p->taps.y0,
+    };
     struct gp_fft_matrix spectrum = {0};
     int *places = NULL;
     struct gp_fft_request one = *fft;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
     const float scale = (float) (0.25 / ((double) p->nx * p->ny));
-    if (has_spectrum(s, k, p, core))
-        return GP_OK;
     gp_fft_matrix_free(&s->spectrum);
-    GP_TRY(gp_fft_matrix_make(req->log, channels, p->nx, p->ny, &spectrum));
+    GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
+        req->log, channels, p->nx, p->ny, &spectrum));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *places,
                     &places));
     for (int j = 0; j < n; j++)
         places[j] = wrap_index(p->taps.y0 + j, p->ny);
     for (one.channel = 0; one.channel < channels; one.channel++) {
         struct gp_fft_matrix m = one_channel(&s->work, one.channel);
-        GP_TRY(gp_fft_rows_in(&one, n, load_kernel_row, &from, &m));
-        GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &spectrum));
+        const int rows = even ? p->taps.y1 : n;
+        GP_TRY(gp_fft_rows_in(&one, rows, load_kernel_row, &from, &m));
+        if (even)
+            GP_TRY(gp_fft_even_columns(&one, &m, rows, scale, &spectrum));
+        else
+            GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &spectrum));
     }
     s->spectrum = spectrum;
     spectrum = (struct gp_fft_matrix) {0};
@@ -305,7 +334,8 @@ static gp_status transform(const struct gp_glare_request *req,
         }
     }
     GP_TRY(fit_work(req->log, s, p, gp_max(light.n, count)));
-    GP_TRY(make_spectrum(req, s, &fft, p, core));
+    if (!has_spectrum(s, req->kernel, p, core))
+        GP_TRY(make_spectrum(req, s, &fft, p, core));
     const size_t w = (size_t) src->w;
     gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
     gp_planes_clear(req->layer, w * (size_t) p->out.y1,

@@ -10,6 +10,7 @@
 #include "glare/sources.h"
 
 #include <fftw3.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 // -- pass.c: FFTW by dlopen; a run without a transform never loads it --------
@@ -83,10 +84,13 @@ struct gp_fft_matrix {
     int columns;    // stored: nx / 2 + 1, rounded up to a multiple of 4
     size_t pitch;   // complex numbers from column to column, multiple of 8
     float *z[3];    // interleaved re, im; [column * pitch + row]; one block
+    bool real;      // re only: the spectrum of what is even about its centre
 };
 
 /* Makes `channels` planes; not cleared. Free with gp_fft_matrix_free(). */
 GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
+    int channels, int nx, int rows, struct gp_fft_matrix *out);
+GP_MUST_CHECK gp_status gp_fft_real_matrix_make(const struct gp_log *log,
     int channels, int nx, int rows, struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
@@ -110,6 +114,13 @@ GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
  * whole columns of `out` (pitch >= ny), times `scale`. */
 GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
+    struct gp_fft_matrix *out);
+
+/* The same of rows that are even about the first, at place 0: row -j is row j
+ * from right to left, so that columns are real and share a transform in pairs.
+ * `out` is real, its pitch >= ny >= 2 rows - 1. */
+GP_MUST_CHECK gp_status gp_fft_even_columns(const struct gp_fft_request *req,
+    const struct gp_fft_matrix *m, int rows, float scale,
     struct gp_fft_matrix *out);
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)

@@ -212,6 +212,8 @@ enum {
 typedef float vf __attribute__((vector_size(32)));
 typedef double vd __attribute__((vector_size(32)));
 typedef vf vf_loose __attribute__((aligned(8), may_alias));
+typedef float vh __attribute__((vector_size(16))); // four real numbers
+typedef vh vh_loose __attribute__((aligned(4), may_alias));
 
 #define INLINE static inline __attribute__((always_inline))
 #define CONJ ((vf) {1, -1, 1, -1, 1, -1, 1, -1})
@@ -321,23 +323,50 @@ GP_CLONES static void multiply(float *restrict z, const float *restrict k,
     }
 }
 
-gp_status gp_fft_matrix_make(const struct gp_log *log, int channels, int nx,
-                             int rows, struct gp_fft_matrix *out)
+/* z[i] *= k[i] for n complex numbers and as many real ones, n a multiple of
+ * 4. */
+GP_CLONES static void multiply_real(float *restrict z, const float *restrict k,
+                                    int n)
 {
-    struct gp_fft_matrix m = {.columns = (nx / 2 + 1 + 3) / 4 * 4};
+    for (int i = 0; i < n; i += 4) {
+        const vh b = *(const vh_loose *) (k + i);
+        store4(z + 2 * i, load4(z + 2 * i) *
+                   __builtin_shufflevector(b, b, 0, 0, 1, 1, 2, 2, 3, 3));
+    }
+}
+
+static gp_status make_matrix(const struct gp_log *log, int channels, int nx,
+                             int rows, bool real, struct gp_fft_matrix *out)
+{
+    struct gp_fft_matrix m = {
+        .columns = (nx / 2 + 1 + 3) / 4 * 4, .real = real,
+    };
+    const size_t floats = real ? 1 : 2; // of a number
     m.pitch = ((size_t) rows + ROWS - 1) / ROWS * ROWS;
     if (m.pitch % 64 == 0)
         m.pitch += ROWS; // neighbouring columns must not share a cache set
     // one block, as it fills huge pages
     const size_t plane = (size_t) m.columns * m.pitch;
     gp_status st = gp_alloc(log, "spectrum", (size_t) channels * plane,
-                            2 * sizeof(float), &m.z[0]);
+                            floats * sizeof(float), &m.z[0]);
     if (st)
         return st;
     for (int c = 1; c < channels; c++)
-        m.z[c] = m.z[0] + 2 * (size_t) c * plane;
+        m.z[c] = m.z[0] + floats * (size_t) c * plane;
     *out = m;
     return GP_OK;
+}
+
+gp_status gp_fft_matrix_make(const struct gp_log *log, int channels, int nx,
+                             int rows, struct gp_fft_matrix *out)
+{
+    return make_matrix(log, channels, nx, rows, false, out);
+}
+
+gp_status gp_fft_real_matrix_make(const struct gp_log *log, int channels,
+                                  int nx, int rows, struct gp_fft_matrix *out)
+{
+    return make_matrix(log, channels, nx, rows, true, out);
 }
 
 void gp_fft_matrix_free(struct gp_fft_matrix *m)
@@ -487,6 +516,55 @@ gp_status gp_fft_columns(const struct gp_fft_request *req,
     return run_pass(&s, 2 * row_floats(req->y->n), columns_forward);
 }
 
+/* Columns a and b, of which row -y is the conjugate of row y, as a + ib; b is
+ * NULL or dark. */
+static void join_even(const float *a, const float *b, int rows, int ny,
+                      float *z)
+{
+    memset(z, 0, 2 * sizeof(float) * (size_t) ny);
+    for (int y = 0; y < rows; y++) {
+        const float *const p = a + 2 * y;
+        const float q[2] = {b ? b[2 * y] : 0.0f, b ? b[2 * y + 1] : 0.0f};
+        float *const other = z + 2 * (y ? ny - y : 0);
+        z[2 * y] = p[0] - q[1];
+        z[2 * y + 1] = p[1] + q[0];
+        other[0] = y ? p[0] + q[1] : p[0]; // row 0 is real
+        other[1] = y ? q[0] - p[1] : q[0];
+    }
+}
+
+static void even_columns(void *ctx, int i, int thread)
+{
+    struct pass *const s = ctx;
+    const int ny = s->req->y->n;
+    const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
+    const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
+    for (int k = t.first; k < end; k += 2) {
+        const bool two = k + 1 < end;
+        const float *const a = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
+        float *const out = s->kernel->z[t.c] + (size_t) k * s->kernel->pitch;
+        join_even(a, two ? a + 2 * s->m->pitch : NULL, s->rows, ny, t.line);
+        s->lib->execute_dft(s->req->y->forward, (void *) t.line,
+                            (void *) t.next);
+        for (int y = 0; y < ny; y++)
+            out[y] = t.next[2 * y] * s->scale;
+        for (int y = 0; y < ny && two; y++)
+            out[s->kernel->pitch + (size_t) y] = t.next[2 * y + 1] * s->scale;
+    }
+}
+
+gp_status gp_fft_even_columns(const struct gp_fft_request *req,
+    const struct gp_fft_matrix *m, int rows, float scale,
+    struct gp_fft_matrix *out)
+{
+    struct gp_fft_matrix in = *m;
+    struct pass s = {
+        .req = req, .m = &in, .kernel = out, .rows = rows, .scale = scale,
+        .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
+    };
+    return run_pass(&s, 2 * row_floats(req->y->n), even_columns);
+}
+
 static void columns_multiply(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
@@ -498,7 +576,10 @@ static void columns_multiply(void *ctx, int i, int thread)
     for (int k = t.first; k < end; k++) {
         float *const column = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
         column_forward(s, column, t.line, t.next);
-        multiply(t.next, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
+        if (s->kernel->real)
+            multiply_real(t.next, kernel + (size_t) k * s->kernel->pitch, ny);
+        else
+            multiply(t.next, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
         s->lib->execute_dft(s->req->y->backward, (void *) t.next,
                             (void *) t.line);
         memcpy(column, t.line + 2 * (size_t) s->first,

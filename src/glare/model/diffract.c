@@ -258,6 +258,8 @@ static void samples_row(const void *state, int x, int y, int n,
 struct finishing {
     const struct spectra *s;
     int c;
+    int first;                    // row of samples: 0, or -r[1] with a path,
+                                  // without which the shape is even
     const struct gp_transform *t[2]; // of x, of y
     size_t pitch;                 // LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
@@ -282,9 +284,9 @@ static void finish_columns(void *ctx, int group, int thread)
         }
     }
     gp_transform_run(t, t->forward, GP_GROUP, thread);
-    for (int y = -f->out->r[1]; y <= f->out->r[1]; y++) {
+    for (int y = f->first; y <= f->out->r[1]; y++) {
         double complex *const to =
-            f->z + first + (size_t) (y + f->out->r[1]) * f->pitch;
+            f->z + first + (size_t) (y - f->first) * f->pitch;
         for (int i = 0; i < GP_GROUP; i++)
             to[i] = gp_transform_out(t, thread, i)[y < 0 ? y + t->n : y];
     }
@@ -303,7 +305,7 @@ static void finish_rows(void *ctx, int group, int thread)
     const struct finishing *const f = ctx;
     const struct gp_transform *const t = f->t[0];
     const int n = t->n, rx = f->out->r[0], ry = f->out->r[1];
-    const int rows = gp_min(GP_GROUP, 2 * ry + 1 - group * GP_GROUP);
+    const int rows = gp_min(GP_GROUP, ry + 1 - f->first - group * GP_GROUP);
     const double all = (double) n * f->t[1]->n;
     for (int i = 0; i < rows; i++) {
         const double complex *const from =
@@ -316,16 +318,19 @@ static void finish_rows(void *ctx, int group, int thread)
     gp_transform_run(t, t->forward, rows, thread);
     for (int i = 0; i < rows; i++) {
         const double complex *const from = gp_transform_out(t, thread, i);
-        const int y = group * GP_GROUP + i - ry;
+        const int y = group * GP_GROUP + i + f->first;
         const double across = gp_sinc((double) y / f->t[1]->n);
-        float *const to =
-            f->out->k.c[f->c] + (size_t) (y + ry) * (2 * (size_t) rx + 1);
-        for (int x = -rx; x <= rx; x++) {
+        const size_t w = 2 * (size_t) rx + 1;
+        float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
+        float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
+        for (int x = f->first == 0 && y == 0 ? 0 : -rx; x <= rx; x++) {
             const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
             const double window = across * gp_sinc((double) x / n);
             const double v = creal(from[x < 0 ? x + n : x]) *
                              fade(at, f->reach) / (all * window * window);
             to[x + rx] = (float) v;
+            if (f->first == 0)
+                other[rx - x] = (float) v;
         }
     }
 }
@@ -360,16 +365,17 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
     struct finishing f = {
         .s = s, .t = {&t[0], &t[1]}, .pixel = {pixel[0], pixel[1]},
         .reach = reach, .out = out, .pitch = LANES * (size_t) s->blocks,
-        .luminance = luminance,
+        .luminance = luminance, .first = s->im[0] ? -out->r[1] : 0,
     };
-    const size_t rows = 2 * (size_t) out->r[1] + 1;
-    gp_status st = gp_alloc(log, "kernel", rows, f.pitch * sizeof *f.z, &f.z);
+    const int rows = out->r[1] + 1 - f.first;
+    gp_status st = gp_alloc(log, "kernel", (size_t) rows,
+                            f.pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
         gp_parallel_do((int) (f.pitch / GP_GROUP), finish_columns, &f);
-        gp_parallel_do(((int) rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
+        gp_parallel_do((rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
     }
     if (!st)
-        gp_parallel_do((int) rows, fold_row, &f);
+        gp_parallel_do(2 * out->r[1] + 1, fold_row, &f);
     gp_free(f.z);
     return st;
 }

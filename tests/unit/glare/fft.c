@@ -183,6 +183,62 @@ static void passes_go_round(void **state)
         check_passes(&rows[i]);
 }
 
+/* A kernel that is even about its centre has a real spectrum, made of the rows
+ * from its centre down: that of all its rows. */
+static void check_even(int nx, int ny, int channels)
+{
+    enum { REACH = 2, ROWS = 2 * REACH + 1 };
+    struct gp_fft_plan_pair x, y;
+    struct gp_fft_matrix m, all, even;
+    struct rows r = make_rows(nx, ROWS, ROWS, 5u);
+    int place[ROWS];
+    for (int c = 0; c < 3; c++) {
+        for (int j = 0; j < ROWS; j++) {
+            place[j] = (j - REACH + ny) % ny;
+            for (int i = 0; i < nx; i++) {
+                const int other = (ROWS - 1 - j) * nx + (nx - i) % nx;
+                r.in[c][j * nx + i] = r.in[c][other];
+            }
+        }
+    }
+    struct rows half = {.nx = nx, .rows = REACH + 1};
+    for (int c = 0; c < 3; c++)
+        half.in[c] = r.in[c] + REACH * nx;
+    assert_ok(gp_fft_plan_make(NULL, nx, GP_FFT_PLAN_ESTIMATE, NULL, &x));
+    assert_ok(gp_fft_plan_make(NULL, ny, GP_FFT_PLAN_ESTIMATE, NULL, &y));
+    const struct gp_fft_request req = {.x = &x, .y = &y, .channels = channels};
+    assert_ok(gp_fft_matrix_make(NULL, channels, nx, ROWS, &m));
+    assert_ok(gp_fft_matrix_make(NULL, channels, nx, ny, &all));
+    assert_ok(gp_fft_real_matrix_make(NULL, channels, nx, ny, &even));
+    assert_true(even.real && !all.real);
+    assert_ok(gp_fft_rows_in(&req, ROWS, load_row, &r, &m));
+    assert_ok(gp_fft_columns(&req, &m, ROWS, place, 0.5f, &all));
+    assert_ok(gp_fft_rows_in(&req, REACH + 1, load_row, &half, &m));
+    assert_ok(gp_fft_even_columns(&req, &m, REACH + 1, 0.5f, &even));
+    for (int i = 0; i < channels * (nx / 2 + 1) * ny; i++) {
+        const int c = i / ((nx / 2 + 1) * ny), j = i % ny;
+        const size_t k = (size_t) (i / ny % (nx / 2 + 1));
+        const float *const a = all.z[c] + 2 * (k * all.pitch + (size_t) j);
+        const float b = even.z[c][k * even.pitch + (size_t) j];
+        if (!(fabsf(a[0] - b) <= 2e-5f && fabsf(a[1]) <= 2e-5f))
+            fail_msg("%dx%d, column %zu, row %d: %g, not %g + %g i", nx, ny, k,
+                     j, (double) b, (double) a[0], (double) a[1]);
+    }
+    gp_fft_matrix_free(&m);
+    gp_fft_matrix_free(&all);
+    gp_fft_matrix_free(&even);
+    gp_fft_plan_free(&x);
+    gp_fft_plan_free(&y);
+    free_rows(&r);
+}
+
+static void even_kernels_have_real_spectra(void **state)
+{
+    check_even(8, 8, 1);
+    check_even(40, 24, 3);
+    check_even(72, 160, 3);
+}
+
 /* -- the engine -------------------------------------------------------------*/
 
 /* If hardly any light may be lost at the frame's edge (the bound is small),
@@ -563,7 +619,8 @@ static void a_night_is_worth_more_than_a_sky(void **state)
 }
 
 SUITE_OF(fft, ask_quick, NULL,
-    lengths_are_the_cheapest, passes_go_round, transform_alone_holds,
+    lengths_are_the_cheapest, passes_go_round, even_kernels_have_real_spectra,
+    transform_alone_holds,
     plans_outlive_each_other, choices_keep_the_rules, one_sun_goes_direct,
     tails_are_the_rest, predicted_rounding_is_kept,
     a_night_is_worth_more_than_a_sky, measured_plans_hold)
