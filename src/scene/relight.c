@@ -10,8 +10,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { SIDE = 6, MANY = SIDE * SIDE }; // places of a pixel
-static const double REACH = 1.0;       // of them from its middle, pixels
+enum { BITS = 6, MANY = 1 << BITS }; // places of a pixel
 
 /* A surface that a pixel shows, and the ray to it. */
 struct surface {
@@ -33,7 +32,7 @@ struct work {
     const struct gp_planes *rgb;
     struct gp_rays rays;     // casters
     struct gp_rays shown;    // what the eye may see
-    double weight[MANY];     // of places; sum 1
+    double place[MANY][2];   // of a pixel, from its middle
     struct gp_v3 eye;
     struct gp_v3 axis;       // of the view, unit
     struct gp_v3 camera[3];  // x, y and z of the camera in the world
@@ -292,25 +291,35 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
 /* Returns the way from the eye to a place of a pixel. */
 static struct gp_v3 way_to_place(const struct work *w, int x, int y, int i)
 {
-    const double step = 2.0 * REACH / SIDE;
-    return way_to(w, x + 0.5 - REACH + (i % SIDE + 0.5) * step,
-                  y + 0.5 - REACH + (i / SIDE + 0.5) * step);
+    return way_to(w, x + 0.5 + w->place[i][0], y + 0.5 + w->place[i][1]);
 }
 
-/* Weighs the places by Blender's pixel filter: Blackman and Harris's window of
- * four terms, 3 pixels wide. */
-static void set_weights(double weight[MANY])
+/* Returns the place of a share of Blender's pixel filter: Blackman and Harris's
+ * window of four terms, 3 pixels wide, whose integral it is. */
+static double place_of(double share)
 {
-    double side[SIDE], sum = 0.0;
-    for (int i = 0; i < SIDE; i++) {
-        const double at = (i + 0.5) * 2.0 / SIDE - 1.0;
-        const double v = 2.0 * pi * (REACH * at / 3.0 + 0.5);
-        side[i] = 0.35875 - 0.48829 * cos(v) + 0.14128 * cos(2.0 * v) -
-                  0.01168 * cos(3.0 * v);
-        sum += side[i];
+    double lo = -0.5, hi = 0.5; // of the width
+    for (int i = 0; i < 40; i++) {
+        const double v = 0.5 * (lo + hi), turn = 2.0 * pi * (v + 0.5);
+        const double sum =
+            v + 0.5 - (0.48829 * sin(turn) - 0.14128 / 2.0 * sin(2.0 * turn) +
+                       0.01168 / 3.0 * sin(3.0 * turn)) / (2.0 * pi * 0.35875);
+        *(sum < share ? &lo : &hi) = v;
     }
-    for (int i = 0; i < MANY; i++)
-        weight[i] = side[i % SIDE] * side[i / SIDE] / (sum * sum);
+    return 3.0 * lo;
+}
+
+/* Sets places that have the filter's density: no two share a row or a column
+ * (Hammersley's set), as edges along these are frequent. */
+static void set_places(double place[MANY][2])
+{
+    for (unsigned i = 0; i < MANY; i++) {
+        unsigned turned = 0;
+        for (int bit = 0; bit < BITS; bit++)
+            turned |= (i >> bit & 1) << (BITS - 1 - bit);
+        place[i][0] = place_of((i + 0.5) / MANY);
+        place[i][1] = place_of((turned + 0.5) / MANY);
+    }
 }
 
 /* True where nothing is between a place of a surface and the light. */
@@ -340,9 +349,9 @@ static double clear_share(const struct work *w, const struct surface *s,
         if (!(z > 0.8 * s->z && z < 1.25 * s->z))
             z = s->z;
         if (is_free(w, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal, z))
-            clear += w->weight[i];
+            clear += 1.0 / MANY;
     }
-    return fmin(clear, 1.0);
+    return clear;
 }
 
 enum { MEANS = 6 }; // albedo and normal
@@ -382,7 +391,7 @@ static void solve(double a[MEANS][MEANS], double b[MEANS])
 /* Weighs the places of a pixel so that their mean comes near the frame's: the
  * renderer's places are random, and met its surfaces in other shares (the
  * regression estimator of Deville and Sarndal 1992). */
-static void match_frame(const struct work *w, const struct surface of[MANY],
+static void match_frame(const struct surface of[MANY],
                         const double mean[MEANS], const double frame[MEANS],
                         double weight[MANY])
 {
@@ -396,7 +405,7 @@ static void match_frame(const struct work *w, const struct surface of[MANY],
         means_of(&of[i], own);
         for (int j = 0; j < MEANS; j++) {
             for (int k = 0; k <= j; k++)
-                a[j][k] += w->weight[i] * (own[j] - mean[j]) *
+                a[j][k] += 1.0 / MANY * (own[j] - mean[j]) *
                            (own[k] - mean[k]);
         }
     }
@@ -406,7 +415,7 @@ static void match_frame(const struct work *w, const struct surface of[MANY],
         means_of(&of[i], own);
         for (int j = 0; j < MEANS; j++)
             more += move[j] * (own[j] - mean[j]);
-        weight[i] = w->weight[i] * fmax(more, 0.0);
+        weight[i] = 1.0 / MANY * fmax(more, 0.0);
     }
 }
 
@@ -430,12 +439,12 @@ static bool light_edge(const struct work *w, int x, int y, double add[3],
         of[i].z = hit.at;
         of[i].place = gp_v3_add(w->eye, gp_v3_scale(way, hit.at));
         of[i].normal = gp_v3_scale(hit.normal, turn);
-        mean[3] += w->weight[i] * of[i].normal.x;
-        mean[4] += w->weight[i] * of[i].normal.y;
-        mean[5] += w->weight[i] * of[i].normal.z;
+        mean[3] += 1.0 / MANY * of[i].normal.x;
+        mean[4] += 1.0 / MANY * of[i].normal.y;
+        mean[5] += 1.0 / MANY * of[i].normal.z;
         for (int c = 0; c < 3; c++) {
             of[i].albedo[c] = (double) base[c];
-            mean[c] += w->weight[i] * of[i].albedo[c];
+            mean[c] += 1.0 / MANY * of[i].albedo[c];
         }
     }
     const double frame[6] = {
@@ -446,7 +455,7 @@ static bool light_edge(const struct work *w, int x, int y, double add[3],
     if (left > 0.1)
         return false;
     double weight[MANY];
-    match_frame(w, of, mean, frame, weight);
+    match_frame(of, mean, frame, weight);
     for (int i = 0; i < MANY; i++) {
         double light = of[i].z > 0.0 ? light_at(w->pass->light, &of[i]) : 0.0;
         if (!(light > 0.0))
@@ -569,7 +578,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_rays_make(log, s, meshes, pass->caster, pass->casters,
                         &w.rays));
     GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
-    set_weights(w.weight);
+    set_places(w.place);
     GP_TRY(gp_alloc(log, "lit pixels",
                     (size_t) rows * (size_t) gp_rect_w(w.cut) + 1, 1, &w.mark));
     gp_parallel_do(rows, mark_row, &w);

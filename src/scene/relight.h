@@ -48,8 +48,8 @@ struct gp_relit {
  *
  * Colour, normal and albedo of a frame are means over a pixel and a little
  * beside it; depth is one sample. A pixel inside a surface takes one ray for its
- * shadow. Where a shadow ends, and at edges, 36 places are weighed as Blender's
- * filter does (Blackman and Harris, 3 pixels wide). At edges they show the
+ * shadow. Where a shadow ends, and at edges, 64 places have the density of
+ * Blender's filter (Blackman and Harris, 3 pixels wide). At edges they show the
  * scene's own surfaces, if these have nearly the pixel's mean normal and albedo,
  * in shares that have them; else its mean is taken apart into the two surfaces
  * beside it.
