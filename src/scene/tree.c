@@ -60,15 +60,20 @@ static inline double middle(const struct gp_tree_box *b, int axis)
     return (double) b->lo[axis] + (double) b->hi[axis];
 }
 
+/* Returns the nearest float that is finite. */
+static inline float to_float(double v)
+{
+    const double most = (double) FLT_MAX;
+    return (float) (v < -most ? -most : v > most ? most : v);
+}
+
 struct gp_tree_box gp_tree_box_of(const struct gp_box *b)
 {
     const double lo[3] = {b->lo.x, b->lo.y, b->lo.z};
     const double hi[3] = {b->hi.x, b->hi.y, b->hi.z};
-    const double most = (double) FLT_MAX;
     struct gp_tree_box out;
     for (int c = 0; c < 3; c++) {
-        const float l = (float) fmax(fmin(lo[c], most), -most);
-        const float h = (float) fmax(fmin(hi[c], most), -most);
+        const float l = to_float(lo[c]), h = to_float(hi[c]);
         out.lo[c] = (double) l > lo[c] ? nextafterf(l, -INFINITY) : l;
         out.hi[c] = (double) h < hi[c] ? nextafterf(h, INFINITY) : h;
     }
@@ -274,33 +279,33 @@ bool gp_tree_enter(const struct gp_tree *t, struct gp_v3 from,
     const double d[3] = {along.x, along.y, along.z};
     const double lo[3] = {t->box.lo.x, t->box.lo.y, t->box.lo.z};
     const double hi[3] = {t->box.hi.x, t->box.hi.y, t->box.hi.z};
-    const double size = fmax(fmax(fabs(d[0]), fabs(d[1])), fabs(d[2]));
-    double start = 0.0, end = most;
+    double size = 0.0, start = 0.0, end = most, per[3];
+    for (int c = 0; c < 3; c++)
+        size = fabs(d[c]) > size ? fabs(d[c]) : size;
     if (t->n == 0 || !(size > 0.0) || !isfinite(size))
         return false;
     for (int c = 0; c < 3; c++) {
-        const double per = 1.0 / d[c];
-        const double a = (lo[c] - o[c]) * per, b = (hi[c] - o[c]) * per;
-        // fmin and fmax leave out the NaN of a ray in the slab's own plane
-        start = fmax(start, fmin(a, b));
-        end = fmin(end, fmax(a, b));
+        per[c] = 1.0 / d[c];
+        const bool back = per[c] < 0.0;
+        const double a = ((back ? hi[c] : lo[c]) - o[c]) * per[c];
+        const double b = ((back ? lo[c] : hi[c]) - o[c]) * per[c];
+        // leaves out the NaN of a ray in the slab's own plane
+        start = a > start ? a : start;
+        end = b < end ? b : end;
     }
     if (!(start <= end * (1.0 + 1e-12)))
         return false;
     out->start = start;
     out->scale = size;
     for (int c = 0; c < 3; c++) {
-        const double at = o[c] + d[c] * start;
-        double slope = d[c] / size;
-        if (fabs(slope) < 1e-30) // its inverse is a float
-            slope = copysign(1e-30, slope);
-        const float f = (float) fmax(fmin(at, (double) FLT_MAX),
-                                     (double) -FLT_MAX);
-        const float p = 1.0f / (float) slope;
+        const bool back = per[c] < 0.0;
+        const double slope = fabs(per[c] * size); // at most what floats hold
+        const float p = (float) (slope < 1e30 ? slope : 1e30);
+        const float q = back ? -p : p, f = to_float(o[c] + d[c] * start);
         out->from[c] = (gp_four) {f, f, f, f};
-        out->per[c] = (gp_four) {p, p, p, p};
-        out->near[c] = slope < 0.0 ? 3 + c : c;
-        out->far[c] = slope < 0.0 ? c : 3 + c;
+        out->per[c] = (gp_four) {q, q, q, q};
+        out->near[c] = back ? 3 + c : c;
+        out->far[c] = back ? c : 3 + c;
     }
     return true;
 }

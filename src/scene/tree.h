@@ -64,7 +64,8 @@ bool gp_tree_enter(const struct gp_tree *t, struct gp_v3 from,
 /* Returns a length of `along` in the ray's, not too small. */
 static inline float gp_tree_most(const struct gp_tree_ray *r, double most)
 {
-    return (float) fmin((most - r->start) * r->scale * (1.0 + 1e-6), 1e38);
+    const double length = (most - r->start) * r->scale * (1.0 + 1e-6);
+    return length < 1e38 ? (float) length : 1e38f;
 }
 
 /* Tests the items [first, first + n) of a leaf. Returns where the first stops
