@@ -35,6 +35,7 @@ static inline float gp_maxf(float a, float b)
     return a > b ? a : b;
 }
 
+/* The same of doubles; unlike fmin() and fmax() no calls. */
 static inline double gp_mind(double a, double b)
 {
     return a < b ? a : b;

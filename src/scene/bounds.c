@@ -45,6 +45,12 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
     o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out
 }
 
+double gp_object_radius(const struct gp_object *o, struct gp_v3 c)
+{
+    const double corner = gp_v3_length(gp_v3_sub(o->box.hi, c));
+    return fmin(corner, o->radius + gp_v3_length(gp_v3_sub(o->centre, c)));
+}
+
 // -- on the screen -----------------------------------------------------------
 
 /* A point before the division: x and y in units of the display window. */
@@ -65,8 +71,9 @@ static struct gp_screen_box with_image(struct gp_screen_box b, struct image p)
 {
     const double x = p.x / p.w, y = p.y / p.w;
     return (struct gp_screen_box) {
-        fmin(b.x0, x),     fmin(b.y0, y),    fmax(b.x1, x), fmax(b.y1, y),
-        fmin(b.near, p.w), fmax(b.far, p.w), true,
+        gp_mind(x, b.x0),     gp_mind(y, b.y0),
+        gp_maxd(x, b.x1),     gp_maxd(y, b.y1),
+        gp_mind(p.w, b.near), gp_maxd(p.w, b.far), true,
     };
 }
 

@@ -2,6 +2,7 @@
 #ifndef GP_SCENE_BOUNDS_H
 #define GP_SCENE_BOUNDS_H
 
+#include "core/minmax.h"
 #include "scene/scene.h"
 
 #define GP_BOX_EMPTY                                                          \
@@ -35,8 +36,8 @@ static inline struct gp_v3 gp_box_half(const struct gp_box *b)
 static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
 {
     return (struct gp_box) {
-        {fmin(b.lo.x, p.x), fmin(b.lo.y, p.y), fmin(b.lo.z, p.z)},
-        {fmax(b.hi.x, p.x), fmax(b.hi.y, p.y), fmax(b.hi.z, p.z)},
+        {gp_mind(p.x, b.lo.x), gp_mind(p.y, b.lo.y), gp_mind(p.z, b.lo.z)},
+        {gp_maxd(p.x, b.hi.x), gp_maxd(p.y, b.hi.y), gp_maxd(p.z, b.hi.z)},
     };
 }
 
@@ -62,6 +63,10 @@ static inline struct gp_v3 gp_scene_vertex(const struct gp_scene *s, uint32_t v)
  * corners of its box, as scenes are posed anew for every frame. Without a vertex
  * the box is empty, and so is the sphere: centre 0, radius 0. */
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
+
+/* Returns the radius of a sphere around an object that is centred on c, the
+ * middle of its box. */
+double gp_object_radius(const struct gp_object *o, struct gp_v3 c);
 
 /* A box of the world in the picture. */
 struct gp_screen_box {

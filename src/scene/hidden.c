@@ -5,19 +5,32 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 
+/* Returns floor(v) as an int, cut to what fits with room for a picture: without
+ * the call that processors of 2003 need. NaN becomes the greatest. */
+static inline int floor_of(double v)
+{
+    static const double far = 1e9;
+    const double cut = v < -far ? -far : v < far ? v : far;
+    const int whole = (int) cut;
+    return whole - ((double) whole > cut);
+}
+
+static inline int ceil_of(double v)
+{
+    static const double far = 1e9;
+    const double cut = v < -far ? -far : v < far ? v : far;
+    const int whole = (int) cut;
+    return whole + ((double) whole < cut);
+}
+
 struct gp_rect gp_screen_pixels(const struct gp_screen_box *b,
                                 struct gp_rect window)
 {
-    static const double far = 1e9; // fits an int
     if (!b->seen)
         return (struct gp_rect) {0};
-    return gp_rect_meet(
-        window, (struct gp_rect) {
-                    (int) fmax(-far, fmin(far, floor(b->x0))),
-                    (int) fmax(-far, fmin(far, floor(b->y0))),
-                    (int) fmax(-far, fmin(far, ceil(b->x1))),
-                    (int) fmax(-far, fmin(far, ceil(b->y1))),
-                });
+    return gp_rect_meet(window,
+                        (struct gp_rect) {floor_of(b->x0), floor_of(b->y0),
+                                          ceil_of(b->x1), ceil_of(b->y1)});
 }
 
 // -- making ------------------------------------------------------------------

@@ -21,9 +21,9 @@ struct gp_reach gp_light_reach(const struct gp_scene_light *light);
 static inline bool gp_reach_too_far(const struct gp_reach *r, struct gp_v3 c,
                                     struct gp_v3 e)
 {
-    const double x = fmax(fabs(c.x - r->from.p.x) - e.x, 0.0),
-                 y = fmax(fabs(c.y - r->from.p.y) - e.y, 0.0),
-                 z = fmax(fabs(c.z - r->from.p.z) - e.z, 0.0);
+    const double x = gp_maxd(fabs(c.x - r->from.p.x) - e.x, 0.0),
+                 y = gp_maxd(fabs(c.y - r->from.p.y) - e.y, 0.0),
+                 z = gp_maxd(fabs(c.z - r->from.p.z) - e.z, 0.0);
     return r->from.w * (x * x + y * y + z * z) > r->range * r->range;
 }
 

@@ -12,6 +12,7 @@
  *   reach          volumes of lights
  *   sets           V, L, I, F, S by flags on objects (15.4.3); sets_lists by
  *                  sorted lists, which the flags are checked against
+ *   groups         objects side by side, tested by their bounds and 16 at once
  *   hidden, umbra  occlusion by the frame's depth, and by a light's occluders
  *   scissor        bounds on screen and in depth of what a light reaches (15.5)
  *   eye_set        objects between the eye and a light's disc, and the share of

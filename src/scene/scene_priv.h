@@ -64,10 +64,6 @@ void gp_umbra_make(const struct gp_body *body, const double to_world[16],
  * `object` has room for all of the scene, or is NULL. */
 int gp_sets_list(const struct gp_sets *sets, unsigned set, int *object);
 
-/* Returns the radius of a sphere around an object that is centred on c, the
- * middle of its box. */
-double gp_object_radius(const struct gp_object *o, struct gp_v3 c);
-
 // -- maps of the renderer (draw.c, shadow.c) ---------------------------------
 
 enum { GP_FACES = 6 }; // of a point's map: +x -x +y -y +z -z

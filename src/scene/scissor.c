@@ -2,6 +2,7 @@
 #include "scene/scissor.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <limits.h>
 
@@ -12,41 +13,73 @@ static struct gp_screen_box widened(struct gp_screen_box b)
     return b;
 }
 
-/* Returns the bounds of the tiles of r that have depths from near to far, and
- * are lit; NULL: all are. */
+/* The tiles that pixels are in. */
+static struct gp_rect tiles_of(const struct gp_hidden *h, struct gp_rect r)
+{
+    const struct gp_rect w = h->window;
+    return (struct gp_rect) {
+        (r.x0 - w.x0) / GP_TILE, (r.y0 - w.y0) / GP_TILE,
+        (r.x1 - 1 - w.x0) / GP_TILE + 1, (r.y1 - 1 - w.y0) / GP_TILE + 1};
+}
+
+/* True where tile i has depths from near to far, and is lit; lit NULL: all
+ * are. */
+static inline bool tile_in(const struct gp_hidden *h, int i, double near,
+                           double far, const uint8_t *lit)
+{
+    return ((double) h->least[i] <= far) & ((double) h->deepest[i] >= near) &
+           (!lit || lit[i] == GP_TILE_LIT);
+}
+
+/* Returns the bounds of the tiles of r that are in. */
 static struct gp_scissor of_tiles(const struct gp_hidden *h, struct gp_rect r,
                                   double near, double far, const uint8_t *lit)
 {
     const struct gp_rect w = h->window;
     const int across = h->w[GP_TILE_LEVEL];
-    struct gp_scissor s = {.near = INFINITY, .far = -INFINITY};
+    float least = INFINITY, most = -INFINITY;
     if (gp_rect_empty(r))
         return (struct gp_scissor) {0};
+    const struct gp_rect all = tiles_of(h, r);
     struct gp_rect tile = {INT_MAX, INT_MAX, INT_MIN, INT_MIN};
-    for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
-         y++) {
-        const float *const least = h->least + y * across,
-                    *const most = h->deepest + y * across;
-        for (int x = (r.x0 - w.x0) / GP_TILE;
-             x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
-            const double lo = (double) least[x], hi = (double) most[x];
-            if (!(lo <= far && hi >= near) || 
-                (lit && lit[y * across + x] != GP_TILE_LIT))
+    for (int y = all.y0; y < all.y1; y++) {
+        const int first = y * across;
+        int x0 = INT_MAX, x1 = INT_MIN;
+        for (int x = all.x0; x < all.x1; x++) {
+            const int i = first + x;
+            if (!tile_in(h, i, near, far, lit))
                 continue;
-            tile = gp_rect_join(tile, (struct gp_rect) {x, y, x + 1, y + 1});
-            s.near = lo < s.near ? lo : s.near;
-            s.far = hi > s.far ? hi : s.far;
+            x0 = gp_min(x, x0);
+            x1 = x + 1;
+            least = gp_minf(h->least[i], least);
+            most = gp_maxf(h->deepest[i], most);
         }
+        if (x0 < x1)
+            tile = (struct gp_rect) {gp_min(tile.x0, x0), gp_min(tile.y0, y),
+                                     gp_max(tile.x1, x1), y + 1};
     }
     if (gp_rect_empty(tile))
         return (struct gp_scissor) {0};
-    s.rect = gp_rect_meet(
-        r, (struct gp_rect) {w.x0 + tile.x0 * GP_TILE, w.y0 + tile.y0 * GP_TILE,
-                             w.x0 + tile.x1 * GP_TILE,
-                             w.y0 + tile.y1 * GP_TILE});
-    s.near = fmax(s.near, near);
-    s.far = fmin(s.far, far);
-    return s;
+    return (struct gp_scissor) {
+        gp_rect_meet(r, (struct gp_rect) {
+            w.x0 + tile.x0 * GP_TILE, w.y0 + tile.y0 * GP_TILE,
+            w.x0 + tile.x1 * GP_TILE, w.y0 + tile.y1 * GP_TILE}),
+        fmax((double) least, near), fmin((double) most, far)};
+}
+
+/* True where a tile of r is in. */
+static bool any_tile(const struct gp_hidden *h, struct gp_rect r, double near,
+                     double far, const uint8_t *lit)
+{
+    const struct gp_rect all = tiles_of(h, r);
+    for (int y = all.y0; y < all.y1; y++) {
+        const int first = y * h->w[GP_TILE_LEVEL];
+        for (int x = all.x0; x < all.x1; x++) {
+            if (tile_in(h, first + x, near, far, lit))
+                return true;
+        }
+    }
+    return false;
 }
 
 struct gp_screen_box gp_scissor_visible(const struct gp_hidden *h,
@@ -217,9 +250,9 @@ bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
     const struct gp_screen_box b = widened(*box);
     const struct gp_rect r =
         gp_rect_meet(s->rect, gp_screen_pixels(&b, h->window));
-    return !gp_rect_empty(r) &&
-           !gp_rect_empty(of_tiles(h, r, fmax(b.near, s->near),
-                                   fmin(b.far, s->far), t->lit).rect);
+    const double near = b.near > s->near ? b.near : s->near;
+    const double far = b.far < s->far ? b.far : s->far;
+    return !gp_rect_empty(r) && any_tile(h, r, near, far, t->lit);
 }
 
 struct gp_scissor gp_lit_tiles_list(struct gp_lit_tiles *t,

@@ -1,18 +1,12 @@
 /* The sets of a frame and of its lights, by flags on objects. */
 #include "scene/sets.h"
 
-#include "core/cpu.h"
 #include "core/memory.h"
+#include "scene/groups.h"
 #include "scene/reach.h"
 #include "scene/scene_priv.h"
 
 // -- shared with the sorted lists --------------------------------------------
-
-double gp_object_radius(const struct gp_object *o, struct gp_v3 c)
-{
-    const double corner = gp_v3_length(gp_v3_sub(o->box.hi, c));
-    return fmin(corner, o->radius + gp_v3_length(gp_v3_sub(o->centre, c)));
-}
 
 double gp_sets_far(const struct gp_scene *s, const struct gp_sets_view *v)
 {
@@ -50,6 +44,12 @@ struct gp_volume gp_sets_hull(const struct gp_sets_view *v,
 
 // -- the frame's sets --------------------------------------------------------
 
+/* Objects of a group, as bits. */
+struct reached {
+    int group;
+    unsigned in, seen, casting; // in the light's reach; of L and S
+};
+
 struct gp_sets {
     const struct gp_scene *scene;
     const struct gp_bodies *bodies;
@@ -59,67 +59,67 @@ struct gp_sets {
     struct gp_lit_tiles tiles;
     struct gp_volume frustum;
     double far;              // of all boxes
+    struct gp_groups groups;
+    uint16_t *visible;         // V, objects of each group as bits
+    struct gp_screen_box *box; // of places of the groups
     // of each object
-    double *at[3], *half[3]; // centres and half sides of boxes
-    double *radius;          // < 0: empty
-    double *size;            // of an occluder: area; 0: none
-    struct gp_screen_box *box;
+    int *place;    // in the groups; -1: it has no box
     uint8_t *flag;
-    uint8_t *near;           // in a light's reach
     // of the light
-    int *lit, *list;         // I; in its reach
-    int lits, listed;
+    struct reached *reached; // groups with an object in its reach
+    int *lit;                // I, as places
+    int reaches, lits;
     struct gp_scissor scissor;
     struct gp_umbras umbras;
 };
-
-static struct gp_v3 centre_of(const struct gp_sets *s, int i)
-{
-    return (struct gp_v3) {s->at[0][i], s->at[1][i], s->at[2][i]};
-}
-
-static struct gp_v3 half_of(const struct gp_sets *s, int i)
-{
-    return (struct gp_v3) {s->half[0][i], s->half[1][i], s->half[2][i]};
-}
 
 static gp_status make_arrays(const struct gp_log *log, struct gp_sets *s)
 {
     static const char what[] = "sets of the scene";
     gp_status st;
     const size_t n = (size_t) s->scene->objects + 1;
-    for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc(log, what, n, sizeof(double), &s->at[c]));
-        GP_TRY(gp_alloc(log, what, n, sizeof(double), &s->half[c]));
-    }
-    GP_TRY(gp_alloc(log, what, n, sizeof *s->radius, &s->radius));
-    GP_TRY(gp_alloc(log, what, n, sizeof *s->size, &s->size));
-    GP_TRY(gp_alloc_zero(log, what, n, sizeof *s->box, &s->box));
+    const size_t groups = (size_t) s->groups.n + 1;
+    GP_TRY(gp_alloc(log, what, groups, sizeof *s->reached, &s->reached));
+    GP_TRY(gp_alloc_zero(log, what, groups, sizeof *s->visible, &s->visible));
+    GP_TRY(gp_alloc_zero(log, what, groups * GP_GROUP, sizeof *s->box,
+                         &s->box));
+    GP_TRY(gp_alloc(log, what, n, sizeof *s->place, &s->place));
     GP_TRY(gp_alloc_zero(log, what, n, sizeof *s->flag, &s->flag));
-    GP_TRY(gp_alloc_zero(log, what, n, sizeof *s->near, &s->near));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->lit, &s->lit));
-    GP_TRY(gp_alloc(log, what, n, sizeof *s->list, &s->list));
 out:
     return st;
 }
 
-/* Copies boxes. */
-static void fill_arrays(struct gp_sets *s)
+/* Flags the object at a place as one of F; of V where no depth hides it. */
+static void flag_seen(struct gp_sets *s, int place)
 {
-    for (int i = 0; i < s->scene->objects; i++) {
-        const struct gp_object *const o = &s->scene->object[i];
-        const bool empty = gp_box_empty(o->box);
-        const struct gp_v3 none = {0.0, 0.0, 0.0};
-        const struct gp_v3 c = empty ? none : gp_box_middle(&o->box);
-        const struct gp_v3 e = empty ? none : gp_box_half(&o->box);
-        s->at[0][i] = c.x;
-        s->at[1][i] = c.y;
-        s->at[2][i] = c.z;
-        s->half[0][i] = e.x;
-        s->half[1][i] = e.y;
-        s->half[2][i] = e.z;
-        s->radius[i] = empty ? -1.0 : gp_object_radius(o, c);
-        s->size[i] = gp_darkest_size(s->bodies, o);
+    const int object = s->groups.object[place];
+    struct gp_screen_box *const box = &s->box[place];
+    s->flag[object] = GP_SET_F;
+    *box = gp_bounds_project(&s->view.camera, s->view.display,
+                             &s->scene->object[object].box, s->view.near);
+    if (!(s->use & GP_SETS_OCCLUSION) || s->hidden.levels == 0 ||
+        !gp_hidden_box(&s->hidden, box)) {
+        s->flag[object] |= GP_SET_V;
+        s->visible[place / GP_GROUP] |= (uint16_t) (1u << place % GP_GROUP);
+        *box = gp_scissor_visible(&s->hidden, box);
+    }
+}
+
+/* Flags F and V of all objects. */
+static void flag_frame(struct gp_sets *s)
+{
+    for (int i = 0; i < s->scene->objects; i++)
+        s->place[i] = -1;
+    for (int g = 0; g < s->groups.n; g++) {
+        const struct gp_pack *const p = &s->groups.pack[g];
+        const unsigned missed = gp_pack_missed(p, &s->frustum, p->used);
+        for (int k = 0; p->used >> k; k++) {
+            const int place = GP_GROUP * g + k;
+            s->place[s->groups.object[place]] = place;
+            if (!(missed >> k & 1))
+                flag_seen(s, place);
+        }
     }
 }
 
@@ -136,6 +136,7 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     s->bodies = bodies;
     s->view = *view;
     s->use = use;
+    GP_TRY(gp_groups_make(log, scene, bodies, &s->groups));
     GP_TRY(make_arrays(log, s));
     s->hidden.window = view->window;
     if (view->depth && (use & (GP_SETS_OCCLUSION | GP_SETS_SCISSOR)))
@@ -143,22 +144,9 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     GP_TRY(gp_lit_tiles_make(log, &s->hidden, &view->camera, view->display,
                          &s->tiles));
     s->view.depth = NULL;
-    fill_arrays(s);
     s->far = gp_sets_far(scene, view);
     s->frustum = gp_sets_frustum(view, s->far);
-    for (int i = 0; i < scene->objects; i++) {
-        if (s->radius[i] < 0.0 ||
-            gp_volume_misses(&s->frustum, centre_of(s, i), half_of(s, i)))
-            continue;
-        s->flag[i] = GP_SET_F;
-        s->box[i] = gp_bounds_project(&view->camera, view->display,
-                                      &scene->object[i].box, view->near);
-        if (!(use & GP_SETS_OCCLUSION) || s->hidden.levels == 0 ||
-            !gp_hidden_box(&s->hidden, &s->box[i])) {
-            s->flag[i] |= GP_SET_V;
-            s->box[i] = gp_scissor_visible(&s->hidden, &s->box[i]);
-        }
-    }
+    flag_frame(s);
     *out = s;
     s = NULL;
 out:
@@ -170,17 +158,13 @@ void gp_sets_close(struct gp_sets **sets)
 {
     struct gp_sets *const s = *sets;
     if (s) {
-        for (int c = 0; c < 3; c++) {
-            gp_free(s->at[c]);
-            gp_free(s->half[c]);
-        }
-        gp_free(s->radius);
-        gp_free(s->size);
+        gp_groups_free(&s->groups);
+        gp_free(s->reached);
+        gp_free(s->visible);
         gp_free(s->box);
+        gp_free(s->place);
         gp_free(s->flag);
-        gp_free(s->near);
         gp_free(s->lit);
-        gp_free(s->list);
         gp_lit_tiles_free(&s->tiles);
         gp_hidden_free(&s->hidden);
     }
@@ -189,91 +173,58 @@ void gp_sets_close(struct gp_sets **sets)
 
 // -- a light's sets ----------------------------------------------------------
 
-/* Sets near[i] where box i is in a light's range: gp_reach_too_far(), for all
- * at once. */
-static GP_CLONES void find_near(const struct gp_sets *s,
-                                const struct gp_reach *r)
+/* Lists the groups in reach. False: nothing of V is. */
+static bool list_reached(struct gp_sets *s, const struct gp_reach *r)
 {
-    const double *const x = s->at[0], *const y = s->at[1], *const z = s->at[2];
-    const double *const u = s->half[0], *const v = s->half[1],
-                        *const w = s->half[2];
-    const double *const radius = s->radius;
-    const double px = r->from.p.x, py = r->from.p.y, pz = r->from.p.z;
-    const double weight = r->from.w, most = r->range * r->range;
-    uint8_t *const near = s->near;
-    const int n = s->scene->objects;
-    for (int i = 0; i < n; i++) {
-        const double a = fabs(x[i] - px) - u[i], b = fabs(y[i] - py) - v[i],
-                     c = fabs(z[i] - pz) - w[i];
-        const double dx = a > 0.0 ? a : 0.0, dy = b > 0.0 ? b : 0.0,
-                     dz = c > 0.0 ? c : 0.0;
-        near[i] = (weight * (dx * dx + dy * dy + dz * dz) <= most) &
-                  (radius[i] >= 0.0);
-    }
-}
-
-/* Lists what is in reach, and what of V is. */
-static void list_near(struct gp_sets *s, const struct gp_reach *r)
-{
-    int n = 0, lits = 0;
-    find_near(s, r);
-    for (int i = 0; i < s->scene->objects; i++) {
-        s->list[n] = i;
-        n += s->near[i];
-    }
-    s->listed = 0;
-    for (int k = 0; k < n; k++) {
-        const int i = s->list[k];
-        if (gp_reach_beside(r, centre_of(s, i), s->radius[i]))
+    bool any = false;
+    gp_groups_near(&s->groups, r);
+    for (int g = 0; g < s->groups.n; g++) {
+        const unsigned in =
+            s->groups.near[g] ? gp_groups_reached(&s->groups, g, r) : 0;
+        if (!in)
             continue;
-        s->list[s->listed++] = i;
-        s->lit[lits] = i;
-        lits += (s->flag[i] & GP_SET_V) != 0;
+        s->reached[s->reaches++] = (struct reached) {.group = g, .in = in};
+        any |= (in & s->visible[g]) != 0;
     }
-    s->lits = lits;
+    return any;
 }
 
-/* Flags L, and I of V: those listed that are not in an umbra. */
-static void flag_lit(struct gp_sets *s, const struct gp_reach *r)
+/* Finds L, and I of V: those in reach that are not in an umbra. */
+static void find_lit(struct gp_sets *s, const struct gp_reach *r)
 {
     struct gp_darkest most = {0};
     s->umbras.n = 0;
     if (s->use & GP_SETS_LIGHTS) {
-        for (int k = 0; k < s->listed; k++) {
-            const int i = s->list[k];
-            if (s->size[i] > 0.0)
-                gp_darkest_try(&most, r, centre_of(s, i), s->size[i], i);
-        }
+        for (int i = 0; i < s->reaches; i++)
+            gp_groups_darkest(&s->groups, s->reached[i].group,
+                              s->reached[i].in, r, &most);
         gp_umbras_make(&most, s->scene, s->bodies, r, &s->umbras);
     }
+    int last = 0;
     s->lits = 0;
-    for (int k = 0; k < s->listed; k++) {
-        const int i = s->list[k];
-        const struct gp_v3 c = centre_of(s, i), e = half_of(s, i);
-        const struct gp_v3 wide =
-            gp_texel_widen(r, s->view.texel, c, e, s->radius[i]);
-        if (s->umbras.n > 0 && gp_umbras_hold(&s->umbras, c, wide))
-            continue;
-        s->flag[i] |= GP_SET_L;
-        if (s->flag[i] & GP_SET_V) {
-            s->flag[i] |= GP_SET_I;
-            s->lit[s->lits++] = i;
+    for (int i = 0; i < s->reaches; i++) {
+        struct reached *const at = &s->reached[i];
+        const struct gp_pack p =
+            gp_groups_widen(&s->groups, at->group, r, s->view.texel);
+        at->seen = at->in & ~gp_pack_held(&p, &s->umbras, at->in, &last);
+        const unsigned lit = at->seen & s->visible[at->group];
+        for (int k = 0; lit >> k; k++) {
+            s->lit[s->lits] = GP_GROUP * at->group + k;
+            s->lits += (int) (lit >> k & 1);
         }
     }
 }
 
-/* Flags S: of L, what meets the hull of the light and of what it lights. */
-static void flag_casters(struct gp_sets *s, const struct gp_reach *r,
+/* Finds S: of L, what meets the hull of the light and of what it lights. */
+static void find_casters(struct gp_sets *s, const struct gp_reach *r,
                          const struct gp_scissor *lit)
 {
     const struct gp_volume hull = gp_sets_hull(&s->view, lit, r);
-    for (int k = 0; k < s->listed; k++) {
-        const int i = s->list[k];
-        const struct gp_v3 c = centre_of(s, i);
-        const struct gp_v3 e = gp_texel_widen(r, s->view.texel, c,
-                                             half_of(s, i), s->radius[i]);
-        if ((s->flag[i] & GP_SET_L) && !gp_volume_misses(&hull, c, e))
-            s->flag[i] |= GP_SET_S;
+    for (int i = 0; i < s->reaches; i++) {
+        struct reached *const at = &s->reached[i];
+        const struct gp_pack p =
+            gp_groups_widen(&s->groups, at->group, r, s->view.texel);
+        at->casting = at->seen & ~gp_pack_missed(&p, &hull, at->seen);
     }
 }
 
@@ -281,47 +232,32 @@ static void flag_casters(struct gp_sets *s, const struct gp_reach *r,
 static void leave_out(struct gp_sets *s)
 {
     int n = 0;
-    for (int k = 0; k < s->lits; k++) {
+    for (int k = 0; k < s->lits && s->hidden.levels > 0; k++) {
         const int i = s->lit[k];
-        if (s->hidden.levels > 0 &&
-            !gp_lit_tiles_show(&s->tiles, &s->hidden, &s->scissor, &s->box[i]))
-            s->flag[i] &= (uint8_t) ~GP_SET_I;
-        else
-            s->lit[n++] = i;
+        s->lit[n] = i;
+        n += gp_lit_tiles_show(&s->tiles, &s->hidden, &s->scissor, &s->box[i]);
     }
-    s->lits = n;
+    s->lits = s->hidden.levels > 0 ? n : s->lits;
 }
 
-bool gp_sets_light(struct gp_sets *s, int light)
+/* Finds L, I, S and the scissor of a light. False: I is empty. */
+static bool find_sets(struct gp_sets *s, const struct gp_reach *r)
 {
     const struct gp_sets_view *const v = &s->view;
-    for (int k = 0; k < s->listed; k++)
-        s->flag[s->list[k]] &= GP_SET_F | GP_SET_V;
-    s->listed = s->lits = 0;
-    s->scissor = (struct gp_scissor) {0};
-    s->tiles.seens = 0;
-    const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
-    if (!gp_reach_meets(&r, &s->frustum))
+    const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
+    if (!gp_reach_meets(r, &s->frustum) || !list_reached(s, r))
         return false;
-    list_near(s, &r);
-    if (s->lits == 0)
-        return false;
-    flag_lit(s, &r);
+    find_lit(s, r);
     const struct gp_screen_box bounds = gp_reach_project(
-        &r, &v->camera, v->display, v->near, INFINITY);
+        r, &v->camera, v->display, v->near, INFINITY);
     const struct gp_scissor touched =
         gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
     struct gp_scissor lit = touched;
-    if (s->hidden.levels > 0 && (s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)))
-        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &touched, &r,
+    if (s->hidden.levels > 0 && cut)
+        lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &touched, r,
                                  &s->umbras, v->texel);
-    const bool bright = s->lits > 0 &&
-                        (!(s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR)) ||
-                         !gp_rect_empty(lit.rect));
-    if (!bright) { // the light is left out
-        for (int k = 0; k < s->lits; k++)
-            s->flag[s->lit[k]] &= (uint8_t) ~GP_SET_I;
-        s->lits = 0;
+    if (s->lits == 0 || (cut && gp_rect_empty(lit.rect))) {
+        s->lits = 0; // the light is left out
         return false;
     }
     s->scissor = (struct gp_scissor) {v->window, v->near, s->far};
@@ -333,14 +269,37 @@ bool gp_sets_light(struct gp_sets *s, int light)
         // what is drawn must have its shadows, lit or not
         const struct gp_scissor all = gp_lit_tiles_list(
             &s->tiles, &s->hidden, s->use & GP_SETS_SCISSOR ? &lit : &touched);
-        flag_casters(s, &r, &all);
+        find_casters(s, r, &all);
         return true;
     }
-    for (int k = 0; k < s->listed; k++) {
-        uint8_t *const flag = &s->flag[s->list[k]];
-        *flag |= *flag & GP_SET_L ? GP_SET_S : 0;
-    }
+    for (int i = 0; i < s->reaches; i++)
+        s->reached[i].casting = s->reached[i].seen;
     return true;
+}
+
+bool gp_sets_light(struct gp_sets *s, int light)
+{
+    for (int i = 0; i < s->reaches; i++) {
+        const int *const object =
+            s->groups.object + GP_GROUP * s->reached[i].group;
+        for (int k = 0; k < GP_GROUP; k++)
+            s->flag[object[k]] &= GP_SET_F | GP_SET_V;
+    }
+    s->reaches = s->lits = 0;
+    s->scissor = (struct gp_scissor) {0};
+    s->tiles.seens = 0;
+    const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
+    const bool on = find_sets(s, &r);
+    for (int i = 0; i < s->reaches; i++) {
+        const struct reached at = s->reached[i];
+        const int *const object = s->groups.object + GP_GROUP * at.group;
+        for (int k = 0; at.seen >> k; k++)
+            s->flag[object[k]] |= (uint8_t) ((at.seen >> k & 1) * GP_SET_L |
+                                             (at.casting >> k & 1) * GP_SET_S);
+    }
+    for (int k = 0; k < s->lits; k++)
+        s->flag[s->groups.object[s->lit[k]]] |= GP_SET_I;
+    return on;
 }
 
 // -- asking ------------------------------------------------------------------
@@ -358,7 +317,10 @@ const struct gp_box *gp_sets_seen(const struct gp_sets *sets, int *n)
 
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)
 {
-    return gp_screen_pixels(&s->box[object], s->scissor.rect);
+    static const struct gp_screen_box none = {0};
+    const int place = s->place[object];
+    return gp_screen_pixels(place < 0 ? &none : &s->box[place],
+                            s->scissor.rect);
 }
 
 struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)

@@ -303,33 +303,36 @@ double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o)
 }
 
 void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
-                      struct gp_v3 centre, double size, int i)
+                    struct gp_v3 centre, double size, int i)
 {
     const struct gp_v3 to = gp_v3_sub(centre, light->from.p);
     const double angle =
         light->from.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
-    if (o->n == GP_OCCLUDERS && angle <= o->size[o->n - 1])
+    int k = o->n;
+    while (k > 0 && (o->size[k - 1] < angle ||
+                     (o->size[k - 1] == angle && o->object[k - 1] > i)))
+        k--;
+    if (k == GP_OCCLUDERS)
         return;
-    int k = o->n < GP_OCCLUDERS ? o->n++ : o->n - 1;
-    for (; k > 0 && o->size[k - 1] < angle; k--) {
-        o->size[k] = o->size[k - 1];
-        o->object[k] = o->object[k - 1];
+    o->n += o->n < GP_OCCLUDERS;
+    for (int m = o->n - 1; m > k; m--) {
+        o->size[m] = o->size[m - 1];
+        o->object[m] = o->object[m - 1];
     }
     o->size[k] = angle;
     o->object[k] = i;
 }
 
-/* Sets the cone, or cylinder, of the rays through a body. Of a point light a
- * box is in it where its centre's direction is: axis . to - cos |to| >= 0; of
- * one at infinity, with (x, y) square to its direction, where
- * r^2 - (x - mx)^2 - (y - my)^2 >= 0. */
+/* Sets the cone, or cylinder, of the rays through a body. */
 static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
                      const double to_world[16])
 {
     const struct gp_from light = u->light;
+    const bool lamp = light.w > 0.0;
     const struct gp_v3 middle = gp_move(to_world, body->middle);
+    const struct gp_v3 from = lamp ? light.p : middle;
     const struct gp_v3 axis =
-        light.w > 0.0 ? gp_v3_unit(gp_v3_sub(middle, light.p)) : light.p;
+        lamp ? gp_v3_unit(gp_v3_sub(middle, light.p)) : light.p;
     double least = 1.0, most = 0.0;
     for (int i = 0; i < body->points; i++) {
         const struct gp_v3 p = gp_move(to_world, body->point[i]);
@@ -337,30 +340,24 @@ static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
         const struct gp_v3 off = gp_v3_cross(gp_v3_sub(p, middle), axis);
         most = fmax(most, gp_v3_length(off));
     }
-    if (light.w > 0.0) {
-        const double wide[4] = {axis.x, axis.y, axis.z, 1e-9 - least};
-        for (int k = 0; k < 4; k++) // (over 90 degrees it is not convex)
-            u->cone[k][n] = least > 0.01 ? wide[k] : k == 3;
-        return;
-    }
-    const double x = gp_v3_dot(middle, u->side), y = gp_v3_dot(middle, u->up);
-    u->cone[0][n] = 2.0 * x;
-    u->cone[1][n] = 2.0 * y;
-    u->cone[2][n] = most * most - x * x - y * y +
-                    1e-9 * (most * most + x * x + y * y);
-    u->cone[3][n] = -1.0;
+    const bool wide = lamp && least < 0.01; // over 90 degrees: not convex
+    const double apart[9] = {
+        from.x, from.y, from.z, axis.x, axis.y, axis.z,
+        wide ? 0.0 : lamp ? least : 1.0,
+        lamp && !wide ? sqrt(fmax(0.0, 1.0 - least * least)) : 0.0,
+        lamp ? 0.0 : most,
+    };
+    for (int k = 0; k < 9; k++)
+        u->cone[k][n] = apart[k];
 }
 
 void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
                     const struct gp_bodies *b, const struct gp_reach *light,
                     struct gp_umbras *out)
 {
-    const struct gp_v3 d = light->from.p;
-    const struct gp_v3 other = {fabs(d.x) < 0.7, fabs(d.x) >= 0.7, 0.0};
+    memset(out->cone, 0, sizeof out->cone);
     out->n = 0;
     out->light = light->from;
-    out->side = gp_v3_unit(gp_v3_cross(d, other));
-    out->up = gp_v3_cross(gp_v3_unit(d), out->side);
     for (int k = 0; k < o->n; k++) {
         const struct gp_object *const at = &s->object[o->object[k]];
         const struct gp_body *const body = &b->body[b->of_mesh[at->mesh]];
@@ -368,38 +365,41 @@ void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
         if (out->umbra[out->n].planes > 0)
             set_cone(out, out->n++, body, at->to_world);
     }
-    for (int k = out->n; k < GP_OCCLUDERS; k++)
-        out->cone[0][k] = out->cone[1][k] = out->cone[2][k] =
-            out->cone[3][k] = 0.0;
 }
 
-/* Sets in[i] where a box may be in umbra i. */
-static GP_CLONES void find_cones(const struct gp_umbras *u, const double v[4],
-                                 double in[GP_OCCLUDERS])
+/* Sets beside[i] to how far a point is from cone i, at most: distances from a
+ * cone's side are cos * aside - sin * along. */
+static GP_CLONES void find_cones(const struct gp_umbras *u, struct gp_v3 c,
+                                 double beside[GP_OCCLUDERS])
 {
-    for (int i = 0; i < GP_OCCLUDERS; i++)
-        in[i] = u->cone[0][i] * v[0] + u->cone[1][i] * v[1] +
-                u->cone[2][i] * v[2] + u->cone[3][i] * v[3];
+    for (int i = 0; i < GP_OCCLUDERS; i++) {
+        const double x = c.x - u->cone[0][i], y = c.y - u->cone[1][i],
+                     z = c.z - u->cone[2][i];
+        const double along =
+            x * u->cone[3][i] + y * u->cone[4][i] + z * u->cone[5][i];
+        const double all = x * x + y * y + z * z, rest = all - along * along;
+        // (1e-7: rounding of what little is aside)
+        beside[i] = u->cone[6][i] * sqrt(rest > 0.0 ? rest : 0.0) -
+                    u->cone[7][i] * along - u->cone[8][i] - 1e-7 * sqrt(all);
+    }
+}
+
+unsigned gp_umbras_near(const struct gp_umbras *u, struct gp_v3 c,
+                        double radius)
+{
+    double beside[GP_OCCLUDERS];
+    unsigned near = 0;
+    find_cones(u, c, beside);
+    for (int i = 0; i < u->n; i++)
+        near |= (unsigned) (beside[i] <= radius) << i;
+    return near;
 }
 
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
 {
-    double in[GP_OCCLUDERS], v[4];
-    if (u->light.w > 0.0) {
-        const struct gp_v3 to = gp_v3_sub(c, u->light.p);
-        v[0] = to.x;
-        v[1] = to.y;
-        v[2] = to.z;
-        v[3] = gp_v3_length(to);
-    } else {
-        v[0] = gp_v3_dot(c, u->side);
-        v[1] = gp_v3_dot(c, u->up);
-        v[2] = 1.0;
-        v[3] = v[0] * v[0] + v[1] * v[1];
-    }
-    find_cones(u, v, in);
-    for (int i = 0; i < u->n; i++) {
-        if (in[i] >= 0.0 && gp_umbra_holds(&u->umbra[i], c, e))
+    unsigned near = gp_umbras_near(u, c, 0.0);
+    for (int i = 0; near; i++, near >>= 1) {
+        if ((near & 1) && gp_umbra_holds(&u->umbra[i], c, e))
             return true;
     }
     return false;

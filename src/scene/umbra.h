@@ -37,8 +37,9 @@ static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,
 {
     for (int i = 0; i < u->planes; i++) {
         const struct gp_half h = u->plane[i];
-        if (gp_half_at(h, c) + fabs(h.n.x) * e.x + fabs(h.n.y) * e.y +
-                fabs(h.n.z) * e.z > -u->margin)
+        const double reach =
+            fabs(h.n.x) * e.x + fabs(h.n.y) * e.y + fabs(h.n.z) * e.z;
+        if (gp_half_at(h, c) + reach > -u->margin)
             return false;
     }
     return u->planes > 0;
@@ -75,18 +76,19 @@ struct gp_darkest {
  * measure of the shadow it throws; 0 where its mesh is no body. */
 double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o);
 
-/* Keeps object i of that centre and size where it is among the largest. */
+/* Keeps object i of that centre and size where it is among the largest; of those
+ * of one size the first of the scene. */
 void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
-                      struct gp_v3 centre, double size, int i);
+                    struct gp_v3 centre, double size, int i);
 
 /* The umbras of a light, each in a cone of its rays, or a cylinder of those of
  * a light at infinity, that is quick to ask. */
 struct gp_umbras {
     int n;
     struct gp_from light;
-    struct gp_v3 side, up;         // square to a direction
-    double cone[4][GP_OCCLUDERS];  // a box can be in umbra i where the dot
-                                   // product with its own four is >= 0
+    // place and unit axis of the cone of each, cosine and sine of its half
+    // angle, and the radius of a cylinder
+    double cone[9][GP_OCCLUDERS];
     struct gp_umbra umbra[GP_OCCLUDERS];
 };
 
@@ -94,6 +96,11 @@ struct gp_umbras {
 void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
                     const struct gp_bodies *b, const struct gp_reach *light,
                     struct gp_umbras *out);
+
+/* Returns bits of the umbras in which a box may be whose centre is within
+ * `radius` of c. */
+unsigned gp_umbras_near(const struct gp_umbras *u, struct gp_v3 c,
+                        double radius);
 
 /* True where an umbra holds a box of centre c and half sides e. */
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e);
