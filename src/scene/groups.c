@@ -19,7 +19,7 @@ static void set_bounds(struct gp_pack *p)
     for (int c = 0; c < 3; c++) {
         double lo = INFINITY, hi = -INFINITY, lo_at = lo, hi_at = hi;
         least[c] = INFINITY;
-        for (int k = 0; k < GP_GROUP; k++) {
+        for (int k = 0; k < GP_PACK; k++) {
             const double at = p->at[c][k], e = p->half[c][k];
             if (!(p->used >> k & 1))
                 continue;
@@ -51,13 +51,13 @@ static inline double along(struct gp_half h, struct gp_v3 e)
 }
 
 /* Returns bits of the values that are at most `limit`. */
-static unsigned at_most(const double v[GP_GROUP], double limit)
+static unsigned at_most(const double v[GP_PACK], double limit)
 {
-    static const uint64_t bit[GP_GROUP] = {
+    static const uint64_t bit[GP_PACK] = {
         1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80,
         0x100, 0x200, 0x400, 0x800, 0x1000, 0x2000, 0x4000, 0x8000};
     uint64_t bits = 0;
-    for (int k = 0; k < GP_GROUP; k++)
+    for (int k = 0; k < GP_PACK; k++)
         bits |= v[k] <= limit ? bit[k] : 0;
     return (unsigned) bits;
 }
@@ -90,7 +90,7 @@ static GP_CLONES unsigned beyond(const struct gp_pack *p,
                                  const unsigned char *pick, int n, double side,
                                  double limit)
 {
-    enum { FOURS = GP_GROUP / 4 };
+    enum { FOURS = GP_PACK / 4 };
     four_bits out[FOURS] = {0};
     unsigned bits = 0;
     for (int i = 0; i < n; i++) {
@@ -123,7 +123,7 @@ static GP_CLONES unsigned beside(const struct gp_pack *p,
     const double hi[3] = {box->hi.x + slack, box->hi.y + slack,
                           box->hi.z + slack};
     unsigned bits = 0;
-    for (int k = 0; k < GP_GROUP; k += 4) {
+    for (int k = 0; k < GP_PACK; k += 4) {
         four_bits out = {0, 0, 0, 0};
         for (int c = 0; c < 3; c++) {
             const four at = load(p->at[c] + k), e = load(p->half[c] + k);
@@ -276,8 +276,8 @@ static gp_status make_arrays(const struct gp_log *log, int n,
                              struct gp_groups *g)
 {
     static const char what[] = "groups of objects";
-    const size_t groups = ((size_t) n + GP_GROUP - 1) / GP_GROUP;
-    const size_t all = groups * GP_GROUP;
+    const size_t groups = ((size_t) n + GP_PACK - 1) / GP_PACK;
+    const size_t all = groups * GP_PACK;
     gp_status st;
     g->n = (int) groups;
     GP_TRY(gp_alloc_zero(log, what, groups, sizeof *g->pack, &g->pack));
@@ -302,7 +302,7 @@ static void fill(const struct gp_scene *s, const struct gp_bodies *bodies,
 {
     const struct gp_object *const o = &s->object[object];
     const struct gp_v3 c = gp_box_middle(&o->box), e = gp_box_half(&o->box);
-    const int group = k / GP_GROUP;
+    const int group = k / GP_PACK;
     const double at[3] = {c.x, c.y, c.z}, half[3] = {e.x, e.y, e.z};
     for (int i = 0; i < 3; i++) {
         g->at[i][k] = at[i];
@@ -312,7 +312,7 @@ static void fill(const struct gp_scene *s, const struct gp_bodies *bodies,
     g->radius[k] = gp_object_radius(o, c);
     g->size[k] = counts ? gp_darkest_size(bodies, o) : 0.0;
     g->largest[group] = gp_maxd(g->size[k], g->largest[group]);
-    g->pack[group].used |= (unsigned) counts << k % GP_GROUP;
+    g->pack[group].used |= (unsigned) counts << k % GP_PACK;
 }
 
 gp_status gp_groups_make(const struct gp_log *log, const struct gp_scene *s,
@@ -329,12 +329,12 @@ gp_status gp_groups_make(const struct gp_log *log, const struct gp_scene *s,
     if (n == 0)
         goto out;
     GP_TRY(make_arrays(log, n, &g));
-    for (int k = 0; k < g.n * GP_GROUP; k++)
+    for (int k = 0; k < g.n * GP_PACK; k++)
         fill(s, bodies, &g, k, list[k < n ? k : n - 1].object, k < n);
     for (int i = 0; i < g.n; i++) {
         for (int c = 0; c < 3; c++) {
-            g.pack[i].at[c] = g.at[c] + GP_GROUP * i;
-            g.pack[i].half[c] = g.half[c] + GP_GROUP * i;
+            g.pack[i].at[c] = g.at[c] + GP_PACK * i;
+            g.pack[i].half[c] = g.half[c] + GP_PACK * i;
         }
         set_bounds(&g.pack[i]);
     }
@@ -383,7 +383,7 @@ GP_CLONES unsigned gp_groups_reached(const struct gp_groups *g, int group,
                                      const struct gp_reach *light)
 {
     const struct gp_pack *const p = &g->pack[group];
-    const double *const radius = g->radius + GP_GROUP * group;
+    const double *const radius = g->radius + GP_PACK * group;
     const double *const x = p->at[0], *const y = p->at[1], *const z = p->at[2];
     const double *const u = p->half[0], *const v = p->half[1],
                         *const w = p->half[2];
@@ -392,8 +392,8 @@ GP_CLONES unsigned gp_groups_reached(const struct gp_groups *g, int group,
                  ay = light->along.y, az = light->along.z;
     const double range = light->range * light->range, weight = light->from.w;
     const double cos_outer = light->cos, sin_outer = light->sin;
-    double away[GP_GROUP], beside[GP_GROUP]; // under or at 0: in
-    for (int k = 0; k < GP_GROUP; k++) {
+    double away[GP_PACK], beside[GP_PACK]; // under or at 0: in
+    for (int k = 0; k < GP_PACK; k++) {
         const double dx = x[k] - px, dy = y[k] - py, dz = z[k] - pz;
         const double a = fabs(dx) - u[k], b = fabs(dy) - v[k],
                      c = fabs(dz) - w[k];
@@ -404,7 +404,7 @@ GP_CLONES unsigned gp_groups_reached(const struct gp_groups *g, int group,
     const unsigned in = p->used & at_most(away, range);
     if (light->sin == 0.0)
         return in;
-    for (int k = 0; k < GP_GROUP; k++) { // gp_reach_beside()
+    for (int k = 0; k < GP_PACK; k++) { // gp_reach_beside()
         const double dx = x[k] - px, dy = y[k] - py, dz = z[k] - pz;
         const double front = dx * ax + dy * ay + dz * az;
         const double rest = dx * dx + dy * dy + dz * dz - front * front;
@@ -418,14 +418,14 @@ GP_CLONES unsigned gp_groups_reached(const struct gp_groups *g, int group,
 /* Sets angle[k], the measure of gp_darkest_try(), of a group's objects. */
 static GP_CLONES void set_angles(const struct gp_groups *g, int group,
                                  const struct gp_reach *light,
-                                 double angle[GP_GROUP])
+                                 double angle[GP_PACK])
 {
     const struct gp_pack *const p = &g->pack[group];
     const double *const x = p->at[0], *const y = p->at[1], *const z = p->at[2];
-    const double *const size = g->size + GP_GROUP * group;
+    const double *const size = g->size + GP_PACK * group;
     const double px = light->from.p.x, py = light->from.p.y,
                  pz = light->from.p.z;
-    for (int k = 0; k < GP_GROUP; k++) {
+    for (int k = 0; k < GP_PACK; k++) {
         const double dx = x[k] - px, dy = y[k] - py, dz = z[k] - pz;
         // (of a size of 0 at the light 0 / 0, which is never chosen)
         angle[k] = size[k] / (dx * dx + dy * dy + dz * dz + 1e-6 * size[k]);
@@ -436,8 +436,8 @@ void gp_groups_darkest(const struct gp_groups *g, int group, unsigned in,
                        const struct gp_reach *light, struct gp_darkest *most)
 {
     const struct gp_pack *const p = &g->pack[group];
-    const double *const size = g->size + GP_GROUP * group;
-    double angle[GP_GROUP];
+    const double *const size = g->size + GP_PACK * group;
+    double angle[GP_PACK];
     if (!(g->largest[group] > 0.0))
         return;
     if (light->from.w > 0.0)
@@ -453,7 +453,7 @@ void gp_groups_darkest(const struct gp_groups *g, int group, unsigned in,
             gp_darkest_try(most, light,
                            (struct gp_v3) {p->at[0][k], p->at[1][k],
                                            p->at[2][k]},
-                           size[k], g->object[GP_GROUP * group + k]);
+                           size[k], g->object[GP_PACK * group + k]);
     }
 }
 
@@ -463,15 +463,15 @@ static GP_CLONES void widen(struct gp_groups *g, int group,
                             const struct gp_reach *light, double texel,
                             double grown[2])
 {
-    const int first = GP_GROUP * group;
+    const int first = GP_PACK * group;
     const double *const x = g->at[0] + first, *const y = g->at[1] + first,
                         *const z = g->at[2] + first;
     const double *const radius = g->radius + first;
     const double px = light->from.p.x, py = light->from.p.y,
                  pz = light->from.p.z;
     const bool lamp = light->from.w > 0.0;
-    double more[GP_GROUP];
-    for (int k = 0; k < GP_GROUP; k++) {
+    double more[GP_PACK];
+    for (int k = 0; k < GP_PACK; k++) {
         const double dx = x[k] - px, dy = y[k] - py, dz = z[k] - pz;
         more[k] = texel * (lamp ? sqrt(dx * dx + dy * dy + dz * dz) + radius[k]
                                 : 1.0);
@@ -479,11 +479,11 @@ static GP_CLONES void widen(struct gp_groups *g, int group,
     for (int c = 0; c < 3; c++) {
         const double *const from = g->half[c] + first;
         double *const to = g->wide[c] + first;
-        for (int k = 0; k < GP_GROUP; k++)
+        for (int k = 0; k < GP_PACK; k++)
             to[k] = from[k] + more[k];
     }
     grown[0] = grown[1] = more[0];
-    for (int k = 1; k < GP_GROUP; k++) {
+    for (int k = 1; k < GP_PACK; k++) {
         grown[0] = more[k] < grown[0] ? more[k] : grown[0];
         grown[1] = more[k] > grown[1] ? more[k] : grown[1];
     }
@@ -498,7 +498,7 @@ struct gp_pack gp_groups_widen(struct gp_groups *g, int group,
         return p;
     widen(g, group, light, texel, grown);
     for (int c = 0; c < 3; c++)
-        p.half[c] = g->wide[c] + GP_GROUP * group;
+        p.half[c] = g->wide[c] + GP_PACK * group;
     p.reach = plus(p.reach, grown[1]);
     p.inner = plus(p.inner, -grown[0]);
     p.round += 3.0 * ROUND * grown[1];

@@ -8,9 +8,9 @@
 
 #include "scene/umbra.h"
 
-enum { GP_GROUP = 16 };
+enum { GP_PACK = 16 };
 
-/* Boxes side by side: centres and half sides of GP_GROUP of them. */
+/* Boxes side by side: centres and half sides of GP_PACK of them. */
 struct gp_pack {
     const double *at[3], *half[3]; // borrowed; numbers in unused ones too
     unsigned used;                 // bit i: box i counts
@@ -36,8 +36,8 @@ unsigned gp_pack_missed(const struct gp_pack *p, const struct gp_volume *v,
 struct gp_groups {
     int n;                    // groups
     struct gp_pack *pack;     // owned
-    int *object;              // owned; GP_GROUP a group
-    double *at[3], *half[3];  // owned; GP_GROUP a group, as are the next
+    int *object;              // owned; GP_PACK a group
+    double *at[3], *half[3];  // owned; GP_PACK a group, as are the next
     double *wide[3];          // owned; half sides, widened
     double *radius;           // owned; of spheres around boxes
     double *size;             // owned; gp_darkest_size()

@@ -81,7 +81,7 @@ static gp_status make_arrays(const struct gp_log *log, struct gp_sets *s)
     const size_t groups = (size_t) s->groups.n + 1;
     GP_TRY(gp_alloc(log, what, groups, sizeof *s->reached, &s->reached));
     GP_TRY(gp_alloc_zero(log, what, groups, sizeof *s->visible, &s->visible));
-    GP_TRY(gp_alloc_zero(log, what, groups * GP_GROUP, sizeof *s->box,
+    GP_TRY(gp_alloc_zero(log, what, groups * GP_PACK, sizeof *s->box,
                          &s->box));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->place, &s->place));
     GP_TRY(gp_alloc_zero(log, what, n, sizeof *s->flag, &s->flag));
@@ -101,7 +101,7 @@ static void flag_seen(struct gp_sets *s, int place)
     if (!(s->use & GP_SETS_OCCLUSION) || s->hidden.levels == 0 ||
         !gp_hidden_box(&s->hidden, box)) {
         s->flag[object] |= GP_SET_V;
-        s->visible[place / GP_GROUP] |= (uint16_t) (1u << place % GP_GROUP);
+        s->visible[place / GP_PACK] |= (uint16_t) (1u << place % GP_PACK);
         *box = gp_scissor_visible(&s->hidden, box);
     }
 }
@@ -115,7 +115,7 @@ static void flag_frame(struct gp_sets *s)
         const struct gp_pack *const p = &s->groups.pack[g];
         const unsigned missed = gp_pack_missed(p, &s->frustum, p->used);
         for (int k = 0; p->used >> k; k++) {
-            const int place = GP_GROUP * g + k;
+            const int place = GP_PACK * g + k;
             s->place[s->groups.object[place]] = place;
             if (!(missed >> k & 1))
                 flag_seen(s, place);
@@ -209,7 +209,7 @@ static void find_lit(struct gp_sets *s, const struct gp_reach *r)
         at->seen = at->in & ~gp_pack_held(&p, &s->umbras, at->in, &last);
         const unsigned lit = at->seen & s->visible[at->group];
         for (int k = 0; lit >> k; k++) {
-            s->lit[s->lits] = GP_GROUP * at->group + k;
+            s->lit[s->lits] = GP_PACK * at->group + k;
             s->lits += (int) (lit >> k & 1);
         }
     }
@@ -281,8 +281,8 @@ bool gp_sets_light(struct gp_sets *s, int light)
 {
     for (int i = 0; i < s->reaches; i++) {
         const int *const object =
-            s->groups.object + GP_GROUP * s->reached[i].group;
-        for (int k = 0; k < GP_GROUP; k++)
+            s->groups.object + GP_PACK * s->reached[i].group;
+        for (int k = 0; k < GP_PACK; k++)
             s->flag[object[k]] &= GP_SET_F | GP_SET_V;
     }
     s->reaches = s->lits = 0;
@@ -292,7 +292,7 @@ bool gp_sets_light(struct gp_sets *s, int light)
     const bool on = find_sets(s, &r);
     for (int i = 0; i < s->reaches; i++) {
         const struct reached at = s->reached[i];
-        const int *const object = s->groups.object + GP_GROUP * at.group;
+        const int *const object = s->groups.object + GP_PACK * at.group;
         for (int k = 0; at.seen >> k; k++)
             s->flag[object[k]] |= (uint8_t) ((at.seen >> k & 1) * GP_SET_L |
                                              (at.casting >> k & 1) * GP_SET_S);

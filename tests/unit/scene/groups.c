@@ -34,9 +34,9 @@ static void each_once(void **state)
         s.object[objects / 2].box = GP_BOX_EMPTY;
         assert_ok(gp_bodies_make(NULL, &s, &bodies));
         assert_ok(gp_groups_make(NULL, &s, bodies, &g));
-        for (int i = 0; i < GP_GROUP * g.n; i++) {
-            const unsigned used = g.pack[i / GP_GROUP].used;
-            if (!(used >> i % GP_GROUP & 1))
+        for (int i = 0; i < GP_PACK * g.n; i++) {
+            const unsigned used = g.pack[i / GP_PACK].used;
+            if (!(used >> i % GP_PACK & 1))
                 continue;
             seen[g.object[i]]++;
             n++;
@@ -86,9 +86,9 @@ static void check_light(struct gp_groups *g, const struct gp_scene *s,
         const unsigned in = g->near[i] ? gp_groups_reached(g, i, &r) : 0;
         const unsigned held = gp_pack_held(&p, &u, p.used, &last);
         const unsigned missed = gp_pack_missed(&p, v, p.used);
-        for (int k = 0; k < GP_GROUP; k++) {
+        for (int k = 0; k < GP_PACK; k++) {
             const struct gp_object *const o =
-                &s->object[g->object[GP_GROUP * i + k]];
+                &s->object[g->object[GP_PACK * i + k]];
             const struct gp_v3 c = gp_box_middle(&o->box);
             const double radius = gp_object_radius(o, c);
             const struct gp_v3 e = gp_box_half(&o->box);
