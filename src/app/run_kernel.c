@@ -32,16 +32,6 @@ void gp_wanted_kernel_free(struct gp_wanted_kernel *k)
     *k = (struct gp_wanted_kernel) {0};
 }
 
-/* A word of --kernel as a recipe. */
-static gp_status read_recipe(const struct gp_log *log,
-    const struct gp_settings *s, const char *word, struct gp_recipe *out)
-{
-    return gp_recipe_is(word)
-               ? gp_recipe_parse(log, word, out)
-               : gp_recipe_of_image(log, word, s->kernel_degrees,
-                                    s->kernel_percent, out);
-}
-
 /* Refuses options of one image file where there is none. */
 static gp_status check_image_options(const struct gp_log *log,
     const struct gp_settings *s, bool files, bool one)
@@ -87,7 +77,10 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
                   : gp_label_read(log, &out->image[0], &out->label[0]);
     }
     for (int i = 0; i < n; i++) {
-        GP_TRY(read_recipe(log, s, at[i], &k.recipe[i]));
+        GP_TRY(gp_recipe_is(at[i])
+                   ? gp_recipe_parse(log, at[i], &k.recipe[i])
+                   : gp_recipe_of_image(log, at[i], s->kernel_degrees,
+                                        s->kernel_percent, &k.recipe[i]));
         k.recipes++;
     }
     GP_TRY(gp_wanted_images_read(log, &limits, NULL, &k));

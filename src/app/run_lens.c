@@ -2,6 +2,7 @@
  * brightest sources. */
 #include "app/stages.h"
 
+#include "core/colour.h"
 #include "core/json.h"
 #include "core/luminance.h"
 #include "core/memory.h"
@@ -110,13 +111,6 @@ bool gp_run_lens_stop(const struct gp_run *r, struct gp_frame_state *fs,
 /* Groups of sources: blocks of the frame, of which the brightest are lights. */
 enum { BLOCK = 16, GROUPS = 100 };
 
-static double light_of(const struct gp_sources *s, const double rgb[3])
-{
-    return rgb[0] * (double) s->luminance[0] +
-           rgb[1] * (double) s->luminance[1] +
-           rgb[2] * (double) s->luminance[2];
-}
-
 struct group {
     struct gp_lens_light light; // place: sum of places by luminance
     double luminance;
@@ -151,7 +145,7 @@ static gp_status group_sources(const struct gp_log *log,
             const double rgb[3] = {(double) s->rgb[0][i],
                                    (double) s->rgb[1][i],
                                    (double) s->rgb[2][i]};
-            const double light = light_of(s, rgb);
+            const double light = gp_luminance_of(s->luminance, rgb);
             for (int c = 0; c < 3; c++)
                 g->light.flux[c] += rgb[c];
             g->light.x += light * (s->x0 + s->x[i] + 0.5);

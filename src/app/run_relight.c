@@ -35,23 +35,19 @@ static const struct layer_names albedo_names = {
     {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}},
 };
 
-/* True where `name` is LAYER.CHANNEL, or ends with .LAYER.CHANNEL. */
-static bool is_of(const char *name, const char *layer, const char *channel)
-{
-    char tail[64];
-    const int n = snprintf(tail, sizeof tail, "%s.%s", layer, channel);
-    const size_t length = strlen(name);
-    return length >= (size_t) n &&
-           strcmp(name + length - (size_t) n, tail) == 0 &&
-           (length == (size_t) n || name[length - (size_t) n - 1] == '.');
-}
-
+/* Finds the channel that is LAYER.CHANNEL, or ends with .LAYER.CHANNEL. */
 static const char *find_channel(const struct gp_frame *f, const char *layer,
                                 const char *channel)
 {
+    char tail[64];
+    const size_t n = (size_t) snprintf(tail, sizeof tail, "%s.%s", layer,
+                                       channel);
     for (int i = 0; i < f->channels; i++) {
-        if (is_of(f->channel[i].name, layer, channel))
-            return f->channel[i].name;
+        const char *const name = f->channel[i].name;
+        const size_t length = strlen(name);
+        if (length >= n && strcmp(name + length - n, tail) == 0 &&
+            (length == n || name[length - n - 1] == '.'))
+            return name;
     }
     return NULL;
 }

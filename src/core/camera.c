@@ -19,7 +19,19 @@ static struct gp_v3 column(const double m[16], int c)
     return (struct gp_v3) {m[c], m[4 + c], m[8 + c]};
 }
 
-/* Returns whether three vectors span space, within single precision. */
+void gp_matrix_mul(const double a[16], const double b[16], double out[16])
+{
+    double m[16] = {0};
+    for (int r = 0; r < 4; r++) {
+        for (int c = 0; c < 4; c++) {
+            for (int k = 0; k < 4; k++)
+                m[4 * r + c] += a[4 * r + k] * b[4 * k + c];
+        }
+    }
+    memcpy(out, m, sizeof m);
+}
+
+/* Returns true when three vectors span space, within single precision. */
 static bool spans(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
 {
     return fabs(gp_v3_det(a, b, c)) >

@@ -1,5 +1,5 @@
-/* Vectors of space, in double, and cameras: project points and directions of
- * the world into the frame. */
+/* Vectors and matrices of space, in double, and cameras, which project points
+ * and directions of the world into the frame. */
 #ifndef GP_CORE_CAMERA_H
 #define GP_CORE_CAMERA_H
 
@@ -56,6 +56,9 @@ static inline double gp_v3_det(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
 {
     return gp_v3_dot(a, gp_v3_cross(b, c));
 }
+
+/* Sets out = a * b, of matrices for row vectors: first a, then b. */
+void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
 
 // -- cameras -----------------------------------------------------------------
 

@@ -31,6 +31,13 @@ int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
  * more. */
 int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9]);
 
+/* Luminance of a colour by such weights. */
+static inline double gp_luminance_of(const float weight[3], const double rgb[3])
+{
+    return rgb[0] * (double) weight[0] + rgb[1] * (double) weight[1] +
+           rgb[2] * (double) weight[2];
+}
+
 /* out = a * b of 3x3 matrices; out is neither. */
 void gp_multiply3(const double a[9], const double b[9], double out[9]);
 

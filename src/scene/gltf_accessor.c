@@ -108,7 +108,7 @@ out:
 }
 
 /* Returns a number as stored, and what 1 is stored as, for normalised ones. */
-static float load(const uint8_t *p, int type, float *unit)
+static float stored_number(const uint8_t *p, int type, float *unit)
 {
     int8_t i8;
     int16_t i16;
@@ -158,7 +158,7 @@ static bool convert(const struct gp_gltf_accessor *a, int type,
     bool good = true;
     for (int c = 0; c < a->parts; c++) {
         float unit;
-        float v = load(from + c * bytes, type, &unit);
+        float v = stored_number(from + c * bytes, type, &unit);
         if (a->normalized)
             v = fmaxf(v / unit, -1.0f);
         good = good && fabsf(v) <= MOST_VALUE;

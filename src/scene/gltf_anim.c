@@ -226,19 +226,6 @@ static void matrix_of(const struct gp_scene_node *n, double m[16])
     m[15] = 1.0;
 }
 
-/* Writes a, then b: a * b. */
-static void multiply(const double a[16], const double b[16], double out[16])
-{
-    for (int i = 0; i < 4; i++) {
-        for (int j = 0; j < 4; j++) {
-            double sum = 0.0;
-            for (int k = 0; k < 4; k++)
-                sum += a[4 * i + k] * b[4 * k + j];
-            out[4 * i + j] = sum;
-        }
-    }
-}
-
 /* Puts a node that is nowhere at the origin, with size 0. */
 static void keep_within(double m[16])
 {
@@ -300,11 +287,11 @@ void gp_scene_pose(struct gp_scene *s, double seconds)
         struct gp_scene_node *const n = &nodes->at[nodes->order[i]];
         if (!n->matrix)
             matrix_of(n, n->local);
-        multiply(n->local,
-                 n->parent >= 0    ? nodes->at[n->parent].world
-                 : nodes->turned   ? turned
-                                   : upright,
-                 n->world);
+        gp_matrix_mul(n->local,
+                      n->parent >= 0  ? nodes->at[n->parent].world
+                      : nodes->turned ? turned
+                                      : upright,
+                      n->world);
         keep_within(n->world);
     }
     for (int i = 0; i < s->objects; i++) {

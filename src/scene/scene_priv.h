@@ -100,9 +100,6 @@ int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
 /* Returns a rectangle around the texels of those squares that are looked at. */
 struct gp_rect gp_shadow_cut(const struct gp_shadow_map *m, int faces);
 
-/* Returns a * b, of matrices for row vectors: first a, then b. */
-void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
-
 // -- directions of a disc (eye_map.c, eye_rays.c, eye_set.c) -----------------
 
 /* Returns a texture's alpha at (u, v): bilinear between texel centres on the

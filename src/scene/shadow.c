@@ -7,18 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-void gp_matrix_mul(const double a[16], const double b[16], double out[16])
-{
-    double m[16] = {0};
-    for (int r = 0; r < 4; r++) {
-        for (int c = 0; c < 4; c++) {
-            for (int k = 0; k < 4; k++)
-                m[4 * r + c] += a[4 * r + k] * b[4 * k + c];
-        }
-    }
-    memcpy(out, m, sizeof m);
-}
-
 /* Sets two unit vectors that are upright to `along` and to each other. */
 static void set_axes(struct gp_v3 along, struct gp_v3 *x, struct gp_v3 *y)
 {

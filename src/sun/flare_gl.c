@@ -136,11 +136,6 @@ static gp_status fit_images(const struct gp_log *log, const struct gp_gl *gl,
 
 // -- quads -------------------------------------------------------------------
 
-static enum flare_program program_of(const struct gp_flare_quad *q)
-{
-    return q->plain ? DRAW_PLAIN : DRAW_IMAGE;
-}
-
 /* Makes batches of s->quads (not empty) and writes to the context what they
  * need: programs, images, texels. Errors: GP_ERR_GL an image over the context's
  * size, GL's own; GP_ERR_BUG memory. */
@@ -177,7 +172,8 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
         start[k + 1] += start[k];
         if (of_key > 0)
             batch[s->batches++] = (struct batch) {
-                .program = program_of(&s->quads.at[quad[k]]),
+                .program = s->quads.at[quad[k]].plain ? DRAW_PLAIN
+                                                      : DRAW_IMAGE,
                 .first = start[k], .n = of_key, .quad = quad[k],
             };
     }

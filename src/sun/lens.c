@@ -155,8 +155,8 @@ struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
 
 // -- the whole lens -----------------------------------------------------------
 
-/* The matrix from the front to the last surface. */
-static struct gp_lens_matrix whole(const struct gp_lens *lens, int surfaces)
+/* Returns the matrix from the front to after so many surfaces. */
+static struct gp_lens_matrix front_matrix(const struct gp_lens *lens, int surfaces)
 {
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);
@@ -166,8 +166,8 @@ static struct gp_lens_matrix whole(const struct gp_lens *lens, int surfaces)
 gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
                         double distance, double f_number)
 {
-    const struct gp_lens_matrix m = whole(lens, lens->n);
-    const struct gp_lens_matrix to_stop = whole(lens, lens->stop + 1);
+    const struct gp_lens_matrix m = front_matrix(lens, lens->n);
+    const struct gp_lens_matrix to_stop = front_matrix(lens, lens->stop + 1);
     const double focal = m.c < 0.0 ? -1.0 / m.c : 0.0;
     if (!(focal >= 0.1 && focal <= 1e5))
         return gp_fail(log, GP_ERR_DATA, "%s: does not collect light (power "
@@ -218,8 +218,8 @@ static double field_of(const struct gp_lens *lens)
 
 void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
 {
-    const struct gp_lens_matrix m = whole(lens, lens->n);
-    const struct gp_lens_matrix s = whole(lens, lens->stop + 1);
+    const struct gp_lens_matrix m = front_matrix(lens, lens->n);
+    const struct gp_lens_matrix s = front_matrix(lens, lens->stop + 1);
     struct gp_lens_figures f = {
         .focal = -1.0 / m.c, .back = -m.a / m.c,
         .pupil = lens->at[lens->stop].semi / fabs(s.a),

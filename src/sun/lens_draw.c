@@ -1,6 +1,7 @@
 /* Chooses ghosts, traces their meshes light by light, and draws them. */
 #include "sun/lens.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -35,13 +36,6 @@ struct job {
 };
 
 // -- choice -------------------------------------------------------------------
-
-static double luminance(const struct gp_lens_view *v, const double rgb[3])
-{
-    return rgb[0] * (double) v->luminance[0] +
-           rgb[1] * (double) v->luminance[1] +
-           rgb[2] * (double) v->luminance[2];
-}
 
 /* A ghost by first order: a disc of even light. */
 struct rank {
@@ -82,7 +76,7 @@ static struct rank rank_of(const struct job *job, int i,
     gp_lens_light_of(&job->band[0][0], root, rank.share);
     for (int c = 0; c < 3; c++)
         all[c] = light[c] * rank.share[c];
-    rank.bright = luminance(v, all) / pixels;
+    rank.bright = gp_luminance_of(v->luminance, all) / pixels;
     return rank;
 }
 
@@ -168,7 +162,7 @@ static double ease_of(const struct job *job, int ghost, const double flux[3])
     double light[3];
     for (int c = 0; c < 3; c++)
         light[c] = flux[c] * job->bright[ghost][c];
-    const double bright = luminance(job->view, light);
+    const double bright = gp_luminance_of(job->view->luminance, light);
     const double ease = sqrt(plain * job->view->mean / bright);
     return ease > 1.0 && job->view->detail != GP_LENS_REFERENCE
                ? fmin(ease, most)
@@ -271,8 +265,9 @@ static gp_status run_chunk(struct job *job, struct gp_lens_stats *stats)
             gp_lens_light_of(&job->band[0][0], root, own);
             for (int c = 0; c < 3; c++)
                 stats->light[c] += own[c] *= it->flux[c];
-            stats->lost += arrives > 0.0 ? luminance(job->view, own) *
-                                               it->mesh.lost / arrives : 0.0;
+            if (arrives > 0.0)
+                stats->lost += gp_luminance_of(job->view->luminance, own) *
+                               it->mesh.lost / arrives;
             if (it->level >= 0)
                 stats->steps[it->level]++;
         }
@@ -333,7 +328,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     }
     GP_TRY(gp_lens_steps_add(job.level, gp_rect_w(view->frame),
                              gp_rect_h(view->frame), layer));
-    const double light_sum = luminance(view, stats.light);
+    const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;
     *out = stats;
 out:

@@ -295,8 +295,7 @@ static void finish_columns(void *ctx, int group, int thread)
 /* Fades out over the last quarter of the reach: no rim. */
 static double fade(double t, double reach)
 {
-    const double z = fmin(fmax(4.0 * (reach - t) / reach, 0.0), 1.0);
-    return z * z * (3.0 - 2.0 * z);
+    return gp_smoothstep(4.0 * (reach - t) / reach);
 }
 
 /* Four rows of samples. */
