@@ -390,9 +390,11 @@ gp_status gp_bench_run(const struct gp_log *log,
         GP_TRY(gp_gnuplot(log, "exit\n", &answer, &n));
         free(answer);
     }
-    if (gp_suns_wanted(req->sun))
-        return gp_bench_sun(log, req);
     GP_TRY(gp_suns_begin(log, req->sun, req->glare->gl, req->reader, &suns));
+    if (gp_suns_wanted(req->sun) && gp_suns_lit(&suns)) {
+        st = gp_bench_sun(log, req);
+        goto out;
+    }
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,

@@ -231,7 +231,8 @@ gp_status gp_bench_sun(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     if (!b.suns.n)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-               "%s: no lights; add one, or give --sun", req->sun->lights));
+               "%s: no lights; add one, or give --sun",
+               req->sun->lights ? req->sun->lights : req->sun->camera));
     make_rows(&b);
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));

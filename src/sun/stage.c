@@ -13,6 +13,14 @@ bool gp_suns_wanted(const struct gp_sun_params *p)
     return p->at.n || p->dir.n || p->camera || p->lights;
 }
 
+bool gp_suns_lit(const struct gp_suns *suns)
+{
+    bool lit = suns->p->needed || suns->specs > 0 || suns->p->lights;
+    for (int i = 0; i < suns->cameras.n; i++)
+        lit |= suns->cameras.at[i].has_sun;
+    return lit;
+}
+
 /* The sun of --sun or --sun-dir. */
 static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
 {

@@ -122,8 +122,12 @@ struct gp_suns {
     bool early;  // the mask's shares were read before the engines ran
 };
 
-/* Returns true when the command line names a light. */
+/* Returns true when the command line names a light, or a camera, which may. */
 bool gp_suns_wanted(const struct gp_sun_params *p);
+
+/* Returns true when there is a light in some frame, or p->needed asks for one;
+ * after gp_suns_begin(). */
+bool gp_suns_lit(const struct gp_suns *suns);
 
 /* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out

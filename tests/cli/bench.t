@@ -388,6 +388,12 @@ frame camera.exr size=32x24 lights=5 \
     attr=worldToNDC:m44f:0.5,0,0,0,0,-0.5,0,0,0.5,0.5,1,1,0,0,-1,0
 run bench --runs 1 -k kernel.exr --lens tessar --json - camera.exr
 is "$status" 0 'bench with a lens on a frame that has a camera'
+echo '{"frames": [{"frame": 1, "worldToNDC_blender_colvec":
+    [0.5, 0, -0.5, 0, 0, -0.5, -0.5, 0, 0, 0, -1, 0, 0, 0, -1, 0]}]}' >plain.json
+run bench --runs 1 -k kernel.exr --camera plain.json --json plain.out camera.exr
+is "$status" 0 'bench with a camera and without a sun'
+run bench --camera plain.json --sun-size 0.5 camera.exr
+fails_with 4 plain.json 'bench with a size of no sun'
 run bench --flare flare.json --sun 3,3 in.exr
 fails_with 2 --flare 'bench of flare with a light'
 run bench --csv - --json - in.exr
