@@ -158,6 +158,11 @@ static gp_status write_kernel(const struct gp_log *log,
     GP_TRY(s->making.from
                ? making_of_file(log, s, s->making.from, &m)
                : making_of_settings(log, s, &m));
+    for (int i = 0; i < m.wanted.recipes; i++) { // those that --from names
+        if (m.wanted.recipe[i].image)
+            GP_TRY(gp_clobber_input(&clobber, "image of the kernel",
+                                    m.wanted.recipe[i].image->path));
+    }
     GP_TRY(make_kernel(log, s->outputs.at[0], &m, s->read.max_pixels, &k));
     GP_TRY(frame_of(log, &k, &f));
     GP_TRY(gp_label_write(log, &m.label, m.wanted.recipe, m.wanted.recipes,

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 // -- --list -------------------------------------------------------------------
 
@@ -130,7 +131,13 @@ static gp_status check_lens(const struct gp_log *log,
     struct gp_lens lens;
     struct gp_lens_figures f;
     struct gp_lens_ghost *ghost = NULL;
+    const char *const draw = s->making.draw;
+    const size_t name = draw ? strlen(draw) : 0;
     gp_status st;
+    if (draw && !gp_is_dash(draw) &&
+        (name < 4 || strcasecmp(draw + name - 4, ".svg") != 0))
+        return gp_fail(log, GP_ERR_USAGE, "%s: the drawing of a lens is an "
+                       "SVG; give a name that ends in .svg", draw);
     GP_TRY(gp_clobber_check(log, s, "--check", s->making.check));
     GP_TRY(gp_lens_read(log, s->making.check, &lens));
     GP_TRY(gp_lens_focus(log, &lens, INFINITY, 0.0));

@@ -237,7 +237,7 @@ const struct gp_option gp_options[] = {
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once"),
     OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = gp_grow_word,
-        .open = true, .help = "Extend outputs beyond the union of data and "
+        .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
     OPT(debug, .name = "debug", .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",

@@ -109,7 +109,8 @@ struct gp_option {
     bool once;             // GP_KIND_TEXT: a second value is an error
     bool hidden;           // not in --help
     bool aside;            // no pixel of an output depends on it; implied for
-                           // OUTPUT, REPORT and GENERAL
+                           // OUTPUT, REPORT and GENERAL,
+    bool pixels;           // but for these
 };
 extern const struct gp_option gp_options[];  // NULL name at the end
 

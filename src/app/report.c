@@ -21,8 +21,9 @@
 /* True when pixels of an output may depend on the option. */
 static bool makes_pixels(const struct gp_option *o)
 {
-    return !o->aside && o->group != GP_GROUP_OUTPUT &&
-           o->group != GP_GROUP_REPORT && o->group != GP_GROUP_GENERAL;
+    return o->pixels ||
+           (!o->aside && o->group != GP_GROUP_OUTPUT &&
+            o->group != GP_GROUP_REPORT && o->group != GP_GROUP_GENERAL);
 }
 
 static const char *base_name(const char *path)

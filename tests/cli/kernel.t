@@ -213,6 +213,10 @@ cp k.exr away/own.exr
     -o a.exr)
 run kernel --from away/a.exr -o b.exr
 same away/a.exr b.exr '--from: an image beside the file'
+cp away/own.exr own.kept
+run kernel --from away/a.exr -o away/own.exr
+fails_with 2 away/own.exr '--from: an output that its recipe reads'
+same own.kept away/own.exr 'and that stays as it was'
 run kernel --from k.exr -o b.exr
 fails_with 4 k.exr '--from a file without a recipe'
 # hostile attributes

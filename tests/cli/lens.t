@@ -72,6 +72,9 @@ wrong 2 '--check heliar --list'
 wrong 2 '--draw a.svg --list'
 wrong 2 '--check heliar frame.exr'
 wrong 3 '--check heliar --draw no/such/folder.svg'
+wrong 2 '--check heliar --draw picture.png'
+grep -q '^glarepp: picture.png: .*\.svg$' err
+result $? 'a drawing is an SVG by its name too'
 cp long.json kept.json
 wrong 2 '--check long.json --draw long.json'
 cmp -s long.json kept.json

@@ -51,6 +51,8 @@ run -k builtin:star --rotate=10 -t 0.9 -o made/1.png --hdr made/1.exr in/f.exr
     sed -n 's/^glarepp:command=glarepp/"$0" -o 2.png --hdr 2.exr/p')" "$glarepp")
 same made/1.png in/deep/2.png 'the command of a PNG makes it again'
 same made/1.exr in/deep/2.exr 'the command of an EXR makes it again'
+run --grow=5 --hdr made/grown.exr in/f.exr
+says made/grown.exr 'glarepp --grow 5 f.exr' 'more pixels'
 
 # none of it
 run --no-provenance -o made/n.png -o made/n.exr --hdr made/nh.exr made/h.exr
