@@ -138,42 +138,64 @@ out:
 
 // -- lights -------------------------------------------------------------------
 
-/* Adds one light to the frame's colour, and its facts to fs. */
-static gp_status add_light(struct gp_run *r, struct gp_frame_state *fs,
-    const struct surfaces *surfaces, struct gp_sets *sets, int light, int *list)
+/* Lights that are added together. */
+struct batch {
+    struct gp_relight_pass pass[GP_RELIGHT_PASSES];
+    int fact[GP_RELIGHT_PASSES]; // of each pass, in fs->relit
+    int *list;                   // of casters: s->objects for each pass; owned
+    int n;
+};
+
+/* Lists a light, and its pass where it may reach a pixel. */
+static void list_light(const struct gp_run *r, struct gp_frame_state *fs,
+                       struct gp_sets *sets, int light, struct batch *b)
 {
     const struct gp_scene *const s = &r->scene.scene;
-    const double start = gp_now_ms();
-    struct gp_relit facts = {0};
+    const int fact = fs->facts.relits++;
+    fs->relit[fact] = (struct gp_relit_facts) {.name = s->light[light].name};
+    if (!gp_sets_light(sets, light))
+        return;
+    const uint8_t *const flag = gp_sets_flags(sets);
+    const struct gp_scissor cut = gp_sets_scissor(sets);
+    int *const list = b->list + (size_t) b->n * (size_t) s->objects;
     int casters = 0;
-    if (gp_sets_light(sets, light)) {
-        const uint8_t *const flag = gp_sets_flags(sets);
-        const struct gp_scissor cut = gp_sets_scissor(sets);
-        for (int i = 0; i < s->objects; i++) {
-            list[casters] = i;
-            casters += (flag[i] & GP_SET_S) != 0;
-        }
-        const struct gp_relight_pass pass = {
-            .light = &s->light[light], .caster = list, .casters = casters,
-            .light_scale = r->s->scene.light_scale > 0.0f
-                               ? (double) r->s->scene.light_scale : BLENDER,
-            .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
-            .far = cut.far * (1.0 + 1e-6),
-        };
-        gp_status st = gp_relight(fs->log, s, &r->scene.meshes, &surfaces->f,
-                                  &pass, fs->frame.data, &fs->frame.rgb,
-                                  &facts);
-        if (st)
-            return st;
+    for (int i = 0; i < s->objects; i++) {
+        if (flag[i] & GP_SET_S)
+            list[casters++] = i;
     }
-    fs->relit[fs->facts.relits++] = (struct gp_relit_facts) {
-        .name = s->light[light].name, .pixels = facts.pixels,
-        .rays = facts.rays, .casters = casters,
+    b->pass[b->n] = (struct gp_relight_pass) {
+        .light = &s->light[light], .caster = list, .casters = casters,
+        .light_scale = r->s->scene.light_scale > 0.0f
+                           ? (double) r->s->scene.light_scale : BLENDER,
+        .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
+        .far = cut.far * (1.0 + 1e-6),
     };
-    gp_say(fs->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects may "
-           "cast shadows, %lld rays, %.1f ms", fs->job->input,
-           s->light[light].name, facts.pixels, casters, facts.rays,
-           gp_now_ms() - start);
+    b->fact[b->n++] = fact;
+    fs->relit[fact].casters = casters;
+}
+
+/* Adds the lights of a batch to the frame's colour, and empties it. */
+static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
+                            const struct surfaces *surfaces, struct batch *b)
+{
+    const double start = gp_now_ms();
+    struct gp_relit facts[GP_RELIGHT_PASSES];
+    const gp_status st =
+        gp_relight(fs->log, &r->scene.scene, &r->scene.meshes, &surfaces->f,
+                   b->pass, b->n, fs->frame.data, &fs->frame.rgb, facts);
+    if (st)
+        return st;
+    for (int i = 0; i < b->n; i++) {
+        struct gp_relit_facts *const f = &fs->relit[b->fact[i]];
+        f->pixels = facts[i].pixels;
+        f->rays = facts[i].rays;
+        gp_say(fs->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects "
+               "may cast shadows, %lld rays", fs->job->input, f->name,
+               f->pixels, f->casters, f->rays);
+    }
+    gp_say(fs->log, GP_LEVEL_INFO, "%s: %d lights in %.1f ms", fs->job->input,
+           b->n, gp_now_ms() - start);
+    b->n = 0;
     return GP_OK;
 }
 
@@ -230,13 +252,14 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     unsigned char *asked = NULL;
-    int *list = NULL, *visible = NULL;
+    struct batch batch = {0};
+    int *visible = NULL;
     gp_status st;
     GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1,
                     sizeof *visible, &visible));
     GP_TRY(gp_alloc_zero(fs->log, "lights", (size_t) s->lights + 1, 1, &asked));
-    GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1, sizeof *list,
-                    &list));
+    GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1,
+                    GP_RELIGHT_PASSES * sizeof *batch.list, &batch.list));
     GP_TRY(gp_alloc(fs->log, "lights", (size_t) s->lights + 1,
                     sizeof *fs->relit, &fs->relit));
     fs->facts.relit = fs->relit;
@@ -256,7 +279,9 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     surfaces.f.object = visible;
     for (int i = 0; i < s->lights; i++) {
         if (asked[i])
-            GP_TRY(add_light(r, fs, &surfaces, sets, i, list));
+            list_light(r, fs, sets, i, &batch);
+        if (batch.n == GP_RELIGHT_PASSES || (batch.n > 0 && i == s->lights - 1))
+            GP_TRY(add_lights(r, fs, &surfaces, &batch));
     }
     warn_of_dark(r, fs);
 out:
@@ -264,7 +289,7 @@ out:
     gp_bodies_free(&bodies);
     free_surfaces(&surfaces);
     gp_free(visible);
-    gp_free(list);
+    gp_free(batch.list);
     gp_free(asked);
     return st;
 }

@@ -25,19 +25,28 @@ struct row_facts {
     double flux[3];
 };
 
+/* A light's pass. */
+struct lamp {
+    const struct work *work;
+    const struct gp_relight_pass *pass;
+    struct gp_rect cut;      // in the data
+    struct gp_rays rays;     // casters
+    struct row_facts *row;   // of cut
+    unsigned char *mark;     // of its pixels
+};
+
 struct work {
     const struct gp_surfaces *f;
-    const struct gp_relight_pass *pass;
-    struct gp_rect data, cut;
+    struct gp_rect data;
     const struct gp_planes *rgb;
-    struct gp_rays rays;     // casters
     struct gp_rays shown;    // what the eye may see
     double place[MANY][2];   // of a pixel, from its middle
     struct gp_v3 eye;
     struct gp_v3 axis;       // of the view, unit
+    struct gp_v3 way[3];     // to (0, 0), and a pixel further right and down
     struct gp_v3 camera[3];  // x, y and z of the camera in the world
-    struct row_facts *row;   // of cut
-    unsigned char *mark;     // of its pixels
+    struct lamp lamp[GP_RELIGHT_PASSES];
+    int lamps;
 };
 
 /* Returns the sample of a plane, or 0 outside. */
@@ -61,9 +70,8 @@ static double depth_at(const struct gp_surfaces *f, int x, int y)
  * axis. */
 static struct gp_v3 way_to(const struct work *w, double x, double y)
 {
-    const struct gp_v3 ray =
-        gp_camera_ray(&w->f->camera, w->f->display, x, y);
-    return gp_v3_scale(ray, 1.0 / gp_v3_dot(ray, w->axis));
+    return gp_v3_add(w->way[0], gp_v3_add(gp_v3_scale(w->way[1], x),
+                                          gp_v3_scale(w->way[2], y)));
 }
 
 /* Reads normal and albedo of a pixel, as they are in the frame; false where the
@@ -323,23 +331,24 @@ static void set_places(double place[MANY][2])
 }
 
 /* True where nothing is between a place of a surface and the light. */
-static bool is_free(const struct work *w, struct gp_v3 place,
+static bool is_free(const struct lamp *lamp, struct gp_v3 place,
                     struct gp_v3 normal, double z)
 {
-    const struct gp_scene_light *const l = w->pass->light;
+    const struct gp_scene_light *const l = lamp->pass->light;
     const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
     // a float of depth is right to 1e-7; normals of curved meshes are not those
     // of their triangles
     const struct gp_v3 p = gp_v3_add(place, gp_v3_scale(normal, 2e-4 * z));
     const struct gp_v3 to = sun ? gp_v3_scale(l->along, -1.0)
                                 : gp_v3_sub(l->at, p);
-    return !gp_rays_stopped(&w->rays, p, to, sun ? INFINITY : 1.0);
+    return !gp_rays_stopped(&lamp->rays, p, to, sun ? INFINITY : 1.0);
 }
 
 /* Returns the part of a pixel's surface that the light reaches. */
-static double clear_share(const struct work *w, const struct surface *s,
+static double clear_share(const struct lamp *lamp, const struct surface *s,
                           int x, int y, struct row_facts *facts)
 {
+    const struct work *const w = lamp->work;
     double clear = 0.0;
     facts->rays += MANY;
     for (int i = 0; i < MANY; i++) {
@@ -348,7 +357,8 @@ static double clear_share(const struct work *w, const struct surface *s,
         // a surface that is seen along its plane is not followed there
         if (!(z > 0.8 * s->z && z < 1.25 * s->z))
             z = s->z;
-        if (is_free(w, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal, z))
+        if (is_free(lamp, gp_v3_add(w->eye, gp_v3_scale(way, z)), s->normal,
+                    z))
             clear += 1.0 / MANY;
     }
     return clear;
@@ -419,13 +429,13 @@ static void match_frame(const struct surface of[MANY],
     }
 }
 
-/* Adds the light of the scene's surfaces that a pixel at an edge shows. False
+/* Finds the scene's surfaces at the places of a pixel, and their weights. False
  * where these are not those of the frame: their mean normal and albedo differ. */
-static bool light_edge(const struct work *w, int x, int y, double add[3],
-                       struct row_facts *facts)
+static bool find_places(const struct work *w, int x, int y,
+                        struct surface of[MANY], double weight[MANY])
 {
-    struct surface of[MANY], own;
-    double mean[6] = {0}, length, left = 0.0;
+    struct surface own;
+    double mean[MEANS] = {0}, one[MEANS], length, left = 0.0;
     if (!read_pixel(w, x, y, &own, &length))
         return false;
     for (int i = 0; i < MANY; i++) {
@@ -439,35 +449,40 @@ static bool light_edge(const struct work *w, int x, int y, double add[3],
         of[i].z = hit.at;
         of[i].place = gp_v3_add(w->eye, gp_v3_scale(way, hit.at));
         of[i].normal = gp_v3_scale(hit.normal, turn);
-        mean[3] += 1.0 / MANY * of[i].normal.x;
-        mean[4] += 1.0 / MANY * of[i].normal.y;
-        mean[5] += 1.0 / MANY * of[i].normal.z;
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             of[i].albedo[c] = (double) base[c];
-            mean[c] += 1.0 / MANY * of[i].albedo[c];
-        }
+        means_of(&of[i], one);
+        for (int k = 0; k < MEANS; k++)
+            mean[k] += 1.0 / MANY * one[k];
     }
-    const double frame[6] = {
-        own.albedo[0], own.albedo[1], own.albedo[2], length * own.normal.x,
-        length * own.normal.y, length * own.normal.z};
-    for (int i = 0; i < 6; i++)
-        left += (mean[i] - frame[i]) * (mean[i] - frame[i]);
+    own.normal = gp_v3_scale(own.normal, length);
+    own.z = 1.0;
+    means_of(&own, one);
+    for (int i = 0; i < MEANS; i++)
+        left += (mean[i] - one[i]) * (mean[i] - one[i]);
     if (left > 0.1)
         return false;
-    double weight[MANY];
-    match_frame(of, mean, frame, weight);
+    match_frame(of, mean, one, weight);
+    return true;
+}
+
+/* Adds the light of the surfaces at a pixel's places. */
+static void light_places(const struct lamp *lamp, const struct surface of[MANY],
+                         const double weight[MANY], double add[3],
+                         struct row_facts *facts)
+{
+    const struct gp_relight_pass *const pass = lamp->pass;
     for (int i = 0; i < MANY; i++) {
-        double light = of[i].z > 0.0 ? light_at(w->pass->light, &of[i]) : 0.0;
-        if (!(light > 0.0))
+        double light = of[i].z > 0.0 ? light_at(pass->light, &of[i]) : 0.0;
+        if (!(light > 0.0) || !(weight[i] > 0.0))
             continue;
         facts->rays++;
-        if (!is_free(w, of[i].place, of[i].normal, of[i].z))
+        if (!is_free(lamp, of[i].place, of[i].normal, of[i].z))
             continue;
-        light *= weight[i] * w->pass->light_scale / pi;
+        light *= weight[i] * pass->light_scale / pi;
         for (int c = 0; c < 3; c++)
-            add[c] += light * w->pass->light->color[c] * of[i].albedo[c];
+            add[c] += light * pass->light->color[c] * of[i].albedo[c];
     }
-    return true;
 }
 
 enum { DARK = 1, LIT = 2 }; // of a pixel's middle; 0: nothing to light
@@ -475,78 +490,111 @@ enum { DARK = 1, LIT = 2 }; // of a pixel's middle; 0: nothing to light
 /* Marks pixels of a row whose middle is in light and those in shadow. */
 static void mark_row(void *ctx, int i, int thread)
 {
-    const struct work *const w = ctx;
-    const int y = w->cut.y0 + i, n = gp_rect_w(w->cut);
-    unsigned char *const mark = w->mark + (size_t) i * (size_t) n;
+    const struct lamp *const lamp = ctx;
+    const struct gp_rect cut = lamp->cut;
+    const int y = cut.y0 + i, n = gp_rect_w(cut);
+    unsigned char *const mark = lamp->mark + (size_t) i * (size_t) n;
     (void) thread;
     for (int x = 0; x < n; x++) {
         struct surface s;
         double length;
         mark[x] = 0;
-        if (!read_pixel(w, w->cut.x0 + x, y, &s, &length) || !(s.z > 0.0) ||
-            !(light_at(w->pass->light, &s) > 0.0))
+        if (!read_pixel(lamp->work, cut.x0 + x, y, &s, &length) ||
+            !(s.z > 0.0) || !(light_at(lamp->pass->light, &s) > 0.0))
             continue;
-        w->row[i].rays++;
-        mark[x] = is_free(w, s.place, s.normal, s.z) ? LIT : DARK;
+        lamp->row[i].rays++;
+        mark[x] = is_free(lamp, s.place, s.normal, s.z) ? LIT : DARK;
     }
 }
 
 /* Returns the marks of a pixel and of those around it, as bits. */
-static int marks_around(const struct work *w, int x, int y)
+static int marks_around(const struct lamp *lamp, int x, int y)
 {
-    const int n = gp_rect_w(w->cut), h = gp_rect_h(w->cut);
+    const struct gp_rect cut = lamp->cut;
+    const int n = gp_rect_w(cut);
     int marks = 0;
-    for (int dy = -1; dy <= 1; dy++) {
-        for (int dx = -1; dx <= 1; dx++) {
-            const int at = x + dx, row = y + dy;
-            if (at >= 0 && at < n && row >= 0 && row < h)
-                marks |= 1 << w->mark[(size_t) row * (size_t) n + (size_t) at];
+    for (int row = y - 1; row <= y + 1; row++) {
+        for (int at = x - 1; at <= x + 1; at++) {
+            if (at >= cut.x0 && at < cut.x1 && row >= cut.y0 && row < cut.y1)
+                marks |= 1 << lamp->mark[(size_t) (row - cut.y0) * (size_t) n +
+                                         (size_t) (at - cut.x0)];
         }
     }
     return marks;
 }
 
+/* The surfaces of a pixel: found once for all lights. */
+struct pixel {
+    int x, y, n;           // n: of[], 0 to 2
+    struct surface of[2];
+    double share[2];
+    bool edge;
+    bool looked, placed;   // find_places() was called; its result
+    struct surface at[MANY];
+    double weight[MANY];
+};
+
+/* Adds a light to a pixel. */
+static void light_pixel(const struct lamp *lamp, struct pixel *p)
+{
+    const struct work *const w = lamp->work;
+    const struct gp_relight_pass *const pass = lamp->pass;
+    struct row_facts *const facts = &lamp->row[p->y - lamp->cut.y0];
+    const int next = marks_around(lamp, p->x, p->y);
+    double add[3] = {0};
+    bool reached = false;
+    for (int k = 0; k < p->n; k++)
+        reached = reached || reaches(pass->light, p->of[k].place);
+    if (!reached || (!p->edge && !(next & 1 << LIT)))
+        return;
+    if (p->edge && !p->looked) {
+        p->placed = find_places(w, p->x, p->y, p->at, p->weight);
+        p->looked = true;
+    }
+    if (p->edge && p->placed)
+        light_places(lamp, p->at, p->weight, add, facts);
+    for (int k = 0; k < p->n && !(p->edge && p->placed); k++) {
+        const struct surface *const s = &p->of[k];
+        double light = p->share[k] * light_at(pass->light, s);
+        if (!(light > 0.0) || s->z < pass->near || s->z > pass->far)
+            continue;
+        light *= !p->edge && next == 1 << LIT    ? 1.0
+                 : !p->edge && next == 1 << DARK ? 0.0
+                                                 : clear_share(lamp, s, p->x,
+                                                               p->y, facts);
+        for (int c = 0; c < 3; c++)
+            add[c] += pass->light_scale * light / pi * pass->light->color[c] *
+                      s->albedo[c];
+    }
+    if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
+        return;
+    const size_t at = (size_t) (p->y - w->data.y0) *
+                          (size_t) gp_rect_w(w->data) +
+                      (size_t) (p->x - w->data.x0);
+    facts->pixels++;
+    for (int c = 0; c < 3; c++) {
+        w->rgb->c[c][at] += (float) add[c];
+        facts->flux[c] += add[c];
+    }
+}
+
 static void light_row(void *ctx, int i, int thread)
 {
     const struct work *const w = ctx;
-    const struct gp_relight_pass *const pass = w->pass;
-    struct row_facts *const facts = &w->row[i];
-    const int y = w->cut.y0 + i;
+    struct pixel p = {.y = w->data.y0 + i};
     (void) thread;
-    for (int x = w->cut.x0; x < w->cut.x1; x++) {
-        struct surface of[2];
-        double share[2], add[3] = {0};
-        bool edge;
-        int n = find_surfaces(w, x, y, of, share, &edge);
-        const int next = marks_around(w, x - w->cut.x0, i);
-        const bool lit = !edge && next == 1 << LIT;
-        const bool dark = !edge && next == 1 << DARK;
-        bool reached = false;
-        for (int k = 0; k < n; k++)
-            reached = reached || reaches(pass->light, of[k].place);
-        if (!reached || (!edge && !(next & 1 << LIT)))
-            continue;
-        if (edge && light_edge(w, x, y, add, facts))
-            n = 0;
-        for (int k = 0; k < n; k++) {
-            double light = share[k] * light_at(pass->light, &of[k]);
-            if (!(light > 0.0) || of[k].z < pass->near || of[k].z > pass->far)
+    for (p.x = w->data.x0; p.x < w->data.x1; p.x++) {
+        bool found = false;
+        for (int k = 0; k < w->lamps; k++) {
+            const struct gp_rect cut = w->lamp[k].cut;
+            if (p.x < cut.x0 || p.x >= cut.x1 || p.y < cut.y0 || p.y >= cut.y1)
                 continue;
-            light *= lit ? 1.0 : dark ? 0.0
-                                      : clear_share(w, &of[k], x, y, facts);
-            for (int c = 0; c < 3; c++)
-                add[c] += pass->light_scale * light / pi *
-                          pass->light->color[c] * of[k].albedo[c];
-        }
-        if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
-            continue;
-        const size_t at = (size_t) (y - w->data.y0) *
-                              (size_t) gp_rect_w(w->data) +
-                          (size_t) (x - w->data.x0);
-        facts->pixels++;
-        for (int c = 0; c < 3; c++) {
-            w->rgb->c[c][at] += (float) add[c];
-            facts->flux[c] += add[c];
+            if (!found)
+                p.n = find_surfaces(w, p.x, p.y, p.of, p.share, &p.edge);
+            p.looked = found && p.looked;
+            found = true;
+            if (p.n > 0)
+                light_pixel(&w->lamp[k], &p);
         }
     }
 }
@@ -561,39 +609,87 @@ static void set_axes(struct work *w)
         w->camera[c] = gp_v3_unit((struct gp_v3) {m[c], m[4 + c], m[8 + c]});
 }
 
+/* Sets the ways to the picture's places: at unit distance along the axis they
+ * are even. */
+static void set_ways(struct work *w)
+{
+    const struct gp_rect d = w->f->display;
+    const double at[3][2] = {{d.x0, d.y0}, {d.x1, d.y0}, {d.x0, d.y1}};
+    struct gp_v3 way[3];
+    for (int i = 0; i < 3; i++) {
+        const struct gp_v3 ray = gp_camera_ray(&w->f->camera, d, at[i][0],
+                                               at[i][1]);
+        way[i] = gp_v3_scale(ray, 1.0 / gp_v3_dot(ray, w->axis));
+    }
+    w->way[1] = gp_v3_scale(gp_v3_sub(way[1], way[0]), 1.0 / gp_rect_w(d));
+    w->way[2] = gp_v3_scale(gp_v3_sub(way[2], way[0]), 1.0 / gp_rect_h(d));
+    w->way[0] = gp_v3_sub(way[0],
+                          gp_v3_add(gp_v3_scale(w->way[1], d.x0),
+                                    gp_v3_scale(w->way[2], d.y0)));
+}
+
+/* Builds a light's tree and marks its pixels. */
+static gp_status open_lamp(const struct gp_log *log, const struct gp_scene *s,
+                           struct gp_meshes *meshes, struct lamp *lamp)
+{
+    const struct gp_relight_pass *const pass = lamp->pass;
+    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *lamp->row,
+                         &lamp->row));
+    GP_TRY(gp_alloc(log, "lit pixels", (size_t) rows *
+                    (size_t) gp_rect_w(lamp->cut) + 1, 1, &lamp->mark));
+    GP_TRY(gp_rays_make(log, s, meshes, pass->caster, pass->casters,
+                        &lamp->rays));
+    gp_parallel_do(rows, mark_row, lamp);
+out:
+    return st;
+}
+
+/* Sums the facts of a light's rows in order: the same for any threads. */
+static struct gp_relit facts_of(const struct lamp *lamp)
+{
+    struct gp_relit facts = {0};
+    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    for (int i = 0; i < rows; i++) {
+        facts.pixels += lamp->row[i].pixels;
+        facts.rays += lamp->row[i].rays;
+        for (int c = 0; c < 3; c++)
+            facts.flux[c] += lamp->row[i].flux[c];
+    }
+    return facts;
+}
+
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
-    struct gp_meshes *meshes, const struct gp_surfaces *f, const struct gp_relight_pass *pass,
-    struct gp_rect data, const struct gp_planes *rgb, struct gp_relit *out)
+    struct gp_meshes *meshes, const struct gp_surfaces *f,
+    const struct gp_relight_pass *pass, int passes, struct gp_rect data,
+    const struct gp_planes *rgb, struct gp_relit *out)
 {
     struct work w = {
-        .f = f, .pass = pass, .data = data, .rgb = rgb,
-        .cut = gp_rect_meet(pass->cut, data), .eye = gp_camera_eye(&f->camera),
+        .f = f, .data = data, .rgb = rgb, .eye = gp_camera_eye(&f->camera),
+        .lamps = passes,
     };
-    struct gp_relit facts = {0};
     gp_status st;
-    const int rows = gp_rect_empty(w.cut) ? 0 : gp_rect_h(w.cut);
     set_axes(&w);
-    GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *w.row,
-                         &w.row));
-    GP_TRY(gp_rays_make(log, s, meshes, pass->caster, pass->casters,
-                        &w.rays));
-    GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
+    set_ways(&w);
     set_places(w.place);
-    GP_TRY(gp_alloc(log, "lit pixels",
-                    (size_t) rows * (size_t) gp_rect_w(w.cut) + 1, 1, &w.mark));
-    gp_parallel_do(rows, mark_row, &w);
-    gp_parallel_do(rows, light_row, &w);
-    for (int i = 0; i < rows; i++) { // in order: the same sums
-        facts.pixels += w.row[i].pixels;
-        facts.rays += w.row[i].rays;
-        for (int c = 0; c < 3; c++)
-            facts.flux[c] += w.row[i].flux[c];
+    GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
+    for (int k = 0; k < passes; k++) {
+        w.lamp[k] = (struct lamp) {
+            .work = &w, .pass = &pass[k],
+            .cut = gp_rect_meet(pass[k].cut, data),
+        };
+        GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
     }
-    *out = facts;
+    gp_parallel_do(gp_rect_empty(data) ? 0 : gp_rect_h(data), light_row, &w);
+    for (int k = 0; k < passes; k++)
+        out[k] = facts_of(&w.lamp[k]);
 out:
-    gp_rays_free(&w.rays);
+    for (int k = 0; k < passes; k++) {
+        gp_rays_free(&w.lamp[k].rays);
+        gp_free(w.lamp[k].mark);
+        gp_free(w.lamp[k].row);
+    }
     gp_rays_free(&w.shown);
-    gp_free(w.mark);
-    gp_free(w.row);
     return st;
 }

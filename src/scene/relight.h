@@ -22,6 +22,9 @@ struct gp_surfaces {
     int objects;
 };
 
+/* Passes of one call. */
+enum { GP_RELIGHT_PASSES = 8 };
+
 /* A light, and what its pass is drawn with. */
 struct gp_relight_pass {
     const struct gp_scene_light *light;
@@ -38,7 +41,8 @@ struct gp_relit {
     double flux[3];         // sum of what was added
 };
 
-/* Adds the light of a pass to `rgb`, whose pixels are those of `data`:
+/* Adds the light of passes, in their order, to `rgb`, whose pixels are those of
+ * `data`:
  *
  *   albedo / pi * light_scale * intensity * colour * cos / d^2 * window * cone
  *
@@ -53,12 +57,14 @@ struct gp_relit {
  * scene's own surfaces, if these have nearly the pixel's mean normal and albedo,
  * in shares that have them; else its mean is taken apart into the two surfaces
  * beside it.
- *   out  facts; written on GP_OK only
+ * The surfaces of a pixel are found once for all passes.
  *   meshes  of this scene, kept from call to call
+ *   passes  of pass[] and out[], at most GP_RELIGHT_PASSES
+ *   out     facts; written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
     const struct gp_scene *s, struct gp_meshes *meshes,
-    const struct gp_surfaces *f, const struct gp_relight_pass *pass, struct gp_rect data,
-    const struct gp_planes *rgb, struct gp_relit *out);
+    const struct gp_surfaces *f, const struct gp_relight_pass *pass, int passes,
+    struct gp_rect data, const struct gp_planes *rgb, struct gp_relit *out);
 
 #endif

@@ -52,7 +52,7 @@ is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["time
 # -- the street's lamps, each rendered by itself ---------------------------------
 
 if [ -z "$data" ] || [ ! -f "$data/scenes/street.1001.exr" ]; then
-    skip 4 "$no_data"
+    skip 6 "$no_data"
     done_testing
     exit
 fi
@@ -65,7 +65,7 @@ result $? 'lamp2 lights the street'
 cmp two.exr again.exr
 result $? 'the same bytes for any threads'
 if [ -z "$oiio" ]; then
-    skip 2 'no numpy or OpenImageIO'
+    skip 4 'no numpy or OpenImageIO'
     done_testing
     exit
 fi
@@ -84,13 +84,16 @@ for c in "RGB":
     light += (own[on] ** 2).sum()
 print((wrong / light) ** 0.5)
 PYTHON
-"$glarepp" --scene "$data/scenes/street.glb" --relight lamp3 -g 0 --type float \
-    --hdr three.exr "$data/scenes/street.1003.exr" 2>err
-for row in 'lamp2 1001 two.exr' 'lamp3 1003 three.exr'; do
+# an error over 0.05 is the renderer's: 64 places at random in a pixel, of which
+# lamp3 lights thin things (0.084 and 0.064 if they were independent)
+for row in 'lamp2 1001 0.05' 'lamp3 1001 0.07' 'lamp3 1002 0.06' \
+    'lamp3 1003 0.05'; do
     set -- $row
-    error=$("$python" error.py $1 $3 "$data/scenes/street.$2.exr" \
+    "$glarepp" --scene "$data/scenes/street.glb" --relight $1 -g 0 \
+        --type float --hdr lit.$2.exr "$data/scenes/street.$2.exr" 2>err
+    error=$("$python" error.py $1 lit.$2.exr "$data/scenes/street.$2.exr" \
         "$data/scenes/street_lamps.$2.exr")
-    result "$(awk "BEGIN { exit !($error <= 0.05) }"; echo $?)" \
-        "frame $2: $1 is within 0.05 of its own light (rel_l2 $error)"
+    result "$(awk "BEGIN { exit !($error <= $3) }"; echo $?)" \
+        "frame $2: $1 is within $3 of its own light (rel_l2 $error)"
 done
 done_testing

@@ -83,8 +83,8 @@ static struct gp_relit add(int light, int casters, struct gp_rect cut)
         .light = &scene.light[light], .light_scale = 2.0, .caster = every,
         .casters = casters, .cut = cut, .far = INFINITY,
     };
-    assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, &pass, all,
-                         &rgb, &facts));
+    assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, &pass, 1,
+                         all, &rgb, &facts));
     return facts;
 }
 
@@ -282,5 +282,44 @@ static void edges_have_the_shares_of_the_frame(void **state)
     }
 }
 
+/* Passes of one call give the bits of calls one after another. */
+static void passes_of_a_call_are_calls(void **state)
+{
+    static const struct gp_rect cuts[] = {
+        {0, 0, W, H}, {5, 3, 40, 30}, {30, -4, 90, 20}, {9, 9, 9, 20}};
+    struct gp_relight_pass pass[COUNT(cuts)];
+    struct gp_relit facts[COUNT(cuts)], one[COUNT(cuts)];
+    float first[3][W * H];
+    made_put(&scene, made_box(&scene, 0), (struct gp_v3) {-1, 1, 0.5},
+             (struct gp_v3) {0.8, 0.8, 1.0}, 30);
+    surfaces.object = every;
+    surfaces.objects = 3;
+    for (int i = 0; i < W * H; i += 7) // pixels that look like edges
+        normal[2].v[i] = 0.9f;
+    for (int i = 0; i < (int) COUNT(cuts); i++)
+        made_point(&scene, (struct gp_v3) {0.4 - i, 0.2 + i, 6}, 100.0, 20.0);
+    for (int i = 0; i < (int) COUNT(cuts); i++) {
+        pass[i] = (struct gp_relight_pass) {
+            .light = &scene.light[i], .light_scale = 2.0, .caster = every,
+            .casters = 3, .cut = cuts[i], .far = INFINITY,
+        };
+        one[i] = add(i, 3, cuts[i]);
+    }
+    for (int c = 0; c < 3; c++)
+        memcpy(first[c], rgb.c[c], sizeof first[c]);
+    gp_planes_clear(&rgb, 0, W * H);
+    assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, pass,
+                         COUNT(cuts), all, &rgb, facts));
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(rgb.c[c], first[c], sizeof first[c]);
+    for (size_t i = 0; i < COUNT(cuts); i++) {
+        assert_int_equal(facts[i].pixels, one[i].pixels);
+        assert_int_equal(facts[i].rays, one[i].rays);
+    }
+    assert_true(facts[0].pixels > facts[1].pixels && facts[2].pixels > 100);
+    assert_int_equal(facts[3].pixels, 0);
+}
+
 SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found, light_is_that_of_the_formula,
-    edges_have_the_shares_of_the_frame, settings_of_a_pass_count)
+    edges_have_the_shares_of_the_frame, settings_of_a_pass_count,
+    passes_of_a_call_are_calls)
