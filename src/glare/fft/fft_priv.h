@@ -147,16 +147,18 @@ struct gp_fft_split {
     double ms;        // predicted for the direct part, on one core
 };
 
-/* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
- * most four times the transform and 5 ms, the core half of the transform and 5
- * ms: a night is worth that; of a frame that is black, the cheapest that hides
- * it there at EV +6 for at most four times the transform and 40 ms. When none
- * does, and the rounding would show near black (half a code of 8 bits at EV 0,
- * 0.5 % of the darkest light): the cheapest that hides it for at most ten times
- * the transform and 100 ms. Else, as in a bright sky: the cheapest that costs at
- * most half of the transform and comes within 1e-5, or within twice the least
- * rounding to be had for that, if it is at least 4 times less than without; else
- * no split.
+/* Chooses the cheapest split that keeps `rounding` under
+ *   1e-6 for at most half of the transform and 5 ms; else
+ *   1e-5, and what shows near black (half a code of 8 bits at EV 0, 0.5 % of the
+ *        darkest light; of a frame that is black at EV +6), for half of the
+ *        transform; else
+ *   1e-6 for four times the transform and 5 ms, the core as much as the
+ *        transform and 5 ms: a night is worth that; else
+ *   what shows at EV +6 on black, for four times the transform and 40 ms; else
+ *   what shows near black, for ten times the transform and 100 ms; else, as in
+ *        a bright sky,
+ *   twice the least rounding to be had for half of the transform, if it is 4
+ *        times less than without; else no split.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform

@@ -310,7 +310,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
-    static const double FINE = 1e-5; // as the layer in rel_l2
+    static const double FINE = 1e-5; // as the layer's promise in rel_l2
     // times and milliseconds that noise which can be seen is worth
     static const double SEEN_WORTH = 10.0, SEEN_MS = 100.0, DARK_MS = 40.0;
     const double own = gp_sources_dark(src);
@@ -319,7 +319,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_COST_DIRECT_TAP,
         .pass_ms = GP_COST_DIRECT_PIXEL * src->w * src->h,
-        .core_most = fft_ms / 2.0 + ANYWAY_MS,
+        .core_most = fft_ms + ANYWAY_MS,
     };
     for (int b = 0; b < BINS; b++)
         s.energy += bin_energy(src, b);
@@ -336,9 +336,13 @@ void gp_fft_split_choose(const struct gp_sources *src,
     if (all_direct(&s, k, points, fft_ms, out) || none.rounding <= most)
         return;
     s.quads = gp_direct_quads(src);
-    struct gp_fft_split found =
-        find_split(&s, WORTH * fft_ms + ANYWAY_MS, most, 0);
-    if (!(found.rounding <= most) && none.rounding > hidden) {
+    const double half = fft_ms / 2.0;
+    struct gp_fft_split found = find_split(&s, half + ANYWAY_MS, most, 0);
+    if (!(found.rounding <= most) && none.rounding >= LEAST_GAIN * FINE)
+        found = find_split(&s, half, fmin(fmin(FINE, seen), hidden), 0);
+    if (!(found.rounding < INFINITY))
+        found = find_split(&s, WORTH * fft_ms + ANYWAY_MS, most, 0);
+    if (!(found.rounding <= hidden) && none.rounding > hidden) {
         const double budget = WORTH * fft_ms + DARK_MS;
         struct gp_fft_split dark = find_split(&s, budget, hidden, 0);
         const double all_ms = quads_ms(s.quads, k->w, k->h) + s.pass_ms;
@@ -353,11 +357,11 @@ void gp_fft_split_choose(const struct gp_sources *src,
         }
     }
     const bool shows = none.rounding > seen;
-    if (!(found.rounding <= most) && shows)
+    if (!(found.rounding < INFINITY) && shows)
         found = find_split(&s, SEEN_WORTH * fft_ms + SEEN_MS, seen, 0);
-    if (!(found.rounding <= (shows ? fmax(most, seen) : most))) {
-        const double least = find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
-        found = find_split(&s, fft_ms / 2.0, fmax(NEAR * least, FINE), 0);
+    if (!(found.rounding < INFINITY)) {
+        const double least = find_split(&s, half, INFINITY, 1).rounding;
+        found = find_split(&s, half, NEAR * least, 0);
         if (found.rounding * LEAST_GAIN > none.rounding)
             return;
     }

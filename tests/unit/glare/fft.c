@@ -620,7 +620,6 @@ static void a_night_is_worth_more_than_a_sky(void **state)
 
 SUITE_OF(fft, ask_quick, NULL,
     lengths_are_the_cheapest, passes_go_round, even_kernels_have_real_spectra,
-    transform_alone_holds,
-    plans_outlive_each_other, choices_keep_the_rules, one_sun_goes_direct,
-    tails_are_the_rest, predicted_rounding_is_kept,
+    transform_alone_holds, plans_outlive_each_other, choices_keep_the_rules,
+    one_sun_goes_direct, tails_are_the_rest, predicted_rounding_is_kept,
     a_night_is_worth_more_than_a_sky, measured_plans_hold)
