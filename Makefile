@@ -393,7 +393,8 @@ ZSH_PLACE := share/zsh/site-functions/_glarepp
 FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
 # Documents, and templates for farms
 DOC_PLACE := share/doc/glarepp
-TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py)
+TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py \
+    street.glb)
 LENSES := $(wildcard examples/lenses/*.json)
 FLARES := $(wildcard examples/flares/*.json)
 

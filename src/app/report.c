@@ -432,10 +432,15 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     json_object_set_new(o, "lights", list);
     if (f->sun_way)
         put_name(o, "sun_method", f->sun_way);
-    if (gp_facts_by_depth(f))
-        put_name(o, "sun_edges", "depth alone: within 0.06 of the truth for a "
-                                 "sun of 2.5 pixels; coverage (--mask) is "
-                                 "nearer");
+    static const char *const edges[] = {
+        [GP_EDGES_DEPTH] = "depth alone: within 0.06 of the truth for a sun of "
+                           "2.5 pixels; coverage (--mask) is nearer",
+        [GP_EDGES_COVERAGE] = "coverage: within 0.02 of the truth for a sun of "
+                              "2.5 pixels",
+    };
+    const enum gp_edges by = gp_facts_edges(f);
+    if (by)
+        put_name(o, "sun_edges", edges[by]);
 }
 
 // -- the file ----------------------------------------------------------------

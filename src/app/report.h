@@ -192,9 +192,14 @@ double gp_peak_rss_mib(void);
 /* Returns the type's name: "uint", "half", "float". */
 const char *gp_pixel_type_name(enum gp_pixel_type type);
 
-/* Returns true when the edges of a light that the frame shows are those of
- * depth alone: the report says how near its share is. */
-bool gp_facts_by_depth(const struct gp_facts *f);
+/* How edges before the lights that the frame shows are measured: the report
+ * says how near their shares are. */
+enum gp_edges {
+    GP_EDGES_NONE, // no light is in the frame, or nothing hides any
+    GP_EDGES_DEPTH,
+    GP_EDGES_COVERAGE,
+};
+enum gp_edges gp_facts_edges(const struct gp_facts *f);
 
 /* Formats the facts as one line of text without a line feed: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);

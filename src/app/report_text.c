@@ -58,12 +58,15 @@ void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
         append(line, size, &at, "all are black); check the frame");
 }
 
-bool gp_facts_by_depth(const struct gp_facts *f)
+enum gp_edges gp_facts_edges(const struct gp_facts *f)
 {
     bool seen = false;
     for (int i = 0; i < f->lights; i++)
         seen = seen || f->light[i].in_frame;
-    return f->depth && !f->mask && seen;
+    return !seen ? GP_EDGES_NONE
+           : f->mask ? GP_EDGES_COVERAGE
+           : f->depth ? GP_EDGES_DEPTH
+                      : GP_EDGES_NONE;
 }
 
 void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
@@ -99,9 +102,14 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
                f->light[i].visibility);
     if (f->lights > 8)
         append(line, size, &at, " ... of %d", f->lights);
-    if (gp_facts_by_depth(f))
-        append(line, size, &at, ", edges by depth alone (within 0.06 for a sun "
-               "of 2.5 pixels)");
+    static const char *const edges[] = {
+        [GP_EDGES_DEPTH] = "depth alone (within 0.06",
+        [GP_EDGES_COVERAGE] = "coverage (within 0.02",
+    };
+    const enum gp_edges by = gp_facts_edges(f);
+    if (by)
+        append(line, size, &at, ", edges by %s for a sun of 2.5 pixels)",
+               edges[by]);
     if (f->depth && !f->depth_empty[0])
         append(line, size, &at, ", depth %s (%s)", f->depth,
                gp_pixel_type_name(f->depth_type));

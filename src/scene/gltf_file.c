@@ -397,7 +397,8 @@ static gp_status check_root(const struct gp_gltf *g)
 static gp_status check_extensions(const struct gp_gltf *g)
 {
     static const char *const known[] = {
-        "KHR_lights_punctual", "KHR_mesh_quantization", NULL,
+        "KHR_lights_punctual", "KHR_mesh_quantization",
+        "KHR_texture_transform", NULL,
     };
     // they change how a surface shines, not where it is
     static const char looks[] = "KHR_materials_";

@@ -72,7 +72,7 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
                                bool *blends, struct gp_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
-    json_t *const o = gp_gltf_item(g, "materials", index), *moved;
+    json_t *const o = gp_gltf_item(g, "materials", index);
     json_t *const base = base_texture(o);
     struct gp_gltf_at at;
     double colour[4] = {1.0, 1.0, 1.0, 1.0}, cutoff = 0.5;
@@ -87,10 +87,6 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
         GP_TRY(gp_json_number(&at.p, o, "alphaCutoff", 0.0, 1e6, &cutoff,
                               NULL));
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
-    GP_TRY(gp_gltf_extension(&at, base, "KHR_texture_transform", &moved));
-    if (mode && moved)
-        GP_TRY(gp_gltf_fail(&at, "KHR_texture_transform of a cut-out is not "
-                            "supported; apply it to the UV map"));
     if (!mode)
         *texture = -1; // its alpha is ignored
     *blends = *blends || mode == 2;
@@ -159,7 +155,8 @@ struct walk {
     long long vertices, indices;
     int parts;
     int *first, *uv;   // of each accessor of positions: its first vertex, or
-                       // -1, and the accessor of its texture coordinates
+                       // -1, the accessor of its texture coordinates, and the
+    int *moved;        // material that moves these, or -1
     bool morphs, drawn; // targets; points or lines that were left out
 };
 
@@ -182,28 +179,81 @@ static long long triangle_vertices(int mode, int n)
     return n < 3 ? 0 : mode == 4 ? n / 3 * 3 : 3LL * (n - 2);
 }
 
+/* Texture coordinates of a cut-out. */
+struct uv_of {
+    int accessor;    // -1: none
+    int moved;       // material whose KHR_texture_transform moves them; -1: none
+    double scale[2], turn, offset[2]; // in that order; turn in radians,
+                                      // counter-clockwise as the image is seen
+};
+
+/* Reads KHR_texture_transform of a material's base texture; *set is its set of
+ * coordinates. */
+static gp_status read_move(const struct walk *w, int material, int *set,
+                           struct uv_of *uv)
+{
+    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
+    struct gp_gltf_at at;
+    json_t *o;
+    gp_status st;
+    gp_gltf_place(w->g, "material", material, &at);
+    GP_TRY(gp_json_int(&at.p, base, "texCoord", 0, 99, set, NULL));
+    GP_TRY(gp_gltf_extension(&at, base, "KHR_texture_transform", &o));
+    if (!o)
+        return GP_OK;
+    uv->moved = material;
+    GP_TRY(gp_json_int(&at.p, o, "texCoord", 0, 99, set, NULL));
+    GP_TRY(gp_json_numbers(&at.p, o, "scale", 2, false, -1e6, 1e6, uv->scale,
+                           NULL));
+    GP_TRY(gp_json_number(&at.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
+    GP_TRY(gp_json_numbers(&at.p, o, "offset", 2, false, -1e6, 1e6, uv->offset,
+                           NULL));
+out:
+    return st;
+}
+
+/* Moves n coordinates (KHR_texture_transform). v points down: in numbers the
+ * turn is clockwise, so that the extension's example, offset (0, 1), a turn of
+ * pi / 2 and scale 0.5, shows the lower left quarter of the image. */
+static void move_uv(const struct uv_of *by, int n, float *uv)
+{
+    const double c = cos(by->turn), s = sin(by->turn);
+    for (int i = 0; i < n; i++, uv += 2) {
+        const double u = by->scale[0] * (double) uv[0],
+                     v = by->scale[1] * (double) uv[1];
+        uv[0] = (float) (c * u + s * v + by->offset[0]);
+        uv[1] = (float) (c * v - s * u + by->offset[1]);
+    }
+}
+
 /* Reads the vertices of accessors, unless another primitive has. */
-static gp_status read_vertices(struct walk *w, int positions, int uv,
+static gp_status read_vertices(struct walk *w, int positions,
+                               const struct uv_of *uv,
                                const struct gp_gltf_accessor *a)
 {
     struct gp_gltf_accessor map;
-    const bool known = w->first[positions] >= 0 && w->uv[positions] == uv;
+    const bool known = w->first[positions] >= 0 &&
+                       w->uv[positions] == uv->accessor &&
+                       w->moved[positions] == uv->moved;
     gp_status st;
     if (known)
         return GP_OK;
-    if (uv >= 0) {
-        GP_TRY(gp_gltf_accessor(w->g, uv, &map));
+    if (uv->accessor >= 0) {
+        GP_TRY(gp_gltf_accessor(w->g, uv->accessor, &map));
         if (map.count != a->count)
             GP_TRY(gp_gltf_fail(&map.place, "%d texture coordinates for %d "
                                 "positions", map.count, a->count));
     }
     w->first[positions] = (int) w->vertices;
-    w->uv[positions] = uv;
+    w->uv[positions] = uv->accessor;
+    w->moved[positions] = uv->moved;
     if (w->fill) {
         const size_t at = (size_t) w->vertices;
         GP_TRY(gp_gltf_floats(a, 3, w->out->position + 3 * at));
-        if (uv >= 0)
+        if (uv->accessor >= 0)
             GP_TRY(gp_gltf_floats(&map, 2, w->out->uv + 2 * at));
+        if (uv->accessor >= 0 && uv->moved >= 0)
+            move_uv(uv, a->count, w->out->uv + 2 * at);
     } else {
         GP_TRY(gp_gltf_take(w->g, 5 * sizeof(float) * (size_t) a->count));
     }
@@ -246,23 +296,20 @@ out:
     return st;
 }
 
-/* Finds the texture coordinates that the material's cut-out reads; -1: none.
- */
+/* Finds the texture coordinates that the material's cut-out reads. */
 static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
-                         json_t *attributes, int material, int *uv)
+                         json_t *attributes, int material, struct uv_of *uv)
 {
     const struct gp_material *const m = &w->out->material[material];
     char key[32];
     int set = 0;
-    gp_status st;
-    *uv = -1;
+    *uv = (struct uv_of) {.accessor = -1, .moved = -1, .scale = {1.0, 1.0}};
     if (m->cutout < 0)
         return GP_OK;
-    st = gp_json_int(
-        &at->p, base_texture(gp_gltf_item(w->g, "materials", material)),
-        "texCoord", 0, 99, &set, NULL);
+    const gp_status st = read_move(w, material, &set, uv);
     snprintf(key, sizeof key, "TEXCOORD_%d", set);
-    return st ? st : gp_gltf_index(w->g, at, attributes, key, "accessors", uv);
+    return st ? st : gp_gltf_index(w->g, at, attributes, key, "accessors",
+                                   &uv->accessor);
 }
 
 static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
@@ -271,7 +318,8 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     struct gp_gltf *const g = w->g;
     struct gp_gltf_accessor a, index;
     json_t *const attributes = json_object_get(o, "attributes"), *draco;
-    int mode = 4, positions, uv, indices, material;
+    struct uv_of uv;
+    int mode = 4, positions, indices, material;
     gp_status st;
     if (!json_is_object(o))
         return gp_gltf_fail(at, "\"primitives\" holds no object");
@@ -293,7 +341,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     if (draco && (!a.all.at || (indices >= 0 && !index.all.at)))
         GP_TRY(gp_gltf_fail(at, "its triangles are compressed (Draco), which "
                             "is not supported"));
-    GP_TRY(read_vertices(w, positions, uv, &a));
+    GP_TRY(read_vertices(w, positions, &uv, &a));
     const int count = indices >= 0 ? index.count : a.count;
     const long long n = triangle_vertices(mode, count);
     if (n > INT_MAX - w->indices)
@@ -357,6 +405,7 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     out->meshes = n;
     GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.first, &w.first));
     GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.uv, &w.uv));
+    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.moved, &w.moved));
     GP_TRY(walk_meshes(&w));
     out->vertices = (int) w.vertices;
     out->indices = (int) w.indices;
@@ -380,5 +429,6 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
 out:
     gp_free(w.first);
     gp_free(w.uv);
+    gp_free(w.moved);
     return st;
 }

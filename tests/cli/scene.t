@@ -48,6 +48,10 @@ is "$(field s.json '"sun_edges" in o')" False \
     'a light off screen has none'
 run -v --sun 300,100,3 --report s.json in.exr
 like "$(cat err)" '*edges by depth alone*' '--verbose says so too'
+frame a.exr channels=R,G,B,A,Z:float kind=dark size=640x360
+run -v --mask A --sun 300,100,3 --report s.json a.exr
+like "$(field s.json 'o["sun_edges"]'; cat err)" \
+    'coverage: *edges by coverage (within 0.02*' 'coverage beside depth is named'
 run --scene $street --scene-camera top -o o.png in.exr
 fails_with 2 'use one of: cam' 'a camera that is not there'
 

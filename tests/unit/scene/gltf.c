@@ -527,6 +527,55 @@ static gp_status give_alpha(void *user, const struct gp_log *log,
     return GP_OK;
 }
 
+/* KHR_texture_transform moves the coordinates of a cut-out, each material by its
+ * own; the first is the extension's example, the lower left quarter turned. */
+static void cutouts_are_moved(void **state)
+{
+    static const float place[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const float uv[] = {0, 0, 1, 0, 0, 1, 0.5f, 0.5f, 0.5f, 0.5f,
+                               0.25f, 0};
+    static const float moved[3][6] = {{0, 1, 0, 0.5f, 0.5f, 1},
+                                      {-2, 0.25f, -2, 0.25f, -2.5f, 0.25f},
+                                      {0, 0, 1, 0, 0, 1}};
+    struct picture p = {0};
+    struct gp_scene s = {0};
+    const struct gp_scene_images images = {&p, give_alpha};
+    gm_write("'extensionsRequired': ['KHR_texture_transform'], "
+             "'buffers': [{'byteLength': 36, 'uri': '%s'}, "
+             "{'byteLength': 48, 'uri': '%s'}], "
+             "'bufferViews': [{'buffer': 0, 'byteLength': 36}, {'buffer': 1, "
+             "'byteLength': 24}, {'buffer': 1, 'byteOffset': 24, 'byteLength': "
+             "24}], 'accessors': [{'bufferView': 0, 'componentType': 5126, "
+             "'count': 3, 'type': 'VEC3'}, {'bufferView': 1, 'componentType': "
+             "5126, 'count': 3, 'type': 'VEC2'}, {'bufferView': 2, "
+             "'componentType': 5126, 'count': 3, 'type': 'VEC2'}], "
+             "'images': [{'uri': 'data:image/png;base64,UE5H'}], "
+             "'textures': [{'source': 0}], 'materials': [{'alphaMode': 'MASK', "
+             "'pbrMetallicRoughness': {'baseColorTexture': {'index': 0, "
+             "'extensions': {'KHR_texture_transform': {'offset': [0, 1], "
+             "'rotation': 1.5707963267948966, 'scale': [0.5, 0.5]}}}}}, "
+             "{'alphaMode': 'MASK', 'pbrMetallicRoughness': "
+             "{'baseColorTexture': {'index': 0, 'extensions': "
+             "{'KHR_texture_transform': {'offset': [-3, 0.25], 'scale': [2, 0], "
+             "'texCoord': 1}}}}}, {'alphaMode': 'MASK', 'pbrMetallicRoughness':"
+             " {'baseColorTexture': {'index': 0}}}], 'meshes': [{'primitives': "
+             "[{'material': 0, 'attributes': {'POSITION': 0, 'TEXCOORD_0': 1}}, "
+             "{'material': 1, 'attributes': {'POSITION': 0, 'TEXCOORD_0': 1, "
+             "'TEXCOORD_1': 2}}, {'material': 2, 'attributes': {'POSITION': 0, "
+             "'TEXCOORD_0': 1}}]}]",
+             gm_uri(place, sizeof place), gm_uri(uv, sizeof uv));
+    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_int_equal(s.parts, 3);
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 6; i++) {
+            const uint32_t v = s.index[s.part[k].first + i / 2];
+            assert_true(fabs((double) s.uv[2 * v + (uint32_t) i % 2] -
+                             (double) moved[k][i]) < 1e-6);
+        }
+    }
+    gp_scene_free(&s);
+}
+
 static void cutouts_are_read_once_for_all_materials(void **state)
 {
     struct picture p = {0};
@@ -628,5 +677,5 @@ SUITE_OF(gltf, make_folder, remove_folder,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
-    cutouts_are_read_once_for_all_materials, cameras_project_and_are_compared,
+    cutouts_are_read_once_for_all_materials, cutouts_are_moved, cameras_project_and_are_compared,
          cameras_of_one_name_are_told_apart_by_node)
