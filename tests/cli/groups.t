@@ -18,7 +18,6 @@ need_python
 #   energy IN OUT  sums of colour and layers, --mix scatter: the light inside
 #                  the frame did not become more
 cat >light.py <<'EOF'
-import sys
 import numpy
 import OpenImageIO as oiio
 
@@ -131,15 +130,10 @@ def energy(before, after, most):
 def clean(path, most="inf"):
     assert max(abs(v).max() for v in load(path).values()) <= float(most)
     assert all(numpy.isfinite(v).all() for v in load(path).values())
-
-globals()[sys.argv[1]](*sys.argv[2:])
 EOF
-light()
-{
-    "$python" light.py "$@"
-}
+answers light.py
 for how in plain dark nan huge parts window; do
-    light make $how.exr $how || { echo "Bail out! no frames"; exit 1; }
+    ask make $how.exr $how || { echo "Bail out! no frames"; exit 1; }
 done
 both='--light-group key --light-group rim'
 
@@ -153,13 +147,13 @@ for file in plain dark parts; do
         for n in key rim; do
             "$glarepp" -q -e $engine --layer-in $n --type float --layer $n.exr $file.exr
         done
-        ok "$about: their layer is the sum of each one's" light sums both.exr \
+        ok "$about: their layer is the sum of each one's" ask sums both.exr \
             key.exr rim.exr
         is "$(field r.json 'o["light_groups"]')" "['key', 'rim']" "$about: the report"
     done
     run -e fft --light-group key --type float --layer one.exr $file.exr
     "$glarepp" -q -e fft --layer-in key --type float --layer key.exr $file.exr
-    ok "$file: one group alone" light sums one.exr key.exr
+    ok "$file: one group alone" ask sums one.exr key.exr
 done
 # (one try may be held up by other programs)
 for try in 1 2 3 4 5; do
@@ -176,14 +170,14 @@ is "$(field r.json 'o["engine"]')" none 'a group without light: no glare, whatev
 run -e fft $both --layer l.exr --report r.json nan.exr
 status_is 0 'NaN in a group'
 is "$(field r.json 'o["nonfinite"]')" 1 'NaN in a group: counted'
-ok 'NaN in a group: none in the layer' light clean l.exr
+ok 'NaN in a group: none in the layer' ask clean l.exr
 for engine in direct fft splat; do
     run -e $engine -k builtin:star $both --type float --hdr h.exr --layer l.exr \
         --report r.json huge.exr
     is "$status $(field r.json '2e38 < o["flux_in"][1] < 3.41e38')" '0 True' \
         "$engine: groups whose sum is over the largest float"
-    ok "$engine: it stays finite" light clean h.exr 3.41e38
-    ok "$engine: so does the layer" light clean l.exr 3.41e38
+    ok "$engine: it stays finite" ask clean h.exr 3.41e38
+    ok "$engine: so does the layer" ask clean l.exr 3.41e38
 done
 run -e fft --report r.json --layer l.exr plain.exr
 is "$(field r.json '"light_groups" in o')" False 'no groups: not in the report'
@@ -191,7 +185,7 @@ is "$(field r.json '"light_groups" in o')" False 'no groups: not in the report'
 # each against the threshold by itself: 900 is over what key has, not rim
 run -e direct -t 250 $both --type float --layer both.exr plain.exr
 "$glarepp" -q -e direct -t 250 --layer-in rim --type float --layer rim.exr plain.exr
-ok 'thresholds hold for each group by itself' light same both.exr rim.exr ''
+ok 'thresholds hold for each group by itself' ask same both.exr rim.exr ''
 
 # -- the frame -----------------------------------------------------------------
 
@@ -201,17 +195,17 @@ for file in plain dark parts; do
     run -e fft $both --type float --hdr h.exr $file.exr
     quiet_success "$file: --hdr"
     ok "$file: --hdr: what the groups get is what the frame gets, no more" \
-        light grown $file.exr h.exr $dark
+        ask grown $file.exr h.exr $dark
     run -e fft $both --mix scatter --type float --hdr s.exr $file.exr
     quiet_success "$file: --hdr, scatter"
-    ok "$file: --hdr, scatter: the same" light grown $file.exr s.exr $dark
+    ok "$file: --hdr, scatter: the same" ask grown $file.exr s.exr $dark
 done
 # builtin:eye reaches far: a 17x17 kernel keeps all light of the middle inside
 frame k.exr kind=kernel size=17x17 type=float
-light make plain.exr plain
+ask make plain.exr plain
 run -q -e direct -k k.exr --mix scatter $both --type float --hdr s.exr plain.exr
 quiet_success 'scatter with a small kernel'
-ok 'scatter gains no light, and loses what leaves the frame' light energy \
+ok 'scatter gains no light, and loses what leaves the frame' ask energy \
     plain.exr s.exr 0.1
 for threads in 1 2 5; do
     for jobs in 1 3; do

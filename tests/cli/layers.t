@@ -15,7 +15,6 @@ no_provenance
 #                           are not R, G or B
 cat >files.py <<'EOF'
 import struct
-import sys
 import numpy
 import OpenImageIO as oiio
 
@@ -94,13 +93,8 @@ def poison(a, b):
     o.open(b, s)
     assert o.write_image(v)
     o.close()
-
-globals()[sys.argv[1]](*sys.argv[2:])
 EOF
-files()
-{
-    "$python" files.py "$@"
-}
+answers files.py
 
 # status WANTED PATTERN DESCRIPTION COMMAND...: its status and its line
 status()
@@ -115,14 +109,14 @@ status()
 
 "$python" "$cli/exr.py" plain.exr kind=lights \
     'channels=R,G,B,A,Z:float,id:uint,key.R,key.G,key.B,fill.Y:float,CryptoObject00.R:float,CryptoObject00.G:float,CryptoObject00.B:float,CryptoObject00.A:float'
-files poison plain.exr in.exr
+ask poison plain.exr in.exr
 
 # -- a layer as the frame ------------------------------------------------------
 
 ok 'a layer has glare' "$glarepp" --layer-in key --hdr key.exr in.exr
-ok 'and everything else its bits' files same in.exr key.exr 0 key.R key.G key.B
+ok 'and everything else its bits' ask same in.exr key.exr 0 key.R key.G key.B
 ok 'a grey layer too' "$glarepp" --layer-in fill --hdr fill.exr in.exr
-files rename in.exr alone.exr key
+ask rename in.exr alone.exr key
 "$glarepp" --layer-in key --layer one.exr in.exr
 "$glarepp" --layer two.exr alone.exr
 ok 'the glare is that of the layer alone' "$glarepp" compare --fail 0 \
@@ -141,7 +135,7 @@ for compression in none rle zips zip piz; do
     for type in auto half float; do
         rm -f out.exr
         "$glarepp" --compression $compression --type $type --hdr out.exr in.exr
-        files same in.exr out.exr 0 R G B 2>log
+        ask same in.exr out.exr 0 R G B 2>log
         result $? "$compression, $type: carried channels keep their bits" ||
             note "$(tail -n 1 log)"
     done
@@ -157,7 +151,7 @@ for compression in pxr24 dwaa dwab; do
     no "$compression with ids writes nothing" ls out.exr
 done
 ok 'b44 keeps floats' "$glarepp" --compression b44 --hdr out.exr in.exr
-ok 'so ids are what they were' files same in.exr out.exr 0 R G B key.R \
+ok 'so ids are what they were' ask same in.exr out.exr 0 R G B key.R \
     key.G key.B
 status 2 '*layer CryptoObject00 is Cryptomatte: ids are no light*(layers of light: fill, key)*' \
     'ids as a layer' "$glarepp" --layer-in CryptoObject00 --hdr no.exr in.exr
@@ -186,9 +180,9 @@ no 'nothing was written' ls no.exr no.png
 
 "$python" "$cli/exr.py" two.exr part=depth:Z:float part=more:id:uint
 ok 'a file of parts' "$glarepp" --part rgba --hdr out.exr two.exr
-ok 'whose other parts are the bytes they were' files parts two.exr out.exr 0
+ok 'whose other parts are the bytes they were' ask parts two.exr out.exr 0
 ok 'a part of one channel' "$glarepp" --part 1 --layer-in Z --hdr out.exr two.exr
-ok 'is made anew alone' files parts two.exr out.exr 1
+ok 'is made anew alone' ask parts two.exr out.exr 1
 
 if [ -z "$data" ]; then
     skip 6 "$no_data"
@@ -196,13 +190,13 @@ else
     stereo=$data/depth/Beachball_multipart.0001.exr
     ok 'the left eye' "$glarepp" -t 0.4 --grow none --part rgba_left \
         --hdr out.exr "$stereo"
-    ok 'the right eye and all others stay' files parts "$stereo" out.exr 4
-    ok 'with A' files same "$stereo" out.exr 4 R G B
+    ok 'the right eye and all others stay' ask parts "$stereo" out.exr 4
+    ok 'with A' ask same "$stereo" out.exr 4 R G B
     "$glarepp" -t 0.4 --grow none --layer-in left.rgba --hdr out2.exr "$stereo"
     ok 'the left eye by its view' cmp out.exr out2.exr
     ids=$data/camera/arnold_multichannel_tiled64.exr
     ok 'a render with ids' "$glarepp" -t 0.5 --hdr out.exr "$ids"
-    ok 'whose 56 channels stay' files same "$ids" out.exr 0 R G B
+    ok 'whose 56 channels stay' ask same "$ids" out.exr 0 R G B
 fi
 
 # OpenEXR 3.1.5 reads 4 bytes too many of a manifest: of what it writes itself
@@ -234,7 +228,7 @@ for channels in Z:float Z:float,ZBack:float A,Z:float depth.V:float Depth.Y \
     frame data.exr size=24x16 hot=100 "channels=R,G,B,$channels"
     run -q -e direct --hdr data.hdr.exr data.exr
     ok "$channels beside light: the same bits" \
-        files same data.exr data.hdr.exr 0 R G B
+        ask same data.exr data.hdr.exr 0 R G B
 done
 # nor has a part that is called so, but where it is asked for
 oiiotool --pattern constant:color=9,9,9 24x16 3 --attrib oiio:subimagename N \

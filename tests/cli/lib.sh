@@ -232,6 +232,24 @@ o = json.loads(open(sys.argv[1]).readline())
 print(eval(sys.argv[2]))' "$1" "$2" 2>&1
 }
 
+# answers SCRIPT: from here on  ask FUNCTION WORD...  calls a function of that
+# python script, and succeeds when it raises nothing (ask.py)
+answers()
+{
+    mkfifo .questions .answers || exit 1
+    "$python" "$cli/ask.py" "$1" <.questions >.answers &
+    exec 8>.questions 9<.answers
+}
+ask()
+{
+    { printf '%s\037' "$@" && echo; } >&8
+    read -r answer <&9 || answer='no answer'
+    [ "$answer" = ok ] || {
+        echo "$answer" >&2
+        return 1
+    }
+}
+
 # -- frames --------------------------------------------------------------------
 
 # frame FILE [key=value...]: an uncompressed EXR; the keys are in exr.py

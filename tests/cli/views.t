@@ -15,7 +15,6 @@ no_provenance
 #   carried A B C..  all channels of both but those named are the same bits,
 #                    and those named differ
 cat >stereo.py <<'EOF'
-import sys
 import numpy
 import OpenImageIO as oiio
 
@@ -92,16 +91,11 @@ def carried(a, b, *but):
             assert not name.endswith("A") or p[name] == q[name], name
         else:
             assert p[name] == q[name], name + " is not what it was"
-
-globals()[sys.argv[1]](*sys.argv[2:])
 EOF
-stereo()
-{
-    "$python" stereo.py "$@"
-}
+answers stereo.py
 
 for n in 1 2 3; do
-    stereo make $n || { echo "Bail out! no stereo files"; exit 1; }
+    ask make $n || { echo "Bail out! no stereo files"; exit 1; }
     for eye in left right; do
         "$glarepp" -q -e fft --hdr alone.$eye.$n.exr --layer layer.$eye.$n.exr \
             -o alone.$eye.$n.png $eye.$n.exr || exit 1
@@ -132,9 +126,9 @@ for kind in s m; do
         ok "$about: so is the $eye layer" "$glarepp" compare --fail 0 --warn 0 \
             "made/l.$(printf %.1s $eye).exr" layer.$eye.1.exr
     done
-    ok "$about: --hdr, the left eye" stereo pixels made/h.exr $left alone.left.1.exr
-    ok "$about: --hdr, the right eye" stereo pixels made/h.exr $right alone.right.1.exr
-    ok "$about: --hdr carries the rest" stereo carried $kind.1.exr made/h.exr \
+    ok "$about: --hdr, the left eye" ask pixels made/h.exr $left alone.left.1.exr
+    ok "$about: --hdr, the right eye" ask pixels made/h.exr $right alone.right.1.exr
+    ok "$about: --hdr carries the rest" ask carried $kind.1.exr made/h.exr \
         ${left}R ${left}G ${left}B ${right}R ${right}G ${right}B
     is "$(sed 's/.*"view":"\([a-z]*\)".*/\1/' r.json | xargs)" 'left right' \
         "$about: a line of the report for each"
@@ -151,11 +145,11 @@ for kind in s m; do
 
     run -e fft --views left,right --hdr 'made/h.%V.exr' $kind.1.exr
     quiet_success "$about: --hdr with %V"
-    ok "$about: --hdr with %V, left" stereo pixels made/h.left.exr $left alone.left.1.exr
-    ok "$about: --hdr with %V, left: right stays" stereo carried $kind.1.exr \
+    ok "$about: --hdr with %V, left" ask pixels made/h.left.exr $left alone.left.1.exr
+    ok "$about: --hdr with %V, left: right stays" ask carried $kind.1.exr \
         made/h.left.exr ${left}R ${left}G ${left}B
-    ok "$about: --hdr with %V, right" stereo pixels made/h.right.exr $right alone.right.1.exr
-    ok "$about: --hdr with %V, right: left stays" stereo carried $kind.1.exr \
+    ok "$about: --hdr with %V, right" ask pixels made/h.right.exr $right alone.right.1.exr
+    ok "$about: --hdr with %V, right: left stays" ask carried $kind.1.exr \
         made/h.right.exr ${right}R ${right}G ${right}B
 
     fresh
@@ -203,7 +197,7 @@ for kind in s m; do
     same made/all.exr made/none.exr "$about: --views all is the default"
     run -e fft --layer-in right --hdr made/r.exr $kind.1.exr
     quiet_success "$about: a layer of one view"
-    ok "$about: a layer of one view: left stays" stereo carried $kind.1.exr \
+    ok "$about: a layer of one view: left stays" ask carried $kind.1.exr \
         made/r.exr ${right}R ${right}G ${right}B
     fresh
     by_default "$about: a sequence by default" --hdr 'made/h.#.exr' -o 'made/o.#.png' \
@@ -293,7 +287,7 @@ mkfifo pipe
 cat s.1.exr >pipe &
 run --hdr made/h.exr pipe
 fails_with 2 pipe 'views of a named pipe are not known before'
-wait
+wait $!
 rm made/o.png
 run --hdr 'made/h.#.exr' left.1.exr s.2.exr
 fails_with 2 s.2.exr 'a second file with views'
