@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: flares.sh [GLAREPP [FRAME...]]
 # A contact sheet of the installed flares, a row each: on the night frame, on the
-# foliage at 540, 1080 and 2160 lines, and on each FRAME of 640x360, with a lamp
-# in its upper right. By oiiotool, to flares.jpg.
+# foliage at 540, 1080 and 2160 lines (or those of env HEIGHTS), and on each
+# FRAME of 640x360, with a lamp in its upper right. By oiiotool, to flares.jpg.
 here=$(cd "$(dirname "$0")" && pwd)
 glarepp=${1:-glarepp}
 [ $# = 0 ] || shift
@@ -16,37 +16,37 @@ cat >"$work/lamp.json" <<'JSON'
 [{"pixel": [448, 72], "depth": 0, "flux": [90000, 80000, 70000]}]
 JSON
 
-# shot FLARE PICTURE ARGUMENT...: one picture of the sheet
+# shot FLARE PICTURE ARGUMENT...: one picture
 shot()
 {
     flare=$1 picture=$work/$2.png
     shift 2
     "$glarepp" -q --flare "preset:$flare" --tonemap agx -o "$picture" "$@" ||
         exit 1
-    oiiotool "$picture" --resize:filter=box 480x270 -o "$picture" || exit 1
 }
 
-columns=$(($# + 4))
+heights=${HEIGHTS:-540 1080 2160}
 frames=$*
-for lines in 540 1080 2160; do
+for lines in $heights; do
     mkdir "$work/$lines"
     oiiotool "$here/foliage.1004.exr" \
         --resize:filter=triangle $((lines * 16 / 9))x$lines \
         -o "$work/$lines/foliage.1004.exr" || exit 1
 done
+small='--resize:filter=box 480x270'
 set --
 for flare in anamorphic zoom vintage lamps veil; do
     listed="--lights $work/lamps.json --sun-in-frame"
     case $flare in lamps | veil) listed='' ;; esac
     shot $flare $flare.n -t 2 --exposure 1 $listed "$here/night.1001.exr"
-    set -- "$@" "$work/$flare.n.png"
-    for lines in 540 1080 2160; do
+    set -- "$@" "$work/$flare.n.png" $small
+    for lines in $heights; do
         # flux is summed over pixels: four times as much at twice the lines
         sun="--camera $here/foliage.camera.json --sun-in-frame --sun-color
             $((9 * lines * lines)),$((8 * lines * lines)),$((6 * lines * lines))"
         case $flare in lamps | veil) sun='' ;; esac
         shot $flare $flare.$lines -t 4 $sun "$work/$lines/foliage.1004.exr"
-        set -- "$@" "$work/$flare.$lines.png"
+        set -- "$@" "$work/$flare.$lines.png" $small
     done
     n=0
     for frame in $frames; do
@@ -56,9 +56,9 @@ for flare in anamorphic zoom vintage lamps veil; do
         *) shot $flare $flare.x$n -t 4 --lights "$work/lamp.json" \
             --sun-in-frame "$frame" ;;
         esac
-        set -- "$@" "$work/$flare.x$n.png"
+        set -- "$@" "$work/$flare.x$n.png" $small
     done
     echo "$flare"
 done
-oiiotool "$@" --mosaic:pad=4 ${columns}x$(($# / columns)) \
+oiiotool "$@" --mosaic:pad=4 "$(($# / 15))x5" \
     --compression jpeg:85 -o flares.jpg
