@@ -340,15 +340,17 @@ check-manual: $(B)/tests/hardcases ## checks that the manual has every hard case
 	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
 
-# The warnings of clang, over sources and tests, by a build's flags
+# The warnings of clang, over sources and tests, by a build's flags; the fuzz
+# targets' objects have them where clang builds those
+CLANG_SRC = $(if $(filter clang%,$(notdir $(FUZZ_CC))),src/app/main.c,$(SRC))
 CLANG_CC = printf '%s\n' $(1) | xargs -P2 -n16 $(CLANG) -fsyntax-only $(2)
 CLANG_C = $(call CLANG_CC,$(1),-std=c11 $(WARN) $(DEFS) -Isrc \
           $(call pc,--cflags,$(PACKAGES)) $(2))
 CLANG_CXX = $(call CLANG_CC,$(1),-std=c++17 -Wall -Wextra -Werror -Isrc \
             $(patsubst -I%,-isystem%,$(2)))
-check-clang: ## compiles sources, tests and benches with clang, for its warnings
+check-clang: fuzz-build ## compiles sources, tests and benches with clang, for its warnings
 	@test -n "$(CLANG)" || { echo "skipped: no clang"; exit 0; }; \
-	$(call CLANG_C,$(SRC)) && \
+	$(call CLANG_C,$(CLANG_SRC)) && \
 	$(call CLANG_C,$(UNIT) tests/unit/unit.c \
 	    $(HARD) $(wildcard tests/faults/*.c),$(UNIT_CFLAGS)) && \
 	$(call CLANG_C,$(wildcard tests/bench/*.c tests/fuzz/*.c),-Itests/fuzz) && \

@@ -234,7 +234,7 @@ def judge(name, run, good, statuses):
         list(faults_of_files(name, run, good))
 
 
-def points(fault, good, share):
+def points(fault, good, share, arguments):
     """The N to try; those past the end are found as they come. Beside single
     allocations, which are the plainest run's all, each fourth will do."""
     kind = fault.split(":")[0]
@@ -244,13 +244,14 @@ def points(fault, good, share):
         # as many bytes as there are cannot all be tried but with time
         stride = 1 if LONG and not RUNNER else max(1, count // 97 * share)
         return sorted({*range(1, count + 1, stride), count} - {0})
-    # more calls than counted where threads share them
     stride = (7 if QUICK else 1) * (1 if LONG else share)
     if RUNNER:
         stride *= 10 if LONG else 25
     if kind not in ("malloc", "read", "short", "truncate", "grow"):
         stride = 1
-    return range(1, count + count // 4 + 2, stride)
+    # more calls than counted where threads share them
+    more = 0 if "--threads 1 " in arguments else count // 4
+    return range(1, count + more + 2, stride)
 
 
 def put(fault, n):
@@ -269,8 +270,9 @@ def try_kind(pool, name, program, shim, fault, statuses, good):
             slots.append(slot)
         return n, run
 
+    arguments, _, share = CONFIGURATIONS[name]
     slots = [f"slot{i}" for i in range(AT_ONCE)]
-    for n, run in pool.map(one, points(fault, good, max(1, CONFIGURATIONS[name][2]))):
+    for n, run in pool.map(one, points(fault, good, max(1, share), arguments)):
         if not run.fired and run.status == 0:
             continue
         tried += 1

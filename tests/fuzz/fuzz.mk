@@ -22,9 +22,9 @@ FUZZ_CC = $(shell echo 'int LLVMFuzzerTestOneInput(const char *d, long n) \
             -o /dev/null - 2>/dev/null && echo $(CLANG) || echo $(CC))
 fuzz-build:
 	@cc="$(FUZZ_CC)"; case $${cc##*/} in \
-	clang*) cover=-fsanitize=fuzzer-no-link; main=-fsanitize=fuzzer ;; \
-	*) cover=; main=tests/fuzz/run_corpus.c ;; esac; \
-	$(MAKE) --no-print-directory B=$(FUZZ_DIR) CC="$$cc" OPT=$(FUZZ_OPT) WARN="-Wall -Werror" \
+	clang*) cover=-fsanitize=fuzzer-no-link; main=-fsanitize=fuzzer; warn="$(WARN)" ;; \
+	*) cover=; main=tests/fuzz/run_corpus.c; warn="-Wall -Werror" ;; esac; \
+	$(MAKE) --no-print-directory B=$(FUZZ_DIR) CC="$$cc" OPT=$(FUZZ_OPT) WARN="$$warn" \
 	    CFLAGS=-g1 FUZZ_MAIN="$$main" \
 	    SAN="-fsanitize=address,undefined -fno-sanitize-recover=all $$cover" \
 	    fuzz-bin
