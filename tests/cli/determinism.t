@@ -80,7 +80,7 @@ ten direct --engine direct
 ten fft --engine fft
 ten auto --engine auto $lights
 ten 'ghosts of a lens' --engine fft $lights --lens double-gauss --fov 30
-ten 'ghosts of sources' --engine direct --lens zoom-wide --fov 30
+ten 'ghosts of sources' --engine direct --lens tessar --fov 30
 for gl in osmesa egl; do
     if ! can $gl; then
         skip 1 "no context by $gl"

@@ -69,6 +69,7 @@ struct result {
     double error, bar; // rel_l2; max_abs where nothing is lit
     double own;        // largest error of a pixel over its own value
     bool differs;      // from a layer of an engine opened for it alone
+    uint64_t of_one_thread; // its hash; 0: has not run
 };
 
 static bool is_dark(const struct scene *s)
@@ -258,15 +259,17 @@ static void count_differing(int row, int threads, double *differ)
 {
     struct scene s = hard_sense(&rows[row]);
     for (int i = 0; i < WAYS; i++) {
-        double differs = NAN;
+        struct result *const r = &results[row][i];
         gp_set_threads(1);
-        if (run_alone(i, &s, rows[row].name)) {
-            const uint64_t hash = scene_hash(&s);
+        if (!r->of_one_thread && run_alone(i, &s, rows[row].name))
+            r->of_one_thread = scene_hash(&s);
+        if (r->of_one_thread) {
             gp_set_threads(threads);
             run_alone(i, &s, rows[row].name);
-            differs = scene_hash(&s) != hash;
+            differ[i] += scene_hash(&s) != r->of_one_thread;
+        } else {
+            differ[i] = NAN;
         }
-        differ[i] += differs;
     }
     gp_set_threads(0);
     scene_free(&s);

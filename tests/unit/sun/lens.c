@@ -166,9 +166,10 @@ static void images_land(void **state)
 
 // -- light in closed form -----------------------------------------------------
 
-/* Light that arrives on a path, in mm^2, by a mesh at the d line. */
-static double mesh_light(const struct gp_lens *lens, int first, int second,
-                         double u)
+/* Light that arrives on a path, in mm^2, by a mesh at the d line, as exact as
+ * `tolerance`. */
+static double mesh_light_within(double tolerance, const struct gp_lens *lens,
+                                int first, int second, double u)
 {
     struct gp_lens_optics o[GP_LENS_NODES];
     struct gp_lens_path path;
@@ -177,11 +178,17 @@ static double mesh_light(const struct gp_lens *lens, int first, int second,
     for (int k = 0; k < GP_LENS_NODES; k++)
         gp_lens_optics_make(lens, GP_D_LINE, &o[k]);
     gp_lens_path(lens, first, second, &path);
-    assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, 1e-4, 0.0,
-                                &m));
+    assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, u, tolerance,
+                                0.0, &m));
     const double light = m.flux[1];
     gp_lens_mesh_free(&m);
     return light;
+}
+
+static double mesh_light(const struct gp_lens *lens, int first, int second,
+                         double u)
+{
+    return mesh_light_within(1e-4, lens, first, second, u);
 }
 
 /* The share of light that a bare plate's ghost keeps. */
@@ -246,7 +253,8 @@ static void blades_in_closed_form(void **state)
                 "blades", 0);
 }
 
-/* All ghosts and the image together are no more than what meets the front. */
+/* All ghosts and the image together are no more than what meets the front. Fine
+ * meshes of every ghost take seconds, and the first lens has them. */
 static void energy_is_kept(void **state)
 {
     const double pi = acos(-1.0);
@@ -258,10 +266,12 @@ static void energy_is_kept(void **state)
             const double u = 0.02 * i, cosine = 1.0 / sqrt(1.0 + u * u);
             const double enters = pi * lens.at[0].semi * lens.at[0].semi *
                                   cosine;
+            const double tolerance = l == 0 ? 1e-4 : 2e-3;
             const double image = mesh_light(&lens, -1, -1, u);
             double sum = image;
             for (int k = 0; k < n; k++)
-                sum += mesh_light(&lens, ghost[k].first, ghost[k].second, u);
+                sum += mesh_light_within(tolerance, &lens, ghost[k].first,
+                                         ghost[k].second, u);
             assert_true(image > 0.0 && sum > image);
             assert_true(sum < enters);
         }

@@ -157,11 +157,11 @@ static void left_out_is_bounded(void **state)
     const struct gp_lens_light light[2] = {{35.0, 30.0, {1e3, 1e3, 1e3}},
                                            {90.0, 45.0, {5e2, 1e3, 2e3}}};
     for (size_t l = 0; l < COUNT(names); l++) {
+        struct gp_planes p[2] = {0}; // of all ghosts, and of those that count
+        struct gp_lens_stats stats[3];
         for (int t = 0; t < 3; t++) {
             static const double mean[] = {0.003, 0.03, 1e9};
             struct gp_lens lens = {0};
-            struct gp_planes p[2];
-            struct gp_lens_stats stats[3];
             double off = 0.0;
             assert_ok(gp_lens_read(&kept_log, names[l], &lens));
             assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
@@ -174,9 +174,10 @@ static void left_out_is_bounded(void **state)
                 .tolerance = 1e-3,
                 .detail = GP_LENS_REFERENCE, // the same meshes
             };
-            for (int k = 0; k < 2; k++) {
+            for (int k = t ? 1 : 0; k < 2; k++) {
                 view.mean = k ? mean[t] : 0.0;
-                assert_ok(gp_planes_make(&kept_log, "layer", N, &p[k]));
+                if (!t)
+                    assert_ok(gp_planes_make(&kept_log, "layer", N, &p[k]));
                 gp_planes_clear(&p[k], 0, N);
                 assert_ok(gp_lens_draw(&kept_log, &lens, &view, light, 2, &p[k],
                                        &stats[k]));
@@ -196,9 +197,9 @@ static void left_out_is_bounded(void **state)
             assert_ok(gp_lens_draw(&kept_log, &lens, &view, light, 1, &p[1],
                                    &stats[2]));
             assert_true(stats[2].missing >= stats[1].missing * (1.0 - 1e-9));
-            gp_planes_free(&p[0]);
-            gp_planes_free(&p[1]);
         }
+        gp_planes_free(&p[0]);
+        gp_planes_free(&p[1]);
     }
 }
 
