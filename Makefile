@@ -199,6 +199,11 @@ $(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
 
+# Measures FFTW's plans for the lengths of the engine fft, on an idle machine
+known-plans: $(B)/bench/plans ## measures the plans in src/glare/fft/known.c
+	$< >$(B)/known.c
+	mv $(B)/known.c src/glare/fft/known.c
+
 FRAMES ?= $(B)/bench-frames
 bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/costs ## measures all speeds of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)

@@ -62,8 +62,12 @@ static double mean_ps(int odd, int first, int last, enum gp_fft_plan how)
     int count = 0, n = odd;
     while (n < first)
         n *= 2;
-    for (; n < last; n *= 2, count++)
+    for (; n < last; n *= 2) {
+        if (how == GP_FFT_PLAN_ESTIMATE && gp_fft_known(n))
+            continue; // measured
         logs += log(transform_ms(n, how) * 1e9 / (n * log2(n)));
+        count++;
+    }
     return exp(logs / count);
 }
 

@@ -23,6 +23,8 @@
         void (*execute_dft)(const P##plan, P##complex *, P##complex *);       \
         void (*destroy_plan)(P##plan);                                        \
         int (*import_wisdom_from_filename)(const char *);                     \
+        int (*import_wisdom_from_string)(const char *);                       \
+        void (*forget_wisdom)(void);                                          \
         int (*export_wisdom_to_filename)(const char *);                       \
     }
 GP_FFTW_TABLE(gp_fftwf, fftwf_);  // float
@@ -55,9 +57,10 @@ struct gp_fft_plan_pair {
     fftwf_plan forward, backward;
 };
 
-/* Plans for that length. Estimated plans depend on nothing but the length and
- * the CPU; measured ones are faster, may differ in the last bits from run to
- * run, and are read from and added to the wisdom file (NULL: kept nowhere).
+/* Plans for that length. Estimated plans depend on nothing but the length, the
+ * library and the CPU, and are those of known.c where FFTW takes them; measured
+ * ones may be faster, may differ in the last bits from run to run, and are read
+ * from and added to the wisdom file (NULL: kept nowhere).
  * Call on one thread. Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
 GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);

@@ -7,6 +7,10 @@
 
 #include <stdbool.h>
 
+/* Returns FFTW's wisdom about the plans of length n, measured once; NULL where
+ * none is known. known.c, printed by tests/bench/plans.c. */
+const char *gp_fft_known(int n);
+
 /* The places of sources, kernel and outputs on the torus of nx * ny
  * samples. The smallest on which no wrapped light reaches an output. */
 struct gp_fft_placing {

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/fft/fft.h"
+#include "glare/fft/fft_priv.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -22,7 +22,8 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
 {
     static const char *const names[] = {
         "plan_dft_1d", "execute_dft", "destroy_plan",
-        "import_wisdom_from_filename", "export_wisdom_to_filename",
+        "import_wisdom_from_filename", "import_wisdom_from_string",
+        "forget_wisdom", "export_wisdom_to_filename",
     };
     void *const lib = dlopen(file, RTLD_NOW | RTLD_LOCAL);
     if (!lib)
@@ -88,8 +89,8 @@ double gp_fft_cost(int n, enum gp_fft_plan how)
     while (i < ODDS - 1 && odd[i] != rest)
         i++;
     const double each = rest == 5 && n > 2048 ? GP_COST_FFT_PS_LARGE_5 : ps[i];
-    return (how == GP_FFT_PLAN_ESTIMATE ? estimated[i] : 1.0) * each * 1e-3 *
-           n * log2(n);
+    const bool slow = how == GP_FFT_PLAN_ESTIMATE && !gp_fft_known(n);
+    return (slow ? estimated[i] : 1.0) * each * 1e-3 * n * log2(n);
 }
 
 /* The length >= n of the least cost, planned so, with `each` ns more a point. */
@@ -159,8 +160,16 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     // cannot be kept is no error
     if (measure && wisdom)
         lib->import_wisdom_from_filename(wisdom);
+    // only about this length: a plan may not depend on those made before
+    const char *const known = measure ? NULL : gp_fft_known(n);
+    if (!measure)
+        lib->forget_wisdom();
+    if (known)
+        lib->import_wisdom_from_string(known);
     p.forward = lib->plan_dft_1d(n, a, b, FFTW_FORWARD, flags);
     p.backward = lib->plan_dft_1d(n, a, b, FFTW_BACKWARD, flags);
+    if (known)
+        lib->forget_wisdom();
     if (measure && wisdom) {
         char other[4096];
         const int length = snprintf(other, sizeof other, "%s.XXXXXX", wisdom);
@@ -488,6 +497,12 @@ static void column_forward(const struct pass *s, const float *column,
     s->lib->execute_dft(s->req->y->forward, (void *) spread, (void *) out);
 }
 
+GP_CLONES static void scale_column(float *z, float by, int n)
+{
+    for (int i = 0; i < n; i++)
+        z[i] *= by;
+}
+
 static void columns_forward(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
@@ -495,12 +510,11 @@ static void columns_forward(void *ctx, int i, int thread)
     const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
     const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
     for (int k = t.first; k < end; k++) {
-        column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
-                       t.next);
         float *const out =
             s->kernel->z[t.c] + 2 * (size_t) k * s->kernel->pitch;
-        for (int y = 0; y < 2 * ny; y++)
-            out[y] = t.next[y] * s->scale;
+        column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
+                       out);
+        scale_column(out, s->scale, 2 * ny);
     }
 }
 

@@ -1,3 +1,4 @@
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/direct/direct.h"
@@ -63,6 +64,31 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
            GP_COST_FRESH_BYTE * bytes * (rows + channels * (double) p->ny);
 }
 
+/* Adds the squares and the samples of n in eight parts, so that it becomes
+ * vector code. */
+GP_CLONES static void add_samples(const float *v, int n, double *squares,
+                                  double *sum)
+{
+    enum { LANES = 8 };
+    double square[LANES] = {0}, whole[LANES] = {0};
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const double one = (double) v[x + i];
+            square[i] += one * one;
+            whole[i] += one;
+        }
+    }
+    for (; x < n; x++) {
+        square[0] += (double) v[x] * (double) v[x];
+        whole[0] += (double) v[x];
+    }
+    for (int i = 0; i < LANES; i++) {
+        *squares += square[i];
+        *sum += whole[i];
+    }
+}
+
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {
@@ -86,11 +112,8 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
             for (int i = 0; i < 2; i++) {
                 const int from = gp_max(i ? k->cx : k->cx - reach_x, 0);
                 const int last = gp_min(i ? k->cx + reach_x : k->cx, k->w - 1);
-                for (int x = from; x <= last; x++) {
-                    const double v = (double) row[x];
-                    side[i] += v * v;
-                    side[2 + i] += v;
-                }
+                add_samples(row + from, last + 1 - from, &side[i],
+                            &side[2 + i]);
             }
             const bool in[2] = {y <= k->cy && y >= k->cy - reach_y,
                                 y >= k->cy && y <= k->cy + reach_y};

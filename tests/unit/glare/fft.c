@@ -320,6 +320,74 @@ static void plans_outlive_each_other(void **state)
     gp_glare_close(&kept);
 }
 
+/* FFTW has both plans of each known length by its wisdom alone. */
+static void known_plans_are_whole(void **state)
+{
+    const struct gp_fftwf *lib;
+    float *const a = scene_alloc(2 * 16384, sizeof *a);
+    float *const b = scene_alloc(2 * 16384, sizeof *b);
+    int count = 0;
+    assert_ok(gp_fftwf_open(NULL, &lib));
+    for (int n = 8; n <= 16384; n += 8) {
+        const char *const known = gp_fft_known(n);
+        if (!known)
+            continue;
+        lib->forget_wisdom();
+        if (!lib->import_wisdom_from_string(known))
+            skip_for("FFTW of the table's version and instructions");
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const fftwf_plan p = lib->plan_dft_1d(n, (void *) a, (void *) b,
+                sign, FFTW_ESTIMATE | FFTW_WISDOM_ONLY);
+            if (!p)
+                fail_msg("%d: no plan of sign %d", n, sign);
+            lib->destroy_plan(p);
+        }
+        count++;
+    }
+    assert_true(count >= 30);
+    for (int n = 512; n <= 16384; n *= 2)
+        assert_non_null(gp_fft_known(n));
+    lib->forget_wisdom();
+    free(a);
+    free(b);
+}
+
+/* Transforms the same numbers forward by new plans. */
+static void transform_anew(int n, const float *in, float *out)
+{
+    const struct gp_fftwf *lib;
+    struct gp_fft_plan_pair p;
+    assert_ok(gp_fftwf_open(NULL, &lib));
+    assert_ok(gp_fft_plan_make(NULL, n, GP_FFT_PLAN_ESTIMATE, NULL, &p));
+    lib->execute_dft(p.forward, (void *) in, (void *) out);
+    gp_fft_plan_free(&p);
+}
+
+/* Plans made before, of known lengths and others, change no bit. */
+static void plans_depend_on_their_length_only(void **state)
+{
+    static const int length[] = {640, 648, 1152, 1280, 1344, 2304, 2560};
+    enum { LENGTHS = (int) (sizeof length / sizeof *length), MOST = 2560 };
+    const size_t bytes = 2 * MOST * sizeof(float);
+    float *const in = scene_alloc(2 * MOST, sizeof *in);
+    float *const first = scene_alloc(LENGTHS * 2 * MOST, sizeof *first);
+    float *const again = scene_alloc(2 * MOST, sizeof *again);
+    uint32_t seed = 5u;
+    for (int i = 0; i < 2 * MOST; i++)
+        in[i] = scene_random(&seed) - 0.5f;
+    for (int i = 0; i < LENGTHS; i++)
+        transform_anew(length[i], in, first + i * 2 * MOST);
+    for (int i = 0; i < 3 * LENGTHS; i++) {
+        const int j = i * i % 5 * 3 % LENGTHS;
+        memset(again, 0, bytes);
+        transform_anew(length[j], in, again);
+        assert_memory_equal(again, first + j * 2 * MOST, bytes);
+    }
+    free(in);
+    free(first);
+    free(again);
+}
+
 static gp_status run_measured(struct scene *s, const char *wisdom)
 {
     struct gp_glare g = {0};
@@ -622,4 +690,5 @@ SUITE_OF(fft, ask_quick, NULL,
     lengths_are_the_cheapest, passes_go_round, even_kernels_have_real_spectra,
     transform_alone_holds, plans_outlive_each_other, choices_keep_the_rules,
     one_sun_goes_direct, tails_are_the_rest, predicted_rounding_is_kept,
-    a_night_is_worth_more_than_a_sky, measured_plans_hold)
+    a_night_is_worth_more_than_a_sky, known_plans_are_whole,
+    plans_depend_on_their_length_only, measured_plans_hold)
