@@ -64,6 +64,8 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
                        (gives & GP_HAS_MEASURED ? EXACT : 0) +
                        (gives & GP_HAS_LENS ? LENS : 0);
         alive |= gives;
+        if ((gives & GP_HAS_LIT) && (p->dead[i] & GP_HAS_LAYER))
+            alive &= ~(unsigned) GP_HAS_LAYER; // the lit frame's memory is that
         for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
             bytes += alive & kinds[k] ? PLANES : 0;
         p->pixel_bytes = bytes > p->pixel_bytes ? bytes : p->pixel_bytes;
@@ -330,6 +332,10 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     p.s.write.no_clobber = false; // a frame with missing outputs writes all
     GP_TRY(make_schedule(log, &p.run, &p.schedule));
+    for (int i = 0; i < GP_STAGES; i++) {
+        if (gp_stages[i].gives == GP_HAS_LIT)
+            p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
+    }
     GP_TRY(begin_run(log, &p.run));
     GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,

@@ -356,9 +356,11 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_compose_params p = r->s->compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
+    p.last = r->layer_ends;
     if (r->ocio)
         gp_ocio_note(fs->log, r->ocio, &fs->frame);
     gp_status st = gp_compose(fs->log, &p, &fs->sources, &fs->frame);
+    p.last = true;
     for (int i = 0; i < fs->groups && r->s->hdr.n && !st; i++) {
         struct gp_light_group *const g = &fs->group[i];
         struct gp_glare_stats stats = {0};

@@ -194,6 +194,7 @@ struct gp_run {
     struct gp_report report;
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
+    bool layer_ends;               // no stage after compose reads frame.layer
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 

@@ -211,6 +211,7 @@ struct gp_compose_params {
     float gain;  // >= 0
     enum gp_mix mix;
     float dim;   // share of everything that a narrower pupil takes; 0 to 1
+    bool last;   // nothing reads f->layer afterwards
 };
 #define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_SCATTER }
 
@@ -221,7 +222,8 @@ struct gp_compose_params {
  * and then lit *= 1 - dim, the whole picture alike.
  * Values over FLT_MAX are clamped to it; then a warning counts them.
  * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
- * made when it is empty, else it has the frame's size and is overwritten.
+ * made when it is empty, else it has the frame's size and is overwritten. With
+ * p->last an empty f->lit takes the memory of f->layer, which is empty then.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
     const struct gp_compose_params *p, const struct gp_sources *src,

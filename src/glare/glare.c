@@ -304,6 +304,8 @@ out:
 struct composing {
     struct gp_frame *f;
     const struct gp_sources *src;
+    const struct gp_planes *layer;
+    float *line;  // of each thread, a row: f->lit is the layer; else NULL
     float gain;
     float taken;  // share of a source's light that leaves its pixel
     float keep;   // share that the pupil lets through
@@ -346,12 +348,14 @@ static void compose_row(void *ctx, int y, int thread)
     const struct gp_frame *f = m->f;
     const size_t w = (size_t) gp_frame_w(f);
     const size_t at = (size_t) y * w;
-    (void) thread;
     for (int c = 0; c < 3; c++) {
         const float *in = f->rgb.c[c] + at;
         float *out = f->lit.c[c] + at;
-        const float *layer = f->layer.c[c] ? f->layer.c[c] + at : NULL;
+        const float *layer = m->layer->c[c] ? m->layer->c[c] + at : NULL;
         bool over = false;
+        if (m->line)
+            layer = memcpy(m->line + (size_t) thread * w, out,
+                           w * sizeof *out);
         if (layer)
             over = add_row(in, layer, m->gain, w, out);
         else
@@ -378,24 +382,35 @@ gp_status gp_compose(const struct gp_log *log,
                      const struct gp_compose_params *p,
                      const struct gp_sources *src, struct gp_frame *f)
 {
+    gp_status st = GP_OK;
     struct composing m = {
-        .f = f, .src = src, .gain = p->gain, .keep = 1.0f - p->dim,
+        .f = f, .src = src, .layer = &f->layer, .gain = p->gain,
+        .keep = 1.0f - p->dim,
         .taken = p->mix == GP_MIX_SCATTER && src->n > 0
                      ? gp_minf(p->gain, 1.0f) : 0.0f,
     };
+    const size_t w = (size_t) gp_frame_w(f);
 
     if (m.taken > 0.0f && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))
         return gp_fail(log, GP_ERR_BUG,
                        "%s: the sources are those of another frame (%dx%d, "
                        "the frame is %dx%d); report this", f->path, src->w,
                        src->h, gp_frame_w(f), gp_frame_h(f));
-    if (!f->lit.c[0]) {
-        gp_status st = gp_planes_make(log, "lit frame", gp_frame_pixels(f),
-                                      &f->lit);
-        if (st)
-            return st;
+    if (!f->lit.c[0] && p->last && f->layer.c[0]) {
+        st = gp_alloc(log, "lit row", (size_t) gp_threads() * w,
+                      sizeof *m.line, &m.line);
+        if (!st) {
+            f->lit = f->layer;
+            f->layer = (struct gp_planes) {{NULL, NULL, NULL}};
+            m.layer = &f->lit;
+        }
+    } else if (!f->lit.c[0]) {
+        st = gp_planes_make(log, "lit frame", gp_frame_pixels(f), &f->lit);
     }
+    if (st)
+        return st;
     gp_parallel_do(gp_frame_h(f), compose_row, &m);
+    gp_free(m.line);
     const long long over = atomic_load(&m.over);
     if (over)
         gp_say(log, GP_LEVEL_WARN, "%s: %lld samples overflow with their glare "

@@ -19,8 +19,8 @@ struct fft_state {
     struct gp_fft_placing placing;
     int core;
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
-    struct gp_fft_matrix work;     // of one channel: three leave the cache
-    int work_rows;
+    struct gp_fft_matrix work;     // of one channel: three leave the cache;
+                                   // empty between frames
     unsigned long shape_kernel; // serial of the shapes'
     struct gp_fft_shape shape[3];
     unsigned long taps_kernel; // serial of the taps'
@@ -59,7 +59,6 @@ static void close_state(void **state)
         for (int i = 0; i < s->plans; i++)
             gp_fft_plan_free(&s->plan[i]);
         gp_fft_matrix_free(&s->spectrum);
-        gp_fft_matrix_free(&s->work);
         for (int c = 0; c < 3; c++)
             gp_fft_shape_free(&s->shape[c]);
         gp_taps_free(&s->core_taps);
@@ -295,19 +294,6 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
     return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer);
 }
 
-/* Makes s->work fit so many rows of light or of the layer, and the kernel's. */
-static gp_status fit_work(const struct gp_log *log, struct fft_state *s,
-    const struct gp_fft_placing *p, int lines)
-{
-    const int rows = gp_max(lines, gp_rect_h(p->taps));
-    if (s->work.columns == (p->nx / 2 + 4) / 4 * 4 && s->work_rows == rows)
-        return GP_OK;
-    gp_fft_matrix_free(&s->work);
-    gp_status st = gp_fft_matrix_make(log, 1, p->nx, rows, &s->work);
-    s->work_rows = rows;
-    return st;
-}
-
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
@@ -333,7 +319,9 @@ static gp_status transform(const struct gp_glare_request *req,
             light.place[light.n++] = row - p->in.y0;
         }
     }
-    GP_TRY(fit_work(req->log, s, p, gp_max(light.n, count)));
+    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx,
+                              gp_max(gp_max(light.n, count),
+                                     gp_rect_h(p->taps)), &s->work));
     if (!has_spectrum(s, req->kernel, p, core))
         GP_TRY(make_spectrum(req, s, &fft, p, core));
     const size_t w = (size_t) src->w;
@@ -357,9 +345,11 @@ static gp_status transform(const struct gp_glare_request *req,
                                req->kernel->grey ? 1 : 3, first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
+    gp_fft_matrix_free(&s->work);
     if (!req->kernel->negative)
         GP_TRY(clear_unreached(req, s, src, &noise));
 out:
+    gp_fft_matrix_free(&s->work);
     for (int c = 0; c < 3; c++)
         gp_free(noise.row[c]);
     gp_free(light.y);
@@ -620,7 +610,7 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
         setup += plan;
     if (!has_spectrum(s, k, &p, split.core))
         setup += gp_fft_spectrum_ms(k->grey ? 1 : 3, &p, how);
-    if (!s->work.z[0])
+    if (!s->spectrum.z[0])
         setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
                  fmax(gp_rect_h(p.in), gp_rect_h(p.out));
     ms.later_ms += again;

@@ -51,7 +51,9 @@ static void mixes_are_their_formulas(void **state)
         {GP_MIX_SCATTER, 1.0f, 7, 7, 1000}, {GP_MIX_SCATTER, 2.5f, 17, 9, 5},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
+        const struct gp_compose_params p = {
+            rows[i].gain, rows[i].mix, 0.0f, false,
+        };
         struct scene s = noise_scene(
             noise_frame(rows[i].w, rows[i].h, rows[i].every, 1000.0f));
         assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
@@ -74,7 +76,7 @@ static void no_layer_means_no_light(void **state)
 {
     for (int mix = 0; mix < 2; mix++) {
         const struct gp_compose_params p = {
-            1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f,
+            1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f, false,
         };
         struct scene s = noise_scene(noise_frame(13, 7, 4, 10.0f));
         gp_planes_free(&s.f.layer);
@@ -92,7 +94,7 @@ static void no_layer_means_no_light(void **state)
  * would vanish in in + layer - source. */
 static void a_huge_source_leaves_nothing_behind(void **state)
 {
-    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
+    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f, false};
     struct scene s = noise_scene(noise_frame(5, 5, 13, 1.0f));
     for (int c = 0; c < 3; c++) {
         s.f.rgb.c[c][12] = s.src.rgb[c][0] = 1e9f;
@@ -112,7 +114,9 @@ static void scatter_conserves_energy(void **state)
     static const float gains[] = {0.1f, 0.5f, 1.0f};
     enum { W = 19, H = 11 };
     for (size_t g = 0; g < COUNT(gains); g++) {
-        const struct gp_compose_params p = {gains[g], GP_MIX_SCATTER, 0.0f};
+        const struct gp_compose_params p = {
+            gains[g], GP_MIX_SCATTER, 0.0f, false,
+        };
         struct gp_frame f = noise_frame(W, H, W + 1, 100.0f); // a diagonal
         for (int i = 0; i < 3 * W * H; i++) {
             const int x = i % W, y = i / W % H;
@@ -152,9 +156,39 @@ static void planes_are_made_once(void **state)
     scene_free(&s);
 }
 
+/* The lit frame has the same bytes in the layer's own memory. */
+static void a_last_layer_becomes_the_lit_frame(void **state)
+{
+    enum { W = 37, H = 23, BYTES = W * H * sizeof(float) };
+    for (int i = 0; i < 8; i++) {
+        struct gp_compose_params p = {
+            0.75f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, i & 2 ? 0.25f : 0.0f,
+            true,
+        };
+        const bool layer = !(i & 4);
+        struct scene s = noise_scene(noise_frame(W, H, 3, 50.0f));
+        struct scene apart = noise_scene(noise_frame(W, H, 3, 50.0f));
+        if (!layer) {
+            gp_planes_free(&s.f.layer);
+            gp_planes_free(&apart.f.layer);
+        }
+        const float *const was = s.f.layer.c[0];
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
+        p.last = false;
+        assert_ok(gp_compose(NULL, &p, &apart.src, &apart.f));
+        assert_null(s.f.layer.c[0]);
+        assert_true((s.f.lit.c[0] == was) == layer);
+        assert_true((apart.f.layer.c[0] != NULL) == layer);
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(s.f.lit.c[c], apart.f.lit.c[c], BYTES);
+        scene_free(&s);
+        scene_free(&apart);
+    }
+}
+
 static void sources_of_another_frame_are_refused(void **state)
 {
-    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
+    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f, false};
     struct scene s = noise_scene(noise_frame(8, 8, 9, 4.0f));
     s.src.h = 9;
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_ERR_BUG);
@@ -168,7 +202,7 @@ static void dim_takes_its_share(void **state)
     enum { N = 19 * 11 };
     for (int i = 0; i < 4; i++) {
         struct gp_compose_params p = {
-            0.7f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f,
+            0.7f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f, false,
         };
         struct scene s = noise_scene(noise_frame(19, 11, 6, 50.0f));
         float plain[3 * N];
@@ -187,5 +221,5 @@ static void dim_takes_its_share(void **state)
 
 SUITE_OF(compose, NULL, NULL, mixes_are_their_formulas, no_layer_means_no_light,
          a_huge_source_leaves_nothing_behind, scatter_conserves_energy,
-         planes_are_made_once, sources_of_another_frame_are_refused,
-         dim_takes_its_share)
+         planes_are_made_once, a_last_layer_becomes_the_lit_frame,
+         sources_of_another_frame_are_refused, dim_takes_its_share)

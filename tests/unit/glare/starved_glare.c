@@ -141,6 +141,23 @@ static gp_status run_compose(void)
     return hash_planes(st, &scene.f.lit, gp_frame_pixels(&scene.f));
 }
 
+/* In the layer's memory, which stays where a row is missing. */
+static gp_status run_compose_last(void)
+{
+    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f, true};
+    const size_t n = gp_frame_pixels(&scene.f);
+    gp_planes_free(&scene.f.layer);
+    gp_planes_free(&scene.f.lit);
+    gp_status st = gp_planes_make(&kept_log, "layer", n, &scene.f.layer);
+    if (st)
+        return st;
+    gp_planes_clear(&scene.f.layer, 0, n);
+    st = gp_compose(&kept_log, &p, &scene.src, &scene.f);
+    assert_true((scene.f.layer.c[0] != NULL) == (st != GP_OK));
+    gp_planes_free(&scene.f.layer);
+    return hash_planes(st, &scene.f.lit, n);
+}
+
 static gp_status run_extra(void)
 {
     struct gp_source extra[] = {{5, 6, {1, 2, 3}}, {2, 3, {4, 5, 6}},
@@ -279,6 +296,7 @@ static const struct starved rows[] = {
     {"sensors, all", run_sense, NULL, ALL, PEAK, .splat = EXACT},
     {"planes of sources", run_planes, NULL, FEW, PEAK, .splat = EXACT},
     {"compose", run_compose, NULL, FEW, PEAK, .splat = EXACT},
+    {"compose, last", run_compose_last, NULL, FEW, PEAK, .splat = EXACT},
     {"extra light", run_extra, NULL, FEW, PEAK, .splat = EXACT},
     {"reference", run_reference, NULL, ALL, TINTED, .splat = EXACT,
      .side = 200, .size = 401},
