@@ -242,8 +242,8 @@ for name in "few", "many":
     for files in ("--hdr h.exr", "-o o.png -e fft",
                   "--hdr h.exr -o o.exr --layer l.exr"):
         subprocess.run([sys.argv[1], "--frame-jobs", "1", "--threads", "2",
-                        *sun, *files.split(), "--grow", "900", "--report", "r.json",
-                        name + ".exr"], check=True)
+                        *sun, *files.split(), "--grow", "900",
+                        "--report", "r.json", name + ".exr"], check=True)
         o = json.load(open("r.json"))
         believed, peak = o["frame_mib"], o["peak_rss_mib"]
         fits = believed / 1.3 < peak < believed * 1.3
