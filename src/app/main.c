@@ -77,7 +77,6 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_set_threads(s->threads.v[0]);
     gp_gl_prepare(); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
@@ -163,7 +162,6 @@ static gp_status run_bench(const struct gp_log *log,
         .extras = layers.rows,
     };
     st = gp_clobber_check(log, s, "input", input);
-    gp_set_threads(s->threads.v[0]);
     gp_gl_prepare(); // while there is one thread
     if (!st)
         st = gp_bench_run(log, &job);
@@ -217,23 +215,6 @@ out:
     return st;
 }
 
-static int run_kernel(const struct gp_log *log, const struct gp_settings *s)
-{
-    bool faulty;
-    gp_set_threads(s->threads.v[0]);
-    const gp_status st = gp_kernel_command(log, s, &faulty);
-    return st ? (int) st : faulty;
-}
-
-static int run_sets(const struct gp_log *log, const struct gp_settings *s)
-{
-    bool differ;
-    gp_set_threads(s->threads.v[0]);
-    gp_gl_prepare(); // while there is one thread
-    const gp_status st = gp_sets_command(log, s, &differ);
-    return st ? (int) st : differ;
-}
-
 static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
     char *command = NULL; // of the pictures
@@ -252,7 +233,6 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
         .check_names = check_compare_names,
         .user = s,
     };
-    gp_set_threads(s->threads.v[0]);
     const int status = gp_compare_run(log, &job);
     free(command);
     return status;
@@ -290,6 +270,7 @@ int main(int argc, char *argv[])
     struct gp_settings s;
     char *wisdom = NULL;
     int status = 0;
+    bool differs = false; // from a claim, or rows of a table
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
     // a picture must not get the descriptor of a closed standard stream; that
@@ -305,6 +286,7 @@ int main(int argc, char *argv[])
     signal(SIGXFSZ, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
+    gp_set_threads(st ? 1 : s.threads.v[0]);
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
@@ -318,20 +300,19 @@ int main(int argc, char *argv[])
     } else if (!st && s.command == GP_COMMAND_COMPARE) {
         status = run_compare(&log, &s);
     } else if (!st && s.command == GP_COMMAND_KERNEL) {
-        status = run_kernel(&log, &s);
+        st = gp_kernel_command(&log, &s, &differs);
     } else if (!st && s.command == GP_COMMAND_SETS) {
-        status = run_sets(&log, &s);
+        gp_gl_prepare(); // while there is one thread
+        st = gp_sets_command(&log, &s, &differs);
     } else if (!st && s.command == GP_COMMAND_LENS) {
-        bool faulty;
-        st = gp_lens_command(&log, &s, &faulty);
-        status = faulty;
+        st = gp_lens_command(&log, &s, &differs);
     } else if (!st) {
         st = make_frames(&log, &voice, &s);
     }
     if (s.command == GP_COMMAND_COMPARE && st == GP_ERR_USAGE)
         status = GP_COMPARE_USAGE;
-    else if (st)
-        status = (int) st;
+    else if (st || differs)
+        status = st ? (int) st : 1;
     gp_settings_free(&s);
     free(wisdom);
     return status;
