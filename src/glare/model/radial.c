@@ -24,8 +24,14 @@ struct radial_table {
     int channels;
     int bends;       // longer sides within which 4 nodes are the fewest
     struct table profile;
+    struct table far;    // square pixels from FAR sides on: their means
     struct gp_deposit near;
 };
+
+/* From so many sides of square pixels on, the mean over tents is
+ *   p + side^2 / 12 laplace p,
+ * whose next terms are under 1 / FAR^4 of powers of the distance: 6e-8. */
+enum { FAR = 64 };
 
 static double of_bits(uint64_t bits)
 {
@@ -85,6 +91,13 @@ static void radial_row(const void *state, int x, int y, int n,
             gp_deposit_row(&t->near, t->channels, px, py, 1, to);
             continue;
         }
+        if (t->far.value && far >= FAR && far >= t->bends) {
+            const double u = a * px, v = a * py;
+            add_table(&t->far, t->channels, u * u + v * v, a * a, sum);
+            for (int c = 0; c < t->channels; c++)
+                out[c][i] = sum[c] > 0.0 ? sum[c] : 0.0;
+            continue;
+        }
         while (far < orders[k].from)
             k++;
         const struct gp_gauss *const g = gp_tent_rule(orders[k].order);
@@ -106,6 +119,7 @@ static void free_radial(void *state)
     struct radial_table *const t = state;
     gp_deposit_free(&t->near);
     gp_free(t->profile.value);
+    gp_free(t->far.value);
     gp_free(t);
 }
 
@@ -147,11 +161,70 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     return st;
 }
 
+/* Entry i of a table: the square of the distance, and the step to the next. */
+static double square_of(const struct table *t, int i, double *step)
+{
+    static const uint64_t one = 1ull << (52 - STEPS_LOG2);
+    const uint64_t bits = (t->first + (uint64_t) i) * one;
+    const double s = of_bits(bits);
+    *step = of_bits(bits + one) - s;
+    return s;
+}
+
+/* Fills the profile's table, and of the far one the values. */
+static void fill_tables(struct radial_table *t, gp_profile p, const void *ctx)
+{
+    static const double h = 1e-3; // of s, for slopes
+    const double twelfth = t->f.degrees * t->f.degrees / 12.0;
+    for (int i = 0; i <= t->profile.n; i++) {
+        double step, at[3], low[3], high[3];
+        const double s = square_of(&t->profile, i, &step);
+        const int far = i - (int) (t->far.first - t->profile.first);
+        p(ctx, sqrt(s), at);
+        p(ctx, sqrt(s * (1.0 - h)), low);
+        p(ctx, sqrt(s * (1.0 + h)), high);
+        for (int c = 0; c < t->channels; c++) {
+            const double slope = (high[c] - low[c]) / (2.0 * h * s);
+            const double bend =
+                (high[c] - 2.0 * at[c] + low[c]) / (h * h * s * s);
+            double *const v = t->profile.value + 2 * (i * t->channels + c);
+            v[0] = at[c];
+            v[1] = slope * step;
+            if (t->far.value && far >= 0)
+                t->far.value[2 * (far * t->channels + c)] =
+                    at[c] + twelfth * 4.0 * (s * bend + slope);
+        }
+    }
+}
+
+/* Fills the far table's slopes: the profile's, and what neighbours differ from
+ * it by, which is little. */
+static void fill_far_slopes(struct radial_table *t)
+{
+    const struct table *const far = &t->far;
+    const int channels = t->channels, first = (int) (far->first -
+                                                     t->profile.first);
+    for (int i = 0; i < channels * (far->n + 1); i++) {
+        const int at = i / channels, c = i % channels;
+        const int ends[2] = {at > 0 ? at - 1 : 0, at < far->n ? at + 1 : at};
+        double step, s[2], more[2];
+        for (int k = 0; k < 2; k++) {
+            const int of = ends[k] * channels + c;
+            s[k] = square_of(far, ends[k], &step);
+            more[k] = far->value[2 * of] -
+                      t->profile.value[2 * (first * channels + of)];
+        }
+        square_of(far, at, &step);
+        far->value[2 * i + 1] =
+            t->profile.value[2 * (first * channels + i) + 1] +
+            step * (more[1] - more[0]) / (s[1] - s[0]);
+    }
+}
+
 gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out)
 {
-    static const uint64_t one = 1ull << (52 - STEPS_LOG2);
     static const double END = 1e6; // degrees: over 5000 frames of 180
     const double least = f->degrees * fmin(f->aspect, 1.0);
     const double most = f->degrees * fmax(f->aspect, 1.0);
@@ -165,24 +238,15 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     st = make_near(log, p, ctx, t);
     if (!st)
         st = make_table(log, channels, least, END, &t->profile);
+    if (!st && f->aspect == 1.0)
+        st = make_table(log, channels, FAR * least, END, &t->far);
     if (st) {
         free_radial(t);
         return st;
     }
-    for (int i = 0; i <= t->profile.n; i++) {
-        const uint64_t bits = (t->profile.first + (uint64_t) i) * one;
-        const double s = of_bits(bits), step = of_bits(bits + one) - s;
-        const double h = 1e-3;
-        double at[3], low[3], high[3];
-        p(ctx, sqrt(s), at);
-        p(ctx, sqrt(s * (1.0 - h)), low);
-        p(ctx, sqrt(s * (1.0 + h)), high);
-        for (int c = 0; c < channels; c++) {
-            double *const v = t->profile.value + 2 * (i * channels + c);
-            v[0] = at[c];
-            v[1] = (high[c] - low[c]) / (2.0 * h * s) * step;
-        }
-    }
+    fill_tables(t, p, ctx);
+    if (t->far.value)
+        fill_far_slopes(t);
     *out = (struct gp_shape) {
         .state = t, .free = free_radial, .row = radial_row,
         .grey = channels == 1, .even = true, .reach = INT_MAX, .fits = {1, 1},

@@ -47,8 +47,12 @@ struct gp_tail_split gp_tail_choose(double smooth, double stretch, int sharp,
 
 double gp_tail_share(const struct gp_tail_split *s, int x, int y)
 {
-    const double r = sqrt((double) x * x + (double) y * y);
-    return smooth_step((r - s->from) / (s->to - s->from));
+    const double square = (double) x * x + (double) y * y;
+    if (square <= s->from * s->from)
+        return 0.0;
+    if (square >= s->to * s->to)
+        return 1.0;
+    return smooth_step((sqrt(square) - s->from) / (s->to - s->from));
 }
 
 struct gp_tail *gp_tail_hold(struct gp_tail *t)
@@ -127,33 +131,39 @@ static void mirror(const struct gp_tail *t, double *at)
                w * sizeof *at);
 }
 
-/* Norms of one channel from its samples. */
-static void find_norms(struct gp_tail *t, int c, const double *at)
+/* Norms of one channel from its samples, and its least sample where all is tail
+ * and frames meet it. Of even samples a quarter stands for all. */
+static void find_norms(struct gp_tail *t, int c, bool even, const double *at)
 {
     static const double MORE = 1.0 + 1e-3; // than samples of all pixels
-    const size_t n = (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1);
-    const int s = t->split.step;
-    double square = 0.0, sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += at[i];
-        square += at[i] * at[i];
-    }
-    t->norm1[c] = MORE * sum * s * s;
-    t->norm2[c] = MORE * sqrt(square) * s;
-}
-
-/* Lowers t->least to the samples of one channel. */
-static void find_least(struct gp_tail *t, const double *at)
-{
-    const int s = t->split.step;
+    const int s = t->split.step, rx = t->rx, ry = t->ry;
     const double to = t->split.to / s;
-    for (int y = -t->ry; y <= t->ry; y++) {
-        for (int x = -t->rx; x <= t->rx; x++, at++) {
-            if (abs(x) * s < t->w && abs(y) * s < t->h &&
+    double square = 0.0, sum = 0.0, least = t->least;
+    for (int y = even ? 0 : -ry; y <= ry; y++) {
+        const double *const row =
+            at + (size_t) (ry + y) * (2 * (size_t) rx + 1) + rx;
+        const double rows = even && y ? 2.0 : 1.0;
+        double row_square = 0.0, row_sum = 0.0;
+        for (int x = even ? 1 : -rx; x <= rx; x++) {
+            row_sum += row[x];
+            row_square += row[x] * row[x];
+        }
+        if (even) {
+            row_sum = 2.0 * row_sum + row[0];
+            row_square = 2.0 * row_square + row[0] * row[0];
+        }
+        sum += rows * row_sum;
+        square += rows * row_square;
+        const int end = abs(y) * s < t->h ? gp_min(rx, (t->w - 1) / s) : -1;
+        for (int x = even ? 0 : -end; x <= end; x++) {
+            if (row[x] < least &&
                 (double) x * x + (double) y * y >= to * to)
-                t->least = fmin(t->least, *at);
+                least = row[x];
         }
     }
+    t->least = least;
+    t->norm1[c] = MORE * sum * s * s;
+    t->norm2[c] = MORE * sqrt(square) * s;
 }
 
 // -- the splines divided out --------------------------------------------------
@@ -310,8 +320,7 @@ gp_status gp_tail_make(const struct gp_log *log,
     for (int c = 0; c < (grey ? 1 : 3); c++) {
         if (even)
             mirror(t, s.at[c]);
-        find_norms(t, c, s.at[c]);
-        find_least(t, s.at[c]);
+        find_norms(t, c, even, s.at[c]);
         divide_out(t, even, s.at[c]);
         GP_TRY(find_sum(log, t, c, s.at[c]));
         for (size_t i = 0; i < n; i++)
