@@ -69,7 +69,7 @@ struct row_sums {
 
 struct samples {
     struct gp_eye_measure measure;
-    const struct gp_rays *rays; // borrowed
+    struct gp_rays rays; // through E
     int side;
     uint8_t bits[LAST * LAST];
     struct row_sums row[LAST];
@@ -95,7 +95,7 @@ static void cast_row(void *ctx, int y, int thread)
         *bits = gp_eye_inside(&s->measure, along) ? INSIDE : SHOWN;
         const struct gp_eye_disc *const d = s->measure.disc;
         if ((*bits & SHOWN) &&
-            gp_rays_stopped(s->rays, d->eye, along, way_to(d, along)))
+            gp_rays_stopped(&s->rays, d->eye, along, way_to(d, along)))
             *bits = 0;
         sums.all += weight;
         sums.outside += *bits & INSIDE ? 0.0 : weight;
@@ -148,20 +148,17 @@ static gp_status cast_all(const struct gp_log *log, const struct gp_scene *s,
 {
     const struct gp_eye_disc *const d = level->measure.disc;
     const int levels = d->half > 0.0 ? LEVELS : 1;
-    struct gp_rays rays = {0};
-    gp_status st;
-    GP_TRY(gp_rays_make(log, s, meshes, object, share->objects, &rays));
-    if (!level->measure.cut && rays.triangles == 0)
-        goto out; // nothing is before it
-    for (int n = 0; n < levels; n++) {
-        level->rays = &rays;
+    const gp_status st = gp_rays_make(log, s, meshes, object, share->objects,
+                                      &level->rays);
+    // without a triangle nothing is before it
+    const bool any = level->measure.cut || level->rays.triangles > 0;
+    for (int n = 0; n < levels && any && !st; n++) {
         level->side = levels > 1 ? FIRST << n : 1;
         cast(level, share);
         if (share->error <= GOOD)
             break;
     }
-out:
-    gp_rays_free(&rays);
+    gp_rays_free(&level->rays);
     return st;
 }
 
