@@ -192,8 +192,8 @@ double gp_peak_rss_mib(void);
 /* Returns the type's name: "uint", "half", "float". */
 const char *gp_pixel_type_name(enum gp_pixel_type type);
 
-/* How edges before the lights that the frame shows are measured: the report
- * says how near their shares are. */
+/* Measure of the edges before the lights that the frame shows, by which the
+ * report says how near their shares are. */
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
     GP_EDGES_DEPTH,

@@ -56,7 +56,8 @@ static double octaves(struct dice *d, double low, double high)
 static double noise(uint64_t seed, double x, double y)
 {
     const int64_t ix = (int64_t) floor(x), iy = (int64_t) floor(y);
-    const double fx = gp_smoothstep(x - (double) ix), fy = gp_smoothstep(y - (double) iy);
+    const double fx = gp_smoothstep(x - (double) ix);
+    const double fy = gp_smoothstep(y - (double) iy);
     double corner[4];
     for (int i = 0; i < 4; i++) {
         const uint64_t at = (uint64_t) (ix + i % 2) * 0x9e3779b97f4a7c15u +
@@ -302,8 +303,8 @@ gp_status gp_paper_kernel(const struct gp_log *log, int size,
                 }
                 light += 0.02 * streaks / ((r + 3.0) * sqrt(r + 3.0));
                 // fades over the last sixth, and ends inside the border
-                *to++ = (float) (light * gp_smoothstep((half - sqrt(u * u + v * v)) /
-                                                (half / 6.0)));
+                const double left = half - sqrt(u * u + v * v);
+                *to++ = (float) (light * gp_smoothstep(left / (half / 6.0)));
             }
         }
     }

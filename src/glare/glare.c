@@ -318,7 +318,7 @@ static inline __attribute__((always_inline)) float kept_finite(float v)
     return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
 }
 
-/* Returns whether a sample is at the largest float or over it; with the light
+/* Returns true when a sample is at the largest float or over it; with the light
  * that a source scatters taken away it is at most this. */
 GP_CLONES static bool add_row(const float *in, const float *layer, float gain,
                               size_t n, float *restrict out)

@@ -54,7 +54,7 @@ out:
     return st;
 }
 
-/* What the warnings need to know. */
+/* Content that warnings name. */
 struct seen {
     bool weights, twice;
 };

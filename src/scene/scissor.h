@@ -44,7 +44,7 @@ struct gp_lit_tiles {
     int seens;
 };
 
-/* Out: *out, free with gp_lit_tiles_free(); empty on failure and without depths.
+/* Makes *out; free with gp_lit_tiles_free(); empty on failure and without depths.
  * Errors: GP_ERR_BUG memory is full. */
 GP_MUST_CHECK gp_status gp_lit_tiles_make(const struct gp_log *log,
                                       const struct gp_hidden *h,

@@ -261,7 +261,8 @@ static void add_band(void *ctx, int i, int thread)
         if (outer < 0.0)
             continue;
         // a pixel more on each side: the chords are rounded
-        const int x0 = gp_clamp_whole(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
+        const int x0 = gp_clamp_whole(floor(l->x - outer) - 1.0, rect.x0,
+                                      rect.x1);
         const int x1 = gp_clamp_whole(ceil(l->x + outer) + 1.0, x0, rect.x1);
         // (a whole one that add_edge() takes counts the same)
         int in0 = x1, in1 = x1;

@@ -156,7 +156,8 @@ struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
 // -- the whole lens -----------------------------------------------------------
 
 /* Returns the matrix from the front to after so many surfaces. */
-static struct gp_lens_matrix front_matrix(const struct gp_lens *lens, int surfaces)
+static struct gp_lens_matrix front_matrix(const struct gp_lens *lens,
+                                          int surfaces)
 {
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);

@@ -76,8 +76,8 @@ static void widen(const struct gp_lens_item *it, const struct spot *s, int half,
                          aside * it->aside[0];
         const double y = it->middle[1] + s->x[k] * it->along[1] +
                          aside * it->aside[1];
-        *b = (struct box) {gp_mind(b->x0, x), gp_mind(b->y0, y), gp_maxd(b->x1, x),
-                           gp_maxd(b->y1, y)};
+        *b = (struct box) {gp_mind(b->x0, x), gp_mind(b->y0, y),
+                           gp_maxd(b->x1, x), gp_maxd(b->y1, y)};
     }
 }
 

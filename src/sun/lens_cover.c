@@ -74,9 +74,10 @@ static void add_edge(const struct gp_lens_cover *k, double x0, double y0,
 static void add_beside(const struct gp_lens_cover *k, double x0, double y0,
                        double x1, double y1, const double light[3])
 {
-    if (gp_maxd(y0, y1) > k->y0 && gp_mind(y0, y1) < k->y1 && gp_mind(x0, x1) < k->w)
-        add_edge(k, gp_mind(gp_maxd(x0, 0.0), k->w), y0, gp_mind(gp_maxd(x1, 0.0), k->w),
-                 y1, light);
+    if (gp_maxd(y0, y1) > k->y0 && gp_mind(y0, y1) < k->y1 &&
+        gp_mind(x0, x1) < k->w)
+        add_edge(k, gp_mind(gp_maxd(x0, 0.0), k->w), y0,
+                 gp_mind(gp_maxd(x1, 0.0), k->w), y1, light);
 }
 
 // cuts the edge at the first and the last column, and adds its parts

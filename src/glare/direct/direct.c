@@ -181,7 +181,7 @@ double gp_direct_quads(const struct gp_sources *src)
     return quads <= FULL * (double) src->n ? quads : 0.0;
 }
 
-/* Returns whether quads may serve a frame of h rows: they need the kernel's
+/* Returns true when quads may serve a frame of h rows: they need the kernel's
  * rows four times as fast, from the cache, and place them by an int. */
 static bool fits_quads(const struct gp_taps *t, int h)
 {

@@ -84,7 +84,7 @@ GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Returns whether the bytes of `s` are a value of that type. */
+/* Returns true when the bytes of `s` are a value of that type. */
 bool gp_exr_value_is(const struct gp_stream *s, const char *type);
 
 /* -- attributes carried from input to output (open.c) -----------------------

@@ -133,8 +133,8 @@ static bool is_stringvector(const struct value *v)
     return true;
 }
 
-/* Returns whether the bytes are a value of that type; true for types that
- * OpenEXR does not know, and for bytes that cannot be read, which the library
+/* Returns true when the bytes are a value of that type, for types that OpenEXR
+ * does not know, and for bytes that cannot be read, which the library
  * reports. */
 static bool value_is(const struct value *v, const char *type)
 {
