@@ -11,6 +11,7 @@
 #include "gl/gl.h"
 #include "io/file.h"
 #include "io/read.h"
+#include "io/write.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -280,6 +281,7 @@ int main(int argc, char *argv[])
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
     gp_keep_memory();
+    gp_write_keep_memory();
     gp_temp_cleanup_on_signal();
     // a write that fails is an error with a message, not a silent death
     signal(SIGPIPE, SIG_IGN);

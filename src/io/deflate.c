@@ -13,6 +13,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "io/write.h"
 
 #include <libdeflate.h>
 #include <string.h>
@@ -166,4 +167,17 @@ void gp_zlib_stream_free(struct gp_zlib_stream *s)
     gp_free(s->data);
     gp_free(s->piece);
     *s = (struct gp_zlib_stream) {0};
+}
+
+// -- memory of libdeflate -----------------------------------------------------
+
+static void *take_memory(size_t bytes)
+{
+    void *block;
+    return gp_alloc(NULL, "libdeflate", bytes, 1, &block) ? NULL : block;
+}
+
+void gp_write_keep_memory(void)
+{
+    libdeflate_set_memory_allocator(take_memory, gp_free);
 }

@@ -237,12 +237,12 @@ frame few.exr size=8x8 lights=9
 cat >believed.py <<'PY'
 import json, subprocess, sys
 # a sun fills the frame with sources, for all of an engine's memory
-sun = ["--sun", "4,4,500", "--sun-color", "1e9,1e9,1e9"]
+sun = ["--sun", "4,4,700", "--sun-color", "1e9,1e9,1e9"]
 for name in "few", "many":
     for files in ("--hdr h.exr", "-o o.png -e fft",
                   "--hdr h.exr -o o.exr --layer l.exr"):
         subprocess.run([sys.argv[1], "--frame-jobs", "1", "--threads", "2",
-                        *sun, *files.split(), "--grow", "900",
+                        *sun, *files.split(), "-q", "--grow", "900",
                         "--report", "r.json", name + ".exr"], check=True)
         o = json.load(open("r.json"))
         believed, peak = o["frame_mib"], o["peak_rss_mib"]
@@ -254,6 +254,33 @@ if sanitized; then
     skip 6 'a sanitizer takes memory of its own'
 else
     "$python" believed.py "$glarepp" >verdicts 2>&1
+    verdicts verdicts
+fi
+
+# A frame's memory is that of the frames before: its pages are there already
+frame many.exr size=640x400 lights=40
+for i in $(seq 100 123); do
+    ln -s many.exr page.$i.exr
+done
+cat >pages.py <<'PY'
+import resource, subprocess, sys
+
+def faults(program, last, *files):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_minflt
+    subprocess.run([program, "-q", "--threads", "2", "-f", f"100-{last}",
+                    *files, "page.#.exr"], check=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_minflt - before
+
+for files in ("--hdr", "h.#.exr"), ("-o", "o.#.png"):
+    few = faults(sys.argv[1], 107, *files)
+    more = (faults(sys.argv[1], 123, *files) - few) / 16
+    print(f"{'' if more < 20 else 'not '}ok {files[1]}: {more:.0f} page faults "
+          f"a frame after {few} of the first eight")
+PY
+if sanitized; then
+    skip 2 'a sanitizer takes memory of its own'
+else
+    "$python" pages.py "$glarepp" >verdicts 2>&1
     verdicts verdicts
 fi
 
