@@ -1,13 +1,13 @@
 #!/bin/sh
 # Every fuzz target runs its corpus, and fuzzes for a while where clang made
-# it. GLAREPP_FUZZ_TIME: seconds for each, default 3, two at a time.
+# it. GLAREPP_FUZZ_TIME: seconds for each, default 1, two at a time.
 . "$(dirname "$0")/lib.sh"
 build=${glarepp%/*}/fuzz
 [ -x "$build/fuzz_frame" ] ||
     skip_all 'no fuzz targets; make fuzz-build makes them'
 command -v bash >/dev/null || skip_all 'no bash'
 
-seconds=${GLAREPP_FUZZ_TIME:-3}
+seconds=${GLAREPP_FUZZ_TIME:-1}
 [ -z "$quick" ] || seconds=0
 
 # Without a fuzzer in it a target knows no options, and runs its corpus alone

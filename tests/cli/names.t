@@ -20,6 +20,9 @@ text = text[text.index(b"glarepp:command\0string\0") + 23:]
 sys.stdout.buffer.write(text[4:4 + struct.unpack("<i", text[:4])[0]])
 PY
 
+# (contexts of GL would take most of the time of bench, and hold no names)
+export GLAREPP_OSMESA=/no-gl GLAREPP_EGL=/no-gl
+
 # plain LABEL ARGUMENT...: neither stdout nor stderr holds such a character
 plain()
 {
