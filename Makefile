@@ -122,7 +122,7 @@ FAIL_WRAP := malloc calloc realloc posix_memalign free read pread __read_chk \
              readlink dlopen dlsym
 UNIT_CFLAGS = -Itests/unit -Wno-unused-parameter $(call pc,--cflags,cmocka)
 # (tests take half as long to compile, and their loops are short)
-UNIT_OPT = $(if $(filter -O3,$(OPT)),-O1)
+UNIT_OPT = $(if $(filter -O3,$(OPT)),-O1 -g1)
 UNIT_OBJ := $(UNIT:tests/unit/%.c=$(B)/tests/obj/%.o)
 UNIT_COMMON := $(B)/tests/obj/unit.o $(B)/tests/obj/shim.o
 

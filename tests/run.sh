@@ -93,8 +93,9 @@ chosen()
 }
 
 # As many at a time as there are processors; printed in the order of the list
-first='hardcases-.*|faults\.t|flight\.t|check-tidy|glare-starved_glare|formats\.t'
-first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t"
+first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
+first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
+first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do
