@@ -39,8 +39,8 @@ static gp_status measure(const struct gp_log *log, struct gp_run *r,
     gp_status st = r->suns.gl ? gp_gl_use(log, r->suns.gl)
                               : gp_gl_open(log, r->suns.api, &r->suns.gl);
     return st ? st
-              : gp_eye_map_draw(log, r->suns.gl, s, disc, window,
-                                FINER * p->map.side, &r->eye_map, out);
+              : gp_eye_map_draw(log, r->suns.gl, s, &r->scene.meshes, disc,
+                                window, FINER * p->map.side, &r->eye_map, out);
 }
 
 gp_status gp_run_outside(struct gp_run *r, struct gp_frame_state *fs)

@@ -67,6 +67,10 @@ GP_MUST_CHECK gp_status gp_eye_rays(
     struct gp_meshes *meshes, const struct gp_eye_disc *d,
     const struct gp_eye_window *window, struct gp_eye_share *out);
 
+/* Triangles that a map draws, at most. Rays need one tree of a mesh, however many
+ * nodes place it. */
+enum { GP_EYE_DRAWN = 1 << 18 };
+
 /* Programs and targets on a context; kept from frame to frame. */
 struct gp_eye_map;
 
@@ -78,11 +82,12 @@ struct gp_eye_map;
  * texels whose centres are in the disc count as gp_eye_rays() counts.
  *   side   texels, cut to [2, 256]
  *   state  made at the first call; of one scene; gp_eye_map_close()
- * Discs of no size, or of a half angle over 1 radian, are left to
- * gp_eye_rays(). Errors: GP_ERR_GL; GP_ERR_BUG memory. */
+ * Discs of no size, or of a half angle over 1 radian, and objects of more than
+ * GP_EYE_DRAWN triangles together are left to gp_eye_rays(). Errors: GP_ERR_GL; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_eye_map_draw(
     const struct gp_log *log, const struct gp_gl *gl, const struct gp_scene *s,
-    const struct gp_eye_disc *d, const struct gp_eye_window *window, int side,
+    struct gp_meshes *meshes, const struct gp_eye_disc *d,
+    const struct gp_eye_window *window, int side,
     struct gp_eye_map **state, struct gp_eye_share *out);
 void gp_eye_map_close(const struct gp_gl *gl, struct gp_eye_map **state);
 

@@ -257,22 +257,39 @@ static void count(const struct gp_eye_measure *m, const float *rgba, int side,
     out->error = n > 0 ? 0.5 * sqrt(2.0 * edges) / n : 0.0;
 }
 
+/* Returns the triangles of objects. */
+static long long triangles_of(const struct gp_scene *s, const int *object,
+                              int objects)
+{
+    long long n = 0;
+    for (int i = 0; i < objects; i++) {
+        const struct gp_mesh *const m = &s->mesh[s->object[object[i]].mesh];
+        for (int k = m->first; k < m->first + m->parts; k++)
+            n += s->part[k].count / 3;
+    }
+    return n;
+}
+
 gp_status gp_eye_map_draw(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_scene *s, const struct gp_eye_disc *d,
-    const struct gp_eye_window *window, int side, struct gp_eye_map **state,
-    struct gp_eye_share *out)
+    const struct gp_scene *s, struct gp_meshes *meshes,
+    const struct gp_eye_disc *d, const struct gp_eye_window *window, int side,
+    struct gp_eye_map **state, struct gp_eye_share *out)
 {
     const struct gp_eye_measure measure = gp_eye_measure_of(d, window);
     struct gp_eye_share share = {.clear = 1.0, .outside = 1.0};
     int *object = NULL;
     gp_status st = GP_OK;
     if (!(d->half > 0.0 && d->half <= WIDEST))
-        return gp_eye_rays(log, s, NULL, d, window, out);
+        return gp_eye_rays(log, s, meshes, d, window, out);
     if (!measure.cut && gp_eye_inside(&measure, d->to))
         share.outside = 0.0;
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
     share.objects = gp_eye_set(s, d, object);
+    if (triangles_of(s, object, share.objects) > GP_EYE_DRAWN) {
+        GP_TRY(gp_eye_rays(log, s, meshes, d, window, out));
+        goto out;
+    }
     if (!measure.cut && share.outside > 0.0 &&
         gp_eye_hidden(s, d, object, share.objects))
         share.clear = 0.0;

@@ -64,7 +64,7 @@ static void maps_are_near_rays(void **state)
                                    made_between(&seed, 0.002, 0.3));
             struct gp_eye_share want, got;
             assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, NULL, &want));
-            if (gp_eye_map_draw(&kept_log, gl, &s, &d, NULL, SIDE, &map, &got))
+            if (gp_eye_map_draw(&kept_log, gl, &s, NULL, &d, NULL, SIDE, &map, &got))
                 fail_msg("%s", kept_line);
             const double off = fabs(got.clear - want.clear);
             assert_true(got.objects == want.objects && got.outside == 1.0);
@@ -101,7 +101,7 @@ static void windows_and_small_maps(void **state)
              (struct gp_v3) {60, 0.1, 10}, 0.0);
     struct gp_eye_share rays, got;
     assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, &w, &rays));
-    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, &d, &w, 16, &map, &got));
+    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, NULL, &d, &w, 16, &map, &got));
     assert_int_equal(got.samples, 16);
     assert_true(fabs(got.outside - 0.5) < 0.05);
     assert_true(fabs(rays.clear - 0.5) < 0.01);
@@ -109,17 +109,40 @@ static void windows_and_small_maps(void **state)
     // nothing is drawn for what the frame shows, nor behind one triangle
     const struct gp_eye_disc in =
         gp_eye_sun((struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, 0.00465);
-    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, &in, &w, 16, &map, &got));
+    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, NULL, &in, &w, 16, &map, &got));
     assert_true(got.outside == 0.0 && got.clear == 1.0 && got.samples == 0);
     const struct gp_eye_disc hidden = gp_eye_sun(
         (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0.3, 1, -0.1}, 0.00465);
-    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, &hidden, NULL, 16, &map, &got));
+    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, NULL, &hidden, NULL, 16, &map, &got));
     assert_true(got.clear == 0.0 && got.samples == 0);
     // a point is left to a ray
     const struct gp_eye_disc point = gp_eye_lamp(
         (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 40, -1}, 0.0);
-    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, &point, NULL, 16, &map, &got));
+    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, NULL, &point, NULL, 16, &map, &got));
     assert_true(got.clear == 0.0);
+    made_free(&s);
+}
+
+/* A map of more triangles than a driver draws soon is left to rays. */
+static void copies_are_left_to_rays(void **state)
+{
+    struct gp_scene s = made_scene();
+    const struct gp_eye_disc d = gp_eye_sun(
+        (struct gp_v3) {0, 0, 0}, (struct gp_v3) {0, 1, 0}, 0.1);
+    struct gp_eye_share want, got;
+    const int ball = made_ball(&s, 0, 60);
+    uint64_t seed = 23;
+    for (int i = 0; i < 30; i++) {
+        const double y = made_between(&seed, 5.0, 50.0);
+        made_put(&s, ball, (struct gp_v3) {made_between(&seed, -0.1, 0.1) * y, y,
+                                           made_between(&seed, -0.1, 0.1) * y},
+                 (struct gp_v3) {0.02 * y, 0.02 * y, 0.02 * y}, 0.0);
+    }
+    assert_ok(gp_eye_rays(&kept_log, &s, NULL, &d, NULL, &want));
+    assert_ok(gp_eye_map_draw(&kept_log, gl, &s, NULL, &d, NULL, 32, &map,
+                              &got));
+    assert_true(want.clear > 0.2 && want.clear < 0.95 && want.objects > 20);
+    assert_memory_equal(&got, &want, sizeof got);
     made_free(&s);
 }
 
@@ -132,7 +155,7 @@ static gp_status one_share(void)
         (struct gp_v3) {-19, -19, 3}, (struct gp_v3) {1, 0.8, 0.1}, 0.3);
     struct gp_eye_map *own = NULL;
     struct gp_eye_share share;
-    const gp_status st = gp_eye_map_draw(&kept_log, gl, &many, &d, NULL, 32,
+    const gp_status st = gp_eye_map_draw(&kept_log, gl, &many, NULL, &d, NULL, 32,
                                          &own, &share);
     if (!st)
         many_share = share.clear;
@@ -148,5 +171,5 @@ static void full_memory(void **state)
     made_free(&many);
 }
 
-SUITE_OF(eye_map, set_up, tear_down, maps_are_near_rays, windows_and_small_maps,
-         full_memory)
+SUITE_OF(eye_map, set_up, tear_down, maps_are_near_rays,
+         windows_and_small_maps, copies_are_left_to_rays, full_memory)
