@@ -47,6 +47,13 @@ for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
     done
 done
 
+echo "# the same, CPU time on one processor"
+taskset -c 0 "$build/bench/stage" "$frames/w2_1024.exr" "$frames/k512.exr" \
+    1280 1024 "$runs" measure
+
+echo "# glare stage, the first frame of a run against later ones"
+/usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
+
 echo "# glare stage, the eye over the whole field against its middle 511 pixels"
 "$build/bench/tail" builtin:eye "$runs" "$frames"/w?_1920.exr \
     ${real[@]+"${real[@]}"}
