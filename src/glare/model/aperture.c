@@ -308,8 +308,8 @@ static const struct gp_model_key aperture_keys[] = {
      256, NULL, false},
     {"wavelength", "a single wavelength, nm, shown white; 0 takes daylight", 0,
      0, 2000, NULL, false},
-    {"reach", "distance at which the light has faded out, degrees", 12, 0.01,
-     90, NULL, false},
+    {"reach", "distance beyond which only the light's smooth mean goes on, "
+     "degrees", 12, 0.01, 90, NULL, false},
     {0},
 };
 
@@ -512,8 +512,8 @@ static const struct gp_model_key temporal_keys[] = {
     {"seed", "number that chooses the eye", 1, 0, 1e9, NULL, false},
     {"wavelengths", "number of wavelengths of daylight, 380 to 780 nm", 32, 1,
      256, NULL, false},
-    {"reach", "distance at which the light has faded out, degrees", 6, 0.01, 90,
-     NULL, false},
+    {"reach", "distance beyond which only the light's smooth mean goes on, "
+     "degrees", 6, 0.01, 90, NULL, false},
     {0},
 };
 

@@ -292,12 +292,6 @@ static void finish_columns(void *ctx, int group, int thread)
     }
 }
 
-/* Fades out over the last quarter of the reach: no rim. */
-static double fade(double t, double reach)
-{
-    return gp_smoothstep(4.0 * (reach - t) / reach);
-}
-
 /* Four rows of samples. */
 static void finish_rows(void *ctx, int group, int thread)
 {
@@ -326,7 +320,8 @@ static void finish_rows(void *ctx, int group, int thread)
             const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
             const double window = across * gp_sinc((double) x / n);
             const double v = creal(from[x < 0 ? x + n : x]) *
-                             fade(at, f->reach) / (all * window * window);
+                             gp_diffract_fade(at, f->reach) /
+                             (all * window * window);
             to[x + rx] = (float) v;
             if (f->first == 0)
                 other[rx - x] = (float) v;
@@ -548,13 +543,16 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
         st = join_parts(log, k, parts, f, out);
         goto out;
     }
-    *out = (struct gp_shape) {
+    struct gp_shape shape = {
         .state = k, .free = samples_free, .row = samples_row,
         .grey = k->channels == 1, .smooth = INFINITY,
         .reach = gp_max(k->r[0], k->r[1]), .rows = k->r[1],
     };
     for (int i = 0; i < 2; i++)
-        out->fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
+        shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
+    if (corner > 0.75 * reach)
+        GP_TRY(gp_diffract_join(log, k->r[0], k->r[1], reach, f, &shape));
+    *out = shape;
     k = NULL;
 out:
     if (k)

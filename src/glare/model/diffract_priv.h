@@ -21,6 +21,22 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
+/* Fades samples out over the last quarter of the reach: no rim. */
+static inline double gp_diffract_fade(double t, double reach)
+{
+    const double z = fmin(fmax(4.0 * (reach - t) / reach, 0.0), 1.0);
+    return z * z * (3.0 - 2.0 * z);
+}
+
+/* Joins the mean far out to a shape whose samples, of offsets up to rx and ry,
+ * fade out at `reach` degrees. Where they hold all up to the reach (`fits`), the
+ * light of the centre is changed for all of it to be 1.
+ *
+ *   shape  owned by the caller; after an error as before
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log, int rx,
+    int ry, double reach, const struct gp_field *f, struct gp_shape *shape);
+
 enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line
 
 /* Plans of a length, and GP_GROUP arrays in and as many out for each thread. */

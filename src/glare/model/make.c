@@ -417,9 +417,11 @@ static bool tail_fits(const struct gp_model_kept *kept,
     const struct gp_field *field, const struct gp_tail_split *split)
 {
     const struct gp_tail *const t = kept->tail;
+    const bool later = kept->field.frame != field->frame ||
+                       kept->field.fps != field->fps;
     bool moves = false;
     for (int i = 0; i < m->n; i++)
-        moves |= has_tail(&m->shape[i]) && gp_recipe_moves(&r[i]);
+        moves |= later && has_tail(&m->shape[i]) && gp_recipe_moves(&r[i]);
     return t && !moves && same_look(&kept->field, field) && t->w == field->w &&
            t->h == field->h && t->split.step == split->step &&
            t->split.from == split->from && t->split.to == split->to;

@@ -193,7 +193,8 @@ struct gp_pupil {
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
-    double reach;     // degrees from the light; faded out over a quarter of it
+    double reach;     // degrees from the light; over the last quarter of it
+                      // the mean far out takes over
     double nm;        // one wavelength; 0: daylight in `bands`
     int bands;        // 1 to 256
     double steep;     // nm of path a mm, the most that changes; 0: no path

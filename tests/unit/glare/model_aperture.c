@@ -616,10 +616,48 @@ static void spectra_are_the_observers(void **state)
     }
 }
 
+/* Beyond the reach of its samples Airy's light goes on: outside of a square of
+ * half a side s there is 2 l / (pi^2 D) times the mean of 1 / r around it,
+ * 2 sqrt 2 / (pi s), with no rim on the way. */
+static void light_goes_on_beyond_the_reach(void **state)
+{
+    (void) state;
+    static const char text[] = "aperture:share=1,blades=0,dust=0,scratches=0,"
+                               "wavelength=550,pupil=1,reach=3";
+    const struct gp_field f = scene_field(301, 301, 0.06, 1.0); // 18 degrees
+    struct gp_kernel core, k;
+    make_kernel(text, &f, &core);
+    assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, &k));
+    const double side = 300.5 * f.degrees * PI / 180.0;
+    const double beyond =
+        2.0 * 550e-6 / (PI * PI) * 2.0 * sqrt(2.0) / (PI * side);
+    if (!(fabs(core.left_out / beyond - 1.0) < 0.1))
+        fail_msg("%g left out, not %g", core.left_out, beyond);
+    double before = 0.0;
+    for (int r = 30; r < 290; r += 10) { // means of rings of 10 pixels
+        double sum = 0.0, shape = 0.0;
+        for (int dy = -300; dy <= 300; dy++) {
+            for (int dx = -300; dx <= 300; dx++) {
+                const double t = hypot(dx, dy);
+                if (t < r || t >= r + 10)
+                    continue;
+                sum += sample(&k, 0, dx, dy);
+                shape += 1.0 / (t * t * t);
+            }
+        }
+        if (before > 0.0 && !(fabs(sum / shape / before - 1.0) < 0.06))
+            fail_msg("%g degrees: %g times the light of the ring before",
+                     r * f.degrees, sum / shape / before);
+        before = sum / shape;
+    }
+    gp_kernel_free(&core);
+    gp_kernel_free(&k);
+}
+
 SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
     blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
     turning_is_in_the_formula, pixels_add_up, aberrations_dim_the_peak,
     lags_are_a_pupils,
     masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
     pupils_shimmer, fibres_make_a_halo,
-    spectra_are_the_observers)
+    spectra_are_the_observers, light_goes_on_beyond_the_reach)

@@ -108,7 +108,8 @@ static void engines_add_no_steps(void **state)
  * %, from pixel to pixel, 150 pixels and more from the lamp; and beside the
  * step before, 20 pixels and more from it. Of 540, 1080 and 2160 lines of 30
  * degrees, then of 540 lines of 60, 100 and 170 degrees. A power p of the
- * distance steps by p / 150 there, more than 2 % from p = 3 on. Of luminance. */
+ * distance steps by p / 150 there, more than 2 % from p = 3 on. They are of
+ * luminance. */
 static const struct {
     double fov;
     int lines;

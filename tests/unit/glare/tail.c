@@ -454,7 +454,7 @@ static void sharp_shapes_stay_in_the_core(void **state)
         {"cie+star", 185, true}, {"moffat+eye+cross:length=3", 130, true},
         {"spencer:light=scotopic", 197, true}, {"eye-night", 210, false},
         {"spencer:needles=40+circle", 200, false},
-        {"cie+temporal:reach=4", 150, false},
+        {"cie+streak:length=3.9", 150, false},
     };
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
