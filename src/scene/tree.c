@@ -105,7 +105,7 @@ struct split {
 static inline int bin_of(const struct gp_tree_box *b, const struct split *s)
 {
     const double at = (middle(b, s->axis) - s->low) * s->per;
-    return at >= BINS - 1 ? BINS - 1 : (int) at;
+    return !(at > 0.0) ? 0 : at >= BINS - 1 ? BINS - 1 : (int) at; // NaN: 0
 }
 
 /* Tries the splits of an axis between `low` and `high`, twice the middles of

@@ -201,6 +201,33 @@ static void full_memory_is_an_error(void **state)
     made_free(&many);
 }
 
+/* Places that no number holds stop nothing, and hide no other object. */
+static void places_without_end(void **state)
+{
+    struct gp_scene s = made_scene();
+    struct gp_meshes meshes = {0};
+    struct gp_rays rays = {0};
+    int object[12];
+    const int box = made_box(&s, 0);
+    for (int i = 0; i < 12; i++) {
+        const double size = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1e308 : NAN;
+        const double m[16] = {size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0,
+                              5.0 * i, 0, 0, 1};
+        object[i] = made_place(&s, box, m);
+    }
+    assert_ok(gp_rays_make(NULL, &s, &meshes, object, 12, &rays));
+    for (int i = 0; i < 12; i += 3) {
+        const struct gp_v3 from = {5.0 * i, 0.1, 2.0};
+        assert_true(gp_rays_stopped(&rays, from, (struct gp_v3) {0, 0, -1},
+                                    2.0));
+        assert_false(gp_rays_stopped(&rays, from, (struct gp_v3) {0, 0, -1},
+                                     1.0));
+    }
+    gp_rays_free(&rays);
+    gp_meshes_free(&meshes);
+    made_free(&s);
+}
+
 /* No object, and one without triangles, stop nothing. */
 static void empty_trees_stop_nothing(void **state)
 {
@@ -222,4 +249,4 @@ static void empty_trees_stop_nothing(void **state)
 }
 
 SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says, flat_objects_hide,
-         empty_trees_stop_nothing, full_memory_is_an_error)
+         places_without_end, empty_trees_stop_nothing, full_memory_is_an_error)
