@@ -19,6 +19,8 @@ trap 'rm -rf "$tmp"' EXIT
 if [ -n "${PEER-}" ]; then
     echo "# $PEER, side by side: the new time over the old"
     /usr/bin/python3 "$here/versions.py" "$PEER" "$glarepp" "$frames" "$runs"
+    /usr/bin/python3 "$here/cold.py" "$PEER" "$glarepp" "$build/bench/plain" \
+        "$frames" "$runs"
 fi
 
 echo "# auto against the fastest single engine"
