@@ -557,6 +557,12 @@ void gp_drawing_depth(struct gp_drawing *d, float *z)
         z[i] = z[i] > 0.0f ? near / z[i] : INFINITY;
 }
 
+void gp_drawing_wait(struct gp_drawing *d)
+{
+    float pixel[4]; // its copy is made after the last draw
+    gp_target_read(d->gl, &d->picture, 0, (struct gp_rect) {0, 0, 1, 1}, pixel);
+}
+
 void gp_drawing_picture(struct gp_drawing *d, float *rgba)
 {
     gp_target_read(d->gl, &d->picture, 0,

@@ -69,6 +69,9 @@ GP_MUST_CHECK gp_status gp_drawing_ambient(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_drawing_light(const struct gp_log *log,
     struct gp_drawing *d, const struct gp_draw_light *l);
 
+/* Waits until all is drawn. */
+void gp_drawing_wait(struct gp_drawing *d);
+
 /* Waits, then copies distances along the view axis, w * h, INFINITY where there
  * is no surface; and the picture, w * h * 4, scene-linear. */
 void gp_drawing_depth(struct gp_drawing *d, float *z);

@@ -1,6 +1,7 @@
 /* A hierarchy of the frame's greatest depths. */
 #include "scene/hidden.h"
 
+#include "core/cpu.h"
 #include "core/depth.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -35,40 +36,69 @@ struct gp_rect gp_screen_pixels(const struct gp_screen_box *b,
 
 // -- making ------------------------------------------------------------------
 
+enum { STRIP = 512 }; // pixels of a row at a time, whole tiles
+
 /* Fills a level with the greatest of each 2 x 2 of the one below. */
-static void fill_level(struct gp_hidden *h, int level)
+static GP_CLONES void fill_level(struct gp_hidden *h, int level)
 {
     const int w = h->w[level - 1], rows = h->h[level - 1];
     const float *const from = h->most[level - 1];
     float *to = h->most[level];
+    float most[STRIP];
     for (int y = 0; y < rows; y += 2) {
         const float *const a = from + (size_t) y * (size_t) w;
         const float *const b = y + 1 < rows ? a + w : a;
-        int x = 0;
-        for (; x + 1 < w; x += 2)
-            *to++ = gp_maxf(gp_maxf(a[x], a[x + 1]), gp_maxf(b[x], b[x + 1]));
-        if (x < w)
-            *to++ = gp_maxf(a[x], b[x]);
+        for (int x = 0; x < w; x += STRIP) {
+            const int n = gp_min(STRIP, w - x), pairs = n / 2;
+            for (int i = 0; i < n; i++)
+                most[i] = gp_maxf(a[x + i], b[x + i]);
+            for (int i = 0; i < pairs; i++)
+                to[i] = gp_maxf(most[2 * i], most[2 * i + 1]);
+            to += pairs;
+            if (n % 2)
+                *to++ = most[n - 1];
+        }
+    }
+}
+
+/* Fills a row of tiles from pixels [x, x + n) of rows [y, end). */
+static GP_CLONES void fill_strip(struct gp_hidden *h, int x, int n, int y,
+                                 int end)
+{
+    float low[STRIP], high[STRIP];
+    for (int i = 0; i < n; i++) {
+        low[i] = INFINITY;
+        high[i] = 0.0f;
+    }
+    for (int k = y; k < end; k++) {
+        const float *const row =
+            h->most[0] + (size_t) k * (size_t) h->w[0] + (size_t) x;
+        for (int i = 0; i < n; i++) {
+            const float z = row[i], surface = z < GP_DEPTH_HUGE ? z : 0.0f;
+            low[i] = gp_minf(z, low[i]);
+            high[i] = gp_maxf(surface, high[i]);
+        }
+    }
+    const size_t first =
+        (size_t) (y / GP_TILE) * (size_t) h->w[GP_TILE_LEVEL];
+    for (int i = 0; i < n; i++) {
+        const size_t tile = first + (size_t) ((x + i) / GP_TILE);
+        h->least[tile] = gp_minf(low[i], h->least[tile]);
+        h->deepest[tile] = gp_maxf(high[i], h->deepest[tile]);
     }
 }
 
 static void fill_tiles(struct gp_hidden *h)
 {
-    const int across = h->w[GP_TILE_LEVEL];
-    const int tiles = across * h->h[GP_TILE_LEVEL];
+    const int tiles = h->w[GP_TILE_LEVEL] * h->h[GP_TILE_LEVEL];
     for (int i = 0; i < tiles; i++) {
         h->least[i] = INFINITY;
         h->deepest[i] = 0.0f;
     }
-    for (int y = 0; y < h->h[0]; y++) {
-        const float *const row = h->most[0] + (size_t) y * (size_t) h->w[0];
-        const int first = y / GP_TILE * across;
-        for (int x = 0; x < h->w[0]; x++) {
-            const int i = first + x / GP_TILE;
-            h->least[i] = gp_minf(row[x], h->least[i]);
-            if (row[x] < GP_DEPTH_HUGE)
-                h->deepest[i] = gp_maxf(row[x], h->deepest[i]);
-        }
+    for (int y = 0; y < h->h[0]; y += GP_TILE) {
+        for (int x = 0; x < h->w[0]; x += STRIP)
+            fill_strip(h, x, gp_min(STRIP, h->w[0] - x), y,
+                       gp_min(y + GP_TILE, h->h[0]));
     }
 }
 

@@ -222,7 +222,7 @@ static gp_status count_row(struct work *w, enum gp_table_kind kind,
 
 /* Draws all rows for their time. Each run begins with another row, so that what
  * else the machine does falls on all of them. */
-static gp_status time_rows(struct work *w, float *picture)
+static gp_status time_rows(struct work *w)
 {
     gp_status st = GP_OK;
     for (int run = 0; run < w->p->runs; run++) {
@@ -231,7 +231,7 @@ static gp_status time_rows(struct work *w, float *picture)
             struct gp_table_row timed, *const row = &w->out->row[kind];
             const double start = gp_now_ms();
             st = draw_row(w, (enum gp_table_kind) kind, &timed);
-            gp_drawing_picture(w->d, picture); // waits
+            gp_drawing_wait(w->d);
             row->ms = fmin(row->ms, gp_now_ms() - start);
         }
     }
@@ -296,7 +296,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     for (int i = 0; i < GP_TABLE_ROWS; i++)
         GP_TRY(count_row(&w, (enum gp_table_kind) i, i ? t.picture : NULL,
                          i ? other : t.picture));
-    GP_TRY(time_rows(&w, other));
+    GP_TRY(time_rows(&w));
     GP_TRY(gp_gl_check(log, gl, "drawing the scene"));
     *out = t;
     t = (struct gp_table) {0};
