@@ -106,9 +106,10 @@ static gp_status append(struct gp_clobber *c, struct gp_clobber_file file)
         c->file = block;
         c->room = room;
     }
-    file.by.name = gp_strdup(file.by.name);
+    const char *const name = file.by.name; // of the caller
+    file.by.name = gp_strdup(name);
     if (!file.by.name)
-        return gp_no_memory(c->log, "output list");
+        return gp_no_memory(c->log, name);
     c->file[c->n++] = file;
     return GP_OK;
 }
