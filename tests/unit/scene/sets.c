@@ -290,6 +290,33 @@ static void compare(const struct gp_scene *s, const uint8_t *flag, unsigned set,
     assert_int_equal(k, list->n);
 }
 
+static void place(struct gp_object *o, struct gp_v3 at, double size)
+{
+    for (int i = 0; i < 12; i++)
+        o->to_world[i] *= i % 4 < 3 ? size : 1.0;
+    o->to_world[12] = at.x;
+    o->to_world[13] = at.y;
+    o->to_world[14] = at.z;
+}
+
+/* Makes a scene hostile: objects of no size, of 1e9 units and 1e9 away, one
+ * around the eye, one around each light, one without a vertex; a light that
+ * reaches 1e30 units. */
+static void spoil(struct gp_scene *s, const struct shot *shot)
+{
+    const struct gp_v3 away = {1e9, -1e9, 1e9}, here = {1, 2, 3};
+    place(&s->object[1], here, 0.0);
+    place(&s->object[2], here, 1e9);
+    place(&s->object[3], away, 1.0);
+    place(&s->object[4], shot->eye, 1.0);
+    for (int i = 0; i < s->lights; i++)
+        place(&s->object[5 + i], s->light[i].at, 0.5);
+    s->light[0].range = 1e30;
+    for (int i = 1; i < 5 + s->lights; i++)
+        made_bounds(s, &s->object[i]);
+    s->object[8].box = GP_BOX_EMPTY;
+}
+
 /* Flags are the sorted lists', for every choice of parts. */
 static void as_lists(void **state)
 {
@@ -299,6 +326,8 @@ static void as_lists(void **state)
         uint64_t seed = first_seed() + 5000 + (uint64_t) k;
         struct gp_scene s = random_shot(&seed, k % 2 == 0, 40, 1, &shot);
         const unsigned use = (unsigned) k % 16;
+        if (k % 3 == 1)
+            spoil(&s, &shot);
         struct gp_bodies *bodies;
         struct gp_sets *sets;
         struct gp_sets_view view = view_of(&shot);
