@@ -59,7 +59,7 @@ static void joined_row(const void *state, int x, int y, int n,
 {
     const struct joined *const s = state;
     const int channels = s->near.grey ? 1 : 3;
-    double strip[GP_SHAPE_STRIP];
+    double strip[GP_SHAPE_STRIP] = {0};
     double *const far[3] = {strip, NULL, NULL};
     s->near.row(s->near.state, x, y, n, out);
     const int last = gp_max(abs(x), abs(x + n - 1));
