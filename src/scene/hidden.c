@@ -44,7 +44,7 @@ static GP_CLONES void fill_level(struct gp_hidden *h, int level)
     const int w = h->w[level - 1], rows = h->h[level - 1];
     const float *const from = h->most[level - 1];
     float *to = h->most[level];
-    float most[STRIP];
+    float most[STRIP] = {0};
     for (int y = 0; y < rows; y += 2) {
         const float *const a = from + (size_t) y * (size_t) w;
         const float *const b = y + 1 < rows ? a + w : a;
