@@ -68,9 +68,10 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--flare: %s has elements of lights, "
                        "and there is no light with flux; give %s, or \"source\""
                        ": \"bright\" in the file", p->flare,
-                       gp_suns_wanted(p) ? "--sun-color, e.g. --sun-color 5e4"
-                                         : "--sun and --sun-color, or "
-                                           "--lights"));
+                       gp_suns_wanted(p)
+                           ? "--sun-color, e.g. --sun-color 5e4"
+                           : "--sun and --sun-color, --lights, --scene and "
+                             "--light-scale"));
     // images of flare elements become light: no NaN, no negative values
     for (int k = 0; k < out->flare.n; k++) {
         struct gp_flare_element *const e = &out->flare.element[k];

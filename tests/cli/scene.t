@@ -74,6 +74,9 @@ cat >lamp.gltf <<'JSON'
  {"light": 0}}}]}
 JSON
 frame small.exr channels=R,G,B kind=dark size=100x100
+run --scene lamp.gltf --flare "$root/examples/flares/vintage.json" --layer l.exr \
+    small.exr
+fails_with 2 --light-scale "a flare of a scene's lights that have no flux"
 run --scene lamp.gltf --light-scale 0.01 --report r.json --layer l.exr small.exr
 is "$(field r.json 'abs(o["flux_in"][1] - 25) < 0.01')" True \
     'flux of a lamp without a size' || note "$(field r.json 'o["flux_in"]')"
