@@ -437,6 +437,9 @@ static void put_lights(json_t *o, const struct gp_facts *f)
                            "2.5 pixels; coverage (--mask) is nearer",
         [GP_EDGES_COVERAGE] = "coverage: within 0.02 of the truth for a sun of "
                               "2.5 pixels",
+        [GP_EDGES_MASK] = "coverage without depth: surfaces beyond a light "
+                          "hide it too, and the error is not known; add depth "
+                          "(--depth)",
     };
     const enum gp_edges by = gp_facts_edges(f);
     if (by)

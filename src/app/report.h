@@ -197,7 +197,8 @@ const char *gp_pixel_type_name(enum gp_pixel_type type);
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
     GP_EDGES_DEPTH,
-    GP_EDGES_COVERAGE,
+    GP_EDGES_COVERAGE, // and depth
+    GP_EDGES_MASK,     // coverage without depth
 };
 enum gp_edges gp_facts_edges(const struct gp_facts *f);
 

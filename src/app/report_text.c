@@ -64,7 +64,7 @@ enum gp_edges gp_facts_edges(const struct gp_facts *f)
     for (int i = 0; i < f->lights; i++)
         seen = seen || f->light[i].in_frame;
     return !seen ? GP_EDGES_NONE
-           : f->mask ? GP_EDGES_COVERAGE
+           : f->mask ? f->depth ? GP_EDGES_COVERAGE : GP_EDGES_MASK
            : f->depth ? GP_EDGES_DEPTH
                       : GP_EDGES_NONE;
 }
@@ -103,13 +103,13 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
     if (f->lights > 8)
         append(line, size, &at, " ... of %d", f->lights);
     static const char *const edges[] = {
-        [GP_EDGES_DEPTH] = "depth alone (within 0.06",
-        [GP_EDGES_COVERAGE] = "coverage (within 0.02",
+        [GP_EDGES_DEPTH] = "depth alone (within 0.06 for a sun of 2.5 pixels)",
+        [GP_EDGES_COVERAGE] = "coverage (within 0.02 for a sun of 2.5 pixels)",
+        [GP_EDGES_MASK] = "coverage without depth (error not known)",
     };
     const enum gp_edges by = gp_facts_edges(f);
     if (by)
-        append(line, size, &at, ", edges by %s for a sun of 2.5 pixels)",
-               edges[by]);
+        append(line, size, &at, ", edges by %s", edges[by]);
     if (f->depth && !f->depth_empty[0])
         append(line, size, &at, ", depth %s (%s)", f->depth,
                gp_pixel_type_name(f->depth_type));
