@@ -200,8 +200,11 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
         .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
     };
     for (int i = 0; i < s->objects; i++) {
-        d->whole = gp_box_with(d->whole, s->object[i].box.lo);
-        d->whole = gp_box_with(d->whole, s->object[i].box.hi);
+        const struct gp_box box = s->object[i].box;
+        if (gp_box_empty(box))
+            continue;
+        d->whole = gp_box_with(d->whole, box.lo);
+        d->whole = gp_box_with(d->whole, box.hi);
     }
     set_view(d);
     GP_TRY(gp_gl_use(log, gl));

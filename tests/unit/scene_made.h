@@ -321,6 +321,51 @@ static inline int made_put_along(struct gp_scene *s, int mesh, struct gp_v3 at,
     return made_place(s, mesh, m);
 }
 
+/* An object without triangles, as meshes of points and lines leave. */
+static inline int made_put_empty(struct gp_scene *s)
+{
+    MADE_GROW(s->mesh, s->meshes);
+    MADE_GROW(s->object, s->objects);
+    const struct gp_box none = {{INFINITY, INFINITY, INFINITY},
+                                {-INFINITY, -INFINITY, -INFINITY}};
+    s->mesh[s->meshes] = (struct gp_mesh) {.box = none};
+    s->object[s->objects] = (struct gp_object) {
+        .mesh = s->meshes++, .node = s->objects, .box = none,
+        .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    return s->objects++;
+}
+
+/* Moves an object to `at`, `size` times as large. */
+static inline void made_move(struct gp_scene *s, int object, struct gp_v3 at,
+                             double size)
+{
+    struct gp_object *const o = &s->object[object];
+    for (int i = 0; i < 12; i++)
+        o->to_world[i] *= i % 4 < 3 ? size : 1.0;
+    o->to_world[12] = at.x;
+    o->to_world[13] = at.y;
+    o->to_world[14] = at.z;
+    o->radius = 0.0;
+    made_bounds(s, o);
+}
+
+/* True where an object is in a lamp's ball, whose surface sun maps have as one
+ * plane. */
+static inline bool made_touched(const struct gp_scene *s, struct gp_v3 at,
+                                double ball)
+{
+    for (int i = 0; i < s->objects; i++) {
+        const struct gp_box *const b = &s->object[i].box;
+        const struct gp_v3 gap = {
+            fmax(fmax(b->lo.x - at.x, at.x - b->hi.x), 0.0),
+            fmax(fmax(b->lo.y - at.y, at.y - b->hi.y), 0.0),
+            fmax(fmax(b->lo.z - at.z, at.z - b->hi.z), 0.0)};
+        if (gp_v3_length(gap) <= ball)
+            return true;
+    }
+    return false;
+}
+
 static inline int made_light(struct gp_scene *s, struct gp_scene_light light)
 {
     MADE_GROW(s->light, s->lights);

@@ -281,5 +281,36 @@ static void pictures_are_the_same_without_it(void **state)
     gp_drawing_close(&d);
 }
 
+/* A mesh of points leaves an object without triangles: a sun's map is as deep
+ * as without it. */
+static void empty_objects_change_nothing(void **state)
+{
+    static float other[4 * W * H];
+    const int box = made_box(&scene, made_material(&scene, 0.0f, -1));
+    made_put(&scene, box, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {9, 9, 1}, 0);
+    made_put(&scene, box, (struct gp_v3) {0, 0, 2}, (struct gp_v3) {1, 1, 1}, 0);
+    made_sun(&scene, (struct gp_v3) {0.3, 0.4, -1}, 5.0);
+    camera = made_camera(&scene, (struct gp_v3) {0, -9, 7},
+                         (struct gp_v3) {0, 0, 0}, 45.0, (double) W / H);
+    const struct gp_draw_light l = light_of(0, 2);
+    const struct gp_drawing_params p = GP_DRAWING_DEFAULTS;
+    for (int i = 0; i < 2; i++) {
+        if (i)
+            made_put_empty(&scene);
+        struct gp_drawing *d = open_drawing(p);
+        gp_drawing_clear(d);
+        assert_ok(gp_drawing_ambient(&kept_log, d, every, scene.objects));
+        assert_ok(gp_drawing_light(&kept_log, d, &l));
+        gp_drawing_picture(d, i ? other : picture);
+        gp_drawing_close(&d);
+    }
+    assert_memory_equal(picture, other, sizeof picture);
+    int lit = 0;
+    for (int i = 0; i < W * H; i++)
+        lit += picture[4 * i] > 0.1f;
+    assert_in_range(lit, 300, W * H - 300);
+}
+
 SUITE_OF_EACH(draw, set_up, tear_down, batches_are_those_of_the_paper,
-    light_is_that_of_the_formula, pictures_are_the_same_without_it)
+    light_is_that_of_the_formula, pictures_are_the_same_without_it,
+    empty_objects_change_nothing)
