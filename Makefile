@@ -167,8 +167,8 @@ $(B)/tests/%.so: tests/faults/%.c
 # The hard cases: one program, a file for each family
 $(B)/tests/hardcases: $(HARD) $(wildcard tests/hard/*.h tests/unit/*.h) $(LIB_OBJ)
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Itests/unit $(LINK) -o $@ $(filter %.c,$^) \
-	    $(LIB_OBJ) $(LIBS)
+	$(CC) $(ALL_CFLAGS) $(UNIT_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) \
+	    $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
 
 -include $(OBJ:.o=.d)
 

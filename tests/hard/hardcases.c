@@ -67,7 +67,7 @@ int main(int argc, char *argv[])
     } families[] = {
         {"glare", hard_glare}, {"field", hard_field}, {"slide", hard_slide},
         {"tone", hard_tone}, {"sun", hard_sun}, {"files", hard_files},
-        {"formats", hard_other_files},
+        {"formats", hard_other_files}, {"scenes", hard_scenes},
     };
     gp_gl_prepare();
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
@@ -76,6 +76,8 @@ int main(int argc, char *argv[])
             puts(hard_cases[i].name);
         for (int i = 0; i < HARD_WIDE; i++)
             puts(hard_wide[i].name);
+        hard_broken_names();
+        hard_scenes_names();
         return 0;
     }
     const size_t n = sizeof families / sizeof *families;

@@ -1,5 +1,6 @@
 /* The families of hard cases, a table each: all rows of cases.h through every
- * engine, every tone curve, every sun method and every output format. */
+ * engine, every tone curve, every sun method and every output format, those of
+ * hostile.c through every engine of scenes. */
 #ifndef GP_TESTS_HARD_HARDCASES_H
 #define GP_TESTS_HARD_HARDCASES_H
 
@@ -65,5 +66,13 @@ void hard_tone(void);
 void hard_sun(void);
 void hard_files(void);
 void hard_other_files(void);
+void hard_scenes(void);
+
+/* Prints the names of its cases. */
+void hard_scenes_names(void);
+
+/* glTF files that must be refused: the first table of hard_scenes(). */
+void hard_broken(void);
+void hard_broken_names(void);
 
 #endif

@@ -58,6 +58,37 @@ static inline const char *gm_write(const char *format, ...)
     return gm_write_bytes("a.gltf", all, (size_t) n);
 }
 
+/* A triangle whose places are the 36 bytes of a .glb's second chunk. */
+#define GM_GLB_JSON                                                           \
+    "{'asset': {'version': '2.0'}, 'buffers': [{'byteLength': 36}], "         \
+    "'bufferViews': [{'buffer': 0, 'byteLength': 36}], 'accessors': [{"       \
+    "'bufferView': 0, 'componentType': 5126, 'count': 3, 'type': 'VEC3'}], "  \
+    "'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}], 'nodes'"  \
+    ": [{'mesh': 0}]}"
+
+/* Writes a.glb of chunks, whose header declares `declared` bytes; 0: its own.
+ */
+static inline const char *gm_write_glb(const char *json, const void *bin,
+                                       uint32_t n, uint32_t declared)
+{
+    uint8_t all[4096];
+    char text[2048];
+    const uint32_t length = (uint32_t) snprintf(text, sizeof text, "%s", json);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    const uint32_t padded = (length + 3) & ~3u;
+    const uint32_t head[5] = {0x46546c67, 2,
+                              declared ? declared : 28 + padded + n, padded,
+                              0x4e4f534a};
+    const uint32_t second[2] = {n, 0x004e4942};
+    memcpy(all, head, 20);
+    memset(all + 20, ' ', padded);
+    memcpy(all + 20, text, length);
+    memcpy(all + 20 + padded, second, 8);
+    memcpy(all + 28 + padded, bin, n);
+    return gm_write_bytes("a.glb", all, 28 + padded + n);
+}
+
 /* Reads a file that is wrong: one line with `part`, and that status. */
 static inline void gm_refused(const char *file, gp_status status,
                               const char *part)

@@ -5,58 +5,12 @@
  *   GLAREPP_SEED=N                   another seed; failures print the scene's */
 #include "scene/scene_priv.h"
 
-#include "scene_rays.h"
+#include "scene_shot.h"
 #include "starved.h"
 
 #include <time.h>
 
-enum { W = 20, H = 14, MOST = 96 * 64 };
-
-/* A frame of a scene: its camera, and the visible point of each pixel. */
-struct shot {
-    struct gp_rect window;
-    int w, pixels;
-    struct gp_camera camera;
-    struct gp_v3 eye, point[MOST];
-    int object[MOST]; // -1: none
-    float depth[MOST];
-};
-
-static const double NEAR = 0.05;
-
-/* Returns the direction through a pixel's centre, 1 long along the axis. */
-static struct gp_v3 through(const struct gp_camera *c, struct gp_rect window,
-                            int x, int y)
-{
-    const double u[2] = {x + 0.5, x + 0.5}, v[2] = {y + 0.5, y + 0.5};
-    const struct gp_frustum f = gp_frustum_make(c, window, u, v, 1.0, 2.0);
-    return gp_v3_sub(f.corner[4], f.corner[0]);
-}
-
-static void take(const struct gp_scene *s, struct gp_camera c, struct gp_v3 eye,
-                 int w, int h, struct shot *shot)
-{
-    shot->window = (struct gp_rect) {0, 0, w, h};
-    shot->w = w;
-    shot->pixels = w * h;
-    shot->camera = c;
-    shot->eye = eye;
-    for (int i = 0; i < w * h; i++) {
-        const struct gp_v3 to = through(&c, shot->window, i % w, i / w);
-        const struct ray_hit hit = ray_scene(s, eye, to, NEAR, 1e6);
-        shot->object[i] = hit.object;
-        shot->point[i] = gp_v3_add(eye, gp_v3_scale(to, hit.t));
-        shot->depth[i] = hit.object < 0 ? 1e10f : (float) hit.t;
-    }
-}
-
-static struct gp_sets_view view_of(const struct shot *shot)
-{
-    return (struct gp_sets_view) {.camera = shot->camera, .near = NEAR,
-                                  .display = shot->window,
-                                  .window = shot->window,
-                                  .depth = shot->depth};
-}
+enum { W = 20, H = 14 };
 
 /* True where the picture shows the place of a light. */
 static bool on_screen(const struct gp_camera *c,
@@ -85,41 +39,6 @@ struct sum {
     int off, lights;
 };
 
-/* The first object that a light meets on the way to a point; -1: none. */
-static int blocker(const struct gp_scene *s, const struct gp_scene_light *light,
-                   struct gp_v3 p)
-{
-    if (light->kind == GP_LIGHT_DIRECTIONAL) {
-        const struct gp_v3 from = gp_v3_sub(p, gp_v3_scale(light->along, 1e3));
-        return ray_scene(s, from, light->along, 0.0, 1e3 - 1e-6).object;
-    }
-    const struct gp_v3 to = gp_v3_sub(p, light->at);
-    return ray_scene(s, light->at, to, 0.0, 1.0 - 1e-6).object;
-}
-
-static bool reaches(const struct gp_scene_light *light, struct gp_v3 p)
-{
-    if (light->kind == GP_LIGHT_DIRECTIONAL)
-        return true;
-    const struct gp_v3 to = gp_v3_sub(p, light->at);
-    return gp_v3_length(to) < light->range &&
-           (light->kind == GP_LIGHT_POINT ||
-            gp_v3_dot(gp_v3_unit(to), light->along) > cos(light->outer));
-}
-
-/* True where a point is in the boxes of points that may be lit. */
-static bool held(const struct gp_sets *sets, struct gp_v3 p)
-{
-    int n;
-    const struct gp_box *const box = gp_sets_seen(sets, &n);
-    for (int i = 0; i < n; i++) {
-        if (p.x >= box[i].lo.x && p.x <= box[i].hi.x && p.y >= box[i].lo.y &&
-            p.y <= box[i].hi.y && p.z >= box[i].lo.z && p.z <= box[i].hi.z)
-            return true;
-    }
-    return false;
-}
-
 static void check_light(const struct gp_scene *s, const struct shot *shot,
                         struct gp_sets *sets, int light, unsigned long long at,
                         struct sum *sum)
@@ -132,16 +51,16 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
     for (int k = 0; k < shot->pixels; k++) {
         const int o = shot->object[k];
         const double z = (double) shot->depth[k];
-        if (o < 0 || !reaches(from, shot->point[k]))
+        if (o < 0 || !shot_reaches(from, shot->point[k]))
             continue;
-        const int first = blocker(s, from, shot->point[k]);
+        const int first = shot_blocker(s, from, shot->point[k]);
         // without a test of depth bounds all of its rectangle is drawn
         const int x = k % shot->w, y = k / shot->w;
         const bool drawn = x >= cut.rect.x0 && x < cut.rect.x1 &&
                            y >= cut.rect.y0 && y < cut.rect.y1 &&
                            (flag[o] & GP_SET_I) != 0;
         const bool in = drawn && z >= cut.near && z <= cut.far;
-        if (drawn && !held(sets, shot->point[k]))
+        if (drawn && !shot_held(sets, shot->point[k]))
             fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d is in no box "
                      "of lit points", at, light, k % shot->w, k / shot->w);
         if (first < 0) {
@@ -194,7 +113,7 @@ static void check_frame(const struct gp_scene *s, const struct shot *shot,
         for (int i = 0; k % 5 == 0 && shot->w == W && i < s->objects; i++) {
             if (!(flag[i] & GP_SET_F) &&
                 isfinite(ray_object(s, &s->object[i], shot->eye, to,
-                                    NEAR / 1e-3, 1e9)))
+                                    SHOT_NEAR / 1e-3, 1e9)))
                 fail_msg("GLAREPP_SEED=%llu: object %d behind pixel %d, %d is "
                          "not in F", at, i, k % shot->w, k / shot->w);
         }
@@ -222,7 +141,7 @@ static struct gp_scene random_shot(uint64_t *seed, bool on, int objects,
         if (on_screen(&c, &s.light[0]) == on)
             break;
     }
-    take(&s, c, eye, size * W, size * H, shot);
+    shot_take(&s, c, eye, size * W, size * H, shot);
     return s;
 }
 
@@ -237,7 +156,7 @@ static struct sum check_scenes(int scenes, uint64_t first, int size)
         struct gp_scene s = random_shot(&seed, at % 2 == 0, 16, size, &shot);
         struct gp_bodies *bodies;
         struct gp_sets *sets;
-        const struct gp_sets_view view = view_of(&shot);
+        const struct gp_sets_view view = shot_view(&shot);
         assert_ok(gp_bodies_make(NULL, &s, &bodies));
         assert_ok(gp_sets_open(NULL, &s, bodies, &view,
                                k % 4 ? GP_SETS_ALL
@@ -290,30 +209,19 @@ static void compare(const struct gp_scene *s, const uint8_t *flag, unsigned set,
     assert_int_equal(k, list->n);
 }
 
-static void place(struct gp_object *o, struct gp_v3 at, double size)
-{
-    for (int i = 0; i < 12; i++)
-        o->to_world[i] *= i % 4 < 3 ? size : 1.0;
-    o->to_world[12] = at.x;
-    o->to_world[13] = at.y;
-    o->to_world[14] = at.z;
-}
-
 /* Makes a scene hostile: objects of no size, of 1e9 units and 1e9 away, one
  * around the eye, one around each light, one without a vertex; a light that
  * reaches 1e30 units. */
 static void spoil(struct gp_scene *s, const struct shot *shot)
 {
     const struct gp_v3 away = {1e9, -1e9, 1e9}, here = {1, 2, 3};
-    place(&s->object[1], here, 0.0);
-    place(&s->object[2], here, 1e9);
-    place(&s->object[3], away, 1.0);
-    place(&s->object[4], shot->eye, 1.0);
+    made_move(s, 1, here, 0.0);
+    made_move(s, 2, here, 1e9);
+    made_move(s, 3, away, 1.0);
+    made_move(s, 4, shot->eye, 1.0);
     for (int i = 0; i < s->lights; i++)
-        place(&s->object[5 + i], s->light[i].at, 0.5);
+        made_move(s, 5 + i, s->light[i].at, 0.5);
     s->light[0].range = 1e30;
-    for (int i = 1; i < 5 + s->lights; i++)
-        made_bounds(s, &s->object[i]);
     s->object[8].box = GP_BOX_EMPTY;
 }
 
@@ -330,7 +238,7 @@ static void as_lists(void **state)
             spoil(&s, &shot);
         struct gp_bodies *bodies;
         struct gp_sets *sets;
-        struct gp_sets_view view = view_of(&shot);
+        struct gp_sets_view view = shot_view(&shot);
         view.depth = k % 5 ? view.depth : NULL;
         view.texel = k % 3 ? 0.0 : 0.01;
         assert_ok(gp_bodies_make(NULL, &s, &bodies));
@@ -369,7 +277,7 @@ static gp_status find_all(void)
     struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     struct gp_lists lists = {0};
-    const struct gp_sets_view view = view_of(starving_shot);
+    const struct gp_sets_view view = shot_view(starving_shot);
     const struct gp_log *const log = &kept_log;
     GP_TRY(gp_bodies_make(log, starving, &bodies));
     GP_TRY(gp_sets_open(log, starving, bodies, &view, GP_SETS_ALL, &sets));
@@ -409,7 +317,7 @@ static struct gp_scene figure(const struct gp_v3 *at, const struct gp_v3 *size,
     const struct gp_v3 eye = {0, -10, 2};
     const struct gp_camera c =
         made_camera(&s, eye, (struct gp_v3) {0, 0, 2}, 50.0, (double) W / H);
-    take(&s, c, eye, W, H, shot);
+    shot_take(&s, c, eye, W, H, shot);
     return s;
 }
 
@@ -418,7 +326,7 @@ static unsigned flags_of(const struct gp_scene *s, const struct shot *shot,
 {
     struct gp_bodies *bodies;
     struct gp_sets *sets;
-    const struct gp_sets_view view = view_of(shot);
+    const struct gp_sets_view view = shot_view(shot);
     assert_ok(gp_bodies_make(NULL, s, &bodies));
     assert_ok(gp_sets_open(NULL, s, bodies, &view, GP_SETS_ALL, &sets));
     gp_sets_light(sets, light);
@@ -472,7 +380,7 @@ static void example_of_98(void **state)
                     (struct gp_v3) {0, 0, 1}, 90.0, (double) W / H);
     const struct gp_rect window = {0, 0, W, H};
     const struct gp_sets_view view = {.camera = c, .display = window,
-                                      .window = window, .near = NEAR};
+                                      .window = window, .near = SHOT_NEAR};
     struct gp_bodies *bodies;
     struct gp_sets *sets;
     assert_ok(gp_bodies_make(NULL, &s, &bodies));
@@ -536,7 +444,7 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
                        ? 1e10f
                        : (float) (5.0 + far * (i % 640 / 80) / 7.0);
     const struct gp_sets_view view = {.camera = c, .display = big,
-                                      .window = big, .near = NEAR,
+                                      .window = big, .near = SHOT_NEAR,
                                       .depth = depth};
     double least = INFINITY, frame = INFINITY;
     struct gp_bodies *bodies;
