@@ -22,8 +22,9 @@
 enum {
     PIECE = 1 << 18,
     LEVEL = 3,         // png.c has its time and size beside others
-    HEAD = 2, TAIL = 5, // bytes around a piece: the stream's header, Adler-32
-                       // or an empty block
+    HEAD = 2,          // bytes of the stream's header, before the first piece
+    EMPTY = 5,         // at most, of the empty block after the other pieces
+    CHECKSUM = 4,      // Adler-32, after the last piece
     SLACK = 300,       // inflate() is fast as long as 258 bytes are free
 };
 
@@ -31,11 +32,12 @@ struct packer {
     struct libdeflate_compressor *c;
     z_stream inflate;
     uint8_t *unpacked; // PIECE + SLACK bytes
+    uint8_t *packed;   // room for any piece
 };
 
 struct packing {
     const uint8_t *raw;
-    size_t n, room;          // room: bytes of a piece in out->data
+    size_t n, room;          // room: bytes that a packed piece takes at most
     struct packer *packer;   // of each thread
     uint32_t *adler;         // of each piece
     struct gp_zlib_stream *out;
@@ -43,7 +45,7 @@ struct packing {
 };
 
 /* Clears the mark of the last block of a deflate stream, and ends it on a whole
- * byte. Returns its new size, up to TAIL more; 0 where memory is full. */
+ * byte. Returns its new size, up to EMPTY more; 0 where memory is full. */
 static size_t unmark_last_block(struct packer *p, uint8_t *data, size_t size)
 {
     z_stream *const z = &p->inflate;
@@ -78,14 +80,22 @@ static gp_status pack_piece(void *ctx, int i, int thread)
     struct packer *const p = &k->packer[thread];
     const size_t at = (size_t) i * PIECE;
     const size_t n = k->n - at < PIECE ? k->n - at : PIECE;
-    uint8_t *const to = k->out->data + (size_t) i * k->room + HEAD;
+    static const uint8_t header[HEAD] = {0x78, 0x5e}; // 32 KiB; fast
+    const size_t head = i ? 0 : HEAD;
+    uint8_t *const to = p->packed + head;
+    struct gp_bytes *const out = &k->out->piece[i];
     k->adler[i] = libdeflate_adler32(1, k->raw + at, n);
     size_t size = libdeflate_deflate_compress(p->c, k->raw + at, n, to,
-                                              k->room - HEAD - TAIL);
+                                              k->room - HEAD - EMPTY);
     if (size > 0 && i < k->out->pieces - 1)
         size = unmark_last_block(p, to, size);
-    k->out->piece[i] = (struct gp_bytes) {to, size};
-    return size > 0 ? GP_OK : GP_ERR_BUG;
+    if (!size ||
+        gp_alloc(NULL, "PNG piece", head + size + CHECKSUM, 1, &out->data))
+        return GP_ERR_BUG;
+    memcpy(p->packed, header, head);
+    out->size = head + size;
+    memcpy(out->data, p->packed, out->size);
+    return GP_OK;
 }
 
 static gp_status make_packers(struct packing *k, int n)
@@ -99,6 +109,8 @@ static gp_status make_packers(struct packing *k, int n)
             st = gp_no_memory_bare(k->log, "PNG compressor");
         else if (k->out->pieces > 1)
             st = gp_alloc(k->log, "PNG piece", PIECE + SLACK, 1, &p->unpacked);
+        if (!st)
+            st = gp_alloc(k->log, "PNG piece", k->room, 1, &p->packed);
     }
     return st;
 }
@@ -109,15 +121,15 @@ static void free_packers(struct packing *k, int n)
         libdeflate_free_compressor(k->packer[i].c);
         inflateEnd(&k->packer[i].inflate); // harmless without inflateInit2()
         gp_free(k->packer[i].unpacked);
+        gp_free(k->packer[i].packed);
     }
     gp_free(k->packer);
 }
 
-/* Puts the header before the first piece and the checksum after the last. */
-static void frame_stream(struct packing *k)
+/* Appends the checksum of all to the last piece, which has room for it. */
+static void add_checksum(struct packing *k)
 {
-    struct gp_bytes *const first = k->out->piece;
-    struct gp_bytes *const last = first + k->out->pieces - 1;
+    struct gp_bytes *const last = k->out->piece + k->out->pieces - 1;
     uLong adler = 1;
     for (int i = 0; i < k->out->pieces; i++) {
         const size_t at = (size_t) i * PIECE;
@@ -125,11 +137,7 @@ static void frame_stream(struct packing *k)
                                 (z_off_t) (k->n - at < PIECE ? k->n - at
                                                              : PIECE));
     }
-    first->data -= HEAD;
-    first->size += HEAD;
-    first->data[0] = 0x78; // deflate, 32 KiB
-    first->data[1] = 0x5e; // fast
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < CHECKSUM; i++)
         last->data[last->size++] = (uint8_t) (adler >> (24 - 8 * i));
 }
 
@@ -141,19 +149,17 @@ gp_status gp_zlib_pack(const struct gp_log *log, const uint8_t *raw, size_t n,
     const int pieces = n ? (int) ((n - 1) / PIECE) + 1 : 1;
     const int threads = gp_threads() < pieces ? gp_threads() : pieces;
     *out = (struct gp_zlib_stream) {.pieces = pieces};
+    k.room = HEAD + EMPTY + libdeflate_deflate_compress_bound(
+                                NULL, n < PIECE ? n : PIECE);
     GP_TRY(make_packers(&k, threads));
-    k.room = libdeflate_deflate_compress_bound(k.packer->c,
-                                               n < PIECE ? n : PIECE);
-    k.room += HEAD + TAIL;
-    GP_TRY(gp_alloc(log, "PNG data", (size_t) pieces, k.room, &out->data));
-    GP_TRY(gp_alloc(log, "PNG pieces", (size_t) pieces, sizeof *out->piece,
-                    &out->piece));
+    GP_TRY(gp_alloc_zero(log, "PNG pieces", (size_t) pieces,
+                         sizeof *out->piece, &out->piece));
     GP_TRY(gp_alloc(log, "PNG checksums", (size_t) pieces, sizeof *k.adler,
                     &k.adler));
     st = gp_parallel(pieces, pack_piece, &k, NULL);
     if (st)
         GP_TRY(gp_no_memory_bare(log, "PNG piece"));
-    frame_stream(&k);
+    add_checksum(&k);
 out:
     free_packers(&k, threads);
     gp_free(k.adler);
@@ -164,7 +170,8 @@ out:
 
 void gp_zlib_stream_free(struct gp_zlib_stream *s)
 {
-    gp_free(s->data);
+    for (int i = 0; s->piece && i < s->pieces; i++)
+        gp_free(s->piece[i].data);
     gp_free(s->piece);
     *s = (struct gp_zlib_stream) {0};
 }

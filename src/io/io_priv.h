@@ -168,11 +168,10 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 /* A zlib stream in pieces that follow each other. */
 struct gp_zlib_stream {
     struct gp_bytes {
-        uint8_t *data; // into the stream's
+        uint8_t *data; // owned
         size_t size;
     } *piece;          // owned
     int pieces;        // at least 1
-    uint8_t *data;     // owned
 };
 
 /* Packs n bytes, in parallel: the same stream for any number of threads.
