@@ -293,6 +293,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
            sizeof fs->facts.kernel_faint);
     struct gp_glare_params p = r->s->glare;
     p.taken = r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
+    p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     if (light->n > 0)
         return gp_glare_run(fs->log, &p, &r->engines, light,
                             gp_run_kernel_of(fs), &fs->frame, &fs->facts.glare);

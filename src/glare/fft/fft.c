@@ -136,11 +136,14 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
         z[2 * wrap_index(dx, nx)] = 0.0f;
 }
 
-/* A matrix of one plane, as the plane of channel c; borrowed. */
-static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
+/* Plane i of a matrix, as the plane of channel c; borrowed. */
+static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int i,
+                                        int c)
 {
-    struct gp_fft_matrix view = {.columns = m->columns, .pitch = m->pitch};
-    view.z[c] = m->z[0];
+    struct gp_fft_matrix view = {
+        .columns = m->columns, .pitch = m->pitch, .real = m->real,
+    };
+    view.z[c] = m->z[i];
     return view;
 }
 
@@ -166,18 +169,19 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
     return true;
 }
 
-/* Transforms the kernel, its samples within `core` pixels of the centre in x
- * and y left out (-1: none), into the state's spectrum: one channel (a grey
- * kernel) or three of p->ny rows, scaled so that the passes need no more
- * factors. fft has the plans of p->nx and p->ny and one channel; s->work fits
- * p, and is overwritten. */
+/* Transforms fft->channels channels of the kernel from fft->channel on, its
+ * samples within `core` pixels of the centre in x and y left out (-1: none),
+ * into the state's spectrum: planes of p->ny rows, scaled so that the passes
+ * need no more factors. It is kept where these are all channels: one of a grey
+ * kernel, or three. fft has the plans of p->nx and p->ny; s->work fits p, and
+ * is overwritten. */
 static gp_status make_spectrum(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_fft_request *fft,
     const struct gp_fft_placing *p, int core)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
-    const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
+    const int n = gp_rect_h(p->taps), all = k->grey ? 1 : 3;
     const bool even = is_even(k, &p->taps);
     const struct kernel_rows from = {
         .kernel = k, .p = p, .core = core, .first = even ? 0 : p->taps.y0,
@@ -185,28 +189,31 @@ static gp_status make_spectrum(const struct gp_glare_request *req,
     struct gp_fft_matrix spectrum = {0};
     int *places = NULL;
     struct gp_fft_request one = *fft;
+    one.channels = 1;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
     const float scale = (float) (0.25 / ((double) p->nx * p->ny));
     gp_fft_matrix_free(&s->spectrum);
     GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
-        req->log, channels, p->nx, p->ny, &spectrum));
+        req->log, fft->channels, p->nx, p->ny, &spectrum));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *places,
                     &places));
     for (int j = 0; j < n; j++)
         places[j] = wrap_index(p->taps.y0 + j, p->ny);
-    for (one.channel = 0; one.channel < channels; one.channel++) {
-        struct gp_fft_matrix m = one_channel(&s->work, one.channel);
+    for (int i = 0; i < fft->channels; i++) {
+        one.channel = fft->channel + i;
+        struct gp_fft_matrix m = one_channel(&s->work, 0, one.channel);
+        struct gp_fft_matrix to = one_channel(&spectrum, i, one.channel);
         const int rows = even ? p->taps.y1 : n;
         GP_TRY(gp_fft_rows_in(&one, rows, load_kernel_row, &from, &m));
         if (even)
-            GP_TRY(gp_fft_even_columns(&one, &m, rows, scale, &spectrum));
+            GP_TRY(gp_fft_even_columns(&one, &m, rows, scale, &to));
         else
-            GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &spectrum));
+            GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &to));
     }
     s->spectrum = spectrum;
     spectrum = (struct gp_fft_matrix) {0};
-    s->kernel = k->serial;
+    s->kernel = fft->channels == all ? k->serial : 0;
     s->placing = *p;
     s->core = core;
 out:
@@ -305,7 +312,7 @@ static gp_status transform(const struct gp_glare_request *req,
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .noise = &noise,
                                .negative = req->kernel->negative};
-    const int count = gp_rect_h(p->out);
+    const int count = gp_rect_h(p->out), planes = req->kernel->grey ? 1 : 3;
     GP_TRY(find_plan(req, s, p->ny, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
     GP_TRY(find_plan(req, s, p->nx, &fft.x));
@@ -322,8 +329,13 @@ static gp_status transform(const struct gp_glare_request *req,
     GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx,
                               gp_max(gp_max(light.n, count),
                                      gp_rect_h(p->taps)), &s->work));
-    if (!has_spectrum(s, req->kernel, p, core))
-        GP_TRY(make_spectrum(req, s, &fft, p, core));
+    // a spectrum that no later frame takes is made a channel at a time
+    const bool make = !has_spectrum(s, req->kernel, p, core);
+    const bool each = make && planes > 1 && req->params->last;
+    struct gp_fft_request all = fft;
+    all.channels = planes;
+    if (make && !each)
+        GP_TRY(make_spectrum(req, s, &all, p, core));
     const size_t w = (size_t) src->w;
     gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
     gp_planes_clear(req->layer, w * (size_t) p->out.y1,
@@ -339,13 +351,17 @@ static gp_status transform(const struct gp_glare_request *req,
     }
     const int first = wrap_index(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = one_channel(&s->work, fft.channel);
+        struct gp_fft_matrix m = one_channel(&s->work, 0, fft.channel);
+        if (each)
+            GP_TRY(make_spectrum(req, s, &fft, p, core));
         GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
-                               req->kernel->grey ? 1 : 3, first, count));
+                               each ? 1 : planes, first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
     gp_fft_matrix_free(&s->work);
+    if (req->params->last)
+        gp_fft_matrix_free(&s->spectrum);
     if (!req->kernel->negative)
         GP_TRY(clear_unreached(req, s, src, &noise));
 out:
