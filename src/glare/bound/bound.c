@@ -1,3 +1,4 @@
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/bound/bound_priv.h"
@@ -164,6 +165,7 @@ struct least_layer {
     float *near[3], *far[3]; // light of each cell
     bool *lit;               // of each row of far cells: it holds light
     float *back[3];          // least mean of the layer, far part, a far cell
+    float *line;             // of each thread: means of a row of near cells
     double (*together)[3];   // of each row of near cells
 };
 
@@ -190,12 +192,29 @@ static void diagonal_row(void *ctx, int y, int thread)
     }
 }
 
+/* Adds `times` from[i] to to[i]. */
+GP_CLONES static void add_times(const float *restrict from, float times, int n,
+                                float *restrict to)
+{
+    for (int i = 0; i < n; i++)
+        to[i] += times * from[i];
+}
+
+/* Adds the light of a far cell, `light` at column sx, to columns sx + from to
+ * sx + end of the row `to`, by this row of the table. */
+static void add_cell(const struct least_layer *m, const float *table, int sx,
+                     int from, int end, float light, float *to)
+{
+    const int first = gp_max(from, -sx), last = gp_min(end, m->far_w - sx);
+    if (first < last)
+        add_times(table + first, light, last - first, to + sx + first);
+}
+
 /* Fills back[c] of one row of far cells. */
 static void far_row(void *ctx, int y, int thread)
 {
     const struct least_layer *const m = ctx;
     const int reach = m->s->far_reach, n = 2 * reach + 1;
-    const int across = gp_min(reach, m->far_w - 1);
     (void) thread;
     for (int c = 0; c < 3; c++) {
         const float *const table = m->s->far[m->s->channels == 1 ? 0 : c];
@@ -204,14 +223,35 @@ static void far_row(void *ctx, int y, int thread)
              sy <= gp_min(m->far_h - 1, y + reach); sy++) {
             const float *const from =
                 m->far[c] + (size_t) sy * (size_t) m->far_w;
-            for (int dx = -across; m->lit[sy] && dx <= across; dx++) {
-                if (abs(dx) < FAR_FROM && abs(y - sy) < FAR_FROM)
-                    continue; // near cells count these
-                const float k = table[(y - sy + reach) * n + dx + reach];
-                const int x1 = gp_min(m->far_w, m->far_w + dx);
-                for (int x = gp_max(0, dx); k > 0.0f && x < x1; x++)
-                    to[x] += k * from[x - dx];
+            const float *const k = table + (y - sy + reach) * n + reach;
+            // near cells count those that touch
+            const int gap = abs(y - sy) < FAR_FROM ? FAR_FROM : 0;
+            for (int sx = m->far_w - 1; m->lit[sy] && sx >= 0; sx--) {
+                if (!(from[sx] > 0.0f))
+                    continue;
+                add_cell(m, k, sx, -reach, 1 - gap, from[sx], to);
+                add_cell(m, k, sx, gap ? gap : 1, reach + 1, from[sx], to);
             }
+        }
+    }
+}
+
+/* Adds the light of one row of near cells to a row of means, by the row of the
+ * table for their offset. */
+static void add_near(const struct least_layer *m, const float *from,
+                     const float *k, float *to)
+{
+    for (int x0 = 0, x1; x0 < m->w; x0 = x1) {
+        // a run of lit cells
+        while (x0 < m->w && !(from[x0] > 0.0f))
+            x0++;
+        for (x1 = x0; x1 < m->w && from[x1] > 0.0f;)
+            x1++;
+        for (int dx = NEAR_REACH; dx >= -NEAR_REACH; dx--) {
+            const int first = gp_max(x0 + dx, 0);
+            const int last = gp_min(x1 + dx, m->whole);
+            if (first < last)
+                add_times(from + first - dx, k[dx], last - first, to + first);
         }
     }
 }
@@ -221,26 +261,22 @@ static void near_row(void *ctx, int y, int thread)
 {
     const struct least_layer *const m = ctx;
     enum { N = 2 * NEAR_REACH + 1 };
-    (void) thread;
+    float *const mean = m->line + (size_t) thread * (size_t) m->whole;
     for (int c = 0; c < 3; c++) {
         const float *const table = m->s->near[m->s->channels == 1 ? 0 : c];
+        const float *const back =
+            m->back[c] + (size_t) (y * NEAR / FAR) * (size_t) m->far_w;
         double sum = 0.0;
-        for (int x = 0; x < m->whole; x++) {
-            float mean = m->back[c][(size_t) (y * NEAR / FAR) *
-                                        (size_t) m->far_w +
-                                    (size_t) (x * NEAR / FAR)];
-            for (int sy = gp_max(0, y - NEAR_REACH);
-                 sy <= gp_min(m->h - 1, y + NEAR_REACH); sy++) {
-                const float *const from =
-                    m->near[c] + (size_t) sy * (size_t) m->w;
-                const float *const k =
-                    table + (y - sy + NEAR_REACH) * N + NEAR_REACH;
-                for (int sx = gp_max(0, x - NEAR_REACH);
-                     sx <= gp_min(m->w - 1, x + NEAR_REACH); sx++)
-                    mean += k[x - sx] * from[sx];
-            }
-            sum += (double) mean * (double) mean;
+        for (int x = 0; x < m->whole; x++)
+            mean[x] = back[x * NEAR / FAR];
+        for (int sy = gp_max(0, y - NEAR_REACH);
+             sy <= gp_min(m->h - 1, y + NEAR_REACH); sy++) {
+            if (m->lit[sy * NEAR / FAR])
+                add_near(m, m->near[c] + (size_t) sy * (size_t) m->w,
+                         table + (y - sy + NEAR_REACH) * N + NEAR_REACH, mean);
         }
+        for (int x = 0; x < m->whole; x++)
+            sum += (double) mean[x] * (double) mean[x];
         m->together[y][c] = sum * (NEAR * NEAR);
     }
 }
@@ -287,6 +323,8 @@ static gp_status find_layer_least(const struct gp_log *log,
     }
     GP_TRY(gp_alloc_zero(log, "bound", (size_t) m.far_h, sizeof *m.lit,
                          &m.lit));
+    GP_TRY(gp_alloc(log, "bound", (size_t) gp_threads() * (size_t) m.whole,
+                    sizeof *m.line, &m.line));
     for (int y = 0; y < src->h; y++) {
         m.lit[y / FAR] |= src->row[y + 1] > src->row[y];
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
@@ -321,6 +359,7 @@ out:
         gp_free(m.back[c]);
     }
     gp_free(integral);
+    gp_free(m.line);
     gp_free(m.lit);
     gp_free(m.alone);
     gp_free(m.together);
