@@ -99,6 +99,12 @@
 #define GP_COST_GL_TRANSFER 5.45e-06
 #define GP_COST_GL_FIELD 0.28
 
+/* ms of bounding the error of groups, for each pixel of the frame; and, for a
+ * new kernel, for each point and channel of the plane that its spectrum is
+ * for */
+#define GP_COST_BOUND_PIXEL 1.75e-05
+#define GP_COST_BOUND_POINT 1.04e-05
+
 /* -- memory -- */
 
 /* ms of touching one byte for the first time: page faults */

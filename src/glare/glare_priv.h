@@ -114,7 +114,8 @@ typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
 /* Chooses among `n` candidates, n > 0, one of them exact and of finite ms, and
  * carries *past on to the next frame.
  *
- *   first frame   the fewest ms of those whose bound is <= tolerance
+ *   first frame   the fewest ms of exact ones whose bound is <= tolerance, or
+ *                 of approximations that take less than 4/5 of that
  *   none keeps it the least bound, and of equals the fewest ms: all roundings
  *                 are in an exact engine's bound, so no other is asked then
  *   later frames  the one before stays, where it keeps the tolerance, unless
@@ -126,7 +127,8 @@ typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
  * the tolerance: their layers of this frame then differ by at most tolerance *
  * |layer| in norm, so no sample by more than that.
  *
- * Bounds are asked only where they decide, and kept in c[i].bound.
+ * Bounds are asked only where they decide, and kept in c[i].bound: an
+ * approximation's, which takes long to find, only under 4/5 of the other's ms.
  * Errors: what `ask` returns. */
 GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
     double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,

@@ -46,13 +46,15 @@ static gp_status ask_bound(struct asking *a, int i)
     return st;
 }
 
-/* Finds the first in order that keeps the tolerance; -1: none. */
-static gp_status first_within(struct asking *a, bool exact, int *found)
+/* Finds the first in order, exact or not, of less than `ms` that keeps the
+ * tolerance; -1: none. */
+static gp_status first_within(struct asking *a, bool exact, double ms,
+                              int *found)
 {
     *found = -1;
     for (int k = 0; k < a->count && *found < 0; k++) {
         const int i = a->order[k];
-        if (exact && !a->c[i].exact)
+        if (a->c[i].exact != exact || !(a->c[i].ms < ms))
             continue;
         gp_status st = ask_bound(a, i);
         if (st)
@@ -61,6 +63,21 @@ static gp_status first_within(struct asking *a, bool exact, int *found)
             *found = i;
     }
     return GP_OK;
+}
+
+/* Finds the first choice: an approximation only where it is worth its bound,
+ * which takes time and may be over the tolerance; -1: none. */
+static gp_status find_fastest(struct asking *a, int *found)
+{
+    int other;
+    // approximations round too: where no exact engine keeps the tolerance, none
+    // of them does
+    gp_status st = first_within(a, true, INFINITY, found);
+    if (st || *found < 0)
+        return st;
+    st = first_within(a, false, GAIN * a->c[*found].ms, &other);
+    *found = other < 0 ? *found : other;
+    return st;
 }
 
 /* Sets *may when a change from `last` to candidate i stays within the
@@ -92,9 +109,10 @@ static gp_status choose_next(struct asking *a, int last, int fastest,
         rival = -1;
         for (int k = 0; k < a->count; k++) {
             const int i = a->order[k];
-            if (i != last && !refused[i] &&
-                a->c[i].later_ms <
-                    (rival < 0 ? a->c[last].ms : a->c[rival].later_ms))
+            const double most = // ms that are worth asking for its bound
+                a->c[i].exact ? a->c[last].ms : GAIN * a->c[last].ms;
+            if (i != last && !refused[i] && a->c[i].later_ms < most &&
+                (rival < 0 || a->c[i].later_ms < a->c[rival].later_ms))
                 rival = i;
         }
         gp_status st = rival < 0 ? GP_OK : may_follow(a, last, rival, &may);
@@ -129,12 +147,8 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
             a.order[at] = a.order[at - 1];
         a.order[at] = i;
     }
-    // approximations round too: where no exact engine keeps the tolerance, none
-    // of them does
-    gp_status st = first_within(&a, true, &fastest);
+    gp_status st = find_fastest(&a, &fastest);
     const bool within = fastest >= 0;
-    if (!st && within)
-        st = first_within(&a, false, &fastest);
     if (st)
         return st;
     taken = fastest;

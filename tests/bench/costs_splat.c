@@ -1,6 +1,7 @@
 /* Cost of splat on the context that `auto` would open. */
 #include "costs_scene.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* ms with this setting, and without set-up in *ms. */
@@ -24,10 +25,38 @@ static double first_ms(const struct gp_splat_params *p, int w, int h, int spots,
     return first;
 }
 
+/* Bounds, not drawn: no context is opened. */
+static void bound_ms(void)
+{
+    enum { W = 1024, H = 768, KERNEL = 511, RUNS = 5 };
+    double first = INFINITY, later = INFINITY, bound;
+    if (!costs_wants("GP_COST_BOUND"))
+        return;
+    for (int i = 0; i < RUNS; i++) {
+        struct costs_run j =
+            costs_make(&gp_engine_splat, W, H, 200, 6, KERNEL);
+        const struct gp_glare_request req = costs_request(&j);
+        for (int again = 0; again < 2; again++) {
+            j.params.splat.cluster_fill = again ? 0.8f : 0.9f; // a new layout
+            const double t = costs_now();
+            if (j.engine->bound(&req, &j.state, &bound))
+                costs_die("bound");
+            double *const ms = again ? &later : &first;
+            *ms = fmin(*ms, costs_now() - t);
+        }
+        costs_free(&j);
+    }
+    COSTS_PRINT(GP_COST_BOUND_PIXEL, later / (1.0 * W * H));
+    COSTS_PRINT(GP_COST_BOUND_POINT,
+                (first - later) / (3.0 * (W + 0.5 * KERNEL) *
+                                   (H + 0.5 * KERNEL)));
+}
+
 void costs_splat(void)
 {
     struct gp_splat_params tile = GP_SPLAT_EXACT, quad = GP_SPLAT_EXACT;
     double n, small, base, lamps, large, many, tall;
+    bound_ms();
     if (!costs_wants("GP_COST_GL"))
         return;
     tile.primitive = GP_PRIMITIVE_TILE;

@@ -329,7 +329,14 @@ static struct gp_prediction predict_splat(const struct gp_glare_request *req,
          GP_COST_GL_FIELD * (fields - 1.0);
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
         ms += n * GP_COST_DIRECT_TAP * CORE_SIDE * CORE_SIDE;
-    return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};
+    double first = start;
+    if (p->group > 1 || p->cluster || p->shrink > 0.0f) { // an error to bound
+        ms += GP_COST_BOUND_PIXEL * s->w * s->h;
+        if (!kept || !k->serial || kept->bounds.kernel != k->serial)
+            first += GP_COST_BOUND_POINT * (k->grey ? 1.0 : 3.0) *
+                     (s->w + 0.5 * k->w) * (s->h + 0.5 * k->h);
+    }
+    return (struct gp_prediction) {.ms = first + ms, .later_ms = ms};
 }
 
 static bool reaches_nothing(const struct gp_glare_request *req)

@@ -61,6 +61,13 @@ static const struct row {
     {"too wrong by a hair", 0.999e-2,
      {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}, {2, 0, 1e-2, false}}, 1, true,
      110},
+    {"an approximation that saves under a fifth: not asked", 1e-2,
+     {{10, 0, 1e-6, true}, {8.01, 0, 1e-4, false}}, 0, true, 1},
+    {"an approximation that saves over a fifth", 1e-2,
+     {{10, 0, 1e-6, true}, {7.99, 0, 1e-4, false}}, 1, true, 11},
+    {"worth it against the fastest exact one only", 1e-2,
+     {{99, 0, 1e-6, true}, {10, 0, 1e-6, true}, {9, 0, 1e-4, false}}, 1, true,
+     10},
     {"the second of two approximations", 1e-2,
      {{9, 0, 1e-6, true}, {2, 0, 2e-2, false}, {3, 0, 5e-3, false}}, 2, true,
      111},
@@ -182,6 +189,8 @@ static const struct change {
      {1, 0, 2e-3, 0}, 0, 0},
     {"approximate and right enough", 1e-3, {10, 0, 1e-5, 1},
      {1, 0, 5e-4, 0}, 0, 2},
+    {"approximate, 19 % less: its bound takes that", 1e-3, {10, 0, 1e-5, 1},
+     {8.1, 0, 5e-4, 0}, 0, 0},
 };
 
 /* The first frame is one that b cannot win. */
