@@ -284,4 +284,28 @@ else
     verdicts verdicts
 fi
 
+# A frame by itself, or the last one, keeps no spectrum of its kernel: each
+# channel's is made when it is needed. The kernel has an even side, so that its
+# spectra are complex and three.
+frame lone.1.exr size=8x8 lights=9
+ln -s lone.1.exr lone.2.exr
+frame k64.exr kind=kernel size=64x64
+first_peak()
+{
+    "$glarepp" -q --threads 2 --frame-jobs 1 --grow 900 -e fft -k k64.exr \
+        --sun 4,4,700 --sun-color 1e9,1e9,1e9 --hdr 'l.#.exr' \
+        --report lone.json -f "$1" 'lone.#.exr' &&
+        "$python" -c 'import json
+print(json.loads(open("lone.json").readline())["peak_rss_mib"])'
+}
+if sanitized; then
+    skip 1 'a sanitizer takes memory of its own'
+else
+    alone=$(first_peak 1)
+    other=$(first_peak 1-2)
+    note "peaks: $alone MiB of one frame, $other of the first of two"
+    ok 'memory: one frame keeps no spectrum' \
+        "$python" -c "exit(not $alone < 0.92 * $other)"
+fi
+
 done_testing

@@ -338,6 +338,32 @@ static void states_count(void **state)
     }
 }
 
+/* The time of a splat's bound is part of its own, more of it for a kernel that
+ * is new; an exact splat has none to find. */
+static void bounds_count(void **state)
+{
+    struct scene s = scene_of(FEW, 97, 61, 31);
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_prediction cold[2], warm[2];
+    void *kept = NULL;
+    double bound;
+    const struct gp_glare_request req = {
+        .params = &p, .src = &s.src, .kernel = &s.k, .layer = &s.f.layer,
+    };
+    for (int exact = 0; exact < 2; exact++) {
+        p.splat = exact ? (struct gp_splat_params) GP_SPLAT_EXACT
+                        : (struct gp_splat_params) GP_SPLAT_DEFAULTS;
+        cold[exact] = gp_engine_splat.predict(&req, NULL);
+        assert_ok(gp_engine_splat.bound(&req, &kept, &bound));
+        warm[exact] = gp_engine_splat.predict(&req, kept);
+    }
+    assert_true(warm[0].ms < cold[0].ms);
+    assert_true(warm[0].later_ms == cold[0].later_ms);
+    assert_true(warm[1].ms == cold[1].ms);
+    gp_engine_splat.close(&kept);
+    scene_free(&s);
+}
+
 static void run_auto_once(struct scene *s, struct gp_glare *g)
 {
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
@@ -410,5 +436,5 @@ static void the_tolerance_is_kept_or_a_warning_printed(void **state)
 SUITE_OF(plan, NULL, NULL,
     one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
     no_flicker, candidates_are_whole, fields_cost, states_count,
-    kernels_that_move_cost_each_time,
+    bounds_count, kernels_that_move_cost_each_time,
     the_tolerance_is_kept_or_a_warning_printed)
