@@ -136,7 +136,7 @@ usr/share/doc/glarepp/examples/lenses/zoom-wide.json
 usr/share/doc/glarepp/examples/openjd.yaml
 usr/share/doc/glarepp/examples/parallel.sh
 usr/share/doc/glarepp/examples/slurm.sh
-share/doc/glarepp/examples/street.glb
+usr/share/doc/glarepp/examples/street.glb
 usr/share/doc/glarepp/man/dependencies.md
 usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
