@@ -146,8 +146,7 @@ static gp_status check_needs(const struct gp_log *log,
  * may give only an angle of view. */
 static bool light_needed(const struct gp_settings *s)
 {
-    bool needed = s->debug[GP_DEBUG_SUNMAP] || s->debug[GP_DEBUG_INTENSITY] ||
-                  gp_option_given(s, "sun-size");
+    bool needed = s->debug[GP_DEBUG_SUNMAP] || s->debug[GP_DEBUG_INTENSITY];
     for (const struct gp_option *o = gp_options; o->name && !needed; o++)
         needed = (o->needs & GP_NEED_LIGHT) && gp_option_given(s, o->name);
     return needed;

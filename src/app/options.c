@@ -325,7 +325,7 @@ const struct gp_option gp_options[] = {
         .help = "Place the sun by its direction in the world, from the scene "
                 "to the sun, and the frame's worldToNDC matrix or --camera"),
     OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
-        .hi = 90,
+        .needs = GP_NEED_LIGHT, .hi = 90,
         .help = "Set the sun's diameter in degrees, for --sun-dir and "
                 "--camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,

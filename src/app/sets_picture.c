@@ -49,8 +49,14 @@ void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
         float colour[3]; // six hues, then paler ones
         for (int c = 0; c < 3; c++)
             colour[c] = (i % 6 + 1) >> c & 1 ? 1.0f : i < 6 ? 0.0f : 0.3f;
-        if (!gp_rect_empty(t->light[i].rect))
-            draw_outline(&sheet, t->light[i].rect, colour);
+        struct gp_rect r = t->light[i].rect;
+        for (int k = 0; k < i; k++) { // equal ones one inside the other
+            const struct gp_rect *const q = &t->light[k].rect;
+            if (memcmp(q, &t->light[i].rect, sizeof *q) == 0)
+                r = (struct gp_rect) {r.x0 + 1, r.y0 + 1, r.x1 - 1, r.y1 - 1};
+        }
+        if (!gp_rect_empty(r))
+            draw_outline(&sheet, r, colour);
     }
 }
 

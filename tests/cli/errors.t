@@ -305,6 +305,7 @@ f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
 -o a i --sun 1,2 --sun-dir 0,0,1 => --sun-dir: --sun already places the sun; leave one of the two out
 -o a i --sun 1,2 --sun-color 1,2 => --sun-color: two numbers; give one or three
 -o a i --sun 1,2 --sun-map 5 => --sun-map: odd (found 5); give an even number
+-o a i --sun-size 2 => --sun-size: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
 -o a i --lights l --sun-color 1 => --sun-color: needs --sun, --sun-dir or --camera; lights of --lights have flux of their own
 -o a i --debug sunmap=f => --debug sunmap: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
 -o a i --view left => --view: needs --ocio CONFIG; for stereo use --views left

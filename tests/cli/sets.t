@@ -58,6 +58,12 @@ result $? 'pictures'
 for f in a.exr sets.png scissor.png; do
     result "$([ -s $f ]; echo $?)" "$f is there"
 done
+# three lamps of the street reach all of this picture
+"$glarepp" sets --size 64x36 --repeat 1 --time 41.7083 \
+    --debug scissor=scissor.pfm "$root/examples/street.glb" >/dev/null 2>err
+is "$(tail -c $((64 * 36 * 12)) scissor.pfm | tail -c +$((64 * 18 * 12 + 1)) |
+    head -c $((7 * 12)) | od -An -v -f -w12 | grep -cv '\.')" 3 \
+    'outlines of equal scissors are one inside the other'
 "$glarepp" sets --size 64x36 --repeat 1 --threads 1 -o b.exr square.gltf \
     >/dev/null 2>err
 cmp a.exr b.exr
