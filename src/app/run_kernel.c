@@ -390,6 +390,27 @@ static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
     }
 }
 
+/* Warns once a run of a file of glarepp kernel that was made for other degrees
+ * a pixel than a frame's, where the frame's angle is known. */
+static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
+                          const struct gp_field *field)
+{
+    const unsigned bit = 1u << GP_KERNEL_RULES;
+    const struct gp_kernel_label *const l = &r->wanted.label[0];
+    if (r->wanted.recipes || !l->present || r->faults_said & bit ||
+        strcmp(fs->facts.fov_from, "default") == 0)
+        return;
+    const double made = l->fov / l->h;
+    const double used = field->degrees * scale_of(r, field);
+    if (fabs(used / made - 1.0) <= 0.01)
+        return;
+    gp_say(fs->log, GP_LEVEL_WARN, "%s: made for %.4g degrees a pixel, used at "
+           "%.4g; make it again (glarepp kernel with this --fov and --size), "
+           "or set --kernel-size %.4g%%", r->s->kernels.at[0], made, used,
+           100.0 * made / field->degrees);
+    r->faults_said |= bit;
+}
+
 /* The facts about the frame's kernel. */
 static void note_kernel(const struct gp_run *r,
                         const struct gp_kernel_use *use, struct gp_facts *facts)
@@ -451,6 +472,8 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
             fit_lens(r, &stop, recipe);
         reach_lights(r, fs, &field);
         st = make_kernel(fs->log, r, recipe, &field, &made);
+        if (!st)
+            warn_of_angle(r, fs, &field);
     }
     if (made) {
         fs->facts.ms[GP_TIME_KERNEL] = gp_now_ms() - from;

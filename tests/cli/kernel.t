@@ -381,6 +381,16 @@ quiet_success 'nor by the model itself'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
     "(True, 0.0, ['spencer'])" 'which reports the same'
 ok 'and the same layer' "$glarepp" compare --no-flip --fail-rel 1e-6 l.exr m.exr
+run kernel -k eye --size 64x48 --fov 30 -o narrow.exr
+run -k narrow.exr --fov 60 --layer l.exr in.exr
+like "$status $(cat err)" '0 *warning: narrow.exr: made for 0.625 degrees a pixel, used at 1.25; *--kernel-size 50%' \
+    'a run warns of a kernel made for another angle'
+run -k narrow.exr --fov 60 --kernel-size 50% --layer l.exr in.exr
+no 'but not at the size it names' grep 'degrees a pixel' err
+run -q -k narrow.exr --fov 60 --layer l.exr in.exr
+quiet_success 'nor with -q'
+run -k narrow.exr --fov 30 --layer l.exr in.exr
+quiet_success 'nor at its own angle'
 frame large.exr size=128x96
 run -k whole.exr --layer l.exr large.exr
 like "$status $(cat err)" "0 *% of its model's light falls in the frame*" \
