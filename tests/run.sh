@@ -96,7 +96,7 @@ chosen()
 # a clock leave theirs idle; printed in the order of the list
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
-first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw"
+first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|glare-splat_data"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do
