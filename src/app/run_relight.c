@@ -239,9 +239,9 @@ static void warn_of_dark(const struct gp_run *r,
             dark |= f->relit[i].pixels == 0 &&
                     strcmp(f->relit[i].name, name) == 0;
         if (dark)
-            gp_say(fs->log, GP_LEVEL_WARN, "%s: --relight %s lights no pixel: out of "
-                   "reach, hidden, or on albedo of 0; leave it out, or check "
-                   "--scene-start", f->input, gp_printable(name).text);
+            gp_say(fs->log, GP_LEVEL_WARN, "%s: --relight %s lights no pixel: "
+                   "out of reach, hidden, or on albedo of 0; leave it out, or "
+                   "check --scene-start", f->input, gp_printable(name).text);
     }
 }
 

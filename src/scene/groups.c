@@ -84,7 +84,7 @@ static inline unsigned bits_of(four_bits mask)
 }
 
 /* Returns bits of the boxes that are before one of the planes `pick` by more
- * than `limit`: with their farthest points, side 1, or their nearest ones, -1. */
+ * than `limit`: with their farthest points, side 1, or their nearest, -1. */
 static GP_CLONES unsigned beyond(const struct gp_pack *p,
                                  const struct gp_half *plane,
                                  const unsigned char *pick, int n, double side,
@@ -114,7 +114,7 @@ static GP_CLONES unsigned beyond(const struct gp_pack *p,
     return bits;
 }
 
-/* Returns bits of the boxes that are beside another box by more than `slack`. */
+/* Returns bits of boxes that are beside another box by more than `slack`. */
 static GP_CLONES unsigned beside(const struct gp_pack *p,
                                  const struct gp_box *box, double slack)
 {

@@ -2,6 +2,7 @@
 #include "scene/tree.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "scene/bounds.h"
 
 #include <float.h>
@@ -27,21 +28,11 @@ static const struct gp_tree_box empty_box = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
 };
 
-static inline float lesser(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static inline float greater(float a, float b)
-{
-    return a > b ? a : b;
-}
-
 static inline void join(struct gp_tree_box *a, const struct gp_tree_box *b)
 {
     for (int c = 0; c < 3; c++) {
-        a->lo[c] = lesser(a->lo[c], b->lo[c]);
-        a->hi[c] = greater(a->hi[c], b->hi[c]);
+        a->lo[c] = gp_minf(a->lo[c], b->lo[c]);
+        a->hi[c] = gp_maxf(a->hi[c], b->hi[c]);
     }
 }
 
