@@ -338,6 +338,7 @@ static gp_status check_kernel(const struct gp_log *log,
     if (st)
         goto out;
     gp_label_use(&c.label, s->kernel_percent / 100.0, &c.k, w, h, &c.use);
+    c.use.resampled = c.k.unturned || s->kernel_percent != 100.0;
     printf("kernel     %s\n", gp_printable(c.name).text);
     f.nonfinite = c.nonfinite;
     if (!c.nonfinite) {

@@ -279,7 +279,10 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
         gp_free(k);
         return st;
     }
-    gp_kernel_glance(&k->k, field->luminance, &k->figures);
+    if (r->wanted.recipes)
+        gp_kernel_glance(&k->k, field->luminance, &k->figures);
+    else
+        gp_kernel_measure(&k->k, r->wanted.image[0].luminance, &k->figures);
     k->field = *field;
     memcpy(k->chromaticities, field->chromaticities, sizeof k->chromaticities);
     k->field.chromaticities = k->chromaticities;
@@ -349,6 +352,13 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
     }
     use.missed = missed / fmax(shares, 1.0);
     use.ends = use.ends && !wanted->recipes;
+    if (!wanted->recipes) {
+        const struct gp_kernel_params p = gp_wanted_params(r->s, wanted);
+        use.as_it_is = use.as_it_is && p.normalize == GP_NORMALIZE_NONE;
+        use.centred = p.centered;
+        use.resampled = r->kernel->k.unturned || field->aspect != 1.0 ||
+                        scale_of(r, field) != 1.0;
+    }
     use.add = r->s->compose.mix == GP_MIX_ADD;
     use.brightest =
         (double) fs->sources.brightest * (double) r->s->compose.gain;

@@ -1,104 +1,176 @@
 #include "glare/kernel_check.h"
 
 #include "core/minmax.h"
+#include "core/parallel.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Half a code value of 8 bits in black, by the line of IEC 61966-2-1 (sRGB). */
 static const double half_code = 0.5 / 255.0 / 12.92;
 
-/* Luminance of a sample; 0 outside. */
-static double sample(const struct gp_kernel *k, const float weight[3], int x,
-                     int y)
+/* Rows that are measured together, and columns at a time. */
+enum { BANDS = 64, STRIP = 254 };
+
+struct band {
+    struct gp_kernel_figures f; // sums and maxima of its rows
+    double all, odd;            // magnitudes; those without a counterpart
+};
+
+struct measuring {
+    const struct gp_kernel *k;
+    const float *luminance;
+    bool edges;                 // whose steps are of interest
+    double centre;
+    struct band band[BANDS];
+};
+
+/* Luminance of columns x .. x + n - 1 of a row; 0 outside. */
+static void read_row(const struct measuring *m, int x, int n, int y,
+                     float *restrict v)
 {
-    const size_t at = (size_t) y * (size_t) k->w + (size_t) x;
-    double sum = 0.0;
-    if (x < 0 || y < 0 || x >= k->w || y >= k->h)
-        return 0.0;
-    for (int c = 0; c < 3; c++)
-        sum += (double) weight[c] * (double) k->k.c[c][at];
-    return sum;
+    const struct gp_kernel *const k = m->k;
+    const int from = gp_clamp(-x, 0, n), to = gp_clamp(k->w - x, from, n);
+    const float *const w = m->luminance;
+    memset(v, 0, (size_t) n * sizeof *v);
+    if (y < 0 || y >= k->h || from == to)
+        return;
+    const size_t at = (size_t) y * (size_t) k->w + (size_t) (x + from);
+    const float *const r = k->k.c[0] + at, *const g = k->k.c[1] + at;
+    const float *const b = k->k.c[2] + at;
+    for (int i = 0; i < to - from; i++)
+        v[from + i] = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
 }
 
 /* The largest step from a sample to a dark neighbour in any of four directions,
  * less 1.5 times what the sample before it differs: a slope that reaches 0 is
- * no edge, as it is a little steeper from sample to sample around a circle. */
-static double find_rim(const struct gp_kernel *k, const float luminance[3])
+ * no edge, as it is a little steeper from sample to sample around a circle.
+ *   v  three rows of n samples and one more at each side */
+static double find_rim(float (*v)[STRIP + 2], int n, double rim)
 {
-    static const int way[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-    double rim = 0.0;
-    for (int y = 0; y < k->h; y++) {
-        for (int x = 0; x < k->w; x++) {
-            const double v = sample(k, luminance, x, y);
-            for (int i = 0; i < 4 && fabs(v) > rim; i++) {
-                const int dx = way[i][0], dy = way[i][1];
-                const double next = sample(k, luminance, x + dx, y + dy);
-                const double before = sample(k, luminance, x - dx, y - dy);
-                if (fabs(next) < 1e-3 * fabs(v))
-                    rim = fmax(rim, fabs(v) - 1.5 * fabs(before - v));
-            }
+    for (int i = 1; i <= n; i++) {
+        const float at = fabsf(v[1][i]);
+        const float side[4] = {v[1][i - 1], v[1][i + 1], v[0][i], v[2][i]};
+        for (int j = 0; j < 4 && (double) at > rim; j++) {
+            const double before = (double) side[j ^ 1];
+            if (fabsf(side[j]) < 1e-3f * at)
+                rim = fmax(rim, (double) at -
+                                    1.5 * fabs(before - (double) v[1][i]));
         }
     }
     return rim;
 }
 
+/* Adds n samples v of row y from column x on; `mirror` are those opposite. */
+static void add_samples(const struct measuring *m, int x, int y, int n,
+    const float *restrict v, const float *restrict mirror, struct band *b)
+{
+    const struct gp_kernel *const k = m->k;
+    const size_t at = (size_t) y * (size_t) k->w + (size_t) x;
+    const bool top = k->h > 2 && (y == 0 || y == k->h - 1);
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double light = (double) v[i], size = fabs(light);
+        const int dx = x + i - k->cx;
+        sum += light;
+        b->all += size;
+        b->odd += fmax(size - fabs((double) mirror[n - 1 - i]), 0.0);
+        b->f.centroid[0] += light * dx;
+        if (top || (k->w > 2 && (dx == -k->cx || dx == k->w - 1 - k->cx)))
+            b->f.border += size;
+        if (light > b->f.peak) {
+            b->f.peak = light;
+            b->f.peak_at[0] = dx;
+            b->f.peak_at[1] = y - k->cy;
+            b->f.mirrored = (double) mirror[n - 1 - i];
+        }
+    }
+    b->f.centroid[1] += sum * (y - k->cy);
+    if (k->negative) {
+        for (int i = 0; i < n; i++)
+            b->f.negatives += k->k.c[0][at + (size_t) i] < 0.0f ||
+                              k->k.c[1][at + (size_t) i] < 0.0f ||
+                              k->k.c[2][at + (size_t) i] < 0.0f;
+    }
+}
+
+static void measure_band(void *ctx, int i, int thread)
+{
+    struct measuring *const m = ctx;
+    const struct gp_kernel *const k = m->k;
+    struct band *const b = &m->band[i];
+    const int from = (int) ((long long) k->h * i / BANDS);
+    const int to = (int) ((long long) k->h * (i + 1) / BANDS);
+    float v[3][STRIP + 2], mirror[STRIP];
+    (void) thread;
+    b->f.peak = b->f.mirrored = m->centre;
+    for (int y = from; y < to; y++) {
+        for (int x = 0; x < k->w; x += STRIP) {
+            const int n = gp_min(k->w - x, STRIP);
+            read_row(m, x - 1, n + 2, y, v[1]);
+            read_row(m, 2 * k->cx - x - n + 1, n, 2 * k->cy - y, mirror);
+            add_samples(m, x, y, n, v[1] + 1, mirror, b);
+            if (!m->edges)
+                continue;
+            read_row(m, x - 1, n + 2, y - 1, v[0]);
+            read_row(m, x - 1, n + 2, y + 1, v[2]);
+            b->f.rim = find_rim(v, n, b->f.rim);
+        }
+    }
+}
+
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
                       struct gp_kernel_figures *out)
 {
-    struct gp_kernel_figures f = {
+    const struct measuring m = {.k = k, .luminance = luminance};
+    float own;
+    *out = (struct gp_kernel_figures) {
         .w = k->w, .h = k->h, .left_out = k->left_out,
     };
     for (int c = 0; c < 3; c++) {
-        f.sum[c] = k->sum[c];
-        f.light += (double) luminance[c] * k->sum[c];
+        out->sum[c] = k->sum[c];
+        out->light += (double) luminance[c] * k->sum[c];
     }
-    f.own = f.light > 0.0 ? sample(k, luminance, k->cx, k->cy) / f.light : 0.0;
-    f.rim = k->origin ? 0.0 : find_rim(k, luminance);
-    *out = f;
+    read_row(&m, k->cx, 1, k->cy, &own);
+    out->own = out->light > 0.0 ? (double) own / out->light : 0.0;
 }
 
 void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
                        struct gp_kernel_figures *out)
 {
+    struct measuring m = {
+        .k = k, .luminance = luminance, .edges = !k->origin,
+    };
     double all = 0.0, odd = 0.0;
-    size_t outermost = 0;
-    const double centre = sample(k, luminance, k->cx, k->cy);
+    float centre;
     gp_kernel_glance(k, luminance, out);
-    out->measured = true;
-    out->peak = out->mirrored = centre;
-    for (int y = 0; y < k->h; y++) {
-        for (int x = 0; x < k->w; x++) {
-            const size_t at = (size_t) y * (size_t) k->w + (size_t) x;
-            const double v = sample(k, luminance, x, y);
-            const int dx = x - k->cx, dy = y - k->cy;
-            const double mirror =
-                sample(k, luminance, k->cx - dx, k->cy - dy);
-            if (k->k.c[0][at] < 0.0f || k->k.c[1][at] < 0.0f ||
-                k->k.c[2][at] < 0.0f)
-                out->negatives++;
-            if (v > out->peak) {
-                out->peak = v;
-                out->peak_at[0] = dx;
-                out->peak_at[1] = dy;
-                out->mirrored = mirror;
-            }
-            all += fabs(v);
-            if ((k->w > 2 && (x == 0 || x == k->w - 1)) ||
-                (k->h > 2 && (y == 0 || y == k->h - 1))) {
-                out->border += fabs(v);
-                outermost++;
-            }
-            odd += fmax(fabs(v) - fabs(mirror), 0.0);
-            out->centroid[0] += v * dx;
-            out->centroid[1] += v * dy;
+    read_row(&m, k->cx, 1, k->cy, &centre);
+    m.centre = out->peak = out->mirrored = (double) centre;
+    gp_parallel_do(BANDS, measure_band, &m);
+    for (int i = 0; i < BANDS; i++) {
+        const struct gp_kernel_figures *const b = &m.band[i].f;
+        if (b->peak > out->peak) {
+            out->peak = b->peak;
+            out->mirrored = b->mirrored;
+            memcpy(out->peak_at, b->peak_at, sizeof out->peak_at);
         }
+        out->rim = fmax(out->rim, b->rim);
+        out->negatives += b->negatives;
+        out->border += b->border;
+        out->centroid[0] += b->centroid[0];
+        out->centroid[1] += b->centroid[1];
+        all += m.band[i].all;
+        odd += m.band[i].odd;
     }
     for (int i = 0; i < 2; i++)
         out->centroid[i] /= out->light != 0.0 ? out->light : 1.0;
     out->border /= all > 0.0 ? all : 1.0;
-    out->outermost = (double) outermost / ((double) k->w * (double) k->h);
-    out->asymmetry = all > fabs(centre) ? odd / (all - fabs(centre)) : 0.0;
+    const double w = k->w, h = k->h;
+    const double within = (w > 2.0 ? w - 2.0 : w) * (h > 2.0 ? h - 2.0 : h);
+    out->outermost = 1.0 - within / (w * h);
+    out->asymmetry = all > fabs(m.centre) ? odd / (all - fabs(m.centre)) : 0.0;
+    out->measured = true;
 }
 
 // -- faults -------------------------------------------------------------------
@@ -142,11 +214,16 @@ static void check_figures(const struct gp_kernel_figures *f,
                  "no light; use a larger kernel");
     if (rule == GP_RULE_SUM)
         check_sum(f, use->as_it_is, line);
+    if (rule == GP_RULE_NEGATIVE && f->negatives > 0)
+        snprintf(line, GP_FAULT_BYTES, "%lld samples are negative, which "
+                 "darkens pixels near light; clamp them to 0", f->negatives);
+    if (use->centred)
+        return;
     if (rule == GP_RULE_PEAK && f->mirrored < 0.5 * f->peak)
         snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
                  "centre: all light would move; set --kernel-center, or crop "
                  "the image about its peak", f->peak_at[0], f->peak_at[1]);
-    if (rule == GP_RULE_CENTROID && is_half_beside(f))
+    if (rule == GP_RULE_CENTROID && !use->resampled && is_half_beside(f))
         snprintf(line, GP_FAULT_BYTES, "its centroid is half a pixel from the "
                  "centre of its pixel (%.3g,%.3g); use an odd number of "
                  "pixels", f->centroid[0], f->centroid[1]);
@@ -155,9 +232,6 @@ static void check_figures(const struct gp_kernel_figures *f,
         snprintf(line, GP_FAULT_BYTES, "%.3g %% of its light is in its "
                  "outermost rows and columns: it is cut off; use a larger "
                  "kernel", 100.0 * f->border);
-    if (rule == GP_RULE_NEGATIVE && f->negatives > 0)
-        snprintf(line, GP_FAULT_BYTES, "%lld samples are negative, which "
-                 "darkens pixels near light; clamp them to 0", f->negatives);
     if (rule == GP_RULE_SYMMETRY && f->asymmetry > 0.5)
         snprintf(line, GP_FAULT_BYTES, "%.3g %% of the light that it spreads "
                  "has no counterpart opposite to it: glare falls to one side; "

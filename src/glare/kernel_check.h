@@ -13,11 +13,11 @@ struct gp_kernel_figures {
     double sum[3];       // of each channel
     double light;        // their luminance
     double own;          // share of it that stays in its pixel
+    double left_out;     // of a model, as in struct gp_kernel
+    // by gp_kernel_measure() only
     double rim;          // the largest step down to darkness, under a thousandth,
                          // from one sample to the next, beyond the slope before
                          // it; 0 for kernels of models, which have none
-    double left_out;     // of a model, as in struct gp_kernel
-    // by gp_kernel_measure() only
     double peak;         // largest sample, of equals the centre's
     int peak_at[2];
     double mirrored;     // sample opposite to it
@@ -37,16 +37,18 @@ struct gp_kernel_use {
     bool add;            // --mix add
     bool ends;           // it ends where light still goes on, inside the frames
     bool as_it_is;       // not normalised
+    bool centred;        // its centre was given: light to one side is meant
+    bool resampled;      // not its file's samples
     double missed;       // a model's light that falls in the frames, but outside
                          // of what was computed
     double brightest;    // luminance of the brightest source; 0: not known
 };
 
-/* Figures that cost a look at each sample, or for models nothing. Of a kernel
- * with a tail they are those of both. */
+/* Figures that cost nothing. Of a kernel with a tail they are those of both. */
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
                       struct gp_kernel_figures *out);
-/* All figures, of a kernel without tail. */
+/* All figures, of a kernel without tail, by several threads: the same for any
+ * number of them. */
 void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
                        struct gp_kernel_figures *out);
 

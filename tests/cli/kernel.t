@@ -257,6 +257,11 @@ quiet_success '--from: the attributes decide'
 run kernel --check odd.exr
 like "$status $(cat out)" '1 *its light sums to *' \
     '--check: samples that are not those of its attributes'
+run -k odd.exr --layer l.exr in.exr
+like "$status $(cat err)" '0 *warning: odd.exr: its light sums to *' \
+    'a run warns of them'
+run -k odd.exr --kernel-normalize luminance --layer l.exr in.exr
+no 'but not where they are scaled' grep 'its light sums' err
 run kernel --from a.exr -o a.exr
 fails_with 2 a.exr '--from a file that would be replaced'
 run kernel -k eye --size 64x48 --threads 1 -o a.exr
@@ -315,6 +320,14 @@ faults()
     status_is $wanted "--check: $1"
     like "$(grep '^fault: ' out)" "$2" "--check: faults of $1"
     is "$(grep -c '^fault: ' out)" "$3" "--check: no other of $1"
+    sed -n 's/^fault: \([^:;]*\).*/\1/p' out >checked
+    run -k $1.pfm --layer l.exr in.exr
+    sed -n "s/.*warning: $1.pfm: \([^:;]*\).*/\1/p" err >warned
+    # a run is by its own frame's light, and scaled to a sum of 1
+    is "$(sed 's/[0-9.]*$//' warned)" "$(sed 's/[0-9.]*$//' checked)" \
+        "a run warns of the faults of $1"
+    run -q -k $1.pfm --layer l.exr in.exr
+    quiet_success "but not with -q: $1"
 }
 faults fade '' 0
 faults cut '*its outermost rows*its edge shows*' 2
@@ -325,6 +338,20 @@ faults moved '*its peak is 3,0 pixels*no counterpart*' 2
 faults side '*no counterpart opposite*' 1
 faults yellow '*its blue sums to 0*' 1
 faults one '*a single sample*' 1
+for kernel in moved side; do
+    run -k $kernel.pfm --kernel-center 8.5,8.5 --layer l.exr in.exr
+    quiet_success "no warning of $kernel with a centre that was given"
+done
+run -k beside.pfm --kernel-size 50% --layer l.exr in.exr
+no 'nor of a centroid that was resampled' grep 'half a pixel' err
+frame wide.exr size=64x48 aspect=2
+run -k beside.pfm --layer l.exr wide.exr
+no 'nor for pixels that are not square' grep 'half a pixel' err
+run -k lobe.pfm --kernel-center 7.5,7.5 --layer l.exr in.exr
+like "$status $(cat err)" '0 *samples are negative*' \
+    'a centre that was given does not hide negative samples'
+run -k lobe.pfm --layer 's.#.exr' 'sizes.#.exr'
+is "$(grep -c 'samples are negative' err)" 1 'once for all frames'
 frame nan.exr kind=nan size=9x9
 run kernel --check nan.exr
 status_is 1 '--check: NaN'
@@ -360,7 +387,7 @@ no '--check: too faint a light to show it' grep 'edge shows' out
 run -k cut.pfm --layer l.exr --report r.json in.exr
 like "$status $(cat err)" '0 *warning: cut.pfm: its edge shows*' \
     'a run warns of the edge'
-is "$(field r.json 'len(o["warnings"])')" 1 'and its report does'
+is "$(field r.json 'len(o["warnings"])')" 2 'and its report does'
 run -k small.exr -e direct --layer l.exr --report r.json in.exr
 like "$status $(cat err)" \
     "0 *warning: small.exr: *% of its model's light falls in the frame*" \
