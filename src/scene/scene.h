@@ -10,8 +10,7 @@
  *   bounds         boxes and spheres of objects
  *   frustum        planes of a camera, and of its hull with a light (15.4.4)
  *   reach          volumes of lights
- *   sets           V, L, I, F, S by flags on objects (15.4.3); sets_lists by
- *                  sorted lists, which the flags are checked against
+ *   sets           V, L, I, F, S by flags on objects (15.4.3)
  *   groups         objects side by side, tested by their bounds and 16 at once
  *   hidden, umbra  occlusion by the frame's depth, and by a light's occluders
  *   scissor        bounds on screen and in depth of what a light reaches (15.5)
@@ -21,8 +20,9 @@
  *   draw, shadow   the paper's renderer on GL
  *   relight        the frame lit by the scene's lights
  *
- * The scene's world is the frame's: gltf.h turns glTF's (y up) to it. Units are the file's, metres by glTF. Matrices are for row vectors,
- * p' = p * m, m[4 * row + column], as in core/camera.h.
+ * The scene's world is the frame's: gltf.h turns glTF's (y up) to it. Units are
+ * the file's, metres by glTF. Matrices are for row vectors, p' = p * m,
+ * m[4 * row + column], as in core/camera.h.
  *
  * A scene is read once and posed for each frame; between poses it is const, and
  * any thread may read it. */

@@ -6,7 +6,7 @@
 #include "scene/reach.h"
 #include "scene/scene_priv.h"
 
-// -- shared with the sorted lists --------------------------------------------
+// -- frusta and hulls of a frame ---------------------------------------------
 
 double gp_sets_far(const struct gp_scene *s, const struct gp_sets_view *v)
 {
@@ -326,19 +326,6 @@ struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)
 struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)
 {
     return sets->scissor;
-}
-
-int gp_sets_list(const struct gp_sets *sets, unsigned set, int *object)
-{
-    int n = 0;
-    for (int i = 0; i < sets->scene->objects; i++) {
-        if (!(sets->flag[i] & set))
-            continue;
-        if (object)
-            object[n] = i;
-        n++;
-    }
-    return n;
 }
 
 /* Returns the batches of a mesh; merged, its opaque parts are one. */

@@ -1,6 +1,6 @@
-/* Scenes in memory that are hostile, through every engine of scenes: sets by
- * flags and by lists, rays, shares by rays and by maps, the paper's renderer
- * and relit frames; against plain rays through every triangle. */
+/* Scenes in memory that are hostile, through every engine of scenes: sets and
+ * their plain twin, rays, shares by rays and by maps, the paper's renderer and
+ * relit frames; against plain rays through every triangle. */
 #include "hardcases.h"
 
 #include "core/parallel.h"
@@ -10,6 +10,7 @@
 #include "scene/scene_priv.h"
 #include "scene/table.h"
 #include "scene_shot.h"
+#include "sets_plain.h"
 
 enum { W = 44, H = 30, PIXELS = W * H };
 enum { LIGHTS = 6 }; // of a scene, whose shares and light are looked at
@@ -229,23 +230,11 @@ static int lost_of_light(const struct seen *k, const struct gp_sets *sets,
     return lost;
 }
 
-/* Counts flags of one set that are not the list's. */
-static int unlike(const struct seen *k, const uint8_t *flag, unsigned set,
-                  const struct gp_set *list)
-{
-    int at = 0, wrong = 0;
-    for (int i = 0; i < k->s.objects; i++) {
-        const bool in = at < list->n && list->object[at] == i;
-        wrong += in != ((flag[i] & set) != 0);
-        at += in;
-    }
-    return wrong + (at != list->n);
-}
-
 static void check_sets(const struct seen *k, double *lost, double *differing)
 {
     struct gp_bodies *bodies;
     struct gp_sets *sets;
+    uint8_t *const plain = scene_alloc((size_t) k->s.objects + 1, 1);
     const struct gp_sets_view view = shot_view(&k->shot);
     must(gp_bodies_make(&kept_log, &k->s, &bodies));
     must(gp_sets_open(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, &sets));
@@ -254,21 +243,15 @@ static void check_sets(const struct seen *k, double *lost, double *differing)
         *lost += o >= 0 && !(gp_sets_flags(sets)[o] & GP_SET_V);
     }
     for (int i = 0; i < k->s.lights; i++) {
-        struct gp_lists lists;
         const bool any = gp_sets_light(sets, i);
-        const uint8_t *const flag = gp_sets_flags(sets);
         *lost += lost_of_light(k, sets, any, i);
-        must(gp_lists_make(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, i,
-                           &lists));
-        *differing += unlike(k, flag, GP_SET_F, &lists.f) +
-                      unlike(k, flag, GP_SET_V, &lists.v) +
-                      unlike(k, flag, GP_SET_I, &lists.i) +
-                      unlike(k, flag, GP_SET_S, &lists.s) +
-                      (any ? unlike(k, flag, GP_SET_L, &lists.l) : 0);
-        gp_lists_free(&lists);
+        must(plain_sets(&k->s, bodies, &view, GP_SETS_ALL, i, plain));
+        *differing += plain_differ(&k->s, gp_sets_flags(sets), plain,
+                                   any ? ~0u : ~(unsigned) GP_SET_L);
     }
     gp_sets_close(&sets);
     gp_bodies_free(&bodies);
+    free(plain);
 }
 
 // -- rays and shares ----------------------------------------------------------

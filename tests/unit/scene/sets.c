@@ -1,11 +1,12 @@
-/* Sets against rays, against sorted lists, and by the paper's figures.
+/* Sets against rays, against their plain twin, and by the paper's figures.
  *
  *   build/tests/scene sets --time    times all sets of 10,000 objects and 100
- *                                    lights, by flags and by lists
+ *                                    lights, and their plain twin
  *   GLAREPP_SEED=N                   another seed; failures print the scene's */
 #include "scene/scene_priv.h"
 
 #include "scene_shot.h"
+#include "sets_plain.h"
 #include "starved.h"
 
 #include <time.h>
@@ -195,19 +196,7 @@ static void many_tiles(void **state)
                  first_seed() + 20000, 4);
 }
 
-// -- against lists -----------------------------------------------------------
-
-static void compare(const struct gp_scene *s, const uint8_t *flag, unsigned set,
-                    const struct gp_set *list)
-{
-    int k = 0;
-    for (int i = 0; i < s->objects; i++) {
-        const bool in = k < list->n && list->object[k] == i;
-        assert_true(in == ((flag[i] & set) != 0));
-        k += in;
-    }
-    assert_int_equal(k, list->n);
-}
+// -- against the plain twin ---------------------------------------------------
 
 /* Makes a scene hostile: objects of no size, of 1e9 units and 1e9 away, one
  * around the eye, one around each light, one without a vertex; a light that
@@ -225,8 +214,8 @@ static void spoil(struct gp_scene *s, const struct shot *shot)
     s->object[8].box = GP_BOX_EMPTY;
 }
 
-/* Flags are the sorted lists', for every choice of parts. */
-static void as_lists(void **state)
+/* Flags are those of the plain twin, for every choice of parts. */
+static void as_plain(void **state)
 {
     static struct shot shot;
     int lit = 0;
@@ -244,25 +233,33 @@ static void as_lists(void **state)
         assert_ok(gp_bodies_make(NULL, &s, &bodies));
         assert_ok(gp_sets_open(NULL, &s, bodies, &view, use, &sets));
         for (int i = 0; i < s.lights; i++) {
-            struct gp_lists lists;
+            uint8_t plain[64];
             const bool any = gp_sets_light(sets, i);
             const uint8_t *const flag = gp_sets_flags(sets);
-            assert_ok(gp_lists_make(NULL, &s, bodies, &view, use, i, &lists));
-            compare(&s, flag, GP_SET_F, &lists.f);
-            compare(&s, flag, GP_SET_V, &lists.v);
-            compare(&s, flag, GP_SET_I, &lists.i);
-            compare(&s, flag, GP_SET_S, &lists.s);
-            if (any)
-                compare(&s, flag, GP_SET_L, &lists.l);
-            assert_true(any == (lists.i.n > 0));
+            bool shown = false;
+            assert_ok(plain_sets(&s, bodies, &view, use, i, plain));
+            assert_int_equal(plain_differ(&s, flag, plain,
+                                          any ? ~0u : ~(unsigned) GP_SET_L),
+                             0);
+            for (int k = 0; k < s.objects; k++)
+                shown |= (plain[k] & GP_SET_I) != 0;
+            assert_true(any == shown);
             lit += any;
-            gp_lists_free(&lists);
         }
         gp_sets_close(&sets);
         gp_bodies_free(&bodies);
         made_free(&s);
     }
     assert_true(lit > 100);
+}
+
+static int count_set(const struct gp_scene *s, const struct gp_sets *sets,
+                     unsigned set)
+{
+    int n = 0;
+    for (int i = 0; i < s->objects; i++)
+        n += (gp_sets_flags(sets)[i] & set) != 0;
+    return n;
 }
 
 // -- a full memory -----------------------------------------------------------
@@ -276,16 +273,14 @@ static gp_status find_all(void)
     gp_status st;
     struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
-    struct gp_lists lists = {0};
     const struct gp_sets_view view = shot_view(starving_shot);
     const struct gp_log *const log = &kept_log;
     GP_TRY(gp_bodies_make(log, starving, &bodies));
     GP_TRY(gp_sets_open(log, starving, bodies, &view, GP_SETS_ALL, &sets));
-    GP_TRY(gp_lists_make(log, starving, bodies, &view, GP_SETS_ALL, 0, &lists));
     gp_sets_light(sets, 0);
-    found = 1.0 + gp_sets_list(sets, GP_SET_F, NULL) + lists.s.n;
+    found = 1.0 + count_set(starving, sets, GP_SET_F) +
+            count_set(starving, sets, GP_SET_S);
 out:
-    gp_lists_free(&lists);
     gp_sets_close(&sets);
     gp_bodies_free(&bodies);
     return st;
@@ -438,6 +433,7 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
     const struct gp_camera c =
         made_camera(&s, eye, (struct gp_v3) {0, 0, 3}, 60.0, 16.0 / 9.0);
     float *const depth = calloc(640 * 360, sizeof *depth);
+    uint8_t *const flag = calloc((size_t) s.objects + 1, 1);
     const double far = 2.0 * gp_v3_length(eye);
     for (int i = 0; depth && i < 640 * 360; i++) // walls and a sky
         depth[i] = i < 640 * 90
@@ -461,23 +457,20 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
         for (int i = 0; run == 0 && i < s.lights; i++) {
             gp_sets_light(sets, i);
             for (unsigned k = 0; k < 5; k++)
-                sum[k] += gp_sets_list(sets, 1u << k, NULL);
+                sum[k] += count_set(&s, sets, 1u << k);
         }
         gp_sets_close(&sets);
     }
     const double start = cpu_ms();
-    for (int i = 0; i < s.lights; i++) {
-        struct gp_lists lists;
-        assert_ok(gp_lists_make(NULL, &s, bodies, &view, GP_SETS_ALL, i,
-                                &lists));
-        gp_lists_free(&lists);
-    }
-    const double lists = cpu_ms() - start;
-    printf("%s: %d objects, %d lights: flags %.2f ms (F and V %.2f), lists "
+    for (int i = 0; i < s.lights; i++)
+        assert_ok(plain_sets(&s, bodies, &view, GP_SETS_ALL, i, flag));
+    const double plain = cpu_ms() - start;
+    printf("%s: %d objects, %d lights: flags %.2f ms (F and V %.2f), plain "
            "%.0f ms; F %ld, V %ld; mean of lights: L %.1f, I %.1f, S %.1f\n",
-           name, s.objects, s.lights, least, frame, lists, sum[0] / 100,
+           name, s.objects, s.lights, least, frame, plain, sum[0] / 100,
            sum[1] / 100,
            (double) sum[2] / 100, (double) sum[3] / 100, (double) sum[4] / 100);
+    free(flag);
     gp_bodies_free(&bodies);
     free(depth);
     made_free(&s);
@@ -495,14 +488,14 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, as_lists, memory_is_full,
+        nothing_is_lost, many_tiles, as_plain, memory_is_full,
         figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
-                                "nothing_is_lost, many_tiles, as_lists, "
+                                "nothing_is_lost, many_tiles, as_plain, "
                                 "memory_is_full, "
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
