@@ -98,10 +98,8 @@ void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
  * 1 is a circle. The first corner points to the angle `rotation`, counter-
  * clockwise from the right.
  *
- * Aberrations are Zernike's polynomials as Noll 1976 numbers them, waves of 550
- * nm, rms, with the angle a from that of `rotation`:
- *   Z4 = sqrt(3) (2 r^2 - 1)           Z6 = sqrt(6) r^2 cos 2a
- *   Z8 = sqrt(8) (3 r^3 - 2 r) cos a   Z11 = sqrt(5) (6 r^4 - 6 r^2 + 1) */
+ * Aberrations are Zernike's polynomials (zernike.c), with the angle from that of
+ * `rotation`. */
 enum { DUST = 600, SCRATCHES = 60, LASHES = 40 }; // at keys of 1
 struct iris {
     double radius;      // mm
@@ -112,7 +110,7 @@ struct iris {
     double obstruction, arc; // of the radius; radians to each side
     double turn;        // radians counter-clockwise as seen
     double grating, fibres;
-    double z4, z6, z8, z11;  // nm
+    double path[GP_ZERNIKE_LAST + 1]; // nm rms, by Noll's number
     const struct gp_frame *mask;
     int stains;
     struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_PARTS];
@@ -222,12 +220,10 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
         p->t[row + (size_t) x] = (float) t;
         if (!p->path || t <= 0.0)
             continue;
-        const double r2 = r * r;
-        p->path[row + (size_t) x] = (float) (
-            s->z4 * sqrt(3.0) * (2.0 * r2 - 1.0) +
-            s->z6 * sqrt(6.0) * (u * u - v * v) +
-            s->z8 * sqrt(8.0) * (3.0 * r2 - 2.0) * u +
-            s->z11 * sqrt(5.0) * (6.0 * r2 * r2 - 6.0 * r2 + 1.0));
+        double path = 0.0;
+        for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++)
+            path += s->path[j] != 0.0 ? s->path[j] * gp_zernike(j, u, -v) : 0.0;
+        p->path[row + (size_t) x] = (float) path;
     }
     gp_stain_row(s->stain, s->stains, p, y);
 }
@@ -270,6 +266,30 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
     }
 }
 
+/* Zernike's polynomials: number, key, most of it, and what it does. */
+#define ABERRATIONS(X)                                                       \
+    X(2, "tilt", 10, ", moves the light to the rotation's side")             \
+    X(3, "vertical-tilt", 10, ", moves it across")                           \
+    X(4, "defocus", 10, "")                                                  \
+    X(5, "oblique-astigmatism", 10, "")                                      \
+    X(6, "astigmatism", 10, "")                                              \
+    X(7, "vertical-coma", 5, "")                                             \
+    X(8, "coma", 5, "")                                                      \
+    X(9, "vertical-trefoil", 5, "")                                          \
+    X(10, "oblique-trefoil", 5, "")                                          \
+    X(11, "spherical", 5, "")                                                \
+    X(12, "secondary-astigmatism", 5, "")                                    \
+    X(13, "oblique-secondary", 5, ", secondary astigmatism")                 \
+    X(14, "quadrafoil", 5, "")                                               \
+    X(15, "oblique-quadrafoil", 5, "")
+#define ABERRATION_KEY(j, name, most, does)                                  \
+    {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -most, most,    \
+     NULL, false},
+#define ABERRATION_NAME(j, name, most, does) [j] = name,
+static const char *const aberrations[GP_ZERNIKE_LAST + 1] = {
+    ABERRATIONS(ABERRATION_NAME)
+};
+
 static const struct gp_model_key aperture_keys[] = {
     GP_MODEL_SHARE(0.5),
     {"blades", "blades of the iris, 3 to 32; 0 makes a circle", 6, 0, 32, NULL,
@@ -299,11 +319,7 @@ static const struct gp_model_key aperture_keys[] = {
     {"focal", "focal length of the lens, mm", 24, 1, 2000, NULL, false},
     {"pupil", "diameter of the opening, mm; 0 takes focal / fnumber", 0, 0,
      1000, NULL, false},
-    {"defocus", "Zernike's Z4, waves of 550 nm rms", 0, -10, 10, NULL, false},
-    {"astigmatism", "Zernike's Z6, waves of 550 nm rms", 0, -10, 10, NULL,
-     false},
-    {"coma", "Zernike's Z8, waves of 550 nm rms", 0, -5, 5, NULL, false},
-    {"spherical", "Zernike's Z11, waves of 550 nm rms", 0, -5, 5, NULL, false},
+    ABERRATIONS(ABERRATION_KEY)
     {"wavelengths", "number of wavelengths of daylight, 380 to 780 nm", 32, 1,
      256, NULL, false},
     {"wavelength", "a single wavelength, nm, shown white; 0 takes daylight", 0,
@@ -361,15 +377,11 @@ static gp_status open_aperture(const struct gp_log *log,
     gp_stain_lashes(lashes, s->radius, s->turn, seed + 2,
                     s->stain + s->stains);
     s->stains += lashes * GP_LASH_PARTS;
-    s->z4 = 550.0 * gp_recipe_value(r, "defocus");
-    s->z6 = 550.0 * gp_recipe_value(r, "astigmatism");
-    s->z8 = 550.0 * gp_recipe_value(r, "coma");
-    s->z11 = 550.0 * gp_recipe_value(r, "spherical");
-    // slopes at the rim
-    const double steep = 4.0 * sqrt(3.0) * fabs(s->z4) +
-                         2.0 * sqrt(6.0) * fabs(s->z6) +
-                         7.0 * sqrt(8.0) * fabs(s->z8) +
-                         12.0 * sqrt(5.0) * fabs(s->z11);
+    double steep = 0.0;
+    for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++) {
+        s->path[j] = 550.0 * gp_recipe_value(r, aberrations[j]);
+        steep += fabs(s->path[j]) * gp_zernike_slope(j);
+    }
     // a mask's corners, turned
     const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;
     const struct gp_diffraction d = {

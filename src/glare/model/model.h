@@ -38,7 +38,7 @@
 #include <stdbool.h>
 
 enum {
-    GP_MODEL_KEYS = 24, // most of one model
+    GP_MODEL_KEYS = 40, // most of one model
     GP_RECIPES = 8,     // most of one kernel
 };
 
@@ -76,7 +76,7 @@ const char *gp_kernel_word(int i, const char **text);
 struct gp_recipe {
     const struct gp_model *model;
     double value[GP_MODEL_KEYS];
-    unsigned written;              // bit i: key i was, in a recipe or preset
+    bool written[GP_MODEL_KEYS];   // in a recipe or preset
     char *file[GP_MODEL_KEYS];     // owned; NULL where not given
     const struct gp_frame *image;  // of its file; borrowed, set by the
                                    // caller before a kernel is made

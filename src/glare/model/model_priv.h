@@ -210,6 +210,15 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
+// -- zernike.c ----------------------------------------------------------------
+
+/* Zernike's polynomials Z2 to Z15 by Noll's numbers, over the unit disc. */
+enum { GP_ZERNIKE_FIRST = 2, GP_ZERNIKE_LAST = 15 };
+/* The value of Zj; x right, y up, x = r cos a. */
+double gp_zernike(int j, double x, double y);
+/* Its steepest slope over the disc, which is at the rim. */
+double gp_zernike_slope(int j);
+
 // -- aperture.c: stains -------------------------------------------------------
 
 /* A cover of a part of a pupil: a capsule around a line from one point to the

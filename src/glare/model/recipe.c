@@ -227,7 +227,7 @@ static gp_status read_name(const struct gp_log *log, const char *from,
 static gp_status read_keys(const struct gp_log *log, const char *text,
                            const char *keys, struct gp_recipe *r)
 {
-    unsigned given = 0;
+    bool given[GP_MODEL_KEYS] = {false};
     while (*keys) {
         const char *end = keys + strcspn(keys, ",");
         const char *const name_end = keys + strcspn(keys, "=,");
@@ -243,11 +243,11 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
             return gp_fail(log, GP_ERR_USAGE, "%s: %s has no value; write "
                            "%s=VALUE", show(text, SIZE_MAX).text, key->name,
                            key->name);
-        if (given >> i & 1)
+        if (given[i])
             return gp_fail(log, GP_ERR_USAGE, "%s: %s is given twice; keep one",
                            show(text, SIZE_MAX).text, key->name);
-        given |= 1u << i;
-        r->written |= 1u << i;
+        given[i] = true;
+        r->written[i] = true;
         const char *const value = name_end + 1;
         if (key->file) {
             end = value + name_length(value);
@@ -311,7 +311,7 @@ void gp_recipe_preset(struct gp_recipe *r, const char *key, double value)
 {
     for (int i = 0; r->model->keys[i].name; i++) {
         const struct gp_model_key *const k = &r->model->keys[i];
-        if (strcmp(k->name, key) == 0 && !(r->written >> i & 1))
+        if (strcmp(k->name, key) == 0 && !r->written[i])
             r->value[i] = fmin(fmax(value, k->lo), k->hi);
     }
 }
