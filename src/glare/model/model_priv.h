@@ -56,7 +56,7 @@ struct gp_model {
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
-extern const struct gp_model gp_model_temporal;                   // aperture.c
+extern const struct gp_model gp_model_temporal;                   // temporal.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_circle, gp_model_ring;                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
@@ -210,7 +210,7 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- zernike.c ----------------------------------------------------------------
+// -- aperture.c: Zernike's polynomials ----------------------------------------
 
 /* Zernike's polynomials Z2 to Z15 by Noll's numbers, over the unit disc. */
 enum { GP_ZERNIKE_FIRST = 2, GP_ZERNIKE_LAST = 15 };
@@ -238,7 +238,7 @@ enum { GP_LASH_PARTS = 8 };
 void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
                      struct gp_stain *out);
 
-// -- aperture.c: declared for tests -------------------------------------------
+// -- temporal.c: declared for tests -------------------------------------------
 
 /* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
  * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own

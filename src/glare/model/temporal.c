@@ -1,0 +1,181 @@
+/* An eye's pupil that shimmers, and particles in the eye: the model `temporal`,
+ * after Ritschel, Ihrke, Frisvad, Coppens, Myszkowski, Seidel: Temporal Glare:
+ * Real-Time Dynamic Simulation of the Scattering in the Human Eye, Eurographics
+ * 2009. */
+#include "core/memory.h"
+#include "glare/model/model_priv.h"
+
+#include <math.h>
+
+#define PI 3.14159265358979323846
+#define PUPIL_MOST 9.0 // mm
+
+double gp_pupil_moon_spencer(double nits)
+{
+    return 4.9 - 3.0 * tanh(0.4 * log10(nits) - 0.00114);
+}
+
+double gp_pupil_watson(double nits, double area, double age)
+{
+    const double flux = pow(nits * area / 846.0, 0.41);
+    const double young = 7.75 - 5.75 * flux / (flux + 2.0);
+    return young + (age - 28.58) * (0.02132 - 0.009562 * young);
+}
+
+/* Three octaves of even steps between numbers of a seed, in (-1, 1). */
+static double noise(double t, uint64_t seed)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double at = fabs(t) * (1 << i), whole = floor(at);
+        const double x = at - whole, s = x * x * (3.0 - 2.0 * x);
+        const uint64_t key = 3 * (uint64_t) whole + (uint64_t) i;
+        const double a = gp_model_random(seed, key);
+        const double b = gp_model_random(seed, key + 3);
+        sum += (2.0 * (a + s * (b - a)) - 1.0) / (1 << i);
+    }
+    return sum / 1.75;
+}
+
+double gp_pupil_hippus(double p, double t, double strength, uint64_t seed)
+{
+    const double by = PUPIL_MOST / p * sqrt(fmax(1.0 - p / PUPIL_MOST, 0.0));
+    return fmin(fmax(p + strength * noise(t / p, seed) * by, 1.0), PUPIL_MOST);
+}
+
+/* All in mm, where it is in the eye: a narrow pupil shows less of it. */
+enum { PARTICLES = 1500, EYE_LASHES = 24, WAVES = 4 };
+struct eye {
+    double radius;
+    double edge[WAVES][2];   // of the iris: cosines and sines of 2, 3, ...
+    double grating, fibres, turn;
+    int stains;
+    struct gp_stain stain[PARTICLES + EYE_LASHES * GP_LASH_PARTS];
+};
+
+static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
+{
+    const struct eye *const e = ctx;
+    const double v = (y + 0.5 - 0.5 * p->n) * p->cell;
+    float *const row = p->t + (size_t) y * (size_t) p->n;
+    for (int x = 0; x < p->n; x++) {
+        const double u = (x + 0.5 - 0.5 * p->n) * p->cell;
+        const double r = hypot(u, v);
+        if (r > e->radius + p->cell)
+            continue;
+        row[x] = 1.0f;
+        if (r < 1.5 && r < 0.9 * e->radius)
+            continue;
+        const double a = atan2(-v, u) - e->turn;
+        double edge = 0.97;
+        for (int i = 0; i < WAVES && r > 0.9 * e->radius; i++)
+            edge += e->edge[i][0] * cos((i + 2) * a) +
+                    e->edge[i][1] * sin((i + 2) * a);
+        double t = fmin(fmax((edge * e->radius - r) / p->cell + 0.5, 0.0), 1.0);
+        // fibres of the lens' cortex show where the pupil is over 3 mm wide:
+        // Simpson 1953
+        if (e->grating > 0.0 && r > 1.5)
+            t *= 1.0 - e->grating * fmin(r - 1.5, 1.0) *
+                           (0.5 + 0.5 * cos(e->fibres * a));
+        row[x] = (float) t;
+    }
+    gp_stain_row(e->stain, e->stains, p, y);
+}
+
+/* Particles in the lens, before it and behind it, which drift as the eye
+ * moves. */
+static void add_particles(struct eye *e, int n, double t, uint64_t seed)
+{
+    for (int k = 0; k < n; k++) {
+        struct gp_stain *const one = &e->stain[e->stains++];
+        const uint64_t key = 4 * (uint64_t) k;
+        const bool floats = k % 4 == 0;
+        const double r = 0.5 * PUPIL_MOST * sqrt(gp_model_random(seed, key));
+        const double a = 2.0 * PI * gp_model_random(seed, key + 1) + e->turn +
+                         (floats ? 0.3 * noise(0.4 * t, seed + 1) : 0.0);
+        const double size = 0.012 * pow(4.0, gp_model_random(seed, key + 2));
+        const double shift = 0.05 * noise(t, seed + 2 + (floats ? 1 : 0));
+        for (int i = 0; i < 2; i++) {
+            one->x[i] = r * cos(a) + shift;
+            one->y[i] = -r * sin(a) + 0.5 * shift;
+            one->radius[i] = size;
+        }
+        one->hides = 0.3 + 0.7 * gp_model_random(seed, key + 3);
+    }
+}
+
+enum { MOON_SPENCER, WATSON };
+static const char *const formulas[] = {"moon-spencer", "watson", NULL};
+
+static const struct gp_model_key temporal_keys[] = {
+    GP_MODEL_SHARE(1.0),
+    {"adaptation", "luminance that the eye is adapted to, cd/m2", 1, 1e-6, 1e6,
+     NULL, false},
+    {"pupil", "mean diameter of the pupil, mm; 0 takes that of adaptation", 0,
+     0, PUPIL_MOST, NULL, false},
+    {"formula", "pupil of an adaptation, by Moon and Spencer or by Watson and "
+     "Yellott", MOON_SPENCER, MOON_SPENCER, WATSON, formulas, false},
+    {"age", "years, used by watson", 30, 18, 90, NULL, false},
+    {"hippus", "strength with which the pupil shimmers in time", 0.15, 0, 1,
+     NULL, false},
+    {"particles", "particles in the eye, 0 none to 1 many", 0.5, 0, 1, NULL,
+     false},
+    {"grating", "strength of the lens' fibres: the lenticular halo", 0.1, 0, 1,
+     NULL, false},
+    {"fibres", "number of these fibres", 1100, 2, 3000, NULL, false},
+    {"lashes", "lashes before the eye, 0 none to 1 many", 0.2, 0, 1, NULL,
+     false},
+    {"seed", "number that chooses the eye", 1, 0, 1e9, NULL, false},
+    {"wavelengths", "number of wavelengths of daylight, 380 to 780 nm", 32, 1,
+     256, NULL, false},
+    {"reach", "distance beyond which only the light's smooth mean goes on, "
+     "degrees", 6, 0.01, 90, NULL, false},
+    {0},
+};
+
+static gp_status open_temporal(const struct gp_log *log,
+    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+{
+    struct eye *e;
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    const double nits = gp_recipe_value(r, "adaptation");
+    const double t = f->frame / f->fps;
+    const double area = f->degrees * f->degrees * f->aspect * f->w * f->h;
+    double p = gp_recipe_value(r, "pupil");
+    if (!(p > 0.0))
+        p = gp_recipe_value(r, "formula") == WATSON
+                ? gp_pupil_watson(nits, area, gp_recipe_value(r, "age"))
+                : gp_pupil_moon_spencer(nits);
+    p = fmax(p, 1.0);
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
+    if (st)
+        return st;
+    e->radius = 0.5 * gp_pupil_hippus(p, t, gp_recipe_value(r, "hippus"), seed);
+    e->turn = f->rotate * PI / 180.0;
+    for (int i = 0; i < 2 * WAVES; i++)
+        e->edge[i / 2][i % 2] =
+            0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);
+    e->grating = gp_recipe_value(r, "grating");
+    e->fibres = floor(gp_recipe_value(r, "fibres"));
+    add_particles(e, (int) (PARTICLES * gp_recipe_value(r, "particles")), t,
+                  seed + 8);
+    const int lashes = (int) (EYE_LASHES * gp_recipe_value(r, "lashes"));
+    gp_stain_lashes(lashes, e->radius, e->turn, seed + 16,
+                    e->stain + e->stains);
+    e->stains += lashes * GP_LASH_PARTS;
+    const struct gp_diffraction d = {
+        .name = "temporal", .diameter = 2.0 * e->radius,
+        .reach = gp_recipe_value(r, "reach"),
+        .bands = (int) gp_recipe_value(r, "wavelengths"), .draw = draw_eye,
+        .ctx = e,
+    };
+    st = gp_diffract(log, &d, f, out);
+    gp_free(e);
+    return st;
+}
+
+const struct gp_model gp_model_temporal = {
+    .name = "temporal", .text = "an eye whose pupil shimmers with each frame",
+    .source = "Ritschel et al. 2009, eqs. 1 and 2", .moves = true,
+    .keys = temporal_keys, .open = open_temporal,
+};
