@@ -9,7 +9,7 @@
 #include "gl/gl.h"
 #include "io/file.h"
 #include "io/write.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -16,7 +16,7 @@
 #include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "scene/eye.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 #include "sun/ghosts.h"
 #include "sun/lens.h"
 #include "sun/stage.h"

@@ -54,10 +54,7 @@ struct gp_volume gp_frustum_volume(const struct gp_frustum *f);
  * Source: O'Rorke, GPU Gems 15.4.4; Everitt and Kilgard 2003. */
 struct gp_volume gp_hull(const struct gp_frustum *f, struct gp_from light);
 
-/* True where a box cannot meet the volume: it is outside a plane, or of the
- * volume's box. A box of centre c and half sides e. A box that misses all of
- * the volume beside an edge may count as one that meets it, never the other way
- * round. */
+/* True where a box of centre c and half sides e is outside a half-space. */
 static inline bool gp_half_misses(struct gp_half h, struct gp_v3 c,
                                   struct gp_v3 e, double slack)
 {
@@ -65,7 +62,5 @@ static inline bool gp_half_misses(struct gp_half h, struct gp_v3 c,
         fabs(h.n.x) * e.x + fabs(h.n.y) * e.y + fabs(h.n.z) * e.z;
     return h.n.x * c.x + h.n.y * c.y + h.n.z * c.z + h.d - reach > slack;
 }
-bool gp_volume_misses(const struct gp_volume *v, struct gp_v3 c,
-                      struct gp_v3 e);
 
 #endif

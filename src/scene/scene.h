@@ -1,12 +1,11 @@
 /* scene: what a frame alone cannot give (O'Rorke, GPU Gems 15): lights that are
  * off screen or hidden, and the objects before them, from a glTF 2.0 file.
  *
- *   gltf_file      .glb and .gltf, their buffers and images, bounds first
- *   gltf_accessor  numbers from buffers: strides, sparse, normalised
- *   gltf_mesh      materials, cut-outs and triangles of a file
- *   gltf_node      nodes, lights and cameras of a file
- *   gltf_anim      places of nodes at a time
- *   gltf_camera    its cameras beside the frame's
+ *   gltf/          the reader: file (.glb and .gltf, their buffers and images,
+ *                  bounds first), accessor (numbers from buffers), mesh
+ *                  (materials, cut-outs, triangles), node (nodes, lights,
+ *                  cameras), anim (places of nodes at a time), camera (beside
+ *                  the frame's)
  *   bounds         boxes and spheres of objects
  *   frustum        planes of a camera, and of its hull with a light (15.4.4)
  *   reach          volumes of lights
@@ -20,7 +19,7 @@
  *   draw, shadow   the paper's renderer on GL
  *   relight        the frame lit by the scene's lights
  *
- * The scene's world is the frame's: gltf.h turns glTF's (y up) to it. Units are
+ * The scene's world is the frame's: gltf/ turns glTF's (y up) to it. Units are
  * the file's, metres by glTF. Matrices are for row vectors, p' = p * m,
  * m[4 * row + column], as in core/camera.h.
  *

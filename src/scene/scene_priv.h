@@ -20,6 +20,13 @@ struct gp_volume gp_sets_hull(const struct gp_sets_view *v,
 /* Returns a distance along the view axis over that of every object. */
 double gp_sets_far(const struct gp_scene *s, const struct gp_sets_view *v);
 
+/* True where a box cannot meet the volume: it is outside a plane, or of the
+ * volume's box. A box of centre c and half sides e. A box that misses all of
+ * the volume beside an edge may count as one that meets it, never the other way
+ * round. */
+bool gp_volume_misses(const struct gp_volume *v, struct gp_v3 c,
+                      struct gp_v3 e);
+
 /* An edge from one corner to the other. Seen from outside plane `with` it is in
  * counter-clockwise order, outside `against` clockwise; gp_frustum.turn -1 swaps
  * them. */

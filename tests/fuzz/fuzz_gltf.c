@@ -1,7 +1,7 @@
 /* glTF scenes: read, posed, turned, and their cameras compared. */
 #include "core/memory.h"
 #include "harness.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -75,7 +75,7 @@ static void use_scene(struct gp_scene *s)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    // the reader's own bar (scene/gltf.h), and the harness's
+    // the reader's own bar (scene/gltf/gltf.h), and the harness's
     const uint64_t allowed = FUZZ_FIXED + (64u << 20) + 432u * size;
     static const struct gp_scene_images images = {NULL, give_alpha};
     const char *const path = fuzz_file(data, size);

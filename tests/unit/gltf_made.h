@@ -5,7 +5,7 @@
 
 #include "folder.h"
 #include "kept_log.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 #include "unit.h"
 
 /* Returns "data:...;base64,..." of bytes, in memory that the next 8 calls

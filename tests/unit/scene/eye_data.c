@@ -5,7 +5,7 @@
 
 #include "core/memory.h"
 #include "kept_log.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 #include "unit.h"
 
 #include <jansson.h>

@@ -2,7 +2,7 @@
  * data_path()'s; without it these tests skip. */
 #include "core/memory.h"
 #include "kept_log.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 #include "unit.h"
 
 #include <jansson.h>

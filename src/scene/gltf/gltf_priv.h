@@ -1,12 +1,12 @@
 /* A glTF 2.0 file that is being read: JSON, buffers, and how much of memory its
  * content may still take. Only the reader sees it. Numbers of items start at
  * 0, as in the file. Source: glTF 2.0 specification (Khronos, 2021). */
-#ifndef GP_SCENE_GLTF_PRIV_H
-#define GP_SCENE_GLTF_PRIV_H
+#ifndef GP_SCENE_GLTF_GLTF_PRIV_H
+#define GP_SCENE_GLTF_GLTF_PRIV_H
 
 #include "core/json.h"
 #include "core/status.h"
-#include "scene/gltf.h"
+#include "scene/gltf/gltf.h"
 #include "scene/scene.h"
 
 #include <stddef.h>
@@ -89,7 +89,7 @@ GP_MUST_CHECK gp_status gp_gltf_view(const struct gp_gltf *g, int index,
 GP_MUST_CHECK gp_status gp_gltf_image(const struct gp_gltf *g, int index,
     struct gp_gltf_span *span, void **own, char **file);
 
-// -- gltf_accessor.c ---------------------------------------------------------
+// -- accessor.c --------------------------------------------------------------
 
 /* Elements of numbers in a buffer, bounds checked. */
 struct gp_gltf_numbers {
@@ -123,14 +123,14 @@ GP_MUST_CHECK gp_status gp_gltf_floats(const struct gp_gltf_accessor *a,
 GP_MUST_CHECK gp_status gp_gltf_indices(const struct gp_gltf_accessor *a,
                                         int below, uint32_t *out);
 
-// -- gltf_mesh.c -------------------------------------------------------------
+// -- mesh.c ------------------------------------------------------------------
 
 /* Reads materials with the coverage of their textures, then meshes. */
 GP_MUST_CHECK gp_status gp_gltf_materials(struct gp_gltf *g,
     const struct gp_scene_images *images, struct gp_scene *out);
 GP_MUST_CHECK gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out);
 
-// -- gltf_anim.c -------------------------------------------------------------
+// -- anim.c ------------------------------------------------------------------
 
 /* Keys of one property of a node. */
 enum gp_key_path { GP_KEY_MOVE, GP_KEY_TURN, GP_KEY_SCALE, GP_KEY_PATHS };

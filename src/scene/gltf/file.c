@@ -1,5 +1,5 @@
 /* The file: chunks of a .glb, JSON, data URIs, the file beside. */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include "core/bytes.h"
 #include "core/memory.h"

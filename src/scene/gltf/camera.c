@@ -1,6 +1,6 @@
 /* The scene's cameras beside the frame's: names, projection, comparison, and
  * the axis that points up. */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Keys of nodes (specification, 3.11 and appendix C), and places at a time. */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
 #include "scene/bounds.h"

@@ -1,6 +1,6 @@
 /* Reads a glTF 2.0 scene, and poses it at a time. */
-#ifndef GP_SCENE_GLTF_H
-#define GP_SCENE_GLTF_H
+#ifndef GP_SCENE_GLTF_GLTF_H
+#define GP_SCENE_GLTF_GLTF_H
 
 #include "scene/scene.h"
 

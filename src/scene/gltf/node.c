@@ -1,5 +1,5 @@
 /* Nodes, lights and cameras; the scene as a whole. */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
 

@@ -1,5 +1,5 @@
 /* Materials, as far as they hide or take light, and triangles. */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
 

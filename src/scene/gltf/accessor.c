@@ -1,6 +1,6 @@
 /* Numbers from buffers: every component type, strides, normalised integers,
  * sparse replacements (specification, 3.6.2). */
-#include "scene/gltf_priv.h"
+#include "scene/gltf/gltf_priv.h"
 
 #include "core/bytes.h"
 
