@@ -48,27 +48,30 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
-/* The place of an attribute in the file. */
-struct gp_exr_place {
-    uint64_t name, type, value;
-    uint32_t size; // of the value
+/* An attribute; pointers go into gp_exr_index.bytes. */
+struct gp_exr_attr {
+    const char *name, *type;
+    const uint8_t *data; // `size` bytes, little-endian, not aligned
+    uint32_t size;
 };
 
 struct gp_exr_index_part {
     uint64_t from, to; // its attributes, with the null byte that ends them
-    int attr, attrs;   // they are attr[attr], ...
+    const struct gp_exr_attr *attr; // `attrs` of them
+    int attrs;
     uint64_t table;    // its offset table, once the library is asked
     int chunks;        // entries of that
 };
 
 struct gp_exr_index {
+    uint8_t *bytes;   // of the file, from its start to the offset tables
     bool multi, flat; // several parts; one that is not deep
     uint64_t type;    // first byte of the attribute "type" of a flat file; or 0
     uint64_t tables;  // first byte of the offset tables, after the header; 0:
                       // it is damaged
     struct gp_exr_index_part *part;
     int parts;
-    struct gp_exr_place *attr; // of all parts
+    struct gp_exr_attr *attr; // of all parts
     int attrs;
 };
 
@@ -84,14 +87,15 @@ GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Returns true when the bytes of `s` are a value of that type. */
-bool gp_exr_value_is(const struct gp_stream *s, const char *type);
+/* Returns true when the bytes are a value of that type, and for types that
+ * OpenEXR does not know. */
+bool gp_exr_value_is(const uint8_t *b, size_t size, const char *type);
 
-/* -- attributes carried from input to output (open.c) -----------------------
- *
- * As bytes: attributes of any type, known or not, and whole headers of other
- * parts. (OpenEXRCore 3.1.5 refuses to copy attributes whose
- * type it does not know.) */
+/* The attribute of that name and type, or NULL; a `part` that is NULL has
+ * none. */
+const struct gp_exr_attr *
+gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
+                 const char *type);
 
 /* Flags of the version field, openexr file layout, "Version Field". */
 enum {
@@ -102,40 +106,6 @@ enum {
     GP_EXR_DEEP = 0x800,
     GP_EXR_MULTIPART = 0x1000,
 };
-
-/* One attribute; pointers go into gp_exr_carried.bytes. */
-struct gp_exr_attr {
-    const char *name, *type;
-    const uint8_t *data; // `size` bytes, little-endian, not aligned
-    uint32_t size;
-};
-
-struct gp_exr_carried_part {
-    const uint8_t *bytes; // all attributes, with the null byte that ends them
-    size_t size;
-    const struct gp_exr_attr *attr;
-    int attrs;
-};
-
-struct gp_exr_carried {
-    uint32_t version; // with its flags
-    uint8_t *bytes;   // from the magic number to the first offset table
-    struct gp_exr_carried_part *part;
-    struct gp_exr_attr *attr; // those of all parts
-};
-
-/* Reads the header of an EXR input again. `out` is empty on failure; free with
- * gp_exr_carried_free(). Errors: GP_ERR_DATA it has changed since;
- * GP_ERR_IO a read failed; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_carried_read(const struct gp_log *log,
-    const char *path, const struct gp_input *in, struct gp_exr_carried *out);
-void gp_exr_carried_free(struct gp_exr_carried *carried);
-
-/* The attribute of that name and type, or NULL; a `part` that is NULL has
- * none. */
-const struct gp_exr_attr *
-gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
-                 const char *type);
 
 /* -- chunks as bytes (open.c) --------------------------------------------- */
 
@@ -385,7 +355,7 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  *   chunks  of the part in a multi-part file, where type and number of chunks
  *           are required; 0 in files of one part */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
-    const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
+    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
     enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
     int chunks);
 

@@ -18,35 +18,13 @@ enum {
     LIST_MOST = 8192,
 };
 
-/* A block of the file, so that short reads cost no call each. */
-struct window {
-    const struct gp_stream *stream;
-    uint64_t from, to; // the bytes of the file that are in b
-    int error;         // errno of a read that failed, else 0
-    uint8_t b[16 * NAME];
-};
-
-/* Up to `n` bytes, at most NAME, at `at`; *left is how many there are. NULL
- * when there is none. */
-static const uint8_t *window_at(struct window *w, uint64_t at, uint64_t n,
-                                size_t *left)
-{
-    if (at < w->from || at + n > w->to) {
-        const int64_t got = gp_stream_read(w->stream, w->b, sizeof w->b, at);
-        w->error = got < 0 ? errno : w->error;
-        w->from = at;
-        w->to = at + (uint64_t) (got > 0 ? got : 0);
-    }
-    *left = (size_t) (w->to - at < n ? w->to - at : n);
-    return *left > 0 ? w->b + (at - w->from) : NULL;
-}
-
 /* -- values --------------------------------------------------------------- */
 
-/* A value in the file: bytes [at, at + size). */
+/* A value of `size` bytes, of which the file has `there`: what is missing is
+ * right, as the library reports it. */
 struct value {
-    struct window *w;
-    uint64_t at, size;
+    const uint8_t *b;
+    size_t there, size;
 };
 
 /* Walks a list of channels, as far as `most` of them; returns how many there
@@ -57,21 +35,27 @@ struct value {
 static uint64_t count_channels(const struct value *v, uint64_t most,
                                bool *complete)
 {
-    const uint64_t end = v->at + v->size;
+    const bool cut = v->there < v->size;
     uint64_t n = 0;
     *complete = false;
-    for (uint64_t at = v->at; at < end && n < most; n++) {
-        const uint64_t room = end - at < NAME ? end - at : NAME;
-        size_t left;
-        const uint8_t *const name = window_at(v->w, at, room, &left);
-        const uint8_t *const null = name ? memchr(name, 0, left) : NULL;
-        if (!null || null == name) { // no more, or the list's end
-            *complete = null ? at + 1 == end : left < NAME && at + left < end;
+    for (size_t at = 0; at < v->size && n < most; n++) {
+        const size_t left = at < v->there ? v->there - at : 0;
+        const uint8_t *const null =
+            left ? memchr(v->b + at, 0, left < NAME ? left : NAME) : NULL;
+        if (!null || null == v->b + at) { // no more, or the list's end
+            *complete = null ? at + 1 == v->size : cut && left < NAME;
             break;
         }
-        at += (uint64_t) (null - name) + 1 + CHANNEL;
+        at = (size_t) (null - v->b) + 1 + CHANNEL;
     }
     return n;
+}
+
+static bool is_chlist(const struct value *v)
+{
+    bool complete;
+    (void) count_channels(v, UINT64_MAX, &complete);
+    return complete;
 }
 
 /* Film codes within the ranges of SMPTE 254. */
@@ -89,65 +73,60 @@ static bool is_keycode(const struct value *v)
         {20, 120},  // perforations a count
     };
     enum { N = sizeof range / sizeof *range };
-    size_t left;
-    if (v->size != 4 * N)
-        return false;
-    const uint8_t *const b = window_at(v->w, v->at, 4 * N, &left);
-    for (size_t i = 0; left == 4 * N && i < N; i++) {
-        const uint32_t code = gp_le32(b + 4 * i);
-        if (code < range[i].lo || code > range[i].hi)
-            return false;
+    bool fits = v->size == 4 * N;
+    for (size_t i = 0; fits && i < N && v->there == v->size; i++) {
+        const uint32_t code = gp_le32(v->b + 4 * i);
+        fits = code >= range[i].lo && code <= range[i].hi;
     }
-    return true;
+    return fits;
 }
 
 /* Width, height and as many RGBA bytes. */
 static bool is_preview(const struct value *v)
 {
-    size_t left;
-    if (v->size < 8)
-        return false;
-    const uint8_t *const b = window_at(v->w, v->at, 8, &left);
-    if (left < 8)
-        return true;
-    const uint64_t w = gp_le32(b), h = gp_le32(b + 4);
+    if (v->size < 8 || v->there < 8)
+        return v->size >= 8;
+    const uint64_t w = gp_le32(v->b), h = gp_le32(v->b + 4);
     return w <= INT32_MAX && h <= INT32_MAX && v->size == 8 + 4 * w * h;
 }
 
 /* Strings, each after its length. */
 static bool is_stringvector(const struct value *v)
 {
-    const uint64_t end = v->at + v->size;
-    for (uint64_t at = v->at; at < end;) {
-        size_t left;
-        if (end - at < 4)
-            return false;
-        const uint8_t *const b = window_at(v->w, at, 4, &left);
-        if (left < 4)
-            return true;
-        at += 4;
-        if (gp_le32(b) > end - at)
-            return false;
-        at += gp_le32(b);
-    }
-    return true;
+    size_t at = 0;
+    while (at + 4 <= v->size && at + 4 <= v->there &&
+           gp_le32(v->b + at) <= v->size - at - 4)
+        at += 4 + gp_le32(v->b + at);
+    return at == v->size || (at + 4 <= v->size && at + 4 > v->there);
 }
 
-/* Returns true when the bytes are a value of that type, for types that OpenEXR
- * does not know, and for bytes that cannot be read, which the library
- * reports. */
+static bool is_floatvector(const struct value *v)
+{
+    return v->size % 4 == 0;
+}
+
+/* Unpacked size, then what is packed. */
+static bool is_idmanifest(const struct value *v)
+{
+    return v->size >= 8;
+}
+
+/* Returns true when the bytes are a value of that type, and for types that
+ * OpenEXR does not know. */
 static bool value_is(const struct value *v, const char *type)
 {
     // those of OpenEXR's C++ library; "string" and "bytes" may be any bytes
     static const struct {
         const char *name;
-        uint64_t size;
+        size_t size;
         bool (*is)(const struct value *v); // for types of several sizes
     } types[] = {
         {"box2f", 16, NULL},         {"box2i", 16, NULL},
-        {"chromaticities", 32, NULL}, {"compression", 1, NULL},
-        {"deepImageState", 1, NULL}, {"double", 8, NULL},
-        {"envmap", 1, NULL},         {"float", 4, NULL},
+        {"chlist", 0, is_chlist},    {"chromaticities", 32, NULL},
+        {"compression", 1, NULL},    {"deepImageState", 1, NULL},
+        {"double", 8, NULL},         {"envmap", 1, NULL},
+        {"float", 4, NULL},          {"floatvector", 0, is_floatvector},
+        {"idmanifest", 0, is_idmanifest},
         {"int", 4, NULL},            {"keycode", 0, is_keycode},
         {"lineOrder", 1, NULL},      {"m33d", 72, NULL},
         {"m33f", 36, NULL},          {"m44d", 128, NULL},
@@ -158,15 +137,6 @@ static bool value_is(const struct value *v, const char *type)
         {"v2i", 8, NULL},            {"v3d", 24, NULL},
         {"v3f", 12, NULL},           {"v3i", 12, NULL},
     };
-    bool complete;
-    if (strcmp(type, "chlist") == 0) {
-        (void) count_channels(v, UINT64_MAX, &complete);
-        return complete;
-    }
-    if (strcmp(type, "floatvector") == 0)
-        return v->size % 4 == 0;
-    if (strcmp(type, "idmanifest") == 0) // unpacked size, then what is packed
-        return v->size >= 8;
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         if (strcmp(type, types[i].name) == 0)
             return types[i].is ? types[i].is(v) : v->size == types[i].size;
@@ -174,10 +144,9 @@ static bool value_is(const struct value *v, const char *type)
     return true;
 }
 
-bool gp_exr_value_is(const struct gp_stream *s, const char *type)
+bool gp_exr_value_is(const uint8_t *b, size_t size, const char *type)
 {
-    struct window w = {.stream = s};
-    return value_is(&(struct value) {&w, 0, s->size}, type);
+    return value_is(&(struct value) {b, size, size}, type);
 }
 
 /* -- the walk ------------------------------------------------------------- */
@@ -185,25 +154,68 @@ bool gp_exr_value_is(const struct gp_stream *s, const char *type)
 struct walk {
     const struct gp_log *log;
     const char *path;
-    struct window w;
+    const struct gp_stream *stream;
     struct gp_exr_index *index;
+    uint64_t loaded; // bytes of index->bytes
+    gp_status st;    // of loading them
     uint64_t channels, attributes; // squares of the lists that have ended
-    // the attribute at hand
-    char name[NAME], type[NAME];
-    struct gp_exr_place at;
 };
 
-/* Copies the name at *at, of up to 255 bytes and its null, and steps over it.
- * False when it does not end in time. */
-static bool read_name(struct window *w, uint64_t *at, char to[NAME])
+/* The first bytes of an attribute's name, type and value in the file. */
+struct place {
+    uint64_t name, type, value;
+    uint32_t size; // of the value
+};
+
+/* Loads the file's start as far as the `n` bytes at `at`; returns how many of
+ * these there are. */
+static size_t load(struct walk *w, uint64_t at, uint64_t n)
 {
-    size_t left;
-    const uint8_t *const from = window_at(w, *at, NAME, &left);
-    const uint8_t *const null = from ? memchr(from, 0, left) : NULL;
-    if (!null)
+    enum { FIRST = 4096 }; // most headers
+    const uint64_t all = w->stream->size;
+    const uint64_t end = n < all - at ? at + n : all;
+    if (end > w->loaded && !w->st) {
+        uint64_t room = end > FIRST ? end : FIRST;
+        void *block = w->index->bytes;
+        room = room > 2 * w->loaded ? room : 2 * w->loaded;
+        room = room < all ? room : all;
+        w->st = gp_resize(w->log, w->path, room, &block);
+        w->index->bytes = block;
+        const int64_t got =
+            w->st ? 0 : gp_stream_read(w->stream, w->index->bytes + w->loaded,
+                                       room - w->loaded, w->loaded);
+        if (got < 0)
+            w->st = gp_fail(w->log, GP_ERR_IO, "%s: cannot read (%s); check "
+                            "the disk", w->path, strerror(errno));
+        else
+            w->loaded += (uint64_t) got;
+    }
+    const uint64_t left = w->loaded > at ? w->loaded - at : 0;
+    return (size_t) (n < left ? n : left);
+}
+
+/* Steps over the name at *at, of up to 255 bytes and its null. False when it
+ * does not end in time. */
+static bool skip_name(struct walk *w, uint64_t *at)
+{
+    const size_t n = load(w, *at, NAME);
+    const uint8_t *const from = w->index->bytes + *at;
+    const uint8_t *const null = n ? memchr(from, 0, n) : NULL;
+    *at += null ? (uint64_t) (null - from) + 1 : 0;
+    return null;
+}
+
+/* Finds the attribute at `at`. False when its size is not there. */
+static bool find_attribute(struct walk *w, uint64_t at, struct place *out)
+{
+    out->name = out->type = at;
+    if (!skip_name(w, &out->type))
         return false;
-    memcpy(to, from, (size_t) (null - from) + 1);
-    *at += (uint64_t) (null - from) + 1;
+    out->value = out->type;
+    if (!skip_name(w, &out->value) || load(w, out->value, 4) < 4)
+        return false;
+    out->size = gp_le32(w->index->bytes + out->value);
+    out->value += 4;
     return true;
 }
 
@@ -221,19 +233,9 @@ static gp_status check_length(const struct walk *walk, uint64_t before,
                    LIST_MOST);
 }
 
-/* Makes room for one more than n in a list, which doubles at powers of two. */
-static gp_status grow_list(const struct walk *walk, void **list, int n,
-                           size_t size)
-{
-    if (n & (n - 1))
-        return GP_OK;
-    return gp_resize(walk->log, walk->path, (n ? 2 * (size_t) n : 1) * size,
-                     list);
-}
-
-/* Checks the attribute at hand, and puts it into the index. */
-static gp_status add_attribute(struct walk *walk,
-                               struct gp_exr_index_part *part)
+/* Checks an attribute, the `attrs`th of its part. */
+static gp_status check_attribute(struct walk *walk, const struct place *p,
+                                 uint64_t attrs)
 {
     static const struct {
         const char *name, *type; // that it must have
@@ -251,39 +253,33 @@ static gp_status add_attribute(struct walk *walk,
         {"name", "string", true},
         {"chunkCount", "int", true},
     };
-    struct gp_exr_index *const index = walk->index;
-    const struct value v = {&walk->w, walk->at.value, walk->at.size};
+    const struct gp_exr_index *const index = walk->index;
+    const size_t there = load(walk, p->value, p->size);
+    const struct value v = {index->bytes + p->value, there, p->size};
+    char *const name = (char *) index->bytes + p->name;
+    char *const type = (char *) index->bytes + p->type;
     const char *must = NULL; // any type
-    void *list = index->attr;
     gp_status st;
-    GP_TRY(check_length(walk, walk->attributes, "attributes",
-                        (uint64_t) ++part->attrs));
-    if (strcmp(walk->type, "chlist") == 0) {
+    GP_TRY(check_length(walk, walk->attributes, "attributes", attrs));
+    if (strcmp(type, "chlist") == 0) {
         bool complete;
         const uint64_t n = count_channels(&v, LIST_MOST + 1, &complete);
         GP_TRY(check_length(walk, walk->channels, "channels", n));
         walk->channels += n * n;
     }
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (strcmp(walk->name, known[i].name) == 0 &&
+        if (strcmp(name, known[i].name) == 0 &&
             (index->multi || !known[i].multi))
             must = known[i].type;
     }
-    const bool fits = (!must || strcmp(must, walk->type) == 0) &&
-                      value_is(&v, walk->type);
-    if (!fits && !walk->w.error) {
-        for (char *c = walk->name; *c; c++) // damage may have made any bytes
-            *c = *c > ' ' && *c <= '~' ? *c : '?';
-        for (char *c = walk->type; *c; c++)
-            *c = *c > ' ' && *c <= '~' ? *c : '?';
-        GP_TRY(gp_fail(walk->log, GP_ERR_DATA,
-                       "%s: attribute %s is damaged (its %u bytes are not a "
-                       "valid %s); copy or render the file again", walk->path,
-                       walk->name, walk->at.size, must ? must : walk->type));
-    }
-    GP_TRY(grow_list(walk, &list, index->attrs, sizeof *index->attr));
-    index->attr = list;
-    index->attr[index->attrs++] = walk->at;
+    if (walk->st || ((!must || strcmp(must, type) == 0) && value_is(&v, type)))
+        return walk->st;
+    for (char *c = name; c < (const char *) v.b - 4; c++)
+        *c = !*c || (*c > ' ' && *c <= '~') ? *c : '?'; // damage makes any
+    st = gp_fail(walk->log, GP_ERR_DATA,
+                 "%s: attribute %s is damaged (its %u bytes are not a valid "
+                 "%s); copy or render the file again", walk->path, name,
+                 p->size, must ? must : type);
 out:
     return st;
 }
@@ -292,47 +288,60 @@ out:
 static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
 {
     struct gp_exr_index *const index = walk->index;
-    struct gp_exr_index_part part = {.from = at, .attr = index->attrs};
-    struct window *const w = &walk->w;
-    struct gp_exr_place *const to = &walk->at;
-    const uint8_t *b;
-    size_t left;
+    struct gp_exr_index_part part = {.from = at};
+    struct place p;
+    void *list = index->part;
     gp_status st;
     *end = 0;
-    while ((b = window_at(w, at, 1, &left)) && *b != 0) {
-        to->name = to->type = at;
-        if (!read_name(w, &to->type, walk->name))
+    for (; load(walk, at, 1) && index->bytes[at]; at = p.value + p.size) {
+        if (!find_attribute(walk, at, &p))
             return GP_OK;
-        to->value = to->type;
-        if (!read_name(w, &to->value, walk->type))
-            return GP_OK;
-        b = window_at(w, to->value, 4, &left);
-        if (left < 4)
-            return GP_OK;
-        to->size = gp_le32(b);
-        to->value += 4;
-        st = add_attribute(walk, &part);
+        st = check_attribute(walk, &p, (uint64_t) ++part.attrs);
         if (st)
             return st;
-        if (!index->type && index->flat && strcmp(walk->name, "type") == 0)
+        if (!index->type && index->flat &&
+            strcmp((const char *) index->bytes + at, "type") == 0)
             index->type = at;
-        at = to->value + to->size;
-        if (to->size > INT_MAX || at > w->stream->size)
+        if (p.size > INT_MAX || p.value + p.size > walk->stream->size)
             return GP_OK;
     }
-    if (!b)
+    if (!load(walk, at, 1))
         return GP_OK;
     *end = part.to = at + 1;
     walk->attributes += (uint64_t) part.attrs * (uint64_t) part.attrs;
     if (index->multi && part.attrs == 0) // the null that ends all parts
         return GP_OK;
-    void *list = index->part;
-    st = check_length(walk, 0, "parts", (uint64_t) index->parts + 1);
-    if (!st)
-        st = grow_list(walk, &list, index->parts, sizeof part);
+    GP_TRY(check_length(walk, 0, "parts", (uint64_t) index->parts + 1));
+    if ((index->parts & (index->parts - 1)) == 0) // doubles at powers of two
+        GP_TRY(gp_resize(walk->log, walk->path,
+                         2 * (size_t) (index->parts + 1) * sizeof part, &list));
     index->part = list;
-    if (!st)
-        index->part[index->parts++] = part;
+    index->part[index->parts++] = part;
+    index->attrs += part.attrs;
+out:
+    return st;
+}
+
+/* Lists the attributes of all parts, whose bytes are loaded. */
+static gp_status list_attributes(const struct walk *w)
+{
+    struct gp_exr_index *const index = w->index;
+    gp_status st = gp_alloc(w->log, w->path, (size_t) index->attrs,
+                            sizeof *index->attr, &index->attr);
+    struct gp_exr_attr *a = index->attr;
+    for (int i = 0; i < index->parts && !st; i++) {
+        struct gp_exr_index_part *const part = &index->part[i];
+        const uint8_t *at = index->bytes + part->from;
+        part->attr = a;
+        for (int k = 0; k < part->attrs; k++, a++) {
+            a->name = (const char *) at;
+            a->type = a->name + strlen(a->name) + 1;
+            at = (const uint8_t *) a->type + strlen(a->type) + 1;
+            a->size = gp_le32(at);
+            a->data = at + 4;
+            at = a->data + a->size;
+        }
+    }
     return st;
 }
 
@@ -340,16 +349,13 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
                             const struct gp_stream *s, struct gp_exr_index *out)
 {
     enum { PARTS = 0x10, DEEP = 0x08 }; // flags in byte 5 of the file
-    struct walk walk = {.log = log, .path = path, .index = out};
+    struct walk walk = {.log = log, .path = path, .stream = s, .index = out};
     uint64_t at = 8, end = 0;
-    size_t left;
     *out = (struct gp_exr_index) {0};
-    walk.w.stream = s;
-    const uint8_t *const head = window_at(&walk.w, 0, at, &left);
     gp_status st = GP_OK;
-    if (head && left == at) {
-        out->multi = head[5] & PARTS;
-        out->flat = !(head[5] & (DEEP | PARTS));
+    if (load(&walk, 0, at) == at) {
+        out->multi = out->bytes[5] & PARTS;
+        out->flat = !(out->bytes[5] & (DEEP | PARTS));
         for (int parts = 0; !st; parts++) {
             st = walk_part(&walk, at, &end);
             at = end;
@@ -357,15 +363,16 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
                 break;
         }
     }
-    if (walk.w.error && !st)
-        st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the disk",
-                     path, strerror(walk.w.error));
+    st = st ? st : walk.st;
+    if (!st && end)
+        st = list_attributes(&walk);
     out->tables = st ? 0 : end;
     return st;
 }
 
 void gp_exr_index_free(struct gp_exr_index *index)
 {
+    gp_free(index->bytes);
     gp_free(index->part);
     gp_free(index->attr);
     *index = (struct gp_exr_index) {0};

@@ -262,65 +262,8 @@ void gp_input_free(void *input)
     gp_free(in);
 }
 
-/* -- parts carried to the output ------------------------------------------ */
-
-gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
-    const struct gp_input *in, struct gp_exr_carried *out)
-{
-    const struct gp_exr_index *const index = in->index;
-    gp_status st;
-    *out = (struct gp_exr_carried) {0};
-    GP_TRY(gp_alloc(log, path, index->tables, 1, &out->bytes));
-    GP_TRY(gp_alloc(log, path, (size_t) index->attrs, sizeof *out->attr,
-                    &out->attr));
-    GP_TRY(gp_alloc(log, path, (size_t) index->parts, sizeof *out->part,
-                    &out->part));
-    const uint8_t *const b = out->bytes;
-    gp_exr_fault_clear();
-    bool same = gp_exr_read_bytes(&in->stream, out->bytes, index->tables, 0) ==
-                (int64_t) index->tables;
-    if (gp_exr_fault())
-        GP_TRY(gp_exr_fault_print(log, path, gp_exr_fault()));
-
-    // names, types and parts must end where they did when they were indexed
-    for (int i = 0; same && i < index->attrs; i++) {
-        const struct gp_exr_place *p = &index->attr[i];
-        out->attr[i] = (struct gp_exr_attr) {
-            (const char *) b + p->name, (const char *) b + p->type,
-            b + p->value, p->size,
-        };
-        same = !b[p->type - 1] && !b[p->value - 5] &&
-               memcmp(b + p->value - 4, &p->size, 4) == 0;
-    }
-    for (int i = 0; same && i < index->parts; i++) {
-        const struct gp_exr_index_part *p = &index->part[i];
-        out->part[i] = (struct gp_exr_carried_part) {
-            b + p->from, (size_t) (p->to - p->from), out->attr + p->attr,
-            p->attrs,
-        };
-        same = !b[p->to - 1];
-    }
-    if (!same)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR header cannot be read again (truncated or "
-                       "damaged); copy or render the file again", path));
-    memcpy(&out->version, b + 4, 4);
-    return GP_OK;
-out:
-    gp_exr_carried_free(out);
-    return st;
-}
-
-void gp_exr_carried_free(struct gp_exr_carried *carried)
-{
-    gp_free(carried->bytes);
-    gp_free(carried->part);
-    gp_free(carried->attr);
-    *carried = (struct gp_exr_carried) {0};
-}
-
 const struct gp_exr_attr *
-gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
+gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
                  const char *type)
 {
     for (int i = 0; part && i < part->attrs; i++) {

@@ -92,7 +92,7 @@ static void put_window(struct gp_exr_header *h, const char *name,
 
 /* An attribute of the input, or its default. */
 static void put_or(struct gp_exr_header *h,
-                   const struct gp_exr_carried_part *own, const char *name,
+                   const struct gp_exr_index_part *own, const char *name,
                    const char *type, const void *data, size_t size)
 {
     const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
@@ -141,7 +141,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
 /* The attributes of the input that are kept: manifests of ids, or all but
  * those. */
 static void put_carried(struct gp_exr_header *h,
-                        const struct gp_exr_carried_part *own,
+                        const struct gp_exr_index_part *own,
                         enum gp_exr_kept kept, bool manifests)
 {
     for (int i = 0; own && i < own->attrs; i++) {
@@ -185,7 +185,7 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
 }
 
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
-    const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
+    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
     enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
     int chunks)
 {

@@ -1,6 +1,7 @@
 /* Writes one EXR file: its parts, their headers and chunks. */
 #include "io/exr/exr_priv.h"
 
+#include "core/bytes.h"
 #include "core/memory.h"
 #include "io/channels.h"
 
@@ -37,7 +38,7 @@ struct new_part {
     const struct gp_frame *f; // its windows and number
     struct gp_exr_sources sources;
     struct gp_exr_image img;
-    const struct gp_exr_carried_part *own; // of the input, or NULL
+    const struct gp_exr_index_part *own; // of the input, or NULL
 };
 
 /* All that is open at once, closed in one place. */
@@ -48,7 +49,6 @@ struct writing {
     enum gp_exr_kept kept;
     struct new_part *part; // no number twice; the first frame's input is the
     int parts;             // input of all
-    struct gp_exr_carried carried;
     struct new_part **at;  // for each part of the file; NULL: carried
     int *chunks;           // of each part of the file
     int file_parts;
@@ -68,8 +68,6 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
     gp_status st;
     w->all = all;
     w->file_parts = all ? in->parts : 1;
-    if (in)
-        GP_TRY(gp_exr_carried_read(w->log, from, in, &w->carried));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
                          sizeof *w->at, &w->at));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
@@ -82,7 +80,7 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
             GP_TRY(gp_fail(w->log, GP_ERR_BUG,
                    "%s: part %d is not one of its own", part->f->path, number));
         w->at[number] = part;
-        part->own = in ? &w->carried.part[part->f->part] : NULL;
+        part->own = in ? &in->index->part[part->f->part] : NULL;
         if (c == GP_COMPRESSION_AUTO) { // the input's, when that loses nothing
             const struct gp_exr_attr *const a =
                 gp_exr_attr_find(part->own, "compression", "compression");
@@ -121,14 +119,15 @@ out:
 /* The header of a part of the input as it is. Parts may not differ in their
  * chromaticities (OpenEXR: "non-conforming shared attributes"): beside a part
  * that was converted to others, those of one that was not are left out. */
-static void put_other_part(struct writing *w, int number)
+static void put_other_part(struct writing *w, const struct gp_exr_index *index,
+                           int number)
 {
-    const struct gp_exr_carried_part *const part = &w->carried.part[number];
+    const struct gp_exr_index_part *const part = &index->part[number];
     const float *const converted = w->kept == GP_EXR_KEEP_CONVERTED
                                   ? w->p->primaries : NULL;
     const struct gp_exr_attr *const own =
         gp_exr_attr_find(part, "chromaticities", "chromaticities");
-    const uint8_t *from = part->bytes, *const end = from + part->size;
+    const uint8_t *from = index->bytes + part->from;
     if (converted && own && memcmp(own->data, converted, own->size) != 0) {
         gp_say(w->log, GP_LEVEL_WARN, "%s: part %d is not converted, and loses "
                "its chromaticities, in which the parts of a file may not "
@@ -137,7 +136,8 @@ static void put_other_part(struct writing *w, int number)
                           (size_t) ((const uint8_t *) own->name - from));
         from = own->data + own->size;
     }
-    gp_exr_header_raw(&w->header, from, (size_t) (end - from));
+    gp_exr_header_raw(&w->header, from,
+                      (size_t) (index->bytes + part->to - from));
 }
 
 /* Counts the light that the file cannot hold, and says so where it is much. */
@@ -184,9 +184,10 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     struct gp_write_stats added = {0};
     GP_TRY(plan_parts(w, in));
     const bool multi = w->file_parts > 1;
-    uint32_t flags = multi ? GP_EXR_MULTIPART : 0;
-    if (multi)
-        flags |= w->carried.version & GP_EXR_LONG_NAMES;
+    uint32_t flags = 0;
+    if (multi) // of several parts, which only an input has
+        flags = GP_EXR_MULTIPART |
+                (gp_le32(in->index->bytes + 4) & GP_EXR_LONG_NAMES);
     for (int i = 0; multi && i < w->file_parts; i++)
         flags |= !w->at[i] && gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
 
@@ -194,7 +195,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
         if (!part) {
-            put_other_part(w, i);
+            put_other_part(w, in->index, i);
             continue;
         }
         const struct gp_exr_attr *name =
@@ -238,7 +239,6 @@ out:
     gp_file_discard(&w->file);
     gp_exr_out_free(&w->out);
     gp_exr_header_free(h);
-    gp_exr_carried_free(&w->carried);
     gp_free(w->at);
     gp_free(w->chunks);
     return st;
