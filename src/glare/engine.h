@@ -76,7 +76,8 @@ struct gp_glare_stats {
     const char *engine;     // the engine that ran
     char why[256];          // engine_why
     int fft_w, fft_h;       // transform size
-    int fft_core;           // radius of the kernel's part that went direct
+    int fft_core[2];        // radii of the kernel's part that went direct, in
+                            // x and y; -1: none
     size_t hot;             // sources that fft handed to direct
     size_t groups, clusters; // polygons of blocks, and of filled areas
     size_t polygons;        // all that opened; without a CORE's single sensors

@@ -157,11 +157,11 @@ static int compare(struct gp_frame *f, const struct gp_kernel *k,
             cpu[1] = fmin(cpu[1], b_cpu);
         }
     }
-    printf("%dx%d fft %dx%d core %d hot %zu: ours %.2f ms, plain %dx%d "
+    printf("%dx%d fft %dx%d core %d %d hot %zu: ours %.2f ms, plain %dx%d "
            "%.2f ms, plain/ours %.3f (medians of %d); CPU %.2f and %.2f ms, "
            "ours/plain %.2f\n",
            gp_frame_w(f), gp_frame_h(f), stats.fft_w, stats.fft_h,
-           stats.fft_core, stats.hot, median(ours, runs), p->w, p->h,
+           stats.fft_core[0], stats.fft_core[1], stats.hot, median(ours, runs), p->w, p->h,
            median(plain, runs), median(ratio, runs), runs, cpu[0], cpu[1],
            cpu[0] / cpu[1]);
     gp_planes_free(&out);

@@ -81,11 +81,12 @@ static gp_status compare(const struct gp_recipe *r, int runs, const char *path)
                     sizeof *exact, &exact));
     GP_TRY(gp_glare_reference(&tail_log, &src, &k[0], exact));
     gp_glare_measure(&f, &f.layer, exact, 1.0f, NULL, &error);
-    printf("%s %dx%d, %zu sources: made in %.2f ms; fft %dx%d core %d hot %zu "
+    printf("%s %dx%d, %zu sources: made in %.2f ms; fft %dx%d core %d %d hot %zu "
            "%.2f ms; 511 pixels %.2f ms, ratio %.3f "
            "(medians of %d); rel_l2 %.2g, bound %.2g; left out %.3g\n",
            path, gp_frame_w(&f), gp_frame_h(&f), src.n, making, stats.fft_w,
-           stats.fft_h, stats.fft_core, stats.hot, median(took[0], runs),
+           stats.fft_h, stats.fft_core[0], stats.fft_core[1], stats.hot,
+           median(took[0], runs),
            median(took[1], runs), median(ratio, runs),
            runs, error.rel_l2, stats.bound, k[0].left_out);
 out:

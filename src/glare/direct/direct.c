@@ -62,9 +62,17 @@ gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
                        int radius, struct gp_taps *out)
 {
     const int r = radius < 0 ? INT_MAX / 2 : radius;
+    return gp_taps_cut(log, k, r, r, out);
+}
+
+gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
+                      int rx, int ry, struct gp_taps *out)
+{
     // the cut, in kernel pixels; the centre may lie outside the kernel
-    const struct gp_rect cut = gp_rect_meet((struct gp_rect) {0, 0, k->w, k->h},
-        (struct gp_rect) {k->cx - r, k->cy - r, k->cx + r + 1, k->cy + r + 1});
+    const struct gp_rect cut = gp_rect_meet(
+        (struct gp_rect) {0, 0, k->w, k->h},
+        (struct gp_rect) {k->cx - rx, k->cy - ry, k->cx + rx + 1,
+                          k->cy + ry + 1});
     struct gp_taps t = {
         .w = gp_rect_w(cut), .h = gp_rect_h(cut),
         .cx = k->cx - cut.x0, .cy = k->cy - cut.y0,

@@ -21,9 +21,11 @@ struct gp_taps {
     float *k[3];       // one block; a grey kernel's are the same
 };
 
-/* Copies the part of the kernel within `radius` pixels of its centre in x
- * and in y (the whole kernel when radius < 0). Free with gp_taps_free().
- * Errors: GP_ERR_BUG out of memory. */
+/* Copies the part of the kernel within rx pixels of its centre in x and ry in
+ * y. Free with gp_taps_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_taps_cut(const struct gp_log *log,
+    const struct gp_kernel *kernel, int rx, int ry, struct gp_taps *out);
+/* The same of a square of that radius; of the whole kernel when radius < 0. */
 GP_MUST_CHECK gp_status gp_taps_make(const struct gp_log *log,
     const struct gp_kernel *kernel, int radius, struct gp_taps *out);
 void gp_taps_free(struct gp_taps *t);

@@ -17,7 +17,7 @@ struct fft_state {
     int plans;
     unsigned long kernel; // serial of the spectrum's
     struct gp_fft_placing placing;
-    int core;
+    struct gp_fft_core core;
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
     struct gp_fft_matrix work;     // of one channel: three leave the cache;
                                    // empty between frames
@@ -25,7 +25,7 @@ struct fft_state {
     struct gp_fft_shape shape[3];
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
-    int core_taps_radius;
+    struct gp_fft_core core_taps_of;
     unsigned long norms_kernel; // serial and frame of what follows
     int norms_w, norms_h;
     double tail[GP_FFT_CORES];
@@ -38,10 +38,17 @@ static bool is_known(unsigned long serial, const struct gp_kernel *k)
     return serial && serial == k->serial;
 }
 
-static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
-                         const struct gp_fft_placing *p, int core)
+static bool same_core(struct gp_fft_core a, struct gp_fft_core b)
 {
-    return s->spectrum.z[0] && is_known(s->kernel, k) && s->core == core &&
+    return a.x == b.x && a.y == b.y;
+}
+
+static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
+                         const struct gp_fft_placing *p,
+                         struct gp_fft_core core)
+{
+    return s->spectrum.z[0] && is_known(s->kernel, k) &&
+           same_core(s->core, core) &&
            s->placing.nx == p->nx && s->placing.ny == p->ny &&
            memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
 }
@@ -110,7 +117,7 @@ static gp_status find_plan(const struct gp_glare_request *req,
 struct kernel_rows {
     const struct gp_kernel *kernel;
     const struct gp_fft_placing *p;
-    int core;
+    struct gp_fft_core core;
     int first; // offset of row 0
 };
 
@@ -129,10 +136,10 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
         for (int dx = from; dx < end; dx++)
             z[2 * (at + dx - from)] = row[dx];
     }
-    if (abs(dy) > r->core)
+    if (abs(dy) > r->core.y)
         return;
-    for (int dx = gp_max(-r->core, taps.x0);
-         dx <= r->core && dx < taps.x1; dx++)
+    for (int dx = gp_max(-r->core.x, taps.x0);
+         dx <= r->core.x && dx < taps.x1; dx++)
         z[2 * wrap_index(dx, nx)] = 0.0f;
 }
 
@@ -170,14 +177,13 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
 }
 
 /* Transforms fft->channels channels of the kernel from fft->channel on, its
- * samples within `core` pixels of the centre in x and y left out (-1: none),
- * into the state's spectrum: planes of p->ny rows, scaled so that the passes
+ * samples in `core` left out, into the state's spectrum: planes of p->ny rows, scaled so that the passes
  * need no more factors. It is kept where these are all channels: one of a grey
  * kernel, or three. fft has the plans of p->nx and p->ny; s->work fits p, and
  * is overwritten. */
 static gp_status make_spectrum(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_fft_request *fft,
-    const struct gp_fft_placing *p, int core)
+    const struct gp_fft_placing *p, struct gp_fft_core core)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
@@ -304,7 +310,8 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
-    const struct gp_sources *src, const struct gp_fft_placing *p, int core)
+    const struct gp_sources *src, const struct gp_fft_placing *p,
+    struct gp_fft_core core)
 {
     gp_status st;
     struct gp_fft_request fft = {.log = req->log, .channels = 1};
@@ -387,7 +394,7 @@ static gp_status place_and_split(const struct gp_glare_request *req,
             return st;
     }
     struct fft_state *const s = *state;
-    *split = (struct gp_fft_split) {.core = -1, .hot = INFINITY};
+    *split = (struct gp_fft_split) {.core = {-1, -1}, .hot = INFINITY};
     *p = gp_fft_place(src, k);
     if (!p->nx)
         return GP_OK;
@@ -413,7 +420,7 @@ static double bound_of(const struct gp_glare_request *req,
                        const struct gp_fft_split *split, double least)
 {
     const size_t n = req->src->n;
-    const int parts = (split->core >= 0) + (split->hot_count > 0);
+    const int parts = (split->core.x >= 0) + (split->hot_count > 0);
     double sum = parts ? parts * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
         sum += gp_fft_bound(req->src, req->kernel, least, p);
@@ -471,14 +478,14 @@ static struct cool find_cool(const struct gp_sources *src, float hot)
  * sample and for its norm. */
 static double cool_error(const struct gp_fft_placing *p,
                          const struct gp_kernel *k, const struct cool *s, int c,
-                         int core)
+                         struct gp_fft_core core)
 {
     double sum = 0.0, square = 0.0, most = 0.0;
     for (int y = 0; y < k->h; y++) {
         const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
         for (int x = 0; x < k->w; x++) {
             const double v =
-                abs(x - k->cx) <= core && abs(y - k->cy) <= core
+                abs(x - k->cx) <= core.x && abs(y - k->cy) <= core.y
                     ? 0.0 : (double) row[x];
             sum += v;
             square += v * v;
@@ -501,7 +508,7 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     gp_status st = place_and_split(req, state, &p, &split);
     if (st)
         return st;
-    const int parts = (split.core >= 0) + (split.hot_count > 0);
+    const int parts = (split.core.x >= 0) + (split.hot_count > 0);
     *out = (struct gp_pixel_error) {
         .share = req->kernel->negative ? INFINITY
                  : parts ? parts * gp_direct_bound(req->kernel, n) : 0.0,
@@ -543,11 +550,12 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
         gp_taps_free(&s->all_taps);
         s->taps_kernel = k->serial;
     }
-    if (split.core >= 0 && src->n) {
-        if (!s->core_taps.k[0] || s->core_taps_radius != split.core) {
+    if (split.core.x >= 0 && src->n) {
+        if (!s->core_taps.k[0] || !same_core(s->core_taps_of, split.core)) {
             gp_taps_free(&s->core_taps);
-            GP_TRY(gp_taps_make(req->log, k, split.core, &s->core_taps));
-            s->core_taps_radius = split.core;
+            GP_TRY(gp_taps_cut(req->log, k, split.core.x, split.core.y,
+                               &s->core_taps));
+            s->core_taps_of = split.core;
         }
         GP_TRY(gp_direct_sum(req->log, src, &s->core_taps, true, req->layer));
     }
@@ -558,7 +566,8 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     }
     req->stats->fft_w = p.nx;
     req->stats->fft_h = p.ny;
-    req->stats->fft_core = split.core;
+    req->stats->fft_core[0] = split.core.x;
+    req->stats->fft_core[1] = split.core.y;
     req->stats->hot = split.hot_count;
 out:
     gp_sources_free(&hot);
@@ -601,7 +610,7 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     if (known)
         memcpy(tail, s->tail, sizeof tail);
     gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
-    if (!known && (split.core >= 0 || split.hot_count > 0)) {
+    if (!known && (split.core.x >= 0 || split.hot_count > 0)) {
         gp_fft_tail_norms(k, tail);
         gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
     }
@@ -611,7 +620,8 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     if (split.hot_count == src->n)
         return ms;
     // without the hot ones the rest has another place: that of the last frame
-    if (split.hot_count && is_known(s->kernel, k) && s->core == split.core)
+    if (split.hot_count && is_known(s->kernel, k) &&
+        same_core(s->core, split.core))
         p = s->placing;
     const double again = sources + gp_fft_passes_ms(src, &p, how);
     // set-up for this placing; a file of measured plans is assumed to have

@@ -133,17 +133,21 @@ GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
  * little by themselves: the kernel's core, for all sources, and the few
  * hottest sources, for the whole kernel. What remains is transformed. */
 
-enum { GP_FFT_CORES = 5 };
+enum { GP_FFT_CORES = 12 };
 
-/* Radii of the core that may go direct; -1 is none. */
-extern const int gp_fft_core_radius[GP_FFT_CORES];
+/* Radii in x and y of the core that may go direct: none, squares, and where
+ * light leaves along an axis, as streaks do, rectangles. */
+struct gp_fft_core {
+    int x, y; // pixels; -1: none
+};
+extern const struct gp_fft_core gp_fft_cores[GP_FFT_CORES];
 
 /* Norms of the kernel without its core (and its tail), largest channel, one a
- * radius. */
+ * core. */
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
 
 struct gp_fft_split {
-    int core;         // radius in gp_fft_core_radius
+    struct gp_fft_core core; // of gp_fft_cores
     float hot;        // a source with a channel from this up goes direct
                       // whole; INFINITY sends none
     size_t hot_count;

@@ -176,7 +176,11 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p, double most,
 
 // -- the direct part ---------------------------------------------------------
 
-const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
+static const struct gp_fft_core NONE = {-1, -1};
+const struct gp_fft_core gp_fft_cores[GP_FFT_CORES] = {
+    {-1, -1}, {4, 4},  {8, 8},  {12, 12}, {16, 16},  {32, 32},
+    {64, 8},  {8, 64}, {64, 16}, {16, 64}, {128, 16}, {16, 128},
+};
 
 /* The largest error of a pixel is about this times |s| |k| / sqrt(points): 1e-6
  * to 6.5e-6 over random frames, W1 to W3 and all radii (test_fft_split; numpy
@@ -201,19 +205,16 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
     const double all[3] = {sum_squares(k, 0), sum_squares(k, 1),
                            sum_squares(k, 2)};
     for (int i = 0; i < GP_FFT_CORES; i++) {
-        const int r = gp_fft_core_radius[i];
+        const struct gp_fft_core r = gp_fft_cores[i];
         norm[i] = 0.0;
         for (int c = 0; c < 3; c++) {
-            double core = 0.0; // sum of squares within the radius
-            for (int y = k->cy - r; y <= k->cy + r; y++) {
-                for (int x = k->cx - r; x <= k->cx + r; x++) {
-                    if (y < 0 || y >= k->h || x < 0 || x >= k->w)
-                        continue;
-                    const double v =
-                        (double) k->k.c[c][(size_t) y * (size_t) k->w +
-                                           (size_t) x];
-                    core += v * v;
-                }
+            double core = 0.0; // sum of squares within the radii
+            for (int y = gp_max(k->cy - r.y, 0);
+                 y <= gp_min(k->cy + r.y, k->h - 1); y++) {
+                const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+                for (int x = gp_max(k->cx - r.x, 0);
+                     x <= gp_min(k->cx + r.x, k->w - 1); x++)
+                    core += (double) row[x] * (double) row[x];
             }
             norm[i] = fmax(norm[i], sqrt(fmax(all[c] - core, 0.0)));
         }
@@ -249,8 +250,16 @@ struct search {
     double quads;     // that all sources make, or 0
     double core_most; // milliseconds that the core may take
     double hot_ms;    // of one hot source
-    double pass_ms;   // of adding a direct part to the layer
+    double hot_pass_ms; // of adding those of all hot sources to the layer
 };
+
+/* Milliseconds of adding a part of the kernel to the pixels that it reaches. */
+static double pass_ms(const struct gp_sources *s, int rx, int ry)
+{
+    const double w = fmin(gp_rect_w(s->box) + 2.0 * rx, s->w);
+    const double h = fmin(gp_rect_h(s->box) + 2.0 * ry, s->h);
+    return GP_COST_DIRECT_PIXEL * w * h;
+}
 
 /* The cheapest split of rounding <= `most` that costs up to `budget`; its
  * rounding is INFINITY when there is none. With least_rounding, the split of
@@ -259,7 +268,7 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
                                 double most, int least_rounding)
 {
     struct gp_fft_split best = {
-        .core = -1, .rounding = INFINITY, .ms = INFINITY,
+        .core = NONE, .rounding = INFINITY, .ms = INFINITY,
     };
     double hot = 0.0, left = s->energy; // sources from bin b up; energy under
     for (int b = BINS; b >= 0 && hot * s->hot_ms <= budget; b--) {
@@ -270,20 +279,22 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
             left -= bin_energy(s->src, b);
         }
         for (int i = 0; i < GP_FFT_CORES; i++) {
-            const int r = gp_fft_core_radius[i];
+            const struct gp_fft_core r = gp_fft_cores[i];
             const double n = (double) s->src->n, rest = n - hot;
-            const double quads = s->quads * rest / n, side = 2.0 * r + 1.0;
+            const double quads = s->quads * rest / n;
+            const double across = 2.0 * r.x + 1.0, down = 2.0 * r.y + 1.0;
             // the core for the rest in quads, or one by one when there are
             // none: a side and a tile or strip less one, on average, are
             // touched in each row
             const double core =
-                r < 0         ? 0.0
-                : quads > 0.0 ? quads_ms(quads, side, side)
-                              : 1.25 * rest * side *
-                                    (side + GP_TAPS_PAD - 1.0) *
+                r.x < 0       ? 0.0
+                : quads > 0.0 ? quads_ms(quads, across, down)
+                              : 1.25 * rest * down *
+                                    (across + GP_TAPS_PAD - 1.0) *
                                     GP_COST_DIRECT_TAP;
             const double ms = hot * s->hot_ms + core +
-                              s->pass_ms * ((hot > 0.0) + (r >= 0));
+                              (hot > 0.0 ? s->hot_pass_ms : 0.0) +
+                              (r.x < 0 ? 0.0 : pass_ms(s->src, r.x, r.y));
             const struct gp_fft_split split = {
                 .core = r,
                 .hot = b < BINS ? gp_source_bin_start(b) : INFINITY,
@@ -313,13 +324,13 @@ static bool all_direct(const struct search *s, const struct gp_kernel *k,
     static const double LONGER = 2.0;
     const struct gp_sources *const src = s->src;
     const double most = NOISE / sqrt(points) * s->tail[0] * sqrt(s->energy);
-    const double ms = s->hot_ms * (double) src->n + s->pass_ms;
+    const double ms = s->hot_ms * (double) src->n + s->hot_pass_ms;
     if (!k->tail || ms > LONGER * fft_ms + ANYWAY_MS)
         return false;
     for (int c = 0; c < 3; c++) {
         if (most > SEEN * src->flux[c] * k->tail->least) {
             *all = (struct gp_fft_split) {
-                .core = -1, .hot = gp_source_bin_start(0),
+                .core = NONE, .hot = gp_source_bin_start(0),
                 .hot_count = src->n, .ms = ms,
             };
             return true;
@@ -341,13 +352,13 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .src = src, .tail = tail,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_COST_DIRECT_TAP,
-        .pass_ms = GP_COST_DIRECT_PIXEL * src->w * src->h,
+        .hot_pass_ms = pass_ms(src, k->w, k->h),
         .core_most = fft_ms + ANYWAY_MS,
     };
     for (int b = 0; b < BINS; b++)
         s.energy += bin_energy(src, b);
     const struct gp_fft_split none = {
-        .core = -1, .hot = INFINITY,
+        .core = NONE, .hot = INFINITY,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
     };
     *out = none;
@@ -368,10 +379,10 @@ void gp_fft_split_choose(const struct gp_sources *src,
     if (!(found.rounding <= hidden) && none.rounding > hidden) {
         const double budget = WORTH * fft_ms + DARK_MS;
         struct gp_fft_split dark = find_split(&s, budget, hidden, 0);
-        const double all_ms = quads_ms(s.quads, k->w, k->h) + s.pass_ms;
+        const double all_ms = quads_ms(s.quads, k->w, k->h) + s.hot_pass_ms;
         if (s.quads > 0.0 && all_ms <= fmin(budget, dark.ms))
             dark = (struct gp_fft_split) {
-                .core = -1, .hot = gp_source_bin_start(0),
+                .core = NONE, .hot = gp_source_bin_start(0),
                 .hot_count = src->n, .ms = all_ms,
             };
         if (dark.rounding <= hidden) {

@@ -352,7 +352,7 @@ static struct chosen choose(const struct scene *s, double gain)
     // rounding that no eye could see is not split; it goes with the gain
     gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-40, &unseen);
     c.plain = unseen.rounding * 1e40 * gain;
-    assert_int_equal(unseen.core, -1);
+    assert_int_equal(unseen.core.x, -1);
     assert_true(isinf(unseen.hot) && unseen.hot_count == 0);
     return c;
 }
@@ -379,7 +379,7 @@ static void choices_keep_the_rules(void **state)
         scene_limit(&s.src);
         for (size_t g = 0; g < COUNT(gains); g++) {
             const struct chosen c = choose(&s, gains[g]);
-            const int none = c.split.core < 0 && c.split.hot_count == 0;
+            const int none = c.split.core.x < 0 && c.split.hot_count == 0;
             const double own = gp_sources_dark(&s.src);
             const double seen = s.src.visible / own;
             const bool hides = c.plain > 0.999 * seen &&
@@ -436,14 +436,14 @@ static void tails_are_the_rest(void **state)
         double tail[GP_FFT_CORES];
         gp_fft_tail_norms(&k, tail);
         for (int t = 0; t < GP_FFT_CORES; t++) {
-            const int radius = gp_fft_core_radius[t];
+            const struct gp_fft_core core = gp_fft_cores[t];
             double worst = 0.0;
             for (int c = 0; c < 3; c++) {
                 double sum = 0.0;
                 for (int j = 0; j < k.w * k.h; j++) {
                     const double v = (double) k.k.c[c][j];
-                    if (abs(j % k.w - k.cx) > radius ||
-                        abs(j / k.w - k.cy) > radius)
+                    if (abs(j % k.w - k.cx) > core.x ||
+                        abs(j / k.w - k.cy) > core.y)
                         sum += v * v;
                 }
                 worst = fmax(worst, sqrt(sum));
@@ -530,7 +530,8 @@ static void check_promise(struct scene *s, const struct chosen *c,
     struct gp_glare_stats stats;
     ran_once("fft", s, &stats, "rounding");
     assert_int_equal(stats.hot, c->split.hot_count);
-    assert_int_equal(stats.fft_core, c->split.core);
+    assert_int_equal(stats.fft_core[0], c->split.core.x);
+    assert_int_equal(stats.fft_core[1], c->split.core.y);
     assert_true(scene_rel_l2(s) <= 1e-6);
     const double own = scene_own_error(s);
     if (!(own <= (c->split.rounding <= 1e-6 ? 1e-6 : 4.0 * c->split.rounding)))
@@ -554,6 +555,40 @@ static void predicted_rounding_is_kept(void **state)
         scene_free(&s);
     }
     assert_true(promised > 0);
+}
+
+/* A streak of light along x, or along y, about a bright centre. */
+static struct gp_kernel make_streak(bool tall)
+{
+    enum { LONG = 300, SHORT = 60 };
+    const int rx = tall ? SHORT : LONG, ry = tall ? LONG : SHORT;
+    const int w = 2 * rx + 1, h = 2 * ry + 1;
+    struct gp_planes p;
+    struct gp_kernel k;
+    assert_ok(gp_planes_make(NULL, "streak", (size_t) w * (size_t) h, &p));
+    for (int i = 0; i < w * h; i++) {
+        const int x = abs(i % w - rx), y = abs(i / w - ry);
+        const float along = (float) (tall ? y : x), off = (float) (x + y);
+        for (int c = 0; c < 3; c++)
+            p.c[c][i] = x + y == 0 ? 0.9f
+                : 3e-3f * expf(-along / 20.0f - (off - along) * 0.8f);
+    }
+    assert_ok(gp_kernel_of_planes(NULL, "streak", w, h, &p, &k));
+    return k;
+}
+
+/* Lamps over a night with streaks: their core is as wide as they are. */
+static void a_streak_has_a_wide_core(void **state)
+{
+    for (int tall = 0; tall < 2; tall++) {
+        struct scene s = scene_make(make_view(LAMPS, 640, 360, 5u),
+                                    make_streak(tall), &usual);
+        const struct chosen c = choose(&s, 1.0);
+        assert_true(tall ? c.split.core.y > c.split.core.x
+                         : c.split.core.x > c.split.core.y);
+        check_promise(&s, &c, LAMPS);
+        scene_free(&s);
+    }
 }
 
 /* -- the budget -------------------------------------------------------------*/
@@ -592,4 +627,5 @@ SUITE_OF(fft, ask_quick, NULL,
     lengths_are_the_cheapest, passes_go_round, even_kernels_have_real_spectra,
     transform_alone_holds, a_last_frame_keeps_no_spectrum,
     choices_keep_the_rules, one_sun_goes_direct, tails_are_the_rest,
-    predicted_rounding_is_kept, a_night_is_worth_more_than_a_sky)
+    predicted_rounding_is_kept, a_streak_has_a_wide_core,
+    a_night_is_worth_more_than_a_sky)
