@@ -1,7 +1,8 @@
 #!/bin/sh
 # Calls that fail, one after another, in small runs of every kind: the status
 # is a documented one, an error is one line, each output is whole or is not
-# there, and no temporary file is left. tests/faults/drive.py does the work.
+# there, no memory leaks and no temporary file is left. tests/faults/drive.py
+# does the work.
 #
 # GLAREPP_TEST_LONG tries every point of every run; GLAREPP_TEST_QUICK some.
 . "$(dirname "$0")/lib.sh"
@@ -38,7 +39,7 @@ cp "$cli/c.ocio" . || exit 1
 is $? 0 'the faults were tried'
 verdicts drive.log
 
-# -- leaks of a failing call ------------------------------------------------------
+# -- memory after a failing call ---------------------------------------------------
 
 if command -v valgrind >valgrind.path && [ -z "$quick" ]; then
     cat >checked <<'RUN'
@@ -53,8 +54,8 @@ RUN
         FAULT_ONLY=malloc:N \
         "$python" "$root/tests/faults/drive.py" "$glarepp" "$shim" \
         direct >leaks.log 2>&1
-    is $? 0 'leaks were looked for'
-    sed 's/ok \([a-z]*\),/ok no leak, \1,/' leaks.log >leaks
+    is $? 0 'valgrind looked on'
+    sed 's/ok \([a-z]*\),/ok valgrind, \1,/' leaks.log >leaks
     verdicts leaks
 else
     skip 1 'no valgrind'
@@ -228,7 +229,7 @@ END
         done
     done
     if "$glarepp" -q -o many.tif s.0001.exr 2>err; then
-        for n in 1 2 3 4 5 6 7 8 9 12 16; do
+        for n in 1 2 4 8 16; do
             # shellcheck disable=SC2086
             $user prlimit --nproc=$n "$glarepp" -o few/a.tif s.0001.exr \
                 >out 2>err

@@ -7,8 +7,8 @@ Prints lines "ok ..." and "not ok ..." for lib.sh's verdicts. In the working
 folder lie the inputs; each run has a folder of its own. env
 GLAREPP_TEST_QUICK takes only some of the points (but with FAULT_MANY),
 GLAREPP_TEST_LONG all of all configurations, FAULT_ONLY one row of KINDS, and
-FAULT_RUN is put before the program (valgrind); with status 99 it says that it
-found something.
+FAULT_RUN is put before the program (valgrind); status 99 means that it found
+something.
 """
 import concurrent.futures
 import json
@@ -59,15 +59,14 @@ CONFIGURATIONS = {
               "--mask-file in.exr --mask A views.exr", (), 16),
     "b44": ("-e direct --threads 2 --compression b44 --type half "
             "--hdr o/h.exr --layer o/l.exr in.exr", (), 8),
-    "dwaa": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr in.exr",
-             (3,), 24),
     "large": ("-e direct --threads 1 --compression none --type float "
               "--hdr o/h.exr big.exr", (), 1),
     "scene": ("-e direct --threads 1 --scene lamp.gltf --light-scale 1 "
               "--layer o/l.exr in.exr", (), 8),
     "flight": ("-e direct --threads 3 --frame-jobs 3 -o o/a.#.png "
                "--hdr o/h.#.exr s.####.exr", (), 1),
-    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 24),
+    "bridge": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr "
+               "-o o/a.jpg in.exr", (3,), 24),
 }
 # beginnings of lines about no file: the command line, or all frames
 NO_FILE = ("glarepp: command line: ", "glarepp: --")
@@ -79,6 +78,11 @@ ALONE = {"large": "write:N:EINTR", "flight": "term:N"}
 # "direct" over files that are there: the faults that can reach those
 OVER_FILES = ("open", "close", "rename", "unlink", "fchmod", "ftruncate",
               "fdopen", "space", "write")
+# the libraries of these take 100 ms and more to start: the faults that can find
+# them at work, as all others come in the reader and the writers of "direct"
+COSTLY = ("bridge", "splat")
+AT_WORK = ("malloc:N", "malloc:N+", "open:N", "close:N", "rename:N",
+           "ftruncate:N", "space:N")
 # a library inside that ends the process when memory is full, in its own words
 BY_LIBRARY = {"ocio": -signal.SIGABRT}
 # llvmpipe waits for ever for a thread that could not start
@@ -158,6 +162,7 @@ class Run:
             log = []
         self.fired = "fired" in log
         self.counts = dict(line.split() for line in log if " " in line)
+        self.leaked = int(self.counts.pop("leaked", 0))
         self.files = {}
         for file in sorted(os.listdir(folder + "/o")):
             data = open(f"{folder}/o/{file}", "rb").read()
@@ -223,6 +228,12 @@ def faults_of_files(name, run, good):
         yield f"stdout differs ({len(run.out)} of {len(good.out)} bytes)"
 
 
+def faults_of_memory(run, good):
+    # (arguments and names of outputs last as long as the process)
+    if run.leaked > good.leaked:
+        yield f"{run.leaked - good.leaked} blocks of memory leak"
+
+
 def judge(name, run, good, statuses):
     if run.status == "hang":
         return [f"hangs over {SECONDS} s"]
@@ -235,12 +246,13 @@ def judge(name, run, good, statuses):
     if run.status not in statuses:
         found.append(f"status {run.status}: {run.err.decode()[:200]!r}")
     return found + list(faults_of_stderr(name, run)) + \
-        list(faults_of_files(name, run, good))
+        list(faults_of_files(name, run, good)) + \
+        list(faults_of_memory(run, good))
 
 
 def points(fault, good, share, arguments):
-    """The N to try; those past the end are found as they come. Beside single
-    allocations, which are the plainest run's all, each fourth will do."""
+    """The N to try. Beside single allocations, which are the plainest run's
+    all, each fourth will do."""
     kind = fault.split(":")[0]
     share *= 1 if LONG or fault == "malloc:N" else 4
     count = int(good.counts.get(kind, 0))
@@ -250,12 +262,12 @@ def points(fault, good, share, arguments):
         return sorted({*range(1, count + 1, stride), count} - {0})
     stride = (7 if QUICK else 1) * (1 if LONG else share)
     if RUNNER:
-        stride *= 10 if LONG else 25
+        stride *= 10 if LONG else 100
     if kind not in ("malloc", "read", "short", "truncate", "grow"):
         stride = 1
     # more calls than counted where threads share them
-    more = 0 if "--threads 1 " in arguments else count // 4
-    return range(1, count + more + 2, stride)
+    more = 0 if "--threads 1 " in arguments else count // 4 + 1
+    return range(1, count + more + 1, stride)
 
 
 def put(fault, n):
@@ -312,7 +324,9 @@ def main():
                     continue
                 kind = fault.split(":")[0]
                 if kind == "thread" and name in BY_MESA or \
-                        name == "old" and kind not in OVER_FILES and not LONG:
+                        not LONG and (
+                            name == "old" and kind not in OVER_FILES or
+                            name in COSTLY and fault not in AT_WORK):
                     continue
                 if kind in ("malloc", "open") or 6 in more:
                     statuses = statuses + more

@@ -9,7 +9,8 @@
  *                               with + every later one too
  *     FAULT_LOG=FILE            gets a line "fired" when it happens, and at
  *                               the end of main a line "KIND COUNT" for each
- *                               kind
+ *                               kind, and "leaked COUNT": blocks of memory that
+ *                               the program still has
  *
  * Kinds without a class of fail.h: short: the N-th read gives half of what it
  * could; truncate: the file is cut to half before the N-th read, and grow: is
@@ -306,6 +307,52 @@ static void note(const char *line)
     syscall(SYS_close, fd);
 }
 
+/* Addresses of the blocks that the program allocated and not yet freed; a hash
+ * table in which a removed entry stays as REMOVED. */
+enum { BLOCKS = 1 << 16 };
+static const void *block_table[BLOCKS];
+static const char REMOVED[1];
+static pthread_mutex_t blocks_lock = PTHREAD_MUTEX_INITIALIZER;
+
+static size_t slot_of(const void *p)
+{
+    return (size_t) ((uintptr_t) p / 16 * 0x9e3779b97f4a7c15u >> 48) % BLOCKS;
+}
+
+static void *add_block(void *p)
+{
+    if (!p)
+        return NULL;
+    size_t i = slot_of(p);
+    pthread_mutex_lock(&blocks_lock);
+    if (++blocks == BLOCKS / 2)
+        abort();
+    while (block_table[i] && block_table[i] != REMOVED)
+        i = (i + 1) % BLOCKS;
+    block_table[i] = p;
+    pthread_mutex_unlock(&blocks_lock);
+    return p;
+}
+
+/* Returns whether `p` was one. */
+static bool remove_block(const void *p)
+{
+    if (!p || !atomic_load(&blocks))
+        return false;
+    size_t i = slot_of(p);
+    pthread_mutex_lock(&blocks_lock);
+    int tried_slots = 0;
+    while (block_table[i] && block_table[i] != p && tried_slots++ < BLOCKS)
+        i = (i + 1) % BLOCKS;
+    const bool found = block_table[i] == p;
+    if (found) {
+        block_table[i] = REMOVED;
+        blocks--;
+    }
+    pthread_mutex_unlock(&blocks_lock);
+    return found;
+}
+
 static void print_counts(void)
 {
     char line[64];
@@ -314,6 +361,8 @@ static void print_counts(void)
                  atomic_load(&calls[i]));
         note(line);
     }
+    snprintf(line, sizeof line, "leaked %ld\n", atomic_load(&blocks));
+    note(line);
 }
 
 static void parse(const char *text)
@@ -375,16 +424,25 @@ int __libc_start_main(int (*m)(int, char **, char **), int argc, char **argv,
 
 // -- memory ------------------------------------------------------------------
 
-static void *counted(void *p)
+#ifdef FAIL_WRAPPED
+static void *counted(void *p, const void *caller)
 {
+    (void) caller;
     if (p)
         atomic_fetch_add(&blocks, 1);
     return p;
 }
+#else
+static void *counted(void *p, const void *caller)
+{
+    return counts(caller) ? add_block(p) : p;
+}
+#endif
+#define COUNTED(p) counted(p, __builtin_return_address(0))
 
 DEFINE(void *, malloc, size_t size)
 {
-    return FAILS(malloc) ? NULL : counted(REAL(malloc)(size));
+    return FAILS(malloc) ? NULL : COUNTED(REAL(malloc)(size));
 }
 
 /* The program itself does not call it, only its tests and libraries do. */
@@ -394,14 +452,22 @@ DEFINE(void *, calloc, size_t count, size_t size)
     if (FAILS(malloc))
         return NULL;
 #endif
-    return counted(REAL(calloc)(count, size));
+    return COUNTED(REAL(calloc)(count, size));
 }
 
 DEFINE(void *, realloc, void *p, size_t size)
 {
     if (FAILS(malloc))
         return NULL;
-    return p ? REAL(realloc)(p, size) : counted(REAL(realloc)(NULL, size));
+#ifdef FAIL_WRAPPED
+    return p ? REAL(realloc)(p, size) : COUNTED(REAL(realloc)(NULL, size));
+#else
+    const bool had = remove_block(p);
+    void *moved = REAL(realloc)(p, size);
+    if (had && !moved && size)
+        add_block(p);
+    return !p ? COUNTED(moved) : had ? add_block(moved) : moved;
+#endif
 }
 
 DEFINE(int, posix_memalign, void **p, size_t align, size_t size)
@@ -410,20 +476,26 @@ DEFINE(int, posix_memalign, void **p, size_t align, size_t size)
         return ENOMEM;
     const int error = REAL(posix_memalign)(p, align, size);
     if (!error)
-        counted(*p);
+        COUNTED(*p);
     return error;
 }
 
-#ifdef FAIL_WRAPPED
 DEFINE(void, free, void *p)
 {
+#ifdef FAIL_WRAPPED
     if (p)
         atomic_fetch_sub(&blocks, 1);
+#else
+    remove_block(p);
+#endif
     REAL(free)(p);
 }
-#else
-CALL(malloc, NULL, void *, aligned_alloc, (size_t align, size_t size),
-     (align, size))
+
+#ifndef FAIL_WRAPPED
+DEFINE(void *, aligned_alloc, size_t align, size_t size)
+{
+    return FAILS(malloc) ? NULL : COUNTED(REAL(aligned_alloc)(align, size));
+}
 #endif
 
 // -- files -------------------------------------------------------------------
