@@ -275,15 +275,23 @@ static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
     if (!k->w)
         return;
     json_t *const about = json_object();
-    json_t *const list = json_array();
+    json_t *const list = json_array(), *const pupils = json_array();
+    bool eyes = false;
     for (int i = 0; i < k->recipes; i++) {
         char *const recipe = gp_recipe_text(&k->recipe[i]);
         json_array_append_new(list, gp_json_name(recipe));
         gp_free(recipe);
+        eyes |= k->pupil[i] > 0.0;
+        json_array_append_new(pupils, k->pupil[i] > 0.0
+                                          ? rounded(k->pupil[i], 1e-4)
+                                          : json_null());
     }
     if (k->recipes)
         json_object_set(about, "recipes", list);
+    if (eyes)
+        json_object_set(about, "pupil_mm", pupils);
     json_decref(list);
+    json_decref(pupils);
     json_object_set_new(about, "width", json_integer(k->w));
     json_object_set_new(about, "height", json_integer(k->h));
     if (k->grid)

@@ -45,6 +45,7 @@ struct gp_settings;
 struct gp_kernel_facts {
     const struct gp_recipe *recipe; // `recipes` of them, borrowed
     int recipes;                 // 0: an image
+    double pupil[GP_RECIPES];    // of each, mm; 0: it has none
     int w, h;                    // samples at full rate: all, or the core
     int grid;                    // pixels between the others; 0: no others
     bool modelled;               // the next two are known

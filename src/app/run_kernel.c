@@ -5,6 +5,7 @@
 
 #include "core/clock.h"
 #include "core/colour.h"
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/tail/tail.h"
@@ -432,6 +433,9 @@ static void note_kernel(const struct gp_run *r,
         .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
         .left_out = fmax(k->left_out, 0.0), .missed = use->missed,
     };
+    for (int i = 0; i < r->wanted.recipes; i++)
+        facts->kernel.pupil[i] =
+            gp_recipe_pupil(&r->kernel->recipe[i], &r->kernel->field);
 }
 
 /* Widens the field so that lights outside of the frame light all of it, up to
@@ -468,6 +472,20 @@ static void fit_lens(const struct gp_run *r, const struct gp_lens_stop *stop,
     }
 }
 
+void gp_run_kernel_adapt(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    bool adapts = false;
+    for (int i = 0; i < r->wanted.recipes; i++)
+        adapts |= gp_recipe_adapts(&r->wanted.recipe[i]);
+    if (!adapts)
+        return;
+    fs->white = GP_USUAL_WHITE;
+    double white;
+    if (gp_frame_real(&fs->frame, "whiteLuminance", &white) && white > 0.0)
+        fs->white = white;
+    fs->mean = gp_mean_luminance(&fs->frame, &fs->frame.rgb);
+}
+
 gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
@@ -480,6 +498,8 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         memcpy(recipe, r->wanted.recipe, sizeof recipe);
         if (gp_run_lens_stop(r, fs, &stop))
             fit_lens(r, &stop, recipe);
+        for (int i = 0; i < r->wanted.recipes; i++)
+            gp_recipe_adapt(&recipe[i], fs->mean, fs->white);
         reach_lights(r, fs, &field);
         st = make_kernel(fs->log, r, recipe, &field, &made);
         if (!st)

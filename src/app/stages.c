@@ -244,6 +244,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
         st = sense_light_groups(r, fs);
     if (st)
         return st;
+    gp_run_kernel_adapt(r, fs);
     fs->facts.sources = (long long) fs->sources.n;
     fs->facts.nonfinite = fs->sources.nonfinite;
     fs->facts.clamped = fs->sources.clamped;

@@ -114,6 +114,8 @@ struct gp_frame_state {
     int groups;
     struct gp_sources sources;     // of the frame, or of the groups together
     struct gp_sources joined;      // sources and lights; empty: no lights
+    double mean, white;            // luminance of the display window, and of
+                                   // scene value 1 in cd/m2, for eyes
     struct gp_run_kernel *kernel;  // held; NULL: none was needed
     struct gp_map_picture sunmap, intensity;
     bool converted;                // its layers are in --output-space
@@ -209,6 +211,9 @@ GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
 /* Pixels that the kernel of this frame reaches left, up, right and down. */
 struct gp_rect gp_run_kernel_reach(const struct gp_run *r,
                                    struct gp_frame_state *fs);
+
+/* Measures what eyes adapt to, where the kernel has such: fs->mean, fs->white. */
+void gp_run_kernel_adapt(const struct gp_run *r, struct gp_frame_state *fs);
 
 /* The stage: makes the kernel for a frame with light, if need be, and holds it.
  * gp_run_kernel_of() returns the frame's kernel, empty for a dark frame. */

@@ -2,6 +2,7 @@
 
 #include "core/bytes.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <float.h>
@@ -48,6 +49,54 @@ void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
             sum[c] += s.band[i].sum[c];
         *squares += s.band[i].squares;
     }
+}
+
+// -- the mean ----------------------------------------------------------------
+
+struct mean_sums {
+    const struct gp_frame *f;
+    const struct gp_planes *p;
+    struct gp_rect seen;        // of the data window
+    double band[GP_FRAME_BANDS];
+};
+
+static void sum_rows(void *ctx, int band, int thread)
+{
+    struct mean_sums *const s = ctx;
+    const struct gp_rect *const at = &s->seen, *const data = &s->f->data;
+    const size_t rows = (size_t) (at->y1 - at->y0);
+    const size_t w = (size_t) gp_frame_w(s->f);
+    double sum = 0.0;
+    (void) thread;
+    for (size_t y = gp_band_start(rows, band);
+         y < gp_band_start(rows, band + 1); y++) {
+        const size_t from = (y + (size_t) (at->y0 - data->y0)) * w +
+                            (size_t) (at->x0 - data->x0);
+        const size_t end = from + (size_t) (at->x1 - at->x0);
+        for (int c = 0; c < 3; c++) {
+            double channel = 0.0;
+            for (size_t i = from; i < end; i++)
+                channel += (double) s->p->c[c][i];
+            sum += (double) s->f->luminance[c] * channel;
+        }
+    }
+    s->band[band] = sum;
+}
+
+double gp_mean_luminance(const struct gp_frame *f, const struct gp_planes *p)
+{
+    const struct gp_rect *const a = &f->data, *const b = &f->display;
+    struct mean_sums s = {.f = f, .p = p, .seen = {
+        gp_max(a->x0, b->x0), gp_max(a->y0, b->y0),
+        gp_min(a->x1, b->x1), gp_min(a->y1, b->y1)}};
+    double sum = 0.0;
+    if (s.seen.x0 >= s.seen.x1 || s.seen.y0 >= s.seen.y1)
+        return 0.0;
+    gp_parallel_do(GP_FRAME_BANDS, sum_rows, &s);
+    for (int i = 0; i < GP_FRAME_BANDS; i++)
+        sum += s.band[i];
+    sum /= ((double) b->x1 - b->x0) * ((double) b->y1 - b->y0);
+    return fmax(sum, 0.0);
 }
 
 // -- the average -------------------------------------------------------------

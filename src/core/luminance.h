@@ -36,6 +36,11 @@ gp_lit_luminance(const float weight[3], float r, float g, float b)
 void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
                    double *squares);
 
+/* The mean luminance over f's display window, where pixels outside of the data
+ * window are black; negative channels count as they are, the result is >= 0.
+ * `p` has the planes of f's size. */
+double gp_mean_luminance(const struct gp_frame *f, const struct gp_planes *p);
+
 /* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
  * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);
  * delta 1e-6. 0 when no pixel counts. `p` has the planes of f's size. */

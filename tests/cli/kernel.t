@@ -144,6 +144,29 @@ no 'frames of another rate are at another time' "$glarepp" compare --no-flip \
 ok 'but the same time is the same pupil' "$glarepp" compare --no-flip --fail 0 \
     t24.1.exr t48.2.exr
 
+# pupils of each frame, by Moon and Spencer: a pixel of 100 among 160 is a mean
+# of 62.5 cd/m2, or 625, in a window of 320 pixels 31.25; one of 10 is 6.25
+frame adapt.1.exr kind=zeros hot=100 size=16x10
+frame adapt.2.exr kind=zeros hot=100 size=16x10 \
+    attr=whiteLuminance:float:1000
+frame adapt.3.exr kind=zeros hot=100 size=16x10 display=0,0,31,9
+frame adapt.4.exr kind=zeros hot=10 size=16x10
+for eye in temporal:adaptation=0,hippus=0 spencer:light=adapted; do
+    run --fov 5 -k star -k $eye --layer 'eye.#.exr' --report r.json 'adapt.#.exr'
+    quiet_success "$eye: frames of their own light"
+    is "$(field r.json '[json.loads(l)["kernel"]["pupil_mm"] for l in open("r.json")]')" \
+        '[[None, 3.0545], [None, 2.4802], [None, 3.2957], [None, 3.979]]' \
+        "$eye: the report has each pupil"
+    run --fov 5 -k star -k $eye --layer alone.exr adapt.3.exr
+    same alone.exr eye.3.exr "$eye: a frame alone has the same bytes"
+    run --fov 5 -k $eye,white=1000 --layer a.exr --report r.json adapt.1.exr
+    is "$(field r.json 'o["kernel"]["pupil_mm"]')" '[2.4802]' \
+        "$eye: white in place of the file's"
+    run kernel -k $eye -o k2.exr
+    fails_with 2 "${eye%%:*}" "$eye: a kernel that no frame has"
+    like "$(cat err)" '*give it in cd/m2' "$eye: and says what to do"
+done
+
 run kernel -k eye --size 16384x16384 -o big.exr
 status_is 4 'a kernel over --max-pixels: status 4'
 no 'and it is not there' test -e big.exr

@@ -392,12 +392,20 @@ static void make_blades(struct iris *s, double roundness)
     s->inner = cos(half);
 }
 
+static double aperture_pupil(const struct gp_recipe *r,
+                             const struct gp_field *f)
+{
+    const double pupil = gp_recipe_value(r, "pupil");
+    (void) f;
+    return pupil > 0.0 ? pupil : gp_recipe_value(r, "focal") /
+                                     gp_recipe_value(r, "fnumber");
+}
+
 static gp_status open_aperture(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
     struct iris *s;
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
-    const double pupil = gp_recipe_value(r, "pupil");
     const int blades = (int) gp_recipe_value(r, "blades");
     const struct gp_frame *const mask = r->image;
     if (blades == 1 || blades == 2)
@@ -406,8 +414,7 @@ static gp_status open_aperture(const struct gp_log *log,
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
     if (st)
         return st;
-    s->radius = 0.5 * (pupil > 0.0 ? pupil : gp_recipe_value(r, "focal") /
-                                             gp_recipe_value(r, "fnumber"));
+    s->radius = 0.5 * aperture_pupil(r, f);
     s->turn = (gp_recipe_value(r, "rotation") + f->rotate) * PI / 180.0;
     s->blades = blades;
     s->inner = 1.0;
@@ -447,5 +454,5 @@ static gp_status open_aperture(const struct gp_log *log,
 const struct gp_model gp_model_aperture = {
     .name = "aperture", .text = "spikes and speckle of a lens' iris",
     .source = "Fraunhofer diffraction: Goodman, Fourier Optics, eq. 4-25",
-    .keys = aperture_keys, .open = open_aperture,
+    .pupil = aperture_pupil, .keys = aperture_keys, .open = open_aperture,
 };

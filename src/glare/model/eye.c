@@ -85,8 +85,9 @@ static gp_status sky_shape(const struct gp_log *log, gp_profile p,
     return gp_radial_shape(log, gp_sky_in_plane, &sky, channels, bends, f, out);
 }
 
-enum { PHOTOPIC, MESOPIC, SCOTOPIC };
-static const char *const lights[] = {"photopic", "mesopic", "scotopic", NULL};
+enum { PHOTOPIC, MESOPIC, SCOTOPIC, ADAPTED };
+static const char *const lights[] = {"photopic", "mesopic", "scotopic",
+                                     "adapted", NULL};
 static const double spencer_weights[3][4] = {
     {0.384, 0.478, 0.138, 0.0},
     {0.368, 0.478, 0.138, 0.016},
@@ -95,8 +96,9 @@ static const double spencer_weights[3][4] = {
 
 static const struct gp_model_key spencer_keys[] = {
     GP_MODEL_SHARE(1.0),
-    {"light", "by day, at dusk or by night", PHOTOPIC, PHOTOPIC, SCOTOPIC,
-     lights, false},
+    {"light", "by day, at dusk, by night, or by the pupil of adaptation",
+     PHOTOPIC, PHOTOPIC, ADAPTED, lights, false},
+    GP_MODEL_ADAPTATION(0),
     {"pupil", "diameter in mm, 3 by day to 7 by night, in place of light; 0: "
      "by light", 0.0, 0.0, 9.0, NULL, false},
     {"needles", "rays into which the ciliary corona breaks up; 0: none, it is "
@@ -105,13 +107,29 @@ static const struct gp_model_key spencer_keys[] = {
     {0},
 };
 
+static bool spencer_adapts(const struct gp_recipe *r)
+{
+    return gp_recipe_value(r, "light") == ADAPTED &&
+           !(gp_recipe_value(r, "pupil") > 0.0);
+}
+
+static double spencer_pupil(const struct gp_recipe *r,
+                            const struct gp_field *f)
+{
+    const double pupil = gp_recipe_value(r, "pupil");
+    (void) f;
+    return pupil > 0.0 ? pupil
+           : spencer_adapts(r)
+               ? gp_pupil_moon_spencer(gp_recipe_value(r, "adaptation"))
+               : 3.0 + 2.0 * gp_recipe_value(r, "light");
+}
+
 static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
                             const struct gp_field *f, struct spencer *out)
 {
-    const double pupil = gp_recipe_value(r, "pupil");
     // 3 mm is photopic, 5 mesopic, 7 scotopic
-    const double at = pupil > 0.0 ? fmin(fmax((pupil - 3.0) / 2.0, 0.0), 2.0)
-                                  : gp_recipe_value(r, "light");
+    const double at =
+        fmin(fmax((spencer_pupil(r, f) - 3.0) / 2.0, 0.0), 2.0);
     const int i = at < 1.0 ? 0 : 1;
     struct spencer s = {.factor = 1.0, .luminance = f->luminance};
     for (int k = 0; k < 4; k++)
@@ -454,7 +472,9 @@ static gp_status open_spencer(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
     struct spencer s;
-    gp_status st = spencer_of(log, r, f, &s);
+    gp_status st = gp_model_adapted(log, r);
+    if (!st)
+        st = spencer_of(log, r, f, &s);
     if (st)
         return st;
     st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0
@@ -468,7 +488,7 @@ static gp_status open_spencer(const struct gp_log *log,
 const struct gp_model gp_model_spencer = {
     .name = "spencer", .text = "the eye by day, at dusk or by night",
     .source = "Spencer et al. 1995, eqs. 5 to 8", .keys = spencer_keys,
-    .open = open_spencer,
+    .pupil = spencer_pupil, .adapts = spencer_adapts, .open = open_spencer,
 };
 
 // -- CIE ----------------------------------------------------------------------

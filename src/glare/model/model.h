@@ -101,6 +101,16 @@ void gp_recipe_free(struct gp_recipe *r);
  * range. A model without the key stays as it is. */
 void gp_recipe_preset(struct gp_recipe *r, const char *key, double value);
 
+/* True where the recipe's pupil is that of the frame's own luminance. */
+bool gp_recipe_adapts(const struct gp_recipe *r);
+
+/* Sets the adaptation of a recipe that adapts, for a frame whose mean is `mean`
+ * in scene-linear luminance and whose 1.0 is `white` cd/m2, but for a key `white`
+ * that is not 0. Others stay as they are. */
+void gp_recipe_adapt(struct gp_recipe *r, double mean, double white);
+
+#define GP_USUAL_WHITE 100.0 // cd/m2 of scene value 1, where no file says it
+
 /* The recipe of an image file: model `image`, share 1, `degrees` high, or where
  * that is 0 `percent` of its pixels. As gp_recipe_parse(). */
 GP_MUST_CHECK gp_status gp_recipe_of_image(const struct gp_log *log,
@@ -138,6 +148,9 @@ struct gp_field {
 /* The field of a frame whose display window is fov degrees high. Borrows from
  * the frame. */
 struct gp_field gp_field_of(const struct gp_frame *f, double fov);
+
+/* The diameter of the recipe's pupil in a field, mm; 0: the model has none. */
+double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);
 
 /* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: where every
  * recipe is smooth far out, a core at full rate in out->k and the rest in

@@ -47,6 +47,11 @@ struct gp_model {
     const struct gp_model_key *keys; // the first is `share`
     bool moves;       // it depends on the field's frame
 
+    /* The pupil's diameter, mm, and whether the key `adaptation` decides it.
+     * NULL: it has no pupil, no adaptation. */
+    double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
+    bool (*adapts)(const struct gp_recipe *r);
+
     /* Evaluates what depends on recipe and field. The shape's luminance sums to
      * 1 over the hemisphere (over the plane for what has no angle).
      * Written only on GP_OK. Errors: those of gp_model_kernel(). */
@@ -62,6 +67,17 @@ extern const struct gp_model gp_model_gaussian, gp_model_moffat,
 extern const struct gp_model gp_model_star, gp_model_cross,
     gp_model_streak;                                              // rays.c
 extern const struct gp_model gp_model_image;                      // drawn.c
+
+/* Keys of the luminance that an eye is adapted to. */
+#define GP_MODEL_ADAPTATION(preset)                                           \
+    { "adaptation", "luminance that the eye is adapted to, cd/m2; 0 takes "   \
+      "the mean of each frame", preset, 0, 1e6, NULL, false },                \
+    { "white", "cd/m2 of scene value 1, for that mean; 0 takes the file's "   \
+      "whiteLuminance, else 100", 0, 0, 1e6, NULL, false }
+
+/* Fails where a recipe adapts to a frame that was not measured. */
+GP_MUST_CHECK gp_status gp_model_adapted(const struct gp_log *log,
+                                         const struct gp_recipe *r);
 
 /* The recipe's value of a key of its model, by name. */
 static inline double gp_recipe_value(const struct gp_recipe *r,
@@ -238,7 +254,7 @@ enum { GP_LASH_PARTS = 8 };
 void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
                      struct gp_stain *out);
 
-// -- temporal.c: declared for tests -------------------------------------------
+// -- temporal.c: pupils ------------------------------------------------------
 
 /* The pupil's diameter, mm, of eyes adapted to `nits` cd/m2: Moon and Spencer
  * 1944 in the form of Watson and Yellott 2012, eq. 3, with log10; and their own

@@ -386,6 +386,41 @@ bool gp_recipe_moves(const struct gp_recipe *r)
     return r->model->moves;
 }
 
+double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f)
+{
+    return r->model->pupil ? r->model->pupil(r, f) : 0.0;
+}
+
+// -- adaptation ---------------------------------------------------------------
+
+bool gp_recipe_adapts(const struct gp_recipe *r)
+{
+    return r->model->adapts && r->model->adapts(r) &&
+           gp_recipe_value(r, "adaptation") == 0.0;
+}
+
+void gp_recipe_adapt(struct gp_recipe *r, double mean, double white)
+{
+    if (!gp_recipe_adapts(r))
+        return;
+    const double own = gp_recipe_value(r, "white");
+    int i = 0;
+    while (strcmp(r->model->keys[i].name, "adaptation") != 0)
+        i++;
+    // the dark is 1e-6 cd/m2, under which no eye sees
+    r->value[i] = fmin(fmax(mean * (own > 0.0 ? own : white), 1e-6),
+                       r->model->keys[i].hi);
+}
+
+gp_status gp_model_adapted(const struct gp_log *log, const struct gp_recipe *r)
+{
+    return gp_recipe_adapts(r)
+               ? gp_fail(log, GP_ERR_USAGE, "%s: adaptation=0 takes a frame's "
+                         "luminance, and there is none here; give it in cd/m2",
+                         r->model->name)
+               : GP_OK;
+}
+
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
     for (int i = 0; r->model->keys[i].name; i++) {

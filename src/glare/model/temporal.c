@@ -109,8 +109,7 @@ static const char *const formulas[] = {"moon-spencer", "watson", NULL};
 
 static const struct gp_model_key temporal_keys[] = {
     GP_MODEL_SHARE(1.0),
-    {"adaptation", "luminance that the eye is adapted to, cd/m2", 1, 1e-6, 1e6,
-     NULL, false},
+    GP_MODEL_ADAPTATION(1),
     {"pupil", "mean diameter of the pupil, mm; 0 takes that of adaptation", 0,
      0, PUPIL_MOST, NULL, false},
     {"formula", "pupil of an adaptation, by Moon and Spencer or by Watson and "
@@ -133,24 +132,38 @@ static const struct gp_model_key temporal_keys[] = {
     {0},
 };
 
-static gp_status open_temporal(const struct gp_log *log,
-    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+static bool temporal_adapts(const struct gp_recipe *r)
 {
-    struct eye *e;
-    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    return !(gp_recipe_value(r, "pupil") > 0.0);
+}
+
+static double temporal_pupil(const struct gp_recipe *r,
+                             const struct gp_field *f)
+{
     const double nits = gp_recipe_value(r, "adaptation");
-    const double t = f->frame / f->fps;
     const double area = f->degrees * f->degrees * f->aspect * f->w * f->h;
     double p = gp_recipe_value(r, "pupil");
     if (!(p > 0.0))
         p = gp_recipe_value(r, "formula") == WATSON
                 ? gp_pupil_watson(nits, area, gp_recipe_value(r, "age"))
                 : gp_pupil_moon_spencer(nits);
-    p = fmax(p, 1.0);
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
+    return gp_pupil_hippus(fmax(p, 1.0), f->frame / f->fps,
+                           gp_recipe_value(r, "hippus"),
+                           (uint64_t) gp_recipe_value(r, "seed"));
+}
+
+static gp_status open_temporal(const struct gp_log *log,
+    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+{
+    struct eye *e;
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    const double t = f->frame / f->fps;
+    gp_status st = gp_model_adapted(log, r);
+    if (!st)
+        st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
     if (st)
         return st;
-    e->radius = 0.5 * gp_pupil_hippus(p, t, gp_recipe_value(r, "hippus"), seed);
+    e->radius = 0.5 * temporal_pupil(r, f);
     e->turn = f->rotate * PI / 180.0;
     for (int i = 0; i < 2 * WAVES; i++)
         e->edge[i / 2][i % 2] =
@@ -177,5 +190,6 @@ static gp_status open_temporal(const struct gp_log *log,
 const struct gp_model gp_model_temporal = {
     .name = "temporal", .text = "an eye whose pupil shimmers with each frame",
     .source = "Ritschel et al. 2009, eqs. 1 and 2", .moves = true,
+    .pupil = temporal_pupil, .adapts = temporal_adapts,
     .keys = temporal_keys, .open = open_temporal,
 };

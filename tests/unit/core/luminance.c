@@ -48,6 +48,36 @@ static void sums_are_the_same_for_any_threads(void **state)
     gp_frame_free(&f);
 }
 
+/* Over the display window, of which parts may be black, or cut off. */
+static void mean_is_over_the_display_window(void **state)
+{
+    (void) state;
+    struct gp_frame f = make_frame(5u, 2.0f);
+    static const struct gp_rect displays[] = {
+        {-5, 9, W - 5, H + 9}, {-5, 9, 2 * W - 5, H + 9},
+        {0, 12, 20, 30}, {-100, -100, 100, 100}, {W, 0, W + 1, 1},
+    };
+    for (size_t i = 0; i < COUNT(displays); i++) {
+        const struct gp_rect d = displays[i];
+        double sum = 0.0;
+        for (int k = 0; k < N; k++) {
+            const int x = k % W + f.data.x0, y = k / W + f.data.y0;
+            for (int c = 0; c < 3 && x >= d.x0 && x < d.x1 && y >= d.y0 &&
+                            y < d.y1; c++)
+                sum += (double) f.luminance[c] * (double) f.rgb.c[c][k];
+        }
+        const double want = sum / ((double) (d.x1 - d.x0) * (d.y1 - d.y0));
+        f.display = d;
+        gp_set_threads(1);
+        const double one = gp_mean_luminance(&f, &f.rgb);
+        gp_set_threads(3);
+        assert_true(gp_mean_luminance(&f, &f.rgb) == one);
+        assert_true(fabs(one - want) <= 1e-12 * want);
+    }
+    gp_set_threads(0);
+    gp_frame_free(&f);
+}
+
 static int by_value(const void *a, const void *b)
 {
     const float x = *(const float *) a, y = *(const float *) b;
@@ -96,4 +126,4 @@ static void peak_is_the_largest(void **state)
 }
 
 SUITE_OF(luminance, NULL, NULL, sums_are_the_same_for_any_threads,
-         percentiles_are_exact_ranks, peak_is_the_largest)
+         mean_is_over_the_display_window, percentiles_are_exact_ranks, peak_is_the_largest)

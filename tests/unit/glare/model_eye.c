@@ -111,12 +111,16 @@ static void pupil_chooses_the_light(void **state)
         {"spencer:light=photopic", "spencer:pupil=2"},
         {"spencer:light=mesopic", "spencer:pupil=5"},
         {"spencer:light=scotopic", "spencer:pupil=7"},
+        {"spencer:light=adapted,adaptation=10", "spencer:pupil=3.76308066"},
+        {"spencer:light=adapted,adaptation=1e4", "spencer:light=photopic"},
+        {"spencer:light=scotopic,adaptation=10", "spencer:pupil=7"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_recipe a = scene_recipe(rows[i][0]);
         struct gp_recipe b = scene_recipe(rows[i][1]);
-        assert_true(gp_eye_beyond(&a, &plain, 1.0) ==
-                    gp_eye_beyond(&b, &plain, 1.0));
+        assert_true(fabs(gp_eye_beyond(&a, &plain, 1.0) -
+                         gp_eye_beyond(&b, &plain, 1.0)) < 1e-8);
+        assert_true(gp_recipe_pupil(&a, &plain) > 2.0);
         gp_recipe_free(&a);
         gp_recipe_free(&b);
     }
@@ -128,6 +132,44 @@ static void pupil_chooses_the_light(void **state)
     gp_recipe_free(&low);
     gp_recipe_free(&high);
     gp_recipe_free(&mid);
+}
+
+/* A recipe adapts where its pupil is a frame's; then it has one only for a
+ * frame. */
+static void eyes_adapt_to_frames(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *recipe;
+        bool adapts;
+        double pupil;   // mm, for a mean of 0.5 and a white of 200 cd/m2
+    } rows[] = {
+        {"spencer:light=adapted", true, 2.9098},
+        {"spencer:light=adapted,white=20", true, 3.7631},
+        {"spencer:light=adapted,white=1e-6", true, 7.8511},
+        {"spencer:light=adapted,pupil=4", false, 4.0},
+        {"spencer:light=adapted,adaptation=10", false, 3.7631},
+        {"spencer:light=mesopic", false, 5.0},
+        {"temporal:adaptation=0,hippus=0", true, 2.9098},
+        {"temporal:adaptation=0,hippus=0,pupil=6", false, 6.0},
+        {"temporal:hippus=0", false, 4.9034},
+        {"aperture:fnumber=8,focal=50", false, 6.25},
+        {"star", false, 0.0},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_recipe r = scene_recipe(rows[i].recipe);
+        struct gp_kernel k;
+        assert_true(gp_recipe_adapts(&r) == rows[i].adapts);
+        if (rows[i].adapts)
+            assert_int_equal(gp_model_kernel(NULL, &r, 1, &plain, &k),
+                             GP_ERR_USAGE);
+        gp_recipe_adapt(&r, 0.5, 200.0);
+        assert_false(gp_recipe_adapts(&r));
+        if (!(fabs(gp_recipe_pupil(&r, &plain) - rows[i].pupil) < 1e-4))
+            fail_msg("%s: %.5f mm, not %g", rows[i].recipe,
+                     gp_recipe_pupil(&r, &plain), rows[i].pupil);
+        gp_recipe_free(&r);
+    }
 }
 
 /* Needles move light around circles, and none across them: each circle has the
@@ -229,4 +271,5 @@ static void halo_is_folded_as_a_sum(void **state)
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
     the_plane_holds_the_hemisphere, terms_are_normalised,
     general_equation_is_the_cies, pupil_chooses_the_light,
+    eyes_adapt_to_frames,
     needles_stay_on_their_circles, halo_is_folded_as_a_sum)
