@@ -159,7 +159,7 @@ $(B)/tests/obj/%_suites.o: $(B)/tests/obj/%_suites.c
 -include $(UNIT_OBJ:.o=.d) $(UNIT_COMMON:.o=.d)
 
 # Libraries that tests preload to make calls fail, and GL libraries that break
-$(B)/tests/%.so: tests/faults/%.c
+$(B)/tests/%.so: tests/faults/%.c tests/faults/blocks.h
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -Itests/unit -fPIC -shared \
 	    -o $@ $< -ldl

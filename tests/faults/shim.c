@@ -25,6 +25,9 @@
  * end the process themselves.
  */
 #include "fail.h"
+#ifndef FAIL_WRAPPED
+#include "blocks.h"
+#endif
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -77,7 +80,9 @@ static atomic_long nth, tried, calls[KIND_COUNT];
 static atomic_bool by_path, fired;
 static bool later;
 static int own_errno;
+#ifdef FAIL_WRAPPED
 static atomic_long blocks; // allocated and not freed
+#endif
 struct fail_always fail_always;
 _Atomic mode_t fail_made_mode;
 
@@ -307,52 +312,6 @@ static void note(const char *line)
     syscall(SYS_close, fd);
 }
 
-/* Addresses of the blocks that the program allocated and not yet freed; a hash
- * table in which a removed entry stays as REMOVED. */
-enum { BLOCKS = 1 << 16 };
-static const void *block_table[BLOCKS];
-static const char REMOVED[1];
-static pthread_mutex_t blocks_lock = PTHREAD_MUTEX_INITIALIZER;
-
-static size_t slot_of(const void *p)
-{
-    return (size_t) ((uintptr_t) p / 16 * 0x9e3779b97f4a7c15u >> 48) % BLOCKS;
-}
-
-static void *add_block(void *p)
-{
-    if (!p)
-        return NULL;
-    size_t i = slot_of(p);
-    pthread_mutex_lock(&blocks_lock);
-    if (++blocks == BLOCKS / 2)
-        abort();
-    while (block_table[i] && block_table[i] != REMOVED)
-        i = (i + 1) % BLOCKS;
-    block_table[i] = p;
-    pthread_mutex_unlock(&blocks_lock);
-    return p;
-}
-
-/* Returns whether `p` was one. */
-static bool remove_block(const void *p)
-{
-    if (!p || !atomic_load(&blocks))
-        return false;
-    size_t i = slot_of(p);
-    pthread_mutex_lock(&blocks_lock);
-    int tried_slots = 0;
-    while (block_table[i] && block_table[i] != p && tried_slots++ < BLOCKS)
-        i = (i + 1) % BLOCKS;
-    const bool found = block_table[i] == p;
-    if (found) {
-        block_table[i] = REMOVED;
-        blocks--;
-    }
-    pthread_mutex_unlock(&blocks_lock);
-    return found;
-}
-
 static void print_counts(void)
 {
     char line[64];
@@ -361,7 +320,7 @@ static void print_counts(void)
                  atomic_load(&calls[i]));
         note(line);
     }
-    snprintf(line, sizeof line, "leaked %ld\n", atomic_load(&blocks));
+    snprintf(line, sizeof line, "leaked %ld\n", count_blocks());
     note(line);
 }
 
