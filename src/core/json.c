@@ -164,9 +164,7 @@ static struct words names_text(const char *const names[])
     return t;
 }
 
-/* "lights.json: light 3: TEXT", "lights.json: TEXT"; returns GP_ERR_DATA. */
-GP_PRINTF(2, 3)
-static gp_status fail_at(const struct gp_json_place *p, const char *fmt, ...)
+gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
 {
     char text[GP_LINE_BYTES], place[64] = "";
     va_list args;
@@ -271,14 +269,14 @@ gp_status gp_json_array(const struct gp_json_place *p, json_t *root,
 {
     json_t *a = json_is_object(root) ? json_object_get(root, key) : root;
     if (!a)
-        return fail_at(p, "no \"%s\" (found an object without it); give "
-                       "{\"%s\": [...]}", key, key);
+        return gp_json_fail(p, "no \"%s\" (found an object without it); give "
+                            "{\"%s\": [...]}", key, key);
     if (!json_is_array(a))
-        return fail_at(p, "\"%s\" is not an array (found %s); give "
-                       "{\"%s\": [...]}", key, found_text(a).text, key);
+        return gp_json_fail(p, "\"%s\" is not an array (found %s); give "
+                            "{\"%s\": [...]}", key, found_text(a).text, key);
     if (json_array_size(a) > most)
-        return fail_at(p, "too many in \"%s\" (found %zu); give at most %zu",
-                       key, json_array_size(a), most);
+        return gp_json_fail(p, "too many in \"%s\" (found %zu); give at most "
+                            "%zu", key, json_array_size(a), most);
     *out = a;
     return GP_OK;
 }
@@ -299,12 +297,12 @@ gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
     json_t *value;
     int at;
     if (!json_is_object(o))
-        return fail_at(p, "not an object (found %s); give {...} with %s",
-                       found_text(o).text, names_text(keys).text);
+        return gp_json_fail(p, "not an object (found %s); give {...} with %s",
+                            found_text(o).text, names_text(keys).text);
     json_object_foreach (o, key, value) { // in the file's order
         if (!in_list(key, keys, &at))
-            return fail_at(p, "unknown key (found \"%s\"); use one of %s",
-                           cut_text(key).text, names_text(keys).text);
+            return gp_json_fail(p, "unknown key (found \"%s\"); use one of %s",
+                                cut_text(key).text, names_text(keys).text);
     }
     return GP_OK;
 }
@@ -324,12 +322,12 @@ static gp_status check_number(const struct gp_json_place *p, const char *key,
     const json_t *v, double lo, double hi, double *out)
 {
     if (!json_is_number(v))
-        return fail_at(p, "\"%s\" is not a number (found %s); give %s",
-                       key, found_text(v).text, range_text(lo, hi).text);
+        return gp_json_fail(p, "\"%s\" is not a number (found %s); give %s",
+                            key, found_text(v).text, range_text(lo, hi).text);
     double d = json_number_value(v);
     if (!(isfinite(d) && d >= lo && d <= hi))
-        return fail_at(p, "\"%s\" out of range (found %s); give %s",
-                       key, found_text(v).text, range_text(lo, hi).text);
+        return gp_json_fail(p, "\"%s\" out of range (found %s); give %s", key,
+                            found_text(v).text, range_text(lo, hi).text);
     *out = d;
     return GP_OK;
 }
@@ -352,8 +350,8 @@ gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
     if (st)
         return st;
     if (d != floor(d))
-        return fail_at(p, "\"%s\" is not a whole number (found %s); give %d "
-                       "to %d", key, found_text(v).text, lo, hi);
+        return gp_json_fail(p, "\"%s\" is not a whole number (found %s); give "
+                            "%d to %d", key, found_text(v).text, lo, hi);
     *out = (int) d;
     return GP_OK;
 }
@@ -367,9 +365,9 @@ gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
         return GP_OK;
     const bool lone = grey && !json_is_array(v);
     if (!lone && json_array_size(v) != (size_t) count) // 0 of no array
-        return fail_at(p, "\"%s\" is not an array of %d numbers (found %s); "
-                       "give %d of them%s", key, count,
-                       found_text(v).text, count, grey ? ", or one" : "");
+        return gp_json_fail(p, "\"%s\" is not an array of %d numbers (found "
+                            "%s); give %d of them%s", key, count,
+                            found_text(v).text, count, grey ? ", or one" : "");
     double read = 0.0;
     // checks all before it writes any
     for (int pass = 0; pass < 2; pass++) {
@@ -392,8 +390,8 @@ gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
     if (!v)
         return GP_OK;
     if (!json_is_string(v))
-        return fail_at(p, "\"%s\" is not a string (found %s); put it in quotes",
-                       key, found_text(v).text);
+        return gp_json_fail(p, "\"%s\" is not a string (found %s); put it in "
+                            "quotes", key, found_text(v).text);
     *out = json_string_value(v);
     return GP_OK;
 }
@@ -407,8 +405,8 @@ gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
     if (st || !text)
         return st;
     if (!in_list(text, names, &at))
-        return fail_at(p, "unknown \"%s\" (found \"%s\"); use one of %s",
-                       key, cut_text(text).text, names_text(names).text);
+        return gp_json_fail(p, "unknown \"%s\" (found \"%s\"); use one of %s",
+                            key, cut_text(text).text, names_text(names).text);
     *out = at;
     return GP_OK;
 }

@@ -28,6 +28,11 @@ struct gp_json_place {
     int index;         // from 1; 0: the file itself
 };
 
+/* Prints "lights.json: light 3: TEXT", or "lights.json: TEXT"; returns
+ * GP_ERR_DATA. */
+gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
+    GP_PRINTF(2, 3);
+
 /* Reads all bytes of a file or pipe into memory, at most `most`, at least 1024.
  *   out  written on GP_OK only; gp_free()
  * Errors: GP_ERR_IO cannot be read, is a folder; GP_ERR_DATA too large;

@@ -103,10 +103,9 @@ static gp_status read_profile(const struct gp_json_place *p, json_t *o,
     if (!list)
         return GP_OK;
     if (n < 2 || n > GP_FLARE_PROFILE)
-        return gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: \"profile\" is not an "
-                       "array of 2 to %d numbers; give brightness from middle "
-                       "to rim, e.g. [1, 0.5, 0]", p->path, p->what, p->index,
-                       GP_FLARE_PROFILE);
+        return gp_json_fail(p, "\"profile\" is not an array of 2 to %d "
+                            "numbers; give brightness from middle to rim, e.g. "
+                            "[1, 0.5, 0]", GP_FLARE_PROFILE);
     const gp_status st = gp_json_numbers(p, o, "profile", n, false, 0.0, 1e3, v,
                                          NULL);
     bool black = true;
@@ -115,8 +114,7 @@ static gp_status read_profile(const struct gp_json_place *p, json_t *o,
         black = black && !(v[i] > 0.0);
     }
     if (!st && black)
-        return gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: \"profile\" is all 0; "
-                       "give a number over 0", p->path, p->what, p->index);
+        return gp_json_fail(p, "\"profile\" is all 0; give a number over 0");
     e->profiles = n;
     return st;
 }
@@ -146,9 +144,8 @@ static gp_status read_by_place(const struct gp_json_place *p, json_t *o,
         GP_TRY(gp_json_numbers(p, own, "brightness", 2, false, 0.0, 1e3, bright,
                                NULL));
         if (colours && json_array_size(colours) != 2)
-            GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: \"color\" of "
-                           "\"by_place\" is not two colours; give [[r, g, b], "
-                           "[r, g, b]]", p->path, p->what, p->index));
+            GP_TRY(gp_json_fail(p, "\"color\" of \"by_place\" is not two "
+                                "colours; give [[r, g, b], [r, g, b]]"));
         for (int i = 0; i < 2; i++) {
             float rgb[3] = {1.0f, 1.0f, 1.0f};
             if (colours) { // one of the two, under the key's name
@@ -177,9 +174,7 @@ static gp_status read_path(const struct gp_json_place *p, json_t *o,
     gp_status st;
     GP_TRY(gp_json_text(p, o, "image", &name, &found));
     if (!found || !*name)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: no image; add \"image\": its file",
-                       p->path, p->what, p->index));
+        GP_TRY(gp_json_fail(p, "no image; add \"image\": its file"));
     const char *const slash = strrchr(p->path, '/');
     const size_t folder = name[0] != '/' && slash
                               ? (size_t) (slash - p->path) + 1 : 0;
@@ -211,19 +206,16 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_keys(p, o, names));
     GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
     if (!found)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA,
-               "%s: %s %d: no shape; add \"shape\": disc, ring, polygon, "
-               "streak, image, glow, spikes, caustic or dirt", p->path, p->what,
-               p->index));
+        GP_TRY(gp_json_fail(p, "no shape; add \"shape\": disc, ring, polygon, "
+                            "streak, image, glow, spikes, caustic or dirt"));
     e->shape = (enum gp_flare_shape) shape;
     const bool rays = RAYS >> shape & 1u;
     e->width = rays ? 0.01 : e->width;
     e->count = e->shape == GP_FLARE_SPIKES ? 8 : 1;
     GP_TRY(read_source(p, o, &e->source));
     if (e->shape == GP_FLARE_DIRT && e->source == GP_FLARE_BRIGHT)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: dirt is lit by lights "
-                       "(found \"source\": \"bright\"); use \"lights\"",
-                       p->path, p->what, p->index));
+        GP_TRY(gp_json_fail(p, "dirt is lit by lights (found \"source\": "
+                            "\"bright\"); use \"lights\""));
     GP_TRY(check_keys(p, o, e));
     const struct {
         const char *key;
@@ -278,9 +270,8 @@ static gp_status add_element(const struct gp_json_place *p,
     void *block = f->element;
     gp_status st = GP_OK;
     if (f->n + copies > MOST_ELEMENTS)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: %s %d: too many elements, "
-                       "with copies (found %d); give at most %d", p->path,
-                       p->what, p->index, f->n + copies, MOST_ELEMENTS));
+        GP_TRY(gp_json_fail(p, "too many elements, with copies (found %d); "
+                            "give at most %d", f->n + copies, MOST_ELEMENTS));
     GP_TRY(gp_resize(p->log, "flare elements", (size_t) (f->n + copies) *
                      sizeof *f->element, &block));
     f->element = block;

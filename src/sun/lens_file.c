@@ -16,9 +16,8 @@ static gp_status read_text(const struct gp_json_place *p, json_t *o,
     if (st)
         return st;
     if (strlen(text) >= room)
-        return gp_fail(p->log, GP_ERR_DATA, "%s: %s is too long (%zu bytes); "
-                       "shorten it to %zu", p->path, key, strlen(text),
-                       room - 1);
+        return gp_json_fail(p, "%s is too long (%zu bytes); shorten it to %zu",
+                            key, strlen(text), room - 1);
     memcpy(out, text, strlen(text) + 1);
     return GP_OK;
 }
@@ -60,8 +59,7 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_keys(p, o, keys));
     *stop = json_is_true(json_object_get(o, "stop"));
     if (json_object_get(o, "stop") && !*stop)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: stop is not true; "
-                       "leave it out", p->path, p->index));
+        GP_TRY(gp_json_fail(p, "stop is not true; leave it out"));
     if (*stop)
         GP_TRY(gp_json_keys(p, o, stop_keys));
     GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
@@ -79,20 +77,17 @@ static gp_status read_surface(const struct gp_json_place *p, json_t *o,
         s.v = before->v;
     }
     if (!has_semi || (!has_gap && !last))
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: no %s; add it in "
-                       "millimetres", p->path, p->index,
-                       has_semi ? "thickness" : "semi"));
+        GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
+                            has_semi ? "thickness" : "semi"));
     if (has_radius && radius == 0.0)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: the radius is 0; "
-                       "leave it out for a flat surface", p->path, p->index));
+        GP_TRY(gp_json_fail(p, "the radius is 0; leave it out for a flat "
+                            "surface"));
     if (has_radius && fabs(radius) < s.semi)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: the radius is "
-                       "under semi (found %g and %g); no sphere is so wide",
-                       p->path, p->index, radius, s.semi));
+        GP_TRY(gp_json_fail(p, "the radius is under semi (found %g and %g); no "
+                            "sphere is so wide", radius, s.semi));
     if (s.v > 0.0 && s.v < 10.0)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: v is not an Abbe "
-                       "number (found %g); give 10 to 200, or 0 for none",
-                       p->path, p->index, s.v));
+        GP_TRY(gp_json_fail(p, "v is not an Abbe number (found %g); give 10 to "
+                            "200, or 0 for none", s.v));
     s.curvature = has_radius ? 1.0 / radius : 0.0;
     // by default between glass and air: cemented surfaces have no coat
     const double n = before ? before->n : 1.0;
@@ -117,15 +112,13 @@ static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
         if (st)
             return st;
         if (stop && lens->stop >= 0)
-            return gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: a second "
-                           "stop; leave one out", p->path, i + 1);
+            return gp_json_fail(&at, "a second stop; leave one out");
         if (stop)
             lens->stop = i;
     }
     if (lens->stop < 0)
-        return gp_fail(p->log, GP_ERR_DATA, "%s: no stop; add a surface "
-                       "{\"stop\": true, \"thickness\": mm, \"semi\": mm}",
-                       p->path);
+        return gp_json_fail(p, "no stop; add a surface {\"stop\": true, "
+                            "\"thickness\": mm, \"semi\": mm}");
     if (lens->at[lens->n - 1].n != 1.0)
         return gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: glass up to the "
                        "sensor (found n %g); leave n of the last one out",
@@ -150,14 +143,12 @@ static gp_status read_lens(const struct gp_json_place *p, json_t *root,
     gp_make_printable(lens->patent);
     gp_make_printable(lens->note);
     if (!lens->name[0])
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: no name; add \"name\": text",
-                       p->path));
+        GP_TRY(gp_json_fail(p, "no name; add \"name\": text"));
     GP_TRY(read_claims(p, root, lens));
     GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades, NULL));
     if (lens->blades == 1 || lens->blades == 2)
-        GP_TRY(gp_fail(p->log, GP_ERR_DATA, "%s: blades make no opening (found "
-                       "%d); give 3 to 32, or 0 for a round stop", p->path,
-                       lens->blades));
+        GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
+                            "32, or 0 for a round stop", lens->blades));
     GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn,
                           NULL));
     GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating, NULL));

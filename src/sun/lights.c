@@ -59,19 +59,17 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
             "\"world\" or \"direction\"", p->path, p->what, p->index, n);
     if (out->place == GP_PLACE_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
         at[2] == 0.0)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: \"direction\" is 0, 0, 0; give a vector "
-                       "that is not zero", p->path, p->what, p->index);
+        return gp_json_fail(p, "\"direction\" is 0, 0, 0; give a vector that "
+                            "is not zero");
     // a direction's disc is seen under an angle, unless pixels are given
     GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius,
                           &pixels));
     GP_TRY(gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees, &angle));
     if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: \"degrees\" is for a \"direction\" without "
-                       "\"radius\" (found it with \"%s\"); give only "
-                       "\"radius\"", p->path, p->what, p->index,
-                       pixels ? "radius" : places[out->place].key);
+        return gp_json_fail(p, "\"degrees\" is for a \"direction\" without "
+                            "\"radius\" (found it with \"%s\"); give only "
+                            "\"radius\"",
+                            pixels ? "radius" : places[out->place].key);
     if (out->place == GP_PLACE_DIRECTION && !pixels)
         out->radius = -1.0;
     GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
