@@ -312,7 +312,6 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
                                false);
             const double det = s.a * s.d - s.b * s.c;
             const double b = (g.m.b * s.a - g.m.a * s.b) / det;
-            g.stop_scale = s.a;
             // Collins' integral from the stop: a fringe of sqrt(nm |A B|),
             // with A the size of the ghost over that of the stop
             g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
@@ -320,33 +319,4 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
         }
     }
     return n;
-}
-
-double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
-                    double u, double nm)
-{
-    enum { STRIPS = 2000 };
-    struct disc disc[GP_LENS_STEPS];
-    const int n = discs_of(lens, path, nm, disc);
-    double low = -INFINITY, high = INFINITY, sum = 0.0;
-    for (int k = 0; k < n; k++) {
-        low = fmax(low, disc[k].shift * u - disc[k].radius);
-        high = fmin(high, disc[k].shift * u + disc[k].radius);
-    }
-    if (!(low < high))
-        return 0.0;
-    // chords of the discs, at strips that are fine where a disc ends:
-    // t - sin t / ... of a circle is smooth in the angle
-    for (int i = 0; i < STRIPS; i++) {
-        const double t = pi * (i + 0.5) / STRIPS;
-        const double x = 0.5 * (low + high) - 0.5 * (high - low) * cos(t);
-        double chord = INFINITY;
-        for (int k = 0; k < n; k++) {
-            const double d = x - disc[k].shift * u;
-            const double h = disc[k].radius * disc[k].radius - d * d;
-            chord = fmin(chord, h > 0.0 ? sqrt(h) : 0.0);
-        }
-        sum += 2.0 * chord * 0.5 * (high - low) * sin(t) * pi / STRIPS;
-    }
-    return sum;
 }

@@ -102,7 +102,6 @@ struct gp_lens_figures {
 struct gp_lens_ghost {
     int first, second;
     struct gp_lens_matrix m;
-    double stop_scale;     // height at the stop for a height of 1 at the front
     double radius, shift;  // of the rim that cuts most on the axis
     double through;        // product of transmissions and both reflections
     double blur;           // width in mm of the stop's Fresnel fringe

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static inline void add(double *at, double amount, const double light[3])
+static inline void add_light(double *at, double amount, const double light[3])
 {
     for (int c = 0; c < 3; c++)
         at[c] += amount * light[c];
@@ -22,8 +22,8 @@ static void add_in_row(double *row, double x0, double x1, double high,
     const int first = (int) x0, end = (int) ceil(x1);
     if (end <= first + 1) {
         const double right = 0.5 * (x0 + x1) - first;
-        add(row + 3 * first, high * (1.0 - right), light);
-        add(row + 3 * (first + 1), high * right, light);
+        add_light(row + 3 * first, high * (1.0 - right), light);
+        add_light(row + 3 * (first + 1), high * right, light);
         return;
     }
     // each pixel's mean coverage, less that of the pixel before
@@ -33,10 +33,10 @@ static void add_in_row(double *row, double x0, double x1, double high,
         const double a = gp_maxd(x0, i), b = gp_mind(x1, i + 1.0);
         const double mean = slope * ((b - a) * (i + 1.0 - 0.5 * (a + b)));
         const double whole = slope * (a - x0); // of what ends before a
-        add(row + 3 * i, mean + whole - before, light);
+        add_light(row + 3 * i, mean + whole - before, light);
         before = mean + whole;
     }
-    add(row + 3 * end, high - before, light);
+    add_light(row + 3 * end, high - before, light);
 }
 
 /* An edge within [0, w] across, rows [y0, y1). */
@@ -108,8 +108,8 @@ static void add_point(const struct gp_lens_cover *k, const double p[2],
         return;
     double *const at = k->v + 3 * ((size_t) ((int) p[1] - k->top) *
                                    (size_t) (k->w + 2) + (size_t) p[0]);
-    add(at, 1.0, light);
-    add(at + 3, -1.0, light);
+    add_light(at, 1.0, light);
+    add_light(at + 3, -1.0, light);
 }
 
 void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],

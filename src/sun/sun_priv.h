@@ -348,11 +348,6 @@ struct gp_lens_corner {
 };
 enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
 
-/* Returns the area in mm^2, before the lens, through which light of slope u
- * reaches the sensor on a path in first order: what all rims' discs share. */
-double gp_lens_area(const struct gp_lens *lens, const struct gp_lens_path *path,
-                    double u, double nm);
-
 void gp_lens_optics_make(const struct gp_lens *lens, double nm,
                          struct gp_lens_optics *out);
 
