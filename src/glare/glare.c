@@ -1,4 +1,3 @@
-#include "core/clock.h"
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -151,6 +150,15 @@ static void warn_of_hours(const struct gp_glare_request *req,
                gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
 }
 
+/* Returns the number of an engine; -1: none has the name. */
+static int find_engine(const char *name)
+{
+    int i = 0;
+    while (gp_engines[i] && strcmp(gp_engines[i]->name, name) != 0)
+        i++;
+    return gp_engines[i] ? i : -1;
+}
+
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
@@ -158,12 +166,8 @@ gp_status gp_glare_run(const struct gp_log *log,
 {
     gp_status st = GP_OK;
     const char *const path = f->path ? f->path : "frame";
-    int named = 0;
+    const int named = find_engine(p->engine);
     *stats = (struct gp_glare_stats) {0};
-    while (gp_engines[named] && strcmp(gp_engines[named]->name, p->engine) != 0)
-        named++;
-    if (!gp_engines[named])
-        named = -1;
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine of this name; use auto, direct, fft or "
@@ -232,10 +236,8 @@ gp_status gp_glare_run(const struct gp_log *log,
     stats->bound_pixel = taken.pixel;
     GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
     if (req.tail) {
-        const double from = gp_now_ms();
         GP_TRY(gp_tail_add(log, kernel->tail, g->tail, req.src, &f->layer));
         stats->tail_step = kernel->tail->split.step;
-        stats->tail_ms = gp_now_ms() - from;
     }
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)
