@@ -41,6 +41,17 @@ static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
     };
 }
 
+/* Returns the smallest box that holds a and b, of which either may be empty. */
+static inline struct gp_box gp_box_join(struct gp_box a, struct gp_box b)
+{
+    return (struct gp_box) {
+        {gp_mind(a.lo.x, b.lo.x), gp_mind(a.lo.y, b.lo.y),
+         gp_mind(a.lo.z, b.lo.z)},
+        {gp_maxd(a.hi.x, b.hi.x), gp_maxd(a.hi.y, b.hi.y),
+         gp_maxd(a.hi.z, b.hi.z)},
+    };
+}
+
 /* Returns p' = p * m for an affine matrix of row vectors. */
 static inline struct gp_v3 gp_move(const double m[16], struct gp_v3 p)
 {

@@ -14,10 +14,6 @@ struct run {
     int first, count;
 };
 
-struct cut_out {
-    struct gp_texture alpha;
-};
-
 struct gp_drawing {
     const struct gp_gl *gl;
     const struct gp_scene *s;
@@ -27,7 +23,7 @@ struct gp_drawing {
     struct gp_buffer vertices;
     struct run *part;          // a part of the scene
     struct run *opaque;        // a mesh of it; count 0: none
-    struct cut_out *cutout;
+    struct gp_texture *cutout; // alpha, of each of the scene's
     struct gp_program ambient[2], flat[2], cube[2]; // [1]: with holes
     struct gp_program light[4];                     // GP_LIGHT_..., spot in a cube
     struct gp_target picture;
@@ -40,17 +36,6 @@ struct gp_drawing {
 enum { SPOT_IN_CUBE = 3 };
 
 // -- geometry -----------------------------------------------------------------
-
-static bool has_holes(const struct gp_material *m)
-{
-    return m->cutoff > 0.0f && m->cutout >= 0;
-}
-
-/* True for a material that is cut away everywhere. */
-static bool is_nothing(const struct gp_material *m)
-{
-    return m->cutoff > 0.0f && m->cutout < 0 && m->base[3] < m->cutoff;
-}
 
 /* Writes the vertices of a part, each with its triangle's normal. */
 static void write_part(const struct gp_scene *s, const struct gp_part *part,
@@ -102,7 +87,7 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
             for (int i = mesh->first; i < mesh->first + mesh->parts; i++) {
                 const struct gp_part *const part = &s->part[i];
                 const struct gp_material *const of = &s->material[part->material];
-                if (has_holes(of) != holes || is_nothing(of))
+                if (gp_material_cut(of) != holes || gp_material_gone(of))
                     continue;
                 d->part[i] = (struct run) {at, part->count};
                 write_part(s, part, list + (size_t) at * 4 * TEXELS);
@@ -120,27 +105,31 @@ out:
     return st;
 }
 
-static gp_status upload_cutouts(const struct gp_log *log, struct gp_drawing *d)
+gp_status gp_cutout_upload(const struct gp_log *log, const struct gp_gl *gl,
+                           const struct gp_cutout *c, struct gp_texture *out)
 {
-    const struct gp_scene *const s = d->s;
-    gp_status st = gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
-                                 sizeof *d->cutout, &d->cutout);
-    for (int i = 0; i < s->cutouts && !st; i++) {
-        const struct gp_cutout *const from = &s->cutout[i];
-        const size_t n = (size_t) from->w * (size_t) from->h;
-        float *rgba = NULL;
-        st = gp_alloc_zero(log, "texture", n, 4 * sizeof *rgba, &rgba);
-        if (!st)
-            st = gp_texture_make(log, d->gl, "alpha", GP_TEXEL_FLOAT, from->w,
-                                 from->h, &d->cutout[i].alpha);
-        for (size_t k = 0; k < n && !st; k++)
-            rgba[4 * k] = from->alpha[k];
-        if (!st)
-            gp_texture_write(d->gl, &d->cutout[i].alpha,
-                             (struct gp_rect) {0, 0, from->w, from->h}, rgba);
-        gp_free(rgba);
-    }
+    const size_t n = (size_t) c->w * (size_t) c->h;
+    float *rgba = NULL;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "alpha", n, 4 * sizeof *rgba, &rgba));
+    GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_FLOAT, c->w, c->h, out));
+    for (size_t i = 0; i < n; i++)
+        rgba[4 * i] = c->alpha[i];
+    gp_texture_write(gl, out, (struct gp_rect) {0, 0, c->w, c->h}, rgba);
+out:
+    gp_free(rgba);
     return st;
+}
+
+void gp_cutout_uniforms(const struct gp_scene *s, const struct gp_material *m,
+                        const struct gp_texture *alpha, struct gp_uniform u[3])
+{
+    const struct gp_cutout *const c = &s->cutout[m->cutout];
+    u[0] = (struct gp_uniform) {.name = "holes", .texture = alpha};
+    u[1] = (struct gp_uniform) {
+        .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
+    u[2] = (struct gp_uniform) {
+        .name = "cut", .floats = 2, .f = {m->base[3], m->cutoff}};
 }
 
 // -- opening ------------------------------------------------------------------
@@ -199,17 +188,15 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     *d = (struct gp_drawing) {
         .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
     };
-    for (int i = 0; i < s->objects; i++) {
-        const struct gp_box box = s->object[i].box;
-        if (gp_box_empty(box))
-            continue;
-        d->whole = gp_box_with(d->whole, box.lo);
-        d->whole = gp_box_with(d->whole, box.hi);
-    }
+    for (int i = 0; i < s->objects; i++)
+        d->whole = gp_box_join(d->whole, s->object[i].box);
     set_view(d);
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(upload_meshes(log, d));
-    GP_TRY(upload_cutouts(log, d));
+    GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
+                         sizeof *d->cutout, &d->cutout));
+    for (int i = 0; i < s->cutouts; i++)
+        GP_TRY(gp_cutout_upload(log, gl, &s->cutout[i], &d->cutout[i]));
     GP_TRY(make_programs(log, d));
     GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
                                1, p->w, p->h, &d->picture));
@@ -234,7 +221,7 @@ void gp_drawing_close(struct gp_drawing **drawing)
     for (int i = 0; i < 4; i++)
         gp_program_free(d->gl, &d->light[i]);
     for (int i = 0; d->cutout && i < d->s->cutouts; i++)
-        gp_texture_free(d->gl, &d->cutout[i].alpha);
+        gp_texture_free(d->gl, &d->cutout[i]);
     gp_target_free(d->gl, &d->picture);
     gp_target_free(d->gl, &d->square);
     gp_target_free(d->gl, &d->atlas);
@@ -284,13 +271,8 @@ static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
 {
-    const struct gp_cutout *const c = &d->s->cutout[m->cutout];
-    in->u[in->n++] = (struct gp_uniform) {
-        .name = "holes", .texture = &d->cutout[m->cutout].alpha};
-    in->u[in->n++] = (struct gp_uniform) {
-        .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
-    add_floats(in, "cut", 2, (const double[4]) {(double) m->base[3],
-                                                (double) m->cutoff});
+    gp_cutout_uniforms(d->s, m, &d->cutout[m->cutout], in->u + in->n);
+    in->n += 3;
 }
 
 /* Draws a run of vertices and counts it as a batch. */
@@ -337,7 +319,7 @@ gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
         for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
             const struct gp_material *const of =
                 &s->material[s->part[k].material];
-            const bool holes = has_holes(of);
+            const bool holes = gp_material_cut(of);
             struct inputs in = {0};
             if (!d->part[k].count)
                 continue;
@@ -421,7 +403,7 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
         for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
             const struct gp_material *const of =
                 &s->material[s->part[k].material];
-            const bool holes = has_holes(of);
+            const bool holes = gp_material_cut(of);
             if (holes || d->p.separate)
                 GP_TRY(draw_shadow(log, d, map, o, faces, d->part[k],
                                    holes ? of : NULL));
@@ -462,8 +444,7 @@ static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
 
 /* Adds the surface's own: its matrices and the light that comes back. */
 static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
-    const struct gp_draw_light *l, const struct gp_shadow_map *map,
-    struct inputs *in)
+                        const struct gp_shadow_map *map, struct inputs *in)
 {
     const double *const t = o->to_world;
     double m[16];
@@ -471,7 +452,6 @@ static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
                        c = {t[8], t[9], t[10]};
     const struct gp_v3 bc = gp_v3_cross(b, c), ca = gp_v3_cross(c, a),
                        ab = gp_v3_cross(a, b);
-    (void) l;
     gp_matrix_mul(t, d->to_clip, m);
     add_matrix(in, "to_clip", m);
     place_from(o, map->origin, m);
@@ -511,7 +491,7 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
             continue;
         begin(d, &in);
         add_light(d, l, map, &in);
-        add_surface(d, o, l, map, &in);
+        add_surface(d, o, map, &in);
         const int common = in.n;
         for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
             const float *const base = s->material[s->part[k].material].base;

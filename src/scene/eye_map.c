@@ -77,22 +77,13 @@ void gp_eye_map_close(const struct gp_gl *gl, struct gp_eye_map **state)
 static gp_status use_holes(const struct gp_log *log, const struct gp_gl *gl,
                            struct gp_eye_map *m, const struct gp_cutout *c)
 {
-    const size_t n = (size_t) c->w * (size_t) c->h;
-    float *rgba = NULL;
-    gp_status st = GP_OK;
     if (m->holes_of == c->alpha)
         return GP_OK;
     m->holes_of = NULL;
     gp_texture_free(gl, &m->holes);
-    GP_TRY(gp_alloc_zero(log, "alpha", n, 4 * sizeof *rgba, &rgba));
-    GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_FLOAT, c->w, c->h,
-                           &m->holes));
-    for (size_t i = 0; i < n; i++)
-        rgba[4 * i] = c->alpha[i];
-    gp_texture_write(gl, &m->holes, (struct gp_rect) {0, 0, c->w, c->h}, rgba);
-    m->holes_of = c->alpha;
-out:
-    gp_free(rgba);
+    const gp_status st = gp_cutout_upload(log, gl, c, &m->holes);
+    if (!st)
+        m->holes_of = c->alpha;
     return st;
 }
 
@@ -133,22 +124,18 @@ static gp_status flush(struct drawing *d)
     d->triangles = 0;
     if (n == 0)
         return GP_OK;
-    const bool holes = of->cutoff > 0.0f && of->cutout >= 0;
+    const bool holes = gp_material_cut(of);
     struct gp_uniform in[8] = {
         {.name = "vertices", .fetch = &m->vertices},
         {.name = "to_clip", .matrix = d->to_clip},
         {.name = "colour", .floats = 4}, // black
     };
     if (holes) {
-        const struct gp_cutout *const c = &d->scene->cutout[of->cutout];
-        gp_status st = use_holes(d->log, d->gl, m, c);
+        gp_status st = use_holes(d->log, d->gl, m,
+                                 &d->scene->cutout[of->cutout]);
         if (st)
             return st;
-        in[3] = (struct gp_uniform) {.name = "holes", .texture = &m->holes};
-        in[4] = (struct gp_uniform) {
-            .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
-        in[5] = (struct gp_uniform) {
-            .name = "cut", .floats = 2, .f = {of->base[3], of->cutoff}};
+        gp_cutout_uniforms(d->scene, of, &m->holes, in + 3);
     }
     gp_buffer_write(d->gl, &m->vertices, 0, 3 * n * TEXELS, m->chunk);
     const struct gp_draw draw = {
@@ -160,8 +147,9 @@ static gp_status flush(struct drawing *d)
 }
 
 /* Adds a triangle of an object, unless its sphere misses the cone. */
-static gp_status add(struct drawing *d, const struct gp_object *o,
-                     const uint32_t *index, const struct gp_material *of)
+static gp_status add_triangle(struct drawing *d, const struct gp_object *o,
+                              const uint32_t *index,
+                              const struct gp_material *of)
 {
     const struct gp_eye_disc *const disc = d->measure->disc;
     const double wide = tan(disc->half);
@@ -207,10 +195,11 @@ static gp_status draw_occluders(struct drawing *d, const int *object,
             const struct gp_part *const part = &d->scene->part[k];
             const struct gp_material *const of =
                 &d->scene->material[part->material];
-            if (of->cutoff > 0.0f && of->cutout < 0 && of->base[3] < of->cutoff)
-                continue; // not there at all
+            if (gp_material_gone(of))
+                continue;
             for (int t = 0; t < part->count; t += 3)
-                GP_TRY(add(d, o, d->scene->index + part->first + t, of));
+                GP_TRY(add_triangle(d, o, d->scene->index + part->first + t,
+                                    of));
         }
     }
     GP_TRY(flush(d));

@@ -67,7 +67,7 @@ typedef double four __attribute__((vector_size(32)));
 typedef double four_loose __attribute__((vector_size(32), aligned(8)));
 typedef int64_t four_bits __attribute__((vector_size(32)));
 
-static inline four load(const double *p)
+static inline four four_from(const double *p)
 {
     return *(const four_loose *) p;
 }
@@ -100,12 +100,12 @@ static GP_CLONES unsigned beyond(const struct gp_pack *p,
                    v = all_of(side * fabs(h.n.y)),
                    w = all_of(side * fabs(h.n.z));
         for (int k = 0; k < FOURS; k++) {
-            const four at = x * load(p->at[0] + 4 * k) +
-                            y * load(p->at[1] + 4 * k) +
-                            z * load(p->at[2] + 4 * k) + all_of(h.d);
-            const four reach = u * load(p->half[0] + 4 * k) +
-                               v * load(p->half[1] + 4 * k) +
-                               w * load(p->half[2] + 4 * k);
+            const four at = x * four_from(p->at[0] + 4 * k) +
+                            y * four_from(p->at[1] + 4 * k) +
+                            z * four_from(p->at[2] + 4 * k) + all_of(h.d);
+            const four reach = u * four_from(p->half[0] + 4 * k) +
+                               v * four_from(p->half[1] + 4 * k) +
+                               w * four_from(p->half[2] + 4 * k);
             out[k] |= at + reach > all_of(limit);
         }
     }
@@ -126,7 +126,7 @@ static GP_CLONES unsigned beside(const struct gp_pack *p,
     for (int k = 0; k < GP_PACK; k += 4) {
         four_bits out = {0, 0, 0, 0};
         for (int c = 0; c < 3; c++) {
-            const four at = load(p->at[c] + k), e = load(p->half[c] + k);
+            const four at = four_from(p->at[c] + k), e = four_from(p->half[c] + k);
             out |= at - e > all_of(hi[c]);
             out |= at + e < all_of(lo[c]);
         }
@@ -297,8 +297,8 @@ out:
 
 /* Writes place k of the groups; those after the last object repeat it, and do
  * not count. */
-static void fill(const struct gp_scene *s, const struct gp_bodies *bodies,
-                 struct gp_groups *g, int k, int object, bool counts)
+static void set_place(const struct gp_scene *s, const struct gp_bodies *bodies,
+                      struct gp_groups *g, int k, int object, bool counts)
 {
     const struct gp_object *const o = &s->object[object];
     const struct gp_v3 c = gp_box_middle(&o->box), e = gp_box_half(&o->box);
@@ -330,7 +330,7 @@ gp_status gp_groups_make(const struct gp_log *log, const struct gp_scene *s,
         goto out;
     GP_TRY(make_arrays(log, n, &g));
     for (int k = 0; k < g.n * GP_PACK; k++)
-        fill(s, bodies, &g, k, list[k < n ? k : n - 1].object, k < n);
+        set_place(s, bodies, &g, k, list[k < n ? k : n - 1].object, k < n);
     for (int i = 0; i < g.n; i++) {
         for (int c = 0; c < 3; c++) {
             g.pack[i].at[c] = g.at[c] + GP_PACK * i;

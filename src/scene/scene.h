@@ -66,9 +66,20 @@ struct gp_material {
                      // 0: opaque everywhere. BLEND: hides as MASK at 0.5, and
                      // the scene has a warning
     int cutout;      // index; -1: alpha is base[3] alone
-    bool two_sided;
     char name[GP_SCENE_NAME];
 };
+
+/* True for a material that a texture cuts out. */
+static inline bool gp_material_cut(const struct gp_material *m)
+{
+    return m->cutoff > 0.0f && m->cutout >= 0;
+}
+
+/* True for a material that is cut away everywhere. */
+static inline bool gp_material_gone(const struct gp_material *m)
+{
+    return m->cutoff > 0.0f && m->cutout < 0 && m->base[3] < m->cutoff;
+}
 
 /* Triangles of one material: a batch. Three vertices each, in the order of
  * `index`, counter-clockwise from the front. */

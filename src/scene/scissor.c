@@ -171,27 +171,13 @@ gp_status gp_lit_tiles_make(const struct gp_log *log, const struct gp_hidden *h,
         return GP_OK;
     const int across = h->w[GP_TILE_LEVEL], down = h->h[GP_TILE_LEVEL];
     const size_t n = (size_t) across * (size_t) down;
-    for (int k = 0; k < 3; k++) {
-        GP_TRY(gp_alloc(log, what, n, sizeof(double), &t.at[k]));
-        GP_TRY(gp_alloc(log, what, n, sizeof(double), &t.half[k]));
-    }
+    GP_TRY(gp_alloc(log, what, n, sizeof *t.box, &t.box));
     GP_TRY(gp_alloc_zero(log, what, n, 1, &t.lit));
     GP_TRY(gp_alloc(log, what, n, sizeof *t.seen, &t.seen));
-    for (int i = 0; i < across * down; i++) {
-        t.half[0][i] = -1.0;
-        if (!(h->least[i] < INFINITY))
-            continue;
-        const struct gp_box b =
-            box_of(h, c, display, i % across, i / across);
-        const struct gp_v3 at = gp_v3_scale(gp_v3_add(b.lo, b.hi), 0.5),
-                           half = gp_v3_scale(gp_v3_sub(b.hi, b.lo), 0.5);
-        t.at[0][i] = at.x;
-        t.at[1][i] = at.y;
-        t.at[2][i] = at.z;
-        t.half[0][i] = half.x;
-        t.half[1][i] = half.y;
-        t.half[2][i] = half.z;
-    }
+    for (int i = 0; i < across * down; i++)
+        t.box[i] = h->least[i] < INFINITY
+                       ? box_of(h, c, display, i % across, i / across)
+                       : GP_BOX_EMPTY;
     *out = t;
 out:
     if (st)
@@ -201,10 +187,7 @@ out:
 
 void gp_lit_tiles_free(struct gp_lit_tiles *t)
 {
-    for (int k = 0; k < 3; k++) {
-        gp_free(t->at[k]);
-        gp_free(t->half[k]);
-    }
+    gp_free(t->box);
     gp_free(t->lit);
     gp_free(t->seen);
     *t = (struct gp_lit_tiles) {0};
@@ -217,20 +200,16 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t,
                                      const struct gp_umbras *umbras,
                                      double texel)
 {
-    const int across = h->w[GP_TILE_LEVEL];
-    const struct gp_rect w = h->window, r = s->rect;
-    if (gp_rect_empty(r))
+    if (gp_rect_empty(s->rect))
         return *s;
-    for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
-         y++) {
-        for (int x = (r.x0 - w.x0) / GP_TILE;
-             x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
-            const int i = y * across + x;
-            const struct gp_v3 c = {t->at[0][i], t->at[1][i], t->at[2][i]},
-                               e = {t->half[0][i], t->half[1][i],
-                                    t->half[2][i]};
+    const struct gp_rect all = tiles_of(h, s->rect);
+    for (int y = all.y0; y < all.y1; y++) {
+        for (int x = all.x0; x < all.x1; x++) {
+            const int i = y * h->w[GP_TILE_LEVEL] + x;
+            const struct gp_v3 c = gp_box_middle(&t->box[i]),
+                               e = gp_box_half(&t->box[i]);
             t->lit[i] = GP_TILE_BEYOND;
-            if (e.x < 0.0 || gp_reach_too_far(light, c, e))
+            if (gp_box_empty(t->box[i]) || gp_reach_too_far(light, c, e))
                 continue;
             const double radius = gp_v3_length(e);
             if (gp_reach_beside(light, c, radius))
@@ -241,7 +220,7 @@ struct gp_scissor gp_lit_tiles_light(struct gp_lit_tiles *t,
                                                         : GP_TILE_LIT;
         }
     }
-    return of_tiles(h, r, s->near, s->far, t->lit);
+    return of_tiles(h, s->rect, s->near, s->far, t->lit);
 }
 
 bool gp_lit_tiles_show(const struct gp_lit_tiles *t, const struct gp_hidden *h,
@@ -259,23 +238,17 @@ struct gp_scissor gp_lit_tiles_list(struct gp_lit_tiles *t,
                                     const struct gp_hidden *h,
                                     const struct gp_scissor *s)
 {
-    const struct gp_rect w = h->window, r = s->rect;
     struct gp_scissor all = *s;
     t->seens = 0;
-    if (h->levels == 0 || gp_rect_empty(r))
+    if (h->levels == 0 || gp_rect_empty(s->rect))
         return all;
-    for (int y = (r.y0 - w.y0) / GP_TILE; y <= (r.y1 - 1 - w.y0) / GP_TILE;
-         y++) {
-        for (int x = (r.x0 - w.x0) / GP_TILE;
-             x <= (r.x1 - 1 - w.x0) / GP_TILE; x++) {
+    const struct gp_rect tile = tiles_of(h, s->rect);
+    for (int y = tile.y0; y < tile.y1; y++) {
+        for (int x = tile.x0; x < tile.x1; x++) {
             const int i = y * h->w[GP_TILE_LEVEL] + x;
-            const struct gp_v3 c = {t->at[0][i], t->at[1][i], t->at[2][i]},
-                               e = {t->half[0][i], t->half[1][i],
-                                    t->half[2][i]};
             if (t->lit[i] == GP_TILE_BEYOND)
                 continue;
-            t->seen[t->seens++] =
-                (struct gp_box) {gp_v3_sub(c, e), gp_v3_add(c, e)};
+            t->seen[t->seens++] = t->box[i];
             all.near = fmin(all.near, (double) h->least[i]);
             all.far = fmax(all.far, (double) h->deepest[i]);
         }

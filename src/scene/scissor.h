@@ -38,7 +38,7 @@ enum {
 
 /* Boxes of the world around the visible points of each tile. */
 struct gp_lit_tiles {
-    double *at[3], *half[3]; // owned; half[0] < 0: a tile without a surface
+    struct gp_box *box;      // owned; empty: a tile without a surface
     uint8_t *lit;            // owned; GP_TILE_DARK... of the light
     struct gp_box *seen;     // owned; of the tiles of a scissor in reach
     int seens;

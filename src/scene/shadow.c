@@ -40,19 +40,14 @@ static void lay_spot(const struct gp_scene_light *l, struct gp_shadow_map *m)
     m->form_of[2] = (float) k;
 }
 
-static struct gp_v3 half_of(const struct gp_box *b)
-{
-    return gp_v3_scale(gp_v3_sub(b->hi, b->lo), 0.5);
-}
-
 /* Lays a sun's map over the lit box, as deep as the whole scene. */
 static void lay_sun(const struct gp_draw_light *d, const struct gp_box *whole,
                     struct gp_shadow_map *m)
 {
-    const struct gp_v3 along = d->light->along, half = half_of(&d->all);
-    const struct gp_v3 middle = gp_v3_add(whole->lo, half_of(whole));
+    const struct gp_v3 along = d->light->along, half = gp_box_half(&d->all);
+    const struct gp_v3 middle = gp_v3_add(whole->lo, gp_box_half(whole));
     const double reach = fmax(gp_v3_length(half), 1e-6);
-    const double deep = fmax(gp_v3_length(half_of(whole)), 1e-6) * 1.001;
+    const double deep = fmax(gp_v3_length(gp_box_half(whole)), 1e-6) * 1.001;
     const double k = (m->side - 2.0) / m->side / reach, s = 0.5 / deep;
     struct gp_v3 x, y;
     set_axes(along, &x, &y);

@@ -78,12 +78,10 @@ static gp_status set_order(struct work *w)
 static double texel_of(const struct work *w)
 {
     const double across = 2.0 * sqrt(2.0) / (w->p->draw.map - 2) * 1.05;
-    const struct gp_v3 half =
-        gp_v3_scale(gp_v3_sub(w->all.hi, w->all.lo), 0.5);
     double widest = across; // of a cube's square
     for (int i = 0; i < w->s->lights; i++) {
         const struct gp_scene_light *const l = &w->s->light[i];
-        const double is = l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(half)
+        const double is = l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(gp_box_half(&w->all))
                           : l->kind == GP_LIGHT_SPOT && l->outer < 1.05
                               ? tan(l->outer) : 1.0;
         widest = fmax(widest, across * is);
@@ -256,10 +254,8 @@ static gp_status find_all(struct work *w)
         return st;
     w->all = GP_BOX_EMPTY;
     for (int i = 0; i < w->s->objects; i++) {
-        if (!(gp_sets_flags(sets)[i] & GP_SET_F))
-            continue;
-        w->all = gp_box_with(w->all, w->s->object[i].box.lo);
-        w->all = gp_box_with(w->all, w->s->object[i].box.hi);
+        if (gp_sets_flags(sets)[i] & GP_SET_F)
+            w->all = gp_box_join(w->all, w->s->object[i].box);
     }
     if (gp_box_empty(w->all))
         w->all = (struct gp_box) {{0, 0, 0}, {0, 0, 0}};

@@ -14,8 +14,7 @@ static const double ON = 1e-5; // of the size of the body: floats of a file
 bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p)
 {
     const struct gp_material *const m = &s->material[p->material];
-    // (0 and under: everywhere opaque)
-    return !(m->cutoff > 0.0f) || (m->cutout < 0 && m->base[3] >= m->cutoff);
+    return !gp_material_cut(m) && !gp_material_gone(m);
 }
 
 /* Returns the index of a point of the body, added when it is none yet; -1: no

@@ -60,7 +60,7 @@ static inline int made_material(struct gp_scene *s, float cutoff, int cutout)
     MADE_GROW(s->material, s->materials);
     s->material[s->materials] = (struct gp_material) {
         .base = {0.5f, 0.5f, 0.5f, 1.0f}, .cutoff = cutoff, .cutout = cutout,
-        .two_sided = true, .name = "made",
+        .name = "made",
     };
     return s->materials++;
 }

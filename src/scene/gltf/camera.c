@@ -1,5 +1,6 @@
 /* The scene's cameras beside the frame's: names, projection, comparison, and
  * the axis that points up. */
+#include "scene/bounds.h"
 #include "scene/gltf/gltf_priv.h"
 
 #include <math.h>
@@ -77,17 +78,9 @@ gp_status gp_scene_camera_make(const struct gp_log *log,
  * a place, at least 1. */
 static double diagonal(const struct gp_scene *s)
 {
-    struct gp_box box = {{INFINITY, INFINITY, INFINITY},
-                         {-INFINITY, -INFINITY, -INFINITY}};
-    for (int i = 0; i < s->objects; i++) {
-        const struct gp_box *const b = &s->object[i].box;
-        box.lo = (struct gp_v3) {fmin(box.lo.x, b->lo.x),
-                                 fmin(box.lo.y, b->lo.y),
-                                 fmin(box.lo.z, b->lo.z)};
-        box.hi = (struct gp_v3) {fmax(box.hi.x, b->hi.x),
-                                 fmax(box.hi.y, b->hi.y),
-                                 fmax(box.hi.z, b->hi.z)};
-    }
+    struct gp_box box = GP_BOX_EMPTY;
+    for (int i = 0; i < s->objects; i++)
+        box = gp_box_join(box, s->object[i].box);
     const double length = gp_v3_length(gp_v3_sub(box.hi, box.lo));
     return s->objects ? fmax(length, 1.0) : 100.0;
 }

@@ -2,6 +2,7 @@
 #include "scene/gltf/gltf_priv.h"
 
 #include "core/memory.h"
+#include "scene/bounds.h"
 
 #include <limits.h>
 #include <math.h>
@@ -93,7 +94,6 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
-    m->two_sided = json_is_true(json_object_get(o, "doubleSided"));
     gp_gltf_name(o, m->name);
 out:
     return st;
@@ -282,13 +282,7 @@ static gp_status fill_triangles(struct walk *w, int mode, int count, int first,
     const int n = triangles(mode, count, list, to);
     for (int i = 0; i < n; i++) {
         to[i] += (uint32_t) first;
-        const float *const p = s->position + 3 * (size_t) to[i];
-        box->lo.x = fmin(box->lo.x, (double) p[0]);
-        box->lo.y = fmin(box->lo.y, (double) p[1]);
-        box->lo.z = fmin(box->lo.z, (double) p[2]);
-        box->hi.x = fmax(box->hi.x, (double) p[0]);
-        box->hi.y = fmax(box->hi.y, (double) p[1]);
-        box->hi.z = fmax(box->hi.z, (double) p[2]);
+        *box = gp_box_with(*box, gp_scene_vertex(s, to[i]));
     }
     st = GP_OK;
 out:
