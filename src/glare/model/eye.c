@@ -472,9 +472,7 @@ static gp_status open_spencer(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
     struct spencer s;
-    gp_status st = gp_model_adapted(log, r);
-    if (!st)
-        st = spencer_of(log, r, f, &s);
+    gp_status st = spencer_of(log, r, f, &s);
     if (st)
         return st;
     st = s.channels == 3 || gp_recipe_value(r, "needles") >= 1.0

@@ -134,6 +134,10 @@ static gp_status open_shape(const struct gp_log *log,
     if (file && !r->image)
         return gp_fail(log, GP_ERR_USAGE, "%s: the image of a kernel was not "
                        "read; give an image file", file);
+    if (gp_recipe_adapts(r))
+        return gp_fail(log, GP_ERR_USAGE, "%s: adaptation=0 takes a frame's "
+                       "luminance, and there is none here; give it in cd/m2",
+                       r->model->name);
     return r->model->open(log, r, field, out);
 }
 

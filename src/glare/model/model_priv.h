@@ -75,10 +75,6 @@ extern const struct gp_model gp_model_image;                      // drawn.c
     { "white", "cd/m2 of scene value 1, for that mean; 0 takes the file's "   \
       "whiteLuminance, else 100", 0, 0, 1e6, NULL, false }
 
-/* Fails where a recipe adapts to a frame that was not measured. */
-GP_MUST_CHECK gp_status gp_model_adapted(const struct gp_log *log,
-                                         const struct gp_recipe *r);
-
 /* The recipe's value of a key of its model, by name. */
 static inline double gp_recipe_value(const struct gp_recipe *r,
                                      const char *key)

@@ -412,15 +412,6 @@ void gp_recipe_adapt(struct gp_recipe *r, double mean, double white)
                        r->model->keys[i].hi);
 }
 
-gp_status gp_model_adapted(const struct gp_log *log, const struct gp_recipe *r)
-{
-    return gp_recipe_adapts(r)
-               ? gp_fail(log, GP_ERR_USAGE, "%s: adaptation=0 takes a frame's "
-                         "luminance, and there is none here; give it in cd/m2",
-                         r->model->name)
-               : GP_OK;
-}
-
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
     for (int i = 0; r->model->keys[i].name; i++) {

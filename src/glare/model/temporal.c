@@ -158,9 +158,7 @@ static gp_status open_temporal(const struct gp_log *log,
     struct eye *e;
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double t = f->frame / f->fps;
-    gp_status st = gp_model_adapted(log, r);
-    if (!st)
-        st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *e, &e);
     if (st)
         return st;
     e->radius = 0.5 * temporal_pupil(r, f);
