@@ -221,6 +221,11 @@ static void put_name(json_t *o, const char *key, const char *name)
     json_object_set_new(o, key, gp_json_name(name));
 }
 
+static json_t *name_or_none(const char *name)
+{
+    return name ? gp_json_name(name) : NULL;
+}
+
 static void put_list(json_t *o, const char *key, const char *const *name, int n)
 {
     json_t *const list = json_array();
@@ -274,8 +279,8 @@ static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
 {
     if (!k->w)
         return;
-    json_t *const about = json_object();
-    json_t *const list = json_array(), *const pupils = json_array();
+    json_t *const list = k->recipes ? json_array() : NULL;
+    json_t *const pupils = json_array();
     bool eyes = false;
     for (int i = 0; i < k->recipes; i++) {
         char *const recipe = gp_recipe_text(&k->recipe[i]);
@@ -286,19 +291,12 @@ static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
                                           ? rounded(k->pupil[i], 1e-4)
                                           : json_null());
     }
-    if (k->recipes)
-        json_object_set(about, "recipes", list);
-    if (eyes)
-        json_object_set(about, "pupil_mm", pupils);
-    json_decref(list);
+    json_object_set_new(o, "kernel", json_pack("{so* so* si si so* so*}",
+        "recipes", list, "pupil_mm", eyes ? json_incref(pupils) : NULL,
+        "width", k->w, "height", k->h,
+        "grid", k->grid ? json_integer(k->grid) : NULL,
+        "missed", k->modelled ? rounded(k->missed, 1e-9) : NULL));
     json_decref(pupils);
-    json_object_set_new(about, "width", json_integer(k->w));
-    json_object_set_new(about, "height", json_integer(k->h));
-    if (k->grid)
-        json_object_set_new(about, "grid", json_integer(k->grid));
-    if (k->modelled)
-        put_number(about, "missed", k->missed, 1e-9);
-    json_object_set_new(o, "kernel", about);
     if (k->modelled)
         put_number(o, "kernel_left_out", k->left_out, 0.0);
 }
@@ -342,22 +340,17 @@ static void put_glare(json_t *o, const struct gp_facts *f)
                                    f->lens.bound, 0.0);
     if (g->engine && f->sources && g->bound_pixel > 0.0)
         put_number(o, "bound_pixel", g->bound_pixel, 0.0);
-    if (f->flare.runs) {
-        json_t *const m = json_pack("{s:i,s:i}", "elements", f->flare.elements,
-                                    "runs", f->flare.runs);
-        put_name(m, "engine", f->flare.engine);
-        put_number(m, "bound", f->flare.bound, 0.0);
-        put_number(m, "ms", f->flare.ms, 1e-3);
-        json_object_set_new(o, "flare", m);
-    }
-    if (f->verified) {
-        json_t *const m = json_object();
-        put_number(m, "rel_l2", f->error.rel_l2, 0.0);
-        put_number(m, "max_rel", f->error.max_rel, 0.0);
-        put_number(m, "max_abs", f->error.max_abs, 0.0);
-        put_number(m, "flux_error", f->error.flux_error, 0.0);
-        json_object_set_new(o, "measured", m);
-    }
+    if (f->flare.runs)
+        json_object_set_new(o, "flare", json_pack("{si si ss so so}",
+            "elements", f->flare.elements, "runs", f->flare.runs,
+            "engine", f->flare.engine, "bound", rounded(f->flare.bound, 0.0),
+            "ms", rounded(f->flare.ms, 1e-3)));
+    if (f->verified)
+        json_object_set_new(o, "measured", json_pack("{so so so so}",
+            "rel_l2", rounded(f->error.rel_l2, 0.0),
+            "max_rel", rounded(f->error.max_rel, 0.0),
+            "max_abs", rounded(f->error.max_abs, 0.0),
+            "flux_error", rounded(f->error.flux_error, 0.0)));
     json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
     json_object_set_new(o, "clamped", json_integer(f->clamped));
     if (f->clamped || f->clamped_out)
@@ -369,16 +362,12 @@ static void put_glare(json_t *o, const struct gp_facts *f)
 /* Adds the scene, its time, and how far apart two cameras are. */
 static void put_scene(json_t *o, const struct gp_scene_facts *f)
 {
-    if (!f->path)
-        return;
-    json_t *const one = json_object();
-    put_name(one, "file", f->path);
-    put_number(one, "seconds", f->seconds, 1e-6);
-    if (f->camera)
-        put_name(one, "camera", f->camera);
-    if (f->compared)
-        put_number(one, "camera_apart", f->apart, 1e-6);
-    json_object_set_new(o, "scene", one);
+    if (f->path)
+        json_object_set_new(o, "scene", json_pack("{so so so* so*}",
+            "file", gp_json_name(f->path),
+            "seconds", rounded(f->seconds, 1e-6),
+            "camera", name_or_none(f->camera),
+            "camera_apart", f->compared ? rounded(f->apart, 1e-6) : NULL));
 }
 
 /* Adds the lights of --relight. */
@@ -389,12 +378,9 @@ static void put_relit(json_t *o, const struct gp_facts *f)
     json_t *const list = json_array();
     for (int i = 0; i < f->relits; i++) {
         const struct gp_relit_facts *const l = &f->relit[i];
-        json_t *const one = json_object();
-        put_name(one, "name", l->name);
-        json_object_set_new(one, "pixels", json_integer(l->pixels));
-        json_object_set_new(one, "rays", json_integer(l->rays));
-        json_object_set_new(one, "casters", json_integer(l->casters));
-        json_array_append_new(list, one);
+        json_array_append_new(list, json_pack("{so sI sI si}",
+            "name", gp_json_name(l->name), "pixels", (json_int_t) l->pixels,
+            "rays", (json_int_t) l->rays, "casters", l->casters));
     }
     json_object_set_new(o, "relit", list);
 }
@@ -402,17 +388,12 @@ static void put_relit(json_t *o, const struct gp_facts *f)
 /* Adds the depth channel, its values that are no surface, and the lights. */
 static void put_lights(json_t *o, const struct gp_facts *f)
 {
-    if (f->depth) {
-        json_t *const d = json_object();
-        put_name(d, "channel", f->depth);
-        if (f->depth_empty[0])
-            put_name(d, "empty", f->depth_empty);
-        else
-            put_name(d, "type", gp_pixel_type_name(f->depth_type));
-        if (f->depth_reversed)
-            json_object_set_new(d, "reversed", json_true());
-        json_object_set_new(o, "depth", d);
-    }
+    const bool filled = f->depth_empty[0] != '\0';
+    if (f->depth)
+        json_object_set_new(o, "depth", json_pack("{so ss so*}",
+            "channel", gp_json_name(f->depth), filled ? "empty" : "type",
+            filled ? f->depth_empty : gp_pixel_type_name(f->depth_type),
+            "reversed", f->depth_reversed ? json_true() : NULL));
     if (f->mask)
         put_name(o, "mask", f->mask);
     if (!f->light)
@@ -420,22 +401,18 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     json_t *const list = json_array();
     for (int i = 0; i < f->lights; i++) {
         const struct gp_light *const l = &f->light[i];
-        json_t *const one = json_object();
-        if (l->name[0])
-            put_name(one, "name", l->name);
-        if (l->behind)
-            json_object_set_new(one, "behind", json_true());
-        else {
-            put_number(one, "x", l->x, 1e-4);
-            put_number(one, "y", l->y, 1e-4);
-            put_number(one, "radius", l->radius, 1e-4);
-        }
-        put_number(one, "visibility", l->visibility, 1e-6);
-        if (!l->behind || l->low < l->high)
-            json_object_set_new(one, "interval",
-                                json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
-                                          ceil(l->high * 1e6) * 1e-6));
-        json_array_append_new(list, one);
+        const bool known = !l->behind || l->low < l->high;
+        json_array_append_new(list, json_pack(
+            "{so* so* so* so* so* so so*}",
+            "name", l->name[0] ? gp_json_name(l->name) : NULL,
+            "behind", l->behind ? json_true() : NULL,
+            "x", l->behind ? NULL : rounded(l->x, 1e-4),
+            "y", l->behind ? NULL : rounded(l->y, 1e-4),
+            "radius", l->behind ? NULL : rounded(l->radius, 1e-4),
+            "visibility", rounded(l->visibility, 1e-6),
+            "interval", !known ? NULL
+                : json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
+                            ceil(l->high * 1e6) * 1e-6)));
     }
     json_object_set_new(o, "lights", list);
     if (f->sun_way)
@@ -607,33 +584,23 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     put_scene(o, &facts->scene);
     put_relit(o, facts);
     put_lights(o, facts);
-    if (n) {
-        const char *const field[][2] = {
-            {"config", n->config}, {"input", n->input},
-            {"display", n->display}, {"view", n->view}, {"look", n->look},
-            {"output", n->output},
-        };
-        json_t *const inner = json_object();
-        for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
-            if (field[i][1])
-                put_name(inner, field[i][0], field[i][1]);
-        }
-        json_object_set_new(o, "ocio", inner);
-    }
-    json_t *const times = json_object();
+    if (n)
+        json_object_set_new(o, "ocio", json_pack("{so* so* so* so* so* so*}",
+            "config", name_or_none(n->config), "input", name_or_none(n->input),
+            "display", name_or_none(n->display), "view", name_or_none(n->view),
+            "look", name_or_none(n->look), "output", name_or_none(n->output)));
+    json_t *const times = json_object(), *const cpu = json_object();
     for (int i = 0; i < GP_TIMES; i++) {
-        if (facts->ms[i] >= 0.0)
+        if (facts->ms[i] >= 0.0) {
             put_number(times, gp_time_names[i], facts->ms[i], 1e-3);
+            put_number(cpu, gp_time_names[i], facts->cpu_ms[i], 1e-3);
+        }
     }
     put_number(times, "total", facts->total_ms, 1e-3);
     json_object_set_new(o, "times_ms", times);
-    json_t *const cpu = facts->has_cpu ? json_object() : NULL;
-    for (int i = 0; i < GP_TIMES && cpu; i++) {
-        if (facts->ms[i] >= 0.0)
-            put_number(cpu, gp_time_names[i], facts->cpu_ms[i], 1e-3);
-    }
-    if (cpu)
-        json_object_set_new(o, "cpu_ms", cpu);
+    if (facts->has_cpu)
+        json_object_set(o, "cpu_ms", cpu);
+    json_decref(cpu);
     put_number(o, "frame_mib", (double) facts->bytes / (1 << 20), 0.1);
     put_number(o, "peak_rss_mib", gp_peak_rss_mib(), 0.1);
     json_object_set_new(o, "threads", json_integer(gp_threads()));
