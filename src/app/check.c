@@ -38,12 +38,54 @@ static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
     }
 }
 
-/* Reports the first option with a need that is not met as an error, or with
- * `warns` each option that does nothing as a warning. With `unmet` it reports
- * nothing and adds the bits of all needs that are not met. */
-static gp_status check_needs(const struct gp_log *log,
-                             const struct gp_settings *s, bool warns,
-                             unsigned *unmet)
+/* Messages, in the order of the checks. They follow "--NAME: "; where there is
+ * an `end`, what was found stands before it. */
+static const struct {
+    unsigned bit;
+    const char *text, *end;
+} needs[] = {
+    {GP_NEED_OWN_FRAMES, "measures frames of its own (found input ",
+     "); leave one of the two out"},
+    {GP_NEED_NO_LIGHT, "its frames have no depth to hide a light; leave --paper "
+     "or the lights out", NULL},
+    {GP_NEED_REPORT, "no output shows its result; add --report FILE or -v",
+     NULL},
+    {GP_NEED_RAW, "contradicts --stdout-format; leave one of the two out",
+     NULL},
+    {GP_NEED_LIGHT, "needs a light; give --sun, --sun-dir, --camera, --lights "
+     "or --scene", NULL},
+    {GP_NEED_NO_PLACE, "--sun already places the sun; leave one of the two out",
+     NULL},
+    {GP_NEED_SUN, "needs --sun, --sun-dir or --camera; lights of --lights have "
+     "flux of their own", NULL},
+    {GP_NEED_CONFIG, "needs --ocio; give --ocio CONFIG or --ocio env", NULL},
+    {GP_NEED_NO_CONFIG, "--ocio replaces it; leave one of the two out", NULL},
+    {GP_NEED_PICTURE, "needs a picture; give -o FILE", NULL},
+    {GP_NEED_HDR, "converts only --hdr; give --hdr FILE", NULL},
+    {GP_NEED_MASK, "does nothing with this --sun-method; use --sun-method mask",
+     NULL},
+    {GP_NEED_MAP, "does nothing with this --sun-method; use --sun-method mask",
+     NULL},
+    {GP_NEED_TONES, "does nothing with --ocio; leave it out", NULL},
+    {GP_NEED_CURVE, "does nothing with --tonemap none; use --tonemap linear",
+     NULL},
+    {GP_NEED_EXTENDED, "does nothing with --tonemap ",
+     "; use --tonemap reinhard-extended"},
+    {GP_NEED_SPLAT, "does nothing with --engine ", "; use --engine splat"},
+    {GP_NEED_AUTO, "does nothing with --engine ", "; use --engine auto"},
+    {GP_NEED_STREAM, "does nothing without an output to stdout; write -o -",
+     NULL},
+    {GP_NEED_REPORT_FILE, "does nothing without a report; give --report FILE",
+     NULL},
+    {GP_NEED_LENS, "does nothing without --lens; give --lens NAME, see glarepp "
+     "lens --list", NULL},
+    {GP_NEED_RELIGHT, "does nothing without --relight; give --relight NAME",
+     NULL},
+    {GP_NEED_SCENE, "does nothing without --scene; give --scene FILE", NULL},
+    {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
+};
+
+unsigned gp_needs_unmet(const struct gp_settings *s)
 {
     const struct gp_sun_params *const sun = &s->sun;
     const bool light = gp_suns_wanted(sun) || s->scene.path;
@@ -52,111 +94,77 @@ static gp_status check_needs(const struct gp_log *log,
                       s->command == GP_COMMAND_BENCH; // runs every method
     const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
     const char *const engine = s->glare.engine, *const curve = s->tone.curve;
-    const char *const input = s->inputs.n ? s->inputs.at[0] : "";
     const bool chosen = strcmp(engine, "auto") == 0;
-    const bool raw = !gp_option_given(s, "stdout-format") ||
-                     s->write.stdout_format == GP_STDOUT_RAW;
     bool stream, files;
     find_outputs(s, &stream, &files);
-    // in the order of the checks; a message follows "--NAME: ", and a value
-    // goes between its two parts
-    const struct {
-        unsigned bit;
-        bool met;
-        const char *text, *value, *end;
-    } needs[] = {
-        {GP_NEED_OWN_FRAMES, s->inputs.n == 0, "measures frames of its own "
-         "(found input ", input, "); leave one of the two out"},
-        {GP_NEED_NO_LIGHT, !light, "its frames have no depth to hide a light; "
-         "leave --paper or the lights out", "", ""},
-        {GP_NEED_REPORT, s->report || s->level >= GP_LEVEL_INFO, "no output "
-         "shows its result; add --report FILE or -v", "", ""},
-        {GP_NEED_RAW, raw, "contradicts --stdout-format; leave one of the two "
-         "out", "", ""},
-        {GP_NEED_LIGHT, light, "needs a light; give --sun, --sun-dir, --camera, "
-         "--lights or --scene", "", ""},
-        {GP_NEED_NO_PLACE, !sun->at.n, "--sun already places the sun; leave "
-         "one of the two out", "", ""},
-        {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera, "needs --sun, "
-         "--sun-dir or --camera; lights of --lights have flux of their own",
-         "", ""},
-        {GP_NEED_CONFIG, config, "needs --ocio; give --ocio CONFIG or --ocio "
-         "env", "", ""},
-        {GP_NEED_NO_CONFIG, !config, "--ocio replaces it; leave one of the two "
-         "out", "", ""},
-        {GP_NEED_PICTURE, s->outputs.n || polygons, "needs a picture; give -o "
-         "FILE", "", ""},
-        {GP_NEED_HDR, s->hdr.n, "converts only --hdr; give --hdr FILE", "", ""},
-        {GP_NEED_MASK, mask, "does nothing with this --sun-method; use "
-         "--sun-method mask", "", ""},
-        {GP_NEED_MAP, mask || s->debug[GP_DEBUG_SUNMAP], "does nothing with "
-         "this --sun-method; use --sun-method mask", "", ""},
-        {GP_NEED_TONES, !config, "does nothing with --ocio; leave it out", "",
-         ""},
-        {GP_NEED_CURVE, config || strcmp(curve, "none") != 0, "does nothing "
-         "with --tonemap none; use --tonemap linear", "", ""},
-        {GP_NEED_EXTENDED, config || strcmp(curve, "reinhard-extended") == 0,
-         "does nothing with --tonemap ", curve,
-         "; use --tonemap reinhard-extended"},
-        {GP_NEED_SPLAT, chosen || strcmp(engine, "splat") == 0 || polygons,
-         "does nothing with --engine ", engine, "; use --engine splat"},
-        {GP_NEED_AUTO, chosen, "does nothing with --engine ", engine,
-         "; use --engine auto"},
-        {GP_NEED_STREAM, stream, "does nothing without an output to stdout; "
-         "write -o -", "", ""},
-        {GP_NEED_REPORT_FILE, s->report, "does nothing without a report; give "
-         "--report FILE", "", ""},
-        {GP_NEED_LENS, s->lens.name != NULL, "does nothing without --lens; "
-         "give --lens NAME, see glarepp lens --list", "", ""},
-        {GP_NEED_RELIGHT, s->relight.n > 0, "does nothing without --relight; "
-         "give --relight NAME", "", ""},
-        {GP_NEED_SCENE, s->scene.path != NULL, "does nothing without --scene; "
-         "give --scene FILE", "", ""},
-        {GP_NEED_FILES, files, "does nothing without an output file; leave it "
-         "out", "", ""},
-    };
+    unsigned met = (light ? GP_NEED_LIGHT : GP_NEED_NO_LIGHT) |
+                   (config ? GP_NEED_CONFIG
+                           : GP_NEED_NO_CONFIG | GP_NEED_TONES);
+    met |= s->inputs.n == 0 ? GP_NEED_OWN_FRAMES : 0;
+    met |= s->report || s->level >= GP_LEVEL_INFO ? GP_NEED_REPORT : 0;
+    met |= !gp_option_given(s, "stdout-format") ||
+           s->write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
+    met |= !sun->at.n ? GP_NEED_NO_PLACE : 0;
+    met |= sun->at.n || sun->dir.n || sun->camera ? GP_NEED_SUN : 0;
+    met |= s->outputs.n || polygons ? GP_NEED_PICTURE : 0;
+    met |= s->hdr.n ? GP_NEED_HDR : 0;
+    met |= mask ? GP_NEED_MASK : 0;
+    met |= mask || s->debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
+    met |= config || strcmp(curve, "none") != 0 ? GP_NEED_CURVE : 0;
+    met |= config || strcmp(curve, "reinhard-extended") == 0 ? GP_NEED_EXTENDED
+                                                             : 0;
+    met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
+                                                              : 0;
+    met |= chosen ? GP_NEED_AUTO : 0;
+    met |= stream ? GP_NEED_STREAM : 0;
+    met |= s->report ? GP_NEED_REPORT_FILE : 0;
+    met |= s->lens.name ? GP_NEED_LENS : 0;
+    met |= s->relight.n ? GP_NEED_RELIGHT : 0;
+    met |= s->scene.path ? GP_NEED_SCENE : 0;
+    met |= files ? GP_NEED_FILES : 0;
+    return ~met;
+}
+
+/* Returns the first option that is given and has the need, or NULL. (--camera
+ * by itself may give only an angle of view, and needs no light.) */
+static const char *first_in_need(const struct gp_settings *s, unsigned bit)
+{
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((o->needs & bit) && gp_option_given(s, o->name))
+            return o->name;
+    }
+    return bit != GP_NEED_LIGHT            ? NULL
+           : s->debug[GP_DEBUG_SUNMAP]     ? "debug sunmap"
+           : s->debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
+}
+
+/* Reports the first option with a need that is not met as an error, or with
+ * `warns` each option that does nothing as a warning. */
+static gp_status check_needs(const struct gp_log *log,
+                             const struct gp_settings *s, bool warns)
+{
+    const unsigned unmet = gp_needs_unmet(s);
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
         const unsigned bit = needs[i].bit;
-        if (unmet && !needs[i].met)
-            *unmet |= bit;
-        if (unmet || needs[i].met || warns != (bit >= GP_NEED_MASK))
+        const char *const name = (unmet & bit) ? first_in_need(s, bit) : NULL;
+        if (!name || warns != (bit >= GP_NEED_MASK))
             continue;
-        const char *name = NULL; // of the first option with that need
-        for (const struct gp_option *o = gp_options; o->name && !name; o++)
-            name = (o->needs & bit) && gp_option_given(s, o->name) ? o->name
-                                                                   : NULL;
-        if (!name && bit == GP_NEED_LIGHT)
-            name = s->debug[GP_DEBUG_SUNMAP]      ? "debug sunmap"
-                   : s->debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
-        if (name && !warns && bit == GP_NEED_CONFIG &&
-            strcmp(name, "view") == 0)
+        const char *const value = !needs[i].end              ? ""
+                                  : bit == GP_NEED_OWN_FRAMES ? s->inputs.at[0]
+                                  : bit == GP_NEED_EXTENDED   ? s->tone.curve
+                                                        : s->glare.engine;
+        const char *const end = needs[i].end ? needs[i].end : "";
+        if (warns)
+            gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
+                   value, end);
+        else if (bit == GP_NEED_CONFIG && strcmp(name, "view") == 0)
             return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
                            "for stereo use --views %s", s->ocio.view);
-        if (name && !warns)
+        else
             return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
-                           needs[i].text, needs[i].value, needs[i].end);
-        if (name)
-            gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
-                   needs[i].value, needs[i].end);
+                           needs[i].text, value, end);
     }
     return GP_OK;
-}
-
-/* Returns true where an option does nothing without a light; --camera by itself
- * may give only an angle of view. */
-static bool light_needed(const struct gp_settings *s)
-{
-    bool needed = s->debug[GP_DEBUG_SUNMAP] || s->debug[GP_DEBUG_INTENSITY];
-    for (const struct gp_option *o = gp_options; o->name && !needed; o++)
-        needed = (o->needs & GP_NEED_LIGHT) && gp_option_given(s, o->name);
-    return needed;
-}
-
-unsigned gp_needs_unmet(const struct gp_settings *s)
-{
-    unsigned unmet = 0;
-    (void) check_needs(NULL, s, false, &unmet);
-    return unmet;
 }
 
 // -- values ------------------------------------------------------------------
@@ -200,7 +208,6 @@ static gp_status check_kernel_size(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Reads --size, and checks that glarepp kernel has one thing to do. */
 /* Sets the size of --size, or the usual one. */
 static gp_status check_size(const struct gp_log *log, struct gp_making *m,
                             int w, int h)
@@ -215,6 +222,7 @@ static gp_status check_size(const struct gp_log *log, struct gp_making *m,
     return GP_OK;
 }
 
+/* Checks that glarepp kernel has one thing to do. */
 static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
@@ -417,7 +425,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
     s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
-    s->sun.needed = light_needed(s);
+    s->sun.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
     s->kernel.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)
         return check_making(log, s);
@@ -426,7 +434,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (s->command == GP_COMMAND_SETS)
         return check_sets(log, s);
     GP_TRY(check_inputs(log, s));
-    GP_TRY(check_needs(log, s, false, NULL));
+    GP_TRY(check_needs(log, s, false));
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));
     GP_TRY(check_lights(log, warn, sun));
@@ -440,7 +448,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "--knee: needs --threshold-mode "
                        "whole (found %g with excess); add it, or leave --knee "
                        "out", (double) s->sensor.knee);
-    GP_TRY(check_needs(warn, s, true, NULL));
+    GP_TRY(check_needs(warn, s, true));
     // settings that follow from several others
     if (gp_option_given(s, "raw"))
         s->write.stdout_format = GP_STDOUT_RAW;
