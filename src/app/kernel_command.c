@@ -113,16 +113,10 @@ static gp_status frame_of(const struct gp_log *log, const struct gp_kernel *k,
     const int rx = gp_max(abs(k->cx), abs(k->w - 1 - k->cx));
     const int ry = gp_max(abs(k->cy), abs(k->h - 1 - k->cy));
     const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
+    *f = gp_frame_blank((struct gp_rect) {0, 0, (int) w, (int) h});
     gp_status st = gp_planes_make(log, "kernel", w * h, &f->rgb);
     if (st)
         return st;
-    f->data = f->display = (struct gp_rect) {0, 0, (int) w, (int) h};
-    f->pixel_aspect = 1.0f;
-    f->colour_type = GP_FLOAT;
-    f->parts = 1;
-    memcpy(f->chromaticities, gp_rec709_chromaticities,
-           sizeof f->chromaticities);
-    memcpy(f->luminance, gp_rec709_luminance, sizeof f->luminance);
     for (int c = 0; c < 3; c++) {
         memset(f->rgb.c[c], 0, w * h * sizeof(float));
         for (int y = 0; y < k->h; y++)

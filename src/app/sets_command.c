@@ -3,7 +3,6 @@
 #include "app/clobber.h"
 #include "app/options.h"
 #include "app/stages.h"
-#include "core/colour.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "gl/gl.h"
@@ -61,13 +60,8 @@ static gp_status write_pictures(const struct gp_log *log,
     const int w = s->making.w, h = s->making.h;
     const size_t n = (size_t) w * (size_t) h;
     struct gp_write_stats stats = {0};
-    struct gp_frame f = {
-        .data = {0, 0, w, h}, .display = {0, 0, w, h}, .pixel_aspect = 1.0f,
-        .colour_type = GP_FLOAT, .parts = 1,
-    };
+    struct gp_frame f = gp_frame_blank((struct gp_rect) {0, 0, w, h});
     gp_status st = gp_planes_make(log, "picture", n, &f.rgb);
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
     for (int i = 0; i < pictures(s) && !st; i++) {
         const char *const path = picture_path(s, i);
         const bool scissor = i == s->outputs.n;

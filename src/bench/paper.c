@@ -204,12 +204,7 @@ static void paint_sky(const struct canvas *v)
 static gp_status make_frame(const struct gp_log *log, const char *name, int w,
                             int h, struct gp_frame *out)
 {
-    struct gp_frame f = {
-        .data = {0, 0, w, h}, .display = {0, 0, w, h}, .pixel_aspect = 1.0f,
-        .model = GP_COLOUR_RGB, .colour_type = GP_FLOAT, .parts = 1,
-    };
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    struct gp_frame f = gp_frame_blank((struct gp_rect) {0, 0, w, h});
     f.path = gp_strdup(name);
     gp_status st = f.path ? gp_planes_make(log, name, gp_frame_pixels(&f),
                                            &f.rgb)

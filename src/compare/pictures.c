@@ -36,17 +36,12 @@ gp_status gp_compare_heatmap(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,
     const struct gp_compare_match *m, const struct gp_compare_flip *f)
 {
-    struct gp_frame frame = {
-        .path = gp_strdup(path), .data = m->window, .display = m->window,
-        .pixel_aspect = 1.0f, .colour_type = GP_FLOAT, .parts = 1,
-    };
+    struct gp_frame frame = gp_frame_blank(m->window);
     struct gp_write_params plain = *p;
     struct gp_write_stats stats = {0};
     const size_t pixels = gp_frame_pixels(&frame);
     gp_status st;
-    memcpy(frame.chromaticities, gp_rec709_chromaticities,
-           sizeof frame.chromaticities);
-    memcpy(frame.luminance, gp_rec709_luminance, sizeof frame.luminance);
+    frame.path = gp_strdup(path);
     if (!frame.path)
         return gp_no_memory(log, path);
     GP_TRY(gp_planes_make(log, "heatmap", pixels, &frame.shown));
@@ -117,16 +112,14 @@ gp_status gp_compare_subtract(const struct gp_log *log,
     static const char *const name[3] = {"R", "G", "B"};
     struct gp_write_params as = *write;
     struct gp_write_stats stats = {0};
-    struct gp_frame f = {
-        .path = gp_strdup(path), .data = m->window, .display = m->window,
-        .pixel_aspect = 1.0f, .colour_type = GP_FLOAT, .parts = 1,
-    };
+    struct gp_frame f = gp_frame_blank(m->window);
     const size_t pixels = gp_frame_pixels(&f);
     int colour[3] = {-1, -1, -1};
     char ending[8];
     gp_status st;
     memcpy(f.chromaticities, m->a->chromaticities, sizeof f.chromaticities);
     memcpy(f.luminance, m->a->luminance, sizeof f.luminance);
+    f.path = gp_strdup(path);
     if (!f.path)
         return gp_no_memory(log, path);
     for (int i = 0; i < m->pairs; i++) {

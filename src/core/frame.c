@@ -1,5 +1,6 @@
 #include "core/frame.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -47,6 +48,17 @@ void gp_planes_clear(const struct gp_planes *p, size_t from, size_t n)
     else
         for (int c = 0; c < 3; c++)
             clear_plane(&k, c, 0);
+}
+
+struct gp_frame gp_frame_blank(struct gp_rect window)
+{
+    struct gp_frame f = {
+        .data = window, .display = window, .pixel_aspect = 1.0f,
+        .colour_type = GP_FLOAT, .parts = 1,
+    };
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    return f;
 }
 
 void gp_frame_free(struct gp_frame *f)

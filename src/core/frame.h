@@ -182,6 +182,10 @@ void gp_planes_clear(const struct gp_planes *p, size_t from, size_t n);
 /* Frees what it owns and clears it; an empty one is fine. */
 void gp_plane_free(struct gp_plane *p);
 
+/* Returns a frame of that window without pixels: floats, square, in Rec.709,
+ * of one part. */
+struct gp_frame gp_frame_blank(struct gp_rect window);
+
 /* Frees all that the frame owns and clears it; an empty frame is fine. */
 void gp_frame_free(struct gp_frame *f);
 

@@ -175,12 +175,9 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
 static inline struct gp_frame scene_frame(int w, int h, int x0, int y0,
                                           enum light light, uint32_t seed)
 {
-    struct gp_frame f = {
-        .data = {x0, y0, x0 + w, y0 + h}, .display = {0, 0, w, h},
-    };
-    f.pixel_aspect = 1.0f;
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    struct gp_frame f =
+        gp_frame_blank((struct gp_rect) {x0, y0, x0 + w, y0 + h});
+    f.display = (struct gp_rect) {0, 0, w, h};
     if (gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb))
         abort();
     for (int y = 0; y < h; y++) {
@@ -255,14 +252,13 @@ static inline struct gp_kernel scene_model(const char *recipe, int size,
 static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
                                             enum shape shape)
 {
-    struct gp_frame image = {.data = {0, 0, w, h}};
+    struct gp_frame image = gp_frame_blank((struct gp_rect) {0, 0, w, h});
     struct gp_kernel k;
     struct gp_kernel_params p = {0};
     p.normalize = shape == DIPOLE ? GP_NORMALIZE_NONE : GP_NORMALIZE_LUMINANCE;
     p.centered = cx != MID;
     p.center[0] = cx + 0.5;
     p.center[1] = cy + 0.5;
-    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
     if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &image.rgb))
         abort();
     for (int i = 0; i < w * h; i++) {

@@ -58,11 +58,7 @@ static inline struct gp_frame pair_frame(int w, int h, enum pair_kind kind,
     static const float bad[] = {
         NAN, INFINITY, -INFINITY, -1.0f, FLT_MAX, -FLT_MAX, -0.0f, 1e-42f,
     };
-    struct gp_frame f = {
-        .data = {0, 0, w, h}, .display = {0, 0, w, h}, .pixel_aspect = 1.0f,
-    };
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    struct gp_frame f = gp_frame_blank((struct gp_rect) {0, 0, w, h});
     assert_ok(gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb));
     for (int i = 0; i < 3 * w * h; i++) {
         const int at = i % (w * h);

@@ -135,14 +135,11 @@ static inline void *wf_samples(const struct gp_channel *c, int number)
 static inline struct gp_frame wf_frame(struct gp_rect data,
     struct gp_rect display, const struct wf_channel *list)
 {
-    struct gp_frame f = {
-        .path = gp_strdup("made"), .data = data, .display = display,
-        .pixel_aspect = 1.0f, .model = GP_COLOUR_RGB, .colour_type = GP_HALF,
-        .parts = 1,
-    };
+    struct gp_frame f = gp_frame_blank(data);
     const int w = gp_frame_w(&f);
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    f.path = gp_strdup("made");
+    f.display = display;
+    f.colour_type = GP_HALF;
     assert_ok(gp_planes_make(NULL, "rgb", gp_frame_pixels(&f), &f.rgb));
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < gp_frame_pixels(&f); i++)

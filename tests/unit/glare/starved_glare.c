@@ -268,9 +268,9 @@ static gp_status run_temporal(void)
 static gp_status run_from_frame(void)
 {
     struct gp_kernel_params p = {0};
-    struct gp_frame image = {.data = {0, 0, size, 2 * size}};
+    struct gp_frame image =
+        gp_frame_blank((struct gp_rect) {0, 0, size, 2 * size});
     struct gp_kernel k = {0};
-    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
     if (gp_planes_make(&kept_log, "kernel", gp_frame_pixels(&image),
                        &image.rgb))
         return GP_ERR_BUG;
@@ -413,8 +413,7 @@ static struct gp_kernel kernel_of(const struct starved *r, int side)
         return r->faint ? scene_kernel_times(k, 0x1p-90, r->rotate) : k;
     }
     // a turned image has its unturned form with it
-    struct gp_frame image = {.data = {0, 0, side, side}};
-    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
+    struct gp_frame image = gp_frame_blank((struct gp_rect) {0, 0, side, side});
     struct gp_kernel eye = scene_model("eye", side, 0.0);
     image.rgb = eye.k;
     p.rotate = r->rotate;

@@ -11,9 +11,7 @@
 
 static struct gp_frame make_frame(int w, int h)
 {
-    struct gp_frame f = {.data = {-7, 3, w - 7, h + 3}};
-    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    struct gp_frame f = gp_frame_blank((struct gp_rect) {-7, 3, w - 7, h + 3});
     f.path = strdup("test");
     assert_ok(gp_planes_make(NULL, "t", gp_frame_pixels(&f), &f.lit));
     for (int c = 0; c < 3; c++) {
