@@ -9,13 +9,14 @@
  *
  * in direction phi. The light is that of the samples from half of the reach to
  * where they begin to fade out, in a mean of SIGMA degrees of phi, so that it
- * is smooth; and takes over as they fade. */
+ * is smooth; and takes over as they fade, where a tail may take over as well. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/diffract_priv.h"
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { TURN = 720 };               // directions
 static const double SIGMA = 4.0;
@@ -54,31 +55,57 @@ static double direction(const struct joined *s, int x, int y)
                 TURN * (1.0 - 1e-15));
 }
 
-static void joined_row(const void *state, int x, int y, int n,
-                       double *const out[3])
+/* Adds the light far out to n pixels, 0 within three quarters of the reach; or,
+ * `faded`, the part of it that takes over. */
+static void add_far(const struct joined *s, int x, int y, int n, bool faded,
+                    double *const out[3])
 {
-    const struct joined *const s = state;
     const int channels = s->near.grey ? 1 : 3;
     double strip[GP_SHAPE_STRIP] = {0};
     double *const far[3] = {strip, NULL, NULL};
-    s->near.row(s->near.state, x, y, n, out);
     const int last = gp_max(abs(x), abs(x + n - 1));
-    const bool some =
-        hypot(s->pixel[0] * last, s->pixel[1] * y) > 0.75 * s->reach;
-    if (some)
-        s->far.row(s->far.state, x, y, n, far);
-    for (int i = 0; i < n && some; i++) {
+    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > 0.75 * s->reach))
+        return;
+    s->far.row(s->far.state, x, y, n, far);
+    for (int i = 0; i < n; i++) {
         const double t = hypot(s->pixel[0] * (x + i), s->pixel[1] * y);
         const double share = 1.0 - gp_diffract_fade(t, s->reach);
         if (!(share > 0.0))
             continue;
+        const double v = faded ? share * strip[i] : strip[i];
         const double at = direction(s, x + i, y);
         const int k = (int) at;
         const double *const a = s->light[k];
         const double *const b = s->light[(k + 1) % TURN];
         for (int c = 0; c < channels; c++)
-            out[c][i] += share * strip[i] * (a[c] + (at - k) * (b[c] - a[c]));
+            out[c][i] += v * (a[c] + (at - k) * (b[c] - a[c]));
     }
+}
+
+static void joined_far(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct joined *const s = state;
+    for (int c = 0; c < (s->near.grey ? 1 : 3); c++)
+        memset(out[c], 0, (size_t) n * sizeof *out[c]);
+    add_far(s, x, y, n, false, out);
+}
+
+/* The share that takes over, at the nearest such pixels: nothing is negative. */
+static double joined_least(const void *state, double pixels)
+{
+    const struct joined *const s = state;
+    const double t = pixels * fmin(s->pixel[0], s->pixel[1]);
+    return 1.0 - gp_diffract_fade(t, s->reach);
+}
+
+static void joined_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct joined *const s = state;
+    const int channels = s->near.grey ? 1 : 3;
+    s->near.row(s->near.state, x, y, n, out);
+    add_far(s, x, y, n, true, out);
     for (int c = 0; c < channels && y == 0 && x <= 0 && x + n > 0; c++)
         out[c][-x] += s->own[c];
 }
@@ -172,6 +199,10 @@ gp_status gp_diffract_join(const struct gp_log *log, int rx, int ry,
     shape->row = joined_row;
     shape->reach = INT_MAX;
     shape->rows = 0;
-    shape->smooth = reach / (f->degrees * fmin(f->aspect, 1.0));
+    shape->smooth = 0.75 * reach / (f->degrees * fmin(f->aspect, 1.0));
+    shape->far = joined_far;
+    shape->least = joined_least;
+    shape->far_grey = shape->grey;
+    shape->sharp = gp_max(rx, ry);
     return GP_OK;
 }

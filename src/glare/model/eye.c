@@ -224,18 +224,18 @@ static double needle_fade(double t)
     return end * end * (3.0 - 2.0 * end);
 }
 
-static void night_far(const void *state, int x, int y, int n, double *out)
+static void night_far(const void *state, int x, int y, int n,
+                      double *const out[3])
 {
     const struct night *const s = state;
-    double *const grey[3] = {out, NULL, NULL};
     if (abs(y) > s->ry || x < -s->rx || x + n - 1 > s->rx) {
-        s->eye.row(s->eye.state, x, y, n, grey);
+        s->eye.row(s->eye.state, x, y, n, out);
         return;
     }
     const double *const row =
         s->even + (size_t) abs(y) * ((size_t) s->rx + 1);
     for (int i = 0; i < n; i++)
-        out[i] = row[abs(x + i)];
+        out[0][i] = row[abs(x + i)];
 }
 
 static void night_row(const void *state, int x, int y, int n,
@@ -249,7 +249,7 @@ static void night_row(const void *state, int x, int y, int n,
         near && s->add
             ? s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1) + s->rx
             : NULL;
-    night_far(state, x, y, n, out[0]);
+    night_far(state, x, y, n, out);
     for (int c = 1; c < 3 && s->all[0]; c++)
         memcpy(out[c], out[0], (size_t) n * sizeof *out[c]);
     for (int i = from; i < to && needles && !s->all[0]; i++)
@@ -454,7 +454,8 @@ static gp_status open_night(const struct gp_log *log,
         GP_TRY(add_needles(log, r, s, f, n));
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
-        .least = night_least, .grey = !n->all[0], .even = !n->add,
+        .far_grey = true, .far_even = true, .least = night_least,
+        .grey = !n->all[0], .even = !n->add,
         .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
     };
     if (n->rx < f->w - 1 && n->ry < f->h - 1) {

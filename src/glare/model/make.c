@@ -99,8 +99,8 @@ static void add_facts(struct mixture *m, const struct gp_shape *s)
         return;
     }
     m->tails++;
-    m->tail_grey &= s->far || s->grey;
-    m->tail_even &= s->far || s->even;
+    m->tail_grey &= s->far ? s->far_grey : s->grey;
+    m->tail_even &= s->far ? s->far_even : s->even;
     m->smooth = fmax(m->smooth, s->smooth);
     if (s->far)
         m->sharp = gp_max(m->sharp, s->sharp);
@@ -221,11 +221,12 @@ static void mix_far(const struct mixture *m, int x, int y, int n,
         if (!has_tail(s))
             continue;
         if (s->far)
-            s->far(s->state, x, y, n, strip[0]);
+            s->far(s->state, x, y, n, out);
         else
             s->row(s->state, x, y, n, out);
         for (int c = 0; c < channels; c++) {
-            const double *const v = strip[s->grey || s->far ? 0 : c];
+            const bool grey = s->far ? s->far_grey : s->grey;
+            const double *const v = strip[grey ? 0 : c];
             for (int k = 0; k < n; k++)
                 sum[c][k] += m->share[i] * v[k];
         }

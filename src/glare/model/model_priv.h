@@ -31,10 +31,11 @@ struct gp_shape {
     int fits[2];     // the same in all fields that differ only in w and h, and
                      // are at least so wide and high; 0: in none
 
-    /* The part of row() to which `smooth` applies: grey, even, and all of row()
-     * at offsets beyond `sharp`. NULL: all of it, `least` and `sharp` mean
-     * nothing. */
-    void (*far)(const void *state, int x, int y, int n, double *out);
+    /* The part of row() to which `smooth` applies, and all of row() at offsets
+     * beyond `sharp`; out[0] only where far_grey. NULL: all of it, and the
+     * members that follow mean nothing. */
+    void (*far)(const void *state, int x, int y, int n, double *const out[3]);
+    bool far_grey, far_even; // as `grey` and `even`
     /* At `pixels` from the centre row() is at least this share of far(), in
      * [0, 1], and no less farther out. */
     double (*least)(const void *state, double pixels);
