@@ -27,67 +27,82 @@ with open(sys.argv[2], "wb") as f:
 PY
 }
 
+# batch OPTION... FILE...: one run of all these files, whose names have numbers,
+# that skips those that fail: oiiotool and the program that reads by OpenImageIO
+# take a quarter of a second to start
+batch()
+{
+    run -q --frame-jobs 1 --skip-bad-frames --report batch.json "$@"
+}
+
+# each_refused FILE...: they were the frames of the last batch: status and line
+each_refused()
+{
+    for name; do
+        ok "$name: status 4" \
+            grep -q "\"input\":\"$name\".*\"status\":4," batch.json
+        is "$(grep -c "^glarepp: $name: .*; ." err)" 1 "$name: one line"
+    done
+    status_is 6 'and the run ends'
+    is "$(wc -l <err)" $(($# + 1)) 'with a line about all'
+}
+
 # -- other formats in ----------------------------------------------------------
 
-# (oiiotool takes a quarter of a second to start: one writes many files)
-pfm in.exr f.pfm
-oiiotool in.exr -d float -o f.tif
-oiiotool in.exr --attrib oiio:ColorSpace sRGB -o f.hdr -o f.jpg -o f.dpx -o f.png
-for ending in hdr pfm tif jpg dpx png; do
-    run -t 0.6 --type float --hdr h.$ending.exr --layer l.$ending.exr f.$ending
-    quiet_success "reads .$ending"
-    case $ending in
-    hdr | pfm | tif)
-        # the same pixels in an EXR give the same light
-        oiiotool f.$ending -d float --compression none -o f.$ending.exr
-        run -t 0.6 --type float --hdr e.$ending.exr --layer g.$ending.exr \
-            f.$ending.exr
-        echo "h.$ending.exr e.$ending.exr equal .$ending in: frame as from EXR" >>list
-        echo "l.$ending.exr g.$ending.exr equal .$ending in: layer as from EXR" >>list
-        ;;
-    jpg | png)
-        half=$(($(wc -c <f.$ending) / 2))
-        head -c $half f.$ending >cut.$ending
-        run --hdr cut.exr cut.$ending
-        fails_with 4 cut.$ending ".$ending in: cut off"
-        # nothing is over this threshold: the frame passes
-        run -t 1e9 -g 0 --type float --hdr h.$ending.exr f.$ending
-        echo "h.$ending.exr f.$ending srgb:2e-3 .$ending in: the sRGB curve is taken off" >>list
-        ;;
-    dpx)
-        echo "h.dpx.exr:R,G,B l.dpx.exr:R,G,B 1e9 .dpx in: three channels" >>list
-        ;;
-    esac
-done
-# strips of more than is read at once, and tiles, of which OpenImageIO reads
-# packed doubles wrong
-large='--pattern noise:type=uniform:min=0:max=1:seed=3 1500x600 3'
-oiiotool $large -d float -o large.exr
-packings='zip:600 zip:563 lzw:600 none:600 zip:8'
-# shellcheck disable=SC2046
-oiiotool $large -d double $(for packed in $packings; do
-    echo "--compression ${packed%:*} --attrib tiff:RowsPerStrip ${packed#*:}"
-    echo "-o large.${packed%:*}-${packed#*:}.tif"
-done)
-for packed in $packings; do
-    name=${packed%:*}-${packed#*:}
-    run -e direct -t 1e9 -g 0 --type float --hdr large.$name.exr large.$name.tif
-    echo "large.$name.exr large.exr equal doubles in TIFF, $packed" >>list
-done
-oiiotool in.exr -d float -o:tile=64x64 tiles.float.tif \
-    -d double -o:tile=64x64 tiles.double.tif
-for type in float double; do
-    run -t 1e9 -g 0 --type float --hdr tiles.exr tiles.$type.tif
-done
-fails_with 4 tiles.double.tif 'tiles of doubles'
-ok 'tiles of floats' "$glarepp" compare --fail 0 tiles.exr in.exr
-
-oiiotool in.exr --attrib oiio:ColorSpace Linear -o linear.png
-run -t 1e9 -g 0 --type float --hdr linear.exr linear.png
-echo "linear.exr linear.png 1e-6 .png in: a linear one stays as it is" >>list
 frame kernel.exr kind=kernel size=15x15 type=float
-oiiotool kernel.exr -d float -o kernel.tif
+pfm in.exr f.2.pfm
 pfm kernel.exr kernel.pfm
+oiiotool kernel.exr -d float -o kernel.tif in.exr -d float -o f.3.tif \
+    -o:tile=64x64 tiles.1.tif -d double -o:tile=64x64 tiles.2.tif \
+    -d half -o q.0001.tif -o q.0003.tif -o q.0004.tif \
+    -d uint8 -o cut.8.dpx -d uint10 -o cut.10.dpx -d uint12 -o cut.12.dpx \
+    -d uint16 -o cut.16.dpx --attrib oiio:ColorSpace Linear -o linear.7.png \
+    in.exr --attrib oiio:ColorSpace sRGB \
+    -o f.1.hdr -o f.4.jpg -o f.5.dpx -o f.6.png \
+    f.1.hdr -d float --compression none -o same.1.exr f.2.pfm -o same.2.exr \
+    f.3.tif -o same.3.exr >ok.log 2>&1
+run -t 0.6 --type float --hdr h.#.exr --layer l.#.exr f.1.hdr f.2.pfm f.3.tif \
+    f.4.jpg f.5.dpx f.6.png
+quiet_success 'reads HDR, PFM, TIFF, JPEG, DPX and PNG'
+# the same pixels in an EXR give the same light
+run -t 0.6 --type float --hdr e.#.exr --layer g.#.exr same.?.exr
+for file in 1.hdr 2.pfm 3.tif; do
+    n=${file%.*} ending=${file#*.}
+    echo "h.$n.exr e.$n.exr equal .$ending in: frame as from EXR" >>list
+    echo "l.$n.exr g.$n.exr equal .$ending in: layer as from EXR" >>list
+done
+echo "h.5.exr:R,G,B l.5.exr:R,G,B 1e9 .dpx in: three channels" >>list
+for file in 4.jpg 6.png; do
+    head -c $(($(wc -c <f.$file) / 2)) f.$file >cut.$file
+    run --hdr cut.exr cut.$file
+    fails_with 4 cut.$file "$file in: cut off"
+done
+# nothing is over this threshold: the frame passes
+batch -t 1e9 -g 0 --type float --hdr passed.#.exr f.4.jpg f.6.png linear.7.png \
+    tiles.1.tif
+echo "passed.4.exr f.4.jpg srgb:2e-3 .jpg in: the sRGB curve is taken off" >>list
+echo "passed.6.exr f.6.png srgb:2e-3 .png in: the sRGB curve is taken off" >>list
+echo "passed.7.exr linear.7.png 1e-6 .png in: a linear one stays as it is" >>list
+echo "passed.1.exr in.exr equal tiles of floats" >>list
+run --hdr refused.exr tiles.2.tif
+fails_with 4 tiles.2.tif 'tiles of doubles'
+# strips of more than the 16 MiB that are read at once, of which OpenImageIO
+# reads packed doubles wrong
+large='--pattern noise:type=uniform:min=0:max=1:seed=3 1500x480 3'
+packings='zip:480 zip:470 lzw:480 none:480 zip:8'
+n=0
+# shellcheck disable=SC2046
+oiiotool $large -d float -o large.exr -d double $(for packed in $packings; do
+    echo "--compression ${packed%:*} --attrib tiff:RowsPerStrip ${packed#*:}"
+    echo "-o large.$((n += 1)).tif"
+done)
+batch -t 1e9 -g 0 --type float --compression none --hdr large.#.exr large.?.tif
+quiet_success 'reads doubles in TIFF'
+for packed in $packings; do
+    n=$((n + 1))
+    echo "large.$n.exr large.exr equal doubles in TIFF, $packed" >>list
+done
+
 for ending in exr tif pfm; do
     run -q -k kernel.$ending --type float --layer k.$ending.exr in.exr
     quiet_success "a kernel from .$ending"
@@ -100,11 +115,12 @@ echo "k.pfm.exr k.exr.exr equal a kernel from .pfm: as from EXR" >>list
 run --type float --layer layer.exr --tonemap none -o lit.exr in.exr
 run --type half --type float --layer layer.tif in.exr
 quiet_success 'the last of an option that comes twice holds'
+run --type float --layer layer.tif --layer layer.pfm --layer layer.hdr \
+    --tonemap none -o lit.tif -o lit.pfm -o lit.hdr in.exr
+quiet_success 'writes TIFF, PFM and HDR'
 for ending in tif pfm hdr; do
     limit=equal
     [ $ending != hdr ] || limit=1e-2 # shared exponents: 8 bits
-    run --type float --layer layer.$ending --tonemap none -o lit.$ending in.exr
-    quiet_success "writes .$ending"
     echo "layer.$ending layer.exr $limit .$ending out: the layer" >>list
     echo "lit.$ending lit.exr $limit .$ending out: --tonemap none is the light" >>list
 done
@@ -224,7 +240,8 @@ frame alpha.exr size=40x30 channels=R,G,B,A:float
 run --alpha keep -o keep.png -o keep.exr -o keep.tif -o keep.webp -o keep.tga \
     -o keep.sgi -o keep.rgba -o keep.bmp -o keep.dpx -o keep.tx --layer keep.layer.exr alpha.exr
 quiet_success '--alpha keep: formats with alpha'
-run -o black.exr -o black.sgi -o black.bmp -o black.dpx alpha.exr
+run -o black.exr -o black.sgi -o black.bmp -o black.dpx -o black.jpg -o black.ppm \
+    -o black.pfm -o black.hdr alpha.exr
 echo "keep.exr:A alpha.exr:A equal --alpha keep: EXR" >>list
 echo "keep.exr:R,G,B black.exr:R,G,B equal --alpha keep: EXR: colours are associated" >>list
 echo "keep.rgba:A alpha.exr:A 2e-3 --alpha keep: .rgba" >>list
@@ -238,7 +255,6 @@ done
 is "$(exrinfo keep.layer.exr | grep -c "'A'")" 0 '--alpha keep: a layer has none'
 "$glarepp" --alpha keep --stdout-format png -o - alpha.exr >keep.stdout.png
 same keep.stdout.png keep.png '--alpha keep: PNG to stdout'
-run -o black.jpg -o black.ppm -o black.pfm -o black.hdr alpha.exr
 run --alpha keep -o keep.jpg -o keep.ppm -o keep.pfm -o keep.hdr alpha.exr
 for ending in jpg ppm pfm hdr; do
     status_is 0 "--alpha keep: .$ending"
@@ -307,10 +323,10 @@ run --hdr fifo.exr fifo
 wait
 "$glarepp" --hdr once.exr in.exr
 same fifo.exr once.exr 'a named pipe'
-cat f.hdr | "$glarepp" --layer pipe.exr - 2>err
+cat f.1.hdr | "$glarepp" --layer pipe.exr - 2>err
 status=$?
 if [ $status = 0 ]; then
-    "$glarepp" --layer file.exr f.hdr
+    "$glarepp" --layer file.exr f.1.hdr
     same pipe.exr file.exr 'other formats by stdin'
 else
     one_line_error - 'other formats by stdin are refused'
@@ -319,28 +335,30 @@ fi
 # a DPX whose header names more of the user's data than the file has: for that
 # file only, whatever ulimit says
 run -o user.dpx in.exr
+n=0
 for claim in '\360\0\0\360' '\1\0\0\1'; do
-    cp user.dpx claims.dpx
+    n=$((n + 1))
+    cp user.dpx claims.$n.dpx
     # shellcheck disable=SC2059
-    printf "$claim" | dd of=claims.dpx bs=1 seek=32 conv=notrunc 2>ok.log
-    for limit in unlimited 6000000; do
-        (ulimit -v $limit && exec "$glarepp" -o none.png claims.dpx) >out 2>err
-        status=$?
-        fails_with 4 claims.dpx "$claim bytes of the user's data, ulimit -v $limit"
-    done
+    printf "$claim" | dd of=claims.$n.dpx bs=1 seek=32 conv=notrunc 2>ok.log
+done
+for limit in unlimited 6000000; do
+    (ulimit -v $limit && batch -o none.#.png claims.?.dpx; exit "$status")
+    status=$?
+    each_refused claims.1.dpx claims.2.dpx
 done
 
 # every packing of DPX, cut off by a byte and by a third
-oiiotool in.exr -d uint8 -o bits.8.dpx -d uint10 -o bits.10.dpx \
-    -d uint12 -o bits.12.dpx -d uint16 -o bits.16.dpx >ok.log 2>&1
+n=0
 for bits in 8 10 12 16; do
-    size=$(wc -c <bits.$bits.dpx)
+    size=$(wc -c <cut.$bits.dpx)
     for part in $((size - 1)) $((size * 2 / 3)); do
-        head -c $part bits.$bits.dpx >cut.dpx
-        run --layer refused.exr cut.dpx
-        fails_with 4 cut.dpx "a DPX of $bits bits, $part bytes of $size"
+        n=$((n + 1))
+        head -c $part cut.$bits.dpx >cut.$bits.$n.dpx
     done
 done
+batch --layer refused.#.exr cut.*.?.dpx
+each_refused cut.*.?.dpx
 
 # texts that nest deeply, or are long lists, cost a PNG neither time nor memory
 "$python" - <<'PY'
@@ -381,37 +399,46 @@ done
 # a name that addresses and patterns of the shell could have
 named='bmp dpx hdr jpg pfm png ppm sgi tga tif webp'
 set -f
+n=10
 # shellcheck disable=SC2046
 run -q $(for ending in $named; do
-    echo "-o b?.$ending -o a?[b]=1.$ending"
+    echo "-o b?.$((n += 1)).$ending -o a?[b]=1.$((n += 1)).$ending"
 done) in.exr
 set +f
 quiet_success 'writes names of patterns'
+set --
 for ending in $named; do
-    ok "writes b?.$ending" [ -s "b?.$ending" ]
-    run -q --layer q.exr "b?.$ending"
-    quiet_success "reads b?.$ending"
-    ok "writes a?[b]=1.$ending" [ -s "a?[b]=1.$ending" ]
-    run -q --layer "a?.exr" "a?[b]=1.$ending"
-    quiet_success "reads a?[b]=1.$ending"
+    for name in 'b?' 'a?[b]=1'; do
+        n=$((n + 1))
+        ok "writes $name.$n.$ending" [ -s "$name.$n.$ending" ]
+        set -- "$@" "$name.$n.$ending"
+    done
 done
+batch --layer 'a?.#.exr' "$@"
+quiet_success 'reads names of patterns'
+is "$(ls 'a?'.*.exr | wc -l)" $# 'a layer of each'
+run -q --layer 'a?.exr' 'b?.11.bmp'
+quiet_success 'reads a plain b?.11.bmp'
 
 # all that a stream is taken for by its first bytes; Targa has no word there
 # (WebP, which not every oiiotool writes, comes last)
 streams='bmp dpx hdr jpg ppm sgi tga tif webp'
+n=0
 # shellcheck disable=SC2046
-oiiotool in.exr --resize 64x40 -d uint8 $(for ending in $streams; do
-    echo "-o s.$ending"
-done) >ok.log 2>&1
+oiiotool in.exr --resize 64x40 -d uint8 -o r.gif -o r.iff -o r.rla \
+    $(for ending in $streams; do
+        echo "-o s.$((n += 1)).$ending"
+    done) >ok.log 2>&1
+batch -e direct --layer file.#.exr s.?.*
+quiet_success 'files of the formats that streams have'
 for ending in $streams; do
-    [ -s s.$ending ] || {
-        skip 2 "oiiotool writes no $ending"
+    n=$((n + 1))
+    [ -s s.$n.$ending ] || {
+        skip 1 "oiiotool writes no $ending"
         continue
     }
-    run --layer file.exr s.$ending
-    status_is 0 "$ending from its file"
-    cat s.$ending | "$glarepp" --layer pipe.exr - 2>err
-    same pipe.exr file.exr "$ending by stdin"
+    cat s.$n.$ending | "$glarepp" -e direct --layer pipe.exr - 2>err
+    same pipe.exr file.$n.exr "$ending by stdin"
 done
 
 # formats that OpenImageIO writes wrong, or to no file of ours, or reads wrong
@@ -420,7 +447,6 @@ for ending in avif fits gif heic ico iff jp2 j2k mxr nul null rla sxr term zfile
     fails_with 2 refused.$ending "writes no .$ending"
 done
 # by its first bytes: no name leads to a reader
-oiiotool in.exr --resize 64x40 -d uint8 -o r.gif -o r.iff -o r.rla >ok.log 2>&1
 for ending in gif iff rla; do
     cp r.$ending renamed.tif
     for name in r.$ending renamed.tif; do
@@ -448,7 +474,6 @@ done
 
 # files that end their reader (this BMP does): one line, and the next is read
 echo Qk0cBwAAAAAAADYEAAAoAAAAfwAAAEAAAAABACAAAQAAAOYCAQAADwAAAAAAZwEAAAAAAADW1gAAAQACAP8AAAa5/w== | base64 -d >q.0002.tif
-oiiotool in.exr -d half -o q.0001.tif -o q.0003.tif -o q.0004.tif
 for jobs in 1 3; do
     mkdir made
     run --skip-bad-frames --frame-jobs $jobs -e direct --layer made/####.exr \
@@ -473,35 +498,37 @@ zeros()
 }
 
 # pixels that cannot be unpacked are an error, never black
-for kind in half:zip:tif float:zip:tif \
-    uint8:lzw:tif uint8:packbits:tif; do
-    ending=${kind##*:}
-    type=${kind%%:*}
-    packed=${kind#*:}
-    oiiotool --pattern noise:type=uniform:min=0:max=1:seed=3 256x256 3 \
-        -d $type --compression ${packed%:*} -o sound.$ending
-    run -t 1e9 -g 0 --hdr sound.exr sound.$ending
-    quiet_success "$kind is read"
-    zeros sound.$ending broken.$ending
-    rm -f broken.exr
-    run -t 1e9 -g 0 --hdr broken.exr broken.$ending
-    fails_with 4 broken.$ending "$kind with zeros in it"
-    no "$kind with zeros in it: nothing is written" [ -e broken.exr ]
+kinds='half:zip float:zip uint8:lzw uint8:packbits'
+n=0
+# shellcheck disable=SC2046
+oiiotool --pattern noise:type=uniform:min=0:max=1:seed=3 256x256 3 \
+    $(for kind in $kinds; do
+        echo "-d ${kind%:*} --compression ${kind#*:} -o sound.$((n += 1)).tif"
+    done)
+for kind in $kinds; do
+    n=$((n + 1))
+    zeros sound.$n.tif broken.$n.tif
 done
+batch -t 1e9 -g 0 --hdr sound.#.exr sound.?.tif
+quiet_success "TIFFs of $kinds are read"
+batch -t 1e9 -g 0 --hdr broken.#.exr broken.?.tif
+each_refused broken.?.tif
+is "$(ls | grep '^broken.*exr')" '' 'TIFFs with zeros in them: nothing is written'
 
 # -- DWA and luminance-chroma in -----------------------------------------------
 
 packings='dwaa dwab b44 b44a pxr24 piz rle zips zip'
+n=0
 # shellcheck disable=SC2046
-oiiotool in.exr $(for compression in $packings; do
-    echo "--compression $compression -o c.$compression.exr"
+oiiotool in.exr -o:tile=16x16 tiled.exr $(for compression in $packings; do
+    echo "--compression $compression -o c.$((n += 1)).exr"
 done)
+run -t 1e9 -g 0 --type float --hdr d.#.exr c.?.exr
+quiet_success "reads EXR of $packings"
 for compression in $packings; do
-    run -t 1e9 -g 0 --type float --hdr d.$compression.exr c.$compression.exr
-    quiet_success "reads $compression"
-    echo "d.$compression.exr c.$compression.exr equal $compression in: the library's values" >>list
+    n=$((n + 1))
+    echo "d.$n.exr c.$n.exr equal $compression in: the library's values" >>list
 done
-oiiotool in.exr --tile 16 16 --compression zip -o tiled.exr
 run -t 1e9 -g 0 --hdr d.exr tiled.exr
 echo "d.exr in.exr equal tiles in" >>list
 if [ -n "$data" ]; then
