@@ -346,22 +346,28 @@ check-manual: $(B)/tests/hardcases ## checks that the manual has every hard case
 	done
 
 # The warnings of clang, over sources and tests, by a build's flags; the fuzz
-# targets' objects have them where clang builds those
+# targets' objects have them where clang builds those. Headers that most files
+# include are parsed once: clang_each FILES,FLAGS,LANGUAGE,HEADER
 CLANG_SRC = $(if $(filter clang%,$(notdir $(FUZZ_CC))),src/app/main.c,$(SRC))
-CLANG_CC = printf '%s\n' $(1) | xargs -P2 -n16 $(CLANG) -fsyntax-only $(2)
-CLANG_C = $(call CLANG_CC,$(1),-std=c11 $(WARN) $(DEFS) -Isrc \
-          $(call pc,--cflags,$(PACKAGES)) $(2))
-CLANG_CXX = $(call CLANG_CC,$(1),-std=c++17 -Wall -Wextra -Werror -Isrc \
-            $(patsubst -I%,-isystem%,$(2)))
+define clang_each
+$(CLANG) $(2) -x$(3)-header $(4) -o $(B)/$(3).pch && \
+printf '%s\n' $(1) | xargs -P2 -n16 \
+    $(CLANG) -fsyntax-only $(2) -include-pch $(B)/$(3).pch
+endef
+CLANG_C = $(call clang_each,$(1),-std=c11 $(WARN) $(DEFS) -Isrc \
+          $(call pc,--cflags,$(PACKAGES)) $(2),c,$(3))
+CLANG_CXX = $(call clang_each,$(1),-std=c++17 -Wall -Wextra -Werror -Isrc \
+            $(patsubst -I%,-isystem%,$(2)),c++,$(3))
 check-clang: fuzz-build ## compiles sources, tests and benches with clang, for its warnings
 	@test -n "$(CLANG)" || { echo "skipped: no clang"; exit 0; }; \
-	$(call CLANG_C,$(CLANG_SRC)) && \
-	$(call CLANG_C,$(UNIT) tests/unit/unit.c \
-	    $(HARD) $(wildcard tests/faults/*.c),$(UNIT_CFLAGS)) && \
-	$(call CLANG_C,$(wildcard tests/bench/*.c tests/fuzz/*.c),-Itests/fuzz) && \
-	$(call CLANG_CXX,$(BRIDGE_SRC),$(call pc,--cflags,OpenImageIO)) && \
-	$(call CLANG_CXX,$(OCIO_SRC),$(call pc,--cflags,OpenColorIO)) && \
-	$(call CLANG_CXX,tests/bench/plain.cpp,$(call pc,--cflags,OpenEXR))
+	$(call CLANG_C,$(CLANG_SRC) $(wildcard tests/bench/*.c tests/fuzz/*.c),\
+	    -Itests/fuzz,src/core/status.h) && \
+	$(call CLANG_C,$(UNIT) tests/unit/unit.c $(HARD) $(wildcard tests/faults/*.c),\
+	    $(UNIT_CFLAGS),tests/unit/unit.h) && \
+	$(call CLANG_CXX,$(BRIDGE_SRC),$(call pc,--cflags,OpenImageIO),\
+	    -include OpenImageIO/imageio.h src/io/oiio/protocol.h) && \
+	$(call CLANG_CXX,$(OCIO_SRC) tests/bench/plain.cpp,\
+	    $(call pc,--cflags,OpenColorIO OpenEXR),src/core/status.h)
 
 # clang-tidy and cppcheck. `make lint` runs all checks; `make check` leaves out
 # clang's analyzer, which takes ten times as long as the rest
