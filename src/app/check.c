@@ -62,6 +62,10 @@ static const struct {
     {GP_NEED_NO_CONFIG, "--ocio replaces it; leave one of the two out", NULL},
     {GP_NEED_PICTURE, "needs a picture; give -o FILE", NULL},
     {GP_NEED_HDR, "converts only --hdr; give --hdr FILE", NULL},
+    {GP_NEED_LENS, "needs --lens; give --lens NAME, see glarepp lens --list",
+     NULL},
+    {GP_NEED_SCENE, "needs --scene; give --scene FILE", NULL},
+    {GP_NEED_RELIGHT, "needs --relight; give --relight NAME", NULL},
     {GP_NEED_MASK, "does nothing with this --sun-method; use --sun-method mask",
      NULL},
     {GP_NEED_MAP, "does nothing with this --sun-method; use --sun-method mask",
@@ -77,11 +81,6 @@ static const struct {
      NULL},
     {GP_NEED_REPORT_FILE, "does nothing without a report; give --report FILE",
      NULL},
-    {GP_NEED_LENS, "does nothing without --lens; give --lens NAME, see glarepp "
-     "lens --list", NULL},
-    {GP_NEED_RELIGHT, "does nothing without --relight; give --relight NAME",
-     NULL},
-    {GP_NEED_SCENE, "does nothing without --scene; give --scene FILE", NULL},
     {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
 };
 

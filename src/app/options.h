@@ -72,20 +72,20 @@ enum gp_need {
     GP_NEED_NO_CONFIG = 1 << 8,
     GP_NEED_PICTURE = 1 << 9,    // a tone-mapped picture
     GP_NEED_HDR = 1 << 10,        // --hdr
+    GP_NEED_LENS = 1 << 11,      // --lens
+    GP_NEED_SCENE = 1 << 12,     // --scene
+    GP_NEED_RELIGHT = 1 << 13,   // --relight
     // without these the option does nothing: a warning
-    GP_NEED_MASK = 1 << 11,       // --sun-method mask
-    GP_NEED_MAP = 1 << 12,        // --sun-method mask or --debug sunmap
-    GP_NEED_TONES = 1 << 13,      // no --ocio
-    GP_NEED_CURVE = 1 << 14,      // --ocio, or a curve other than none
-    GP_NEED_EXTENDED = 1 << 15,   // --tonemap reinhard-extended
-    GP_NEED_SPLAT = 1 << 16,      // --engine auto or splat, or --debug polygons
-    GP_NEED_AUTO = 1 << 17,       // --engine auto
-    GP_NEED_STREAM = 1 << 18,     // an output without an ending
-    GP_NEED_FILES = 1 << 19,      // an output file
-    GP_NEED_REPORT_FILE = 1 << 20, // --report
-    GP_NEED_LENS = 1 << 21,        // --lens
-    GP_NEED_SCENE = 1 << 22,       // --scene
-    GP_NEED_RELIGHT = 1 << 23,     // --relight
+    GP_NEED_MASK = 1 << 14,       // --sun-method mask
+    GP_NEED_MAP = 1 << 15,        // --sun-method mask or --debug sunmap
+    GP_NEED_TONES = 1 << 16,      // no --ocio
+    GP_NEED_CURVE = 1 << 17,      // --ocio, or a curve other than none
+    GP_NEED_EXTENDED = 1 << 18,   // --tonemap reinhard-extended
+    GP_NEED_SPLAT = 1 << 19,      // --engine auto or splat, or --debug polygons
+    GP_NEED_AUTO = 1 << 20,       // --engine auto
+    GP_NEED_STREAM = 1 << 21,     // an output without an ending
+    GP_NEED_FILES = 1 << 22,      // an output file
+    GP_NEED_REPORT_FILE = 1 << 23, // --report
 };
 
 struct gp_option {

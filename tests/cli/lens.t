@@ -231,6 +231,7 @@ wrong_run()
 wrong_run 4 --lens ./nolens.json
 wrong_run 3 --lens nosuch
 wrong_run 2 --lens heliar --f-number 2
+wrong_run 2 --f-number 8
 wrong_run 2 --lens heliar --focus-distance 0.05
 wrong_run 2 --lens heliar --sensor-size 0
 "$glarepp" --sensor-size 36 --layer x.exr in.exr 2>err

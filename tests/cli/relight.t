@@ -10,8 +10,9 @@ frame n.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z kind=dark size=64x36
 frame flat.exr channels=R,G,B kind=dark size=64x36
 
 run --relight lamp1 -o o.png in.exr
-like "$(cat err)" '*--relight: does nothing without --scene*' \
-    '--relight without a scene does nothing'
+fails_with 2 'relight: needs --scene' '--relight without a scene'
+run --normal-space camera -o o.png in.exr
+fails_with 2 'normal-space: needs --relight' '--normal-space without --relight'
 run --scene $street --relight lamp9 -o o.png in.exr
 fails_with 2 'no light of that name (found "lamp9"' 'a lamp that is not there'
 run --scene $street --relight all -o o.png flat.exr

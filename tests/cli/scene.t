@@ -98,8 +98,7 @@ run --scene lamp.gltf --light-scale 0.01 --sun-in-frame --report r.json \
     --layer l.exr small.exr
 is "$(field r.json 'o["flux_in"][1]')" 0.0 'lamps that the frame shows already'
 run --lamp-size 1 -o o.png small.exr
-like "$(cat err)" '*--lamp-size: does nothing without --scene*' \
-    'an option of scenes without one is said'
+fails_with 2 'lamp-size: needs --scene' 'an option of scenes without one'
 
 # -- a frame's own camera -----------------------------------------------------------
 
