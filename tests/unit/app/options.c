@@ -48,8 +48,12 @@ static int line_for(const struct gp_option *o, const char *value, char *line,
                         o->needs & GP_NEED_OWN_FRAMES    ? "bench"
                         : o->commands & GP_COMMAND_BENCH ? "bench i"
                                                          : "compare a b");
-    return snprintf(line, size, "-v -o a --hdr h i%s%s%s",
-                    strcmp(value, "scene") == 0 ? " --scene s" : "",
+    return snprintf(line, size, "-v -o a --hdr h i%s%s%s%s%s",
+                    strcmp(value, "scene") == 0 ||
+                        o->needs & (GP_NEED_SCENE | GP_NEED_RELIGHT)
+                        ? " --scene s" : "",
+                    o->needs & GP_NEED_RELIGHT ? " --relight l" : "",
+                    o->needs & GP_NEED_LENS ? " --lens l" : "",
                     o->needs & GP_NEED_LIGHT || o->kind == GP_KIND_NAMED
                         ? " --sun 1,2 --sun-color 3" : "",
                     o->needs & GP_NEED_CONFIG       ? " --ocio c"
