@@ -177,13 +177,12 @@ size_t gp_cgroup_limit(const char *root, size_t most)
     char path[NAME], mount[NAME];
     char *line = NULL;
     size_t room = 0;
-    ssize_t n;
     snprintf(path, sizeof path, "%s/proc/self/cgroup", root);
     FILE *const f = fopen(path, "re");
     if (!f)
         return most;
     // "4:cpu,memory:/job/step" of v1, "0::/job/step" of v2; cgroups(7)
-    while ((n = getline(&line, &room, f)) > 0) {
+    while (getline(&line, &room, f) > 0) {
         line[strcspn(line, "\n")] = '\0';
         const char *const list = strchr(line, ':');
         const char *const group = list ? strchr(list + 1, ':') : NULL;

@@ -235,9 +235,10 @@ gp_status gp_glare_run(const struct gp_log *log,
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
     GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
-    if (req.tail) {
-        GP_TRY(gp_tail_add(log, kernel->tail, g->tail, req.src, &f->layer));
-        stats->tail_step = kernel->tail->split.step;
+    const struct gp_tail *const tail = req.tail ? kernel->tail : NULL;
+    if (tail) {
+        GP_TRY(gp_tail_add(log, tail, g->tail, req.src, &f->layer));
+        stats->tail_step = tail->split.step;
     }
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)

@@ -530,15 +530,14 @@ gp_status gp_fft_columns(const struct gp_fft_request *req,
     return run_pass(&s, 2 * row_floats(req->y->n), columns_forward);
 }
 
-/* Columns a and b, of which row -y is the conjugate of row y, as a + ib; b is
- * NULL or dark. */
-static void join_even(const float *a, const float *b, int rows, int ny,
-                      float *z)
+/* Columns a and b, of which row -y is the conjugate of row y, as a + ib; b
+ * begins `next` floats after a, 0: it is dark. */
+static void join_even(const float *a, size_t next, int rows, int ny, float *z)
 {
     memset(z, 0, 2 * sizeof(float) * (size_t) ny);
     for (int y = 0; y < rows; y++) {
         const float *const p = a + 2 * y;
-        const float q[2] = {b ? b[2 * y] : 0.0f, b ? b[2 * y + 1] : 0.0f};
+        const float q[2] = {next ? p[next] : 0.0f, next ? p[next + 1] : 0.0f};
         float *const other = z + 2 * (y ? ny - y : 0);
         z[2 * y] = p[0] - q[1];
         z[2 * y + 1] = p[1] + q[0];
@@ -557,7 +556,7 @@ static void even_columns(void *ctx, int i, int thread)
         const bool two = k + 1 < end;
         const float *const a = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
         float *const out = s->kernel->z[t.c] + (size_t) k * s->kernel->pitch;
-        join_even(a, two ? a + 2 * s->m->pitch : NULL, s->rows, ny, t.line);
+        join_even(a, two ? 2 * s->m->pitch : 0, s->rows, ny, t.line);
         s->lib->execute_dft(s->req->y->forward, (void *) t.line,
                             (void *) t.next);
         for (int y = 0; y < ny; y++)
