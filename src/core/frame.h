@@ -27,6 +27,13 @@ static inline int gp_rect_h(struct gp_rect r)
     return r.y1 > r.y0 ? r.y1 - r.y0 : 0;
 }
 
+/* Returns the middle of a window on axis k, 0 x or 1 y. */
+static inline double gp_rect_middle(struct gp_rect r, int k)
+{
+    return k == 0 ? 0.5 * ((double) r.x0 + (double) r.x1)
+                  : 0.5 * ((double) r.y0 + (double) r.y1);
+}
+
 static inline bool gp_rect_empty(struct gp_rect r)
 {
     return r.x1 <= r.x0 || r.y1 <= r.y0;

@@ -204,6 +204,14 @@ double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
                              (double) y + 1.0);
 }
 
+struct gp_rect gp_disc_box(double x, double y, double r, struct gp_rect rect)
+{
+    const int x0 = gp_clamp_whole(floor(x - r), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(y - r), rect.y0, rect.y1);
+    return (struct gp_rect) {x0, y0, gp_clamp_whole(ceil(x + r), x0, rect.x1),
+                             gp_clamp_whole(ceil(y + r), y0, rect.y1)};
+}
+
 /* Areas in square pixels: of the disc, and of its visible part. */
 struct sums {
     double area, shown;
@@ -281,11 +289,8 @@ static void add_band(void *ctx, int i, int thread)
 static struct sums sum_rect(const struct gp_occluders *o,
     const struct gp_light *l, double r, struct gp_rect rect)
 {
-    struct bands b = {.o = o, .light = l, .radius = r};
-    b.rect.x0 = gp_clamp_whole(floor(l->x - r), rect.x0, rect.x1);
-    b.rect.y0 = gp_clamp_whole(floor(l->y - r), rect.y0, rect.y1);
-    b.rect.x1 = gp_clamp_whole(ceil(l->x + r), b.rect.x0, rect.x1);
-    b.rect.y1 = gp_clamp_whole(ceil(l->y + r), b.rect.y0, rect.y1);
+    struct bands b = {.o = o, .light = l, .radius = r,
+                      .rect = gp_disc_box(l->x, l->y, r, rect)};
     struct sums s = {0};
     if (gp_rect_empty(b.rect))
         return s;

@@ -20,13 +20,6 @@ enum { SUMMED = 128 };
 
 // -- changes of elements by lights -------------------------------------------
 
-/* Centre of the display. */
-static void centre_of(struct gp_rect display, double *x, double *y)
-{
-    *x = 0.5 * ((double) display.x0 + (double) display.x1);
-    *y = 0.5 * ((double) display.y0 + (double) display.y1);
-}
-
 static double height_of(struct gp_rect display)
 {
     return (double) display.y1 - (double) display.y0;
@@ -37,9 +30,9 @@ static double off_centre(double x, double y, struct gp_rect display)
 {
     const double half = 0.5 * hypot((double) display.x1 - (double) display.x0,
                                     height_of(display));
-    double cx, cy;
-    centre_of(display, &cx, &cy);
-    return half > 0.0 ? hypot(x - cx, y - cy) / half : 0.0;
+    return half > 0.0 ? hypot(x - gp_rect_middle(display, 0),
+                              y - gp_rect_middle(display, 1)) / half
+                      : 0.0;
 }
 
 double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
@@ -63,7 +56,9 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
     const struct gp_light *l, struct gp_rect display)
 {
     struct gp_flare_element e = f->element[k];
-    double bright = gp_flare_flicker(&e, f->frame), cx, cy;
+    const double bright = gp_flare_flicker(&e, f->frame);
+    const double cx = gp_rect_middle(display, 0),
+                 cy = gp_rect_middle(display, 1);
     if (e.by_place.given) {
         const double t = gp_flare_place_share(&e.by_place, l->x, l->y, display);
         const struct gp_flare_by_place *const b = &e.by_place;
@@ -76,7 +71,6 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
         e.size *= 1.0 - e.shrink * (1.0 - fmin(l->visibility, 1.0));
     for (int c = 0; c < 3; c++)
         e.colour[c] *= (float) bright;
-    centre_of(display, &cx, &cy);
     if (e.axis && (l->x != cx || l->y != cy))
         e.rotation += atan2(l->y - cy, cx - l->x) * 180.0 / pi;
     return e;
@@ -85,9 +79,8 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
 static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
                      struct gp_rect display, double *x, double *y)
 {
-    double cx, cy;
-    centre_of(display, &cx, &cy);
-    const double dx = cx - l->x, dy = cy - l->y, d = hypot(dx, dy);
+    const double dx = gp_rect_middle(display, 0) - l->x;
+    const double dy = gp_rect_middle(display, 1) - l->y, d = hypot(dx, dy);
     const double across = d > 0.0 ? e->offset * height_of(display) / d : 0.0;
     *x = l->x + e->at * dx + across * dy;
     *y = l->y + e->at * dy - across * dx;
@@ -97,9 +90,8 @@ static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
 static void cut_of(const struct gp_flare_element *e, const struct gp_light *l,
                    struct gp_rect display, float cut[2])
 {
-    double cx, cy;
-    centre_of(display, &cx, &cy);
-    const double dx = cx - l->x, dy = cy - l->y, d = hypot(dx, dy);
+    const double dx = gp_rect_middle(display, 0) - l->x;
+    const double dy = gp_rect_middle(display, 1) - l->y, d = hypot(dx, dy);
     const double far = 2.0 * e->cut * off_centre(l->x, l->y, display);
     cut[0] = d > 0.0 ? (float) (far * dx / d) : 0.0f;
     cut[1] = d > 0.0 ? (float) (far * dy / d) : 0.0f;

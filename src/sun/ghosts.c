@@ -9,18 +9,11 @@
 
 // -- images ------------------------------------------------------------------
 
-/* Centre of the display along axis k. */
-static double centre_of(struct gp_rect display, int k)
-{
-    return k == 0 ? 0.5 * ((double) display.x0 + (double) display.x1)
-                  : 0.5 * ((double) display.y0 + (double) display.y1);
-}
-
 /* Scales coordinate v of axis k about the display's centre. */
 static double moved_by(const struct gp_ghost *run, struct gp_rect display,
                        int k, double v)
 {
-    const double c = centre_of(display, k);
+    const double c = gp_rect_middle(display, k);
     return c + run->scale * (v - c);
 }
 
@@ -118,7 +111,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     run->e = &f->element[k0];
     run->scale = 1.0 - run->e->at;
     for (int k = 0; k < 2; k++) {
-        run->pixel[k] = (int) floor(centre_of(g->display, k));
+        run->pixel[k] = (int) floor(gp_rect_middle(g->display, k));
         place[k] = moved_by(run, g->display, k, run->pixel[k] + 0.5);
         run->moved[k] = (int) floor(place[k]);
         place[k] -= run->moved[k];

@@ -102,11 +102,7 @@ static void add_strip(void *ctx, int i, int thread)
 static void add_rect(struct interval *v, struct gp_rect r,
                      struct bounds_sums *sum)
 {
-    const struct gp_light *const l = v->light;
-    v->rect.x0 = gp_clamp_whole(floor(l->x - v->radius), r.x0, r.x1);
-    v->rect.y0 = gp_clamp_whole(floor(l->y - v->radius), r.y0, r.y1);
-    v->rect.x1 = gp_clamp_whole(ceil(l->x + v->radius), v->rect.x0, r.x1);
-    v->rect.y1 = gp_clamp_whole(ceil(l->y + v->radius), v->rect.y0, r.y1);
+    v->rect = gp_disc_box(v->light->x, v->light->y, v->radius, r);
     if (gp_rect_empty(v->rect))
         return;
     const int h = gp_rect_h(v->rect);

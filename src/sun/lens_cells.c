@@ -364,18 +364,13 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 continue;
             struct gp_lens_corner c[GP_LENS_CORNERS];
             for (int e = 0; e < 4; e++) {
-                const struct gp_lens_hit *const h = &hit[at[e]];
                 const double *const own = rays->light[at[e]];
-                c[e] = (struct gp_lens_corner) {
-                    .p = m->x0 + dx * (i + (e == 1 || e == 2)),
-                    .q = sign * dy * (j + (e >= 2)), .x = p[e][0],
-                    .y = p[e][1], .through = own[0] + own[1] + own[2],
-                    .rim = (double) h->rim,
-                };
-                for (int s = 0; s < m->passes; s++) {
-                    c[e].stop[s][0] = (double) h->stop[s][0];
-                    c[e].stop[s][1] = sign * (double) h->stop[s][1];
-                }
+                c[e] = gp_lens_corner_of(
+                    &hit[at[e]], m->x0 + dx * (i + (e == 1 || e == 2)),
+                    dy * (j + (e >= 2)), sign);
+                c[e].x = p[e][0];
+                c[e].y = p[e][1];
+                c[e].through = own[0] + own[1] + own[2];
             }
             add_cell(k, it, c, light);
         }

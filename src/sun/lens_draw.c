@@ -148,10 +148,8 @@ static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
     it->along[1] = it->turn[1] / v->mm[1];
     it->aside[0] = -it->turn[1] / v->mm[0];
     it->aside[1] = it->turn[0] / v->mm[1];
-    it->middle[0] = 0.5 * ((double) v->display.x0 + (double) v->display.x1) -
-                    v->frame.x0;
-    it->middle[1] = 0.5 * ((double) v->display.y0 + (double) v->display.y1) -
-                    v->frame.y0;
+    it->middle[0] = gp_rect_middle(v->display, 0) - v->frame.x0;
+    it->middle[1] = gp_rect_middle(v->display, 1) - v->frame.y0;
 }
 
 /* Returns how much coarser than a bright ghost one may be that adds little to
@@ -178,10 +176,8 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const struct gp_lens_light *const light = &job->light[at / job->kept_n];
     const int ghost = job->kept[at % job->kept_n];
     const struct gp_lens_ghost *const g = &job->ghost[ghost];
-    const double x = (light->x - 0.5 * ((double) v->display.x0 +
-                                        (double) v->display.x1)) * v->mm[0];
-    const double y = (light->y - 0.5 * ((double) v->display.y0 +
-                                        (double) v->display.y1)) * v->mm[1];
+    const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
+    const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
     const double away = hypot(x, y);
     struct gp_lens_path path;
     (void) thread;

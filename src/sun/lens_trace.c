@@ -350,15 +350,15 @@ static void trace_rays(const struct gp_lens_optics *o,
     }
 }
 
-static struct gp_lens_corner corner_of(const struct gp_lens_hit *h, double p,
-                                       double q)
+struct gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
+                                        double q, double sign)
 {
-    struct gp_lens_corner c = {.p = p, .q = q, .x = h->x, .y = h->y,
+    struct gp_lens_corner c = {.p = p, .q = sign * q, .x = h->x, .y = h->y,
                                .through = (double) h->through,
                                .rim = (double) h->rim};
     for (int k = 0; k < GP_LENS_PASSES; k++) {
         c.stop[k][0] = (double) h->stop[k][0];
-        c.stop[k][1] = (double) h->stop[k][1];
+        c.stop[k][1] = sign * (double) h->stop[k][1];
     }
     return c;
 }
@@ -393,9 +393,7 @@ static struct sum sum_of(const struct gp_lens_mesh *m,
                     clear = clear && gp_lens_is_clear(blades, m->passes, h);
                     passed += h->through >= 0.0f && h->rim < 1.0f
                                   ? 0.25 * (double) h->through : 0.0;
-                    c[k] = corner_of(h, m->x0 + dx * x, sign * dy * y);
-                    for (int s = 0; s < m->passes; s++)
-                        c[k].stop[s][1] *= sign;
+                    c[k] = gp_lens_corner_of(h, m->x0 + dx * x, dy * y, sign);
                 }
                 if (!arrives) {
                     sum.lost += dx * dy * every * every * passed;

@@ -46,6 +46,10 @@ void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
                          double x1, double y1);
 
+/* Returns the pixels of `rect` that the disc of radius r around (x, y) may
+ * touch. */
+struct gp_rect gp_disc_box(double x, double y, double r, struct gp_rect rect);
+
 /* Divides the pixels of the frame in which a plane has samples, and `margin` (0
  * or 1) more on each side, into rectangles that do not overlap; some may be
  * empty. Returns how many. */
@@ -389,6 +393,11 @@ static inline bool gp_lens_is_clear(const struct gp_lens_blades *b, int passes,
                              b->apothem * b->apothem;
     return clear;
 }
+
+/* Returns the corner of a cell at a ray, at (p, q) before the lens; `sign` -1:
+ * of the mesh's other half. */
+struct gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
+                                        double q, double sign);
 
 /* Cuts the cell of corners c[0..3], in turn, by rims and blades, in place;
  * c has room for GP_LENS_CORNERS. Returns the corners left, 0: nothing. */

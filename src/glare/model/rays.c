@@ -418,26 +418,19 @@ static gp_status make_samples(const struct gp_log *log, struct rays *s,
     return GP_OK;
 }
 
-static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
-                           const struct gp_field *f, struct gp_shape *out)
+/* Lays the strands of all rays: a ray's first is its axis, the others are
+ * random beside it. */
+static void lay_strands(const struct gp_recipe *r, double rotate,
+                        struct rays *s)
 {
-    struct rays *s;
     const int points = (int) gp_recipe_value(r, "points");
     const int strands = (int) gp_recipe_value(r, "strands");
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const double length = gp_recipe_value(r, "length");
     const double spread = gp_recipe_value(r, "spread");
-    const double turned = gp_recipe_value(r, "angle") + f->rotate;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
-    if (st)
-        return st;
-    s->f = *f;
+    const double turned = gp_recipe_value(r, "angle") + rotate;
     s->n = points * strands;
     s->even = points % 2 == 0;
-    s->width = gp_recipe_value(r, "width");
-    s->squeeze = gp_recipe_value(r, "squeeze");
-    make_curves(s, gp_recipe_value(r, "core") / length,
-                gp_recipe_value(r, "dispersion"));
     for (int i = 0; i < s->n; i++) {
         struct strand *const one = &s->strand[i];
         // opposite rays are alike where their number is even, as those of a
@@ -445,7 +438,7 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
         const uint64_t ray = (uint64_t) (i / strands) %
                              (uint64_t) (points % 2 ? points : points / 2);
         const uint64_t key = ray * 4096u + 3u * (uint64_t) (i % strands);
-        const bool middle = i % strands == 0; // one strand is the ray's axis
+        const bool middle = i % strands == 0;
         const double off = middle ? 0.0 : gp_model_random(seed, key) - 0.5;
         const double angle = PI / 180.0 *
             (turned + 360.0 * (i / strands) / points + 2.0 * spread * off);
@@ -455,6 +448,21 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
             (middle ? 1.0 : 0.35 + 0.6 * gp_model_random(seed, key + 1));
         one->gain = middle ? 1.0 : 0.2 + 0.8 * gp_model_random(seed, key + 2);
     }
+}
+
+static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
+                           const struct gp_field *f, struct gp_shape *out)
+{
+    struct rays *s;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
+    if (st)
+        return st;
+    s->f = *f;
+    s->width = gp_recipe_value(r, "width");
+    s->squeeze = gp_recipe_value(r, "squeeze");
+    make_curves(s, gp_recipe_value(r, "core") / gp_recipe_value(r, "length"),
+                gp_recipe_value(r, "dispersion"));
+    lay_strands(r, f->rotate, s);
     // samples as far as a strand goes and the field needs them
     const double b = f->degrees, a = b * f->aspect / s->squeeze;
     double wide = 0.0, high = 0.0;
