@@ -81,10 +81,8 @@ static gp_status make_channels(const struct gp_log *log,
     const int colour[3], struct gp_frame *f)
 {
     const size_t pixels = gp_frame_pixels(f);
-    void *list;
     gp_status st = gp_alloc_zero(log, "channels", (size_t) m->pairs,
-                                 sizeof *f->channel, &list);
-    f->channel = list;
+                                 sizeof *f->channel, &f->channel);
     for (int i = 0; i < m->pairs && !st; i++) {
         struct gp_channel *const c = &f->channel[f->channels++];
         *c = (struct gp_channel) {

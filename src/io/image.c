@@ -120,13 +120,12 @@ static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
     struct split s = {.image = image, .f = f, .pixels = image->pixels};
     const size_t w = (size_t) gp_frame_w(f);
     const int h = gp_frame_h(f), step = image->pixels ? h : image->block;
-    void *table = NULL, *row = NULL, *block = NULL;
+    float *table = NULL, *row = NULL, *block = NULL;
     s.curve = curve_of(image, &s.gamma);
     if (s.curve != LINEAR) {
-        GP_TRY(gp_alloc(log, "curve", CODES, sizeof *s.table, &table));
+        GP_TRY(gp_alloc(log, "curve", CODES, sizeof *table, &table));
         for (int i = 0; i < CODES; i++)
-            ((float *) table)[i] = decode(s.curve, s.gamma,
-                                          (float) i / 65535.0f);
+            table[i] = decode(s.curve, s.gamma, (float) i / 65535.0f);
     }
     s.table = table;
     GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(), w * sizeof(float),
@@ -155,12 +154,12 @@ gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
     const size_t row = (size_t) w * (size_t) image->channels;
     const size_t rows = ((size_t) h + (size_t) image->block - 1) /
                         (size_t) image->block * (size_t) image->block;
-    void *pixels;
+    float *pixels;
     if (image->pixels)
         return GP_OK;
     gp_status st = gp_alloc(log, "picture", rows, row * sizeof(float), &pixels);
     for (int y = 0; !st && y < h; y += image->block)
-        st = image->rows(log, image, y, (float *) pixels + (size_t) y * row);
+        st = image->rows(log, image, y, pixels + (size_t) y * row);
     if (st)
         gp_free(pixels);
     else
@@ -214,7 +213,6 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
     gp_status st;
     struct gp_frame f = {0};
     struct gp_colour_choice colour;
-    void *list;
     GP_TRY(choose_colour(log, layer, image, &colour));
     f = (struct gp_frame) {
         .path = gp_strdup(image->path), .data = image->data,
@@ -234,8 +232,7 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
     f.names_chromaticities = image->chromaticities != NULL;
     gp_luminance_weights(f.chromaticities, f.luminance);
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) image->channels,
-                         sizeof *f.channel, &list));
-    f.channel = list;
+                         sizeof *f.channel, &f.channel));
     for (int i = 0; i < image->channels; i++) {
         struct gp_channel *const c = &f.channel[f.channels++];
         *c = (struct gp_channel) {
@@ -254,8 +251,7 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
                             gp_type_size(c->type), &c->data));
     }
     GP_TRY(gp_alloc_zero(log, "attributes", (size_t) image->attributes,
-                         sizeof *f.attribute, &list));
-    f.attribute = list;
+                         sizeof *f.attribute, &f.attribute));
     for (int i = 0; i < image->attributes; i++) {
         const struct gp_attribute *const from = &image->attribute[i];
         struct gp_attribute *const to = &f.attribute[f.attributes++];

@@ -44,14 +44,12 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
                             struct gp_quantizer **out)
 {
     gp_status st;
-    void *mem = NULL, *least = NULL, *first = NULL;
+    struct gp_quantizer *q = NULL;
     const int max = (1 << bits) - 1;
-    GP_TRY(gp_alloc_zero(log, "sRGB table", 1, sizeof(struct gp_quantizer),
-                         &mem));
-    GP_TRY(gp_alloc(log, "sRGB table", (size_t) max + 2, sizeof(int32_t),
-                    &least));
-    struct gp_quantizer *q = mem;
-    *q = (struct gp_quantizer) {.max = max, .least = least};
+    GP_TRY(gp_alloc_zero(log, "sRGB table", 1, sizeof *q, &q));
+    q->max = max;
+    GP_TRY(gp_alloc(log, "sRGB table", (size_t) max + 2, sizeof *q->least,
+                    &q->least));
     q->least[0] = 0;
     for (int c = 1; c <= max; c++) { // steps from the curve's inverse
         float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
@@ -63,8 +61,7 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
     }
     q->least[max + 1] = INT32_MAX;
     if (bits == 8) {
-        GP_TRY(gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &first));
-        q->first = first;
+        GP_TRY(gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &q->first));
         for (int32_t i = 0, c = 0; i <= ONE >> 16; i++) {
             while (q->least[c + 1] <= i << 16)
                 c++;
@@ -74,8 +71,7 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
     *out = q;
     return GP_OK;
 out:
-    gp_free(least);
-    gp_free(mem);
+    gp_quantizer_free(q);
     return st;
 }
 
@@ -245,7 +241,6 @@ gp_status gp_picture_make(const struct gp_log *log,
     struct gp_picture *out)
 {
     gp_status st;
-    void *alpha;
     const struct gp_rect d = f->display;
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
     const int channel = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
@@ -264,9 +259,8 @@ gp_status gp_picture_make(const struct gp_log *log,
         .associated = p->alpha == GP_ALPHA_ASSOCIATED,
     };
     if (channel >= 0) {
-        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof(float),
-                        &alpha));
-        out->alpha = alpha;
+        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *out->alpha,
+                        &out->alpha));
         gp_channel_floats(f, channel, out->alpha);
     }
     if (codes)
@@ -302,22 +296,22 @@ gp_status gp_picture_each_row(const struct gp_log *log,
     const struct gp_picture *pic, gp_picture_body body, void *ctx)
 {
     gp_status st;
-    void *list = NULL, *linear = NULL, *code = NULL;
+    float *linear = NULL;
+    uint16_t *code = NULL;
     const size_t n = (size_t) gp_threads(), w = (size_t) pic->width;
     struct rows r = {.body = body, .ctx = ctx};
-    GP_TRY(gp_alloc_zero(log, "picture rows", n, sizeof *r.of, &list));
+    GP_TRY(gp_alloc_zero(log, "picture rows", n, sizeof *r.of, &r.of));
     GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(float), &linear));
     GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(uint16_t), &code));
-    r.of = list;
     for (size_t i = 0; i < 4 * n; i++) {
-        r.of[i / 4].linear[i % 4] = (float *) linear + i * w;
-        r.of[i / 4].code[i % 4] = (uint16_t *) code + i * w;
+        r.of[i / 4].linear[i % 4] = linear + i * w;
+        r.of[i / 4].code[i % 4] = code + i * w;
     }
     gp_parallel_do(pic->height, run_row, &r);
 out:
     gp_free(code);
     gp_free(linear);
-    gp_free(list);
+    gp_free(r.of);
     return st;
 }
 

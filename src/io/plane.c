@@ -14,16 +14,10 @@
 static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
                            struct gp_plane_list *list)
 {
-    void *p;
-    gp_status st = gp_alloc_zero(log, "parts", (size_t) parts,
-                                 sizeof *list->part, &p);
-    list->part = p;
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "channels", (size_t) channels,
-                       sizeof *list->channel, &p);
-    list->channel = p;
-    return st;
+    const gp_status st = gp_alloc_zero(log, "parts", (size_t) parts,
+                                       sizeof *list->part, &list->part);
+    return st ? st : gp_alloc_zero(log, "channels", (size_t) channels,
+                                   sizeof *list->channel, &list->channel);
 }
 
 void gp_plane_list_free(struct gp_plane_list *list)
@@ -182,12 +176,11 @@ static gp_status search_depth(const struct gp_log *log,
     int i = -1;
     if (list->view) { // by the names that its channels have without the view
         struct gp_exr_names bare;
-        void *block = NULL;
+        struct gp_channel *channel = NULL;
         st = gp_exr_names_in(log, list->input, first->part, list->view, &bare);
         if (!st)
             st = gp_alloc_zero(log, "channels", (size_t) bare.n,
-                               sizeof(struct gp_channel), &block);
-        struct gp_channel *const channel = block;
+                               sizeof *channel, &channel);
         const char *colour = NULL;
         for (int k = 0; k < bare.n && !st; k++) {
             channel[k].name = (char *) (uintptr_t) bare.name[k];
@@ -197,7 +190,7 @@ static gp_status search_depth(const struct gp_log *log,
         }
         if (!st)
             st = depth_of_names(log, list, channel, bare.n, colour, &i);
-        gp_free(block);
+        gp_free(channel);
         gp_exr_names_free(&bare);
         if (i >= 0)
             *out = (struct gp_plane_place) {first, i};
@@ -337,11 +330,9 @@ static gp_status make_name(const struct gp_log *log,
     const char *channel = part->channel[at->channel].name;
     const bool plain = part->colour || list->parts == 1 || !part->name;
     const size_t room = strlen(channel) + 2 + (plain ? 0 : strlen(part->name));
-    void *to;
-    gp_status st = gp_alloc(log, "channel name", room, 1, &to);
-    out->name = to;
+    const gp_status st = gp_alloc(log, "channel name", room, 1, &out->name);
     if (!st)
-        snprintf(to, room, "%s%s%s", plain ? "" : part->name,
+        snprintf(out->name, room, "%s%s%s", plain ? "" : part->name,
                  plain ? "" : ".", channel);
     return st;
 }
@@ -349,13 +340,10 @@ static gp_status make_name(const struct gp_log *log,
 static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
                               struct gp_plane *out)
 {
-    void *to;
-    gp_status st = gp_alloc(log, "depth or coverage",
-        (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window), sizeof *out->v,
-        &to);
     out->window = window;
-    out->v = to;
-    return st;
+    return gp_alloc(log, "depth or coverage",
+        (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window), sizeof *out->v,
+        &out->v);
 }
 
 /* -- from an EXR ---------------------------------------------------------- */
@@ -366,8 +354,8 @@ static gp_status from_part(const struct gp_log *log,
     const struct gp_plane_place *at, struct gp_plane *out)
 {
     gp_status st;
-    void *samples = NULL, *sinks = NULL;
-    struct gp_exr_sink *sink;
+    float *samples = NULL;
+    struct gp_exr_sink *sink = NULL;
     struct gp_exr_chunks l;
     GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels, &l));
     const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
@@ -377,10 +365,9 @@ static gp_status from_part(const struct gp_log *log,
         .w = l.w / e->x_sampling, .h = l.h / e->y_sampling, .colour = -1,
     };
     GP_TRY(gp_alloc(log, "depth or coverage", (size_t) c.w * (size_t) c.h,
-                    sizeof(float), &samples));
+                    sizeof *samples, &samples));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
-                         sizeof *sink, &sinks));
-    sink = sinks;
+                         sizeof *sink, &sink));
     sink[at->channel] = (struct gp_exr_sink) {samples, true};
     GP_TRY(gp_exr_decode(log, &l, sink));
     c.data = samples;
@@ -396,7 +383,7 @@ static gp_status from_part(const struct gp_log *log,
         gp_channel_floats(&one, 0, out->v);
     }
 out:
-    gp_free(sinks);
+    gp_free(sink);
     gp_free(samples);
     gp_exr_chunks_free(&l);
     return st;
@@ -504,7 +491,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
     struct gp_plane plane = {0};
-    void *block = NULL;
+    float *block = NULL;
     bool exr;
     GP_TRY(gp_read_open(log, p, path, &stream, &exr));
     if (exr) {
@@ -525,8 +512,8 @@ gp_status gp_read_plane_file(const struct gp_log *log,
         const size_t step = (size_t) image.channels;
         GP_TRY(make_samples(log, image.data, &plane));
         GP_TRY(gp_alloc(log, "rows", (size_t) image.block * (size_t) w,
-                        step * sizeof(float), &block));
-        const float *const from = (const float *) block + at.channel;
+                        step * sizeof *block, &block));
+        const float *const from = block + at.channel;
         float *to = plane.v;
         for (int y = 0; y < h; y += image.block) {
             const int rows = h - y < image.block ? h - y : image.block;

@@ -151,11 +151,10 @@ static gp_status list_attributes(struct png_input *in, int *n)
                 document[] = "DocumentName", what[] = "ImageDescription";
     png_textp text = NULL;
     png_timep t;
-    void *list;
     const int texts = png_get_text(in->png, in->info, &text, NULL);
     gp_status st = gp_alloc(in->log, "attributes", (size_t) texts + 1,
-                            sizeof *in->attribute, &list);
-    in->attribute = list;
+                            sizeof *in->attribute, &in->attribute);
+    struct gp_attribute *const list = in->attribute;
     *n = 0;
     if (st)
         return st;
@@ -306,15 +305,14 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     static const char *const names[][4] = {
         {"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"},
     };
-    void *own;
+    struct png_input *in;
     if (part > 0)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: has no part %d: a PNG is one picture; give part 0",
                        path, part);
-    gp_status st = gp_alloc_zero(log, path, 1, sizeof(struct png_input), &own);
+    gp_status st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
     if (st)
         return st;
-    struct png_input *const in = own;
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
     struct gp_image image = {
         .path = path, .rows = read_rows, .close = close_input, .own = in,

@@ -128,7 +128,7 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
     static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
     uint8_t first[HEADER_BYTES] = {0};
     struct header h;
-    void *own;
+    struct pfm_input *own;
     if (part > 0)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: has no part %d: a PFM is one picture; give part 0",
@@ -147,10 +147,10 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                      "%d x %d pixels); copy or render the file again", path,
                      (unsigned long long) stream->size, h.width, h.height);
     if (!st)
-        st = gp_alloc(log, path, 1, sizeof(struct pfm_input), &own);
+        st = gp_alloc(log, path, 1, sizeof *own, &own);
     if (st)
         return st;
-    *(struct pfm_input *) own = (struct pfm_input) {stream, h};
+    *own = (struct pfm_input) {stream, h};
     const struct gp_rect window = {0, 0, h.width, h.height};
     *out = (struct gp_image) {
         .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,

@@ -4,6 +4,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -177,14 +178,24 @@ static bool add_frame(struct gp_frames *f, int number)
     return true;
 }
 
+enum { REPEAT = INT_MIN }; // no frame's number
+
 struct place {
     int number, at;
 };
 
+/* Orders by number, equal ones as they came. */
+static int by_number(const void *a, const void *b)
+{
+    const struct place *const p = a, *const q = b;
+    return p->number != q->number ? (p->number > q->number ? 1 : -1)
+                                  : p->at - q->at;
+}
+
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
-    void *block;
+    struct place *place;
     const int n = f->n;
     const bool down = n > 1 && f->number[1] < f->number[0];
     int ordered = 1;
@@ -193,43 +204,23 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
         ordered++;
     if (ordered >= n) // a single range; sorting a million takes a while
         return GP_OK;
-    gp_status st = gp_alloc(log, "frame list", 2 * (size_t) n,
-                            sizeof(struct place), &block);
+    gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *place,
+                            &place);
     if (st)
         return st;
-    struct place *const place = block;
     for (int i = 0; i < n; i++)
         place[i] = (struct place) {f->number[i], i};
-
-    // sort by number, byte by byte from the lowest; equal ones stay in order
-    // (comparing took a second for the longest lists)
-    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
-        int start[257] = {0};
-        struct place *const from = place + (shift / 8 % 2 ? n : 0);
-        struct place *const to = place + (shift / 8 % 2 ? 0 : n);
-        for (int pass = 0; pass < 2; pass++) {
-            for (int i = 0; i < n; i++) {
-                // the sign's bit turned: negative numbers come first
-                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
-                const uint32_t byte = key >> shift & 0xff;
-                if (pass)
-                    to[start[byte]++] = from[i];
-                else
-                    start[byte + 1]++;
-            }
-            for (int k = 0; !pass && k < 256; k++)
-                start[k + 1] += start[k];
-        }
+    qsort(place, (size_t) n, sizeof *place, by_number);
+    for (int i = n - 1; i > 0; i--) {
+        if (place[i].number == place[i - 1].number)
+            f->number[place[i].at] = REPEAT;
     }
-    bool *const again = (bool *) (place + n); // of the frame at that place
-    for (int i = 0; i < n; i++)
-        again[place[i].at] = i > 0 && place[i].number == place[i - 1].number;
     f->n = 0;
     for (int i = 0; i < n; i++) {
-        if (!again[i])
+        if (f->number[i] != REPEAT)
             f->number[f->n++] = f->number[i];
     }
-    gp_free(block);
+    gp_free(place);
     return GP_OK;
 }
 
@@ -401,11 +392,9 @@ gp_status gp_views_parse(const struct gp_log *log, const char *text,
                          struct gp_views *out)
 {
     gp_status st;
-    void *block;
     struct gp_views v = {0};
     GP_TRY(gp_alloc_zero(log, "view list", GP_VIEWS_MAX, sizeof *v.name,
-                         &block));
-    v.name = block;
+                         &v.name));
     v.text = gp_strdup(text);
     if (!v.text)
         GP_TRY(gp_no_memory_bare(log, "view list"));

@@ -12,10 +12,8 @@
 static gp_status make_list(const struct gp_log *log, int n,
                            struct gp_stored_image *out)
 {
-    void *list;
-    gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
-                                 sizeof *out->channel, &list);
-    out->channel = list;
+    const gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
+                                       sizeof *out->channel, &out->channel);
     out->channels = st ? 0 : n;
     return st;
 }
@@ -33,17 +31,16 @@ static gp_status make_channel(const struct gp_log *log, const char *name,
 static gp_status find_light(const struct gp_log *log, bool lone,
                             struct gp_stored_image *out)
 {
-    void *block;
+    const char **name;
     struct gp_colour_choice colour;
     gp_status st = gp_alloc(log, "channel names", (size_t) out->channels,
-                            sizeof(char *), &block);
+                            sizeof *name, &name);
     if (st)
         return st;
-    const char **const name = block;
     for (int i = 0; i < out->channels; i++)
         name[i] = out->channel[i].name;
     const bool found = gp_find_colour(name, out->channels, lone, &colour);
-    gp_free(block);
+    gp_free(name);
     for (int k = 0; k < 3 && found; k++) {
         const int i = colour.model == GP_COLOUR_GREY ? colour.index[0]
                       : colour.model == GP_COLOUR_YC ? colour.index[1]
@@ -54,6 +51,15 @@ static gp_status find_light(const struct gp_log *log, bool lone,
     if (!out->light[0] || !out->light[1] || !out->light[2])
         memset(out->light, 0, sizeof out->light);
     return GP_OK;
+}
+
+/* The windows and the colour of a frame's header. */
+static void copy_header(const struct gp_frame *f, struct gp_stored_image *out)
+{
+    out->data = f->data;
+    out->display = f->display;
+    memcpy(out->chromaticities, f->chromaticities, sizeof out->chromaticities);
+    memcpy(out->luminance, f->luminance, sizeof out->luminance);
 }
 
 /* -- EXR ------------------------------------------------------------------- */
@@ -69,10 +75,7 @@ static gp_status read_deep(const struct gp_log *log,
     GP_TRY(gp_exr_deep_read(log, file->path, file->input, part, p->max_pixels,
                             &deep));
     gp_exr_frame_header(&deep.part, &f);
-    out->data = f.data;
-    out->display = f.display;
-    memcpy(out->chromaticities, f.chromaticities, sizeof out->chromaticities);
-    memcpy(out->luminance, f.luminance, sizeof out->luminance);
+    copy_header(&f, out);
     const exr_attr_chlist_t *const list = deep.part.channel;
     GP_TRY(make_list(log, list->num_channels, out));
     for (int i = 0; i < list->num_channels; i++) {
@@ -98,31 +101,26 @@ static gp_status read_exr(const struct gp_log *log,
     gp_status st;
     struct gp_exr_chunks l = {0};
     struct gp_frame f;
-    void *sinks = NULL, *wide;
+    struct gp_exr_sink *sink = NULL;
     out->deep = gp_exr_is_deep(file->input, part);
     if (out->deep)
         return read_deep(log, p, file, part, out);
     GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part,
                               p->max_pixels, &l));
     gp_exr_frame_header(&l, &f);
-    out->data = f.data;
-    out->display = f.display;
-    memcpy(out->chromaticities, f.chromaticities, sizeof out->chromaticities);
-    memcpy(out->luminance, f.luminance, sizeof out->luminance);
+    copy_header(&f, out);
     const int n = l.channel->num_channels;
     const exr_attr_chlist_entry_t *const entry = l.channel->entries;
     GP_TRY(make_list(log, n, out));
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n,
-                         sizeof(struct gp_exr_sink), &sinks));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n, sizeof *sink, &sink));
     for (int i = 0; i < n; i++) {
         struct gp_stored_channel *const c = &out->channel[i];
         c->is_uint = entry[i].pixel_type == EXR_PIXEL_UINT;
         GP_TRY(make_channel(log, entry[i].name.str,
                             (size_t) l.w * (size_t) l.h, c));
-        ((struct gp_exr_sink *) sinks)[i] =
-            (struct gp_exr_sink) {c->v, !c->is_uint};
+        sink[i] = (struct gp_exr_sink) {c->v, !c->is_uint};
     }
-    GP_TRY(gp_exr_decode(log, &l, sinks));
+    GP_TRY(gp_exr_decode(log, &l, sink));
     for (int i = 0; i < n; i++) { // subsampled ones at full resolution
         struct gp_stored_channel *const c = &out->channel[i];
         const int xs = entry[i].x_sampling, ys = entry[i].y_sampling;
@@ -135,8 +133,9 @@ static gp_status read_exr(const struct gp_log *log,
         const struct gp_frame one = {
             .data = out->data, .channel = &small, .channels = 1,
         };
-        GP_TRY(gp_alloc_zero(log, c->name, gp_frame_pixels(&one),
-                             sizeof(float), &wide));
+        float *wide;
+        GP_TRY(gp_alloc_zero(log, c->name, gp_frame_pixels(&one), sizeof *wide,
+                             &wide));
         gp_channel_floats(&one, 0, wide);
         gp_free(c->v);
         c->v = wide;
@@ -144,7 +143,7 @@ static gp_status read_exr(const struct gp_log *log,
     }
     GP_TRY(find_light(log, file->parts == 1, out));
 out:
-    gp_free(sinks);
+    gp_free(sink);
     gp_exr_chunks_free(&l);
     return st;
 }
@@ -161,12 +160,8 @@ static gp_status read_other(const struct gp_log *log,
     GP_TRY(gp_read_image(log, p, f->path, &f->stream, part, &image));
     GP_TRY(gp_image_load(log, &image));
     GP_TRY(gp_image_frame(log, NULL, &image, &frame));
-    out->data = frame.data;
-    out->display = frame.display;
+    copy_header(&frame, out);
     out->integers = image.bits > 0;
-    memcpy(out->chromaticities, frame.chromaticities,
-           sizeof out->chromaticities);
-    memcpy(out->luminance, frame.luminance, sizeof out->luminance);
     out->own = frame.rgb;
     frame.rgb = (struct gp_planes) {0};
     for (int c = 0; c < 3; c++)

@@ -106,7 +106,6 @@ static bool receive(struct helper *h, void *to, size_t n)
 static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
                           char **text)
 {
-    void *block;
     *text = NULL;
     if (!receive(h, reply, sizeof *reply))
         return false;
@@ -114,12 +113,11 @@ static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
         end_helper(h, "has another version");
         return false;
     }
-    h->starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, &block);
+    h->starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, text);
     if (h->starved) {
         end_helper(h, "sent more than memory can hold");
         return false;
     }
-    *text = block;
     (*text)[reply->bytes] = '\0';
     if (receive(h, *text, reply->bytes))
         return true;
@@ -341,7 +339,8 @@ struct input {
     int asked, got;      // rows
     float chromaticities[8];
     char *text;
-    void *names, *attributes;
+    const char **names;
+    struct gp_attribute *attributes;
 };
 
 /* The string at *at, which moves after it; NULL: it does not end. */
@@ -393,9 +392,9 @@ static gp_status make_image(const struct gp_log *log,
         s->parts < 1 || s->parts > GP_OIIO_PARTS)
         return GP_ERR_DATA;
     GP_TRY(gp_alloc(log, "channel names", (size_t) s->channels,
-                    sizeof(char *), &in->names));
+                    sizeof *in->names, &in->names));
     GP_TRY(gp_alloc(log, "attributes", (size_t) s->attributes + 1,
-                    sizeof *image->attribute, &in->attributes));
+                    sizeof *in->attributes, &in->attributes));
     const char **const name = in->names;
     struct gp_attribute *const attribute = in->attributes;
     bool whole = true;
@@ -514,16 +513,15 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
                        int part, long long max_pixels, struct gp_image *out)
 {
     gp_status st;
-    void *block;
+    struct input *in;
     struct gp_oiio_reply reply;
     struct gp_oiio_ask ask = {
         .call = GP_OIIO_OPEN, .part = part, .size = stream->size,
         .max_pixels = max_pixels,
     };
-    st = gp_alloc_zero(log, path, 1, sizeof(struct input), &block);
+    st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
     if (st)
         return st;
-    struct input *const in = block;
     struct gp_image image = {
         .path = path, .rows = read_rows, .close = close_image, .own = in,
     };
