@@ -17,10 +17,9 @@ static bool is_shown(const struct gp_option *o, unsigned commands)
     return !o->hidden && (o->commands & commands);
 }
 
-static const char *command_name(int i, enum gp_command *command)
+static const char *command_name(const struct gp_command_row *c)
 {
-    const char *word = gp_command_at(i, command);
-    return word && !*word ? "main" : word;
+    return *c->word ? c->word : "main";
 }
 
 /* Prints a text for single quotes: ' becomes '\'', and each of `escaped` gets a
@@ -111,10 +110,8 @@ static void print_topics(FILE *f)
 
 static void print_commands(FILE *f, const char *between)
 {
-    enum gp_command command;
-    const char *word;
-    for (int i = 1; (word = gp_command_at(i, &command)); i++)
-        fprintf(f, "%s%s", i > 1 ? between : "", word);
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++)
+        fprintf(f, "%s%s", c > gp_commands + 1 ? between : "", c->word);
 }
 
 // -- bash --------------------------------------------------------------------
@@ -171,8 +168,6 @@ static void bash_models(FILE *f)
 
 static void print_bash(FILE *f)
 {
-    enum gp_command command;
-    const char *name;
     fprintf(f, "%s    case ${COMP_WORDS[1]} in\n    ", bash_head);
     print_commands(f, " | ");
     fprintf(f, ") ((n < 2)) || command=${COMP_WORDS[1]} ;;\n    esac\n"
@@ -206,10 +201,10 @@ static void print_bash(FILE *f)
     }
     fprintf(f, "    esac\n"
                "    case $kind:$command:$word in\n");
-    for (int i = 0; (name = command_name(i, &command)); i++) {
-        fprintf(f, "    :%s:-*) kind=word words='", name);
+    for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+        fprintf(f, "    :%s:-*) kind=word words='", command_name(c));
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if (is_shown(o, command))
+            if (is_shown(o, c->bit))
                 fprintf(f, "--%s ", o->name);
         }
         fprintf(f, "' ;;\n");
@@ -279,8 +274,6 @@ static void zsh_models(FILE *f)
 
 static void print_zsh(FILE *f)
 {
-    enum gp_command command;
-    const char *name;
     fprintf(f, "#compdef glarepp\n"
                "# zsh completion of glarepp; made by: "
                "glarepp help --completion zsh\n");
@@ -298,13 +291,13 @@ static void print_zsh(FILE *f)
                "        compadd -- ");
     print_commands(f, " ");
     fprintf(f, "\n    case $command in\n");
-    for (int i = 0; (name = command_name(i, &command)); i++) {
-        fprintf(f, "    %s) options=(\n", name);
+    for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+        fprintf(f, "    %s) options=(\n", command_name(c));
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if (is_shown(o, command))
+            if (is_shown(o, c->bit))
                 zsh_option(f, o);
         }
-        if (command == GP_COMMAND_HELP) {
+        if (c->bit == GP_COMMAND_HELP) {
             fprintf(f, "        ':topic:(");
             print_topics(f);
             fprintf(f, ")'\n");
@@ -342,8 +335,6 @@ static void fish_models(FILE *f)
 
 static void print_fish(FILE *f)
 {
-    enum gp_command command;
-    const char *name;
     fprintf(f, "# fish completion of glarepp; made by: "
                "glarepp help --completion fish\n"
                "function __glarepp_in\n"
@@ -366,9 +357,9 @@ static void print_fish(FILE *f)
         if (!is_shown(o, ~0u))
             continue;
         fprintf(f, "complete -c glarepp -n '__glarepp_in");
-        for (int i = 0; (name = command_name(i, &command)); i++) {
-            if (o->commands & command)
-                fprintf(f, " %s", name);
+        for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+            if (o->commands & c->bit)
+                fprintf(f, " %s", command_name(c));
         }
         fprintf(f, "' -l %s", o->name);
         if (o->letter)

@@ -102,8 +102,6 @@ static bool print_group(FILE *f, int group, unsigned commands)
     const struct gp_option_heading *const head = &gp_option_groups[group];
     const char *const words = head->example + strlen("glarepp ");
     bool headed = false, shown = false;
-    enum gp_command command;
-    const char *word;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if ((int) o->group != group || o->hidden || !(o->commands & commands))
             continue;
@@ -111,12 +109,13 @@ static bool print_group(FILE *f, int group, unsigned commands)
             fprintf(f, "%s\n", head->title);
         headed = true;
         // print the example only for its own command (help: for the main one)
-        for (int i = 0; !shown && (word = gp_command_at(i, &command)); i++) {
-            const size_t n = strlen(word);
-            shown = (commands & command) &&
-                    (command == GP_COMMAND_MAIN
+        for (const struct gp_command_row *c = gp_commands; c->word && !shown;
+             c++) {
+            const size_t n = strlen(c->word);
+            shown = (commands & c->bit) &&
+                    (c == gp_commands
                          ? *words == '-' || strncmp(words, "help ", 5) == 0
-                         : strncmp(words, word, n) == 0 && words[n] == ' ');
+                         : strncmp(words, c->word, n) == 0 && words[n] == ' ');
             if (shown)
                 fprintf(f, "    %s\n", head->example);
         }
@@ -127,67 +126,15 @@ static bool print_group(FILE *f, int group, unsigned commands)
 
 void gp_help(FILE *f, enum gp_command command)
 {
-    if (command == GP_COMMAND_BENCH)
-        fprintf(f, "Measures speed against error on a frame, for every "
-                   "technique.\n\n"
-                   "  glarepp bench [options] INPUT\n"
-                   "  glarepp bench [options] --paper\n\n"
-                   "INPUT is a file, or - for stdin (EXR).\n");
-    else if (command == GP_COMMAND_COMPARE)
-        fprintf(f, "Measures the error between two images or two "
-                   "sequences.\n\n"
-                   "  glarepp compare [options] A B\n\n"
-                   "A, the reference, and B are files or patterns; one may be "
-                   "- for stdin.\nidiff's command lines work unchanged, with "
-                   "one dash or two: -fail 0.004.\nExit status, as "
-                   "idiff's: 0 PASS, 1 WARNING, 2 FAILURE, 3 cannot be "
-                   "compared,\n4 a file cannot be read or written; 64 a wrong "
-                   "command line.\n");
-    else if (command == GP_COMMAND_KERNEL)
-        fprintf(f, "Makes a glare kernel, or checks one.\n\n"
-                   "  glarepp kernel [options] -o FILE\n"
-                   "  glarepp kernel --from FILE -o FILE\n"
-                   "  glarepp kernel [options] --check FILE|MODEL [FRAME]\n"
-                   "  glarepp kernel --list\n\n"
-                   "-k names the model; FILE is an EXR, with the recipe in its "
-                   "attributes.\n--check looks at what FRAME would show; exit "
-                   "status 1 for a fault.\n");
-    else if (command == GP_COMMAND_LENS)
-        fprintf(f, "Checks a lens, or draws it.\n\n"
-                   "  glarepp lens --check FILE|NAME [--draw FILE]\n"
-                   "  glarepp lens --list\n\n"
-                   "FILE is a prescription in JSON, NAME one of --list. Exit "
-                   "status 1 where the\nsurfaces do not make what the file "
-                   "claims.\n");
-    else
-        fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
-                   "  glarepp [options] -o OUTPUT INPUT...\n"
-                   "  glarepp bench [options] INPUT    "
-                   "(see glarepp bench --help)\n"
-                   "  glarepp compare [options] A B    "
-                   "(see glarepp compare --help)\n"
-                   "  glarepp kernel [options] -o FILE "
-                   "(see glarepp kernel --help)\n"
-                   "  glarepp lens [options]           "
-                   "(see glarepp lens --help)\n"
-                   "  glarepp sets [options] SCENE     "
-                   "(see glarepp sets --help)\n"
-                   "  glarepp help [TOPIC]\n\n"
-                   "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
-                   "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
-                   "%%V stands for a stereo view.\n");
+    const struct gp_command_row *const c = gp_command_of(command);
+    fputs(c->usage ? c->usage : gp_commands->usage, f);
     putc('\n', f);
     for (int g = 0; g < GP_GROUPS; g++) {
         if (print_group(f, g, command))
             putc('\n', f);
     }
     fprintf(f, "The first command to try: %s\n",
-            command == GP_COMMAND_BENCH     ? "glarepp bench frame.exr"
-            : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
-            : command == GP_COMMAND_KERNEL  ? "glarepp kernel --list"
-            : command == GP_COMMAND_LENS    ? "glarepp lens --list"
-            : command == GP_COMMAND_SETS    ? "glarepp sets scene.glb"
-                                        : "glarepp -o out.png frame.exr");
+            c->first ? c->first : gp_commands->first);
 }
 
 // -- the man page ------------------------------------------------------------
@@ -360,13 +307,10 @@ static bool is_group(const struct section *s)
 
 const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
 {
-    enum gp_command command;
-    int commands = 0;
-    while (gp_command_at(commands + 1, &command))
-        commands++;
-    if (i < commands)
-        return gp_command_at(i + 1, &command);
-    i -= commands;
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        if (i-- == 0)
+            return c->word;
+    }
     if (i < GP_GROUPS)
         return gp_option_groups[i].word;
     i -= GP_GROUPS;
@@ -472,15 +416,13 @@ static int print_options_of(FILE *f, const char *topic, enum match match)
 gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
 {
     const struct section *section = NULL;
-    enum gp_command command;
-    const char *word;
     bool found = false;
     if (!topic) {
         fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
                    "TOPIC is a command:\n");
-        for (int i = 1; (word = gp_command_at(i, &command)); i++) {
-            if (command != GP_COMMAND_HELP)
-                fprintf(f, "  %s\n", word);
+        for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+            if (c->bit != GP_COMMAND_HELP)
+                fprintf(f, "  %s\n", c->word);
         }
         fprintf(f, "\noptions for a task:\n");
         for (int g = 0; g < GP_GROUPS; g++)
@@ -500,10 +442,11 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
     const bool dashed = bare > topic;
     if (!*bare)
         return unknown_topic(log, topic);
-    for (int i = 1; !found && (word = gp_command_at(i, &command)); i++) {
-        found = command != GP_COMMAND_HELP && strcasecmp(word, bare) == 0;
+    for (const struct gp_command_row *c = gp_commands + 1; c->word && !found;
+         c++) {
+        found = c->bit != GP_COMMAND_HELP && strcasecmp(c->word, bare) == 0;
         if (found)
-            gp_help(f, command);
+            gp_help(f, c->bit);
     }
     for (int g = 0; !found && !dashed && g < GP_GROUPS; g++) {
         found = strcasecmp(gp_option_groups[g].word, bare) == 0;

@@ -61,29 +61,10 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands)
 
 // -- commands ----------------------------------------------------------------
 
-static const struct {
-    const char *word;
-    enum gp_command command;
-} commands[] = {
-    {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
-    {"compare", GP_COMMAND_COMPARE}, {"kernel", GP_COMMAND_KERNEL},
-    {"lens", GP_COMMAND_LENS}, {"sets", GP_COMMAND_SETS},
-    {"help", GP_COMMAND_HELP},
-};
-enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
-
-const char *gp_command_word(unsigned command)
+const struct gp_command_row *gp_command_of(unsigned commands)
 {
-    int i = 0;
-    while (i < COMMANDS - 1 && !(commands[i].command & command))
-        i++;
-    return commands[i].word;
-}
-
-const char *gp_command_at(int i, enum gp_command *command)
-{
-    if (i < 0 || i >= COMMANDS)
-        return NULL;
-    *command = commands[i].command;
-    return commands[i].word;
+    const struct gp_command_row *c = gp_commands;
+    while (!(c->bit & commands))
+        c++;
+    return c;
 }

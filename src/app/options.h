@@ -157,12 +157,17 @@ static inline bool gp_read_whole(const char *text, const char *between, int *v)
     }
 }
 
-/* The word of the i-th command, from GP_COMMAND_MAIN on; NULL after the last,
- * and *command is unchanged. */
-const char *gp_command_at(int i, enum gp_command *command);
+/* The commands, the main one first; a NULL word ends them. */
+struct gp_command_row {
+    const char *word;    // "" of the main one
+    enum gp_command bit;
+    const char *usage;   // before its options in --help; NULL: the main one's
+    const char *first;   // the first command line to try; NULL: the main one's
+};
+extern const struct gp_command_row gp_commands[];
 
-/* The word of a command, of several bits the first; "" for GP_COMMAND_MAIN. */
-const char *gp_command_word(unsigned command);
+/* The row of a command, of several bits the first. */
+const struct gp_command_row *gp_command_of(unsigned commands);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
  * of an option wins, unless it is `once`. The first word may be a command's;

@@ -299,6 +299,7 @@ static gp_status read_option(const struct gp_log *log, int argc,
                              char *const argv[], int *i, struct gp_settings *s)
 {
     const char *const word = argv[*i], *of_next;
+    const char *const command = gp_command_of(s->command)->word;
     struct use u = {.log = log};
     u.option = split_word(word, s->command, &u.value);
     if (!u.option) {
@@ -315,18 +316,16 @@ static gp_status read_option(const struct gp_log *log, int argc,
                            "you mean --%s?", shown, word, near.name);
         return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
                        "%s%s--help lists them", shown, word,
-                       gp_command_word(s->command),
-                       s->command == GP_COMMAND_MAIN ? "" : " ");
+                       command, s->command == GP_COMMAND_MAIN ? "" : " ");
     }
     const char *const name = u.option->name, *const arg = u.option->arg;
     if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE, "--%s: not for pictures; write "
                        "glarepp %s --%s, or leave it out", name,
-                       gp_command_word(u.option->commands), name);
+                       gp_command_of(u.option->commands)->word, name);
     if (!(u.option->commands & s->command))
         return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; see "
-                       "glarepp %s --help", name, gp_command_word(s->command),
-                       gp_command_word(s->command));
+                       "glarepp %s --help", name, command, command);
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
                        "value (found \"%s\"); leave it out", word, u.value);
@@ -395,14 +394,13 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
     struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
-    enum gp_command command;
-    const char *name;
-    for (int c = 1; i == 1 && (name = gp_command_at(c, &command)); c++) {
-        if (strcmp(first, name) == 0) {
-            out->command = command;
+    for (const struct gp_command_row *c = gp_commands + 1; c->word && i == 1;
+         c++) {
+        if (strcmp(first, c->word) == 0) {
+            out->command = c->bit;
             i++;
         }
-        gp_nearest_try(&near, name);
+        gp_nearest_try(&near, c->word);
     }
     if (i == 1 && near.name &&
         !first[strspn(first, LETTERS)] &&

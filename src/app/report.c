@@ -74,16 +74,12 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
 {
     char *text = NULL;
     size_t size;
-    enum gp_command command;
-    const char *word = "";
     FILE *const f = open_memstream(&text, &size);
     *out = NULL;
     if (!f)
         return gp_no_memory_bare(log, "command line");
-    for (int i = 0; (word = gp_command_at(i, &command)) != NULL; i++) {
-        if (command == s->command)
-            fprintf(f, "glarepp%s%s", *word ? " " : "", word);
-    }
+    const char *const word = gp_command_of(s->command)->word;
+    fprintf(f, "glarepp%s%s", *word ? " " : "", word);
     for (int i = 0; i + 1 < s->options.n; i += 2) {
         const char *const name = s->options.at[i];
         const char *const value = s->options.at[i + 1];

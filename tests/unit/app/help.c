@@ -65,8 +65,8 @@ static void lists(const char *text, const char *pattern,
 static void help_is_complete(void **state)
 {
     char *man = printed(GP_COMMAND_MAIN, true);
-    enum gp_command c;
-    for (int i = 0; gp_command_at(i, &c); i++) {
+    for (const struct gp_command_row *r = gp_commands; r->word; r++) {
+        const enum gp_command c = r->bit;
         if (c == GP_COMMAND_HELP) // prints topics
             continue;
         char *help = printed(c, false);
