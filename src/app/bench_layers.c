@@ -101,7 +101,7 @@ static gp_status draw_reference(void *user, const struct gp_log *log,
     return st;
 }
 
-static void add_row(struct gp_bench_layers *b, struct gp_bench_extra row)
+static void add_row(struct gp_bench_layers *b, struct gp_bench_layer row)
 {
     row.user = b;
     b->row[b->rows++] = row;
@@ -120,15 +120,15 @@ gp_status gp_bench_layers_begin(const struct gp_log *log,
                              &out->run.suns));
     }
     if (gp_flare_has(&out->run.suns.flare, GP_FLARE_BRIGHT))
-        add_row(out, (struct gp_bench_extra) {
+        add_row(out, (struct gp_bench_layer) {
             .name = "flare of bright pixels", .options = "--flare",
             .layer = "flare", .draw = draw_flare, .exact = sum_flare});
     GP_TRY(gp_run_lens_begin(log, &out->run));
     if (s->lens.name) {
-        add_row(out, (struct gp_bench_extra) {
+        add_row(out, (struct gp_bench_layer) {
             .name = "lens, of many lights", .options = "--lens",
             .layer = "lens", .draw = draw_coarse, .exact = draw_reference});
-        add_row(out, (struct gp_bench_extra) {
+        add_row(out, (struct gp_bench_layer) {
             .name = "lens, of up to 8 lights", .options = "--lens --lights",
             .layer = "lens", .draw = draw_fine, .exact = draw_reference});
     }

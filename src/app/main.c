@@ -142,7 +142,7 @@ static gp_status run_bench(const struct gp_log *log,
         return st;
     }
     const struct gp_kernel_params image = gp_wanted_params(s, &wanted);
-    const struct gp_bench_request job = {
+    const struct gp_bench_request req = {
         .params = &s->bench,
         .input = input,
         .default_kernel = !gp_option_given(s, "kernel"),
@@ -159,13 +159,13 @@ static gp_status run_bench(const struct gp_log *log,
         .tone = &s->tone,
         .sun = &s->sun,
         .reader = &reader,
-        .extra = layers.row,
-        .extras = layers.rows,
+        .layer = layers.row,
+        .layers = layers.rows,
     };
     st = gp_clobber_check(log, s, "input", input);
     gp_gl_prepare(); // while there is one thread
     if (!st)
-        st = gp_bench_run(log, &job);
+        st = gp_bench_run(log, &req);
     gp_bench_layers_end(&layers);
     gp_wanted_kernel_free(&wanted);
     return st;
@@ -224,7 +224,7 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
         return GP_ERR_BUG;
     struct gp_write_params write = s->write;
     write.command = command;
-    const struct gp_compare_request job = {
+    const struct gp_compare_request req = {
         .params = &s->compare,
         .input = {s->inputs.at[0], s->inputs.at[1]},
         .frames = s->frames,
@@ -234,7 +234,7 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
         .check_names = check_compare_names,
         .user = s,
     };
-    const int status = gp_compare_run(log, &job);
+    const int status = gp_compare_run(log, &req);
     free(command);
     return status;
 }

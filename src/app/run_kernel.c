@@ -307,12 +307,8 @@ static struct gp_field find_field(const struct gp_run *r,
                                   struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
-    struct gp_sun_files files = {s, fs->job};
-    struct gp_sun_about about = {0};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     double fov = gp_run_fov(r, fs);
     fs->facts.fov_from = s->fov > 0.0f ? "option" : "camera";
-    reader.about(&files, &fs->frame, &about);
     if (!(fov > 0.0)) {
         struct gp_lens_stop stop = {.fov = GP_USUAL_FOV};
         fs->facts.fov_from = gp_run_lens_stop(r, fs, &stop) ? "lens"
@@ -323,7 +319,7 @@ static struct gp_field find_field(const struct gp_run *r,
     field.rotate = (double) s->kernel.rotate;
     const double rate = gp_frame_rate(&fs->frame);
     field.fps = rate > 0.0 ? rate : field.fps;
-    field.frame = about.number;
+    (void) gp_job_number(fs->job, &field.frame);
     const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
     fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;
     return field;

@@ -240,11 +240,8 @@ out:
 gp_status gp_run_scene(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_run_scene *const own = &r->scene;
-    struct gp_sun_files files = {r->s, fs->job};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    struct gp_sun_about about = {0};
+    const struct gp_sun_about about = gp_job_about(fs->job, &fs->frame);
     const double seconds = time_of(r, fs);
-    reader.about(reader.user, &fs->frame, &about);
     warn_of_time(r, fs, seconds);
     gp_scene_pose(&own->scene, seconds);
     fs->facts.scene.path = r->s->scene.path;

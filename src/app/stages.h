@@ -308,7 +308,7 @@ struct gp_bench_layers {
     struct gp_run run;
     struct gp_job job;
     struct gp_sun_files files;
-    struct gp_bench_extra row[GP_BENCH_EXTRAS];
+    struct gp_bench_layer row[GP_BENCH_LAYERS];
     int rows;
 };
 
@@ -317,6 +317,10 @@ struct gp_bench_layers {
 GP_MUST_CHECK gp_status gp_bench_layers_begin(const struct gp_log *log,
     const struct gp_settings *s, char *input, struct gp_bench_layers *out);
 void gp_bench_layers_end(struct gp_bench_layers *b);
+
+/* Describes a job's frame for the sun's stage: its number, its camera. */
+struct gp_sun_about gp_job_about(const struct gp_job *job,
+                                 const struct gp_frame *f);
 
 /* Finds the number of a frame: the job's, else the one in its file's name.
  * Returns false where there is none. */

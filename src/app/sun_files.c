@@ -19,19 +19,24 @@ bool gp_job_number(const struct gp_job *job, int *number)
     return job->numbered || gp_frame_number(job->input, number);
 }
 
-static void describe_frame(void *user, const struct gp_frame *f,
-                       struct gp_sun_about *out)
+struct gp_sun_about gp_job_about(const struct gp_job *job,
+                                 const struct gp_frame *f)
 {
-    const struct gp_job *const job = ((struct gp_sun_files *) user)->job;
-    out->name = job->input;
-    out->numbered = gp_job_number(job, &out->number);
-    out->has_camera = gp_frame_matrix(f, "worldToCamera", out->to_camera);
-    out->has_ndc = gp_frame_matrix(f, "worldToNDC", out->to_ndc);
-    out->ndc = GP_NDC_AUTO;
-    if (!out->has_ndc) {
-        out->has_ndc = gp_frame_matrix(f, "worldToScreen", out->to_ndc);
-        out->ndc = GP_NDC_CLIP;
+    struct gp_sun_about about = {.name = job->input, .ndc = GP_NDC_AUTO};
+    about.numbered = gp_job_number(job, &about.number);
+    about.has_camera = gp_frame_matrix(f, "worldToCamera", about.to_camera);
+    about.has_ndc = gp_frame_matrix(f, "worldToNDC", about.to_ndc);
+    if (!about.has_ndc) {
+        about.has_ndc = gp_frame_matrix(f, "worldToScreen", about.to_ndc);
+        about.ndc = GP_NDC_CLIP;
     }
+    return about;
+}
+
+static void describe_frame(void *user, const struct gp_frame *f,
+                           struct gp_sun_about *out)
+{
+    *out = gp_job_about(((struct gp_sun_files *) user)->job, f);
 }
 
 /* Reads a plane from a file of its own, whose name may be a pattern. */
@@ -86,11 +91,8 @@ struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files)
 
 double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
 {
-    struct gp_sun_files files = {r->s, fs->job};
-    struct gp_sun_about about = {0};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     if (r->s->fov > 0.0f)
         return (double) r->s->fov;
-    reader.about(&files, &fs->frame, &about);
+    const struct gp_sun_about about = gp_job_about(fs->job, &fs->frame);
     return gp_suns_fov(&r->suns, &about, &fs->frame);
 }

@@ -65,8 +65,8 @@ static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
 
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
 
-gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
-    const struct gp_sources *src, int parts, struct gp_frame *out)
+gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
+    const struct gp_sources *src, int nth, struct gp_frame *out)
 {
     const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
     struct gp_frame part = {.data = f->data, .display = f->display};
@@ -77,7 +77,7 @@ gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
         return st;
     // Rows of blocks start 3 blocks further than the one before, 37 for
     // hundredths, so that the chosen ones make no columns
-    const size_t step = parts > 10 ? 37 : 3;
+    const size_t step = nth > 10 ? 37 : 3;
     size_t first = 0; // row of the first source
     while (src->n > 0 && src->row[first + 1] == 0)
         first++;
@@ -85,14 +85,14 @@ gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
         float *const to = part.rgb.c[c];
         const float *const from = f->rgb.c[c];
         memset(to, 0, n * sizeof *to);
-        for (size_t at = 0; at < n && parts > 0;) {
+        for (size_t at = 0; at < n && nth > 0;) {
             const size_t x = at % w, y = at / w;
             const size_t run = w - x < BLOCK ? w - x : BLOCK;
-            if ((x / BLOCK + y / BLOCK * step) % (size_t) parts == 0)
+            if ((x / BLOCK + y / BLOCK * step) % (size_t) nth == 0)
                 memcpy(to + at, from + at, run * sizeof *to);
             at += run;
         }
-        if (parts == 0 && src->n > 0) {
+        if (nth == 0 && src->n > 0) {
             const size_t at = first * w + (size_t) src->x[0];
             to[at] = from[at];
         }
@@ -102,15 +102,15 @@ gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
 }
 
 /* Runs a part of the sources twice, and only one source twice. */
-static gp_status run_part(struct trial *t, int parts)
+static gp_status run_thinned(struct trial *t, int nth)
 {
     gp_status st;
     struct gp_bench_row *const row = t->row;
     const struct bench *const b = t->b;
     struct gp_frame part = {0}, single = {0};
     struct run first, warm, least;
-    GP_TRY(gp_bench_part(&t->log, b->f, &b->src, parts, &part));
-    GP_TRY(gp_bench_part(&t->log, b->f, &b->src, 0, &single));
+    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, nth, &part));
+    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, 0, &single));
     GP_TRY(run_once(t, &single, &first)); // makes the state
     GP_TRY(run_once(t, &single, &least));
     GP_TRY(run_once(t, &part, &warm));
@@ -147,7 +147,7 @@ static gp_status time_row(struct trial *t)
                                 ? 0.0 : t->engine->predict(&req, NULL).ms;
     gp_status st = GP_OK;
     if (expected > LONG_MS)
-        st = run_part(t, expected > 10.0 * PART_MS ? 100 : 10);
+        st = run_thinned(t, expected > 10.0 * PART_MS ? 100 : 10);
     if (st || (row->extrapolated && row->ms > LONG_MS)) {
         // the whole frame's bound, where the engine has one without a run
         row->bound = NAN;
@@ -234,10 +234,10 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
-/* Measures an extra layer, and makes its truth where that of `before`, the row
+/* Measures a layer of its own, and makes its truth where that of `before`, the row
  * before, is another's. */
-static gp_status run_extra(struct bench *b, const struct gp_bench_extra *e,
-    const struct gp_bench_extra *before, double *ms, struct gp_bench_row *row)
+static gp_status run_layer(struct bench *b, const struct gp_bench_layer *e,
+    const struct gp_bench_layer *before, double *ms, struct gp_bench_row *row)
 {
     const size_t n = gp_frame_pixels(b->f);
     double total = 0.0;
@@ -319,8 +319,8 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         row->why[0] = '\0';
         GP_TRY(run_technique(b, ms, technique, row));
     }
-    for (int i = 0; i < b->req->extras; i++) {
-        const struct gp_bench_extra *const e = &b->req->extra[i];
+    for (int i = 0; i < b->req->layers; i++) {
+        const struct gp_bench_layer *const e = &b->req->layer[i];
         struct gp_bench_row *const row = &out->row[out->rows++];
         *row = (struct gp_bench_row) {
             .name = e->name, .layer = e->layer, .share = 1.0, .bound = NAN,
@@ -330,7 +330,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         if (b->src.n == 0)
             continue;
         row->why[0] = '\0';
-        GP_TRY(run_extra(b, e, i ? e - 1 : NULL, ms, row));
+        GP_TRY(run_layer(b, e, i ? e - 1 : NULL, ms, row));
     }
     gp_bench_mark_pareto(out);
 out:

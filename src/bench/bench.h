@@ -22,7 +22,7 @@ struct gp_bench_params {
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
 /* A layer that is no engine's of the kernel: its row, and its truth. */
-struct gp_bench_extra {
+struct gp_bench_layer {
     const char *name, *options;
     const char *layer;     // rows of the same one are compared, and share exact
     void *user;
@@ -34,7 +34,7 @@ struct gp_bench_extra {
     gp_status (*exact)(void *user, const struct gp_log *log,
         const struct gp_sources *src, const struct gp_frame *f, double *out);
 };
-enum { GP_BENCH_EXTRAS = 3 };
+enum { GP_BENCH_LAYERS = 3 };
 
 /* A run; all is borrowed. */
 struct gp_bench_request {
@@ -54,8 +54,8 @@ struct gp_bench_request {
     const struct gp_tone_params *tone;
     const struct gp_sun_params *sun;
     const struct gp_sun_reader *reader;  // for the sun and the camera
-    const struct gp_bench_extra *extra;  // up to GP_BENCH_EXTRAS
-    int extras;
+    const struct gp_bench_layer *layer;  // up to GP_BENCH_LAYERS
+    int layers;
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;

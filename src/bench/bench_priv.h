@@ -56,7 +56,7 @@ struct gp_bench_technique {
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
     GP_BENCH_ROWS = 15,       // of gp_bench_techniques
-    GP_BENCH_MOST = GP_BENCH_ROWS + GP_BENCH_EXTRAS,
+    GP_BENCH_MOST = GP_BENCH_ROWS + GP_BENCH_LAYERS,
 };
 
 /* Writes the main command's options for that technique. */
@@ -82,7 +82,7 @@ struct gp_bench_row {
     bool measured;             // `error` is known; never when extrapolated
     struct gp_glare_error error;
     double flip;               // mean LDR-FLIP; NaN: not defined
-    const char *layer;         // of gp_bench_extra; NULL: the kernel's
+    const char *layer;         // of gp_bench_layer; NULL: the kernel's
     bool pareto;               // no row of the layer is both faster and nearer
 };
 
@@ -127,16 +127,16 @@ GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
 
 // -- bench.c -----------------------------------------------------------------
 
-/* For extrapolating: makes *out a frame with the same light in one of `parts`
+/* For extrapolating: makes *out a frame with the same light in one of `nth`
  * of its 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with
- * only the first source when `parts` is 0.
+ * only the first source when `nth` is 0.
  *
  *   src  the sources of f
  *   out  only rgb; free with gp_frame_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_bench_part(
+GP_MUST_CHECK gp_status gp_bench_thin(
     const struct gp_log *log, const struct gp_frame *f,
-    const struct gp_sources *src, int parts, struct gp_frame *out);
+    const struct gp_sources *src, int nth, struct gp_frame *out);
 
 // -- table.c: the plot --------------------------------------------------------
 

@@ -106,8 +106,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
         const int64_t got = gp_stream_read(in->stream, to, 4 * n,
                                            h->bytes + row * 4 * n);
         if (got < 0)
-            return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the "
-                           "file", image->path);
+            return gp_stream_failed(log, image->path);
         if ((uint64_t) got < 4 * n)
             return gp_fail(log, GP_ERR_DATA, "%s: truncated (row %d); copy or "
                            "render the file again", image->path, y);
@@ -135,8 +134,7 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                        path, part);
     const int64_t n = gp_stream_read(stream, first, sizeof first, 0);
     if (n < 0)
-        return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
-                       path);
+        return gp_stream_failed(log, path);
     if (!parse_header(first, (size_t) n, &h))
         return gp_fail(log, GP_ERR_DATA, "%s: damaged PFM header; it must "
                        "begin with PF or Pf, width, height and scale", path);

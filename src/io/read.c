@@ -229,8 +229,7 @@ static gp_status check_start(const struct gp_log *log, const char *path,
     gp_status st = GP_OK;
     *exr = r == gp_readers;
     if (got < 0)
-        st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
-                     path);
+        st = gp_stream_failed(log, path);
     else if (!*exr && named_exr)
         st = gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
                      "it to its real ending, or give the EXR", path,

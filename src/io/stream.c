@@ -10,7 +10,7 @@
 
 enum { BLOCK = 1 << 16 };
 
-static gp_status cannot_read(const struct gp_log *log, const char *path)
+gp_status gp_stream_failed(const struct gp_log *log, const char *path)
 {
     return gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the file",
                    path, strerror(errno));
@@ -33,7 +33,7 @@ static gp_status read_until(const struct gp_log *log, const char *path,
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0)
-            return cannot_read(log, path);
+            return gp_stream_failed(log, path);
         if (got == 0)
             close_fd(s);
         s->size += (uint64_t) got;
@@ -85,7 +85,7 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
                        path, strerror(errno));
     if (fstat(s->fd, &info)) {
-        st = cannot_read(log, path);
+        st = gp_stream_failed(log, path);
     } else if (S_ISDIR(info.st_mode)) {
         st = gp_fail(log, GP_ERR_IO,
                      "%s: is a folder; give a file or a pattern such as "

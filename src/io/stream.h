@@ -58,6 +58,9 @@ GP_MUST_CHECK gp_status gp_stream_fill(const struct gp_log *log,
 int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,
                        uint64_t offset);
 
+/* Prints the line for a read that failed, by errno; returns GP_ERR_IO. */
+gp_status gp_stream_failed(const struct gp_log *log, const char *path);
+
 /* Closes and frees; an empty or closed stream is fine. */
 void gp_stream_close(struct gp_stream *s);
 

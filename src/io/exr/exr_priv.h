@@ -196,12 +196,6 @@ GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
 
 struct libdeflate_compressor;
 
-/* Splits `n` bytes (even) into those at even and at odd places, and turns
- * each into its difference to the one before, plus 128. `in` and `out` do not
- * overlap. */
-void gp_exr_zip_filter(const uint8_t *restrict in, uint8_t *restrict out,
-                       size_t n);
-
 /* Compresses a chunk.
  *
  *   raw      `n` bytes, even

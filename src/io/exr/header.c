@@ -169,7 +169,7 @@ struct place {
 
 /* Loads the file's start as far as the `n` bytes at `at`; returns how many of
  * these there are. */
-static size_t load(struct walk *w, uint64_t at, uint64_t n)
+static size_t load_bytes(struct walk *w, uint64_t at, uint64_t n)
 {
     enum { FIRST = 4096 }; // most headers
     const uint64_t all = w->stream->size;
@@ -198,7 +198,7 @@ static size_t load(struct walk *w, uint64_t at, uint64_t n)
  * does not end in time. */
 static bool skip_name(struct walk *w, uint64_t *at)
 {
-    const size_t n = load(w, *at, NAME);
+    const size_t n = load_bytes(w, *at, NAME);
     const uint8_t *const from = w->index->bytes + *at;
     const uint8_t *const null = n ? memchr(from, 0, n) : NULL;
     *at += null ? (uint64_t) (null - from) + 1 : 0;
@@ -212,7 +212,7 @@ static bool find_attribute(struct walk *w, uint64_t at, struct place *out)
     if (!skip_name(w, &out->type))
         return false;
     out->value = out->type;
-    if (!skip_name(w, &out->value) || load(w, out->value, 4) < 4)
+    if (!skip_name(w, &out->value) || load_bytes(w, out->value, 4) < 4)
         return false;
     out->size = gp_le32(w->index->bytes + out->value);
     out->value += 4;
@@ -254,7 +254,7 @@ static gp_status check_attribute(struct walk *walk, const struct place *p,
         {"chunkCount", "int", true},
     };
     const struct gp_exr_index *const index = walk->index;
-    const size_t there = load(walk, p->value, p->size);
+    const size_t there = load_bytes(walk, p->value, p->size);
     const struct value v = {index->bytes + p->value, there, p->size};
     char *const name = (char *) index->bytes + p->name;
     char *const type = (char *) index->bytes + p->type;
@@ -293,7 +293,7 @@ static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
     void *list = index->part;
     gp_status st;
     *end = 0;
-    for (; load(walk, at, 1) && index->bytes[at]; at = p.value + p.size) {
+    for (; load_bytes(walk, at, 1) && index->bytes[at]; at = p.value + p.size) {
         if (!find_attribute(walk, at, &p))
             return GP_OK;
         st = check_attribute(walk, &p, (uint64_t) ++part.attrs);
@@ -305,7 +305,7 @@ static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
         if (p.size > INT_MAX || p.value + p.size > walk->stream->size)
             return GP_OK;
     }
-    if (!load(walk, at, 1))
+    if (!load_bytes(walk, at, 1))
         return GP_OK;
     *end = part.to = at + 1;
     walk->attributes += (uint64_t) part.attrs * (uint64_t) part.attrs;
@@ -353,7 +353,7 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
     uint64_t at = 8, end = 0;
     *out = (struct gp_exr_index) {0};
     gp_status st = GP_OK;
-    if (load(&walk, 0, at) == at) {
+    if (load_bytes(&walk, 0, at) == at) {
         out->multi = out->bytes[5] & PARTS;
         out->flat = !(out->bytes[5] & (DEEP | PARTS));
         for (int parts = 0; !st; parts++) {

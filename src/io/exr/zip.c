@@ -17,8 +17,10 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 /* -- out ------------------------------------------------------------------ */
 
-GP_CLONES void gp_exr_zip_filter(const uint8_t *restrict in,
-                                 uint8_t *restrict out, size_t n)
+/* Splits `n` bytes (even) into those at even and at odd places, and turns
+ * each into its difference to the one before, plus 128. */
+GP_CLONES static void filter_bytes(const uint8_t *restrict in,
+                                   uint8_t *restrict out, size_t n)
 {
     const size_t half = n / 2;
     uint8_t *restrict even = out, *restrict odd = out + half;
@@ -37,7 +39,7 @@ size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
 {
     if (n == 0)
         return 0;
-    gp_exr_zip_filter(raw, scratch, n);
+    filter_bytes(raw, scratch, n);
     return libdeflate_zlib_compress(c, scratch, n, out, n - 1);
 }
 

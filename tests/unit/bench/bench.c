@@ -100,7 +100,7 @@ static void parts_are_even_and_untouched(void **state)
         const struct gp_sensor_params p = whole_pixels;
         struct gp_sources all = {0}, some = {0};
         assert_ok(gp_sense(NULL, &p, &f, &all));
-        assert_ok(gp_bench_part(NULL, &f, &all, rows[r].parts, &part));
+        assert_ok(gp_bench_thin(NULL, &f, &all, rows[r].parts, &part));
         for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
             const float v = part.rgb.c[1][i];
             assert_true(v == 0.0f || v == f.rgb.c[1][i]);
@@ -113,7 +113,7 @@ static void parts_are_even_and_untouched(void **state)
         gp_sources_free(&some);
         gp_frame_free(&part);
         // and one source alone: the first
-        assert_ok(gp_bench_part(NULL, &f, &all, 0, &part));
+        assert_ok(gp_bench_thin(NULL, &f, &all, 0, &part));
         assert_ok(gp_sense(NULL, &p, &part, &some));
         assert_int_equal(some.n, 1);
         assert_int_equal(some.x[0], all.x[0]);
@@ -133,7 +133,7 @@ static void no_light_has_a_part_without_any(void **state)
     assert_ok(gp_sense(NULL, &p, &f, &none));
     assert_int_equal(none.n, 0);
     for (int parts = 0; parts <= 10; parts += 10) {
-        assert_ok(gp_bench_part(NULL, &f, &none, parts, &part));
+        assert_ok(gp_bench_thin(NULL, &f, &none, parts, &part));
         assert_ok(gp_sense(NULL, &p, &part, &some));
         assert_int_equal(some.n, 0);
         gp_sources_free(&some);

@@ -159,21 +159,6 @@ static void noise(void **state)
     gp_frame_free(&f);
 }
 
-static void zip_filter(void **state)
-{
-    uint8_t in[600] = {0}, got[600], want[600];
-    for (size_t n = 0; n <= 600; n += n < 80 ? 2 : 74) {
-        for (size_t i = 0; i < n; i++) {
-            in[i] = (uint8_t) wf_hash((uint32_t) i, 1, 2);
-            want[i / 2 + (i % 2 ? n / 2 : 0)] = in[i];
-        }
-        for (size_t i = n; i-- > 1;)
-            want[i] = (uint8_t) (want[i] - want[i - 1] + 128);
-        gp_exr_zip_filter(in, got, n);
-        assert_memory_equal(got, want, n);
-    }
-}
-
 static void automatic_type_and_compression(void **state)
 {
     static const enum gp_compression row[][2] = { // of the input, the output
@@ -494,7 +479,7 @@ static void lossy_ids(void **state)
 }
 
 SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, black,
-              one_channel, noise, zip_filter, automatic_type_and_compression, colour_models,
+              one_channel, noise, automatic_type_and_compression, colour_models,
               subsampled_channels, half_overflow_is_counted,
               half_overflow_keeps_hue,
               b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids,
