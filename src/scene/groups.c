@@ -83,22 +83,30 @@ static inline unsigned bits_of(four_bits mask)
     return (unsigned) (b[0] | b[1] | b[2] | b[3]);
 }
 
-/* Returns bits of the boxes that are before one of the planes `pick` by more
- * than `limit`: with their farthest points, side 1, or their nearest, -1. */
-static GP_CLONES unsigned beyond(const struct gp_pack *p,
+/* Returns bits of the boxes of `in` that are before one of the planes `pick` by
+ * more than `limit`, with their farthest points, side 1, or their nearest, -1;
+ * bits of other boxes are set. */
+static GP_CLONES unsigned beyond(const struct gp_pack *p, unsigned in,
                                  const struct gp_half *plane,
                                  const unsigned char *pick, int n, double side,
                                  double limit)
 {
     enum { FOURS = GP_PACK / 4 };
-    four_bits out[FOURS] = {0};
+    static const four_bits lane = {1, 2, 4, 8};
+    four_bits out[FOURS], every = {0};
     unsigned bits = 0;
-    for (int i = 0; i < n; i++) {
+    for (int k = 0; k < FOURS; k++) {
+        const int64_t rest = ~(int64_t) (in >> 4 * k);
+        out[k] = ((four_bits) {rest, rest, rest, rest} & lane) == lane;
+    }
+    for (int i = 0; i < n && !(every[0] & every[1] & every[2] & every[3]);
+         i++) {
         const struct gp_half h = plane[pick[i]];
         const four x = all_of(h.n.x), y = all_of(h.n.y), z = all_of(h.n.z);
         const four u = all_of(side * fabs(h.n.x)),
                    v = all_of(side * fabs(h.n.y)),
                    w = all_of(side * fabs(h.n.z));
+        every = ~(four_bits) {0};
         for (int k = 0; k < FOURS; k++) {
             const four at = x * four_from(p->at[0] + 4 * k) +
                             y * four_from(p->at[1] + 4 * k) +
@@ -107,6 +115,7 @@ static GP_CLONES unsigned beyond(const struct gp_pack *p,
                                v * four_from(p->half[1] + 4 * k) +
                                w * four_from(p->half[2] + 4 * k);
             out[k] |= at + reach > all_of(limit);
+            every &= out[k];
         }
     }
     for (int k = 0; k < FOURS; k++)
@@ -141,18 +150,29 @@ struct crossed {
     unsigned char plane[GP_BODY_EDGES + GP_BODY_FACES];
 };
 
+/* True where each box of a pack has a point outside a plane of an umbra. */
+static bool all_outside(const struct gp_pack *p, const struct gp_umbra *u,
+                        struct gp_half h, double slack)
+{
+    return gp_half_at(h, p->centre) - along(h, p->inner) > slack - u->margin;
+}
+
 /* Finds them, by the bounds of a pack; none: the umbra holds all boxes. False:
- * it holds no box. */
+ * it holds no box, by plane *out_by, which is asked first. */
 static bool find_crossed(const struct gp_pack *p, const struct gp_umbra *u,
-                         struct crossed *out)
+                         unsigned char *out_by, struct crossed *out)
 {
     // (a margin is 1e-6 of the largest distance of a plane)
     const double slack = p->round + 1e6 * ROUND * u->margin;
     int n = 0;
+    if (*out_by < u->planes && all_outside(p, u, u->plane[*out_by], slack))
+        return false;
     for (int i = 0; i < u->planes; i++) {
         const struct gp_half h = u->plane[i];
-        if (gp_half_at(h, p->centre) - along(h, p->inner) > slack - u->margin)
-            return false; // each box has a point outside
+        if (all_outside(p, u, h, slack)) {
+            *out_by = (unsigned char) i;
+            return false;
+        }
         out->plane[n] = (unsigned char) i;
         n += !(gp_half_at(h, p->middle) + along(h, p->reach) <=
                -slack - u->margin);
@@ -162,19 +182,21 @@ static bool find_crossed(const struct gp_pack *p, const struct gp_umbra *u,
 }
 
 unsigned gp_pack_held(const struct gp_pack *p, const struct gp_umbras *u,
-                      unsigned in, int *last)
+                      unsigned in, struct gp_pack_hint *hint)
 {
     struct crossed crossed[GP_OCCLUDERS];
     unsigned some = 0, held = 0;
-    if (*last < u->n && find_crossed(p, &u->umbra[*last], &crossed[0]) &&
-        crossed[0].n == 0)
+    const int last = hint->held;
+    if (last < u->n && find_crossed(p, &u->umbra[last], &hint->out_by[last],
+                                    &crossed[last]) && crossed[last].n == 0)
         return in;
     unsigned near = gp_umbras_near(u, p->centre, p->apart);
     for (int i = 0; near; i++, near >>= 1) {
-        if (!(near & 1) || !find_crossed(p, &u->umbra[i], &crossed[i]))
+        if (!(near & 1) || !find_crossed(p, &u->umbra[i], &hint->out_by[i],
+                                         &crossed[i]))
             continue;
         if (crossed[i].n == 0) {
-            *last = i;
+            hint->held = i;
             return in;
         }
         some |= 1u << i;
@@ -183,7 +205,7 @@ unsigned gp_pack_held(const struct gp_pack *p, const struct gp_umbras *u,
         const struct gp_umbra *const of = &u->umbra[i];
         const unsigned left = in & ~held;
         if (some & 1)
-            held |= left & ~beyond(p, of->plane, crossed[i].plane,
+            held |= left & ~beyond(p, left, of->plane, crossed[i].plane,
                                    crossed[i].n, 1.0, -of->margin);
     }
     return held;
@@ -205,7 +227,7 @@ unsigned gp_pack_missed(const struct gp_pack *p, const struct gp_volume *v,
                v->slack - slack);
     }
     return in & (beside(p, &v->box, v->slack) |
-                 beyond(p, v->plane, pick, n, -1.0, v->slack));
+                 beyond(p, in, v->plane, pick, n, -1.0, v->slack));
 }
 
 // -- groups ------------------------------------------------------------------

@@ -23,12 +23,18 @@ struct gp_pack {
     double round;                  // that rounding may move a point by
 };
 
+/* Umbras and planes that decided for packs before: they often decide for the
+ * next one, which is beside these. Zero at first; results do not depend on it. */
+struct gp_pack_hint {
+    int held;                           // the umbra that held all of a pack
+    unsigned char out_by[GP_OCCLUDERS]; // planes of umbras that held none of it
+};
+
 /* Return the bits of `in`, of boxes that count, whose box
- *   held    is in one of the umbras; *last: the one that held all of a pack
- *           last, >= 0: boxes beside each other are often in the same one
+ *   held    is in one of the umbras
  *   missed  cannot meet the volume */
 unsigned gp_pack_held(const struct gp_pack *p, const struct gp_umbras *u,
-                      unsigned in, int *last);
+                      unsigned in, struct gp_pack_hint *hint);
 unsigned gp_pack_missed(const struct gp_pack *p, const struct gp_volume *v,
                         unsigned in);
 

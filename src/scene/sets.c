@@ -200,13 +200,13 @@ static void find_lit(struct gp_sets *s, const struct gp_reach *r)
                               s->reached[i].in, r, &most);
         gp_umbras_make(&most, s->scene, s->bodies, r, &s->umbras);
     }
-    int last = 0;
+    struct gp_pack_hint hint = {0};
     s->lits = 0;
     for (int i = 0; i < s->reaches; i++) {
         struct reached *const at = &s->reached[i];
         const struct gp_pack p =
             gp_groups_widen(&s->groups, at->group, r, s->view.texel);
-        at->seen = at->in & ~gp_pack_held(&p, &s->umbras, at->in, &last);
+        at->seen = at->in & ~gp_pack_held(&p, &s->umbras, at->in, &hint);
         const unsigned lit = at->seen & s->visible[at->group];
         for (int k = 0; lit >> k; k++) {
             s->lit[s->lits] = GP_PACK * at->group + k;

@@ -63,7 +63,7 @@ static void check_light(struct gp_groups *g, const struct gp_scene *s,
     const struct gp_reach r = gp_light_reach(light);
     struct gp_darkest most = {0}, plain = {0};
     static struct gp_umbras u;
-    int last = 0;
+    struct gp_pack_hint hint = {0};
     gp_groups_near(g, &r);
     for (int i = 0; i < g->n; i++) {
         if (g->near[i])
@@ -84,7 +84,7 @@ static void check_light(struct gp_groups *g, const struct gp_scene *s,
     for (int i = 0; i < g->n; i++) {
         const struct gp_pack p = gp_groups_widen(g, i, &r, texel);
         const unsigned in = g->near[i] ? gp_groups_reached(g, i, &r) : 0;
-        const unsigned held = gp_pack_held(&p, &u, p.used, &last);
+        const unsigned held = gp_pack_held(&p, &u, p.used, &hint);
         const unsigned missed = gp_pack_missed(&p, v, p.used);
         for (int k = 0; k < GP_PACK; k++) {
             const struct gp_object *const o =
