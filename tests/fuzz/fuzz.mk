@@ -1,10 +1,12 @@
 # Fuzzing. A fuzz_NAME.c is a target: LLVMFuzzerTestOneInput over the whole
-# program as a library, in a build of its own in $(B)/fuzz. With clang the
-# targets fuzz; without it gcc builds them to run the corpora only.
+# program as a library, in a build of its own in $(B)/fuzz. All targets are one
+# program, linked once, in which the name that starts it is the target's. With clang
+# the targets fuzz; without it gcc builds them to run the corpora only.
 
 TIME ?= 60
 FUZZ := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_BIN := $(FUZZ:tests/fuzz/%.c=$(B)/%)
+FUZZ_OBJ := $(FUZZ:tests/fuzz/%.c=$(B)/targets/%.o)
 CLANG ?= $(firstword $(foreach c,clang clang-14,$(shell command -v $(c))))
 
 .PHONY: fuzz fuzz-build fuzz-bin
@@ -31,7 +33,27 @@ fuzz-build:
 
 fuzz-bin: $(FUZZ_BIN)
 
-$(B)/fuzz_%: tests/fuzz/fuzz_%.c tests/fuzz/harness.c tests/fuzz/run_corpus.c \
-             tests/fuzz/harness.h $(LIB_OBJ)
+# (each target's function is named as its file)
+$(B)/targets/%.o: tests/fuzz/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Itests/fuzz -DLLVMFuzzerTestOneInput=$* -MMD -MP \
+	    -c -o $@ $<
+-include $(FUZZ_OBJ:.o=.d)
+
+$(B)/targets/list.c: tests/fuzz/fuzz.mk $(wildcard tests/fuzz)
+	@mkdir -p $(@D)
+	@{ echo '#include "harness.h"'; \
+	   for t in $(FUZZ:tests/fuzz/%.c=%); do \
+	       echo "int $$t(const uint8_t *data, size_t size);"; done; \
+	   echo 'const struct fuzz_target fuzz_targets[] = {'; \
+	   for t in $(FUZZ:tests/fuzz/%.c=%); do \
+	       echo "    {\"$$t\", $$t},"; done; \
+	   echo '    {0, 0},'; echo '};'; } >$@
+
+$(B)/targets/all: $(B)/targets/list.c tests/fuzz/harness.c tests/fuzz/run_corpus.c \
+                  tests/fuzz/harness.h $(FUZZ_OBJ) $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) -Itests/fuzz $(LINK) $(FUZZ_MAIN) -o $@ $< \
-	    tests/fuzz/harness.c $(LIB_OBJ) $(LIBS)
+	    tests/fuzz/harness.c $(FUZZ_OBJ) $(LIB_OBJ) $(LIBS)
+
+$(FUZZ_BIN): $(B)/targets/all
+	@ln -f $< $@

@@ -17,6 +17,28 @@ int __sanitizer_install_malloc_and_free_hooks(
     void (*on_free)(const volatile void *));
 size_t __sanitizer_get_allocated_size(const volatile void *p);
 
+/* -- the target --------------------------------------------------------------- */
+
+static const struct fuzz_target *target;
+
+int LLVMFuzzerInitialize(int *argc, char ***argv)
+{
+    (void) argc;
+    const char *const path = (*argv)[0], *const slash = strrchr(path, '/');
+    const char *const name = slash ? slash + 1 : path;
+    for (target = fuzz_targets; target->name; target++) {
+        if (strcmp(target->name, name) == 0)
+            return 0;
+    }
+    fprintf(stderr, "%s: no fuzz target of that name\n", name);
+    exit(1);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return target->run(data, size);
+}
+
 /* -- lines of a call -------------------------------------------------------- */
 
 static int errors;

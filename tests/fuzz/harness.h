@@ -19,7 +19,20 @@ enum {
     FUZZ_SECONDS = 2,       // of CPU time, under the sanitizers
 };
 
+/* Runs an input; in the file of a target, its own function, as the build renames
+ * that after the file. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Chooses the target by the program's name, before the first input; exits when
+ * there is none of that name. Returns 0. */
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+
+/* The targets, up to an empty one; the build writes the list. */
+struct fuzz_target {
+    const char *name;
+    int (*run)(const uint8_t *data, size_t size);
+};
+extern const struct fuzz_target fuzz_targets[];
 
 /* Formats every line, and counts the error lines. */
 extern const struct gp_log fuzz_log;

@@ -59,6 +59,7 @@ static void run_target(const char *path)
 
 int main(int argc, char *argv[])
 {
+    LLVMFuzzerInitialize(&argc, &argv);
     for (int i = 1; i < argc; i++) {
         if (argv[i][0] != '-')
             run_target(argv[i]);
