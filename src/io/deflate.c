@@ -77,6 +77,7 @@ static gp_status pack_piece(void *ctx, int i, int thread)
     memcpy(p->packed, header, head);
     out->size = head + size;
     memcpy(out->data, p->packed, out->size);
+    out->crc = libdeflate_crc32(0, out->data, out->size);
     return GP_OK;
 }
 
@@ -114,7 +115,9 @@ static void add_checksum(struct packing *k)
                                                              : PIECE));
     }
     for (int i = 0; i < CHECKSUM; i++)
-        last->data[last->size++] = (uint8_t) (adler >> (24 - 8 * i));
+        last->data[last->size + (size_t) i] = (uint8_t) (adler >> (24 - 8 * i));
+    last->crc = libdeflate_crc32(last->crc, last->data + last->size, CHECKSUM);
+    last->size += CHECKSUM;
 }
 
 gp_status gp_zlib_pack(const struct gp_log *log, const uint8_t *raw, size_t n,

@@ -170,6 +170,7 @@ struct gp_zlib_stream {
     struct gp_bytes {
         uint8_t *data; // owned
         size_t size;
+        uint32_t crc;  // CRC-32 of the data, as chunks of PNG have it
     } *piece;          // owned
     int pieces;        // at least 1
 };

@@ -10,12 +10,14 @@
 #include "io/picture.h"
 
 #include <errno.h>
+#include <libdeflate.h>
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <zlib.h>
 
 static void on_warning(png_structp png, png_const_charp message)
 {
@@ -483,6 +485,21 @@ static struct tags tags_of(const struct gp_write_params *p,
     return t;
 }
 
+/* Writes a chunk IDAT, whose checksum was made where the data was packed. */
+static void write_data(png_structp png, const struct gp_bytes *data)
+{
+    static const png_byte type[4] = {'I', 'D', 'A', 'T'};
+    png_byte head[8], crc[4];
+    png_save_uint_32(head, (png_uint_32) data->size);
+    memcpy(head + 4, type, sizeof type);
+    png_save_uint_32(crc, (png_uint_32) crc32_combine(
+        libdeflate_crc32(0, type, sizeof type), data->crc,
+        (z_off_t) data->size));
+    write_bytes(png, head, sizeof head);
+    write_bytes(png, data->data, data->size);
+    write_bytes(png, crc, sizeof crc);
+}
+
 /* Writes all chunks. Between setjmp() and longjmp() no local variable changes,
  * only what the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
@@ -529,8 +546,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
         png_write_chunk(png, (png_const_bytep) "cICP", tags->cicp,
                         sizeof tags->cicp);
     for (int i = 0; i < data->pieces; i++)
-        png_write_chunk(png, (png_const_bytep) "IDAT", data->piece[i].data,
-                        data->piece[i].size);
+        write_data(png, &data->piece[i]);
     png_write_chunk(png, (png_const_bytep) "IEND", NULL, 0);
     png_destroy_write_struct(&png, &info);
     return GP_OK;
