@@ -1,4 +1,6 @@
-/* Allocation with checked sizes. */
+/* Allocation with checked sizes. Every function that allocates fails with
+ * GP_ERR_BUG where memory is full; contracts in private headers do not repeat
+ * it. */
 #ifndef GP_CORE_MEMORY_H
 #define GP_CORE_MEMORY_H
 

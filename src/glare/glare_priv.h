@@ -161,8 +161,7 @@ GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_request *req,
  * bound of rel_l2, which is for the core in floats that never leave their
  * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
  * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
- * *keep is NULL at first and kept from frame to frame.
- * Errors: GP_ERR_BUG out of memory. */
+ * *keep is NULL at first and kept from frame to frame. */
 struct gp_floor;
 GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
                                       struct gp_floor **keep, double *floor);

@@ -209,7 +209,7 @@ struct gp_flare_level {
 };
 
 /* The level at which `size` of the longer side in pixels is not under a pixel
- * a texel, with its sums. Errors: GP_ERR_BUG memory. */
+ * a texel, with its sums. */
 GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
     const struct gp_flare_image *image, double size,
     struct gp_flare_level *out);
@@ -246,7 +246,7 @@ struct gp_flare_quads {
 /* All that is not empty, at full visibility; with `clear` only of lights whose
  * visibility is over 0. Elements of f are not needed afterwards, but plain
  * images and such as are drawn at their own size or larger. Free with
- * gp_flare_quads_free(), after a failure too. Errors: GP_ERR_BUG memory. */
+ * gp_flare_quads_free(), after a failure too. */
 GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
     struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out);
@@ -374,8 +374,7 @@ struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
  * under 1e-3, sides of cells are straight and even enough; sets `scale` by
  * Richardson's rule, as both err with the square of a cell.
  *   optics  GP_LENS_NODES of them
- *   out     free with gp_lens_mesh_free()
- * Errors: GP_ERR_BUG out of memory. */
+ *   out     free with gp_lens_mesh_free() */
 GP_MUST_CHECK gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
@@ -431,12 +430,11 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Makes dark steps for a frame of w x h. Errors: GP_ERR_BUG out of memory. */
+/* Makes dark steps for a frame of w x h. */
 GP_MUST_CHECK gp_status gp_lens_steps_make(const struct gp_log *log, int w,
     int h, int step, struct gp_lens_steps *out);
 
-/* Sums up the rows of all levels, and adds them to a layer of w x h. Errors:
- * GP_ERR_BUG out of memory. */
+/* Sums up the rows of all levels, and adds them to a layer of w x h. */
 GP_MUST_CHECK gp_status gp_lens_steps_add(
     struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
     struct gp_planes *layer);

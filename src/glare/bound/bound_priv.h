@@ -58,8 +58,7 @@ struct gp_power {
 /* Makes the power of the part of the kernel that can reach a frame of w x h
  * pixels from sources up to `pad` pixels outside it. Without FFTW, or on a
  * plane over its limit of memory, only norm1 is found.
- * Written only on GP_OK; free with gp_power_free().
- * Errors: GP_ERR_BUG out of memory. */
+ * Written only on GP_OK; free with gp_power_free(). */
 GP_MUST_CHECK gp_status gp_power_make(const struct gp_log *log,
     const struct gp_kernel *kernel, bool tail, int w, int h, int pad,
     struct gp_power *out);
@@ -76,14 +75,13 @@ struct gp_residue {
     double rounding[3];   // bound of norm2 of the error of `d`
 };
 
-/* Free with gp_residue_free(). Errors: GP_ERR_BUG out of memory. */
+/* Free with gp_residue_free(). */
 GP_MUST_CHECK gp_status gp_residue_make(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_polygons *polygons, int pad,
     struct gp_residue *out);
 void gp_residue_free(struct gp_residue *r);
 
-/* Bounds |k * d| over the frame, each channel.
- * Errors: GP_ERR_BUG out of memory. */
+/* Bounds |k * d| over the frame, each channel. */
 GP_MUST_CHECK gp_status gp_power_bound(const struct gp_log *log,
     const struct gp_power *power, const struct gp_residue *r, double out[3]);
 
@@ -100,15 +98,14 @@ struct gp_bound_table {
 void gp_bound_table_free(struct gp_bound_table *t);
 
 /* Finds the most, or the least, that a unit of light up to `carry` pixels from
- * a cell adds to a pixel of another. Kernel without its core when `tail`.
- * Errors: GP_ERR_BUG out of memory. */
+ * a cell adds to a pixel of another. Kernel without its core when `tail`. */
 enum gp_bound_end { GP_BOUND_MOST, GP_BOUND_LEAST };
 GP_MUST_CHECK gp_status gp_bound_table_make(const struct gp_log *log,
     const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
     enum gp_bound_end end, bool tail, int carry, struct gp_bound_table *out);
 
-/* Finds the most light of each channel that shrinking leaves out in any pixel.
- * Errors: GP_ERR_BUG out of memory. */
+/* Finds the most light of each channel that shrinking leaves out in any
+ * pixel. */
 GP_MUST_CHECK gp_status gp_bound_cells_left(const struct gp_log *log,
     const struct gp_bound_cells *cells, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, const struct gp_bound_table *most,
@@ -122,15 +119,14 @@ struct gp_bound_rings {
     double slope[3];   // sum of |dk/dx| + |dk/dy|, differences to the next
 };
 
-/* Free with gp_bound_rings_free(). Errors: GP_ERR_BUG out of memory. */
+/* Free with gp_bound_rings_free(). */
 GP_MUST_CHECK gp_status gp_bound_rings_make(const struct gp_log *log,
     const struct gp_kernel *k, bool tail, int w, int h,
     struct gp_bound_rings *out);
 void gp_bound_rings_free(struct gp_bound_rings *r);
 
 /* Sums the light left out by shrinking over an unbounded plane, and bounds its
- * norm by Young's inequality, ring by ring.
- * Errors: GP_ERR_BUG out of memory. */
+ * norm by Young's inequality, ring by ring. */
 GP_MUST_CHECK gp_status gp_bound_rings_left(const struct gp_log *log,
     const struct gp_bound_rings *r, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, double sum[3], double norm[3]);

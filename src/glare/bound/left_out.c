@@ -143,31 +143,41 @@ GP_CLONES static void add_scaled(double *restrict to,
         to[i] += k * from[i];
 }
 
+/* Adds the light that the table spreads from all cells to row y of them.
+ *   light  of each cell; plane r of `plane` cells is for those r apart
+ *   own    counts a cell's light in itself */
+static void add_spread(const struct gp_bound_table *t, int c,
+    const struct gp_bound_cells *cells, const double *light, size_t plane,
+    bool own, int y, double *line)
+{
+    const int columns = cells->columns;
+    for (int dy = t->y0; dy < t->y0 + t->h; dy++) {
+        const double *const k = t->at[t->channels == 1 ? 0 : c] +
+                                (size_t) (dy - t->y0) * (size_t) t->w;
+        if (y - dy < 0 || y - dy >= cells->rows)
+            continue;
+        for (int i = 0; i < t->w; i++) {
+            const int dx = t->x0 + i, far = gp_max(abs(dx), abs(dy));
+            const int from = gp_max(dx, 0), end = columns + gp_min(dx, 0);
+            if (k[i] > 0.0 && from < end && (own || far))
+                add_scaled(line + from,
+                           light + (size_t) far * plane +
+                               (size_t) (y - dy) * (size_t) columns +
+                               (from - dx),
+                           end - from, k[i]);
+        }
+    }
+}
+
 /* Finds the largest of the light that the table spreads to a row of cells. */
 static void spread_row(void *ctx, int y, int thread)
 {
     const struct light *const l = ctx;
-    const struct gp_bound_table *const t = l->table;
     const int columns = l->cells->columns;
     double *const line = l->line + (size_t) columns * (size_t) thread;
     for (int c = 0; c < 3; c++) {
         memset(line, 0, (size_t) columns * sizeof *line);
-        for (int dy = t->y0; dy < t->y0 + t->h; dy++) {
-            const double *const k = t->at[t->channels == 1 ? 0 : c] +
-                                    (size_t) (dy - t->y0) * (size_t) t->w;
-            if (y - dy < 0 || y - dy >= l->cells->rows)
-                continue;
-            for (int i = 0; i < t->w; i++) {
-                const int dx = t->x0 + i, far = gp_max(abs(dx), abs(dy));
-                const int from = gp_max(dx, 0), end = columns + gp_min(dx, 0);
-                if (k[i] > 0.0 && from < end)
-                    add_scaled(line + from,
-                               l->at[c] + (size_t) far * l->plane +
-                                   (size_t) (y - dy) * (size_t) columns +
-                                   (from - dx),
-                               end - from, k[i]);
-            }
-        }
+        add_spread(l->table, c, l->cells, l->at[c], l->plane, true, y, line);
         l->most[y][c] = 0.0;
         for (int x = 0; x < columns; x++)
             l->most[y][c] = fmax(l->most[y][c], line[x]);
@@ -245,28 +255,12 @@ struct faint {
     double *out;
 };
 
-/* Adds up one row of cells. */
 static void faint_row(void *ctx, int y, int thread)
 {
     const struct faint *const f = ctx;
-    const struct gp_bound_table *const t = f->table;
-    const int columns = f->cells->columns;
-    double *const line = f->out + (size_t) y * (size_t) columns;
     (void) thread;
-    for (int dy = t->y0; dy < t->y0 + t->h; dy++) {
-        const double *const k = t->at[t->channels == 1 ? 0 : f->c] +
-                                (size_t) (dy - t->y0) * (size_t) t->w;
-        if (y - dy < 0 || y - dy >= f->cells->rows)
-            continue;
-        for (int i = 0; i < t->w; i++) {
-            const int dx = t->x0 + i;
-            const int from = gp_max(dx, 0), end = columns + gp_min(dx, 0);
-            if (k[i] > 0.0 && from < end && (dx || dy))
-                add_scaled(line + from,
-                           f->light + (size_t) (y - dy) * (size_t) columns +
-                               (from - dx), end - from, k[i]);
-        }
-    }
+    add_spread(f->table, f->c, f->cells, f->light, 0, false, y,
+               f->out + (size_t) y * (size_t) f->cells->columns);
 }
 
 gp_status gp_bound_cells_faint(const struct gp_log *log,

@@ -101,7 +101,7 @@ struct gp_fft_shape {
 };
 
 /* Those of channel c, rows without gaps where the kernel has a tail, which fills
- * them; free with gp_fft_shape_free(). Errors: GP_ERR_BUG out of memory. */
+ * them; free with gp_fft_shape_free(). */
 GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
     const struct gp_kernel *k, int c, struct gp_fft_shape *out);
 void gp_fft_shape_free(struct gp_fft_shape *s);
@@ -116,8 +116,7 @@ struct gp_fft_noise {
  * sample of the kernel other than 0, in the rows marked.
  *
  *   shape  of the kernel's channels; may be the same ones
- *   layer  of the sources' frame
- * Errors: GP_ERR_BUG out of memory. */
+ *   layer  of the sources' frame */
 GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
     const struct gp_fft_shape *const shape[3],

@@ -32,8 +32,7 @@ static inline double gp_diffract_fade(double t, double reach)
  * fade out at `reach` degrees. Where they hold all up to the reach (`fits`), the
  * light of the centre is changed for all of it to be 1.
  *
- *   shape  owned by the caller; after an error as before
- * Errors: GP_ERR_BUG out of memory. */
+ *   shape  owned by the caller; after an error as before */
 GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log, int rx,
     int ry, double reach, const struct gp_field *f, struct gp_shape *shape);
 
@@ -97,8 +96,7 @@ GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
     const struct gp_pupil *p, struct gp_correlator *out);
 void gp_correlator_free(struct gp_correlator *t);
 
-/* Fills a->re, a->im and a->sum at one wavelength.
- * Errors: GP_ERR_BUG out of memory. */
+/* Fills a->re, a->im and a->sum at one wavelength. */
 GP_MUST_CHECK gp_status gp_correlate(const struct gp_log *log,
     const struct gp_correlator *t, double nm, struct gp_lags *a);
 

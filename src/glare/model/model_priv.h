@@ -177,7 +177,7 @@ void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
 
 /* A shape of a profile that is smooth but at 0. Fills all of `out` but
  * `smooth`; `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may
- * bend on a scale of a few pixels. Errors: GP_ERR_BUG out of memory. */
+ * bend on a scale of a few pixels. */
 GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out);

@@ -245,8 +245,7 @@ struct gp_tile_pieces {
 
 /* Finds each polygon's pixels: those that its blurred kernel covers and
  * |dx|, |dy| <= reach does not cut, inside the w x h frame.
- *   out  written only on GP_OK; free with gp_tile_pieces_free()
- * Errors: GP_ERR_BUG out of memory. */
+ *   out  written only on GP_OK; free with gp_tile_pieces_free() */
 GP_MUST_CHECK gp_status gp_tile_pieces_make(const struct gp_log *log,
     const struct gp_kernel *kernel, struct gp_rect crop,
     const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
