@@ -71,13 +71,6 @@ struct gp_pixel_floor {
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_frame *f, struct gp_pixel_floor *out);
 
-/* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
- * most share * gain * layer + gain * sum of weight * of, and the composite Y is
- * at least `lit`, as kernel and light are not negative. The
- * share's part is at most `share` where Y's own part is not negative. */
-double gp_pixel_bound(const struct gp_pixel_floor *f,
-                      const struct gp_pixel_error *e, double gain);
-
 // -- plan.c: `--engine auto` --------------------------------------------------
 //
 // A choice depends on the build (costs.h), the frame, the options and the

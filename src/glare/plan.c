@@ -471,8 +471,12 @@ out:
     return st;
 }
 
-double gp_pixel_bound(const struct gp_pixel_floor *f,
-                      const struct gp_pixel_error *e, double gain)
+/* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
+ * most share * gain * layer + gain * sum of weight * of, and the composite Y is
+ * at least `lit`, as kernel and light are not negative. The
+ * share's part is at most `share` where Y's own part is not negative. */
+static double pixel_bound(const struct gp_pixel_floor *f,
+                          const struct gp_pixel_error *e, double gain)
 {
     const double peak = 1e-6 * (f->most - f->less);
     const double dark = fmax(f->lit - f->less, 0.0) + peak;
@@ -506,7 +510,7 @@ gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
     struct gp_pixel_error error = {.share = INFINITY};
     gp_status st = e->pixel ? e->pixel(req, &g->state[engine], &error) : GP_OK;
     *bound = st ? INFINITY
-                : gp_pixel_bound(floor, &error, (double) req->params->gain);
+                : pixel_bound(floor, &error, (double) req->params->gain);
     return st;
 }
 

@@ -28,8 +28,8 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
     *state = NULL;
 }
 
-gp_status gp_map_use(const struct gp_log *log, const struct gp_gl *gl,
-                     struct gp_sun_map *s, enum gp_sun_program which)
+static gp_status use_program(const struct gp_log *log, const struct gp_gl *gl,
+                             struct gp_sun_map *s, enum gp_sun_program which)
 {
     static const struct {
         const char *defines, *vert, *frag;
@@ -57,9 +57,13 @@ static void split_float(double v, float out[2])
     out[1] = (float) (v - (double) out[0]);
 }
 
-gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
-    const struct gp_light *light, int n, struct gp_sun_map **state)
+/* Makes *state and what a frame of n lights needs but the atlas: lights and
+ * pixels written, intensity of n x 1. Errors: as gp_sun_map_draw(). */
+static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
+                             const struct gp_occluders *o,
+                             const struct gp_map_params *p,
+                             const struct gp_light *light, int n,
+                             struct gp_sun_map **state)
 {
     const int limit = gp_gl_info(gl)->max_size;
     struct gp_map_pixels pixels;
@@ -167,7 +171,7 @@ static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
         .vertices = sum == GP_SUM_BILINEAR ? count / 4 : count,
         .instances = across * down, .points = true,
     };
-    gp_status st = gp_map_use(log, gl, s, which);
+    gp_status st = use_program(log, gl, s, which);
     return st ? st : gp_draw_run(log, gl, &draw);
 }
 
@@ -179,7 +183,7 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     const bool byte = p->sum == GP_SUM_BYTE;
     const int limit = gp_gl_info(gl)->max_size;
     gp_status st;
-    GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
+    GP_TRY(begin_frame(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
 
     // an atlas that is large enough, with about as many columns as rows
@@ -215,7 +219,7 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
         .cut = {0, 0, s->columns * s->map, h * s->map},
         .uniform = of_maps, .vertices = 6, .instances = n, .replace = true,
     };
-    GP_TRY(gp_map_use(log, gl, s, GP_SUN_TEXELS));
+    GP_TRY(use_program(log, gl, s, GP_SUN_TEXELS));
     GP_TRY(gp_draw_run(log, gl, &maps));
 
     // a pixel for each light, in rows as the maps of the atlas
@@ -241,7 +245,7 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
         .cut = {0, 0, n, 1}, .uniform = uniform, .vertices = 3,
         .instances = 1, .replace = true,
     };
-    GP_TRY(gp_map_use(log, gl, s, GP_SUN_TOTAL));
+    GP_TRY(use_program(log, gl, s, GP_SUN_TOTAL));
     GP_TRY(gp_draw_run(log, gl, &draw));
     GP_TRY(gp_gl_check(log, gl, "sun map"));
     s->n = n;
@@ -380,9 +384,9 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
 {
     float intensity[4 * GP_LIGHTS_MAX] = {0}, *rgba = NULL;
     gp_status st;
-    GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
+    GP_TRY(begin_frame(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
-    GP_TRY(gp_map_use(log, gl, s, GP_SUN_PIXELS));
+    GP_TRY(use_program(log, gl, s, GP_SUN_PIXELS));
     for (int i = 0; i < n; i++) {
         const struct gp_map_light *const l = &s->light[i];
         const int w = gp_rect_w(l->box), h = gp_rect_h(l->box);

@@ -129,15 +129,6 @@ struct gp_sun_map {
     int n, map, columns;         // of the last draw; map 0: a readback
 };
 
-/* Makes *state and what a frame of n lights needs but the atlas: lights and
- * pixels written, intensity of n x 1. Errors: as gp_sun_map_draw(). */
-GP_MUST_CHECK gp_status gp_map_begin(
-    const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
-    const struct gp_light *light, int n, struct gp_sun_map **state);
-GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
-    const struct gp_gl *gl, struct gp_sun_map *s, enum gp_sun_program which);
-
 /* Writes all boxes to s->pixels, which is made to fit. */
 GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_occluders *o,

@@ -13,8 +13,9 @@
 
 // -- programs -----------------------------------------------------------------
 
-gp_status gp_splat_use(const struct gp_log *log, struct gp_splat *s,
-                       enum gp_splat_program which)
+/* Makes a program unless it exists. Errors: GP_ERR_GL. */
+static gp_status use_program(const struct gp_log *log, struct gp_splat *s,
+                             enum gp_splat_program which)
 {
 #define FILES(name, vert, frag) {vert, frag},
     static const char *const files[][2] = {GP_SPLAT_PROGRAMS(FILES)};
@@ -46,8 +47,11 @@ void gp_splat_drop_kernels(struct gp_splat *s)
     }
 }
 
-void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
-                         struct gp_rect crop, bool tail, bool bordered)
+/* Drops the kernels unless they were made from this kernel, crop, and use:
+ * `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered` puts a
+ * border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
+static void set_kernel(struct gp_splat *s, const struct gp_kernel *k,
+                       struct gp_rect crop, bool tail, bool bordered)
 {
     const bool same = k->serial && k->serial == s->serial &&
                       memcmp(&crop, &s->crop, sizeof crop) == 0 &&
@@ -88,8 +92,11 @@ static gp_status upload_kernel(const struct gp_log *log, struct gp_splat *s,
     return st;
 }
 
-gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
-                               const struct gp_kernel *k, int which)
+/* Makes s->kernel[which] unless it exists. A kernel of no samples (a core
+ * that the crop does not meet) has w 0 and no texture.
+ * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
+static gp_status need_kernel(const struct gp_log *log, struct gp_splat *s,
+                             const struct gp_kernel *k, int which)
 {
     if (s->kernel[which].texture.id)
         return GP_OK;
@@ -150,7 +157,7 @@ struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
     return c;
 }
 
-struct gp_rect gp_cells_rect(const struct gp_cells *c)
+static struct gp_rect cells_rect(const struct gp_cells *c)
 {
     return (struct gp_rect) {c->x, c->y, c->x + c->w * c->side,
                              c->y + c->h * c->side};
@@ -202,7 +209,7 @@ gp_status gp_splat_group(const struct gp_log *log, struct gp_splat *s,
     struct gp_rect rect, const struct gp_cells *c, unsigned boxes, float fill,
     const struct gp_target *parents, int parent_side, struct gp_target *out)
 {
-    gp_status st = gp_splat_use(log, s, GP_SPLAT_GROUP);
+    gp_status st = use_program(log, s, GP_SPLAT_GROUP);
     if (!st)
         st = gp_splat_fit_target(log, s->gl, "groups", 2, c->w, c->h, out);
     if (st)
@@ -280,11 +287,11 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         : k->points              ? GP_SPLAT_POINT
         : g->places              ? GP_SPLAT_SMOOTH_QUAD
                                  : GP_SPLAT_EXACT_QUAD;
-    gp_status st = gp_splat_need_kernel(k->req->log, s, k->req->kernel, which);
+    gp_status st = need_kernel(k->req->log, s, k->req->kernel, which);
     // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): always has its s
     if (st || !o->w)
         return st;
-    st = gp_splat_use(k->req->log, s, program);
+    st = use_program(k->req->log, s, program);
     if (st)
         return st;
     const bool shrinks = k->layout->params.shrink > 0.0f &&
@@ -369,7 +376,7 @@ static gp_status flush_chunk(struct drawing *k)
         .program = &s->program[GP_SPLAT_ADD], .target = &s->total, .cut = rows,
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_status st = gp_splat_use(k->req->log, s, GP_SPLAT_ADD);
+    gp_status st = use_program(k->req->log, s, GP_SPLAT_ADD);
     if (!st)
         st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, rows);
@@ -382,7 +389,7 @@ static gp_status flush_chunk(struct drawing *k)
 static gp_status draw_grid(struct drawing *k, const struct grid *g)
 {
     const struct gp_cells *const c = &g->cells;
-    const struct gp_rect r = gp_cells_rect(c);
+    const struct gp_rect r = cells_rect(c);
     const int end = c->w * c->h;
     if (k->layout->polygons.n <= k->layout->chunk)
         return draw_range(k, g, &k->s->total, 0, end);
@@ -430,7 +437,7 @@ static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
     const struct gp_splat_params *const p = &k->layout->params;
     const struct gp_polygons *const all = &k->layout->polygons;
     const struct gp_rect rect = gp_rect_meet(
-        gp_cells_rect(coarse), (struct gp_rect) {0, 0, src->w, src->h});
+        cells_rect(coarse), (struct gp_rect) {0, 0, src->w, src->h});
     const struct grid pixels = {
         .cells = {1, rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect)},
         .sensors = &s->sources, .at = all->at, .n = all->n,
@@ -631,6 +638,6 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) reach_of(p, gp_source_bin_start(i));
     gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
-    gp_splat_set_kernel(s, req->kernel, p->crop, p->core, points);
+    set_kernel(s, req->kernel, p->crop, p->core, points);
     return draw_fields(&k);
 }

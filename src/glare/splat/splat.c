@@ -148,21 +148,25 @@ static double count_pixels(const struct gp_glare_request *req,
 
 /* -- the layout ------------------------------------------------------------ */
 
-void gp_splat_layout_free(struct gp_splat_layout *p)
+static void free_layout(struct gp_splat_layout *p)
 {
     gp_polygons_free(&p->polygons);
     *p = (struct gp_splat_layout) {0};
 }
 
-gp_status gp_splat_layout_make(const struct gp_glare_request *req,
-    struct gp_bound_cache *cache, struct gp_splat_layout *p)
+/* Makes the layout of a request, or keeps *p when it was made from the same
+ * light, kernel and parameters. src->n is over 0.
+ * Errors: GP_ERR_BUG out of memory; *p is then empty. */
+static gp_status make_layout(const struct gp_glare_request *req,
+                             struct gp_bound_cache *cache,
+                             struct gp_splat_layout *p)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
     const uint64_t key = key_of(req);
     if (p->valid && p->key == key && k->serial)
         return GP_OK;
-    gp_splat_layout_free(p);
+    free_layout(p);
     struct gp_splat_layout o = {.valid = true, .key = key,
                               .params = req->params->splat};
     o.single = o.params.group == 1 && !o.params.cluster;
@@ -219,7 +223,7 @@ gp_status gp_splat_layout_make(const struct gp_glare_request *req,
     *p = o;
     return GP_OK;
 out:
-    gp_splat_layout_free(&o);
+    free_layout(&o);
     return st;
 }
 
@@ -248,7 +252,7 @@ static void close_splat(void **state)
     if (!s)
         return;
     close_context(s);
-    gp_splat_layout_free(&s->layout);
+    free_layout(&s->layout);
     gp_bound_cache_free(&s->bounds);
     gp_free(s->band);
     GP_FREE(*state);
@@ -355,7 +359,7 @@ static gp_status find_bound(const struct gp_glare_request *req, void **state,
     if (st)
         return st;
     struct gp_splat *const s = *state;
-    st = gp_splat_layout_make(req, &s->bounds, &s->layout);
+    st = make_layout(req, &s->bounds, &s->layout);
     if (!st)
         *out = s->layout.bound;
     return st;
@@ -380,7 +384,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     struct gp_splat *const s = *state;
     const struct gp_splat_layout *const p = &s->layout;
     GP_TRY(gp_splat_open(req->log, s, req->params->gl));
-    GP_TRY(gp_splat_layout_make(req, &s->bounds, &s->layout));
+    GP_TRY(make_layout(req, &s->bounds, &s->layout));
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE

@@ -35,13 +35,6 @@ struct gp_splat_layout {
     double bound;                  // of rel_l2, for any way to draw
 };
 
-/* Makes the layout of a request, or keeps *p when it was made from the same
- * light, kernel and parameters. src->n is over 0.
- * Errors: GP_ERR_BUG out of memory; *p is then empty. */
-GP_MUST_CHECK gp_status gp_splat_layout_make(const struct gp_glare_request *req,
-    struct gp_bound_cache *cache, struct gp_splat_layout *p);
-void gp_splat_layout_free(struct gp_splat_layout *p);
-
 /* -- the engine's state ---------------------------------------------------- */
 
 enum { GP_SPLAT_BAND_TEXELS = 1 << 18 };
@@ -107,28 +100,13 @@ GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
 
 /* -- objects on GL --------------------------------------------------------- */
 
-/* Makes a program unless it exists. Errors: GP_ERR_GL. */
-GP_MUST_CHECK gp_status gp_splat_use(const struct gp_log *log,
-    struct gp_splat *s, enum gp_splat_program which);
-
 /* Makes a target with n attachments at least w x h; what it held is lost when
  * it grows. Errors: those of gp_target_make(). */
 GP_MUST_CHECK gp_status gp_splat_fit_target(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, int n, int w, int h,
     struct gp_target *t);
 
-/* Drops the kernels unless they were made from this kernel, crop, and use:
- * `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered` puts a
- * border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
-void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
-                         struct gp_rect crop, bool tail, bool bordered);
 void gp_splat_drop_kernels(struct gp_splat *s);
-
-/* Makes s->kernel[which] unless it exists. A kernel of no samples (a core
- * that the crop does not meet) has w 0 and no texture.
- * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_splat_need_kernel(const struct gp_log *log,
-    struct gp_splat *s, const struct gp_kernel *k, int which);
 
 /* A grid of cells of side x side pixels. Pixels count from the data window's
  * corner, so the grid's may be negative. */
@@ -142,7 +120,6 @@ struct gp_cells {
  * `rect`, which is not empty; and their pixels. */
 struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
                               int side);
-struct gp_rect gp_cells_rect(const struct gp_cells *c);
 
 /* Uploads the light of the pixels of `rect`, which is inside the frame, to
  * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
@@ -272,9 +249,5 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind,
 void gp_tile_batch_enter(const struct gp_polygons *polygons,
                          const struct gp_tile_pieces *p, int kind,
                          size_t *next, struct gp_tile_batch *batch);
-
-/* Polygons of an inner sum, for a tile with `most` of them: about the square
- * root, so that a pixel takes the fewest roundings. */
-int gp_tile_inner(size_t most);
 
 #endif

@@ -231,7 +231,9 @@ void gp_tile_batch_enter(const struct gp_polygons *polygons,
     }
 }
 
-int gp_tile_inner(size_t most)
+/* Polygons of an inner sum, for a tile with `most` of them: about the square
+ * root, so that a pixel takes the fewest roundings. */
+static int inner_sum(size_t most)
 {
     return gp_max((int) ceil(sqrt((double) most)), 8);
 }
@@ -373,7 +375,7 @@ static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
         if (!p->id)
             GP_TRY(gp_program_make(k->log, k->gl, defines[variant], "add.vert",
                                    "tile.frag", p));
-        const int inner = gp_tile_inner((size_t) batch.most);
+        const int inner = inner_sum((size_t) batch.most);
         const struct gp_uniform uniform[] = {
             {.name = "list", .texels = &t->entries},
             {.name = "tile", .v = {columns, rows}},
@@ -510,6 +512,6 @@ double gp_tiles_roundings(const struct gp_polygons *polygons)
         if (n[b] > 0)
             draws += 1.0 + (double) n[b] / GP_TILE_BATCH;
     }
-    double inner = gp_tile_inner(most);
+    double inner = inner_sum(most);
     return MIXING + inner + ceil((double) most / inner) + draws;
 }
