@@ -131,9 +131,9 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     return GP_OK;
 }
 
-gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
-                             const struct gp_input *in, int part,
-                             long long max_pixels, struct gp_exr_chunks *out)
+gp_status gp_exr_part_find(const struct gp_log *log, const char *path,
+                           const struct gp_input *in, int part,
+                           long long max_pixels, struct gp_exr_chunks *out)
 {
     const exr_context_t exr = in->exr;
     gp_status st;
@@ -146,11 +146,6 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                        "%s: the EXR header is damaged (part %d lacks "
                        "channels, compression or type); render the file again",
                        path, part);
-    if (gp_exr_is_deep(in, part))
-        return gp_fail(log, GP_ERR_DATA,
-            "%s: deep data has no single colour per pixel (part "
-            "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
-
     if (exr_get_data_window(exr, part, &d))
         return gp_fail(log, GP_ERR_DATA,
             "%s: has no data window; render the file again", path);
@@ -167,7 +162,8 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
     const uint64_t size = in->stream.size;
     const int all = in->index->part[part].chunks;
     int64_t n = 0;
-    if (out->storage == EXR_STORAGE_TILED) {
+    if (out->storage == EXR_STORAGE_TILED ||
+        out->storage == EXR_STORAGE_DEEP_TILED) {
         exr_tile_level_mode_t mode;
         exr_tile_round_mode_t round;
         uint32_t tw = 0, th = 0;
@@ -189,8 +185,24 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                        "bytes, %lld needed); copy or render the file again",
                        path, all, (unsigned long long) size, (long long) n);
     out->chunks = (int) n;
-    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
-                         &out->chunk));
+out:
+    return st;
+}
+
+gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
+                             const struct gp_input *in, int part,
+                             long long max_pixels, struct gp_exr_chunks *out)
+{
+    exr_storage_t storage; // where there is none, the part is not known as deep
+    gp_status st;
+    *out = (struct gp_exr_chunks) {.input = in};
+    if (!exr_get_storage(in->exr, part, &storage) && gp_exr_is_deep(in, part))
+        return gp_fail(log, GP_ERR_DATA,
+            "%s: deep data has no single colour per pixel (part "
+            "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
+    GP_TRY(gp_exr_part_find(log, path, in, part, max_pixels, out));
+    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) out->chunks,
+                         sizeof *out->chunk, &out->chunk));
     GP_TRY(read_chunks(log, out));
 out:
     return st;

@@ -10,7 +10,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/half.h"
-#include "io/image.h"
 
 #include <libdeflate.h>
 #include <string.h>
@@ -46,36 +45,11 @@ static gp_status damaged(const struct deep *d, int chunk, const char *why)
 static gp_status read_part(struct deep *d, long long max_pixels)
 {
     struct gp_exr_chunks *const l = &d->out->part;
-    const exr_context_t exr = l->input->exr;
-    exr_attr_box2i_t window;
     gp_status st;
-    if (exr_get_storage(exr, l->part, &l->storage) ||
-        exr_get_compression(exr, l->part, &l->compression) ||
-        exr_get_channels(exr, l->part, &l->channel) ||
-        exr_get_data_window(exr, l->part, &window))
-        return gp_fail(d->log, GP_ERR_DATA,
-                       "%s: the EXR header is damaged (part %d lacks channels, "
-                       "compression, window or type); render the file again",
-                       l->path, l->part);
-    const int64_t w = (int64_t) window.max.x - window.min.x + 1;
-    const int64_t h = (int64_t) window.max.y - window.min.y + 1;
-    GP_TRY(gp_window_check(d->log, l->path, "data", w, h, max_pixels));
-    l->x0 = window.min.x;
-    l->y0 = window.min.y;
-    l->w = (int) w;
-    l->h = (int) h;
-    l->tile_w = l->w;
-    l->tile_h = l->lines = 1;
-    if (l->storage == EXR_STORAGE_DEEP_TILED) {
-        exr_tile_level_mode_t mode;
-        exr_tile_round_mode_t round;
-        uint32_t tw = 0, th = 0;
-        if (exr_get_tile_descriptor(exr, l->part, &tw, &th, &mode, &round) ||
-            tw < 1 || th < 1 || tw > INT32_MAX || th > INT32_MAX)
-            return damaged(d, 0, "its tiles have no size");
-        l->tile_w = (int) tw;
-        l->tile_h = (int) th;
-        l->lines = 0;
+    GP_TRY(gp_exr_part_find(d->log, l->path, l->input, l->part, max_pixels, l));
+    if (l->lines) {
+        l->tile_w = l->w;
+        l->tile_h = l->lines;
     }
     for (int i = 0; i < l->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *const e = &l->channel->entries[i];
@@ -91,13 +65,7 @@ static gp_status read_part(struct deep *d, long long max_pixels)
                        "%s: deep data has a compression that deep data cannot "
                        "have (number %d); write it as zips", l->path,
                        (int) l->compression);
-    // the first chunks are those of level 0; the file bounds the table
-    const int64_t n = ((w - 1) / l->tile_w + 1) * ((h - 1) / l->tile_h + 1);
-    const int all = l->input->index->part[l->part].chunks;
-    l->chunks = n < all ? (int) n : all;
-    if (n > all || (uint64_t) n > l->input->stream.size / sizeof *d->offset)
-        return damaged(d, l->chunks, "it is missing");
-    GP_TRY(gp_alloc(d->log, l->path, (size_t) n, sizeof *d->offset,
+    GP_TRY(gp_alloc(d->log, l->path, (size_t) l->chunks, sizeof *d->offset,
                     &d->offset));
     if (!gp_exr_offsets_read(l->input, l->part, 0, l->chunks, d->offset))
         st = damaged(d, 0, "its place cannot be read");

@@ -107,6 +107,16 @@ enum {
     GP_EXR_MULTIPART = 0x1000,
 };
 
+/* -- parts (decode.c) ------------------------------------------------------
+ *
+ * Finds the window, channels and tiles of a part, flat or deep, and the number
+ * of chunks of its level 0, which the offset table in the file bounds.
+ *   out  written always, without a list of chunks
+ * Errors: GP_ERR_DATA damaged, more than max_pixels. */
+GP_MUST_CHECK gp_status gp_exr_part_find(const struct gp_log *log,
+    const char *path, const struct gp_input *in, int part, long long max_pixels,
+    struct gp_exr_chunks *out);
+
 /* -- chunks as bytes (open.c) --------------------------------------------- */
 
 /* Reads `n` entries of a part's offset table, from `first` on. False when
