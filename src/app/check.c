@@ -39,7 +39,7 @@ static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
 }
 
 /* Messages, in the order of the checks. They follow "--NAME: "; where there is
- * an `end`, what was found stands before it. */
+ * an `end`, the value that was found is printed before it. */
 static const struct {
     unsigned bit;
     const char *text, *end;

@@ -1,8 +1,68 @@
-/* Finds options by name or letter, their values, and commands. */
+/* The commands; finds them, options by name or letter, and options' values. */
 #include "app/options.h"
 
 #include <float.h>
 #include <string.h>
+
+// -- commands ----------------------------------------------------------------
+
+const struct gp_command_row gp_commands[] = {
+    {"", GP_COMMAND_MAIN,
+     "Adds the glare of bright light to HDR frames.\n\n"
+     "  glarepp [options] -o OUTPUT INPUT...\n"
+     "  glarepp bench [options] INPUT    (see glarepp bench --help)\n"
+     "  glarepp compare [options] A B    (see glarepp compare --help)\n"
+     "  glarepp kernel [options] -o FILE (see glarepp kernel --help)\n"
+     "  glarepp lens [options]           (see glarepp lens --help)\n"
+     "  glarepp sets [options] SCENE     (see glarepp sets --help)\n"
+     "  glarepp help [TOPIC]\n\n"
+     "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or patterns:\n"
+     "shot.####.exr, shot.@.exr, shot.%04d.exr; %V stands for a stereo view.\n",
+     "glarepp -o out.png frame.exr"},
+    {"bench", GP_COMMAND_BENCH,
+     "Measures speed against error on a frame, for every technique.\n\n"
+     "  glarepp bench [options] INPUT\n"
+     "  glarepp bench [options] --paper\n\n"
+     "INPUT is a file, or - for stdin (EXR).\n",
+     "glarepp bench frame.exr"},
+    {"compare", GP_COMMAND_COMPARE,
+     "Measures the error between two images or two sequences.\n\n"
+     "  glarepp compare [options] A B\n\n"
+     "A, the reference, and B are files or patterns; one may be - for stdin.\n"
+     "idiff's command lines work unchanged, with one dash or two: -fail "
+     "0.004.\n"
+     "Exit status, as idiff's: 0 PASS, 1 WARNING, 2 FAILURE, 3 cannot be "
+     "compared,\n4 a file cannot be read or written; 64 a wrong command "
+     "line.\n",
+     "glarepp compare a.exr b.exr"},
+    {"kernel", GP_COMMAND_KERNEL,
+     "Makes a glare kernel, or checks one.\n\n"
+     "  glarepp kernel [options] -o FILE\n"
+     "  glarepp kernel --from FILE -o FILE\n"
+     "  glarepp kernel [options] --check FILE|MODEL [FRAME]\n"
+     "  glarepp kernel --list\n\n"
+     "-k names the model; FILE is an EXR, with the recipe in its attributes.\n"
+     "--check looks at what FRAME would show; exit status 1 for a fault.\n",
+     "glarepp kernel --list"},
+    {"lens", GP_COMMAND_LENS,
+     "Checks a lens, or draws it.\n\n"
+     "  glarepp lens --check FILE|NAME [--draw FILE]\n"
+     "  glarepp lens --list\n\n"
+     "FILE is a prescription in JSON, NAME one of --list. Exit status 1 where "
+     "the\nsurfaces do not make what the file claims.\n",
+     "glarepp lens --list"},
+    {"sets", GP_COMMAND_SETS, NULL, "glarepp sets scene.glb"},
+    {"help", GP_COMMAND_HELP, NULL, NULL},
+    {0},
+};
+
+const struct gp_command_row *gp_command_of(unsigned commands)
+{
+    const struct gp_command_row *c = gp_commands;
+    while (!(c->bit & commands))
+        c++;
+    return c;
+}
 
 // -- rows of the table -------------------------------------------------------
 
@@ -57,14 +117,4 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands)
             return o;
     }
     return NULL;
-}
-
-// -- commands ----------------------------------------------------------------
-
-const struct gp_command_row *gp_command_of(unsigned commands)
-{
-    const struct gp_command_row *c = gp_commands;
-    while (!(c->bit & commands))
-        c++;
-    return c;
 }
