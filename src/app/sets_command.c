@@ -115,12 +115,13 @@ static void print_table(const struct gp_settings *s,
 static json_t *row_json(const struct gp_table_row *r, const char *name)
 {
     return json_pack(
-        "{ss si si si si si si si si sI sf sb}", "sets", name, "visible",
+        "{ss si si si si si si si si sI sf sf sb}", "sets", name, "visible",
         r->visible, "lit", r->lit, "casters", r->casters, "lights",
         r->drawn.lights, "passes", r->drawn.passes, "batches",
         r->drawn.batches, "shadow_batches", r->drawn.shadow_batches,
         "batches_separate", r->batches[0], "fragments",
-        (json_int_t) r->fragments, "ms", r->ms, "same_picture", r->same);
+        (json_int_t) r->fragments, "ms", r->ms, "cpu_ms", r->cpu_ms,
+        "same_picture", r->same);
 }
 
 static gp_status save_json(const struct gp_log *log,

@@ -214,7 +214,7 @@ static gp_status count_row(struct work *w, enum gp_table_kind kind,
     row->fragments = gp_count_end(w->gl);
     gp_drawing_picture(w->d, picture);
     row->same = !first || memcmp(first, picture, bytes) == 0;
-    row->ms = INFINITY;
+    row->ms = row->cpu_ms = INFINITY;
     return st;
 }
 
@@ -227,10 +227,11 @@ static gp_status time_rows(struct work *w)
         for (int i = 0; i < GP_TABLE_ROWS && !st; i++) {
             const int kind = (i + run) % GP_TABLE_ROWS;
             struct gp_table_row timed, *const row = &w->out->row[kind];
-            const double start = gp_now_ms();
+            const double start = gp_now_ms(), cpu = gp_cpu_ms();
             st = draw_row(w, (enum gp_table_kind) kind, &timed);
             gp_drawing_wait(w->d);
             row->ms = fmin(row->ms, gp_now_ms() - start);
+            row->cpu_ms = fmin(row->cpu_ms, gp_cpu_ms() - cpu);
         }
     }
     return st;

@@ -22,6 +22,7 @@ struct gp_table_row {
     long long fragments; // -1: the context does not count
     double ms;           // the fastest of the runs: sets, drawing, and the wait
                          // for it
+    double cpu_ms;       // the least of the runs, of all threads
     int visible;         // objects of V
     int lit, casters;    // of I and of S, summed over the lights
     int batches[2];      // of V, I and S by their parts; [1]: opaque parts of a
