@@ -373,7 +373,7 @@ static const struct gp_model_key aperture_keys[] = {
     {"wavelength", "a single wavelength, nm, shown white; 0 takes daylight", 0,
      0, 2000, NULL, false},
     {"reach", "distance beyond which only the light's smooth mean goes on, "
-     "degrees", 12, 0.01, 90, NULL, false},
+     "degrees", 8.5, 0.01, 90, NULL, false},
     {0},
 };
 
