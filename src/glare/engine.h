@@ -9,6 +9,7 @@
 #define GP_GLARE_ENGINE_H
 
 #include "core/frame.h"
+#include "core/parallel.h"
 #include "core/status.h"
 #include "gl/gl.h"
 #include "glare/kernel.h"
@@ -90,6 +91,14 @@ struct gp_glare_stats {
     const char *gl;         // renderer string of the context
 };
 
+/* The part of the layer that is no engine's: the kernel's tail. */
+struct gp_layer_rest {
+    gp_task add; // adds it to row i of the layer, of which it is a task
+    void *ctx;
+    bool added;  // by the engine, to all rows, in a pass of its own over them;
+                 // false: what it leaves, its caller adds
+};
+
 /* Direct work: every source's kernel, cut to the frame. */
 struct gp_glare_request {
     const struct gp_log *log;
@@ -98,6 +107,7 @@ struct gp_glare_request {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
+    struct gp_layer_rest *rest;       // or NULL
     const struct gp_tail_state *tail; // open for the kernel's tail, which is
                    // added to what engines draw; NULL: the kernel has none
     double floor;  // added to a bound for the tail, and for values under the

@@ -195,6 +195,8 @@ gp_status gp_glare_run(const struct gp_log *log,
         return st;
     struct gp_sources less = {0};
     struct gp_kernel small = {0};
+    struct gp_tail_rows *rows = NULL;
+    struct gp_layer_rest rest = {.add = gp_tail_add_row};
     if (kernel_times)
         GP_TRY(halve_kernel(log, kernel, kernel_times, &small));
     if (light_times)
@@ -234,16 +236,21 @@ gp_status gp_glare_run(const struct gp_log *log,
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
-    GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
     const struct gp_tail *const tail = req.tail ? kernel->tail : NULL;
     if (tail) {
-        GP_TRY(gp_tail_add(log, tail, g->tail, req.src, &f->layer));
+        GP_TRY(gp_tail_find(log, tail, g->tail, req.src, &f->layer, &rows));
+        rest.ctx = rows;
+        req.rest = &rest;
         stats->tail_step = tail->split.step;
     }
+    GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
+    if (tail && !rest.added)
+        gp_parallel_do(req.src->h, rest.add, rest.ctx);
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
 out:
+    gp_tail_rows_free(&rows);
     gp_sources_free(&less);
     gp_kernel_free(&small);
     return st;

@@ -283,7 +283,8 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
-/* Clears the layer's rounding noise where no light reaches. */
+/* Clears the layer's rounding noise where no light reaches, and adds the rest
+ * to rows that are in the cache for it. */
 static gp_status clear_unreached(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_sources *src,
     const struct gp_fft_noise *noise)
@@ -304,7 +305,8 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
             return st;
         shape[c] = own;
     }
-    return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer);
+    return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer,
+                                  req->rest);
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */

@@ -116,11 +116,14 @@ struct gp_fft_noise {
  * sample of the kernel other than 0, in the rows marked.
  *
  *   shape  of the kernel's channels; may be the same ones
- *   layer  of the sources' frame */
+ *   layer  of the sources' frame
+ *   rest   added to each row after it, where one pass over the rows is enough;
+ *          NULL: none */
 GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
     const struct gp_fft_shape *const shape[3],
-    const struct gp_fft_noise *noise, const struct gp_planes *layer);
+    const struct gp_fft_noise *noise, const struct gp_planes *layer,
+    struct gp_layer_rest *rest);
 
 // -- the direct part ---------------------------------------------------------
 

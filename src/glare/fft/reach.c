@@ -349,6 +349,7 @@ struct clearing {
     const struct gp_planes *layer;
     bool in[3];        // channels
     uint64_t *scratch; // 3 * words a thread
+    const struct gp_layer_rest *rest; // added to each row; or NULL
 };
 
 /* A row of the frame, and the words that kernel rows reach of it. */
@@ -468,9 +469,8 @@ GP_CLONES static void clear_bits(float *v, int n, uint64_t reached, float noise)
     }
 }
 
-static void clear_row(void *ctx, int y, int thread)
+static void clear_row(const struct clearing *m, int y, int thread)
 {
-    const struct clearing *const m = ctx;
     const int w = m->light.src->w, words = m->light.words;
     uint64_t *const scratch = m->scratch + 3 * (size_t) thread * (size_t) words;
     const struct row r = {m, y, scratch, scratch + words, scratch + 2 * words};
@@ -493,15 +493,27 @@ static void clear_row(void *ctx, int y, int thread)
     }
 }
 
+static void finish_row(void *ctx, int y, int thread)
+{
+    const struct clearing *const m = ctx;
+    clear_row(m, y, thread);
+    if (m->rest)
+        m->rest->add(m->rest->ctx, y, thread);
+}
+
 gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
     const struct gp_fft_shape *const shape[3],
-    const struct gp_fft_noise *noise, const struct gp_planes *layer)
+    const struct gp_fft_noise *noise, const struct gp_planes *layer,
+    struct gp_layer_rest *rest)
 {
     bool left[3];
+    int channels = 0; // with such rows
     gp_status st = GP_OK;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         left[c] = memchr(noise->row[c], 1, (size_t) src->h) != NULL;
+        channels += left[c];
+    }
     for (int c = 0; c < 3 && !st; c++) {
         struct clearing m = {.k = k, .noise = noise, .layer = layer};
         bool lit[3] = {false}; // channels with light in the pixels of c's
@@ -525,7 +537,11 @@ gp_status gp_fft_clear_unreached(const struct gp_log *log,
                 m.in[j] = lit[j] && same_shape(shape[i], shape[j], k->h);
                 lit[j] &= !m.in[j];
             }
-            gp_parallel_do(src->h, clear_row, &m);
+            if (rest && m.in[0] + m.in[1] + m.in[2] == channels) {
+                m.rest = rest;
+                rest->added = true;
+            }
+            gp_parallel_do(src->h, finish_row, &m);
             memset(m.in, 0, sizeof m.in);
         }
         gp_free(m.scratch);

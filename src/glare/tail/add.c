@@ -237,7 +237,7 @@ typedef float v8 __attribute__((vector_size(32)));
 typedef int vi __attribute__((vector_size(32)));
 typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
 
-struct adding {
+struct gp_tail_rows {
     const struct gp_tail *t;
     const struct gp_tail_state *s;
     const struct gp_sources *src;
@@ -248,12 +248,13 @@ struct adding {
                           // first][tap][channel][pitch]
     float *line;          // scratch of a thread: 3 * pitch
     float *grid[3];       // the convolution: nodes_y * pitch
+    float at[TAPS][MOST_STEP]; // weights of each tap along a step
     struct gp_planes *layer;
 };
 
 /* Adds the lights [from, to) of a row to the nodes of a line, channel after
  * channel. */
-static void spread_along(const struct adding *a, uint32_t from, uint32_t to,
+static void spread_along(const struct gp_tail_rows *a, uint32_t from, uint32_t to,
                          float *line)
 {
     const struct gp_sources *const src = a->src;
@@ -278,7 +279,7 @@ static void spread_along(const struct adding *a, uint32_t from, uint32_t to,
 /* The rows of one step: along them, then down to the four rows of nodes. */
 static void spread_step(void *ctx, int i, int thread)
 {
-    const struct adding *const a = ctx;
+    const struct gp_tail_rows *const a = ctx;
     const int step = a->t->split.step, first = (a->first + i) * step;
     const size_t n = 3 * a->pitch;
     float *const line = a->line + (size_t) thread * n;
@@ -301,7 +302,7 @@ static void spread_step(void *ctx, int i, int thread)
 /* Row `first + j` of nodes: what the four steps above and below it add. */
 static void load_nodes(const void *ctx, int c, int j, float *z)
 {
-    const struct adding *const a = ctx;
+    const struct gp_tail_rows *const a = ctx;
     for (int k = TAPS - 1; k >= 0; k--) {
         const int i = j - k;
         if (i < 0 || i >= a->last - a->first)
@@ -318,7 +319,7 @@ static void load_nodes(const void *ctx, int c, int j, float *z)
 
 static void store_nodes(const void *ctx, int c, int j, const float *z)
 {
-    const struct adding *const a = ctx;
+    const struct gp_tail_rows *const a = ctx;
     float *const to = a->grid[c] + (size_t) j * a->pitch;
     for (int x = 0; x < a->nodes_x; x++)
         to[x] = z[2 * x];
@@ -350,77 +351,83 @@ GP_CLONES static void add_line(float *restrict row, int w,
     }
 }
 
-static void gather_step(void *ctx, int i, int thread)
+void gp_tail_add_row(void *ctx, int y, int thread)
 {
-    const struct adding *const a = ctx;
+    const struct gp_tail_rows *const a = ctx;
     const int step = a->t->split.step, w = a->src->w;
+    const float *const down = a->s->weight[y % step];
     float *const line = a->line + (size_t) thread * 3 * a->pitch;
-    float at[TAPS][MOST_STEP];
-    for (int k = 0; k < TAPS; k++) {
-        for (int x = 0; x < step; x++)
-            at[k][x] = a->s->weight[x][k];
-    }
-    for (int y = i * step; y < gp_min((i + 1) * step, a->src->h); y++) {
-        const float *const down = a->s->weight[y - i * step];
-        for (int c = 0; c < 3; c++) {
-            const float *const g = a->grid[c] + (size_t) i * a->pitch;
-            for (size_t x = 0; x < a->pitch; x++)
-                line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
-                          down[2] * g[x + 2 * a->pitch] +
-                          down[3] * g[x + 3 * a->pitch];
-            add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step,
-                     at);
-        }
+    for (int c = 0; c < 3; c++) {
+        const float *const g = a->grid[c] + (size_t) (y / step) * a->pitch;
+        for (size_t x = 0; x < a->pitch; x++)
+            line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
+                      down[2] * g[x + 2 * a->pitch] +
+                      down[3] * g[x + 3 * a->pitch];
+        add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step,
+                 a->at);
     }
 }
 
-gp_status gp_tail_add(const struct gp_log *log, const struct gp_tail *t,
-    struct gp_tail_state *state, const struct gp_sources *src,
-    struct gp_planes *layer)
+void gp_tail_rows_free(struct gp_tail_rows **rows)
 {
-    gp_status st = GP_OK;
+    struct gp_tail_rows *const a = *rows;
+    if (a) {
+        gp_free(a->part);
+        gp_free(a->line);
+        for (int c = 0; c < 3; c++)
+            gp_free(a->grid[c]);
+    }
+    GP_FREE(*rows);
+}
+
+gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
+    const struct gp_tail_state *state, const struct gp_sources *src,
+    struct gp_planes *layer, struct gp_tail_rows **out)
+{
+    gp_status st;
     const int step = t->split.step;
-    struct adding a = {
-        .t = t, .s = state, .src = src, .layer = layer,
-        .nodes_x = gp_tail_nodes(src->w, step),
-        .nodes_y = gp_tail_nodes(src->h, step),
-        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
-    };
+    struct gp_tail_rows *a = NULL;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
     if (src->w > t->w || src->h > t->h)
         return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
                             "pixels meets %dx%d", t->w, t->h, src->w, src->h);
-    if (!src->n)
-        return GP_OK;
-    const int rows = a.last - a.first + TAPS - 1; // of nodes that are lit
-    a.pitch = ((size_t) a.nodes_x + LANES - 1) / LANES * LANES;
-    GP_TRY(gp_alloc(log, "tail", (size_t) (a.last - a.first) * TAPS * 3,
-                    a.pitch * sizeof(float), &a.part));
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *a, &a));
+    *a = (struct gp_tail_rows) {
+        .t = t, .s = state, .src = src, .layer = layer,
+        .nodes_x = gp_tail_nodes(src->w, step),
+        .nodes_y = gp_tail_nodes(src->h, step),
+        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
+    };
+    for (int k = 0; k < TAPS * step; k++)
+        a->at[k / step][k % step] = state->weight[k % step][k / step];
+    const int rows = a->last - a->first + TAPS - 1; // of nodes that are lit
+    a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
+    GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
+                    a->pitch * sizeof(float), &a->part));
     GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
-                    a.pitch * sizeof(float), &a.line));
+                    a->pitch * sizeof(float), &a->line));
     for (int c = 0; c < 3; c++)
-        GP_TRY(gp_alloc_zero(log, "tail", (size_t) a.nodes_y,
-                             a.pitch * sizeof(float), &a.grid[c]));
+        GP_TRY(gp_alloc_zero(log, "tail", (size_t) a->nodes_y,
+                             a->pitch * sizeof(float), &a->grid[c]));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
-    GP_TRY(gp_fft_matrix_make(log, 3, state->x.n, gp_max(rows, a.nodes_y),
+    GP_TRY(gp_fft_matrix_make(log, 3, state->x.n, gp_max(rows, a->nodes_y),
                               &m));
     for (int j = 0; j < rows; j++)
-        places[j] = a.first + j;
+        places[j] = a->first + j;
     const struct gp_fft_request fft = {
         .log = log, .x = &state->x, .y = &state->y, .channels = 3,
     };
-    gp_parallel_do(a.last - a.first, spread_step, &a);
-    GP_TRY(gp_fft_rows_in(&fft, rows, load_nodes, &a, &m));
+    gp_parallel_do(a->last - a->first, spread_step, a);
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_nodes, a, &m));
     GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &state->spectrum,
-                           t->grey ? 1 : 3, 0, a.nodes_y));
-    GP_TRY(gp_fft_rows_out(&fft, &m, a.nodes_y, store_nodes, &a));
-    gp_parallel_do((src->h + step - 1) / step, gather_step, &a);
+                           t->grey ? 1 : 3, 0, a->nodes_y));
+    GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
+    GP_FREE(a->part);
+    *out = a;
+    a = NULL;
 out:
-    gp_free(a.part);
-    gp_free(a.line);
-    for (int c = 0; c < 3; c++)
-        gp_free(a.grid[c]);
+    gp_tail_rows_free(&a);
     gp_free(places);
     gp_fft_matrix_free(&m);
     return st;

@@ -94,7 +94,7 @@ void gp_tail_free(struct gp_tail *t); // NULL: nothing
 
 // -- applying it --------------------------------------------------------------
 
-/* Limits of the error of gp_tail_add(), for light s of one channel. */
+/* Limits of the error of the tail, for light s of one channel. */
 struct gp_tail_error {
     double norm;   // the error's 2-norm over |s|
     double pixel;  // its largest sample over the sum of s
@@ -117,15 +117,24 @@ double gp_tail_pixel_error(const struct gp_tail_state *s,
                            const struct gp_tail *t,
                            const struct gp_sources *src, int c);
 
-/* Adds the tail of the sources to the layer, src->w * src->h, at most t->w *
- * t->h; no sample becomes negative. `state` is open for t.
- * Errors: GP_ERR_BUG out of memory, a larger frame. */
-GP_MUST_CHECK gp_status gp_tail_add(const struct gp_log *log,
-    const struct gp_tail *t, struct gp_tail_state *state,
-    const struct gp_sources *src, struct gp_planes *layer);
+/* The tail of one frame's sources, found on the grid. */
+struct gp_tail_rows;
 
-/* Milliseconds on one core, of gp_tail_add(); and of gp_tail_open() where
- * `state` is not open for t. */
+/* Finds the tail of the sources, one at least, for a layer of src->w * src->h,
+ * at most t->w * t->h. `state` is open for t; it, the sources and the layer are
+ * borrowed. Free with gp_tail_rows_free().
+ * Errors: GP_ERR_BUG out of memory, a larger frame. */
+GP_MUST_CHECK gp_status gp_tail_find(const struct gp_log *log,
+    const struct gp_tail *t, const struct gp_tail_state *state,
+    const struct gp_sources *src, struct gp_planes *layer,
+    struct gp_tail_rows **out);
+/* Adds it to row y of the layer, of which no sample becomes negative; a task of
+ * gp_parallel_do(), whose ctx are the rows. */
+void gp_tail_add_row(void *ctx, int y, int thread);
+void gp_tail_rows_free(struct gp_tail_rows **rows);
+
+/* Milliseconds on one core, of finding and adding it; and of gp_tail_open()
+ * where `state` is not open for t. */
 double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src);
 double gp_tail_open_ms(const struct gp_tail *t,
                        const struct gp_tail_state *state);

@@ -161,7 +161,7 @@ static void only_noise_out_of_reach_is_cleared(void **state)
         const struct gp_fft_shape *const shapes[] = {shape, shape + 1,
                                                      shape + 2};
         assert_ok(gp_fft_clear_unreached(NULL, &src, &k, shapes, &noise,
-                                         &layer));
+                                         &layer, NULL));
         for (int j = 0; j < 3 * n; j++) {
             const int c = j / n;
             const bool clear = !reached[j] && was[j] <= noise.most[c] &&

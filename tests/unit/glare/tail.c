@@ -68,10 +68,13 @@ static struct gp_planes added(const struct made *m, const struct gp_sources *s)
 {
     const size_t n = (size_t) s->w * (size_t) s->h;
     struct gp_planes p;
+    struct gp_tail_rows *rows = NULL;
     assert_ok(gp_planes_make(NULL, "layer", n, &p));
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, n * sizeof(float));
-    assert_ok(gp_tail_add(NULL, m->t, m->s, s, &p));
+    assert_ok(gp_tail_find(NULL, m->t, m->s, s, &p, &rows));
+    gp_parallel_do(s->h, gp_tail_add_row, rows);
+    gp_tail_rows_free(&rows);
     return p;
 }
 
@@ -343,9 +346,11 @@ static void larger_frames_are_refused(void **state)
     struct made m = make_tail(300, 200, true, &fine);
     struct gp_sources s = lights(301, 200, 3, 1.0f, 1u);
     struct gp_planes p;
+    struct gp_tail_rows *rows = NULL;
     (void) state;
     assert_ok(gp_planes_make(NULL, "layer", 301 * 200, &p));
-    assert_int_equal(gp_tail_add(&kept_log, m.t, m.s, &s, &p), GP_ERR_BUG);
+    assert_int_equal(gp_tail_find(&kept_log, m.t, m.s, &s, &p, &rows),
+                     GP_ERR_BUG);
     assert_non_null(strstr(kept_line, "300x200"));
     gp_planes_free(&p);
     gp_sources_free(&s);
@@ -442,9 +447,8 @@ static void engines_keep_their_bounds(void **state)
 }
 
 /* Beside shapes that are smooth all over, sharp ones stay in the core and make
- * neither it larger than they are nor the tail coloured, but for diffraction,
- * whose light far out has colours. Core and tail are not negative, and add up
- * to the whole within 1e-5. */
+ * neither it larger than they are nor the tail coloured, but for diffraction's.
+ * Core and tail are not negative, and add up to the whole within 1e-5. */
 static void sharp_shapes_stay_in_the_core(void **state)
 {
     static const struct {
@@ -466,9 +470,8 @@ static void sharp_shapes_stay_in_the_core(void **state)
             scene_frame(430, 310, 0, 0, i == 1 ? MANY : CORNERS, (uint32_t) i),
             rows[i].text);
         struct gp_glare_stats stats;
-        const bool coloured = strstr(rows[i].text, "wavelengths") != NULL;
-        if (!s.k.tail || s.k.tail->grey == coloured ||
-            s.k.cx > rows[i].reach)
+        const bool grey = !strstr(rows[i].text, "wavelengths");
+        if (!s.k.tail || s.k.tail->grey != grey || s.k.cx > rows[i].reach)
             fail_msg("%s: %s, a core of %d pixels", rows[i].text,
                      s.k.tail ? "a tail" : "no tail", s.k.cx);
         assert_true(!s.k.negative);
