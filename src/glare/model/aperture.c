@@ -333,7 +333,7 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
 #define ABERRATION_KEY(j, name, most, does)                                  \
     {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -most, most,    \
      NULL, false},
-#define ABERRATION_NAME(j, name, most, does) [j] = name,
+#define ABERRATION_NAME(j, name, most, does) [j] = (name),
 static const char *const aberrations[GP_ZERNIKE_LAST + 1] = {
     ABERRATIONS(ABERRATION_NAME)
 };
@@ -445,6 +445,12 @@ static gp_status open_aperture(const struct gp_log *log,
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),
         .steep = steep / s->radius, .draw = draw_iris, .ctx = s,
+        .blades = {
+            .n = mask ? 0 : blades,
+            .turn = s->turn + (blades ? PI / blades : 0.0),
+            .length = 2.0 * s->radius * (blades ? sin(PI / blades) : 0.0),
+            .bend = s->radius * s->bend,
+        },
     };
     st = gp_diffract(log, &d, f, out);
     gp_free(s);

@@ -551,7 +551,8 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     for (int i = 0; i < 2; i++)
         shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
     if (corner > 0.75 * reach)
-        GP_TRY(gp_diffract_join(log, k->r[0], k->r[1], reach, f, &shape));
+        GP_TRY(gp_diffract_join(log, d, k->r[0], k->r[1], reach, f,
+                                &shape));
     *out = shape;
     k = NULL;
 out:

@@ -28,13 +28,15 @@ static inline double gp_diffract_fade(double t, double reach)
     return z * z * (3.0 - 2.0 * z);
 }
 
-/* Joins the mean far out to a shape whose samples, of offsets up to rx and ry,
- * fade out at `reach` degrees. Where they hold all up to the reach (`fits`), the
- * light of the centre is changed for all of it to be 1.
+/* Joins to a shape whose samples, of offsets up to rx and ry, fade out at `reach`
+ * degrees, the spikes of d's blades up to d->reach, and the mean far out. Where
+ * the samples hold all up to `reach` (`fits`), the light of the centre is changed
+ * for all of it to be 1.
  *
  *   shape  owned by the caller; after an error as before */
-GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log, int rx,
-    int ry, double reach, const struct gp_field *f, struct gp_shape *shape);
+GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
+    const struct gp_diffraction *d, int rx, int ry, double reach,
+    const struct gp_field *f, struct gp_shape *shape);
 
 enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line
 

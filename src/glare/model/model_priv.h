@@ -203,14 +203,24 @@ struct gp_pupil {
     float *path; // added length of the light's path, nm; NULL: 0
 };
 
+/* Edges of a regular polygon, whose spikes are known far out: diffract_far.c. */
+struct gp_blades {
+    int n;          // 0: no such edges
+    double turn;    // radians counter-clockwise, of the normal of the first
+    double length;  // mm, of each
+    double bend;    // mm, its radius, over which it turns; at most 1e9
+};
+
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
     double reach;     // degrees from the light; over the last quarter of it
-                      // the mean far out takes over
+                      // the mean far out takes over; where cells resolve less,
+                      // the blades' spikes before that
     double nm;        // one wavelength; 0: daylight in `bands`
     int bands;        // 1 to 256
     double steep;     // nm of path a mm, the most that changes; 0: no path
+    struct gp_blades blades;
     void (*draw)(const void *ctx, const struct gp_pupil *p, int y);
     const void *ctx;  // `draw` writes row y of t (all 0) and path (all 0), from
                       // several threads

@@ -1,0 +1,135 @@
+/* glare/model/diffract_far.c: spikes of blades where no transform reaches,
+ * against the transform of a polygon. */
+#include "unit.h"
+#include "glare/model/model_priv.h"
+#include "model_scene.h"
+
+#define PI 3.14159265358979323846
+
+enum { OFFSETS = 300 };
+static const double pixel = 0.03;     // degrees
+static const double radius = 3.125;   // mm, 50 mm at f/8
+
+static void whole(const char *keys, struct gp_kernel *k)
+{
+    const struct gp_field f = scene_field(OFFSETS, OFFSETS, pixel, 1.0);
+    struct gp_kernel core;
+    char text[200];
+    snprintf(text, sizeof text, "aperture:share=1,dust=0,scratches=0,fnumber=8,"
+             "focal=50,rotation=7,wavelength=550,%s", keys);
+    model_make(text, &f, &core);
+    assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, k));
+    gp_kernel_free(&core);
+}
+
+/* A window from t0 to t0 + 1 without edges, as pixels of a ring with edges are
+ * few. */
+static double window(double t, double t0)
+{
+    const double z = t - t0;
+    return z > 0.0 && z < 1.0 ? pow(sin(PI * z), 2.0) : 0.0;
+}
+
+/* Light of the window from t0 degrees, within `side` degrees of the spike at `at` degrees,
+ * counter-clockwise: the distance along the circle, or its angle. */
+static double spike(const struct gp_kernel *k, double at, double t0,
+                    double side, bool by_angle)
+{
+    double sum = 0.0;
+    for (int y = -OFFSETS; y <= OFFSETS; y++) {
+        for (int x = -OFFSETS; x <= OFFSETS; x++) {
+            const double t = pixel * hypot(x, y);
+            const double a = remainder(atan2(-y, x) - at * PI / 180.0,
+                                       2.0 * PI);
+            const double s = fabs(a) * (by_angle ? 180.0 / PI : t);
+            if (t > t0 && t < t0 + 1.0 && s < side)
+                sum += window(t, t0) * sample_at(k, 0, x, y);
+        }
+    }
+    return sum;
+}
+
+/* Each of a polygon's n edges, L long, sends out on both sides
+ *   L l / (4 pi^2 A) / t^2
+ * at t radians, A being the polygon's area: as far as the recipe says, not the
+ * transform, which ends at 3.8 degrees. */
+static void edges_send_out_their_light(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *keys;
+        int blades;
+        double fan;     // degrees, half of what an arc turns
+    } rows[] = {
+        {"blades=5,roundness=0", 5, 0.0},
+        {"blades=6,roundness=0", 6, 0.0},
+        {"blades=6,roundness=0.1", 6, 2.87},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel k;
+        const int n = rows[i].blades;
+        const double length = 2.0 * radius * sin(PI / n);
+        // arcs bulge by segments of their circles
+        const double bend = rows[i].fan * PI / 180.0;
+        const double segment = bend > 0.0
+            ? pow(0.5 * length / sin(bend), 2.0) * (bend - 0.5 * sin(2.0 * bend))
+            : 0.0;
+        const double arc = bend > 0.0 ? length * bend / sin(bend) : length;
+        const double area = 0.5 * n * radius * radius * sin(2.0 * PI / n) +
+                            n * segment;
+        const double edge = arc * 550e-6 / (4.0 * PI * PI * area) * 180.0 / PI;
+        whole(rows[i].keys, &k);
+        for (double t = 2.0; t < 8.0; t += 1.0) {
+            double want = 0.0;
+            for (int j = 0; j < 100; j++) {
+                const double at = t + (j + 0.5) / 100.0;
+                want += (n % 2 ? 1.0 : 2.0) * edge * window(at, t) /
+                        (100.0 * at * at);
+            }
+            for (int j = 0; j < n; j++) {
+                const double at = 7.0 + 360.0 * (j + 0.5) / n;
+                // 12 pixels beside the fan are nearly all of it
+                const double got = rows[i].fan > 0.0
+                    ? spike(&k, at, t, rows[i].fan + 2.0, true)
+                    : spike(&k, at, t, 12.0 * pixel, false);
+                // over the join one wavelength has its fringes
+                if (!(fabs(got / want - 1.0) < (t == 3.0 ? 0.07 : 0.03)))
+                    fail_msg("%s: edge %d sends out %.4g from %g degrees, not "
+                             "%.4g", rows[i].keys, j, got, t, want);
+            }
+        }
+        gp_kernel_free(&k);
+    }
+}
+
+/* A straight blade's spike stays as narrow, an arc's widens as a fan; both end
+ * in a mean at the recipe's reach, and no light is lost. */
+static void spikes_keep_their_width(void **state)
+{
+    (void) state;
+    struct gp_kernel straight, round, near;
+    whole("blades=6,roundness=0", &straight);
+    whole("blades=6,roundness=0.1", &round);
+    whole("blades=6,roundness=0,reach=3.7", &near);
+    for (double t = 2.0; t < 8.0; t += 1.0) {
+        const double all = spike(&straight, 37.0, t, 10.0, true);
+        const double line = spike(&straight, 37.0, t, 0.06, false);
+        if (!(line > 0.85 * all))
+            fail_msg("%g of a straight spike within 2 pixels at %g degrees",
+                     line / all, t);
+        const double even = spike(&round, 37.0, t, 10.0, true);
+        const double half = spike(&round, 37.0, t, 1.435, true);
+        if (!(fabs(half / even - 0.5) < 0.06))
+            fail_msg("%g of a fan in its half at %g degrees", half / even, t);
+    }
+    const double end = spike(&near, 37.0, 5.0, 0.06, false);
+    assert_true(end < 0.5 * spike(&straight, 37.0, 5.0, 0.06, false));
+    const double own = sample_at(&near, 0, 0, 0);
+    assert_true(fabs(sample_at(&straight, 0, 0, 0) / own - 1.0) < 1e-4);
+    gp_kernel_free(&straight);
+    gp_kernel_free(&round);
+    gp_kernel_free(&near);
+}
+
+SUITE_OF(spikes, NULL, NULL, edges_send_out_their_light,
+    spikes_keep_their_width)
