@@ -331,8 +331,8 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
     X(14, "quadrafoil", 5, "")                                               \
     X(15, "oblique-quadrafoil", 5, "")
 #define ABERRATION_KEY(j, name, most, does)                                  \
-    {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -most, most,    \
-     NULL, false},
+    {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -(most),        \
+     (most), NULL, false},
 #define ABERRATION_NAME(j, name, most, does) [j] = (name),
 static const char *const aberrations[GP_ZERNIKE_LAST + 1] = {
     ABERRATIONS(ABERRATION_NAME)
