@@ -86,7 +86,7 @@ status_is 0 'another rule needs no camera'
 if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
     for method in exact mask; do
         if [ $method = mask ] && [ -z "$gl" ]; then
-            skip 3 'no GL'
+            skip 4 'no GL'
             continue
         fi
         set -- -q --sun-method $method --report r.json
@@ -104,9 +104,14 @@ if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
         is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
             '32 32 True' "$method: lamps in the street, by depth"
         note "$(cat found)"
+        "$glarepp" "$@" --scene "$data/scenes/street.glb" --mask A \
+            "$data/scenes/street.####.exr"
+        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
+            '32 32 True' "$method: the same by a matte that has their balls"
+        note "$(cat found)"
     done
 else
-    skip 6 "$no_data"
+    skip 8 "$no_data"
 fi
 
 done_testing
