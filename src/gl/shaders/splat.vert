@@ -21,7 +21,7 @@
 //      viewed    its size
 // out  quads cut to the view, so that none leaves the clip volume; points are
 //      never cut, as they would vanish with their centre
-// CPU twin: gp_group_reference(); direct.c where cells are pixels
+// CPU twin: plain_groups.h of the tests; direct.c where cells are pixels
 uniform sampler2D sensors;
 uniform sampler2D places;
 layout(std140) uniform reaches

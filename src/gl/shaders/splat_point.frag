@@ -7,7 +7,7 @@
 //      fraction  of a pixel that the kernel lies right of and below that
 //      limits    the polygon: first column and row, those after the last
 // out  scene-linear rgb to be added to the target; a is not used
-// CPU twin: gp_group_reference()
+// CPU twin: plain_groups.h of the tests
 uniform sampler2D kernel;
 
 flat in vec3 light;

@@ -6,7 +6,7 @@
 //      corner    target pixel of kernel pixel (0, 0), which is texel (1, 1)
 //      fraction  of a pixel that the kernel lies right of and below that
 // out  scene-linear rgb to be added to the target; a is not used
-// CPU twin: gp_group_reference()
+// CPU twin: plain_groups.h of the tests
 uniform sampler2D kernel;
 
 flat in vec3 light;

@@ -16,7 +16,7 @@
 //      sums      tiles in a row; texels of the entries of an inner sum
 //      WHOLE     defined when all fractions are 0: samples are not mixed
 // out  scene-linear planes of the upper and the lower row of the block
-// CPU twin: group.c, gp_group_reference()
+// CPU twin: group.c, plain_groups.h of the tests
 layout(rgba32f) readonly uniform imageBuffer list;
 layout(rgba32f) readonly uniform image2D kernel;
 uniform ivec2 tile;

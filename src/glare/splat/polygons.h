@@ -2,8 +2,7 @@
  * section 4), on the CPU. The splat engine draws them, its bound uses them, and
  * GL makes the same ones by group.frag.
  *   group.c  groups and clusters
- *   blur.c   their blurred kernels and reach, their layer in double, and the
- *            picture of their rims */
+ *   blur.c   their blurred kernels and reach, and the picture of their rims */
 #ifndef GP_GLARE_SPLAT_POLYGONS_H
 #define GP_GLARE_SPLAT_POLYGONS_H
 

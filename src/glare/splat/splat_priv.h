@@ -182,16 +182,6 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state);
 /* Bounds the roundings of a pixel's sum in gp_tiles_draw(), before it runs. */
 double gp_tiles_roundings(const struct gp_polygons *polygons);
 
-/* Double-precision layer of the polygons as they are meant to be drawn: the
- * plain form of every way of drawing, for tests. Each polygon adds
- *   light * blurred kernel, sampled bilinearly at pixel - P0,
- * cut to |dx|, |dy| <= reach of gp_shrink; GP_GROUP_CORE adds the core from
- * each source. `layer` has 3 * w * h doubles. Slow. */
-GP_MUST_CHECK gp_status gp_group_reference(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *kernel,
-    const struct gp_splat_params *p, const struct gp_polygons *polygons,
-    const struct gp_shrink *shrink, double *layer);
-
 /* -- tile.c's lists, declared for tests ------------------------------------ */
 
 /* Polygons that one program and one kernel texture can draw together. Kind 0

@@ -8,6 +8,7 @@
 #include "glare/bound/bound_priv.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
+#include "plain_groups.h"
 
 enum { MOST = 256, LEVELS = 40 };
 
@@ -136,7 +137,7 @@ static double group_ratio(const struct gp_splat_params *p, struct scene *s)
     assert_ok(gp_shrink_make(NULL, &s->k, p, &q, &shrink));
     assert_ok(gp_group_bound(NULL, &s->src, &s->k, p, &q, &shrink, 4.0,
                              &cache, &bound));
-    assert_ok(gp_group_reference(NULL, &s->src, &s->k, p, &q, &shrink, layer));
+    plain_groups(&s->src, &s->k, p, &q, &shrink, layer);
     for (size_t i = 0; i < n; i++)
         layer[i] -= s->exact[i];
     const double wrong = norm_of(layer, n);
@@ -417,8 +418,7 @@ static void samples_places_are_in_the_bound(void **state)
             moved[k].x += by[0] * (back ? -step : step);
             moved[k].y += by[1] * (back ? -step : step);
         }
-        assert_ok(gp_group_reference(NULL, &s.src, &s.k, &p, &m, &shrink,
-                                     layer));
+        plain_groups(&s.src, &s.k, &p, &m, &shrink, layer);
         for (int k = 0; k < N; k++)
             layer[k] -= s.exact[k];
         most = fmax(most, norm_of(layer, N) / norm_of(s.exact, N) / bound);
@@ -463,7 +463,7 @@ static void blocks_may_share_pixels(void **state)
     assert_ok(gp_shrink_make(NULL, &s.k, &p, &q, &all));
     assert_ok(gp_bound_rings_make(NULL, &s.k, false, SIDE, SIDE, &rings));
     assert_ok(gp_bound_rings_left(NULL, &rings, &q, &none, sum, norm));
-    assert_ok(gp_group_reference(NULL, &s.src, &s.k, &p, &q, &all, layer));
+    plain_groups(&s.src, &s.k, &p, &q, &all, layer);
     const double share =
         norm_of(layer, N) / sqrt(norm[0] * norm[0] + norm[1] * norm[1] +
                                  norm[2] * norm[2]);

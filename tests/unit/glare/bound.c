@@ -4,6 +4,7 @@
 #include "unit.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
+#include "plain_groups.h"
 
 static int between(uint32_t *seed, int low, int high)
 {
@@ -192,8 +193,7 @@ static void measure(struct trial *t, double *norm, double *wrong)
     const size_t n = 3 * gp_frame_pixels(&t->s.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     scene_find_exact(&t->s);
-    assert_ok(gp_group_reference(NULL, &t->s.src, &t->s.k, &t->p, &t->q,
-                                 &t->shrink, layer));
+    plain_groups(&t->s.src, &t->s.k, &t->p, &t->q, &t->shrink, layer);
     *norm = *wrong = 0.0;
     for (size_t i = 0; i < n; i++) {
         *norm += t->s.exact[i] * t->s.exact[i];

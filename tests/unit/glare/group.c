@@ -3,6 +3,7 @@
 #include "unit.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
+#include "plain_groups.h"
 
 /* Takes the frame. */
 static struct gp_sources sources_of(struct gp_frame f,
@@ -291,7 +292,7 @@ static double *draw_reference(
         scene_alloc(3 * (size_t) s->w * (size_t) s->h, sizeof *layer);
     struct gp_shrink shrink;
     assert_ok(gp_shrink_make(NULL, k, p, q, &shrink));
-    assert_ok(gp_group_reference(NULL, s, k, p, q, &shrink, layer));
+    plain_groups(s, k, p, q, &shrink, layer);
     return layer;
 }
 
@@ -369,7 +370,7 @@ static void reach_cuts(void **state)
     double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
     struct gp_shrink shrink = {.reach = {0}};
     shrink.reach[gp_source_bin(1.0f)] = 10;
-    assert_ok(gp_group_reference(NULL, &s, &k, &p, &q, &shrink, cut));
+    plain_groups(&s, &k, &p, &q, &shrink, cut);
     for (int i = 0; i < 3 * 96 * 96; i++) {
         const double dx = i % 96 - 40.5, dy = i / 96 % 96 - 44.0;
         const int inside = fabs(dx) <= 10.0 && fabs(dy) <= 10.0;

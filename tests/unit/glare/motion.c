@@ -3,12 +3,13 @@
  * measured, in Markdown. */
 #include "unit.h"
 #include "motion.h"
+#include "plain_groups.h"
 
 /* A technique's layer comes about by an engine, or, for those that are
  * slow on a software GL, by the polygons' plain form in double. */
 struct technique {
     const char *name;
-    const char *engine;  // NULL: gp_group_reference()
+    const char *engine;  // NULL: plain groups
     struct gp_splat_params splat;
     // limits: flux ripple; centroid error, pixels; jump
     double ripple, centroid, jump;
@@ -59,8 +60,7 @@ static void draw_plain(const struct technique *t, const struct scene *s,
     struct gp_shrink shrink;
     assert_ok(gp_polygons_make(NULL, &s->src, &t->splat, &polygons));
     assert_ok(gp_shrink_make(NULL, &s->k, &t->splat, &polygons, &shrink));
-    assert_ok(gp_group_reference(NULL, &s->src, &s->k, &t->splat, &polygons,
-                                 &shrink, layer));
+    plain_groups(&s->src, &s->k, &t->splat, &polygons, &shrink, layer);
     gp_polygons_free(&polygons);
 }
 

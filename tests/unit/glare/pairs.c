@@ -5,6 +5,7 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 #include "pairs.h"
+#include "plain_groups.h"
 
 /* -- sensors, by the contract's words ---------------------------------------
  */
@@ -172,8 +173,8 @@ static void *open_groups(const struct pair *pair, struct gp_frame f)
 static void draw_plainly(void *ctx, double *out)
 {
     struct spreading *const p = ctx;
-    assert_ok(gp_group_reference(NULL, &p->s.src, &p->s.k, p->pair->how,
-                                 &p->polygons, &p->shrink, out));
+    plain_groups(&p->s.src, &p->s.k, p->pair->how, &p->polygons, &p->shrink,
+                 out);
 }
 
 static void *splat_state; // one context for all; closed at the end

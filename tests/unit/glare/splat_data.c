@@ -14,6 +14,7 @@
 #include "glare/bound/bound.h"
 #include "glare/engine.h"
 #include "io/read.h"
+#include "plain_groups.h"
 
 enum { WIDEST = 1300 };
 
@@ -52,7 +53,7 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
     assert_ok(gp_shrink_make(NULL, k, &p, &polygons, &shrink));
     assert_ok(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0, &cache,
                              &bound));
-    assert_ok(gp_group_reference(NULL, src, k, &p, &polygons, &shrink, layer));
+    plain_groups(src, k, &p, &polygons, &shrink, layer);
     double wrong = 0.0, all = 0.0;
     for (size_t i = 0; i < 3 * n; i++) {
         const double exact = (double) f->layer.c[i / n][i % n];

@@ -4,6 +4,7 @@
  *   build/tests/glare splat_form --hash   prints checksums of layers (the tests
  *                                         call it) */
 #include "unit.h"
+#include "plain_groups.h"
 #include "splat_scene.h"
 
 #include <sys/wait.h>
@@ -75,10 +76,9 @@ static struct drawn make_drawn(const struct form *f)
     struct gp_shrink shrink;
     d.want = scene_alloc(3 * gp_frame_pixels(&d.s.f), sizeof *d.want);
     if (gp_polygons_make(NULL, &d.s.src, &in_force, &polygons) ||
-        gp_shrink_make(NULL, &d.s.k, &in_force, &polygons, &shrink) ||
-        gp_group_reference(NULL, &d.s.src, &d.s.k, &in_force, &polygons,
-                           &shrink, d.want))
+        gp_shrink_make(NULL, &d.s.k, &in_force, &polygons, &shrink))
         abort();
+    plain_groups(&d.s.src, &d.s.k, &in_force, &polygons, &shrink, d.want);
     gp_polygons_free(&polygons);
     return d;
 }

@@ -191,26 +191,6 @@ static gp_status run_outline(void)
                                            &row->splat, &p), &p, n);
 }
 
-static gp_status run_group_reference(void)
-{
-    struct gp_polygons polygons = {0};
-    struct gp_shrink shrink;
-    const size_t n = 3 * gp_frame_pixels(&scene.f);
-    double *const layer = scene_alloc(n, sizeof *layer);
-    gp_status st =
-        gp_polygons_make(&kept_log, &scene.src, &row->splat, &polygons);
-    if (!st)
-        st = gp_shrink_make(&kept_log, &scene.k, &row->splat, &polygons,
-                            &shrink);
-    if (!st)
-        st = gp_group_reference(&kept_log, &scene.src, &scene.k, &row->splat,
-                                &polygons, &shrink, layer);
-    hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
-    gp_polygons_free(&polygons);
-    free(layer);
-    return st;
-}
-
 /* -- kernels --------------------------------------------------------------- */
 
 static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
@@ -302,8 +282,6 @@ static const struct starved rows[] = {
      .side = 200, .size = 401},
     {"outline", run_outline, NULL, ALL, PEAK,
      .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
-    {"polygons, plain form", run_group_reference, NULL, FEW, TINTED,
-     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
     {"models", run_models, NULL, CORNERS, PEAK, .splat = EXACT},
     {"model of an aperture", run_aperture, NULL, CORNERS, PEAK,
      .splat = EXACT},
