@@ -7,7 +7,7 @@
 
 enum {
     TEXELS = 5,      // of a quad in its texture; the same as in flare.vert
-    TILE_MAX = 4096, // pixels of a target's side: 256 MiB
+    FIELD_MAX = 4096, // pixels of a target's side: 256 MiB
     BAND = 32,       // rows that are cleared and read at a time
 };
 
@@ -38,15 +38,15 @@ struct gp_flare_gl {
     int slots, batches;
     struct gp_flare_quads quads;   // of the last draw
     struct gp_rect reach;          // of all of them, frame's pixels
-    struct gp_rect tile;           // the first, which the last draw left in
+    struct gp_rect field;           // the first, which the last draw left in
                                    // target
 };
 
-/* r from the corner of `tile` on. */
-static struct gp_rect rect_within(struct gp_rect r, struct gp_rect tile)
+/* r from the corner of `field` on. */
+static struct gp_rect rect_within(struct gp_rect r, struct gp_rect field)
 {
-    return (struct gp_rect) {r.x0 - tile.x0, r.y0 - tile.y0, r.x1 - tile.x0,
-                             r.y1 - tile.y0};
+    return (struct gp_rect) {r.x0 - field.x0, r.y0 - field.y0, r.x1 - field.x0,
+                             r.y1 - field.y0};
 }
 
 /* Makes `t` where it is not as large, and zeroed texels for all of it; what is
@@ -216,12 +216,12 @@ out:
     return st;
 }
 
-/* Finds the pixels reached in the rows of a tile from y0 on. */
+/* Finds the pixels reached in the rows of a field from y0 on. */
 static struct gp_rect band_of(const struct gp_flare_gl *s,
-                              struct gp_rect tile, int y0)
+                              struct gp_rect field, int y0)
 {
-    const int y1 = tile.y1 - y0 < BAND ? tile.y1 : y0 + BAND;
-    struct gp_rect band = {tile.x1, y0, tile.x0, y1};
+    const int y1 = field.y1 - y0 < BAND ? field.y1 : y0 + BAND;
+    struct gp_rect band = {field.x1, y0, field.x0, y1};
     for (int i = 0; i < s->quads.n; i++) {
         int x0, x1;
         if (!gp_flare_span(&s->quads.at[i], y0, y1, &x0, &x1))
@@ -229,16 +229,16 @@ static struct gp_rect band_of(const struct gp_flare_gl *s,
         band.x0 = x0 < band.x0 ? x0 : band.x0;
         band.x1 = x1 > band.x1 ? x1 : band.x1;
     }
-    return gp_rect_meet(band, tile);
+    return gp_rect_meet(band, field);
 }
 
-static gp_status draw_tile(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_flare_gl *s, struct gp_rect tile)
+static gp_status draw_field(const struct gp_log *log, const struct gp_gl *gl,
+                            const struct gp_flare_gl *s, struct gp_rect field)
 {
     const struct gp_texture *const to = &s->target.colour;
     gp_status st = GP_OK;
-    for (int y = tile.y0; y < tile.y1; y += BAND) {
-        const struct gp_rect band = rect_within(band_of(s, tile, y), tile);
+    for (int y = field.y0; y < field.y1; y += BAND) {
+        const struct gp_rect band = rect_within(band_of(s, field, y), field);
         if (!gp_rect_empty(band))
             gp_target_clear(gl, &s->target, band);
     }
@@ -248,15 +248,15 @@ static gp_status draw_tile(const struct gp_log *log, const struct gp_gl *gl,
             {.name = "quads", .texture = &s->texels},
             {.name = "intensity", .texture = &s->intensity},
             {.name = "first", .v = {b->first, 0}},
-            {.name = "tile",
-             .v = {tile.x0 - s->reach.x0, tile.y0 - s->reach.y0}},
+            {.name = "field",
+             .v = {field.x0 - s->reach.x0, field.y0 - s->reach.y0}},
             {.name = "size", .v = {to->w, to->h}},
             {.name = "image", .texture = &s->slot[b->slot].texture},
             {0},
         };
         const struct gp_draw draw = {
             .program = &s->program[b->program], .target = &s->target,
-            .cut = {0, 0, gp_rect_w(tile), gp_rect_h(tile)},
+            .cut = {0, 0, gp_rect_w(field), gp_rect_h(field)},
             .uniform = uniform, .vertices = 6, .instances = b->n,
         };
         st = gp_draw_run(log, gl, &draw);
@@ -264,18 +264,18 @@ static gp_status draw_tile(const struct gp_log *log, const struct gp_gl *gl,
     return st ? st : gp_gl_check(log, gl, "drawing a lens flare");
 }
 
-/* Adds the target's tile to `layer`, through `rgba` of a band. */
-static void read_tile(const struct gp_gl *gl, const struct gp_flare_gl *s,
-                      struct gp_rect tile, struct gp_rect frame, float *rgba,
-                      struct gp_planes *layer)
+/* Adds the target's field to `layer`, through `rgba` of a band. */
+static void read_field(const struct gp_gl *gl, const struct gp_flare_gl *s,
+                       struct gp_rect field, struct gp_rect frame, float *rgba,
+                       struct gp_planes *layer)
 {
-    for (int y0 = tile.y0; y0 < tile.y1; y0 += BAND) {
-        const struct gp_rect band = band_of(s, tile, y0);
+    for (int y0 = field.y0; y0 < field.y1; y0 += BAND) {
+        const struct gp_rect band = band_of(s, field, y0);
         const int w = gp_rect_w(band);
         const float *from = rgba;
         if (gp_rect_empty(band))
             continue;
-        gp_target_read(gl, &s->target, 0, rect_within(band, tile), rgba);
+        gp_target_read(gl, &s->target, 0, rect_within(band, field), rgba);
         for (int y = band.y0; y < band.y1; y++, from += 4 * (size_t) w) {
             const size_t at = (size_t) (y - frame.y0) *
                                   (size_t) gp_rect_w(frame) +
@@ -309,13 +309,13 @@ gp_status gp_flare_draw(
     s->reach = s->quads.at[0].rect;
     for (int i = 1; i < s->quads.n; i++)
         s->reach = gp_rect_join(s->reach, s->quads.at[i].rect);
-    // a target large enough for all, up to a tile's size
+    // a target large enough for all, up to a field's size
     const int limit = gp_gl_info(gl)->max_size;
-    const int most = limit < TILE_MAX ? limit : TILE_MAX;
+    const int most = limit < FIELD_MAX ? limit : FIELD_MAX;
     const int w = gp_rect_w(s->reach) < most ? gp_rect_w(s->reach) : most;
     const int h = gp_rect_h(s->reach) < most ? gp_rect_h(s->reach) : most;
     const struct gp_texture had = s->target.colour;
-    s->tile = (struct gp_rect) {s->reach.x0, s->reach.y0, s->reach.x0 + w,
+    s->field = (struct gp_rect) {s->reach.x0, s->reach.y0, s->reach.x0 + w,
                                 s->reach.y0 + h};
     if (had.w < w || had.h < h) {
         gp_target_free(gl, &s->target);
@@ -324,7 +324,7 @@ gp_status gp_flare_draw(
                               &s->target));
     }
     GP_TRY(prepare_draw(log, gl, s));
-    GP_TRY(draw_tile(log, gl, s, s->tile));
+    GP_TRY(draw_field(log, gl, s, s->field));
 out:
     if (st)
         gp_flare_quads_free(&s->quads);
@@ -336,7 +336,7 @@ gp_status gp_flare_read_layer(const struct gp_log *log, const struct gp_gl *gl,
 {
     if (!s || s->quads.n == 0)
         return GP_OK;
-    const int w = gp_rect_w(s->tile), h = gp_rect_h(s->tile);
+    const int w = gp_rect_w(s->field), h = gp_rect_h(s->field);
     void *block;
     gp_status st = gp_alloc(log, "a band of the lens flare", (size_t) w * BAND,
                             4 * sizeof(float), &block);
@@ -344,12 +344,12 @@ gp_status gp_flare_read_layer(const struct gp_log *log, const struct gp_gl *gl,
         return st;
     for (int y = s->reach.y0; !st && y < s->reach.y1; y += h) {
         for (int x = s->reach.x0; !st && x < s->reach.x1; x += w) {
-            const struct gp_rect tile = gp_rect_meet(
+            const struct gp_rect field = gp_rect_meet(
                 (struct gp_rect) {x, y, x + w, y + h}, s->reach);
-            if (x > s->tile.x0 || y > s->tile.y0) // else it is drawn
-                st = draw_tile(log, gl, s, tile);
+            if (x > s->field.x0 || y > s->field.y0) // else it is drawn
+                st = draw_field(log, gl, s, field);
             if (!st)
-                read_tile(gl, s, tile, frame, block, layer);
+                read_field(gl, s, field, frame, block, layer);
         }
     }
     gp_free(block);

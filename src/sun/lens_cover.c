@@ -178,7 +178,7 @@ struct adding {
 };
 
 /* Adds steps to a row of the layer, smooth between them. */
-static void add_level(const struct adding *job, const struct gp_lens_steps *s,
+static void add_level(const struct adding *a, const struct gp_lens_steps *s,
                       int y, double *row)
 {
     const int stride = 3 * (s->w + 2);
@@ -191,10 +191,10 @@ static void add_level(const struct adding *job, const struct gp_lens_steps *s,
     for (int i = 0; i < stride; i++)
         row[i] = down[0] * at[i - stride] + down[1] * at[i] +
                  down[2] * at[i + stride];
-    for (int x = 0; x < job->w; x++) {
+    for (int x = 0; x < a->w; x++) {
         const double u = (x + 0.5) / s->step + 0.5;
         const int i = (int) (u + 0.5);
-        const size_t pixel = (size_t) y * (size_t) job->w + (size_t) x;
+        const size_t pixel = (size_t) y * (size_t) a->w + (size_t) x;
         if (s->step > 1)
             spline(u - i, across);
         for (int c = 0; c < 3; c++) {
@@ -203,21 +203,21 @@ static void add_level(const struct adding *job, const struct gp_lens_steps *s,
                                across[2] * p[3];
             // running sums leave a rounding error of 0
             if (sum > 1e-30)
-                job->layer->c[c][pixel] += (float) sum;
+                a->layer->c[c][pixel] += (float) sum;
         }
     }
 }
 
 static gp_status add_row(void *ctx, int y, int thread)
 {
-    const struct adding *const job = ctx;
+    const struct adding *const a = ctx;
     double *row;
-    const gp_status st = gp_alloc(NULL, "row", 3 * ((size_t) job->w + 4),
+    const gp_status st = gp_alloc(NULL, "row", 3 * ((size_t) a->w + 4),
                                   sizeof *row, &row);
     (void) thread;
     for (int l = 0; l < GP_LENS_LEVELS && !st; l++) {
-        if (job->steps[l].v)
-            add_level(job, &job->steps[l], y, row);
+        if (a->steps[l].v)
+            add_level(a, &a->steps[l], y, row);
     }
     gp_free(row);
     return st;
@@ -226,10 +226,10 @@ static gp_status add_row(void *ctx, int y, int thread)
 gp_status gp_lens_steps_add(struct gp_lens_steps steps[GP_LENS_LEVELS], int w,
                             int h, struct gp_planes *layer)
 {
-    struct adding job = {steps, w, layer};
+    struct adding a = {steps, w, layer};
     for (int l = 0; l < GP_LENS_LEVELS; l++) {
         if (steps[l].v)
             gp_parallel_do(steps[l].h, sum_row, &steps[l]);
     }
-    return gp_parallel(h, add_row, &job, NULL);
+    return gp_parallel(h, add_row, &a, NULL);
 }

@@ -18,7 +18,7 @@ enum {
     CHUNK = 64,      // ghosts of lights in memory at once
 };
 
-struct job {
+struct drawing {
     const struct gp_log *log;
     const struct gp_lens *lens;
     const struct gp_lens_view *view;
@@ -55,12 +55,12 @@ static int by_brightness(const void *a, const void *b)
 
 /* Ranks a ghost of lights of the flux `light` together.
  *   through  of its path, at each node */
-static struct rank rank_of(const struct job *job, int i,
+static struct rank rank_of(const struct drawing *d, int i,
                            const double through[GP_LENS_NODES],
                            const double light[3])
 {
-    const struct gp_lens_view *const v = job->view;
-    const struct gp_lens_ghost *const g = &job->ghost[i];
+    const struct gp_lens_view *const v = d->view;
+    const struct gp_lens_ghost *const g = &d->ghost[i];
     const double disc = pi * g->radius * g->radius;
     // or a pixel
     const double pixels = fmax(disc * g->m.a * g->m.a / (v->mm[0] * v->mm[1]),
@@ -73,7 +73,7 @@ static struct rank rank_of(const struct job *job, int i,
     double root[GP_LENS_NODES], all[3];
     for (int k = 0; k < GP_LENS_NODES; k++)
         root[k] = sqrt(through[k] * disc);
-    gp_lens_light_of(&job->band[0][0], root, rank.share);
+    gp_lens_light_of(&d->band[0][0], root, rank.share);
     for (int c = 0; c < 3; c++)
         all[c] = light[c] * rank.share[c];
     rank.bright = gp_luminance_of(v->luminance, all) / pixels;
@@ -90,31 +90,31 @@ static double norm_of(const struct rank *r, const double light[3])
 }
 
 /* Keeps the ghosts that can be seen, in their order, and counts the others. */
-static gp_status choose(struct job *job, int n, const double light[3],
+static gp_status choose(struct drawing *d, int n, const double light[3],
                         int *kept, struct gp_lens_stats *stats)
 {
-    const struct gp_lens_view *const v = job->view;
+    const struct gp_lens_view *const v = d->view;
     struct gp_lens_ghost *at_node = NULL;
     double (*through)[GP_LENS_NODES] = NULL;
     struct rank *rank = NULL;
     double sum = 0.0;
     int left = 0;
     gp_status st;
-    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *at_node,
+    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *at_node,
                     &at_node));
-    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *through,
+    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *through,
                     &through));
-    GP_TRY(gp_alloc(job->log, "ghosts", GP_LENS_GHOSTS, sizeof *rank, &rank));
+    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *rank, &rank));
     for (int k = 0; k < GP_LENS_NODES; k++) {
-        gp_lens_ghosts(job->lens, gp_lens_node[k], at_node);
+        gp_lens_ghosts(d->lens, gp_lens_node[k], at_node);
         for (int i = 0; i < n; i++)
             through[i][k] = at_node[i].through;
     }
     for (int i = 0; i < n; i++)
-        rank[i] = rank_of(job, i, through[i], light);
+        rank[i] = rank_of(d, i, through[i], light);
     for (int i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
-            job->bright[i][c] = rank[i].share[c] / rank[i].pixels;
+            d->bright[i][c] = rank[i].share[c] / rank[i].pixels;
     }
     qsort(rank, (size_t) n, sizeof *rank, by_brightness);
     while (left < n && sum + rank[left].bright <= v->tolerance * v->mean) {
@@ -128,7 +128,7 @@ static gp_status choose(struct job *job, int n, const double light[3],
         dark[rank[i].ghost] = true;
     for (int i = 0; i < n; i++) {
         if (!dark[i])
-            kept[job->kept_n++] = i;
+            kept[d->kept_n++] = i;
     }
     stats->drawn = n - left;
     stats->left_out = left;
@@ -154,34 +154,34 @@ static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
 
 /* Returns how much coarser than a bright ghost one may be that adds little to
  * the frame: 1 from 0.03 of its mean luminance on, up to 4. */
-static double ease_of(const struct job *job, int ghost, const double flux[3])
+static double ease_of(const struct drawing *d, int ghost, const double flux[3])
 {
     const double plain = 0.03, most = 4.0;
     double light[3];
     for (int c = 0; c < 3; c++)
-        light[c] = flux[c] * job->bright[ghost][c];
-    const double bright = gp_luminance_of(job->view->luminance, light);
-    const double ease = sqrt(plain * job->view->mean / bright);
-    return ease > 1.0 && job->view->detail != GP_LENS_REFERENCE
+        light[c] = flux[c] * d->bright[ghost][c];
+    const double bright = gp_luminance_of(d->view->luminance, light);
+    const double ease = sqrt(plain * d->view->mean / bright);
+    return ease > 1.0 && d->view->detail != GP_LENS_REFERENCE
                ? fmin(ease, most)
                : 1.0;
 }
 
 static gp_status trace_item(void *ctx, int i, int thread)
 {
-    struct job *const job = ctx;
-    struct gp_lens_item *const it = &job->item[i];
-    const struct gp_lens_view *const v = job->view;
-    const int at = job->first + i;
-    const struct gp_lens_light *const light = &job->light[at / job->kept_n];
-    const int ghost = job->kept[at % job->kept_n];
-    const struct gp_lens_ghost *const g = &job->ghost[ghost];
+    struct drawing *const d = ctx;
+    struct gp_lens_item *const it = &d->item[i];
+    const struct gp_lens_view *const v = d->view;
+    const int at = d->first + i;
+    const struct gp_lens_light *const light = &d->light[at / d->kept_n];
+    const int ghost = d->kept[at % d->kept_n];
+    const struct gp_lens_ghost *const g = &d->ghost[ghost];
     const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
     const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
     const double away = hypot(x, y);
     struct gp_lens_path path;
     (void) thread;
-    *it = (struct gp_lens_item) {.u = away / job->scale, .turn = {1.0, 0.0},
+    *it = (struct gp_lens_item) {.u = away / d->scale, .turn = {1.0, 0.0},
                          .level = -1};
     if (away > 0.0) {
         it->turn[0] = x / away;
@@ -189,12 +189,12 @@ static gp_status trace_item(void *ctx, int i, int thread)
     }
     memcpy(it->flux, light->flux, sizeof it->flux);
     place_axes(v, it);
-    it->blades = gp_lens_blades_of(job->lens, atan2(it->turn[1], it->turn[0]));
-    gp_lens_path(job->lens, g->first, g->second, &path);
+    it->blades = gp_lens_blades_of(d->lens, atan2(it->turn[1], it->turn[0]));
+    gp_lens_path(d->lens, g->first, g->second, &path);
     static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
-    const double ease = ease_of(job, ghost, light->flux);
+    const double ease = ease_of(d, ghost, light->flux);
     const gp_status st = gp_lens_mesh_make(
-        NULL, job->optics, &path, &it->blades, it->u,
+        NULL, d->optics, &path, &it->blades, it->u,
         ease * fmin(v->tolerance, most[v->detail]),
         ease * edge[v->detail] * fmax(g->blur, v->mm[0]), &it->mesh);
     if (!st && it->mesh.cells)
@@ -207,62 +207,62 @@ static gp_status trace_item(void *ctx, int i, int thread)
 /* Draws all items of the chunk into the rows of one part of the frame. */
 static gp_status draw_rows(void *ctx, int part, int thread)
 {
-    struct job *const job = ctx;
+    struct drawing *const d = ctx;
     struct gp_lens_rays *rays;
-    const int last = (gp_rect_h(job->view->frame) - 1) / PART_ROWS;
+    const int last = (gp_rect_h(d->view->frame) - 1) / PART_ROWS;
     const gp_status st = gp_lens_rays_make(&rays);
     (void) thread;
-    for (int i = 0; i < job->items && !st; i++) {
-        const struct gp_lens_item *const it = &job->item[i];
+    for (int i = 0; i < d->items && !st; i++) {
+        const struct gp_lens_item *const it = &d->item[i];
         if (it->level < 0)
             continue;
-        const struct gp_lens_steps *const a = &job->level[it->level];
+        const struct gp_lens_steps *const a = &d->level[it->level];
         // the first and the last part have the margin too
         const int top = part == 0 ? 0 : part * PART_ROWS / a->step + 1;
         const int end = part == last ? a->h
                                      : (part + 1) * PART_ROWS / a->step + 1;
         if (it->y1 / a->step + 1.0 >= top && it->y0 / a->step + 1.0 <= end)
-            gp_lens_item_draw(it, job->band, a, top, end, rays);
+            gp_lens_item_draw(it, d->band, a, top, end, rays);
     }
     gp_free(rays);
     return st;
 }
 
-static gp_status make_accumulators(struct job *job)
+static gp_status make_accumulators(struct drawing *d)
 {
     gp_status st = GP_OK;
-    for (int i = 0; i < job->items && !st; i++) {
-        const int l = job->item[i].level;
-        if (l >= 0 && !job->level[l].v)
-            st = gp_lens_steps_make(job->log, gp_rect_w(job->view->frame),
-                                    gp_rect_h(job->view->frame), 1 << l,
-                                    &job->level[l]);
+    for (int i = 0; i < d->items && !st; i++) {
+        const int l = d->item[i].level;
+        if (l >= 0 && !d->level[l].v)
+            st = gp_lens_steps_make(d->log, gp_rect_w(d->view->frame),
+                                    gp_rect_h(d->view->frame), 1 << l,
+                                    &d->level[l]);
     }
     return st;
 }
 
 /* Traces and draws the items of a chunk, and adds up their figures. */
-static gp_status run_chunk(struct job *job, struct gp_lens_stats *stats)
+static gp_status run_chunk(struct drawing *d, struct gp_lens_stats *stats)
 {
-    const int parts = (gp_rect_h(job->view->frame) + PART_ROWS - 1) / PART_ROWS;
-    gp_status st = gp_parallel(job->items, trace_item, job, NULL);
+    const int parts = (gp_rect_h(d->view->frame) + PART_ROWS - 1) / PART_ROWS;
+    gp_status st = gp_parallel(d->items, trace_item, d, NULL);
     if (!st)
-        st = make_accumulators(job);
+        st = make_accumulators(d);
     if (!st)
-        st = gp_parallel(parts, draw_rows, job, NULL);
-    for (int i = 0; i < job->items; i++) {
-        struct gp_lens_item *const it = &job->item[i];
+        st = gp_parallel(parts, draw_rows, d, NULL);
+    for (int i = 0; i < d->items; i++) {
+        struct gp_lens_item *const it = &d->item[i];
         if (!st && it->mesh.cells) {
             double own[3], root[GP_LENS_NODES], arrives = 0.0;
             for (int k = 0; k < GP_LENS_NODES; k++) {
                 root[k] = sqrt(it->mesh.flux[k]);
                 arrives += it->mesh.flux[k] / GP_LENS_NODES;
             }
-            gp_lens_light_of(&job->band[0][0], root, own);
+            gp_lens_light_of(&d->band[0][0], root, own);
             for (int c = 0; c < 3; c++)
                 stats->light[c] += own[c] *= it->flux[c];
             if (arrives > 0.0)
-                stats->lost += gp_luminance_of(job->view->luminance, own) *
+                stats->lost += gp_luminance_of(d->view->luminance, own) *
                                it->mesh.lost / arrives;
             if (it->level >= 0)
                 stats->steps[it->level]++;
@@ -276,7 +276,7 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_view *view, const struct gp_lens_light *light, int n,
     struct gp_planes *layer, struct gp_lens_stats *out)
 {
-    struct job job = {.log = log, .lens = lens, .view = view, .light = light};
+    struct drawing d = {.log = log, .lens = lens, .view = view, .light = light};
     struct gp_lens_stats stats = {.lights = n};
     struct gp_lens_ghost *ghost = NULL;
     struct gp_lens_optics *optics = NULL;
@@ -288,10 +288,10 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     gp_status st;
     GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *ghost, &ghost));
     GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *kept, &kept));
-    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *job.bright,
-                    &job.bright));
+    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *d.bright,
+                    &d.bright));
     GP_TRY(gp_alloc(log, "lens", GP_LENS_NODES, sizeof *optics, &optics));
-    GP_TRY(gp_alloc(log, "ghosts", CHUNK, sizeof *job.item, &job.item));
+    GP_TRY(gp_alloc(log, "ghosts", CHUNK, sizeof *d.item, &d.item));
     for (int k = 0; k < GP_LENS_NODES; k++)
         gp_lens_optics_make(lens, gp_lens_node[k], &optics[k]);
     // the image on the axis: what the frame's light stands for
@@ -303,26 +303,26 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_matrix m = gp_lens_matrix(lens, &straight,
                                                    straight.steps, GP_D_LINE,
                                                    true);
-    job.scale = m.b - m.a * figures.pupil_at;
-    if (!mesh.cells || !(job.scale > 0.0 && job.scale < 1e9))
+    d.scale = m.b - m.a * figures.pupil_at;
+    if (!mesh.cells || !(d.scale > 0.0 && d.scale < 1e9))
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: no light reaches its image; "
                        "check it by glarepp lens --check", lens->name));
-    gp_lens_bands_make(view->chromaticities, mesh.flux, job.band);
+    gp_lens_bands_make(view->chromaticities, mesh.flux, d.band);
     for (int i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
             all[c] += light[i].flux[c];
     }
     stats.ghosts = gp_lens_ghosts(lens, GP_D_LINE, ghost);
-    job.ghost = ghost;
-    job.optics = optics;
-    job.kept = kept;
-    GP_TRY(choose(&job, stats.ghosts, all, kept, &stats));
-    for (int i = 0; i < n * job.kept_n; i += job.items) {
-        job.first = i;
-        job.items = gp_min(n * job.kept_n - i, CHUNK);
-        GP_TRY(run_chunk(&job, &stats));
+    d.ghost = ghost;
+    d.optics = optics;
+    d.kept = kept;
+    GP_TRY(choose(&d, stats.ghosts, all, kept, &stats));
+    for (int i = 0; i < n * d.kept_n; i += d.items) {
+        d.first = i;
+        d.items = gp_min(n * d.kept_n - i, CHUNK);
+        GP_TRY(run_chunk(&d, &stats));
     }
-    GP_TRY(gp_lens_steps_add(job.level, gp_rect_w(view->frame),
+    GP_TRY(gp_lens_steps_add(d.level, gp_rect_w(view->frame),
                              gp_rect_h(view->frame), layer));
     const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;
@@ -330,10 +330,10 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
 out:
     gp_lens_mesh_free(&mesh);
     for (int l = 0; l < GP_LENS_LEVELS; l++)
-        gp_free(job.level[l].v);
-    gp_free(job.item);
+        gp_free(d.level[l].v);
+    gp_free(d.item);
     gp_free(optics);
-    gp_free(job.bright);
+    gp_free(d.bright);
     gp_free(kept);
     gp_free(ghost);
     return st;

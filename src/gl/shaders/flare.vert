@@ -3,7 +3,7 @@
 // read back).
 //
 // in   quads      five texels each, quad after quad, row after row:
-//                 0  target pixels of the element's rect, before `tile`
+//                 0  target pixels of the element's rect, before `field`
 //                 1  first pixel's centre less the place; cosine and sine
 //                 2  IMAGE: texels a pixel; PLAIN: texel of the rect's corner;
 //                    the light's number
@@ -11,14 +11,14 @@
 //                 4  amount of each channel
 //      intensity  texel (i, 0) of light i: visibility = r / g, 0 where g is 0
 //      first      x: first quad of the draw
-//      tile       pixel of the rects' coordinates at the target's corner
+//      field      pixel of the rects' coordinates at the target's corner
 //      size       of the target
 // out  quads cut to the target
 // CPU twin: flare_image.c
 uniform sampler2D quads;
 uniform sampler2D intensity;
 uniform ivec2 first;
-uniform ivec2 tile;
+uniform ivec2 field;
 uniform ivec2 size;
 
 flat out ivec2 origin; // target pixel of the rect's corner
@@ -47,7 +47,7 @@ void main()
     vec2 shown = texelFetch(intensity, ivec2(int(far.a), 0), 0).rg;
     float visibility = shown.g > 0.0 ? shown.r / shown.g : 0.0;
 
-    origin = ivec2(rect.xy) - tile;
+    origin = ivec2(rect.xy) - field;
     base = place.xy;
     turn = place.zw;
     radius = far.rgb;
@@ -60,6 +60,6 @@ void main()
         return;
     }
     ivec2 low = clamp(origin, ivec2(0), size);
-    ivec2 high = clamp(ivec2(rect.zw) - tile, ivec2(0), size);
+    ivec2 high = clamp(ivec2(rect.zw) - field, ivec2(0), size);
     gl_Position = clip_of_corner(low + (high - low) * corner, size);
 }
