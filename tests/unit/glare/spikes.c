@@ -10,13 +10,13 @@ enum { OFFSETS = 300 };
 static const double pixel = 0.03;     // degrees
 static const double radius = 3.125;   // mm, 50 mm at f/8
 
-static void whole(const char *keys, struct gp_kernel *k)
+static void whole(const char *keys, double reach, struct gp_kernel *k)
 {
     const struct gp_field f = scene_field(OFFSETS, OFFSETS, pixel, 1.0);
     struct gp_kernel core;
     char text[200];
     snprintf(text, sizeof text, "aperture:share=1,dust=0,scratches=0,fnumber=8,"
-             "focal=50,rotation=7,wavelength=550,%s", keys);
+             "focal=50,rotation=7,wavelength=550,reach=%g,%s", reach, keys);
     model_make(text, &f, &core);
     assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, k));
     gp_kernel_free(&core);
@@ -78,7 +78,7 @@ static void edges_send_out_their_light(void **state)
         const double area = 0.5 * n * radius * radius * sin(2.0 * PI / n) +
                             n * segment;
         const double edge = arc * 550e-6 / (4.0 * PI * PI * area) * 180.0 / PI;
-        whole(rows[i].keys, &k);
+        whole(rows[i].keys, 12.0, &k);
         for (double t = 2.0; t < 8.0; t += 1.0) {
             double want = 0.0;
             for (int j = 0; j < 100; j++) {
@@ -108,9 +108,9 @@ static void spikes_keep_their_width(void **state)
 {
     (void) state;
     struct gp_kernel straight, round, near;
-    whole("blades=6,roundness=0", &straight);
-    whole("blades=6,roundness=0.1", &round);
-    whole("blades=6,roundness=0,reach=3.7", &near);
+    whole("blades=6,roundness=0", 12.0, &straight);
+    whole("blades=6,roundness=0.1", 12.0, &round);
+    whole("blades=6,roundness=0", 3.7, &near);
     for (double t = 2.0; t < 8.0; t += 1.0) {
         const double all = spike(&straight, 37.0, t, 10.0, true);
         const double line = spike(&straight, 37.0, t, 0.06, false);
