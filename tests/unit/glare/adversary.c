@@ -376,10 +376,10 @@ static void bounds_are_not_twice_too_large(void **state)
 
 /* -- single terms -----------------------------------------------------------*/
 
-/* Lights in twos, whose centroid is between pixels, where a sample is exactly
- * what they were. In so wide a frame GL may sample a float's step aside, each to
- * its own side: with a kernel that rises and falls in their rhythm that makes
- * most of what the bound allows. */
+/* Lights in twos far to the right, whose centroid is between pixels, where a
+ * sample is exactly what they were. In so wide a frame GL may sample a float's
+ * step aside, each to its own side: with a kernel that rises and falls in their
+ * rhythm that makes most of what the bound allows. */
 static void samples_places_are_in_the_bound(void **state)
 {
     enum { WIDE = 8000, HIGH = 96, N = 3 * WIDE * HIGH, KW = 24, KH = 33 };
@@ -397,7 +397,7 @@ static void samples_places_are_in_the_bound(void **state)
     double *const layer = scene_alloc(N, sizeof *layer);
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < WIDE * HIGH; i += 1 + WIDE * (i % WIDE == WIDE - 1))
-            f.rgb.c[c][i] = i % 2 ? 1.5f : 1.0f;
+            f.rgb.c[c][i] = i % WIDE < 7000 ? 0.0f : i % 2 ? 1.5f : 1.0f;
         for (int i = 0; i < KW * KH; i++)
             image.rgb.c[c][i] = i % KW / 2 % 2 ? 0.0f : 1.0f;
     }

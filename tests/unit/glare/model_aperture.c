@@ -398,14 +398,14 @@ static void keys_change_kernels(void **state)
         "grating=0.05", "formula=watson", "formula=watson,age=60",
         "grating=0.5,fibres=20",
     };
-    struct gp_field f = scene_field(64, 64, 0.05, 1.0);
+    struct gp_field f = scene_field(48, 48, 0.05, 1.0);
     f.frame = 7;
     for (int m = 0; m < 2; m++) {
         const char *const name = m ? "temporal" : "aperture";
         struct gp_kernel made[COUNT(keys) + 1];
         size_t n = 0;
         char text[200];
-        snprintf(text, sizeof text, "%s:wavelengths=4", name);
+        snprintf(text, sizeof text, "%s:wavelengths=2", name);
         gp_set_threads(1);
         model_make(text, &f, &made[n++]);
         gp_set_threads(3);
@@ -414,7 +414,7 @@ static void keys_change_kernels(void **state)
         gp_kernel_free(&made[n]);
         for (size_t i = 0; i < COUNT(keys); i++) {
             struct gp_recipe r;
-            snprintf(text, sizeof text, "%s:wavelengths=4,%s", name, keys[i]);
+            snprintf(text, sizeof text, "%s:wavelengths=2,%s", name, keys[i]);
             if (gp_recipe_parse(NULL, text, &r) != GP_OK)
                 continue; // the other model's
             gp_recipe_free(&r);
