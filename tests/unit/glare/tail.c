@@ -410,13 +410,13 @@ static void check_engines(struct scene *s, const char *what)
 static void engines_keep_their_bounds(void **state)
 {
     static const struct { int w, h, x, y; enum light light; } rows[] = {
-        {331, 257, 0, 0, FEW},     {331, 257, -700, 3, MANY},
-        {256, 192, 0, 0, FLAT},    {257, 191, 5, 5, HOT},
+        {331, 257, 0, 0, FEW},     {331, 67, -700, 3, MANY},
+        {256, 48, 0, 0, FLAT},     {257, 191, 5, 5, HOT},
         {300, 200, 0, 0, BAD},     {300, 200, 0, 0, DENORMAL},
         {300, 200, 0, 0, CORNERS}, {1, 700, 0, 0, ALL},
         {700, 1, 0, 0, COLOURED},  {1, 1, 0, 0, ALL},
         {4096, 3, 0, 0, MANY},     {300, 200, 0, 0, DARK},
-        {300, 200, 0, 0, OVER},    {300, 200, 0, 0, CANCEL},
+        {300, 50, 0, 0, OVER},     {300, 50, 0, 0, CANCEL},
     };
     static const char *const recipes[] = {"eye", "cie:age=70,share=.3",
                                           "moffat:share=1"};
@@ -467,8 +467,8 @@ static void sharp_shapes_stay_in_the_core(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = field_scene(
-            scene_frame(430, 310, 0, 0, i == 1 ? MANY : CORNERS, (uint32_t) i),
-            rows[i].text);
+            scene_frame(430, i == 1 ? 70 : 310, 0, 0, i == 1 ? MANY : CORNERS,
+                        (uint32_t) i), rows[i].text);
         struct gp_glare_stats stats;
         const bool grey = !strstr(rows[i].text, "wavelengths");
         if (!s.k.tail || s.k.tail->grey != grey || s.k.cx > rows[i].reach)
