@@ -79,7 +79,7 @@ static void engines_add_no_steps(void **state)
 {
     static const char *const models[] = {
         "eye", "eye-night", "eye-old", "star", "cross", "streak", "ring",
-        "circle", "aperture:wavelengths=4", "temporal:wavelengths=4",
+        "circle", "aperture:wavelengths=8", "temporal:wavelengths=8",
         "gaussian", "moffat", "moffat:beta=2.5", "moffat:beta=3",
         "cie:equation=general",
     };
