@@ -5,7 +5,6 @@
 #include "app/options.h"
 #include "app/stages.h"
 #include "core/colour.h"
-#include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/kernel_check.h"
 #include "glare/sensors.h"

@@ -8,7 +8,6 @@
 #include "io/file.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 struct schedule {

@@ -6,7 +6,6 @@
 #include "core/parallel.h"
 
 #include <math.h>
-#include <string.h>
 
 /* A run's layer, to be added to the frame's, row by row. */
 struct adding {

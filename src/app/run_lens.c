@@ -11,7 +11,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 gp_status gp_run_lens_begin(const struct gp_log *log, struct gp_run *r)
 {

@@ -4,7 +4,6 @@
 #include "app/options.h"
 #include "app/stages.h"
 #include "core/json.h"
-#include "core/memory.h"
 #include "gl/gl.h"
 #include "io/file.h"
 #include "io/write.h"

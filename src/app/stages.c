@@ -4,7 +4,6 @@
 #include "core/clock.h"
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "glare/engine.h"
 #include "glare/sources.h"
 #include "glare/splat/polygons.h"
@@ -12,7 +11,6 @@
 #include "io/plane.h"
 #include "io/read.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

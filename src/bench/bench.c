@@ -3,7 +3,6 @@
 #include "compare/flip.h"
 #include "core/clock.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "io/file.h"
 #include "io/plane.h"
 

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 
 const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS] = {
     [GP_PAPER_POINTS] = {"points", "best", 120},

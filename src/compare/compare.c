@@ -5,7 +5,6 @@
 #include "core/parallel.h"
 #include "io/file.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

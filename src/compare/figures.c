@@ -1,6 +1,5 @@
 #include "compare/compare_priv.h"
 
-#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"

@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 gp_status gp_planes_make(const struct gp_log *log, const char *what,

@@ -1,6 +1,5 @@
 #include "io/read.h"
 
-#include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"

@@ -9,7 +9,6 @@
 #include "core/parallel.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -11,7 +11,6 @@
 #include "core/colour.h"
 #include "core/memory.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,14 +1,12 @@
 /* Pictures in the formats that OpenImageIO writes. */
 #include "io/oiio/oiio.h"
 
-#include "core/colour.h"
 #include "core/memory.h"
 #include "io/file.h"
 #include "io/picture.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* The types that a format holds, and how its readers take a fourth channel:

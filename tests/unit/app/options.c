@@ -3,7 +3,6 @@
 #include "app/option_line.h"
 
 #include <float.h>
-#include <math.h>
 
 static void defaults_hold(void **state)
 {

@@ -2,7 +2,6 @@
  * bytes everywhere. */
 #include "unit.h"
 #include "bench/bench_priv.h"
-#include "core/parallel.h"
 #include "glare/sensors.h"
 
 /* FNV-1a, of the planes. */

@@ -2,7 +2,6 @@
  * two-dimensional filters (numpy and scipy), and by law. */
 #include "unit.h"
 #include "compare/flip.h"
-#include "core/memory.h"
 #include "core/parallel.h"
 
 #include <float.h>

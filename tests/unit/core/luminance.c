@@ -4,7 +4,6 @@
 #include "core/luminance.h"
 #include "core/parallel.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -8,7 +8,6 @@
 #include "io/file.h"
 #include "io/read.h"
 
-#include <sys/stat.h>
 
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "exr_fixture.h"
 #include "reading.h"
-#include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 

@@ -1,7 +1,6 @@
 /* io: the side of glarepp that asks the helper, against helpers that end, hang
  * and lie; and what the real one may not do. */
 #include "unit.h"
-#include "core/memory.h"
 #include "io/oiio/protocol.h"
 #include "fail.h"
 #include "oiio_here.h"
