@@ -46,8 +46,8 @@ static const struct {
 } needs[] = {
     {GP_NEED_OWN_FRAMES, "measures frames of its own (found input ",
      "); leave one of the two out"},
-    {GP_NEED_NO_LIGHT, "its frames have no depth to hide a light; leave --paper "
-     "or the lights out", NULL},
+    {GP_NEED_NO_LIGHT, "its frames have no depth to hide a light; leave "
+     "--paper or the lights out", NULL},
     {GP_NEED_REPORT, "no output shows its result; add --report FILE or -v",
      NULL},
     {GP_NEED_RAW, "contradicts --stdout-format; leave one of the two out",
@@ -266,8 +266,8 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
                        "glarepp sets scene.glb", s->inputs.n);
     for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->debug[i])
-            return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp sets; "
-                           "give scissor or sets", gp_debugs[i].name);
+            return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
+                           "sets; give scissor or sets", gp_debugs[i].name);
     }
     return check_size(log, &s->making, 960, 540);
 }

@@ -299,9 +299,9 @@ static gp_status read_option(const struct gp_log *log, int argc,
                              char *const argv[], int *i, struct gp_settings *s)
 {
     const char *const word = argv[*i], *of_next;
-    const char *const command = gp_command_of(s->command)->word;
     struct use u = {.log = log};
     u.option = split_word(word, s->command, &u.value);
+    const char *const command = gp_command_of(s->command)->word;
     if (!u.option) {
         const char *const bare = word + strspn(word, "-");
         const size_t length = strcspn(bare, "=");

@@ -132,7 +132,7 @@ struct gp_facts {
     bool depth_reversed;         // larger is nearer
     const char *mask;            // coverage channel, or NULL
     struct gp_scene_facts scene;
-    const struct gp_relit_facts *relit; // `relits` of them, in the scene's order
+    const struct gp_relit_facts *relit; // `relits`, in the scene's order
     int relits;                  // 0: no --relight
     const struct gp_ocio_names *ocio; // NULL: tone mapped
     const struct gp_settings *settings; // of the run; NULL: left out

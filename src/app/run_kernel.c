@@ -251,8 +251,8 @@ static bool take_older(struct gp_run *r, const struct gp_recipe *recipe,
     return false;
 }
 
-/* Makes the kernel of recipes for a field, unless one that is kept is that; then
- * *made is false.
+/* Makes the kernel of recipes for a field, unless one that is kept is that;
+ * then *made is false.
  *   recipe  those of r->wanted, with other values */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     const struct gp_recipe *recipe, const struct gp_field *field, bool *made)
