@@ -9,8 +9,6 @@
 static const double FAR_PIXEL = 1e9;
 
 static const double MOST_RADIUS = 1e6; // pixels
-static const double PI = 3.14159265358979323846;
-
 // -- columns of a matrix for row vectors -------------------------------------
 
 /* The upper three of column c: the gradient of that coordinate. */
@@ -219,8 +217,8 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const struct gp_v3 axis = column(m, 3);
     const double t =
         atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
-    const double a = degrees * (PI / 360.0);
-    if (!(a >= 0.0 && t + a < PI / 2.0))
+    const double a = degrees * (M_PI / 360.0);
+    if (!(a >= 0.0 && t + a < M_PI / 2.0))
         return 0.0;
     const double area = fabs(gp_v3_det(column(m, 0), column(m, 1), axis)) *
                         ((double) display.x1 - display.x0) *
@@ -237,7 +235,7 @@ double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
     const struct gp_v3 axis = column(c->to_ndc, 3);
     const double t =
         atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
-    double lo = 0.0, hi = (PI / 2.0 - t) * (360.0 / PI);
+    double lo = 0.0, hi = (M_PI / 2.0 - t) * (360.0 / M_PI);
     // the radius grows with the angle
     while (hi - lo > 1e-9) {
         const double middle = 0.5 * (lo + hi);
@@ -255,5 +253,5 @@ double gp_camera_fov(const struct gp_camera *c)
     // to v of length 1, d = v + t u has along + t up, 0 above and 1 below
     const struct gp_v3 v = column(c->to_ndc, 3), b = column(c->to_ndc, 1);
     const double along = gp_v3_dot(b, v), up = gp_v3_length(gp_v3_cross(b, v));
-    return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / PI);
+    return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / M_PI);
 }

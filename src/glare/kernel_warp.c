@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 bool gp_rotate_angle(float degrees, struct gp_unturned *u)
 {
     static const double exact[] = {1.0, 0.0, -1.0, 0.0};
@@ -20,7 +18,7 @@ bool gp_rotate_angle(float degrees, struct gp_unturned *u)
         u->sin = exact[(quarters + 3) % 4];
         return true;
     }
-    const double angle = fmod((double) degrees, 360.0) * PI / 180.0;
+    const double angle = fmod((double) degrees, 360.0) * M_PI / 180.0;
     u->cos = cos(angle);
     u->sin = sin(angle);
     return false;

@@ -25,7 +25,7 @@ struct gp_drawing {
     struct run *opaque;        // a mesh of it; count 0: none
     struct gp_texture *cutout; // alpha, of each of the scene's
     struct gp_program ambient[2], flat[2], cube[2]; // [1]: with holes
-    struct gp_program light[4];                     // GP_LIGHT_..., spot in a cube
+    struct gp_program light[4]; // GP_LIGHT_..., spot in a cube
     struct gp_target picture;
     struct gp_target square, atlas; // of maps; made when first used
     double to_clip[16];        // of the picture
@@ -468,7 +468,7 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
     const struct gp_scene *const s = d->s;
     const struct gp_scene_light *const of = l->light;
     const bool wide = of->kind == GP_LIGHT_SPOT && map->form == GP_MAP_CUBE;
-    const double scale = d->p.light_scale * of->intensity / 3.14159265358979323;
+    const double scale = d->p.light_scale * of->intensity / M_PI;
     gp_status st = GP_OK;
     struct gp_draw draw = {
         .program = &d->light[wide ? SPOT_IN_CUBE : (int) of->kind],

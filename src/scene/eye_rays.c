@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 enum { FIRST = 64, LAST = 256, LEVELS = 3 }; // rays a side
 static const double GOOD = 5e-4; // standard deviation that is small enough
 
@@ -32,10 +30,10 @@ static struct gp_v3 direction(const struct gp_eye_measure *f, double a,
     const double half = sin(0.5 * f->disc->half);
     double radius = a, turn = 0.0;
     if (fabs(a) > fabs(b)) {
-        turn = PI / 4.0 * (b / a);
+        turn = M_PI / 4.0 * (b / a);
     } else if (b != 0.0) {
         radius = b;
-        turn = PI / 2.0 - PI / 4.0 * (a / b);
+        turn = M_PI / 2.0 - M_PI / 4.0 * (a / b);
     }
     const double m = radius * radius * 2.0 * half * half;
     // the sign of the radius is that of the side of the square

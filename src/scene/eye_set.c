@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Added to angles and, as a share, to distances: rounding loses no object. */
 static const double SLACK = 1e-9;
 
@@ -14,7 +12,7 @@ struct gp_eye_disc gp_eye_sun(struct gp_v3 eye, struct gp_v3 to, double half)
 {
     return (struct gp_eye_disc) {
         .eye = eye, .to = gp_v3_unit(to),
-        .half = half > 0.0 ? fmin(half, PI / 2.0) : 0.0, .distance = INFINITY,
+        .half = half > 0.0 ? fmin(half, M_PI / 2.0) : 0.0, .distance = INFINITY,
     };
 }
 
@@ -28,7 +26,7 @@ struct gp_eye_disc gp_eye_lamp(struct gp_v3 eye, struct gp_v3 at, double ball)
     };
     if (!(distance > 0.0))
         d.to = (struct gp_v3) {0.0, 0.0, 1.0};
-    d.half = d.ball < distance ? asin(d.ball / distance) : PI / 2.0;
+    d.half = d.ball < distance ? asin(d.ball / distance) : M_PI / 2.0;
     return d;
 }
 
@@ -151,7 +149,7 @@ int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
  * eye and the triangle's edges, and the triangle is nearer than the disc. */
 static bool covers(const struct gp_eye_disc *d, const struct gp_v3 p[3])
 {
-    const double least = sin(fmin(d->half + SLACK, PI / 2.0));
+    const double least = sin(fmin(d->half + SLACK, M_PI / 2.0));
     const double turn = gp_v3_det(p[0], p[1], p[2]) < 0.0 ? -1.0 : 1.0;
     for (int i = 0; i < 3; i++) {
         const struct gp_v3 n = gp_v3_cross(p[i], p[(i + 1) % 3]);
@@ -240,7 +238,7 @@ struct gp_eye_measure gp_eye_measure_of(const struct gp_eye_disc *d,
     m.up = gp_v3_cross(m.across, d->to);
     const bool middle = gp_eye_inside(&m, d->to);
     for (int i = 0; window && i < AROUND; i++) {
-        const double turn = 2.0 * PI * i / AROUND;
+        const double turn = 2.0 * M_PI * i / AROUND;
         const struct gp_v3 side =
             gp_v3_add(gp_v3_scale(m.across, cos(turn)),
                       gp_v3_scale(m.up, sin(turn)));
@@ -251,6 +249,7 @@ struct gp_eye_measure gp_eye_measure_of(const struct gp_eye_disc *d,
     }
     // all of the disc is before the camera
     m.plane = m.cut && along_view(&m, d->to) > 0.0 &&
-              acos(fmin(along_view(&m, d->to), 1.0)) + d->half < 0.999 * PI / 2;
+              acos(fmin(along_view(&m, d->to), 1.0)) + d->half <
+                  0.999 * M_PI / 2;
     return m;
 }

@@ -25,8 +25,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum { BANDS = 40, ANGLES = 5040 }; // ANGLES: a multiple of most sides
 
 double gp_flare_random(int seed, int i)
@@ -102,15 +100,15 @@ static double profile_at(const struct gp_flare_element *e, double q, double r,
 /* The gradient of the norm, times R: that of a polygon is larger. */
 static double steepness(const struct gp_flare_element *e)
 {
-    const double poly = e->shape == GP_FLARE_POLYGON ? 1.0 / cos(pi / e->sides)
-                                                     : 1.0;
+    const double poly =
+        e->shape == GP_FLARE_POLYGON ? 1.0 / cos(M_PI / e->sides) : 1.0;
     return poly + e->round * (1.0 - poly);
 }
 
 static double least_radius(const struct gp_flare_element *e)
 {
     return has_rays(e) ? 1.5
-           : e->shape == GP_FLARE_POLYGON ? 0.5 / cos(pi / e->sides) : 0.5;
+           : e->shape == GP_FLARE_POLYGON ? 0.5 / cos(M_PI / e->sides) : 0.5;
 }
 
 /* Notes the hard edges of round shapes in t. */
@@ -202,10 +200,10 @@ static void make_rays(struct gp_flare_look *l)
                                 gp_flare_random(e->seed, 3 * i + 1),
                                 gp_flare_random(e->seed, 3 * i + 2) - 0.5};
         const double turn = spikes
-            ? (i + e->random * less[2]) * 2.0 * pi / l->rays
+            ? (i + e->random * less[2]) * 2.0 * M_PI / l->rays
             : l->rays == 1 ? 0.0
             : (i / (l->rays - 1.0) - 0.5 + e->random * less[2] / l->rays) *
-                  e->spread * pi / 180.0;
+                  e->spread * M_PI / 180.0;
         const double length = 1.0 - 0.9 * e->random * less[0];
         const double half = fmax(l->radius * e->width, spikes ? 0.1 : 0.5) *
                             (1.0 - 0.9 * e->random * less[1]);
@@ -266,7 +264,7 @@ static float direction_of(const struct gp_flare_look *l, float x, float y)
         return v * v;
     }
     if (e->shape == GP_FLARE_RING && e->completion < 1.0) {
-        const float at = fabsf(atan2f(y, x)) / (float) (pi * e->completion);
+        const float at = fabsf(atan2f(y, x)) / (float) (M_PI * e->completion);
         const float ends = gp_maxf((float) e->feather, l->share);
         const float v = gp_clamp01((1.0f - at) / ends);
         return v * v * (3.0f - 2.0f * v);
@@ -280,11 +278,11 @@ static void find_areas(struct gp_flare_look *l)
     const bool rays = has_rays(&l->e);
     double plane = 0.0, across = 0.0; // of all directions at t = 1; of sections
     for (int i = 0; i < ANGLES && !rays; i++) {
-        const double a = 2.0 * pi * (i + 0.5) / ANGLES;
+        const double a = 2.0 * M_PI * (i + 0.5) / ANGLES;
         const float x = (float) cos(a), y = (float) sin(a);
         int side = 0;
         const double t = (double) norm_of(l, x, y, &side); // r = 1 / t
-        plane += (double) direction_of(l, x, y) / (t * t) * 2.0 * pi / ANGLES;
+        plane += (double) direction_of(l, x, y) / (t * t) * 2.0 * M_PI / ANGLES;
     }
     for (int c = 0; c < 3; c++) {
         double sum = 0.0, thin = 0.0;
@@ -298,7 +296,7 @@ static void find_areas(struct gp_flare_look *l)
         for (int i = 0; i < l->rays; i++)
             across += l->ray_area[i] * (double) l->ray[i].half *
                 (l->e.shape == GP_FLARE_SPIKES
-                     ? 0.6 * sqrt(2.0 * pi) * thin
+                     ? 0.6 * sqrt(2.0 * M_PI) * thin
                      : 4.0 * sum); // both ways
         l->area[c] = rays ? across * l->radius * l->aspect
                           : plane * sum * l->aspect;
@@ -320,9 +318,9 @@ gp_status gp_flare_look_make(const struct gp_log *log,
     l.aspect = has_rays(e) || e->shape == GP_FLARE_DIRT ? 1.0
                                                                  : e->aspect;
     for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
-        const double a = (i + 0.5) * 2.0 * pi / e->sides;
-        l.side[i][0] = (float) (cos(a) / cos(pi / e->sides));
-        l.side[i][1] = (float) (-sin(a) / cos(pi / e->sides));
+        const double a = (i + 0.5) * 2.0 * M_PI / e->sides;
+        l.side[i][0] = (float) (cos(a) / cos(M_PI / e->sides));
+        l.side[i][1] = (float) (-sin(a) / cos(M_PI / e->sides));
     }
     GP_TRY(make_table(log, &l));
     if (has_rays(e)) {

@@ -11,8 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* Elements up to so many pixels across are summed, not integrated: the sum over
  * pixels of a small shape depends on its place. Above, the two differ by
  * less than 1e-3. */
@@ -72,7 +70,7 @@ static struct gp_flare_element dress(const struct gp_flare *f, int k,
     for (int c = 0; c < 3; c++)
         e.colour[c] *= (float) bright;
     if (e.axis && (l->x != cx || l->y != cy))
-        e.rotation += atan2(l->y - cy, cx - l->x) * 180.0 / pi;
+        e.rotation += atan2(l->y - cy, cx - l->x) * 180.0 / M_PI;
     return e;
 }
 
@@ -131,7 +129,7 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
 {
     const double largest =
         (double) fmaxf(e->scale[0], fmaxf(e->scale[1], e->scale[2]));
-    const double angle = e->plain ? 0.0 : e->rotation * pi / 180.0;
+    const double angle = e->plain ? 0.0 : e->rotation * M_PI / 180.0;
     // half a texel of the level, which may be as much as two pixels, beyond the
     // corners; whole pixels cover that of a plain one
     const double texel = texel_size(e, diameter * largest);
@@ -172,7 +170,7 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
         const double r = gp_flare_look_reach(e, diameter_of(e, display));
         b = (struct box) {-r, -r, r, r};
         if (e->shape == GP_FLARE_STREAK && e->count == 1) { // a narrow box
-            const double angle = e->rotation * pi / 180.0;
+            const double angle = e->rotation * M_PI / 180.0;
             const double wide = fmax(0.5 * diameter_of(e, display), 1.5) *
                                     e->width * (1.0 + e->softness) + 4.0;
             const double w = r * fabs(cos(angle)) + wide * fabs(sin(angle));
@@ -356,7 +354,7 @@ static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
     const struct gp_flare_look *look, int element, int light, int first,
     int end)
 {
-    const double angle = p->e.rotation * pi / 180.0;
+    const double angle = p->e.rotation * M_PI / 180.0;
     struct gp_flare_quad q = {
         .plain = p->e.plain && p->level, .look = look,
         .element = element, .light = light,

@@ -38,7 +38,7 @@ struct gp_flare_gl {
     int slots, batches;
     struct gp_flare_quads quads;   // of the last draw
     struct gp_rect reach;          // of all of them, frame's pixels
-    struct gp_rect field;           // the first, which the last draw left in
+    struct gp_rect field;          // the first, which the last draw left in
                                    // target
 };
 

@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
-
 // -- glass and coats ----------------------------------------------------------
 
 double gp_lens_index(double n, double v, double nm)
@@ -48,7 +46,7 @@ double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
     if (tm <= 0.0)
         return 1.0;
     const double cm = sqrt(tm);
-    const double phase = pi * coat / nm * cm; // 2 * 2 pi n d cm / nm, n d = 1/4
+    const double phase = M_PI * coat / nm * cm; // 4 pi n d cm / nm, n d = 1/4
     const double s1 = (n1 * c1 - n * cm) / (n1 * c1 + n * cm);
     const double s2 = (n * cm - n2 * c2) / (n * cm + n2 * c2);
     const double p1 = (n * c1 - n1 * cm) / (n * c1 + n1 * cm);

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum {
     PART_ROWS = 256, // of pixels, drawn by one thread
     CHUNK = 64,      // ghosts of lights in memory at once
@@ -61,7 +59,7 @@ static struct rank rank_of(const struct drawing *d, int i,
 {
     const struct gp_lens_view *const v = d->view;
     const struct gp_lens_ghost *const g = &d->ghost[i];
-    const double disc = pi * g->radius * g->radius;
+    const double disc = M_PI * g->radius * g->radius;
     // or a pixel
     const double pixels = fmax(disc * g->m.a * g->m.a / (v->mm[0] * v->mm[1]),
                                1.0);

@@ -239,16 +239,15 @@ struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
 struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
                                         double angle)
 {
-    const double pi = acos(-1.0);
     struct gp_lens_blades b = {.n = lens->blades};
     for (int i = 0; i < b.n; i++) {
         // counter-clockwise as seen, where y points down
-        const double a = (2.0 * i + 1.0) * pi / b.n - lens->turn * pi / 180.0 -
-                         angle;
+        const double a = (2.0 * i + 1.0) * M_PI / b.n -
+                         lens->turn * M_PI / 180.0 - angle;
         b.normal[i][0] = cos(a);
         b.normal[i][1] = sin(a);
     }
-    b.apothem = b.n ? cos(pi / b.n) : 0.0;
+    b.apothem = b.n ? cos(M_PI / b.n) : 0.0;
     return b;
 }
 
@@ -547,7 +546,7 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         // a change of the area of a disc of radius r moves its edge by half of
         // it times r, and the finer mesh is off by a third of the change: by
         // a step at most
-        const double seen = 6.0 * step * sqrt(acos(-1.0) / fine.area);
+        const double seen = 6.0 * step * sqrt(M_PI / fine.area);
         // cells whose sides show have facets, and those whose sizes differ a
         // grid
         const double straight =

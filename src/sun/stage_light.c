@@ -30,7 +30,7 @@ gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
                               struct gp_disc_pixels *out)
 {
     const int m = disc_reach(radius), side = 2 * m + 1;
-    const double all = acos(-1.0) * radius * radius;
+    const double all = M_PI * radius * radius;
     float *weight;
     gp_status st = gp_alloc(log, "disc of a light",
         (size_t) side * (size_t) side, sizeof *weight, &weight);

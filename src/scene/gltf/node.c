@@ -9,8 +9,6 @@
 #include <string.h>
 
 static const double MOST_PLACE = 1e15;
-static const double PI = 3.14159265358979323846;
-
 // -- nodes --------------------------------------------------------------------
 
 static gp_status read_node(const struct gp_gltf *g, int index,
@@ -160,7 +158,7 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
     gp_status st;
     *l = (struct gp_scene_light) {
         .color = {1.0, 1.0, 1.0}, .intensity = 1.0, .range = INFINITY,
-        .outer = PI / 4,
+        .outer = M_PI / 4,
     };
     if (!json_is_object(o))
         return gp_gltf_fail(at, "not an object");
@@ -174,9 +172,9 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
                           NULL));
     GP_TRY(gp_json_number(&at->p, o, "range", 0.0, MOST_PLACE, &l->range,
                           NULL));
-    GP_TRY(gp_json_number(&at->p, spot, "innerConeAngle", 0.0, PI / 2,
+    GP_TRY(gp_json_number(&at->p, spot, "innerConeAngle", 0.0, M_PI / 2,
                           &l->inner, NULL));
-    GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, PI / 2 + 1e-6,
+    GP_TRY(gp_json_number(&at->p, spot, "outerConeAngle", 0.0, M_PI / 2 + 1e-6,
                           &l->outer, NULL));
     if (!(l->range > 0.0))
         GP_TRY(gp_gltf_fail(at, "\"range\" is not over 0 (found %g)",
@@ -231,7 +229,7 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     gp_gltf_name(o, c->name);
     if (kind == 1)
         return GP_OK;
-    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, PI - 1e-6, &c->yfov, NULL));
+    GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov, NULL));
     GP_TRY(gp_json_number(&at.p, p, "aspectRatio", 1e-6, 1e6, &c->aspect,
                           NULL));
     GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near, NULL));
