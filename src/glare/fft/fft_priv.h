@@ -158,7 +158,7 @@ struct gp_fft_split {
 };
 
 /* Chooses the cheapest split that keeps `rounding` under
- *   1e-6 for at most half of the transform and 5 ms; else
+ *   1e-6 for at most half of the transform, or 5 ms; else
  *   1e-5, and what shows near black (half a code of 8 bits at EV 0, 0.5 % of the
  *        darkest light; of a frame that is black at EV +6), for half of the
  *        transform; else

@@ -371,7 +371,8 @@ void gp_fft_split_choose(const struct gp_sources *src,
         return;
     s.quads = gp_direct_quads(src);
     const double half = fft_ms / 2.0;
-    struct gp_fft_split found = find_split(&s, half + ANYWAY_MS, most, 0);
+    const double first = fmax(half, ANYWAY_MS);
+    struct gp_fft_split found = find_split(&s, first, most, 0);
     if (!(found.rounding <= most) && none.rounding >= LEAST_GAIN * FINE)
         found = find_split(&s, half, fmin(fmin(FINE, seen), hidden), 0);
     if (!(found.rounding < INFINITY))
