@@ -98,13 +98,14 @@ is "$(field r.json '"lights" in o, "sun" in o["times_ms"]')" '(False, False)' \
 
 # -- the light that it brings --------------------------------------------------
 
-# total FILE: the sum of channel R, in 6 digits
-total()
+# sums EXPRESSION FILE...: t are the sums of channel R of each, in 6 digits
+sums()
 {
-    "$python" - "$1" <<'PY'
+    "$python" - "$@" <<'PY'
 import sys, numpy as np, OpenImageIO as oiio
-print("%.6g" % np.asarray(oiio.ImageBuf(sys.argv[1]).get_pixels(oiio.FLOAT),
-                          np.float64)[..., 0].sum())
+t = [float("%.6g" % np.asarray(oiio.ImageBuf(f).get_pixels(oiio.FLOAT),
+                               np.float64)[..., 0].sum()) for f in sys.argv[2:]]
+print(eval(sys.argv[1]))
 PY
 }
 
@@ -121,18 +122,18 @@ if [ -n "$oiio" ]; then
         --kernel-normalize none --layer half.exr --report r.json in.exr
     run -k kernel.exr --sun 30,12,3 --sun-color 100,50,20 \
         --kernel-normalize none --layer clear.exr matte.exr
-    is "$("$python" -c "print(round($(total half.exr) / $(total clear.exr), 5))")" \
+    is "$(sums 'round(t[0] / t[1], 5)' half.exr clear.exr)" \
         0.5 'half a sun, half the glare'
     is "$(field r.json 'o["measured"]["rel_l2"] <= o["bound"]')" True \
         'a light goes through the engines, and is verified'
     run --sun 30,30,3 --sun-color 1e6 --flare flare.json --layer dark.exr \
         --report r.json in.exr
-    is "$(total dark.exr) $(field r.json 'o["engine"]')" '0 none' \
+    is "$(sums 't[0]' dark.exr) $(field r.json 'o["engine"]')" '0.0 none' \
         'a hidden light is no light'
     run --flare flare.json --sun 30,6,2 --sun-color 1000 -k kernel.exr \
         --layer flared.exr matte.exr
     run --sun 30,6,2 --sun-color 1000 -k kernel.exr --layer plain.exr matte.exr
-    is "$("$python" -c "print(round($(total flared.exr) - $(total plain.exr), 1))")" \
+    is "$(sums 'round(t[0] - t[1], 1)' flared.exr plain.exr)" \
         20.0 'flare carries its share of the flux'
     # elements of bright pixels: no light is listed
     sed 's/{"shape"/{"source": "bright", "shape"/g' flare.json >bright.json
@@ -141,9 +142,8 @@ if [ -n "$oiio" ]; then
     run -k kernel.exr --layer plain.exr --report p.json bright.exr
     run -k kernel.exr --flare bright.json --layer flared.exr --report r.json \
         --no-provenance bright.exr
-    is "$("$python" -c "import json
-f = json.load(open('p.json'))['flux_in'][0]
-print(round(($(total flared.exr) - $(total plain.exr)) / f, 4))")" 0.02 \
+    is "$(sums "round((t[0] - t[1]) / $(field p.json 'o["flux_in"][0]'), 4)" \
+        flared.exr plain.exr)" 0.02 \
         'flare of bright pixels carries its share of their flux'
     is "$(field r.json '[o["flare"]["elements"], o["flare"]["runs"]] + \
         [1e-3 < o["flare"]["bound"] < 0.5, o["flare"]["ms"] > 0, "lights" in o]'
@@ -153,7 +153,7 @@ print(round(($(total flared.exr) - $(total plain.exr)) / f, 4))")" 0.02 \
         --no-provenance bright.exr
     same all.exr flared.exr '"source" for all elements; any threads'
     run -k kernel.exr -v --flare bright.json --layer dark.exr matte.exr
-    is "$(total dark.exr)" 0 'flare of a frame without bright pixels'
+    is "$(sums 't[0]' dark.exr)" 0.0 'flare of a frame without bright pixels'
     run -k kernel.exr --sun 30,6,2 --flare bright.json --layer sun.exr \
         bright.exr
     status_is 0 'a sun without flux beside flare of bright pixels'
@@ -162,21 +162,21 @@ print(round(($(total flared.exr) - $(total plain.exr)) / f, 4))")" 0.02 \
     fails_with 4 sauce 'a flare file with a key that does not exist'
     run --sun 30,6,4 --sun-adapt 0.5 --hdr dim.exr --type float in.exr
     run --hdr full.exr --type float in.exr
-    is "$("$python" -c "print(round($(total dim.exr) / $(total full.exr), 4))")" \
+    is "$(sums 'round(t[0] / t[1], 4)' dim.exr full.exr)" \
         0.5 '--sun-adapt dims by the visible share'
     run --sun 30,30,4 --sun-adapt 0.5 --hdr dim.exr --type float in.exr
-    is "$(total dim.exr)" "$(total full.exr)" '--sun-adapt: hidden, no change'
+    is "$(sums 't[0] == t[1] > 0' dim.exr full.exr)" True '--sun-adapt: hidden, no change'
     for how in ignore hidden; do
         run --sun 0,24,9 --sun-outside $how --sun-color 1000 -k kernel.exr \
             --layer $how.exr matte.exr
     done
-    is "$("$python" -c "print(round($(total hidden.exr) / $(total ignore.exr), 4))")" \
+    is "$(sums 'round(t[0] / t[1], 4)' hidden.exr ignore.exr)" \
         0.5 'half outside and hidden: half the glare of half outside and ignored'
     run --sun 0,24,9000 --sun-color 1000 --layer x.exr in.exr
     fails_with 4 'too large' 'a sun far larger than the frame, with glare'
     run --sun -3,24,2 --sun-outside visible --sun-color 1000 -k kernel.exr \
         --layer beyond.exr matte.exr
-    is "$("$python" -c "print($(total beyond.exr) > 0)")" True \
+    is "$(sums 't[0] > 0' beyond.exr)" True \
         'a sun beyond the edge glares into the frame'
 else
     skip 11 'no numpy or no OpenImageIO'
