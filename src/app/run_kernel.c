@@ -397,6 +397,56 @@ static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
     }
 }
 
+/* The use of an image that a recipe names, by its keys. */
+static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
+{
+    const struct gp_model_key *const keys = gp_model_keys(recipe->model);
+    struct gp_kernel_use use = {.as_it_is = recipe->as_it_is};
+    for (int i = 0; keys[i].name; i++) {
+        if (keys[i].file || recipe->value[i] == keys[i].preset)
+            continue;
+        use.centred |= strcmp(keys[i].name, "x") == 0 ||
+                       strcmp(keys[i].name, "y") == 0;
+        use.resampled |= strcmp(keys[i].name, "size") == 0 ||
+                         strcmp(keys[i].name, "percent") == 0;
+    }
+    return use;
+}
+
+/* Warns once a run of the faults that the samples of images among several
+ * kernels have. */
+static gp_status warn_of_images(struct gp_run *r,
+                                const struct gp_frame_state *fs)
+{
+    const unsigned bit = 2u << GP_KERNEL_RULES;
+    for (int i = 0; i < r->wanted.recipes && !(r->faults_said & bit); i++) {
+        const struct gp_recipe *const recipe = &r->wanted.recipe[i];
+        const struct gp_kernel_params p = {
+            .normalize = GP_NORMALIZE_NONE,
+            .left_out = r->wanted.label[i].left_out,
+        };
+        const struct gp_kernel_use use = use_of_image(recipe);
+        struct gp_kernel_figures f;
+        struct gp_kernel k;
+        char line[GP_FAULT_BYTES];
+        if (strcmp(gp_model_name(recipe->model), "image") != 0)
+            continue;
+        const gp_status st = gp_kernel_from_frame(fs->log, &p, recipe->image,
+                                                  &k);
+        if (st)
+            return st;
+        gp_kernel_measure(&k, recipe->image->luminance, &f);
+        gp_kernel_free(&k);
+        for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
+            if (gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule, line))
+                gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
+                       words_of(r->s, i, i + 1).text, line);
+        }
+    }
+    r->faults_said |= bit;
+    return GP_OK;
+}
+
 /* Warns once a run of a file of glarepp kernel that was made for other degrees
  * a pixel than a frame's, where the frame's angle is known. */
 static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
@@ -498,6 +548,8 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
             gp_recipe_adapt(&recipe[i], fs->mean, fs->white);
         reach_lights(r, fs, &field);
         st = make_kernel(fs->log, r, recipe, &field, &made);
+        if (!st)
+            st = warn_of_images(r, fs);
         if (!st)
             warn_of_angle(r, fs, &field);
     }

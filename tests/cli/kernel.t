@@ -373,6 +373,19 @@ no 'nor for pixels that are not square' grep 'half a pixel' err
 run -k lobe.pfm --kernel-center 7.5,7.5 --layer l.exr in.exr
 like "$status $(cat err)" '0 *samples are negative*' \
     'a centre that was given does not hide negative samples'
+for kernel in fade lobe beside moved side yellow one; do
+    run kernel --check $kernel.pfm
+    sed -n 's/^fault: \([^:;]*\).*/\1/p' out >checked
+    run -k image:file=$kernel.pfm,share=.5 -k star --layer l.exr in.exr
+    sed -n "s/.*warning: image:file=$kernel.pfm,share=.5: \([^:;]*\).*/\1/p" err \
+        >warned
+    is "$(cat warned)" "$(cat checked)" "a run warns of $kernel among several"
+done
+run -k image:file=side.pfm,x=8 -k image:file=beside.pfm,percent=50 -k star \
+    --layer l.exr in.exr
+quiet_success 'but not of what a recipe sets'
+run -k lobe.pfm -k star --layer 's.#.exr' 'sizes.#.exr'
+is "$(grep -c 'samples are negative' err)" 1 'once for all frames, of several'
 run -k lobe.pfm --layer 's.#.exr' 'sizes.#.exr'
 is "$(grep -c 'samples are negative' err)" 1 'once for all frames'
 frame nan.exr kind=nan size=9x9
