@@ -1,5 +1,7 @@
 /* Shapes of profiles: integrals over pixels of light around a point. */
 #include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
@@ -171,30 +173,44 @@ static double square_of(const struct table *t, int i, double *step)
     return s;
 }
 
-/* Fills the profile's table, and of the far one the values. */
-static void fill_tables(struct radial_table *t, gp_profile p, const void *ctx)
+struct filling {
+    struct radial_table *t;
+    gp_profile p;
+    const void *ctx; // of p
+};
+
+/* Fills entry i of the profile's table, and the far one's value. */
+static void fill_entry(const struct filling *fill, int i)
 {
     static const double h = 1e-3; // of s, for slopes
+    struct radial_table *const t = fill->t;
     const double twelfth = t->f.degrees * t->f.degrees / 12.0;
-    for (int i = 0; i <= t->profile.n; i++) {
-        double step, at[3], low[3], high[3];
-        const double s = square_of(&t->profile, i, &step);
-        const int far = i - (int) (t->far.first - t->profile.first);
-        p(ctx, sqrt(s), at);
-        p(ctx, sqrt(s * (1.0 - h)), low);
-        p(ctx, sqrt(s * (1.0 + h)), high);
-        for (int c = 0; c < t->channels; c++) {
-            const double slope = (high[c] - low[c]) / (2.0 * h * s);
-            const double bend =
-                (high[c] - 2.0 * at[c] + low[c]) / (h * h * s * s);
-            double *const v = t->profile.value + 2 * (i * t->channels + c);
-            v[0] = at[c];
-            v[1] = slope * step;
-            if (t->far.value && far >= 0)
-                t->far.value[2 * (far * t->channels + c)] =
-                    at[c] + twelfth * 4.0 * (s * bend + slope);
-        }
+    const int far = i - (int) (t->far.first - t->profile.first);
+    double step, at[3], low[3], high[3];
+    const double s = square_of(&t->profile, i, &step);
+    fill->p(fill->ctx, sqrt(s), at);
+    fill->p(fill->ctx, sqrt(s * (1.0 - h)), low);
+    fill->p(fill->ctx, sqrt(s * (1.0 + h)), high);
+    for (int c = 0; c < t->channels; c++) {
+        const double slope = (high[c] - low[c]) / (2.0 * h * s);
+        const double bend = (high[c] - 2.0 * at[c] + low[c]) / (h * h * s * s);
+        double *const v = t->profile.value + 2 * (i * t->channels + c);
+        v[0] = at[c];
+        v[1] = slope * step;
+        if (t->far.value && far >= 0)
+            t->far.value[2 * (far * t->channels + c)] =
+                at[c] + twelfth * 4.0 * (s * bend + slope);
     }
+}
+
+static void fill_octave(void *ctx, int octave, int thread)
+{
+    const struct filling *const fill = ctx;
+    const int from = octave * STEPS;
+    const int to = gp_min(from + STEPS, fill->t->profile.n + 1);
+    (void) thread;
+    for (int i = from; i < to; i++)
+        fill_entry(fill, i);
 }
 
 /* Fills the far table's slopes: the profile's, and what neighbours differ from
@@ -244,7 +260,8 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
         free_radial(t);
         return st;
     }
-    fill_tables(t, p, ctx);
+    struct filling fill = {.t = t, .p = p, .ctx = ctx};
+    gp_parallel_do(t->profile.n / STEPS + 1, fill_octave, &fill);
     if (t->far.value)
         fill_far_slopes(t);
     *out = (struct gp_shape) {
