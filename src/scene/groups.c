@@ -135,7 +135,8 @@ static GP_CLONES unsigned beside(const struct gp_pack *p,
     for (int k = 0; k < GP_PACK; k += 4) {
         four_bits out = {0, 0, 0, 0};
         for (int c = 0; c < 3; c++) {
-            const four at = four_from(p->at[c] + k), e = four_from(p->half[c] + k);
+            const four at = four_from(p->at[c] + k);
+            const four e = four_from(p->half[c] + k);
             out |= at - e > all_of(hi[c]);
             out |= at + e < all_of(lo[c]);
         }

@@ -24,7 +24,7 @@ struct gp_pack {
 };
 
 /* Umbras and planes that decided for packs before: they often decide for the
- * next one, which is beside these. Zero at first; results do not depend on it. */
+ * next one, which is beside these. Zero at first; no result depends on it. */
 struct gp_pack_hint {
     int held;                           // the umbra that held all of a pack
     unsigned char out_by[GP_OCCLUDERS]; // planes of umbras that held none of it
