@@ -10,8 +10,8 @@ FRAMES    the folder that frames.py fills
 ROUNDS    runs of each (9); every second round is in the other order
 
 Prints for each job the least wall and CPU time of NEW over those of OLD, the
-bar, and NEW's page faults and peak memory. The least of many runs, since other
-programs only add time. Needs python3 alone.
+bar, and NEW's times, page faults and peak memory. The least of many runs, since
+other programs only add time. Needs python3 alone.
 """
 import os
 import subprocess
@@ -68,8 +68,9 @@ def main():
             old, new = ([min(column) for column in zip(*made[b])]
                         for b in builds)
             print(f"{name:22} wall {new[0] / old[0]:.3f} (bar {bar:.2f}), CPU "
-                  f"{new[1] / old[1]:.3f}; {1e3 * new[0]:.0f} ms, {new[2]} "
-                  f"page faults, {new[3] / 1024:.0f} MiB", flush=True)
+                  f"{new[1] / old[1]:.3f}; {1e3 * new[0]:.0f} ms, CPU "
+                  f"{1e3 * new[1]:.0f} ms, {new[2]} page faults, "
+                  f"{new[3] / 1024:.0f} MiB", flush=True)
 
 
 main()
