@@ -131,7 +131,7 @@ static uint8_t litlen_entry(unsigned symbol, unsigned length)
         0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2,
         3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5,
     };
-    return (uint8_t) (symbol < STOP    ? LITERALS | length
+    return (uint8_t) (symbol < STOP    ? length // kind LITERALS
                       : symbol == STOP ? END | length
                       : MATCH | (length + extra[symbol - STOP - 1]));
 }
