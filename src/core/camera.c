@@ -9,13 +9,6 @@
 static const double FAR_PIXEL = 1e9;
 
 static const double MOST_RADIUS = 1e6; // pixels
-// -- columns of a matrix for row vectors -------------------------------------
-
-/* The upper three of column c: the gradient of that coordinate. */
-static struct gp_v3 column(const double m[16], int c)
-{
-    return (struct gp_v3) {m[c], m[4 + c], m[8 + c]};
-}
 
 void gp_matrix_mul(const double a[16], const double b[16], double out[16])
 {
@@ -78,9 +71,9 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     size = sqrt(size);
     for (int i = 0; i < 16; i++)
         c.to_ndc[i] = size > 0.0 ? to_ndc[i] / longest / size : INFINITY;
-    const struct gp_v3 x_column = column(c.to_ndc, 0);
-    const struct gp_v3 y_column = column(c.to_ndc, 1);
-    const struct gp_v3 axis = column(c.to_ndc, 3); // so w on it is 1
+    const struct gp_v3 x_column = gp_column(c.to_ndc, 0);
+    const struct gp_v3 y_column = gp_column(c.to_ndc, 1);
+    const struct gp_v3 axis = gp_column(c.to_ndc, 3); // so w on it is 1
     // (written so that a NaN fails too)
     if (!(largest(c.to_ndc, 16) <= 1e30 &&
           1e-9 * gp_v3_length(x_column) < 1.0 &&
@@ -120,8 +113,9 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     if (to_camera) {
         GP_TRY(check_finite(log, path, "worldToCamera", to_camera));
         const double most = largest(to_camera, 16);
-        if (most > 1e30 || !spans(column(to_camera, 0), column(to_camera, 1),
-                                  column(to_camera, 2)))
+        if (most > 1e30 ||
+            !spans(gp_column(to_camera, 0), gp_column(to_camera, 1),
+                   gp_column(to_camera, 2)))
             return gp_fail(
                 log, GP_ERR_DATA,
                 "%s: worldToCamera is singular (its largest entry is %g); "
@@ -142,7 +136,8 @@ static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
                           double w)
 {
     const double *const m = c->to_ndc;
-    const struct gp_v3 a = column(m, 0), b = column(m, 1), v = column(m, 3);
+    const struct gp_v3 a = gp_column(m, 0), b = gp_column(m, 1),
+                       v = gp_column(m, 3);
     const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
                        ab = gp_v3_cross(a, b);
     const double d = gp_v3_dot(a, bv);
@@ -152,9 +147,16 @@ static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
                            ex * bv.z + ey * va.z + ez * ab.z};
 }
 
+struct gp_v3 gp_camera_point(const struct gp_camera *c, double x, double y,
+                             double w)
+{
+    const double *const m = c->to_ndc;
+    return solve(c, x * w - m[12], y * w - m[13], w - m[15]);
+}
+
 struct gp_v3 gp_camera_eye(const struct gp_camera *c)
 {
-    return solve(c, -c->to_ndc[12], -c->to_ndc[13], -c->to_ndc[15]);
+    return gp_camera_point(c, 0.0, 0.0, 0.0);
 }
 
 struct gp_v3 gp_camera_ray(const struct gp_camera *c, struct gp_rect display,
@@ -176,11 +178,11 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
     const double scale = w == 0.0 ? largest(world, 3) : 1.0;
     const struct gp_v3 p = {world[0] / scale, world[1] / scale,
                             world[2] / scale};
-    const double pw = gp_v3_dot(p, column(m, 3)) + w * m[15];
+    const double pw = gp_v3_dot(p, gp_column(m, 3)) + w * m[15];
     if (!(pw > 0.0))
         return behind;
-    const double x = (gp_v3_dot(p, column(m, 0)) + w * m[12]) / pw;
-    const double y = (gp_v3_dot(p, column(m, 1)) + w * m[13]) / pw;
+    const double x = (gp_v3_dot(p, gp_column(m, 0)) + w * m[12]) / pw;
+    const double y = (gp_v3_dot(p, gp_column(m, 1)) + w * m[13]) / pw;
     struct gp_projected at = {
         .x = display.x0 + x * ((double) display.x1 - display.x0),
         .y = display.y0 + y * ((double) display.y1 - display.y0),
@@ -194,9 +196,10 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
         // camera units in a unit of the world
         const double *const s = c->to_camera;
         const double unit =
-            c->has_camera ? cbrt(fabs(gp_v3_det(column(s, 0), column(s, 1),
-                                                column(s, 2))))
-                          : 1.0;
+            c->has_camera
+                ? cbrt(fabs(gp_v3_det(gp_column(s, 0), gp_column(s, 1),
+                                      gp_column(s, 2))))
+                : 1.0;
         at.z = pw * unit;
         at.ray = unit *
                  gp_v3_length((struct gp_v3) {p.x - e.x, p.y - e.y, p.z - e.z});
@@ -214,13 +217,14 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     const double *m = c->to_ndc;
     const double most = largest(dir, 3);
     const struct gp_v3 d = {dir[0] / most, dir[1] / most, dir[2] / most};
-    const struct gp_v3 axis = column(m, 3);
+    const struct gp_v3 axis = gp_column(m, 3);
     const double t =
         atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
     const double a = degrees * (M_PI / 360.0);
     if (!(a >= 0.0 && t + a < M_PI / 2.0))
         return 0.0;
-    const double area = fabs(gp_v3_det(column(m, 0), column(m, 1), axis)) *
+    const double det = gp_v3_det(gp_column(m, 0), gp_column(m, 1), axis);
+    const double area = fabs(det) *
                         ((double) display.x1 - display.x0) *
                         ((double) display.y1 - display.y0);
     const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
@@ -232,7 +236,7 @@ double gp_camera_disc_degrees(const struct gp_camera *c, struct gp_rect display,
                               const double dir[3], double radius)
 {
     const struct gp_v3 d = {dir[0], dir[1], dir[2]};
-    const struct gp_v3 axis = column(c->to_ndc, 3);
+    const struct gp_v3 axis = gp_column(c->to_ndc, 3);
     const double t =
         atan2(gp_v3_length(gp_v3_cross(d, axis)), gp_v3_dot(d, axis));
     double lo = 0.0, hi = (M_PI / 2.0 - t) * (360.0 / M_PI);
@@ -251,7 +255,7 @@ double gp_camera_fov(const struct gp_camera *c)
 {
     // y of direction d is d * b / d * v: with b = along * v + up * u, u upright
     // to v of length 1, d = v + t u has along + t up, 0 above and 1 below
-    const struct gp_v3 v = column(c->to_ndc, 3), b = column(c->to_ndc, 1);
+    const struct gp_v3 v = gp_column(c->to_ndc, 3), b = gp_column(c->to_ndc, 1);
     const double along = gp_v3_dot(b, v), up = gp_v3_length(gp_v3_cross(b, v));
     return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / M_PI);
 }

@@ -57,6 +57,12 @@ static inline double gp_v3_det(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
     return gp_v3_dot(a, gp_v3_cross(b, c));
 }
 
+/* Returns the upper three of column c: the gradient of that coordinate. */
+static inline struct gp_v3 gp_column(const double m[16], int c)
+{
+    return (struct gp_v3){m[c], m[4 + c], m[8 + c]};
+}
+
 /* Sets out = a * b, of matrices for row vectors: first a, then b. */
 void gp_matrix_mul(const double a[16], const double b[16], double out[16]);
 
@@ -113,7 +119,12 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
 double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
                       const double dir[3], double degrees);
 
-/* Returns the place of the camera in the world: x, y and w are 0 there. */
+/* Returns the point of the world that (x, y) of the picture, NDC, shows at w
+ * along the view axis. */
+struct gp_v3 gp_camera_point(const struct gp_camera *c, double x, double y,
+                             double w);
+
+/* Returns the place of the camera in the world. */
 struct gp_v3 gp_camera_eye(const struct gp_camera *c);
 
 /* Returns the unit direction of the world that a place of the picture shows; it

@@ -21,34 +21,13 @@ const struct gp_frustum_edge gp_frustum_edges[12] = {
 /* Rounding of a plane's distance, in parts of the largest coordinate. */
 static const double SLACK = 1e-9;
 
-static struct gp_v3 column(const double m[16], int c)
-{
-    return (struct gp_v3) {m[c], m[4 + c], m[8 + c]};
-}
-
-/* Returns the point of the world with a . p = x, b . p = y, v . p = w, for the
- * columns a, b, v of the camera's matrix (Cramer's rule). */
-static struct gp_v3 solve(const struct gp_camera *c, double x, double y,
-                          double w)
-{
-    const struct gp_v3 a = column(c->to_ndc, 0), b = column(c->to_ndc, 1),
-                       v = column(c->to_ndc, 3);
-    const struct gp_v3 bv = gp_v3_cross(b, v), va = gp_v3_cross(v, a),
-                       ab = gp_v3_cross(a, b);
-    const double d = gp_v3_dot(a, bv);
-    return gp_v3_scale(
-        gp_v3_add(gp_v3_add(gp_v3_scale(bv, x), gp_v3_scale(va, y)),
-                  gp_v3_scale(ab, w)),
-        1.0 / d);
-}
-
 /* Returns s * (p . column k - at * p . w) <= 0, normalised. */
 static struct gp_half side(const struct gp_camera *c, int k, double at,
                            double s)
 {
     const double *const m = c->to_ndc;
     const struct gp_v3 n = gp_v3_scale(
-        gp_v3_sub(column(m, k), gp_v3_scale(column(m, 3), at)), s);
+        gp_v3_sub(gp_column(m, k), gp_v3_scale(gp_column(m, 3), at)), s);
     const double length = gp_v3_length(n);
     return (struct gp_half) {gp_v3_scale(n, 1.0 / length),
                              s * (m[12 + k] - at * m[15]) / length};
@@ -63,7 +42,7 @@ struct gp_frustum gp_frustum_make(const struct gp_camera *c,
                  h = (double) display.y1 - display.y0;
     const double u[2] = {(x[0] - display.x0) / w, (x[1] - display.x0) / w};
     const double v[2] = {(y[0] - display.y0) / h, (y[1] - display.y0) / h};
-    const struct gp_v3 axis = column(m, 3); // of length 1
+    const struct gp_v3 axis = gp_column(m, 3); // of length 1
     struct gp_frustum f = {
         .plane = {side(c, 0, u[0], -1.0), side(c, 0, u[1], 1.0),
                   side(c, 1, v[0], -1.0), side(c, 1, v[1], 1.0),
@@ -72,11 +51,11 @@ struct gp_frustum gp_frustum_make(const struct gp_camera *c,
     };
     for (int i = 0; i < 8; i++) {
         const double z = i & 4 ? far : near;
-        f.corner[i] = solve(c, u[i & 1] * z - m[12], v[i >> 1 & 1] * z - m[13],
-                            z - m[15]);
+        f.corner[i] = gp_camera_point(c, u[i & 1], v[i >> 1 & 1], z);
     }
     // x right and y down in the picture, and the view axis
-    f.turn = gp_v3_det(column(m, 0), column(m, 1), axis) > 0.0 ? 1.0 : -1.0;
+    const double det = gp_v3_det(gp_column(m, 0), gp_column(m, 1), axis);
+    f.turn = det > 0.0 ? 1.0 : -1.0;
     return f;
 }
 

@@ -81,7 +81,8 @@ static double texel_of(const struct work *w)
     double widest = across; // of a cube's square
     for (int i = 0; i < w->s->lights; i++) {
         const struct gp_scene_light *const l = &w->s->light[i];
-        const double is = l->kind == GP_LIGHT_DIRECTIONAL ? gp_v3_length(gp_box_half(&w->all))
+        const double is = l->kind == GP_LIGHT_DIRECTIONAL
+                              ? gp_v3_length(gp_box_half(&w->all))
                           : l->kind == GP_LIGHT_SPOT && l->outer < 1.05
                               ? tan(l->outer) : 1.0;
         widest = fmax(widest, across * is);

@@ -85,29 +85,6 @@ static double diagonal(const struct gp_scene *s)
     return s->objects ? fmax(length, 1.0) : 100.0;
 }
 
-/* The point that `c` sees at (x, y) of the display, at a distance along the
- * axis: solves the first two columns and w. Returns false where there is none.
- */
-static bool point_at(const struct gp_camera *c, double x, double y,
-                     double distance, double out[3])
-{
-    const double *const m = c->to_ndc;
-    const double want[3] = {x * distance - m[12], y * distance - m[13],
-                            distance - m[15]};
-    const struct gp_v3 a = {m[0], m[4], m[8]}, b = {m[1], m[5], m[9]};
-    const struct gp_v3 w = {m[3], m[7], m[11]};
-    const double det = gp_v3_det(a, b, w);
-    if (!(fabs(det) > 0.0))
-        return false;
-    struct gp_v3 p = gp_v3_scale(gp_v3_cross(b, w), want[0] / det);
-    p = gp_v3_add(p, gp_v3_scale(gp_v3_cross(w, a), want[1] / det));
-    p = gp_v3_add(p, gp_v3_scale(gp_v3_cross(a, b), want[2] / det));
-    out[0] = p.x;
-    out[1] = p.y;
-    out[2] = p.z;
-    return true;
-}
-
 double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
                       const struct gp_camera *b, struct gp_rect display)
 {
@@ -115,9 +92,9 @@ double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
     double most = 0.0;
     for (int i = 0; i < 18; i++) {
         const double x = 0.5 * (i % 3), y = 0.5 * (i / 3 % 3);
-        double p[3];
-        if (!point_at(a, x, y, i < 9 ? far : 0.1 * far, p))
-            return INFINITY;
+        const struct gp_v3 at =
+            gp_camera_point(a, x, y, i < 9 ? far : 0.1 * far);
+        const double p[3] = {at.x, at.y, at.z};
         const struct gp_projected from = gp_camera_project(a, display, p, 1.0);
         const struct gp_projected to = gp_camera_project(b, display, p, 1.0);
         if (from.behind || to.behind)
@@ -128,28 +105,22 @@ double gp_scene_apart(const struct gp_scene *s, const struct gp_camera *a,
 }
 
 /* Returns how far a camera of the scene is from the frame's: the distance of
- * the eyes over `across`, the scene's diagonal, and of the axes. The world is z up when
- * `turned`, and the scene is not turned. */
+ * the eyes over `across`, the scene's diagonal, and of the axes. The world is z
+ * up when `turned`, and the scene is not turned. */
 static double camera_distance(const struct gp_scene_camera *c, bool turned,
                               const struct gp_camera *frame, double across)
 {
     const double *const m = c->to_camera;
     struct gp_v3 axis = {-m[2], -m[6], -m[10]}, eye = {0.0, 0.0, 0.0};
-    for (int k = 0; k < 3; k++) {
-        const struct gp_v3 row = {m[k], m[4 + k], m[8 + k]};
-        eye = gp_v3_sub(eye, gp_v3_scale(row, m[12 + k]));
-    }
+    for (int k = 0; k < 3; k++)
+        eye = gp_v3_sub(eye, gp_v3_scale(gp_column(m, k), m[12 + k]));
     if (turned) {
         axis = (struct gp_v3) {axis.x, -axis.z, axis.y};
         eye = (struct gp_v3) {eye.x, -eye.z, eye.y};
     }
     const double *const f = frame->to_ndc;
-    const struct gp_v3 view = gp_v3_unit((struct gp_v3) {f[3], f[7], f[11]});
-    double own[3] = {0.0, 0.0, 0.0}; // the frame's eye: x = y = w = 0
-    if (!point_at(frame, 0.0, 0.0, 0.0, own))
-        return INFINITY;
-    const struct gp_v3 at = {own[0], own[1], own[2]};
-    return gp_v3_length(gp_v3_sub(at, eye)) / across +
+    const struct gp_v3 view = gp_v3_unit(gp_column(f, 3));
+    return gp_v3_length(gp_v3_sub(gp_camera_eye(frame), eye)) / across +
            gp_v3_length(gp_v3_sub(view, axis));
 }
 
@@ -166,8 +137,8 @@ enum gp_up gp_scene_find_up(const struct gp_scene *s,
     if (s->cameras)
         return z < y ? GP_UP_Z : GP_UP_Y;
     // the picture's y grows downwards: without the part along the axis
-    const struct gp_v3 w = gp_v3_unit((struct gp_v3) {f[3], f[7], f[11]});
-    const struct gp_v3 down = {f[1], f[5], f[9]};
+    const struct gp_v3 w = gp_v3_unit(gp_column(f, 3));
+    const struct gp_v3 down = gp_column(f, 1);
     const struct gp_v3 side =
         gp_v3_sub(down, gp_v3_scale(w, gp_v3_dot(down, w)));
     return fabs(side.z) > fabs(side.y) ? GP_UP_Z : GP_UP_Y;
