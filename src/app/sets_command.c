@@ -3,16 +3,15 @@
 #include "app/clobber.h"
 #include "app/options.h"
 #include "app/stages.h"
+#include "bench/bench.h"
 #include "core/json.h"
 #include "gl/gl.h"
-#include "io/file.h"
 #include "io/write.h"
 #include "scene/gltf/gltf.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 // -- files --------------------------------------------------------------------
@@ -142,18 +141,11 @@ static gp_status save_json(const struct gp_log *log,
             json_object_set_new(o, "depth", json_pack("[ff]", l->near, l->far));
         json_array_append_new(lights, o);
     }
-    json_t *const whole = json_pack(
+    return gp_bench_save_json(log, json_pack(
         "{so s[ii] ss sf si si so so}", "scene", gp_json_name(scene->path),
         "size", s->making.w, s->making.h, "gl", gl, "time", scene->time,
         "objects", scene->objects, "shadow_size", s->table.draw.map, "rows",
-        rows, "lights", lights);
-    char *const text = whole ? json_dumps(whole, JSON_INDENT(1)) : NULL;
-    json_decref(whole);
-    if (!text)
-        return gp_no_memory(log, s->bench.json);
-    gp_status st = gp_file_save(log, s->bench.json, text, strlen(text));
-    free(text);
-    return st;
+        rows, "lights", lights), s->bench.json);
 }
 
 // -- the command --------------------------------------------------------------

@@ -11,6 +11,7 @@
 #include "sun/stage.h"
 #include "tone/tone.h"
 
+#include <jansson.h>
 #include <stdbool.h>
 
 /* Options of the table; files are NULL when not wanted. */
@@ -100,5 +101,10 @@ struct gp_scaling_request {
  * the status of a run that fails, which has said why. */
 GP_MUST_CHECK gp_status gp_scaling_run(const struct gp_log *log,
                                        const struct gp_scaling_request *req);
+
+/* Writes `o`, whose reference it takes, as a file; "-" is stdout.
+ * Errors: GP_ERR_IO; GP_ERR_BUG out of memory, also for a NULL `o`. */
+GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
+                                           const char *path);
 
 #endif

@@ -121,10 +121,6 @@ double gp_bench_median(double *v, int n);
 GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t);
 
-/* Writes `o`, whose reference it takes, as a file. Errors: as above. */
-GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
-                                           const char *path);
-
 // -- bench.c -----------------------------------------------------------------
 
 /* For extrapolating: makes *out a frame with the same light in one of `nth`

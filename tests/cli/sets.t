@@ -52,6 +52,7 @@ result $? '--json -'
 is "$(grep -c '"same_picture": true' json)" 5 'has five rows, and no table'
 is "$(grep -c '"name"' json)" 2 'and two lights'
 is "$(grep -c '"cpu_ms": 0*[.1-9]' json)" 5 'and the CPU time of each row'
+is "$(tail -c 1 json | wc -l)" 1 'and ends with a line feed'
 
 "$glarepp" sets --size 64x36 --repeat 1 -o a.exr --debug sets=sets.png \
     --debug scissor=scissor.png square.gltf >/dev/null 2>err
