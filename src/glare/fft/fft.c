@@ -177,10 +177,10 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
 }
 
 /* Transforms fft->channels channels of the kernel from fft->channel on, its
- * samples in `core` left out, into the state's spectrum: planes of p->ny rows, scaled so that the passes
- * need no more factors. It is kept where these are all channels: one of a grey
- * kernel, or three. fft has the plans of p->nx and p->ny; s->work fits p, and
- * is overwritten. */
+ * samples in `core` left out, into the state's spectrum: planes of p->ny rows,
+ * scaled so that the passes need no more factors. It is kept where these are
+ * all channels: one of a grey kernel, or three. fft has the plans of p->nx and
+ * p->ny; s->work fits p, and is overwritten. */
 static gp_status make_spectrum(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_fft_request *fft,
     const struct gp_fft_placing *p, struct gp_fft_core core)

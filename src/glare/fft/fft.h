@@ -114,7 +114,8 @@ GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
     int rows, gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
 
 /* Transforms columns of `rows` rows, row j at place[j] of ny, to
- * whole columns of `out` (pitch >= ny), times `scale`. */
+ * whole columns of `out` (pitch >= ny), times `scale`. Places are distinct and
+ * ascend from place[0] on, modulo ny. */
 GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
     struct gp_fft_matrix *out);
@@ -127,8 +128,8 @@ GP_MUST_CHECK gp_status gp_fft_even_columns(const struct gp_fft_request *req,
     struct gp_fft_matrix *out);
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)
- * in, places first .. first + count (modulo ny) out to rows [0, count).
- * The kernel has one channel (grey) or three. */
+ * in, as gp_fft_columns() takes them, places first .. first + count (modulo ny)
+ * out to rows [0, count). The kernel has one channel (grey) or three. */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
     struct gp_fft_matrix *m, int rows, const int *place,
     const struct gp_fft_matrix *kernel, int kernel_channels, int first,

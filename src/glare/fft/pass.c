@@ -484,11 +484,15 @@ static void column_forward(const struct pass *s, const float *column,
 {
     const int ny = s->req->y->n;
     const size_t one = 2 * sizeof(float); // complex number
-    if (s->rows && s->place[s->rows - 1] - s->place[0] == s->rows - 1) {
-        const int first = s->place[0], end = first + s->rows; // no gap
-        memset(spread, 0, one * (size_t) first);
-        memcpy(spread + 2 * first, column, one * (size_t) s->rows);
-        memset(spread + 2 * end, 0, one * (size_t) (ny - end));
+    const int first = s->rows ? s->place[0] : 0;
+    const int end = first + s->rows, over = gp_max(end - ny, 0);
+    if (s->rows && s->place[s->rows - 1] == (end - 1) % ny) { // no gap
+        const int upper = s->rows - over;
+        memcpy(spread, column + 2 * upper, one * (size_t) over);
+        memset(spread + 2 * over, 0, one * (size_t) (first - over));
+        memcpy(spread + 2 * first, column, one * (size_t) upper);
+        if (!over)
+            memset(spread + 2 * end, 0, one * (size_t) (ny - end));
     } else {
         memset(spread, 0, one * (size_t) ny);
         for (int j = 0; j < s->rows; j++)
