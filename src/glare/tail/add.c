@@ -96,78 +96,138 @@ static double frequency(int i, int n)
     return (double) (2 * i <= n ? i : i - n) / n;
 }
 
+/* Limits of the error from the columns of the spectrum, COLUMNS a task. */
+struct limits {
+    double most, edge;       // of the frequencies
+    double sum, square;      // over all frequencies
+    double most_column;      // sum over the rows of a column
+};
+
+struct limiting {
+    const struct gp_tail *t;
+    const struct gp_tail_state *s;
+    const struct keeping *down, *across; // ny; nx / 2 + 1
+    int tasks;             // of one channel
+    struct limits *found;  // of each task
+    double *row;           // ny of each task: sums over its columns
+};
+
+enum { COLUMNS = 32 };
+
+static void limit_columns(void *ctx, int i, int thread)
+{
+    const struct limiting *const a = ctx;
+    const struct gp_fft_matrix *const m = &a->s->spectrum;
+    const int nx = a->s->x.n, ny = a->s->y.n, c = i / a->tasks;
+    const int first = i % a->tasks * COLUMNS;
+    const int end = gp_min(first + COLUMNS, nx / 2 + 1);
+    const double step = a->t->split.step, area = step * step;
+    double *const row = a->row + (size_t) i * (size_t) ny;
+    struct limits l = {0};
+    (void) thread;
+    memset(row, 0, (size_t) ny * sizeof *row);
+    for (int x = first; x < end; x++) {
+        double column = 0.0;
+        const float *const z = m->z[c] + 2 * (size_t) x * m->pitch;
+        const struct keeping u = a->across[x];
+        const double twice = x == 0 || 2 * x == nx ? 1.0 : 2.0;
+        for (int y = 0; y < ny; y++) {
+            const struct keeping *const v = &a->down[y];
+            const double own = u.own * v->own;
+            const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+            // the passes' factor 1 / 2 of rows was left out once
+            const double f =
+                2.0 * nx * ny * area * own * own * sqrt(re * re + im * im);
+            const double kept = u.kept * v->kept;
+            const double lost = fabs(1.0 - kept * kept);
+            const double eps =
+                sqrt(fmax(u.square * v->square - kept * kept, 0.0));
+            const double eta = u.sum * v->sum - kept;
+            const double same = lost + kept * eta, other = kept + eta;
+            l.most = fmax(l.most, f * (lost + kept * eps + eps * eps));
+            if (u.edge || v->edge)
+                l.edge = fmax(l.edge, f);
+            const double all = f * (lost + 2.0 * kept * eta + eta * eta);
+            column += all;
+            row[y] += twice * all;
+            l.square += twice * f * f *
+                        (same * same + eps * eps * other * other);
+        }
+        l.sum += twice * column;
+        l.most_column = fmax(l.most_column, column);
+    }
+    a->found[i] = l;
+}
+
+/* Widens `e` to the limits of one channel, those of its tasks added in
+ * order. */
+static void widen_error(const struct limiting *a, int c,
+                        struct gp_tail_error *e)
+{
+    const int nx = a->s->x.n, ny = a->s->y.n;
+    const double step = a->t->split.step, area = step * step;
+    const size_t first = (size_t) c * (size_t) a->tasks, height = (size_t) ny;
+    double *const row = a->row + first * height;
+    struct limits l = a->found[first];
+    for (size_t i = 1; i < (size_t) a->tasks; i++) {
+        const struct limits *const k = &a->found[first + i];
+        l.most = fmax(l.most, k->most);
+        l.edge = fmax(l.edge, k->edge);
+        l.sum += k->sum;
+        l.square += k->square;
+        l.most_column = fmax(l.most_column, k->most_column);
+        for (size_t y = 0; y < height; y++)
+            row[y] += row[i * height + y];
+    }
+    double most_row = 0.0;
+    for (size_t y = 0; y < height; y++)
+        most_row = fmax(most_row, row[y]);
+    const double points = (double) nx * ny;
+    const double narrow = a->t->w / step * (most_row / nx + 2.0 * l.edge);
+    const double low = a->t->h / step * (l.most_column / ny + 2.0 * l.edge);
+    e->norm = fmax(e->norm, fmin(l.most + 2.0 * l.edge, fmin(narrow, low)));
+    e->pixel = fmax(e->pixel, (l.sum / points + 2.0 * l.edge) / area);
+    e->column = fmax(e->column,
+                     sqrt(l.square / points + 4.0 * l.edge * l.edge) / step);
+}
+
 /* Finds the error's limits from the spectrum: tail.h. */
 static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
                             struct gp_tail_state *s)
 {
     static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
                                           // a step's pixels and nodes, and more
-    const int nx = s->x.n, ny = s->y.n;
-    const double step = t->split.step, area = step * step;
+    const int nx = s->x.n, ny = s->y.n, channels = t->grey ? 1 : 3;
+    struct limiting a = {
+        .t = t, .s = s, .tasks = (nx / 2 + COLUMNS) / COLUMNS,
+    };
+    const size_t tasks = (size_t) (channels * a.tasks);
     struct keeping *down = NULL; // ny, then nx / 2 + 1 across
-    double *row = NULL;          // sums over the frequencies of each row
     gp_status st;
     GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
                     &down));
-    GP_TRY(gp_alloc(log, "tail", (size_t) ny, sizeof *row, &row));
+    GP_TRY(gp_alloc(log, "tail", tasks, sizeof *a.found, &a.found));
+    GP_TRY(gp_alloc(log, "tail", tasks * (size_t) ny, sizeof *a.row, &a.row));
     struct keeping *const across = down + ny;
     for (int i = 0; i < ny; i++)
         down[i] = keep_of(frequency(i, ny));
     for (int i = 0; i <= nx / 2; i++)
         across[i] = keep_of(frequency(i, nx));
+    a.down = down;
+    a.across = across;
+    gp_parallel_do((int) tasks, limit_columns, &a);
     struct gp_tail_error e = {.share = ROUNDINGS * 0x1p-24};
     double norm1 = 0.0;
-    for (int c = 0; c < (t->grey ? 1 : 3); c++) {
-        double most = 0.0, edge = 0.0, sum = 0.0, square = 0.0;
-        double most_row = 0.0, most_column = 0.0;
-        memset(row, 0, (size_t) ny * sizeof *row);
-        for (int x = 0; x <= nx / 2; x++) {
-            double column = 0.0;
-            const float *const z =
-                s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch;
-            const struct keeping a = across[x];
-            const double twice = x == 0 || 2 * x == nx ? 1.0 : 2.0;
-            for (int y = 0; y < ny; y++) {
-                const struct keeping *const b = &down[y];
-                const double own = a.own * b->own;
-                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
-                // the passes' factor 1 / 2 of rows was left out once
-                const double f =
-                    2.0 * nx * ny * area * own * own * sqrt(re * re + im * im);
-                const double kept = a.kept * b->kept;
-                const double lost = fabs(1.0 - kept * kept);
-                const double eps =
-                    sqrt(fmax(a.square * b->square - kept * kept, 0.0));
-                const double eta = a.sum * b->sum - kept;
-                const double same = lost + kept * eta, other = kept + eta;
-                most = fmax(most, f * (lost + kept * eps + eps * eps));
-                if (a.edge || b->edge)
-                    edge = fmax(edge, f);
-                const double all = f * (lost + 2.0 * kept * eta + eta * eta);
-                column += all;
-                row[y] += twice * all;
-                square += twice * f * f *
-                          (same * same + eps * eps * other * other);
-            }
-            sum += twice * column;
-            most_column = fmax(most_column, column);
-        }
-        for (int y = 0; y < ny; y++)
-            most_row = fmax(most_row, row[y]);
-        const double points = (double) nx * ny;
-        const double narrow = t->w / step * (most_row / nx + 2.0 * edge);
-        const double low = t->h / step * (most_column / ny + 2.0 * edge);
-        e.norm = fmax(e.norm, fmin(most + 2.0 * edge, fmin(narrow, low)));
-        e.pixel = fmax(e.pixel, (sum / points + 2.0 * edge) / area);
-        e.column = fmax(e.column, sqrt(square / points + 4.0 * edge * edge) /
-                                      step);
+    for (int c = 0; c < channels; c++) {
+        widen_error(&a, c, &e);
         norm1 = fmax(norm1, t->norm1[c]);
     }
     e.norm += e.share * norm1;
     s->error = e;
 out:
     gp_free(down);
-    gp_free(row);
+    gp_free(a.found);
+    gp_free(a.row);
     return st;
 }
 

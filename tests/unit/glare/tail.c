@@ -265,20 +265,21 @@ static void sums_are_kept(void **state)
 static void threads_change_nothing(void **state)
 {
     enum { W = 500, H = 300 };
-    uint64_t hash[3];
+    struct got { uint64_t layer; struct gp_tail_error error; } got[3];
     (void) state;
     for (int i = 0; i < 3; i++) {
         gp_set_threads(1 + 3 * i);
         struct made m = make_tail(W, H, i % 2, &fine);
         struct gp_sources s = lights(W, H, 4000, 1.0f, 7u);
         struct gp_planes p = added(&m, &s);
-        hash[i] = hash_layer(&p, W * H);
+        got[i] = (struct got) {hash_layer(&p, W * H), *gp_tail_error_of(m.s)};
         gp_planes_free(&p);
         gp_sources_free(&s);
         drop_tail(&m);
     }
     gp_set_threads(0);
-    assert_true(hash[0] == hash[2] && hash[0] != hash[1]);
+    assert_memory_equal(&got[0], &got[2], sizeof *got);
+    assert_true(got[0].layer != got[1].layer);
 }
 
 /* A disc's tail at the grid's own pixels is the plain sum over the disc. */
@@ -693,8 +694,8 @@ static void full_memory_is_an_error(void **state)
 
 SUITE_OF(tail, ask_quick, NULL,
     sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
-    threads_change_nothing, discs_have_tails,
-    splits_are_for_smooth_kernels, larger_frames_are_refused,
-    engines_keep_their_bounds, sharp_shapes_stay_in_the_core,
-    any_field_is_within_1e_5, some_kernels_stay_whole, a_lamp_has_no_rim,
-    pixels_are_within_their_bounds, full_memory_is_an_error)
+    threads_change_nothing, discs_have_tails, splits_are_for_smooth_kernels,
+    larger_frames_are_refused, engines_keep_their_bounds,
+    sharp_shapes_stay_in_the_core, any_field_is_within_1e_5,
+    some_kernels_stay_whole, a_lamp_has_no_rim, pixels_are_within_their_bounds,
+    full_memory_is_an_error)
