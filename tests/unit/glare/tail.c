@@ -692,10 +692,9 @@ static void full_memory_is_an_error(void **state)
     scene_free(&starved);
 }
 
-SUITE_OF(tail, ask_quick, NULL,
-    sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
-    threads_change_nothing, discs_have_tails, splits_are_for_smooth_kernels,
-    larger_frames_are_refused, engines_keep_their_bounds,
-    sharp_shapes_stay_in_the_core, any_field_is_within_1e_5,
-    some_kernels_stay_whole, a_lamp_has_no_rim, pixels_are_within_their_bounds,
-    full_memory_is_an_error)
+SUITE_OF(tail, ask_quick, NULL, sums_are_those_of_the_kernel,
+    limits_are_reached, laws_hold, sums_are_kept, threads_change_nothing,
+    discs_have_tails, splits_are_for_smooth_kernels, larger_frames_are_refused,
+    engines_keep_their_bounds, sharp_shapes_stay_in_the_core,
+    any_field_is_within_1e_5, some_kernels_stay_whole, a_lamp_has_no_rim,
+    pixels_are_within_their_bounds, full_memory_is_an_error)
