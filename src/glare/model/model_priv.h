@@ -124,7 +124,8 @@ const struct gp_gauss *gp_tent_rule(int n);
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
- * from the light, by steps that grow with the distance: about 1e-9. */
+ * from the light, by steps that grow with the distance: about 1e-9. Threads may
+ * call `p` at once; the sum is the same for any number of them. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 

@@ -1,5 +1,6 @@
 /* Rules of quadrature, and integrals of profiles over the plane. */
 #include "core/memory.h"
+#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
@@ -138,24 +139,51 @@ void gp_sky_in_plane(const void *sky, double t, double out[3])
         out[c] *= angle * slope / t;
 }
 
+enum { STEPS_OUT = 512, STEPS_A_TASK = 32, STEP_NODES = 8 };
+
+struct integral {
+    gp_profile p;
+    const void *ctx; // of p
+    int channels;
+    double from, least, end; // degrees
+    double part[STEPS_OUT + 1][STEP_NODES][3]; // each node adds
+};
+
+static void integrate_steps(void *ctx, int task, int thread)
+{
+    struct integral *const s = ctx;
+    const struct gp_gauss *const g = gp_gauss_rule(STEP_NODES);
+    const int first = task * STEPS_A_TASK;
+    const double growth = s->end / s->least;
+    (void) thread;
+    for (int i = first; i < first + STEPS_A_TASK && i <= STEPS_OUT; i++) {
+        const double low = i > 0 ? s->least * pow(growth, (i - 1.0) / STEPS_OUT)
+                                 : s->from;
+        const double high = s->least * pow(growth, (double) i / STEPS_OUT);
+        for (int k = 0; k < STEP_NODES && high > low; k++) {
+            const double t = 0.5 * (low + high) + (high - low) * g->node[k];
+            double v[3];
+            s->p(s->ctx, t, v);
+            for (int c = 0; c < s->channels; c++)
+                s->part[i][k][c] =
+                    (high - low) * g->weight[k] * 2.0 * PI * t * v[c];
+        }
+    }
+}
+
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3])
 {
-    enum { STEPS_OUT = 512 };
-    const struct gp_gauss *const g = gp_gauss_rule(8);
-    const double least = fmax(from, 1e-6);
-    for (int c = 0; c < 3; c++)
+    struct integral s = {
+        .p = p, .ctx = ctx, .channels = channels,
+        .from = from, .least = fmax(from, 1e-6), .end = end,
+    };
+    gp_parallel_do(STEPS_OUT / STEPS_A_TASK + 1, integrate_steps, &s);
+    for (int c = 0; c < 3; c++) {
         sum[c] = 0.0;
-    for (int i = 0; i <= STEPS_OUT; i++) {
-        const double low = i > 0 ? least * pow(end / least, (i - 1.0) / STEPS_OUT)
-                                 : from;
-        const double high = least * pow(end / least, (double) i / STEPS_OUT);
-        for (int k = 0; k < g->n && high > low; k++) {
-            const double t = 0.5 * (low + high) + (high - low) * g->node[k];
-            double v[3];
-            p(ctx, t, v);
-            for (int c = 0; c < channels; c++)
-                sum[c] += (high - low) * g->weight[k] * 2.0 * PI * t * v[c];
+        for (int i = 0; i <= STEPS_OUT; i++) {
+            for (int k = 0; k < STEP_NODES; k++)
+                sum[c] += s.part[i][k][c];
         }
     }
 }
