@@ -226,8 +226,9 @@ is "$(grep -c 'no pixel is over the threshold' out)" 15 \
 # in the builds of a quick run
 long_rows()
 {
-    frame all.exr size=768x512
-    frame wide.exr kind=kernel size=511x511 type=float
+    # (767x511 and 511x511 pixels, none of them 0)
+    "$glarepp" kernel -q -k spencer --size 384x256 -o all.exr
+    "$glarepp" kernel -q -k spencer --size 256x256 -o wide.exr
     GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent "$glarepp" bench \
         -t 0 --runs 1 --threads 1 -k wide.exr --csv x.csv --json x.json \
         all.exr >out 2>err

@@ -7,7 +7,7 @@ frame can.exr
 "$glarepp" -q --engine splat --layer none.exr can.exr 2>/dev/null && python_gl=
 
 # At most 30 s: how many frames that is depends on the machine
-frames=30
+frames=20
 [ -z "$quick" ] || frames=12
 for seed in 1 2; do
     "$python" "$root/tests/soak/soak.py" "$glarepp" --frames $((frames / 2)) \
