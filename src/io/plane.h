@@ -46,7 +46,7 @@ GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
     enum gp_pixel_type *type);
 
 /* Reads a plane from a file of its own, which need not hold colour: EXR, or any
- * format of the bridge (a grey TIFF of depth, a PNG matte as stored, without
+ * format of glarepp-oiio (a grey TIFF of depth, a PNG matte as stored, without
  * a colour curve; integers 0 to 1). `depth` says which of the two is looked
  * for; name NULL: depth as above, coverage A, else the only channel there is
  * (for depth beside alpha). `out` is never empty on GP_OK.

@@ -39,8 +39,8 @@ struct gp_taken {
 };
 void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
 
-/* Reads a frame: EXR by OpenEXRCore, PNG by libpng, any other format by the
- * OpenImageIO bridge, chosen by the first bytes, never by the name.
+/* Reads a frame: EXR by OpenEXRCore, PNG by libpng, PFM here, others by the
+ * program glarepp-oiio, chosen by the first bytes, never by the name.
  *
  *   path  file, or "-" for stdin (read to its end, like any pipe; refused by
  *         its first bytes when no format begins so)

@@ -98,10 +98,10 @@ enum gp_picture_kind {
 /* Writes `planes` (w * h of f's data window) with the frame's windows,
  * chromaticities and attributes, as a picture of three channels; with
  * GP_ALPHA_KEEP alpha is a fourth in the formats of gp_write_has_alpha(). The
- * ending of `path` picks the format: .exr here, .png by libpng, all else by the
- * OpenImageIO bridge; "-" (stdout), pipes and devices without an ending get
- * what p->stdout_format says. Stdout may be given many frames, one after the
- * other.
+ * ending of `path` picks the format: .exr, .png and .pfm are written here, those
+ * of oiio.h by the program glarepp-oiio; "-" (stdout), pipes and devices
+ * without an ending get what p->stdout_format says, which may be raw pixels.
+ * Stdout may be given many frames, one after the other.
  *
  * EXR and other float formats store the values as they are; an EXR of halfs
  * scales a pixel over 65504 until it fits, which keeps its hue (of DWA 57344),
@@ -148,7 +148,7 @@ struct gp_hdr_colour {
  *        part, of which one then was read whole, as gp_read_frame() does
  *
  * Errors: those of gp_write_picture(); GP_ERR_USAGE a channel is the colour of
- * two frames, or p->compression would change Cryptomatte's ids (exr_lossy.h);
+ * two frames, or p->compression is lossy and would change Cryptomatte's ids;
  * GP_ERR_DATA an added colour channel's name is taken. */
 GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,

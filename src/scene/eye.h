@@ -40,7 +40,7 @@ struct gp_eye_window {
     struct gp_rect known;           // pixels; empty: none
 };
 
-/* Numbers that gp_eye_rays() and gp_eye_map_share() find. */
+/* Numbers that gp_eye_rays() and gp_eye_map_draw() find. */
 struct gp_eye_share {
     double clear;   // share of the disc's part outside the window that shows,
                     // 0 to 1; 1 where no part is outside

@@ -79,8 +79,10 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * --depth-bits for one to be shown. All show the display window. Radiance HDR
  * holds three mantissas and an exponent: the nearest of those are stored, NaN
  * and negative values as 0, larger values as the largest. GP_ALPHA_KEEP
- * keeps alpha in TIFF, TGA, WebP and SGI; others are over black. SGI does not
- * define it, and readers take it as associated: colour is that over black. */
+ * keeps alpha in TIFF, TGA and WebP, in integers not associated, and in DPX,
+ * BMP and SGI, which do not say how it is meant and whose readers take it as
+ * associated: their colour is that over black. JPEG, PPM and Radiance HDR are
+ * over black. */
 GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,

@@ -1,4 +1,4 @@
-/* tone/curves.c and agx.c: every operator against its equation as printed, in
+/* tone/curves.c: every operator against its equation as printed, in
  * double; laws that all must keep. */
 #include "unit.h"
 #include "tone_forms.h"
