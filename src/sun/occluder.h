@@ -40,7 +40,8 @@ struct gp_occluders {
     const struct gp_plane *depth, *mask; // borrowed; NULL: none
     enum gp_depth_type type;
     struct gp_rect frame;        // pixels that may be hidden or clear:
-                                 // display and data window together
+                                 // display and data window together, or with
+                                 // GP_OUTSIDE_SCENE the data window as read
     struct gp_depth_facts facts; // by gp_occluders_count()
 };
 

@@ -260,7 +260,10 @@ gp_status gp_suns_place(const struct gp_log *log,
         .depth = suns->depth.v ? &suns->depth : NULL,
         .mask = suns->mask.v ? &suns->mask : NULL,
         .type = suns->p->depth_type,
-        .frame = gp_rect_join(f->data, f->display),
+        // a scene knows what is outside the file's pixels, and in the display
+        .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
+                     ? gp_frame_read(f)
+                     : gp_rect_join(f->data, f->display),
     };
     gp_occluders_count(&suns->occluders);
 out:

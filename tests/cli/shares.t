@@ -64,6 +64,26 @@ for method in exact mask; do
     is "$(lamps 'L["lamp3"]["interval"][0] < 0.7278 <
         L["lamp3"]["interval"][1]')" True "$method: the interval holds it"
 done
+# pixels that the display window has and the file has not are beside the frame
+for n in 1001 1002 1003 1004; do
+    frame street.$n.exr channels=R,G,B,Z:float kind=dark size=640x4 \
+        display=0,0,639,359
+done
+for method in exact mask; do
+    if [ $method = mask ] && [ -z "$gl" ]; then
+        skip 2 'no GL'
+        continue
+    fi
+    # an output has the pixels of the display window too: reading adds them
+    for more in '' '-o wide.exr'; do
+        rm -f r.json
+        "$glarepp" -q $more --scene "$street" --sun-method $method \
+            --report r.json street.1001.exr
+        is "$(lamps '[round(L[k]["visibility"], 1) for k in ("lamp1", "lamp2",
+            "lamp3", "lamp5")]')" '[0.0, 1.0, 0.6, 0.0]' \
+            "$method: lamps outside the data window${more:+, $more}"
+    done
+done
 run --scene "$street" --threads 1 --report one.json still.1004.exr
 run --scene "$street" --threads 3 --report r.json still.1004.exr
 is "$(field r.json 'o["lights"]')" "$(field one.json 'o["lights"]')" \
@@ -86,7 +106,7 @@ status_is 0 'another rule needs no camera'
 if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
     for method in exact mask; do
         if [ $method = mask ] && [ -z "$gl" ]; then
-            skip 4 'no GL'
+            skip 5 'no GL'
             continue
         fi
         set -- -q --sun-method $method --report r.json
@@ -104,6 +124,10 @@ if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
         is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
             '32 32 True' "$method: lamps in the street, by depth"
         note "$(cat found)"
+        "$glarepp" "$@" --scene "$street" street.####.exr
+        is "$("$python" "$cli/shares.py" "$data" r.json 0.002,0.01 2>found)" \
+            '32 32 True' "$method: lamps outside the data window"
+        note "$(cat found)"
         "$glarepp" "$@" --scene "$data/scenes/street.glb" --mask A \
             "$data/scenes/street.####.exr"
         is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
@@ -111,7 +135,7 @@ if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
         note "$(cat found)"
     done
 else
-    skip 8 "$no_data"
+    skip 10 "$no_data"
 fi
 
 done_testing
