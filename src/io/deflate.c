@@ -2,10 +2,13 @@
  *
  * The data is cut into pieces of equal size, whatever the number of threads,
  * and libdeflate packs each by itself. A piece loses the 32 KiB before it as
- * a dictionary, which libdeflate cannot take: 0.25 % of a rendered night, where
- * pieces of 64 KiB lose 1.1 %. libdeflate ends every stream with a block that
- * is marked as the last. Its mark is cleared, and an empty stored block fills
- * the last byte up, so that the next piece begins on a whole one.
+ * a dictionary, which libdeflate cannot take, and has code tables of its own:
+ * 0.25 % of a rendered night, where pieces of 64 KiB lose 1.1 %. That is some
+ * 100 bytes a piece, which is much of a picture that is mostly flat: it is
+ * packed again in larger pieces, which takes little time there. libdeflate ends
+ * every stream with a block that is marked as the last. Its mark is cleared, and
+ * an empty stored block fills the last byte up, so that the next piece begins on
+ * a whole one.
  * Source: RFC 1950, RFC 1951 section 3.2.3; zlib's examples/gzjoin.c. */
 #include "io/io_priv.h"
 
@@ -19,6 +22,8 @@
 
 enum {
     PIECE = 1 << 18,
+    FLAT_PIECE = 1 << 22,
+    FLAT = 16,         // data that shrinks to less than 1 / FLAT is flat
     LEVEL = 3,         // png.c has its time and size beside others
     HEAD = 2,          // bytes of the stream's header, before the first piece
     EMPTY = 5,         // at most, of the empty block after the other pieces
@@ -32,7 +37,8 @@ struct packer {
 
 struct packing {
     const uint8_t *raw;
-    size_t n, room;          // room: bytes that a packed piece takes at most
+    size_t n, piece;         // bytes of all, and of a piece
+    size_t room;             // bytes that a packed piece takes at most
     struct packer *packer;   // of each thread
     uint32_t *adler;         // of each piece
     struct gp_zlib_stream *out;
@@ -56,18 +62,24 @@ static size_t unmark_last_block(uint8_t *data, size_t size)
     return whole + sizeof empty;
 }
 
+static size_t piece_bytes(const struct packing *k, int i)
+{
+    const size_t at = (size_t) i * k->piece;
+    return k->n - at < k->piece ? k->n - at : k->piece;
+}
+
 static gp_status pack_piece(void *ctx, int i, int thread)
 {
     const struct packing *const k = ctx;
     struct packer *const p = &k->packer[thread];
-    const size_t at = (size_t) i * PIECE;
-    const size_t n = k->n - at < PIECE ? k->n - at : PIECE;
+    const size_t n = piece_bytes(k, i);
+    const uint8_t *const raw = k->raw + (size_t) i * k->piece;
     static const uint8_t header[HEAD] = {0x78, 0x5e}; // 32 KiB; fast
     const size_t head = i ? 0 : HEAD;
     uint8_t *const to = p->packed + head;
     struct gp_bytes *const out = &k->out->piece[i];
-    k->adler[i] = libdeflate_adler32(1, k->raw + at, n);
-    size_t size = libdeflate_deflate_compress(p->c, k->raw + at, n, to,
+    k->adler[i] = libdeflate_adler32(1, raw, n);
+    size_t size = libdeflate_deflate_compress(p->c, raw, n, to,
                                               k->room - HEAD - EMPTY);
     if (size > 0 && i < k->out->pieces - 1)
         size = unmark_last_block(to, size);
@@ -108,28 +120,27 @@ static void add_checksum(struct packing *k)
 {
     struct gp_bytes *const last = k->out->piece + k->out->pieces - 1;
     uLong adler = 1;
-    for (int i = 0; i < k->out->pieces; i++) {
-        const size_t at = (size_t) i * PIECE;
+    for (int i = 0; i < k->out->pieces; i++)
         adler = adler32_combine(adler, k->adler[i],
-                                (z_off_t) (k->n - at < PIECE ? k->n - at
-                                                             : PIECE));
-    }
+                                (z_off_t) piece_bytes(k, i));
     for (int i = 0; i < CHECKSUM; i++)
         last->data[last->size + (size_t) i] = (uint8_t) (adler >> (24 - 8 * i));
     last->crc = libdeflate_crc32(last->crc, last->data + last->size, CHECKSUM);
     last->size += CHECKSUM;
 }
 
-gp_status gp_zlib_pack(const struct gp_log *log, const uint8_t *raw, size_t n,
-                       struct gp_zlib_stream *out)
+/* Packs in pieces of `piece` bytes. */
+static gp_status pack(const struct gp_log *log, const uint8_t *raw, size_t n,
+                      size_t piece, struct gp_zlib_stream *out)
 {
     gp_status st;
-    struct packing k = {.raw = raw, .n = n, .out = out, .log = log};
-    const int pieces = n ? (int) ((n - 1) / PIECE) + 1 : 1;
+    struct packing k = {.raw = raw, .n = n, .piece = piece, .out = out,
+                        .log = log};
+    const int pieces = n ? (int) ((n - 1) / piece) + 1 : 1;
     const int threads = gp_threads() < pieces ? gp_threads() : pieces;
     *out = (struct gp_zlib_stream) {.pieces = pieces};
     k.room = HEAD + EMPTY + libdeflate_deflate_compress_bound(
-                                NULL, n < PIECE ? n : PIECE);
+                                NULL, n < piece ? n : piece);
     GP_TRY(make_packers(&k, threads));
     GP_TRY(gp_alloc_zero(log, "PNG pieces", (size_t) pieces,
                          sizeof *out->piece, &out->piece));
@@ -145,6 +156,21 @@ out:
     if (st)
         gp_zlib_stream_free(out);
     return st;
+}
+
+gp_status gp_zlib_pack(const struct gp_log *log, const uint8_t *raw, size_t n,
+                       struct gp_zlib_stream *out)
+{
+    const gp_status st = pack(log, raw, n, PIECE, out);
+    size_t size = 0;
+    if (st)
+        return st;
+    for (int i = 0; i < out->pieces; i++)
+        size += out->piece[i].size;
+    if (out->pieces == 1 || size >= n / FLAT)
+        return GP_OK;
+    gp_zlib_stream_free(out);
+    return pack(log, raw, n, FLAT_PIECE, out);
 }
 
 void gp_zlib_stream_free(struct gp_zlib_stream *s)

@@ -147,11 +147,6 @@ if command -v ffmpeg >/dev/null; then
 else
     skip 2 'no ffmpeg'
 fi
-if command -v pngcheck >/dev/null; then
-    ok 'PNG of pieces, by pngcheck' pngcheck pieces.png
-else
-    skip 1 'no pngcheck'
-fi
 
 # -- EXR out: every compression and type ---------------------------------------
 

@@ -244,36 +244,40 @@ static void colour_chunks(void **state)
 }
 
 /* Bytes whose blocks libdeflate stores, gives a fixed or its own code, or
- * splits often. */
+ * splits often; of kind 3, few that differ from 0. */
 static uint8_t byte_of(int kind, size_t i)
 {
     const uint32_t noise = (uint32_t) (i * 2654435761u) ^ (uint32_t) (i >> 7);
     const uint8_t mixed = i / 20000 % 2 ? (uint8_t) (noise >> 13)
                                         : (uint8_t) (i * i >> 9);
+    if (kind == 3)
+        return i % 4096 < 3 ? (uint8_t) noise : 0;
     return kind == 0 ? 0 : kind == 1 ? (uint8_t) (noise * noise >> 11) : mixed;
 }
 
 /* One zlib stream of any number of pieces: zlib unpacks it to the same bytes,
  * it is the same for any number of threads, and not larger by 1 % and 64 bytes
- * than libdeflate's own of one piece. */
+ * than libdeflate's own of one piece, as flat data is cut into larger ones. */
 static void pieces_are_one_stream(void **state)
 {
     static const size_t piece = 1 << 18;
     const size_t size[] = {1, 2, 9999, piece - 1, piece, piece + 1,
-                           2 * piece + 7, 7 * piece - 3};
+                           2 * piece + 7, 7 * piece - 3, 35 * piece + 1};
     struct libdeflate_compressor *const c = libdeflate_alloc_compressor(3);
-    for (size_t i = 0; i < 3 * COUNT(size); i++) {
-        const size_t n = size[i / 3];
+    for (size_t i = 0; i < 4 * COUNT(size); i++) {
+        const size_t n = size[i / 4];
+        const bool flat = n > piece && (i % 4 == 0 || i % 4 == 3);
+        const size_t cut = flat ? 16 * piece : piece;
         uint8_t *const raw = malloc(n), *const back = malloc(n);
         uint8_t *packed[2];
         size_t length[2] = {0};
         for (size_t k = 0; k < n; k++)
-            raw[k] = byte_of((int) (i % 3), k);
+            raw[k] = byte_of((int) (i % 4), k);
         for (int t = 0; t < 2; t++) {
             struct gp_zlib_stream s;
             gp_set_threads(t ? 3 : 1);
             assert_ok(gp_zlib_pack(NULL, raw, n, &s));
-            assert_int_equal(s.pieces, (int) ((n + piece - 1) / piece));
+            assert_int_equal(s.pieces, (int) ((n + cut - 1) / cut));
             packed[t] = malloc(2 * n + 100);
             for (int k = 0; k < s.pieces; k++) {
                 memcpy(packed[t] + length[t], s.piece[k].data,
