@@ -68,11 +68,10 @@ UNIT_ROOMS := $(notdir $(patsubst %/,%,$(sort $(dir $(UNIT)))))
 UNIT_BIN := $(UNIT_ROOMS:%=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 
-CHECKS := check-headers check-house check-symbols check-man \
-          check-manual check-clang check-tidy check-cppcheck
+CHECKS := check-headers check-house check-symbols check-man check-manual
 
 .PHONY: all help demo check check-built check-all check-alone check-asan check-ubsan check-tsan tsan check-valgrind \
-        coverage coverage-run $(CHECKS) lint hardcases hardcases-manual bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) lint lint-clang hardcases hardcases-manual bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -350,7 +349,7 @@ check-manual: $(B)/tests/hardcases ## checks that the manual has every hard case
 	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
 
-# The warnings of clang, over sources and tests, by a build's flags; the fuzz
+# The warnings of clang, over sources, tests and benches, by a build's flags; the fuzz
 # targets' objects have them where clang builds those. Headers that most files
 # include are parsed once: clang_each FILES,FLAGS,LANGUAGE,HEADER
 CLANG_SRC = $(if $(filter clang%,$(notdir $(FUZZ_CC))),src/app/main.c,$(SRC))
@@ -363,7 +362,7 @@ CLANG_C = $(call clang_each,$(1),-std=c11 $(WARN) $(DEFS) -Isrc \
           $(call pc,--cflags,$(PACKAGES)) $(2),c,$(3))
 CLANG_CXX = $(call clang_each,$(1),-std=c++17 -Wall -Wextra -Werror -Isrc \
             $(patsubst -I%,-isystem%,$(2)),c++,$(3))
-check-clang: fuzz-build ## compiles sources, tests and benches with clang, for its warnings
+lint-clang: fuzz-build
 	@test -n "$(CLANG)" || { echo "skipped: no clang"; exit 0; }; \
 	$(call CLANG_C,$(CLANG_SRC) $(wildcard tests/bench/*.c tests/fuzz/*.c),\
 	    -Itests/fuzz,src/core/status.h) && \
@@ -374,20 +373,12 @@ check-clang: fuzz-build ## compiles sources, tests and benches with clang, for i
 	$(call CLANG_CXX,$(OCIO_SRC) tests/bench/plain.cpp,\
 	    $(call pc,--cflags,OpenColorIO OpenEXR),src/core/status.h)
 
-# clang-tidy and cppcheck. `make lint` runs all checks; `make check` leaves out
-# clang's analyzer, which takes ten times as long as the rest
 LINT_SRC := $(SRC) $(BRIDGE_SRC) $(OCIO_SRC)
 LINT = @command -v $(1) >/dev/null || { echo "skipped: no $(1)"; exit 0; }; \
        tests/tools/lint.sh
-lint: compile_commands.json ## runs clang-tidy and cppcheck over src
+lint: lint-clang compile_commands.json ## runs clang for its warnings, clang-tidy and cppcheck
+	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 	$(call LINT,clang-tidy) tidy $(LINT_SRC)
-	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
-
-check-tidy: compile_commands.json ## runs clang-tidy's quick checks over src
-	$(call LINT,clang-tidy) quick $(SRC)
-
-check-cppcheck: ## runs cppcheck over src
-	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 
 # -- tools and installing -----------------------------------------------------
 

@@ -225,7 +225,7 @@ int block_rows(const ImageSpec &spec, const std::string &format)
 }
 
 // Rows [y0, y1) of channels [c0, c1).
-bool read_block(int y0, int y1, int c0, int c1, TypeDesc type, void *to)
+bool read_block(int y0, int y1, int c0, int c1, const TypeDesc &type, void *to)
 {
     ImageInput &input = *file->input;
     const ImageSpec &s = file->spec;
