@@ -4,6 +4,7 @@
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { ENDING_BYTES = 16 };
@@ -35,6 +36,33 @@ static gp_status check_exr(const struct gp_log *log,
                                                 : gp_oiio_check(log, path);
 }
 
+static void add_ending(const char *ending, char *list, size_t size, size_t *n)
+{
+    const int wrote = snprintf(list + *n, size - *n, "%s.%s", *n ? ", " : "",
+                               ending);
+    *n = wrote > 0 && (size_t) wrote < size - *n ? *n + (size_t) wrote
+                                                 : size - 1;
+}
+
+/* Refuses what no writer takes; the line lists the endings that one takes. */
+static gp_status check_other(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const char *ending)
+{
+    char list[256] = "";
+    size_t n = 0;
+    if (gp_oiio_writes(ending))
+        return gp_oiio_picture_check(log, p, path, ending);
+    for (const struct gp_writer *w = gp_writers; w->ending; w++) {
+        if (!w->only_straight)
+            add_ending(w->ending, list, sizeof list, &n);
+    }
+    for (int i = 0; gp_oiio_ending(i); i++)
+        add_ending(gp_oiio_ending(i), list, sizeof list, &n);
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%s: unknown format (ending %s%s); end the name in one of "
+                   "%s", path, ending[0] ? "." : "is missing", ending, list);
+}
+
 static gp_status write_oiio(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
@@ -43,7 +71,9 @@ static gp_status write_oiio(const struct gp_log *log,
     char ending[ENDING_BYTES];
     (void) stats;
     (void) find_ending(p, path, ending);
-    return gp_oiio_picture_write(log, p, path, ending, f, planes, kind);
+    gp_status st = check_other(log, p, path, ending);
+    return st ? st : gp_oiio_picture_write(log, p, path, ending, f, planes,
+                                           kind);
 }
 
 /* Raw frames go to streams only: files called .raw are cameras'. */
@@ -52,7 +82,7 @@ const struct gp_writer gp_writers[] = {
     {"png", false, true, NULL, gp_png_write},
     {"pfm", false, false, NULL, gp_pfm_write},
     {"raw", true, false, NULL, gp_raw_write},
-    {NULL, false, false, gp_oiio_picture_check, write_oiio}, // by its ending
+    {NULL, false, false, check_other, write_oiio}, // by its ending
 };
 
 static const struct gp_writer *find_writer(const struct gp_write_params *p,

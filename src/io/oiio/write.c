@@ -20,24 +20,35 @@ static const struct format {
     int bits;      // most bits of an integer sample; 0 holds none
     bool floats;
     enum gp_alpha alpha;
+    bool again;    // another ending of the format above
 } formats[] = {
-    {"hdr", 0, true, GP_ALPHA_BLACK},   {"rgbe", 0, true, GP_ALPHA_BLACK},
-    {"tif", 16, true, GP_ALPHA_KEEP},   {"tiff", 16, true, GP_ALPHA_KEEP},
-    {"tx", 8, false, GP_ALPHA_KEEP},    {"dpx", 16, false, GP_ALPHA_ASSOCIATED},
-    {"tga", 8, false, GP_ALPHA_KEEP},   {"tpic", 8, false, GP_ALPHA_KEEP},
-    {"webp", 8, false, GP_ALPHA_KEEP},  {"jpg", 8, false, GP_ALPHA_BLACK},
-    {"jpeg", 8, false, GP_ALPHA_BLACK}, {"jpe", 8, false, GP_ALPHA_BLACK},
-    {"jfif", 8, false, GP_ALPHA_BLACK}, {"jif", 8, false, GP_ALPHA_BLACK},
-    {"jfi", 8, false, GP_ALPHA_BLACK},  {"bmp", 8, false, GP_ALPHA_ASSOCIATED},
-    {"dib", 8, false, GP_ALPHA_ASSOCIATED},
-    {"ppm", 8, false, GP_ALPHA_BLACK},  {"pgm", 8, false, GP_ALPHA_BLACK},
-    {"pbm", 8, false, GP_ALPHA_BLACK},  {"pnm", 8, false, GP_ALPHA_BLACK},
-    {"sgi", 16, false, GP_ALPHA_ASSOCIATED},
-    {"rgb", 8, false, GP_ALPHA_ASSOCIATED},
-    {"rgba", 8, false, GP_ALPHA_ASSOCIATED},
-    {"bw", 8, false, GP_ALPHA_ASSOCIATED},
-    {"int", 8, false, GP_ALPHA_ASSOCIATED},
-    {"inta", 8, false, GP_ALPHA_ASSOCIATED},
+    {"hdr", 0, true, GP_ALPHA_BLACK, false},
+    {"rgbe", 0, true, GP_ALPHA_BLACK, true},
+    {"tif", 16, true, GP_ALPHA_KEEP, false},
+    {"tiff", 16, true, GP_ALPHA_KEEP, true},
+    {"tx", 8, false, GP_ALPHA_KEEP, true},
+    {"dpx", 16, false, GP_ALPHA_ASSOCIATED, false},
+    {"tga", 8, false, GP_ALPHA_KEEP, false},
+    {"tpic", 8, false, GP_ALPHA_KEEP, true},
+    {"webp", 8, false, GP_ALPHA_KEEP, false},
+    {"jpg", 8, false, GP_ALPHA_BLACK, false},
+    {"jpeg", 8, false, GP_ALPHA_BLACK, true},
+    {"jpe", 8, false, GP_ALPHA_BLACK, true},
+    {"jfif", 8, false, GP_ALPHA_BLACK, true},
+    {"jif", 8, false, GP_ALPHA_BLACK, true},
+    {"jfi", 8, false, GP_ALPHA_BLACK, true},
+    {"bmp", 8, false, GP_ALPHA_ASSOCIATED, false},
+    {"dib", 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"ppm", 8, false, GP_ALPHA_BLACK, false},
+    {"pgm", 8, false, GP_ALPHA_BLACK, true},
+    {"pbm", 8, false, GP_ALPHA_BLACK, true},
+    {"pnm", 8, false, GP_ALPHA_BLACK, true},
+    {"sgi", 16, false, GP_ALPHA_ASSOCIATED, false},
+    {"rgb", 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"rgba", 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"bw", 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"int", 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"inta", 8, false, GP_ALPHA_ASSOCIATED, true},
 };
 
 static const struct format *find_format(const char *ending)
@@ -45,6 +56,20 @@ static const struct format *find_format(const char *ending)
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         if (strcmp(formats[i].ending, ending) == 0)
             return &formats[i];
+    }
+    return NULL;
+}
+
+bool gp_oiio_writes(const char *ending)
+{
+    return find_format(ending) != NULL;
+}
+
+const char *gp_oiio_ending(int i)
+{
+    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
+        if (!formats[k].again && i-- == 0)
+            return formats[k].ending;
     }
     return NULL;
 }
@@ -83,12 +108,6 @@ gp_status gp_oiio_picture_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending)
 {
     const struct format *const t = find_format(ending);
-    if (!t)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: unknown format (ending %s%s); end the name in "
-                       ".exr, .png, .tif, .dpx, .hdr, .jpg, .bmp, .ppm, .sgi, "
-                       ".tga or .webp", path,
-                       ending[0] ? "." : "is missing", ending);
     if (is_tiff(t) && !tiff_compression(p->compression))
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: TIFF has no such compression; use none, rle or "
@@ -182,7 +201,6 @@ gp_status gp_oiio_picture_write(const struct gp_log *log,
     struct gp_file *file = NULL;
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
-    GP_TRY(gp_oiio_picture_check(log, p, path, ending));
     if (own.alpha != GP_ALPHA_BLACK)
         own.alpha = t->alpha;
     // integers where the format has nothing else, or nothing says otherwise

@@ -601,6 +601,23 @@ static void endings(void **state)
             (row[i].can ? GP_OK : GP_ERR_USAGE))
             fail_msg("%s: %s", row[i].name, kept_line);
     }
+    // each ending in the line for unknown ones is one that is written
+    kept_clear();
+    assert_int_equal(gp_write_check(&kept_all, &p, wf_path("a.nosuch")),
+                     GP_ERR_USAGE);
+    char line[512], name[32];
+    int listed = 0;
+    assert_true(strlen(kept_line) < sizeof line);
+    strcpy(line, kept_line);
+    char *word = strstr(line, "; end the name in one of .");
+    assert_non_null(word);
+    for (word = strtok(word + 24, ", "); word; word = strtok(NULL, ", ")) {
+        snprintf(name, sizeof name, "a%s", word);
+        assert_ok(gp_write_check(&kept_all, &p, wf_path(name)));
+        listed += strcmp(word, ".exr") == 0 || strcmp(word, ".png") == 0 ||
+                  strcmp(word, ".pfm") == 0 || strcmp(word, ".tif") == 0;
+    }
+    assert_int_equal(listed, 4);
 }
 
 static int setup(void **state)
