@@ -17,65 +17,15 @@ static const double BLENDER = 1.0 / 683.0; // radiance a cd or lux
 
 // -- channels -----------------------------------------------------------------
 
-/* Names that a layer of vectors or colours goes by, best first, and those of
- * its channels. */
-struct layer_names {
-    const char *what;
-    const char *layer[8];      // after the last dot of what is before it; NULL
-                               // ends
-    const char *channel[3][3]; // sets of three; the first that is there
-};
-static const struct layer_names normal_names = {
+static const struct gp_layer_names normal_names = {
     "normals", {"N", "Normal", "normal", "Normals", "normals", NULL},
     {{"X", "Y", "Z"}, {"x", "y", "z"}, {"R", "G", "B"}},
 };
-static const struct layer_names albedo_names = {
+static const struct gp_layer_names albedo_names = {
     "albedo", {"albedo", "Albedo", "DiffCol", "diffuse_albedo",
                "diffuse_color", NULL},
     {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}},
 };
-
-/* Finds the channel that is LAYER.CHANNEL, or ends with .LAYER.CHANNEL. */
-static const char *find_channel(const struct gp_frame *f, const char *layer,
-                                const char *channel)
-{
-    char tail[64];
-    const size_t n = (size_t) snprintf(tail, sizeof tail, "%s.%s", layer,
-                                       channel);
-    for (int i = 0; i < f->channels; i++) {
-        const char *const name = f->channel[i].name;
-        const size_t length = strlen(name);
-        if (length >= n && strcmp(name + length - n, tail) == 0 &&
-            (length == n || name[length - n - 1] == '.'))
-            return name;
-    }
-    return NULL;
-}
-
-/* Reads three planes of the first layer that the frame has. */
-static gp_status read_layer(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_frame *f,
-    const struct layer_names *names, struct gp_plane out[3])
-{
-    for (int l = 0; names->layer[l]; l++) {
-        for (int k = 0; k < 3; k++) {
-            const char *found[3];
-            for (int c = 0; c < 3; c++)
-                found[c] = find_channel(f, names->layer[l],
-                                        names->channel[k][c]);
-            if (!found[0] || !found[1] || !found[2])
-                continue;
-            gp_status st = GP_OK;
-            for (int c = 0; c < 3 && !st; c++)
-                st = gp_read_plane(log, &s->read, f, found[c], false, &out[c]);
-            return st;
-        }
-    }
-    return gp_fail(log, GP_ERR_USAGE, "%s: --relight needs %s, and no channel "
-                   "of its colour's part is %s.%s; render them into it",
-                   f->path, names->what, names->layer[0],
-                   names->channel[0][0]);
-}
 
 // -- the surfaces of a frame --------------------------------------------------
 
@@ -117,8 +67,10 @@ static gp_status read_surfaces(struct gp_run *r, struct gp_frame_state *fs,
         return gp_fail(fs->log, GP_ERR_USAGE, "%s: --relight needs depth, and "
                        "no channel is; name one with --depth",
                        fs->job->input);
-    GP_TRY(read_layer(fs->log, r->s, &fs->frame, &normal_names, out->normal));
-    GP_TRY(read_layer(fs->log, r->s, &fs->frame, &albedo_names, out->albedo));
+    GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &normal_names,
+                           out->normal));
+    GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &albedo_names,
+                           out->albedo));
     out->f = (struct gp_surfaces) {
         .camera = own->frame_camera, .display = fs->frame.display,
         .z = &out->depth, .normal = out->normal, .albedo = out->albedo,

@@ -308,6 +308,19 @@ GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
     const struct gp_plane_list *list, const char *name, bool depth,
     bool own_file, struct gp_plane_place *out);
 
+/* Lists the parts of a frame's file, with its colour and view. `list` is
+ * written always; free with gp_plane_list_free(). Errors: GP_ERR_BUG out of
+ * memory. */
+GP_MUST_CHECK gp_status gp_plane_list_frame(const struct gp_log *log,
+    const struct gp_frame *f, bool depth, struct gp_plane_list *list);
+
+/* Reads a channel of that list. `out` starts as zeros; free with
+ * gp_plane_free(), also after an error. Errors: as gp_read_plane(). */
+GP_MUST_CHECK gp_status gp_plane_read_at(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    const struct gp_plane_list *list, const struct gp_plane_place *at,
+    struct gp_plane *out);
+
 /* -- folders --------------------------------------------------------------- */
 
 /* Makes every missing folder above `path`; 0, or -1 with errno set. */

@@ -391,11 +391,8 @@ out:
 
 /* -- beside a frame ------------------------------------------------------- */
 
-/* Finds the wanted channel among all parts of the frame's file, and
- * its name; nothing when `at` has no part. Free the list in any case. */
-static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
-    const char *name, bool depth, struct gp_plane_list *list,
-    struct gp_plane_place *at, struct gp_plane *named)
+gp_status gp_plane_list_frame(const struct gp_log *log,
+    const struct gp_frame *f, bool depth, struct gp_plane_list *list)
 {
     gp_status st;
     const struct gp_input *const in = gp_input_of(f);
@@ -411,6 +408,18 @@ static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
         list->colour = f->channel[i].colour >= 0 ? f->channel[i].name : NULL;
     if (in && list->colour)
         list->view = gp_exr_view_of(in, in->part, list->colour);
+out:
+    return st;
+}
+
+/* Finds the wanted channel among all parts of the frame's file, and
+ * its name; nothing when `at` has no part. Free the list in any case. */
+static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
+    const char *name, bool depth, struct gp_plane_list *list,
+    struct gp_plane_place *at, struct gp_plane *named)
+{
+    gp_status st;
+    GP_TRY(gp_plane_list_frame(log, f, depth, list));
     GP_TRY(gp_plane_pick(log, list, name, depth, false, at));
     if (at->part)
         GP_TRY(make_name(log, list, at, named));
@@ -430,6 +439,33 @@ static void cut_plane(struct gp_rect window, struct gp_plane *p)
     p->window = window;
 }
 
+/* Reads the samples of a channel of a frame's file. */
+static gp_status read_samples(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    const struct gp_plane_place *at, struct gp_plane *out)
+{
+    // colour is read again from an EXR: its planes may be converted (luminance
+    // and chroma) or cleaned of NaN
+    const struct gp_input *const in = gp_input_of(f);
+    if (!at->part->colour || (!f->channel[at->channel].data && in))
+        return from_part(log, p, f->path, in, at, out);
+    const gp_status st = make_samples(log, f->data, out);
+    if (!st) {
+        gp_channel_floats(f, at->channel, out->v);
+        cut_plane(gp_frame_read(f), out);
+    }
+    return st;
+}
+
+gp_status gp_plane_read_at(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    const struct gp_plane_list *list, const struct gp_plane_place *at,
+    struct gp_plane *out)
+{
+    const gp_status st = make_name(log, list, at, out);
+    return st ? st : read_samples(log, p, f, at, out);
+}
+
 gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out)
@@ -438,19 +474,8 @@ gp_status gp_read_plane(const struct gp_log *log,
     struct gp_plane_place at;
     struct gp_plane plane = {0};
     gp_status st = pick_beside(log, f, name, depth, &list, &at, &plane);
-    // colour is read again from an EXR: its planes may be converted (luminance
-    // and chroma) or cleaned of NaN
-    const struct gp_input *const in = gp_input_of(f);
-    const bool here = !st && at.part && at.part->colour &&
-                      (f->channel[at.channel].data || !in);
-    if (!st && at.part && !here)
-        st = from_part(log, p, f->path, in, &at, &plane);
-    if (!st && here)
-        st = make_samples(log, f->data, &plane);
-    if (!st && here) {
-        gp_channel_floats(f, at.channel, plane.v);
-        cut_plane(gp_frame_read(f), &plane);
-    }
+    if (!st && at.part)
+        st = read_samples(log, p, f, &at, &plane);
     if (st)
         gp_plane_free(&plane);
     else

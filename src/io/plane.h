@@ -34,6 +34,33 @@ GP_MUST_CHECK gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out);
 
+/* Names of a layer of three channels, best first, and sets of names of those
+ * channels. */
+struct gp_layer_names {
+    const char *what;     // for messages
+    const char *layer[8]; // NULL ends
+    const char *channel[3][3];
+};
+
+/* Reads three planes of a layer beside a frame.
+ *
+ * Searches the colour's part, then the other parts of the colour's view or of
+ * none in the order of gp_read_plane(), whose channels are called PART.CHANNEL
+ * here; passes over deep parts. Within a part, LAYER.CHANNEL in the colour's
+ * layer comes before any other, then that in the layer around it, and so on:
+ * with B.Combined.R B.N.X, and not A.N.X. All three are of one layer. In parts
+ * of several views the names are those within the colour's.
+ *
+ *   out  written on GP_OK: the planes, as gp_read_plane()
+ *
+ * Warns where two layers rank equal (the first is taken), and where the layer
+ * is in another one than the colour.
+ *
+ * Errors: GP_ERR_USAGE no such layer; else as gp_read_plane(). */
+GP_MUST_CHECK gp_status gp_read_vectors(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    const struct gp_layer_names *wanted, struct gp_plane out[3]);
+
 /* Finds that depth without reading it, to report it.
  *
  *   channel  its name in the form that `name` takes, owned by the caller

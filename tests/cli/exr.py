@@ -17,7 +17,7 @@ usage: exr.py FILE [key=value...]
                       the others are black, Z is 1e10 there
   attr=name:string:text  and float, int, rational, v2f, m44f (numbers with commas),
                       stringvector (words with commas)
-  part=NAME:Z:float   one more part, of one channel
+  part=NAME:Z:float   one more part, of these channels (with commas)
   deep=1              a deep file without samples; deep=N of less than N a pixel
   channels=BY:half,RY:half,Y:half   chroma holds every other pixel and row
   zips=1 more=X,Y     deep files: compressed; a pixel that has a sample more
@@ -223,7 +223,7 @@ def main():
     parts = [Part(o, [tuple(n) for n in names])]
     for text in o["part"]:
         name, channel, kind = text.split(":")
-        parts.append(Part(o, [(channel, kind)], name))
+        parts.append(Part(o, [(c, kind) for c in channel.split(",")], name))
     write(sys.argv[1], parts)
 
 

@@ -50,6 +50,56 @@ run --scene $street --report r.json -o o.png still.exr
 is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["times_ms"]')" \
     '(False, False, True)' 'without --relight there is only the scene'
 
+# -- layers and parts ------------------------------------------------------------
+
+as_png()
+{
+    name=$1
+    shift
+    run --scene $street -g 0 --no-provenance --depth-bits 16 -o $name.png "$@"
+}
+
+# integers are other normals and albedo than numbers with fractions
+b=b.R,b.G,b.B,b.N.X,b.N.Y,b.N.Z,b.albedo.R,b.albedo.G,b.albedo.B
+frame own.exr channels=Z:float,$b size=64x36
+frame two.exr channels=Z:float,a.N.X:uint,a.N.Y:uint,a.N.Z:uint,$b,\
+a.albedo.R:uint,a.albedo.G:uint,a.albedo.B:uint,c.R,c.G,c.B size=64x36
+for layers in own two; do
+    as_png $layers --layer-in b --relight lamp1 $layers.exr
+    status_is 0 "layer b of $layers.exr"
+    no 'which has its own normals and albedo: no warning' grep -q layer err
+done
+cmp own.png two.png
+result $? 'normals and albedo are those of the layer of the colour'
+as_png dark --layer-in b own.exr
+no 'and they are lit' cmp -s own.png dark.png
+as_png c --layer-in c --relight lamp1 two.exr
+like "$(cat err)" \
+    '*two layers could be normals: using a.N, not b.N;*two layers*a.albedo*' \
+    'neither layer is that of the colour: a warning'
+frame a.exr channels=Z:float,a.N.X,a.N.Y,a.N.Z,c.R,c.G,c.B,\
+a.albedo.R,a.albedo.G,a.albedo.B size=64x36
+as_png c --layer-in c --relight lamp1 a.exr
+like "$(cat err)" '*the layer of c.? has no normals: using a.N of another*' \
+    'only another layer has normals: a warning'
+frame mixed.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z,a.albedo.R,b.albedo.G,\
+b.albedo.B kind=dark size=64x36
+run --scene $street --relight lamp1 -o o.png mixed.exr
+fails_with 2 'needs albedo' 'the three channels are those of one layer'
+
+frame parts.exr channels=R,G,B part=depth:Z:float part=N:N.X,N.Y,N.Z:half \
+    part=albedo:albedo.R,albedo.G,albedo.B:half kind=dark size=64x36
+frame plain.exr channels=R,G,B part=depth:Z:float part=albedo:R,G,B:half \
+    part=view.Normal:X,Y,Z:half kind=dark size=64x36
+for parts in lit parts plain; do
+    as_png $parts --relight lamp1 $parts.exr
+    status_is 0 "normals and albedo of $parts.exr"
+done
+cmp lit.png parts.png
+result $? 'parts of their own are as channels of one part'
+as_png dark plain.exr
+no 'and so are parts whose name is that of the layer' cmp -s plain.png dark.png
+
 # -- the street's lamps, each rendered by itself ---------------------------------
 
 # lamp3 lights thin things, of whose pixels the renderer took 24 places: the noise
