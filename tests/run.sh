@@ -97,6 +97,7 @@ chosen()
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
 first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
 first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|glare-splat_data"
+first="$first|compare\.t|engines\.t|glare-rim|glare-model_aperture|scene-sets"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do
