@@ -201,7 +201,7 @@ static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
     struct limiting a = {
         .t = t, .s = s, .tasks = (nx / 2 + COLUMNS) / COLUMNS,
     };
-    const size_t tasks = (size_t) (channels * a.tasks);
+    const size_t tasks = (size_t) channels * (size_t) a.tasks;
     struct keeping *down = NULL; // ny, then nx / 2 + 1 across
     gp_status st;
     GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
