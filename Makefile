@@ -209,7 +209,7 @@ known-plans: $(B)/bench/plans ## measures the plans in src/glare/fft/known.c
 	mv $(B)/known.c src/glare/fft/known.c
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/costs ## measures all speeds of README and manual on this machine
+bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/costs $(B)/bench/plans ## measures all speeds of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # A program to compare whole processes with: OpenEXR's C++ library and plain FFTW

@@ -53,6 +53,9 @@ echo "# the same, CPU time on one processor"
 taskset -c 0 "$build/bench/stage" "$frames/w2_1024.exr" "$frames/k512.exr" \
     1280 1024 "$runs" measure
 
+echo "# plans of lengths, measured once"
+"$build/bench/plans" 1 2>&1 >/dev/null
+
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
 
