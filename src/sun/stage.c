@@ -237,6 +237,28 @@ static void warn_of_window(const struct gp_log *log, const char *path,
            p->window.y0, gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
 }
 
+/* Warns once of lights before which the frame has nothing. Those that a scene
+ * measures outside of it do not count. */
+static void warn_of_clear(const struct gp_log *log, const struct gp_frame *f,
+                          struct gp_suns *suns)
+{
+    const bool scene = suns->p->map.outside == GP_OUTSIDE_SCENE;
+    const struct gp_rect r = suns->occluders.frame;
+    bool any = !scene && suns->n;
+    for (int i = 0; scene && i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        any = any || (!l->behind && l->x + l->radius > r.x0 &&
+                      l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
+                      l->y - l->radius < r.y1);
+    }
+    if (!any || suns->depth.v || suns->mask.v || suns->warned_clear)
+        return;
+    suns->warned_clear = true;
+    gp_say(log, GP_LEVEL_WARN,
+           "%s: no depth channel and no --mask: nothing hides the lights%s",
+           f->path, scene ? " inside the frame" : "");
+}
+
 gp_status gp_suns_place(const struct gp_log *log,
                         const struct gp_sun_reader *reader,
                         const struct gp_frame *f, struct gp_suns *suns)
@@ -250,12 +272,6 @@ gp_status gp_suns_place(const struct gp_log *log,
                               &suns->mask));
     warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
     warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
-    if (suns->n && !suns->depth.v && !suns->mask.v && !suns->warned_clear) {
-        suns->warned_clear = true;
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: no depth channel and no --mask: nothing hides the lights",
-               f->path);
-    }
     suns->occluders = (struct gp_occluders) {
         .depth = suns->depth.v ? &suns->depth : NULL,
         .mask = suns->mask.v ? &suns->mask : NULL,
@@ -265,6 +281,7 @@ gp_status gp_suns_place(const struct gp_log *log,
                      ? gp_frame_read(f)
                      : gp_rect_join(f->data, f->display),
     };
+    warn_of_clear(log, f, suns);
     gp_occluders_count(&suns->occluders);
 out:
     return st;

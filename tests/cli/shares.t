@@ -84,6 +84,14 @@ for method in exact mask; do
             "$method: lamps outside the data window${more:+, $more}"
     done
 done
+# no lamp is in these four rows
+frame rows.1004.exr channels=R,G,B kind=dark size=640x4 display=0,0,639,359
+run --scene "$street" --report r.json rows.1004.exr
+is "$(grep -c 'nothing hides' err)" 0 'a scene before all lamps'
+frame bare.1004.exr channels=R,G,B kind=dark size=640x360
+run --scene "$street" --report r.json bare.1004.exr
+like "$(cat err)" '*nothing hides the lights inside the frame*' \
+    'no depth, and lamps in the frame'
 run --scene "$street" --threads 1 --report one.json still.1004.exr
 run --scene "$street" --threads 3 --report r.json still.1004.exr
 is "$(field r.json 'o["lights"]')" "$(field one.json 'o["lights"]')" \
