@@ -167,6 +167,17 @@ static bool convert(const struct gp_gltf_accessor *a, int type,
     return good;
 }
 
+/* Finds the element that number i of "sparse" replaces. */
+static gp_status replaced(const struct gp_gltf_accessor *a, int i, uint32_t *at)
+{
+    *at = load_index(a->where.at + (size_t) i * (size_t) a->where.stride,
+                     a->where.type);
+    return *at < (uint32_t) a->count
+               ? GP_OK
+               : gp_gltf_fail(&a->place, "\"sparse\" replaces element %u of %d",
+                              *at, a->count);
+}
+
 gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int parts,
                          float *out)
 {
@@ -184,11 +195,10 @@ gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int parts,
     }
     for (int i = 0; i < a->sparse; i++) {
         const size_t k = (size_t) i;
-        const uint32_t at = load_index(
-            a->where.at + k * (size_t) a->where.stride, a->where.type);
-        if (at >= (uint32_t) a->count)
-            return gp_gltf_fail(&a->place, "\"sparse\" replaces element %u of "
-                                "%d", at, a->count);
+        uint32_t at;
+        const gp_status st = replaced(a, i, &at);
+        if (st)
+            return st;
         if (!convert(a, a->with.type, a->with.at + k * (size_t) a->with.stride,
                      out + (size_t) at * (size_t) parts))
             return gp_gltf_fail(&a->place, "element %u is not finite, or over "
@@ -201,13 +211,23 @@ gp_status gp_gltf_indices(const struct gp_gltf_accessor *a, int below,
                           uint32_t *out)
 {
     const int type = a->all.type;
-    if (a->parts != 1 || a->sparse || !a->all.at ||
+    if (a->parts != 1 || (!a->sparse && !a->all.at) ||
         (type != U8 && type != U16 && type != U32))
         return gp_gltf_fail(&a->place, "it cannot be indices (component type "
                             "%d, %d to an element)", type, a->parts);
+    for (int i = 0; i < a->count; i++)
+        out[i] = a->all.at ? load_index(a->all.at + (size_t) i *
+                                        (size_t) a->all.stride, type)
+                           : 0;
+    for (int i = 0; i < a->sparse; i++) {
+        uint32_t at;
+        const gp_status st = replaced(a, i, &at);
+        if (st)
+            return st;
+        out[at] = load_index(a->with.at + (size_t) i * (size_t) a->with.stride,
+                             type);
+    }
     for (int i = 0; i < a->count; i++) {
-        out[i] = load_index(a->all.at + (size_t) i * (size_t) a->all.stride,
-                            type);
         if (out[i] >= (uint32_t) below)
             return gp_gltf_fail(&a->place, "index %d is %u, there are %d "
                                 "vertices", i, out[i], below);

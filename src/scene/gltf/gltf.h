@@ -25,8 +25,9 @@ struct gp_scene_images {
  *   out     written on GP_OK only; gp_scene_free()
  *
  * Nodes that no scene of the file holds are left out, and so are points, lines
- * and orthographic cameras. Skins and morph targets keep their rest pose, with
- * a warning.
+ * and orthographic cameras. With a warning each, skins and morph targets keep
+ * their rest pose, instances of one node (EXT_mesh_gpu_instancing) are one, and
+ * hidden nodes (KHR_node_visibility) are placed.
  *
  * Memory: 64 MiB, 32 times the size of the file, 400 bytes for each byte of its
  * JSON.

@@ -119,7 +119,8 @@ GP_MUST_CHECK gp_status gp_gltf_floats(const struct gp_gltf_accessor *a,
                                        int parts, float *out);
 
 /* Its values as vertex numbers: count of them, each under `below`.
- * Errors: GP_ERR_DATA floats or signed integers, a number too high. */
+ * Errors: GP_ERR_DATA floats or signed integers, a number too high, an element
+ * to replace that is not there, no numbers at all. */
 GP_MUST_CHECK gp_status gp_gltf_indices(const struct gp_gltf_accessor *a,
                                         int below, uint32_t *out);
 

@@ -245,6 +245,7 @@ out:
 /* Counts of the lists, then places in them. */
 struct placed {
     bool fill, skins, flat;
+    bool copies, unseen; // EXT_mesh_gpu_instancing, KHR_node_visibility
     int objects, lights, cameras;
     const struct gp_scene_light *light;
     int defined;       // lights
@@ -255,6 +256,7 @@ static gp_status place_node(const struct gp_gltf *g, int index,
 {
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
+    json_t *copies, *seen;
     struct gp_scene_camera camera;
     char name[GP_SCENE_NAME];
     bool perspective = false;
@@ -269,7 +271,11 @@ static gp_status place_node(const struct gp_gltf *g, int index,
     if (light >= to->defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
                             light, to->defined));
+    GP_TRY(gp_gltf_extension(&at, o, "EXT_mesh_gpu_instancing", &copies));
+    GP_TRY(gp_gltf_extension(&at, o, "KHR_node_visibility", &seen));
     to->skins = to->skins || json_object_get(o, "skin");
+    to->copies = to->copies || (copies && mesh >= 0);
+    to->unseen = to->unseen || json_is_false(json_object_get(seen, "visible"));
     if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x) {
         if (to->fill)
             out->object[to->objects] =
@@ -334,6 +340,13 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
     if (to.skins)
         gp_say(g->log, GP_LEVEL_WARN, "%s: skins are not supported; meshes "
                "keep the pose they are stored in", g->path);
+    if (to.copies)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: instances of one node "
+               "(EXT_mesh_gpu_instancing) are not supported; its mesh is "
+               "placed once", g->path);
+    if (to.unseen)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: hidden nodes (KHR_node_visibility) "
+               "are not supported; they are placed as the others", g->path);
     if (to.flat)
         gp_say(g->log, GP_LEVEL_WARN, "%s: orthographic cameras are not "
                "supported and left out", g->path);

@@ -243,6 +243,61 @@ static void skins_and_targets_warn_once(void **state)
     gp_scene_free(&s);
 }
 
+static void instances_and_hidden_nodes_warn_once(void **state)
+{
+    struct gp_scene s = read_scene(
+        gm_write(TRIANGLE ", 'extensionsUsed': ['EXT_mesh_gpu_instancing'], "
+                 "'nodes': [{'mesh': 0, 'extensions': {'EXT_mesh_gpu_instancing"
+                 "': {'attributes': {}}}}, {'mesh': 0, 'extensions': {"
+                 "'EXT_mesh_gpu_instancing': {}}}, {'extensions': {"
+                 "'KHR_node_visibility': {'visible': true}}}]", TRIANGLE_URIS),
+        GP_UP_Y);
+    assert_int_equal(kept_lines, 1);
+    assert_non_null(strstr(kept_warning, "EXT_mesh_gpu_instancing"));
+    gp_scene_free(&s);
+    kept_clear();
+    s = read_scene(
+        gm_write(TRIANGLE ", 'nodes': [{'mesh': 0, 'extensions': {"
+                 "'KHR_node_visibility': {'visible': false}}}]", TRIANGLE_URIS),
+        GP_UP_Y);
+    assert_int_equal(kept_lines, 1);
+    assert_non_null(strstr(kept_warning, "KHR_node_visibility"));
+    gp_scene_free(&s);
+}
+
+/* Indices 0, 1, 2 become 0, 2, 1; and so do zeros. */
+static void indices_are_sparse(void **state)
+{
+    static const uint8_t where[4] = {1, 2, 9};
+    static const uint16_t with[2] = {2, 1};
+    for (int i = 0; i < 3; i++) {
+        const char *const file = gm_write(
+            "'buffers': [{'uri': '%s', 'byteLength': 36}, {'uri': '%s', "
+            "'byteLength': 8}, {'uri': '%s', 'byteLength': 4}, {'uri': '%s', "
+            "'byteLength': 4}], 'bufferViews': [{'buffer': 0, 'byteLength': 36}"
+            ", {'buffer': 1, 'byteLength': 8}, {'buffer': 2, 'byteLength': 4}, "
+            "{'buffer': 3, 'byteLength': 4}], 'accessors': [{'bufferView': 0, "
+            "'componentType': 5126, 'count': 3, 'type': 'VEC3'}, {%s "
+            "'componentType': 5123, 'count': 3, 'type': 'SCALAR', 'sparse': {"
+            "'count': 2, 'indices': {'bufferView': 2, 'byteOffset': %d, "
+            "'componentType': 5121}, 'values': {'bufferView': 3}}}], 'meshes': "
+            "[{'primitives': [{'attributes': {'POSITION': 0}, 'indices': 1}]}]"
+            ", 'nodes': [{'mesh': 0}]",
+            gm_uri(corners, 36), gm_uri(order, 8), gm_uri(where, 4),
+            gm_uri(with, 4), i ? "" : "'bufferView': 1,", i == 2);
+        if (i == 2) {
+            gm_refused(file, GP_ERR_DATA, "replaces element 9 of 3");
+            break;
+        }
+        struct gp_scene s = read_scene(file, GP_UP_Y);
+        assert_int_equal(s.indices, 3);
+        assert_int_equal(s.index[0], 0);
+        assert_int_equal(s.index[1], 2);
+        assert_int_equal(s.index[2], 1);
+        gp_scene_free(&s);
+    }
+}
+
 static void places_out_of_range_are_at_the_origin(void **state)
 {
     struct gp_scene s = read_scene(
@@ -555,7 +610,8 @@ SUITE_OF(gltf, make_folder, remove_folder,
     primitives_share_vertices_and_have_boxes_of_their_own,
     a_glb_has_its_buffer_in_its_second_chunk, a_gltf_has_one_file_beside_it,
     what_is_wrong_is_one_line,
-    skins_and_targets_warn_once, places_out_of_range_are_at_the_origin,
+    skins_and_targets_warn_once, instances_and_hidden_nodes_warn_once,
+    indices_are_sparse, places_out_of_range_are_at_the_origin,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
