@@ -10,8 +10,9 @@
 /* Half a code value of 8 bits in black, by the line of IEC 61966-2-1 (sRGB). */
 static const double half_code = 0.5 / 255.0 / 12.92;
 
-/* Rows that are measured together, and columns at a time. */
-enum { BANDS = 64, STRIP = 254 };
+/* Rows that are measured together, and columns at a time. Samples that the
+ * widest edge spans, and those on either side that say whether it is one. */
+enum { BANDS = 64, STRIP = 254, SPAN = 4, REACH = 3 * SPAN };
 
 struct band {
     struct gp_kernel_figures f; // sums and maxima of its rows
@@ -43,20 +44,80 @@ static void read_row(const struct measuring *m, int x, int n, int y,
         v[from + i] = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
 }
 
-/* The largest step from a sample to a dark neighbour in any of four directions,
- * less 1.5 times what the sample before it differs: a slope that reaches 0 is
- * no edge, as it is a little steeper from sample to sample around a circle.
- *   v  three rows of n samples and one more at each side */
-static double find_rim(float (*v)[STRIP + 2], int n, double rim)
+/* Rows around that which is measured, row 0. */
+typedef const float *const rows[2 * REACH + 1];
+
+static float sample(rows r, int i, const int way[2], int n)
 {
-    for (int i = 1; i <= n; i++) {
-        const float at = fabsf(v[1][i]);
-        const float side[4] = {v[1][i - 1], v[1][i + 1], v[0][i], v[2][i]};
-        for (int j = 0; j < 4 && (double) at > rim; j++) {
-            const double before = (double) side[j ^ 1];
-            if (fabsf(side[j]) < 1e-3f * at)
-                rim = fmax(rim, (double) at -
-                                    1.5 * fabs(before - (double) v[1][i]));
+    return r[REACH + n * way[1]][i + n * way[0]];
+}
+
+/* The step from sample i to a dark neighbour, less 1.5 times what the sample
+ * before it differs: a slope that reaches 0 is no edge, as it is a little
+ * steeper from sample to sample around a circle. */
+static double find_cut(rows r, int i, const int way[2])
+{
+    const float at = sample(r, i, way, 0), next = sample(r, i, way, 1);
+    const double before = (double) sample(r, i, way, -1);
+    if (!(next < 1e-3f * at))
+        return 0.0;
+    return (double) at - 1.5 * fabs(before - (double) at);
+}
+
+/* The drop from sample i over SPAN samples, less twice the larger change over
+ * as many before it and after it, which leaves nothing of a power law, an
+ * exponential, a Gaussian or a wave. It is an edge where it lasts: beside it,
+ * up to SPAN samples to either side, all of 2 SPAN samples before it are above
+ * all of 2 SPAN after it, as those of spikes, speckle and narrow rings are not.
+ * 0 where it is not over `least`. */
+static double find_drop(rows r, int i, const int way[2], double least)
+{
+    const float at = sample(r, i, way, 0), end = sample(r, i, way, SPAN);
+    if (!((double) (at - end) > least))
+        return 0.0;
+    const float before = fabsf(sample(r, i, way, -SPAN) - at);
+    const float after = fabsf(end - sample(r, i, way, 2 * SPAN));
+    const double slope = 2.0 * (double) gp_maxf(before, after);
+    float low = at, high = end;
+    for (int n = 0; n <= 2 * SPAN; n++) {
+        if (!((double) (low - high) - slope > least))
+            return 0.0;
+        for (int side = -SPAN; side <= SPAN; side++) {
+            const float *const in = r[REACH - n * way[1] + side * way[0]];
+            const float *const out =
+                r[REACH + (SPAN + n) * way[1] + side * way[0]];
+            low = gp_minf(low, in[i - n * way[0] + side * way[1]]);
+            high = gp_maxf(high, out[i + (SPAN + n) * way[0] + side * way[1]]);
+        }
+    }
+    return fmax((double) (low - high) - slope, 0.0);
+}
+
+/* The largest edge in rows from .. to - 1, in any of four directions. */
+static double find_rim(const struct measuring *m, int from, int to)
+{
+    static const int ways[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    enum { ROWS = 2 * REACH + 1, WIDTH = STRIP + 2 * REACH };
+    float v[ROWS][WIDTH];
+    double rim = 0.0;
+    for (int x = 0; x < m->k->w; x += STRIP) {
+        const int n = gp_min(m->k->w - x, STRIP);
+        for (int y = from - REACH; y < to + REACH; y++) {
+            float *const newest = v[(y - from + REACH) % ROWS];
+            const float *r[ROWS];
+            read_row(m, x - REACH, n + 2 * REACH, y, newest);
+            for (int i = 0; i < n + 2 * REACH; i++)
+                newest[i] = fabsf(newest[i]);
+            if (y < from + REACH)
+                continue;
+            for (int i = 0; i < ROWS; i++)
+                r[i] = v[(y - from + REACH + 1 + i) % ROWS];
+            for (int i = REACH; i < n + REACH; i++) {
+                for (int j = 0; j < 4 && (double) r[REACH][i] > rim; j++) {
+                    rim = fmax(rim, find_cut(r, i, ways[j]));
+                    rim = fmax(rim, find_drop(r, i, ways[j], rim));
+                }
+            }
         }
     }
     return rim;
@@ -102,22 +163,19 @@ static void measure_band(void *ctx, int i, int thread)
     struct band *const b = &m->band[i];
     const int from = (int) ((long long) k->h * i / BANDS);
     const int to = (int) ((long long) k->h * (i + 1) / BANDS);
-    float v[3][STRIP + 2], mirror[STRIP];
+    float v[STRIP], mirror[STRIP];
     (void) thread;
     b->f.peak = b->f.mirrored = m->centre;
     for (int y = from; y < to; y++) {
         for (int x = 0; x < k->w; x += STRIP) {
             const int n = gp_min(k->w - x, STRIP);
-            read_row(m, x - 1, n + 2, y, v[1]);
+            read_row(m, x, n, y, v);
             read_row(m, 2 * k->cx - x - n + 1, n, 2 * k->cy - y, mirror);
-            add_samples(m, x, y, n, v[1] + 1, mirror, b);
-            if (!m->edges)
-                continue;
-            read_row(m, x - 1, n + 2, y - 1, v[0]);
-            read_row(m, x - 1, n + 2, y + 1, v[2]);
-            b->f.rim = find_rim(v, n, b->f.rim);
+            add_samples(m, x, y, n, v, mirror, b);
         }
     }
+    if (m->edges)
+        b->f.rim = find_rim(m, from, to);
 }
 
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],

@@ -15,9 +15,12 @@ struct gp_kernel_figures {
     double own;          // share of it that stays in its pixel
     double left_out;     // of a model, as in struct gp_kernel
     // by gp_kernel_measure() only
-    double rim;          // the largest step down to darkness, under a thousandth,
-                         // from one sample to the next, beyond the slope before
-                         // it; 0 for kernels of models, which have none
+    double rim;          // the largest edge along rows and columns: a
+                         // step to under a thousandth of a sample, less 1.5
+                         // times the step before it; a drop over 4 samples that
+                         // lasts for 8 before and after, on 9 lines side by
+                         // side, less twice the change over 4 before or after,
+                         // the larger. 0 for kernels of models, not measured
     double peak;         // largest sample, of equals the centre's
     int peak_at[2];
     double mirrored;     // sample opposite to it

@@ -312,7 +312,7 @@ is "$(cat missing)" '' '--list: every model'
 cat >images.py <<'PY'
 import array, math, sys
 kind = sys.argv[1]
-n = {"beside": 16, "box": 61, "one": 9}.get(kind, 15)
+n = {"beside": 16, "box": 61, "one": 9, "soft": 201}.get(kind, 15)
 v = array.array("f")
 for y in range(n):
     for x in range(n):
@@ -321,6 +321,8 @@ for y in range(n):
         a = max(1 - d / 7.5, 0) ** 2
         if kind == "cut":
             a = 1 / (1 + d * d)
+        if kind == "soft":
+            a = 1 / (1 + d * d) * min(max((81 - d) / 2, 0), 1)
         if kind == "box":
             a = 1.0 * (max(abs(dx), abs(dy)) <= 20)
         if kind == "moved":
@@ -361,6 +363,10 @@ faults moved '*its peak is 3,0 pixels*no counterpart*' 2
 faults side '*no counterpart opposite*' 1
 faults yellow '*its blue sums to 0*' 1
 faults one '*a single sample*' 1
+"$python" images.py soft
+run kernel --check soft.pfm
+like "$status $(grep '^fault: ' out)" '1 *its edge shows: 0.0* a source of 1e+03*' \
+    '--check: an edge over two pixels'
 for kernel in moved side; do
     run -k $kernel.pfm --kernel-center 8.5,8.5 --layer l.exr in.exr
     quiet_success "no warning of $kernel with a centre that was given"

@@ -29,6 +29,61 @@ static double halo(double dx, double dy)
     return d < 0.5 ? 1.0 : d < 12.0 ? 1e-5 : 0.0;
 }
 
+static double ball(double dx, double dy, double to, double edge, double left)
+{
+    const double r = hypot(dx, dy);
+    const double share = fmin(fmax((to - r) / edge, 0.0), 1.0);
+    return cut(dx, dy) * (left + (1.0 - left) * share);
+}
+
+/* Light that ends, or drops, over a few pixels and from one to the next. */
+static double soft(double dx, double dy)
+{
+    return ball(dx, dy, 81.0, 2.0, 0.0);
+}
+
+static double softer(double dx, double dy)
+{
+    return ball(dx, dy, 81.0, 4.0, 0.0);
+}
+
+static double third(double dx, double dy)
+{
+    return ball(dx, dy, 60.0, 1e-3, 0.3);
+}
+
+static double milli(double dx, double dy)
+{
+    return ball(dx, dy, 80.0, 1e-3, 2e-3);
+}
+
+/* Light that fades to 0, alone and in rings, in spikes and in a lobe. */
+static double fades(double dx, double dy)
+{
+    return cut(dx, dy) * pow(fmax(1.0 - hypot(dx, dy) / 95.0, 0.0), 2.0);
+}
+
+static double rings(double dx, double dy)
+{
+    return fades(dx, dy) * pow(cos(acos(-1.0) * hypot(dx, dy) / 12.0), 2.0);
+}
+
+static double wide_rings(double dx, double dy)
+{
+    return fades(dx, dy) * pow(cos(acos(-1.0) * hypot(dx, dy) / 24.0), 2.0);
+}
+
+static double spikes(double dx, double dy)
+{
+    const double off = fmin(fabs(dx - dy), fabs(dx + 2.0 * dy));
+    return fades(dx, dy) * (0.05 + exp(-0.5 * off * off));
+}
+
+static double bell(double dx, double dy)
+{
+    return exp(-0.005 * (dx * dx + dy * dy));
+}
+
 static double cone(double dx, double dy)
 {
     return fmax(1.0 - hypot(dx, dy) / 12.0, 0.0);
@@ -105,6 +160,22 @@ static void each_rule_finds_its_fault(void **state)
          BIT(RIM)},
         {"halo, of a faint light", halo, 61, WHITE,
          {.ends = true, .brightest = 1.0}, 0},
+        {"an edge of two pixels", soft, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"an edge of four", softer, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"a drop to a third", third, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"a drop to 2e-3", milli, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"an edge of two, of a faint light", soft, 201, WHITE,
+         {.ends = true, .brightest = 1e-3}, 0},
+        {"no edge", fades, 201, WHITE, {.ends = true, .brightest = 1000.0}, 0},
+        {"rings", rings, 201, WHITE, {.ends = true, .brightest = 1000.0}, 0},
+        {"wide rings", wide_rings, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, 0},
+        {"spikes", spikes, 201, WHITE, {.ends = true, .brightest = 1000.0}, 0},
+        {"a bell", bell, 201, WHITE, {.ends = true, .brightest = 1000.0}, 0},
         {"lobe", lobe, 15, WHITE, {.ends = true}, BIT(NEGATIVE)},
         {"half beside", fade, 16, WHITE, {.ends = true}, BIT(CENTROID)},
         {"moved", moved, 21, WHITE, {.ends = true}, BIT(PEAK) | BIT(SYMMETRY)},
