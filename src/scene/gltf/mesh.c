@@ -158,6 +158,7 @@ struct walk {
                        // -1, the accessor of its texture coordinates, and the
     int *moved;        // material that moves these, or -1
     bool morphs, drawn; // targets; points or lines that were left out
+    bool faded;         // cut-outs whose vertices have an alpha
 };
 
 /* Writes the triangles of `n` vertices in glTF's mode 4 to 6. */
@@ -306,6 +307,24 @@ static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
                                    &uv->accessor);
 }
 
+/* Notes a cut-out whose vertices have an alpha: COLOR_0 of four components,
+ * which multiplies that of the base colour (glTF 2.0, 3.9.2). */
+static gp_status note_faded(struct walk *w, const struct gp_gltf_at *at,
+                            json_t *attributes, int material)
+{
+    int colour;
+    if (!(w->out->material[material].cutoff > 0.0f))
+        return GP_OK;
+    const gp_status st = gp_gltf_index(w->g, at, attributes, "COLOR_0",
+                                       "accessors", &colour);
+    if (st || colour < 0)
+        return st;
+    const char *const type = json_string_value(json_object_get(
+        gp_gltf_item(w->g, "accessors", colour), "type"));
+    w->faded = w->faded || (type && strcmp(type, "VEC4") == 0);
+    return GP_OK;
+}
+
 static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
                                 json_t *o, struct gp_mesh *mesh)
 {
@@ -329,6 +348,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
         return GP_OK;
     material = material < 0 ? w->out->materials - 1 : material;
     GP_TRY(find_uv(w, at, attributes, material, &uv));
+    GP_TRY(note_faded(w, at, attributes, material));
     GP_TRY(gp_gltf_accessor(g, positions, &a));
     if (indices >= 0)
         GP_TRY(gp_gltf_accessor(g, indices, &index));
@@ -417,6 +437,10 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     if (w.morphs)
         gp_say(g->log, GP_LEVEL_WARN, "%s: morph targets are not supported; "
                "meshes keep their base shape", g->path);
+    if (w.faded)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: alpha of vertices (COLOR_0) is not "
+               "read; cut-outs have that of their material only; bake it into "
+               "the texture", g->path);
     if (w.drawn)
         gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
                "are left out", g->path);

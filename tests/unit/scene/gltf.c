@@ -513,6 +513,32 @@ static void cutouts_are_moved(void **state)
     gp_scene_free(&s);
 }
 
+static void alpha_of_vertices_is_a_warning_on_cutouts(void **state)
+{
+    static const struct {
+        const char *mode, *type;
+        bool warns;
+    } row[] = {
+        {"MASK", "VEC4", true}, {"BLEND", "VEC4", true},
+        {"MASK", "VEC3", false}, {"OPAQUE", "VEC4", false},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        kept_clear();
+        struct gp_scene s = read_scene(gm_write(
+                 "'buffers': [{'byteLength': 36, 'uri': '%s'}], 'bufferViews': "
+                 "[{'buffer': 0, 'byteLength': 36}], 'accessors': "
+                 "[{'bufferView': 0, 'componentType': 5126, 'count': 3, "
+                 "'type': 'VEC3'}, {'componentType': 5126, 'count': 3, 'type': "
+                 "'%s'}], 'materials': [{'alphaMode': '%s'}], 'meshes': "
+                 "[{'primitives': [{'material': 0, 'attributes': {'POSITION': "
+                 "0, 'COLOR_0': 1}}]}]",
+                 gm_uri(corners, 36), row[i].type, row[i].mode), GP_UP_Y);
+        assert_int_equal(strstr(kept_warning, "(COLOR_0) is not read") != NULL,
+                         row[i].warns);
+        gp_scene_free(&s);
+    }
+}
+
 static void cutouts_are_read_once_for_all_materials(void **state)
 {
     struct picture p = {0};
@@ -615,5 +641,6 @@ SUITE_OF(gltf, make_folder, remove_folder,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
+    alpha_of_vertices_is_a_warning_on_cutouts,
     cutouts_are_read_once_for_all_materials, cutouts_are_moved, cameras_project_and_are_compared,
          cameras_of_one_name_are_told_apart_by_node)
