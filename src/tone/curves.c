@@ -16,9 +16,6 @@
 #pragma GCC optimize("no-trapping-math")
 #endif
 
-/* Every curve has reached its end far below; squares of it stay finite. */
-#define LIGHT_MAX 1e15f
-
 /* Both clones of a loop must have their own copy. */
 #define INLINE static inline __attribute__((always_inline))
 
@@ -26,7 +23,7 @@
 static inline float positive(float x)
 {
     x = x > 0.0f ? x : 0.0f;
-    return gp_minf(x, LIGHT_MAX);
+    return gp_minf(x, GP_LIGHT_MAX);
 }
 
 static inline float luminance(float r, float g, float b)
@@ -88,9 +85,9 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
         float open = 1.0f / (1.0f + y);
         float under = gp_maxf((white - y) * per_white, 0.0f); // 1 - part
         float rest = under * (1.0f + part) * open;
-        r0 = (r0 + part * gp_minf(r0 * per_white, LIGHT_MAX)) * open;
-        g0 = (g0 + part * gp_minf(g0 * per_white, LIGHT_MAX)) * open;
-        b0 = (b0 + part * gp_minf(b0 * per_white, LIGHT_MAX)) * open;
+        r0 = (r0 + part * gp_minf(r0 * per_white, GP_LIGHT_MAX)) * open;
+        g0 = (g0 + part * gp_minf(g0 * per_white, GP_LIGHT_MAX)) * open;
+        b0 = (b0 + part * gp_minf(b0 * per_white, GP_LIGHT_MAX)) * open;
         fit(r0, g0, b0, rest, &r[i], &g[i], &b[i]);
     }
 }
@@ -127,9 +124,9 @@ GP_CLONES static void aces(float *restrict r, float *restrict g,
 {
     (void) white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = gp_minf(gp_maxf(r[i], -LIGHT_MAX), LIGHT_MAX);
-        float g0 = gp_minf(gp_maxf(g[i], -LIGHT_MAX), LIGHT_MAX);
-        float b0 = gp_minf(gp_maxf(b[i], -LIGHT_MAX), LIGHT_MAX);
+        float r0 = gp_minf(gp_maxf(r[i], -GP_LIGHT_MAX), GP_LIGHT_MAX);
+        float g0 = gp_minf(gp_maxf(g[i], -GP_LIGHT_MAX), GP_LIGHT_MAX);
+        float b0 = gp_minf(gp_maxf(b[i], -GP_LIGHT_MAX), GP_LIGHT_MAX);
         float r1 = aces_fit(positive(row(aces_in, r0, g0, b0)));
         float g1 = aces_fit(positive(row(aces_in + 3, r0, g0, b0)));
         float b1 = aces_fit(positive(row(aces_in + 6, r0, g0, b0)));
@@ -254,7 +251,7 @@ INLINE float power22(float x)
 
 INLINE float contrast(float light)
 {
-    float ev = log2_of(clamp(light, LIGHT_MIN, LIGHT_MAX));
+    float ev = log2_of(clamp(light, LIGHT_MIN, GP_LIGHT_MAX));
     float u = (ev - 0.5f * (EV_MIN + EV_MAX)) * (1.0f / (EV_MAX - EV_MIN));
     u = clamp(u, -0.5f, 0.5f);
     float u2 = u * u;
@@ -267,9 +264,9 @@ GP_CLONES static void agx(float *restrict r, float *restrict g,
 {
     (void) white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = clamp(r[i], -LIGHT_MAX, LIGHT_MAX);
-        float g0 = clamp(g[i], -LIGHT_MAX, LIGHT_MAX);
-        float b0 = clamp(b[i], -LIGHT_MAX, LIGHT_MAX);
+        float r0 = clamp(r[i], -GP_LIGHT_MAX, GP_LIGHT_MAX);
+        float g0 = clamp(g[i], -GP_LIGHT_MAX, GP_LIGHT_MAX);
+        float b0 = clamp(b[i], -GP_LIGHT_MAX, GP_LIGHT_MAX);
         float r1 = contrast(row(inset, r0, g0, b0));
         float g1 = contrast(row(inset + 3, r0, g0, b0));
         float b1 = contrast(row(inset + 6, r0, g0, b0));

@@ -17,9 +17,8 @@ enum {
     SCRATCH = 512,    // pixels measured at a time, on the stack
 };
 
-#define LIGHT_MAX 1e15f      // as in the operators: beyond, all is white
 #define SCALE_MIN 0x1p-140f  // FLT_MAX times it is under 1
-#define SCALE_MAX 0x1p60f    // LIGHT_MAX times it stays finite
+#define SCALE_MAX 0x1p60f    // GP_LIGHT_MAX times it stays finite
 
 struct mapping {
     const struct gp_frame *f;
@@ -32,8 +31,8 @@ struct mapping {
 
 static inline float bounded(float x)
 {
-    x = x > -LIGHT_MAX ? x : -LIGHT_MAX;
-    return x < LIGHT_MAX ? x : LIGHT_MAX;
+    x = x > -GP_LIGHT_MAX ? x : -GP_LIGHT_MAX;
+    return x < GP_LIGHT_MAX ? x : GP_LIGHT_MAX;
 }
 
 GP_CLONES static void make_light(const struct mapping *m, size_t at, size_t n,
@@ -78,7 +77,8 @@ static void measure_peak(void *ctx, int band, int thread)
             peak = y > peak ? y : peak;
         }
     }
-    m->peak[band] = peak < (double) LIGHT_MAX ? (float) peak : LIGHT_MAX;
+    m->peak[band] = peak < (double) GP_LIGHT_MAX ? (float) peak
+                                                 : GP_LIGHT_MAX;
 }
 
 float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)

@@ -22,6 +22,10 @@ struct gp_tone_params {
 };
 #define GP_TONE_DEFAULTS { .curve = "reinhard", .key = 0.18f }
 
+/* Light that counts as this where it is more: every operator has reached its
+ * end far below, and squares of it stay finite. */
+#define GP_LIGHT_MAX 1e15f
+
 /* One operator. Works on one pixel; pure. */
 struct gp_tone_curve {
     const char *name;

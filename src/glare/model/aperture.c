@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 // -- stains: dust, scratches, lashes ------------------------------------------
 
 /* The share of a cell within `radius` of a line `away` from its middle, all in
@@ -282,7 +280,7 @@ static void add_dust(struct iris *s, int n, uint64_t seed)
         struct gp_stain *const one = &s->stain[s->stains++];
         const uint64_t key = 4 * (uint64_t) k;
         const double r = s->radius * sqrt(gp_model_random(seed, key));
-        const double a = 2.0 * PI * gp_model_random(seed, key + 1) + s->turn;
+        const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + s->turn;
         // most grains are small
         const double size = 0.004 * pow(8.0, gp_model_random(seed, key + 2));
         for (int e = 0; e < 2; e++) {
@@ -300,8 +298,8 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
         struct gp_stain *const one = &s->stain[s->stains++];
         const uint64_t key = 6 * (uint64_t) k;
         const double r = sqrt(gp_model_random(seed, key));
-        const double a = 2.0 * PI * gp_model_random(seed, key + 1) + s->turn;
-        const double b = 2.0 * PI * gp_model_random(seed, key + 2) + s->turn;
+        const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + s->turn;
+        const double b = 2.0 * M_PI * gp_model_random(seed, key + 2) + s->turn;
         const double length = 0.1 + 0.9 * gp_model_random(seed, key + 3);
         const double thick = 0.001 + 0.002 * gp_model_random(seed, key + 4);
         for (int e = 0; e < 2; e++) {
@@ -379,7 +377,7 @@ static const struct gp_model_key aperture_keys[] = {
 
 static void make_blades(struct iris *s, double roundness)
 {
-    const double half = PI / s->blades;
+    const double half = M_PI / s->blades;
     // nearly straight where roundness is 0
     s->bend = 1.0 / fmax(roundness, 1e-6);
     const double off = sqrt(s->bend * s->bend - sin(half) * sin(half)) -
@@ -415,13 +413,13 @@ static gp_status open_aperture(const struct gp_log *log,
     if (st)
         return st;
     s->radius = 0.5 * aperture_pupil(r, f);
-    s->turn = (gp_recipe_value(r, "rotation") + f->rotate) * PI / 180.0;
+    s->turn = (gp_recipe_value(r, "rotation") + f->rotate) * M_PI / 180.0;
     s->blades = blades;
     s->inner = 1.0;
     if (blades)
         make_blades(s, gp_recipe_value(r, "roundness"));
     s->obstruction = gp_recipe_value(r, "obstruction");
-    s->arc = gp_recipe_value(r, "arc") * PI / 360.0;
+    s->arc = gp_recipe_value(r, "arc") * M_PI / 360.0;
     s->grating = gp_recipe_value(r, "grating");
     s->fibres = floor(gp_recipe_value(r, "fibres"));
     s->mask = mask;
@@ -447,8 +445,8 @@ static gp_status open_aperture(const struct gp_log *log,
         .steep = steep / s->radius, .draw = draw_iris, .ctx = s,
         .blades = {
             .n = mask ? 0 : blades,
-            .turn = s->turn + (blades ? PI / blades : 0.0),
-            .length = 2.0 * s->radius * (blades ? sin(PI / blades) : 0.0),
+            .turn = s->turn + (blades ? M_PI / blades : 0.0),
+            .length = 2.0 * s->radius * (blades ? sin(M_PI / blades) : 0.0),
             .bend = s->radius * s->bend,
         },
     };

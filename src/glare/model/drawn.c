@@ -9,8 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 static gp_status make_state(const struct gp_log *log, const void *state,
                             size_t size, struct gp_shape *out)
 {
@@ -34,7 +32,7 @@ struct gaussian {
 /* The second integral of the normal density of width 1, from the right. */
 static double second_integral(double z)
 {
-    return exp(-0.5 * z * z) / sqrt(2.0 * PI) - 0.5 * z * erfc(sqrt(0.5) * z);
+    return exp(-0.5 * z * z) / sqrt(2.0 * M_PI) - 0.5 * z * erfc(sqrt(0.5) * z);
 }
 
 /* The share of pixel x, x >= 0, of light that is even over pixel 0. */
@@ -50,7 +48,7 @@ static double normal_share(double x, double sigma)
         const double z = (x + g->node[i]) / sigma;
         sum += g->weight[i] * exp(-0.5 * z * z);
     }
-    return sum / (sqrt(2.0 * PI) * sigma);
+    return sum / (sqrt(2.0 * M_PI) * sigma);
 }
 
 static void gaussian_row(const void *state, int x, int y, int n,
@@ -121,7 +119,7 @@ static gp_status open_moffat(const struct gp_log *log,
 {
     struct moffat m = {.beta = gp_recipe_value(r, "beta")};
     m.a = gp_recipe_value(r, "fwhm") / (2.0 * sqrt(exp2(1.0 / m.beta) - 1.0));
-    m.factor = (m.beta - 1.0) / (PI * m.a * m.a);
+    m.factor = (m.beta - 1.0) / (M_PI * m.a * m.a);
     gp_status st = gp_radial_shape(log, moffat_profile, &m, 1, 4.0 * m.a, f,
                                    out);
     if (!st)
@@ -267,7 +265,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
             r->curve[c][i] = v[grey ? 0 : c];
             // lines between steps, turned about the centre
             const double before = i > 0 ? (i - 1) / 2.0 + 1.0 / 3.0 : 0.0;
-            sum[c] += 2.0 * PI * r->step * r->step * r->curve[c][i] *
+            sum[c] += 2.0 * M_PI * r->step * r->step * r->curve[c][i] *
                       (before + i / 2.0 + 1.0 / 6.0);
         }
     }
@@ -358,7 +356,7 @@ static void halo_value(const void *ctx, double t, double out[3])
             const double at = 2.0 * k / (DROPS - 1) - 1.0;
             const double size = h->size * (1.0 + h->spread * at) * 550.0 /
                                 h->nm[i];
-            const double x = size * sin(t * PI / 180.0);
+            const double x = size * sin(t * M_PI / 180.0);
             const double airy = x > 1e-4 ? 2.0 * j1(x) / x : 1.0;
             v += (1.0 - 0.75 * at * at) * size * size * airy * airy;
         }
@@ -383,7 +381,7 @@ static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
     const double first = 5.1356;
     const double radius = gp_recipe_value(r, "radius");
     struct halo h = {
-        .size = first / sin(radius * PI / 180.0), .end = 3.0 * radius,
+        .size = first / sin(radius * M_PI / 180.0), .end = 3.0 * radius,
         .spread = gp_recipe_value(r, "spread"), .luminance = f->luminance,
     };
     gp_spectrum_colours(f->chromaticities, BANDS, h.nm, h.rgb);

@@ -9,8 +9,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 // -- Spencer ------------------------------------------------------------------
 
 /* Spencer, Shirley, Zimmerman, Greenberg: Physically-Based Glare Effects for
@@ -375,8 +373,8 @@ static void needle_row(void *ctx, int y, int thread)
             continue;
         // both pixels' widths across the ray, as a box about it
         const double half = sqrt(0.5) * hypot(m->a * v, m->b * u) / t / t;
-        const double turns = fmin(half / (2.0 * PI), 0.5);
-        const double angle = atan2(v, u) / (2.0 * PI);
+        const double turns = fmin(half / (2.0 * M_PI), 0.5);
+        const double angle = atan2(v, u) / (2.0 * M_PI);
         for (int k = 0; k < 4; k++) { // counter-clockwise, y is down
             const bool left = k == 1 || k == 2, low = k >= 2;
             if ((left && x == 0) || (low && y == 0))

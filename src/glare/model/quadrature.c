@@ -7,8 +7,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 enum { MOST_NODES = 16, MOST_TENT = 10 };
 
 static struct gp_gauss rules[MOST_NODES + 1], tents[MOST_TENT + 1];
@@ -19,7 +17,7 @@ static void make_rules(void)
     for (int n = 1; n <= MOST_NODES; n++) {
         rules[n].n = n;
         for (int i = 0; i < n; i++) {
-            double x = cos(PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
+            double x = cos(M_PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
             for (int step = 0; step < 8; step++) { // quadratic: 5 are enough
                 double p0 = 1.0, p1 = x;
                 for (int k = 2; k <= n; k++) {
@@ -112,7 +110,7 @@ const struct gp_gauss *gp_tent_rule(int n)
 
 double gp_plane_factor(double t)
 {
-    const double radians = t * (PI / 180.0), degree = PI / 180.0;
+    const double radians = t * (M_PI / 180.0), degree = M_PI / 180.0;
     if (!(t < 90.0))
         return 0.0;
     return degree * degree * (radians > 1e-4 ? sin(radians) / radians : 1.0);
@@ -123,7 +121,7 @@ double gp_plane_factor(double t)
 static double plane_angle(double t, double *slope)
 {
     static const double EVEN = 45.0, SKY = 90.0;
-    const double scale = (SKY - EVEN) * 2.0 / PI;
+    const double scale = (SKY - EVEN) * 2.0 / M_PI;
     const double x = fmax(t - EVEN, 0.0) / scale;
     *slope = 1.0 / (1.0 + x * x);
     return x > 0.0 ? EVEN + scale * atan(x) : t;
@@ -166,7 +164,7 @@ static void integrate_steps(void *ctx, int task, int thread)
             s->p(s->ctx, t, v);
             for (int c = 0; c < s->channels; c++)
                 s->part[i][k][c] =
-                    (high - low) * g->weight[k] * 2.0 * PI * t * v[c];
+                    (high - low) * g->weight[k] * 2.0 * M_PI * t * v[c];
         }
     }
 }
@@ -255,15 +253,15 @@ static void add_circle(const struct gp_deposit *d, double u, double v,
     double from = 0.0;
     for (;;) {
         const double by_column =
-            column > 0 ? acos(fmin(column / u, 1.0)) : 0.5 * PI;
+            column > 0 ? acos(fmin(column / u, 1.0)) : 0.5 * M_PI;
         const double by_row = row <= rows ? asin(fmin(row / v, 1.0))
-                                          : 0.5 * PI;
+                                          : 0.5 * M_PI;
         const double to = fmin(by_column, by_row);
         const struct gp_gauss *const g = gp_gauss_rule(to - from > 0.5 ? 7 : 4);
         for (int k = 0; k < g->n && to > from; k++) {
             const double angle =
                 0.5 * (from + to) + (to - from) * g->node[k];
-            const double share = (to - from) * g->weight[k] / (2.0 * PI);
+            const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
             const double part[3] = {share * light[0], share * light[1],
                                     share * light[2]};
             const double x = u * cos(angle), y = v * sin(angle);
@@ -297,7 +295,7 @@ void gp_deposit_rings(const struct gp_deposit *d, gp_profile p,
             // a circle's part beyond a line grows with the root of the distance
             const double root = 0.5 + g->node[k];
             const double t = from + (end - from) * root * root;
-            const double ring = 2.0 * PI * t * (end - from) * 2.0 * root *
+            const double ring = 2.0 * M_PI * t * (end - from) * 2.0 * root *
                                 g->weight[k];
             double v[3] = {0};
             p(ctx, t, v);

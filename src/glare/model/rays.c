@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 /* A ray is a bundle of strands that start at the light and fan out. A strand at
  * distance p along it and q across it, both in degrees, has
  *
@@ -75,7 +73,7 @@ static double light_within(const struct rays *r, int c, double t)
 static double ramp(double z)
 {
     return 0.5 * z * erfc(-sqrt(0.5) * z) +
-           exp(-0.5 * z * z) / sqrt(2.0 * PI);
+           exp(-0.5 * z * z) / sqrt(2.0 * M_PI);
 }
 
 /* Adds the strand's integral over a pixel whose middle is (p, q) along and
@@ -141,7 +139,7 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
                 continue;
             const double density = s->gain *
                                    exp(-0.5 * (z * z + back * back)) /
-                                   (sqrt(2.0 * PI) * width * s->length) * da *
+                                   (sqrt(2.0 * M_PI) * width * s->length) * da *
                                    db * g->weight[i % g->n] *
                                    h->weight[j % h->n] * (1.0 - fabs(dx)) *
                                    (1.0 - fabs(dy));
@@ -187,7 +185,7 @@ static void add_part(const struct line *l, bool back, double p, double q)
         double light[3];
         for (int c = 0; c < 3; c++) {
             const double all = back
-                ? r->curve[c][0] * r->width / s->length * sqrt(0.5 * PI) *
+                ? r->curve[c][0] * r->width / s->length * sqrt(0.5 * M_PI) *
                       (erf(sqrt(0.5) * q / r->width) -
                        erf(sqrt(0.5) * p / r->width))
                 : light_within(r, c, q / s->length) -
@@ -440,7 +438,7 @@ static void lay_strands(const struct gp_recipe *r, double rotate,
         const uint64_t key = ray * 4096u + 3u * (uint64_t) (i % strands);
         const bool middle = i % strands == 0;
         const double off = middle ? 0.0 : gp_model_random(seed, key) - 0.5;
-        const double angle = PI / 180.0 *
+        const double angle = M_PI / 180.0 *
             (turned + 360.0 * (i / strands) / points + 2.0 * spread * off);
         one->cosine = cos(angle);
         one->sine = -sin(angle);
@@ -491,7 +489,7 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     if (coarse || cut)
         memset(light, 0, sizeof light);
     for (int i = 0; i < s->n && (coarse || cut); i++) {
-        const double end = s->width * sqrt(0.5 * PI) / s->strand[i].length;
+        const double end = s->width * sqrt(0.5 * M_PI) / s->strand[i].length;
         for (int c = 0; c < 3; c++)
             light[c] += s->strand[i].gain * (1.0 + end * s->curve[c][0]);
     }

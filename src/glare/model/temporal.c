@@ -7,7 +7,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
 #define PUPIL_MOST 9.0 // mm
 
 double gp_pupil_moon_spencer(double nits)
@@ -91,7 +90,7 @@ static void add_particles(struct eye *e, int n, double t, uint64_t seed)
         const uint64_t key = 4 * (uint64_t) k;
         const bool floats = k % 4 == 0;
         const double r = 0.5 * PUPIL_MOST * sqrt(gp_model_random(seed, key));
-        const double a = 2.0 * PI * gp_model_random(seed, key + 1) + e->turn +
+        const double a = 2.0 * M_PI * gp_model_random(seed, key + 1) + e->turn +
                          (floats ? 0.3 * noise(0.4 * t, seed + 1) : 0.0);
         const double size = 0.012 * pow(4.0, gp_model_random(seed, key + 2));
         const double shift = 0.05 * noise(t, seed + 2 + (floats ? 1 : 0));
@@ -162,7 +161,7 @@ static gp_status open_temporal(const struct gp_log *log,
     if (st)
         return st;
     e->radius = 0.5 * temporal_pupil(r, f);
-    e->turn = f->rotate * PI / 180.0;
+    e->turn = f->rotate * M_PI / 180.0;
     for (int i = 0; i < 2 * WAVES; i++)
         e->edge[i / 2][i % 2] =
             0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);

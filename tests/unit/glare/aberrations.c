@@ -3,8 +3,6 @@
 #include "glare/model/model_priv.h"
 #include "model_scene.h"
 
-#define PI 3.14159265358979323846
-
 /* The light at the centre of a small aberration: exp(-(2 pi rms)^2) of that
  * without (Mahajan), as Zernike's polynomials are normalised. */
 static void aberrations_dim_the_peak(void **state)
@@ -16,7 +14,7 @@ static void aberrations_dim_the_peak(void **state)
         "oblique-trefoil", "spherical", "secondary-astigmatism",
         "oblique-secondary", "quadrafoil", "oblique-quadrafoil",
     };
-    const double unit = 550e-6 * 180.0 / PI;
+    const double unit = 550e-6 * 180.0 / M_PI;
     const struct gp_field f = scene_field(65, 65, unit / 8.0, 1.0);
     struct gp_kernel sharp, k;
     model_make(AIRY, &f, &sharp);
@@ -26,7 +24,7 @@ static void aberrations_dim_the_peak(void **state)
         model_make(text, &f, &k);
         const double strehl =
             sample_at(&k, 1, 0, 0) / sample_at(&sharp, 1, 0, 0);
-        const double phase = 2.0 * PI * 0.05;
+        const double phase = 2.0 * M_PI * 0.05;
         if (!(fabs(strehl / exp(-phase * phase) - 1.0) < 5e-3))
             fail_msg("%s: %.4f of the peak, not %.4f", names[i], strehl,
                      exp(-phase * phase));
@@ -103,7 +101,7 @@ static void zernikes_polynomials_are_orthonormal(void **state)
                      gp_zernike_slope(j));
     }
     // Noll's table I, at r = 0.5 and 60 degrees, sine of it 0.866
-    const double x = 0.25, y = 0.5 * sin(PI / 3.0);
+    const double x = 0.25, y = 0.5 * sin(M_PI / 3.0);
     const double z[TERMS] = {
         [2] = 0.5, [3] = 0.8660254, [4] = -0.8660254,
         [5] = 0.5303301, [6] = -0.3061862, [7] = -1.5309311,
@@ -127,7 +125,7 @@ static void find_sectors(const struct gp_kernel *k, int turns, double *light)
             for (int i = 0; i < 16; i++) { // a pixel by parts
                 const double u = x + (i % 4 - 1.5) / 4.0;
                 const double v = y + (i / 4 - 1.5) / 4.0;
-                const double r = hypot(u, v), a = atan2(-v, u) / (2.0 * PI);
+                const double r = hypot(u, v), a = atan2(-v, u) / (2.0 * M_PI);
                 if (r < 4.0 || r > 100.0)
                     continue;
                 const double one = sample_at(k, 1, x, y) / 16.0;
@@ -158,7 +156,7 @@ static void aberrations_have_their_symmetry(void **state)
         {"quadrafoil", "oblique-quadrafoil", 22.5, 8},
     };
     enum { SECTORS = 48 };
-    const struct gp_field f = scene_field(121, 121, 550e-6 * 180.0 / PI / 8.0,
+    const struct gp_field f = scene_field(121, 121, 550e-6 * 180.0 / M_PI / 8.0,
                                           1.0);
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_kernel k[2];

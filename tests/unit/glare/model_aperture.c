@@ -6,14 +6,12 @@
 #include "glare/model/diffract_priv.h"
 #include "model_scene.h"
 
-#define PI 3.14159265358979323846
-
 /* Airy's pattern, 550 nm through 1 mm: its first zero, by a parabola through
  * the least pixels, and the light within it. */
 static void a_circle_makes_airys_pattern(void **state)
 {
     (void) state;
-    const double unit = 550e-6 / 1.0 * 180.0 / PI; // lambda / D, degrees
+    const double unit = 550e-6 / 1.0 * 180.0 / M_PI; // lambda / D, degrees
     const struct gp_field f = scene_field(321, 321, unit / 20.0, 1.0);
     struct gp_kernel k;
     model_make(AIRY, &f, &k);
@@ -55,7 +53,7 @@ static void find_spikes(const struct gp_kernel *k, double *light, int steps,
             const double r = hypot(x, y);
             if (r < from || r > to)
                 continue;
-            double a = atan2(-y, x) / (2.0 * PI) + 1.0;
+            double a = atan2(-y, x) / (2.0 * M_PI) + 1.0;
             a -= floor(a);
             light[(int) (a * steps) % steps] += sample_at(k, 1, x, y) * r;
         }
@@ -124,8 +122,8 @@ static void light_is_kept_and_white(void **state)
     struct gp_kernel k;
     model_make("aperture:share=1,blades=0,dust=0,scratches=0,pupil=2", &f, &k);
     // 1 - E(r) = l L / (2 pi^2 S r), L / S = 4 / D; half is left in the fade
-    const double r = 255.0 / 36.0 * PI / 180.0;
-    const double beyond = 550e-6 * 4.0 / 2.0 / (2.0 * PI * PI * r);
+    const double r = 255.0 / 36.0 * M_PI / 180.0;
+    const double beyond = 550e-6 * 4.0 / 2.0 / (2.0 * M_PI * M_PI * r);
     if (!(k.left_out > 0.5 * beyond && k.left_out < 1.5 * beyond))
         fail_msg("%g left out, about %g lies beyond", k.left_out, beyond);
     for (int c = 0; c < 3; c++)
@@ -242,7 +240,7 @@ static void transform_lines(double complex *z, int m, int sign, int step,
 {
     double complex line[160], turn[160];
     for (int k = 0; k < m; k++)
-        turn[k] = cexp(sign * 2.0 * PI * I * k / m);
+        turn[k] = cexp(sign * 2.0 * M_PI * I * k / m);
     for (int j = 0; j < m; j++) {
         double complex *const at = z + j * across;
         for (int k = 0; k < m; k++) {
@@ -280,7 +278,7 @@ static void lags_are_a_pupils(void **state)
         memset(z, 0, sizeof z);
         for (int i = 0; i < N * N; i++)
             z[i / N * m + i % N] = (double) t[i] *
-                (with ? cexp(2.0 * PI * I * (double) path[i] / 500.0) : 1.0);
+                (with ? cexp(2.0 * M_PI * I * (double) path[i] / 500.0) : 1.0);
         transform_lines(z, m, -1, 1, m);
         transform_lines(z, m, -1, m, 1);
         for (int i = 0; i < m * m; i++) {
@@ -320,7 +318,7 @@ static void masks_are_openings(void **state)
         .data = {0, 0, 8, 8}, .luminance = {0.2126f, 0.7152f, 0.0722f},
         .rgb.c = {white, white, white},
     };
-    const double unit = 550e-6 * 180.0 / PI;
+    const double unit = 550e-6 * 180.0 / M_PI;
     const struct gp_field f = scene_field(129, 129, unit / 8.0, 1.0);
     struct gp_recipe r;
     struct gp_kernel k = {0};
@@ -335,7 +333,7 @@ static void masks_are_openings(void **state)
         // between them
         const double zero = sample_at(&k, 1, i ? 0 : 8, i ? 8 : 0);
         const double peak = sample_at(&k, 1, i ? 0 : 12, i ? 12 : 0);
-        const double side = 4.0 / (9.0 * PI * PI);
+        const double side = 4.0 / (9.0 * M_PI * M_PI);
         if (!(zero < 0.0035 * middle) ||
             !(fabs(peak / middle / side - 1) < 0.03))
             fail_msg("axis %d: %g, %g of the peak", i, zero / middle,
@@ -573,9 +571,9 @@ static void light_goes_on_beyond_the_reach(void **state)
     struct gp_kernel core, k;
     model_make(text, &f, &core);
     assert_ok(gp_kernel_whole(NULL, &core, f.w, f.h, &k));
-    const double side = 300.5 * f.degrees * PI / 180.0;
+    const double side = 300.5 * f.degrees * M_PI / 180.0;
     const double beyond =
-        2.0 * 550e-6 / (PI * PI) * 2.0 * sqrt(2.0) / (PI * side);
+        2.0 * 550e-6 / (M_PI * M_PI) * 2.0 * sqrt(2.0) / (M_PI * side);
     if (!(fabs(core.left_out / beyond - 1.0) < 0.1))
         fail_msg("%g left out, not %g", core.left_out, beyond);
     double before = 0.0;

@@ -4,8 +4,6 @@
 #include "glare/model/model_priv.h"
 #include "model_scene.h"
 
-#define PI 3.14159265358979323846
-
 enum { OFFSETS = 300 };
 static const double pixel = 0.03;     // degrees
 static const double radius = 3.125;   // mm, 50 mm at f/8
@@ -27,7 +25,7 @@ static void whole(const char *keys, double reach, struct gp_kernel *k)
 static double window(double t, double t0)
 {
     const double z = t - t0;
-    return z > 0.0 && z < 1.0 ? pow(sin(PI * z), 2.0) : 0.0;
+    return z > 0.0 && z < 1.0 ? pow(sin(M_PI * z), 2.0) : 0.0;
 }
 
 /* Light of the window from t0 degrees, within `side` degrees of the spike at `at` degrees,
@@ -39,9 +37,9 @@ static double spike(const struct gp_kernel *k, double at, double t0,
     for (int y = -OFFSETS; y <= OFFSETS; y++) {
         for (int x = -OFFSETS; x <= OFFSETS; x++) {
             const double t = pixel * hypot(x, y);
-            const double a = remainder(atan2(-y, x) - at * PI / 180.0,
-                                       2.0 * PI);
-            const double s = fabs(a) * (by_angle ? 180.0 / PI : t);
+            const double a = remainder(atan2(-y, x) - at * M_PI / 180.0,
+                                       2.0 * M_PI);
+            const double s = fabs(a) * (by_angle ? 180.0 / M_PI : t);
             if (t > t0 && t < t0 + 1.0 && s < side)
                 sum += window(t, t0) * sample_at(k, 0, x, y);
         }
@@ -68,16 +66,17 @@ static void edges_send_out_their_light(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_kernel k;
         const int n = rows[i].blades;
-        const double length = 2.0 * radius * sin(PI / n);
+        const double length = 2.0 * radius * sin(M_PI / n);
         // arcs bulge by segments of their circles
-        const double bend = rows[i].fan * PI / 180.0;
+        const double bend = rows[i].fan * M_PI / 180.0;
         const double segment = bend > 0.0
             ? pow(0.5 * length / sin(bend), 2.0) * (bend - 0.5 * sin(2.0 * bend))
             : 0.0;
         const double arc = bend > 0.0 ? length * bend / sin(bend) : length;
-        const double area = 0.5 * n * radius * radius * sin(2.0 * PI / n) +
+        const double area = 0.5 * n * radius * radius * sin(2.0 * M_PI / n) +
                             n * segment;
-        const double edge = arc * 550e-6 / (4.0 * PI * PI * area) * 180.0 / PI;
+        const double edge =
+            arc * 550e-6 / (4.0 * M_PI * M_PI * area) * 180.0 / M_PI;
         whole(rows[i].keys, 12.0, &k);
         for (double t = 2.0; t < 8.0; t += 1.0) {
             double want = 0.0;
