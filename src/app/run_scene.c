@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_SAMPLES = 1 << 26 }; // of a texture
+enum { MOST_TEXELS = 1 << 24 }; // of a texture
 static const double USUAL_RATE = 24.0; // frames a second, without an attribute
 static const double MOST_APART = 0.5;  // pixels between two cameras
 static const double PI = 3.14159265358979323846;
@@ -32,8 +32,8 @@ static gp_status read_alpha(void *user, const struct gp_log *log,
     struct gp_frame f = {0};
     struct gp_plane a = {0};
     gp_status st;
-    if (limits.max_pixels > MOST_SAMPLES)
-        limits.max_pixels = MOST_SAMPLES;
+    if (limits.max_pixels > MOST_TEXELS)
+        limits.max_pixels = MOST_TEXELS;
     GP_TRY(bytes ? gp_members_frame(log, &limits, name, &one, 0, &f)
                  : gp_read_frame(log, &limits, name, &f));
     st = gp_read_plane(NULL, &limits, &f, "A", false, &a);

@@ -195,8 +195,10 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(upload_meshes(log, d));
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
                          sizeof *d->cutout, &d->cutout));
-    for (int i = 0; i < s->cutouts; i++)
-        GP_TRY(gp_cutout_upload(log, gl, &s->cutout[i], &d->cutout[i]));
+    for (int i = 0; i < s->cutouts; i++) {
+        if (s->cutout[i].owner == i)
+            GP_TRY(gp_cutout_upload(log, gl, &s->cutout[i], &d->cutout[i]));
+    }
     GP_TRY(make_programs(log, d));
     GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
                                1, p->w, p->h, &d->picture));
@@ -271,7 +273,8 @@ static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
 {
-    gp_cutout_uniforms(d->s, m, &d->cutout[m->cutout], in->u + in->n);
+    gp_cutout_uniforms(d->s, m, &d->cutout[d->s->cutout[m->cutout].owner],
+                       in->u + in->n);
     in->n += 3;
 }
 

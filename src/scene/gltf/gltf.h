@@ -30,7 +30,8 @@ struct gp_scene_images {
  * hidden nodes (KHR_node_visibility) are placed.
  *
  * Memory: 64 MiB, 32 times the size of the file, 400 bytes for each byte of its
- * JSON.
+ * JSON, and 4 bytes for each texel of its cut-outs: at most 2^24 texels, each
+ * image once; what `images` takes to decode one comes on top.
  *
  * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, a
  * circle of nodes, a number out of its range, an extension that is required

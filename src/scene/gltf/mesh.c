@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Samples of all cut-out textures of a scene. */
-enum { MOST_SAMPLES = 1 << 26 };
+/* Texels of all images of cut-outs of a scene. */
+enum { MOST_TEXELS = 1 << 24 };
 
 // -- materials ----------------------------------------------------------------
 
@@ -20,17 +20,49 @@ static enum gp_wrap wrap_of(int code)
                            : GP_WRAP_REPEAT; // 10497, and without a sampler
 }
 
-/* Reads the texture of a cut-out material into a gp_cutout, or finds the one
- * that was read before: of_texture[] has their numbers, or -1. */
-static gp_status read_cutout(struct gp_gltf *g, int texture,
-    const struct gp_scene_images *images, int *of_texture, long long *samples,
-    struct gp_scene *out)
+/* Reads image `index` into a gp_cutout, or shares that of an earlier one. */
+static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
+    int index, const struct gp_scene_images *images, long long *texels,
+    const struct gp_scene *s, struct gp_cutout *c)
 {
-    struct gp_cutout *const c = &out->cutout[out->cutouts];
-    struct gp_gltf_at at, place;
+    struct gp_gltf_at place;
     struct gp_gltf_span span;
     void *own = NULL;
     char *file = NULL;
+    gp_status st;
+    for (int i = 0; i < s->cutouts; i++) {
+        if (s->cutout[i].image == index) {
+            *c = s->cutout[i];
+            return GP_OK;
+        }
+    }
+    GP_TRY(gp_gltf_image(g, index, &span, &own, &file));
+    gp_gltf_place(g, "image", index, &place);
+    GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
+                         span.at, (size_t) span.bytes, &c->w, &c->h,
+                         &c->alpha));
+    c->image = index;
+    c->owner = s->cutouts;
+    *texels += (long long) c->w * c->h;
+out:
+    gp_free(own);
+    gp_free(file);
+    if (!st && *texels > MOST_TEXELS) {
+        GP_FREE(c->alpha);
+        st = gp_gltf_fail(at, "images of cut-outs of over %d texels together",
+                          (int) MOST_TEXELS);
+    }
+    return st;
+}
+
+/* Reads the texture of a cut-out material into a gp_cutout, or finds the one
+ * that was read before: of_texture[] has their numbers, or -1. */
+static gp_status read_cutout(struct gp_gltf *g, int texture,
+    const struct gp_scene_images *images, int *of_texture, long long *texels,
+    struct gp_scene *out)
+{
+    struct gp_cutout *const c = &out->cutout[out->cutouts];
+    struct gp_gltf_at at;
     int image, sampler, code[2] = {0, 0};
     gp_status st;
     json_t *const o = gp_gltf_item(g, "textures", texture);
@@ -39,16 +71,8 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
     if (image < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"source\", a PNG or JPEG"));
-    GP_TRY(gp_gltf_image(g, image, &span, &own, &file));
-    gp_gltf_place(g, "image", image, &place);
-    GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
-                         span.at, (size_t) span.bytes, &c->w, &c->h,
-                         &c->alpha));
+    GP_TRY(read_image(g, &at, image, images, texels, out, c));
     of_texture[texture] = out->cutouts++;
-    *samples += (long long) c->w * c->h;
-    if (*samples > MOST_SAMPLES)
-        GP_TRY(gp_gltf_fail(&at, "textures of over %d samples together",
-                            (int) MOST_SAMPLES));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
         GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0], NULL));
@@ -57,8 +81,6 @@ static gp_status read_cutout(struct gp_gltf *g, int texture,
     for (int i = 0; i < 2; i++)
         c->wrap[i] = wrap_of(code[i]);
 out:
-    gp_free(own);
-    gp_free(file);
     return st;
 }
 
@@ -106,7 +128,7 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
     const int n = gp_gltf_count(g, "materials");
     const int textures = gp_gltf_count(g, "textures");
     int *of_texture = NULL;
-    long long samples = 0;
+    long long texels = 0;
     bool blends = false, blind = false;
     gp_status st;
     GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
@@ -131,7 +153,7 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         if (texture < 0 || !images)
             continue;
         if (of_texture[texture] < 0)
-            GP_TRY(read_cutout(g, texture, images, of_texture, &samples, out));
+            GP_TRY(read_cutout(g, texture, images, of_texture, &texels, out));
         m->cutout = of_texture[texture];
     }
     if (blends)

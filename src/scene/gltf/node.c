@@ -385,8 +385,10 @@ out:
 
 void gp_scene_free(struct gp_scene *s)
 {
-    for (int i = 0; i < s->cutouts; i++)
-        gp_free(s->cutout[i].alpha);
+    for (int i = 0; i < s->cutouts; i++) {
+        if (s->cutout[i].owner == i)
+            gp_free(s->cutout[i].alpha);
+    }
     for (int i = 0; s->nodes && i < s->nodes->keys; i++) {
         gp_free(s->nodes->key[i].time);
         gp_free(s->nodes->key[i].value);

@@ -441,7 +441,7 @@ static void full_memory_is_one_line_and_keeps_nothing(void **state)
 // -- cut-outs -----------------------------------------------------------------
 
 struct picture {
-    int calls;
+    int calls, wide; // wide: 0 as 2
     char name[256], bytes[8];
     size_t n;
 };
@@ -459,7 +459,7 @@ static gp_status give_alpha(void *user, const struct gp_log *log,
     float *const v = *alpha = aligned_alloc(64, 64);
     for (int i = 0; i < 2; i++)
         v[i] = (float) i;
-    *w = 2;
+    *w = p->wide ? p->wide : 2;
     *h = 1;
     return GP_OK;
 }
@@ -537,6 +537,31 @@ static void alpha_of_vertices_is_a_warning_on_cutouts(void **state)
                          row[i].warns);
         gp_scene_free(&s);
     }
+}
+
+static void an_image_is_read_once_for_all_textures(void **state)
+{
+    struct picture p = {0};
+    struct gp_scene s = {0};
+    const struct gp_scene_images images = {&p, give_alpha};
+    gm_write("'materials': [{'alphaMode': 'MASK', 'pbrMetallicRoughness': {"
+             "'baseColorTexture': {'index': 0}}}, {'alphaMode': 'MASK', "
+             "'pbrMetallicRoughness': {'baseColorTexture': {'index': 1}}}], "
+             "'textures': [{'source': 0, 'sampler': 0}, {'source': 0}], "
+             "'samplers': [{'wrapS': 33071}], 'images': [{'uri': "
+             "'data:image/png;base64,UE5H'}]");
+    assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
+    assert_int_equal(p.calls, 1);
+    assert_int_equal(s.cutouts, 2);
+    assert_ptr_equal(s.cutout[0].alpha, s.cutout[1].alpha);
+    assert_int_equal(s.cutout[1].owner, 0);
+    assert_int_equal(s.cutout[0].wrap[0], GP_WRAP_CLAMP);
+    assert_int_equal(s.cutout[1].wrap[0], GP_WRAP_REPEAT);
+    gp_scene_free(&s);
+    p.wide = (1 << 24) + 1;
+    gp_status st = gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s);
+    assert_int_equal(st, GP_ERR_DATA);
+    assert_non_null(strstr(kept_line, "over 16777216 texels"));
 }
 
 static void cutouts_are_read_once_for_all_materials(void **state)
@@ -642,5 +667,6 @@ SUITE_OF(gltf, make_folder, remove_folder,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
     alpha_of_vertices_is_a_warning_on_cutouts,
-    cutouts_are_read_once_for_all_materials, cutouts_are_moved, cameras_project_and_are_compared,
+    cutouts_are_read_once_for_all_materials,
+    an_image_is_read_once_for_all_textures, cutouts_are_moved, cameras_project_and_are_compared,
          cameras_of_one_name_are_told_apart_by_node)
