@@ -28,6 +28,7 @@
  * over the hemisphere to the digits of its constants; the sum is divided by
  * what the hemisphere holds. */
 enum { BANDS = 20 };
+static const double CORONA = 20.91, CORONA_FAR = 72.37;
 struct spencer {
     double weight[4];
     int channels;
@@ -40,8 +41,8 @@ double gp_spencer_term(int i, double t, double nm)
 {
     const double a = t + 0.02, z = t / 0.02, off = t - 3.0 * nm / 568.0;
     return i == 0   ? 2.61e6 * exp(-z * z)
-           : i == 1 ? 20.91 / (a * a * a)
-           : i == 2 ? 72.37 / (a * a)
+           : i == 1 ? CORONA / (a * a * a)
+           : i == 2 ? CORONA_FAR / (a * a)
                     : 436.9 * 568.0 / nm * exp(-19.75 * off * off);
 }
 
@@ -148,18 +149,6 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     return GP_OK;
 }
 
-/* The ciliary corona, f1 and f2, as needles: section 3.1 has it made of rays of
- * random strength, which the cells of the lens scatter. A pixel's corona at
- * distance t and angle phi is multiplied by
- *
- *   1 + a(t) (mean of m(phi) over what the pixels cover - 1)
- *
- * where m has mean 1 over the circle, so that each circle keeps its light, and
- * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
- * be wide. Light that sums over pixels miss goes to the light's own pixel. */
-enum { CIRCLE = 1 << 14 }; // steps of m
-static const double NEEDLE_END = 5.0, CONTRAST = 0.8;
-
 /* Degrees beyond which there is no halo: that of 780 nm is around 4.1 and falls
  * to 1e-7 of its height by then. */
 static const double HALO_END = 5.0;
@@ -178,49 +167,6 @@ struct night {
     double *all[3];   // the same with the halo; NULL: no halo
     float *add;       // needles, of offsets -rx .. rx, -ry .. ry; NULL: none
 };
-
-/* The sums of m up to each step, of mean 1. */
-static void make_circle(const struct gp_recipe *r, double sum[CIRCLE + 1])
-{
-    const int n = (int) gp_recipe_value(r, "needles");
-    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
-    double total = 0.0;
-    memset(sum, 0, (CIRCLE + 1) * sizeof *sum);
-    for (int i = 0; i < n; i++) {
-        const uint64_t key = 3 * (uint64_t) i;
-        const double at = CIRCLE * gp_model_random(seed, key);
-        // a few are strong, as of an exponential distribution
-        const double strength = -log(1.0 - gp_model_random(seed, key + 1));
-        const double width = CIRCLE * (0.3 + gp_model_random(seed, key + 2)) *
-                             0.35 / fmax(n, 32.0);
-        const int reach = (int) ceil(4.0 * width);
-        for (int k = -reach; k <= reach; k++) {
-            const double z = (floor(at) + k + 0.5 - at) / width;
-            const double v = strength * exp(-0.5 * z * z) / width;
-            const int step = (((int) at + k) % CIRCLE + CIRCLE) % CIRCLE;
-            sum[step + 1] += v;
-            total += v;
-        }
-    }
-    for (int i = 0; i < CIRCLE; i++)
-        sum[i + 1] = sum[i] + (1.0 - CONTRAST) / CIRCLE +
-                     CONTRAST * sum[i + 1] / total;
-}
-
-/* The sum up to a place, in turns, of any number of turns. */
-static double circle_sum(const double sum[CIRCLE + 1], double turns)
-{
-    const double whole = floor(turns), at = (turns - whole) * CIRCLE;
-    const int i = (int) fmin(at, CIRCLE - 1);
-    return whole + sum[i] + (at - i) * (sum[i + 1] - sum[i]);
-}
-
-/* The share of the needles' contrast that is left t degrees from the light. */
-static double needle_fade(double t)
-{
-    const double end = fmin(fmax(2.0 * (1.0 - t / NEEDLE_END), 0.0), 1.0);
-    return end * end * (3.0 - 2.0 * end);
-}
 
 static void night_far(const void *state, int x, int y, int n,
                       double *const out[3])
@@ -270,7 +216,8 @@ static double night_least(const void *state, double pixels)
     // both pixels' corners are nearer to each other
     const double t = fmax((pixels - 2.0) * s->degrees, 0.0);
     const double share = s->least[(int) fmin(t / HALO_END * LEAST, LEAST)];
-    const double gaps = CONTRAST * needle_fade(pixels * s->degrees);
+    // 1 %: needles' integrals
+    const double gaps = 1.01 * GP_NEEDLE_CONTRAST * gp_needle_fade(t);
     return s->add ? fmax(share - gaps, 0.0) : share;
 }
 
@@ -346,84 +293,6 @@ static gp_status make_table(const struct gp_log *log, const struct spencer *e,
     return st;
 }
 
-struct needling {
-    const struct night *s;
-    const double *corona;  // a table of s
-    const double *circle;
-    double a, b, turn;     // degrees of a pixel; turns
-    double *sum;           // that rows add
-};
-
-/* The needles of the pixels y rows above and below the light. */
-static void needle_row(void *ctx, int y, int thread)
-{
-    const struct needling *const m = ctx;
-    const struct night *const s = m->s;
-    const size_t w = 2 * (size_t) s->rx + 1;
-    float *const up = s->add + (size_t) (s->ry - y) * w + s->rx;
-    float *const down = s->add + (size_t) (s->ry + y) * w + s->rx;
-    const double *const corona =
-        m->corona + (size_t) y * ((size_t) s->rx + 1);
-    double sum = 0.0;
-    (void) thread;
-    for (int x = 0; x <= s->rx; x++) {
-        const double u = m->a * x, v = m->b * y, t = hypot(u, v);
-        const double fade = needle_fade(t);
-        if (!(t > 0.0) || fade <= 0.0)
-            continue;
-        // both pixels' widths across the ray, as a box about it
-        const double half = sqrt(0.5) * hypot(m->a * v, m->b * u) / t / t;
-        const double turns = fmin(half / (2.0 * M_PI), 0.5);
-        const double angle = atan2(v, u) / (2.0 * M_PI);
-        for (int k = 0; k < 4; k++) { // counter-clockwise, y is down
-            const bool left = k == 1 || k == 2, low = k >= 2;
-            if ((left && x == 0) || (low && y == 0))
-                continue;
-            const double at = (left ? 0.5 - (low ? -angle : angle)
-                                    : low ? -angle : angle) - m->turn;
-            const double mean = (circle_sum(m->circle, at + turns) -
-                                 circle_sum(m->circle, at - turns)) /
-                                (2.0 * turns);
-            float *const to = (low ? down : up) + (left ? -x : x);
-            *to = (float) (corona[x] * fade * (mean - 1.0));
-            sum += (double) *to;
-        }
-    }
-    m->sum[y] = sum;
-}
-
-/* Makes needles of the corona, s->add. */
-static gp_status add_needles(const struct gp_log *log,
-    const struct gp_recipe *r, const struct spencer *eye,
-    const struct gp_field *f, struct night *s)
-{
-    gp_status st;
-    struct spencer even = *eye;
-    double *circle = NULL, *corona[3] = {NULL}, *sum = NULL, rest = 0.0;
-    const size_t w = 2 * (size_t) s->rx + 1, h = 2 * (size_t) s->ry + 1;
-    even.weight[0] = even.weight[3] = 0.0;
-    even.channels = 1;
-    GP_TRY(gp_alloc_zero(log, "kernel", w * h, sizeof *s->add, &s->add));
-    GP_TRY(gp_alloc(log, "kernel", CIRCLE + 1, sizeof *circle, &circle));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) s->ry + 1, sizeof *sum, &sum));
-    GP_TRY(make_table(log, &even, 0.0, f, s, corona));
-    make_circle(r, circle);
-    struct needling m = {
-        .s = s, .corona = corona[0], .circle = circle, .sum = sum,
-        .a = f->degrees * f->aspect, .b = f->degrees,
-        .turn = f->rotate / 360.0,
-    };
-    gp_parallel_do(s->ry + 1, needle_row, &m);
-    for (int y = 0; y <= s->ry; y++)
-        rest += sum[y];
-    s->add[(size_t) s->ry * w + (size_t) s->rx] = (float) -rest;
-out:
-    gp_free(circle);
-    gp_free(corona[0]);
-    gp_free(sum);
-    return st;
-}
-
 /* The eye with its halo, of s->channels 3, and with needles. */
 static gp_status open_night(const struct gp_log *log,
     const struct gp_recipe *r, const struct spencer *s,
@@ -433,7 +302,7 @@ static gp_status open_night(const struct gp_log *log,
     struct night *n;
     double *even[3];
     struct spencer eye = *s;
-    const double far = fmax(HALO_END, NEEDLE_END);
+    const double far = fmax(HALO_END, GP_NEEDLE_END);
     eye.channels = 1;
     st = gp_alloc_zero(log, "kernel", 1, sizeof *n, &n);
     if (st)
@@ -448,8 +317,13 @@ static gp_status open_night(const struct gp_log *log,
     n->even = even[0];
     if (s->channels == 3)
         GP_TRY(make_table(log, s, HALO_END, f, n, n->all));
-    if (gp_recipe_value(r, "needles") >= 1.0)
-        GP_TRY(add_needles(log, r, s, f, n));
+    if (gp_recipe_value(r, "needles") >= 1.0) {
+        const struct gp_needles corona = {
+            .f1 = s->factor * s->weight[1] * CORONA,
+            .f2 = s->factor * s->weight[2] * CORONA_FAR,
+        };
+        GP_TRY(gp_needles_make(log, r, &corona, f, n->rx, n->ry, &n->add));
+    }
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
         .far_grey = true, .far_even = true, .least = night_least,

@@ -160,7 +160,68 @@ static void every_model_is_one(void **state)
     }
 }
 
+/* The luminance of a pixel of a shape. */
+static double light_at(const struct gp_shape *s, int x, int y)
+{
+    double v[3];
+    double *const out[3] = {&v[0], &v[1], &v[2]};
+    s->row(s->state, x, y, 1, out);
+    return luminance(out, s->grey);
+}
+
+/* A lamp of one pixel lights each pixel as the same lamp in parts x parts
+ * smaller pixels lights theirs: needles too, in all pixels and in those farther
+ * than 3 from it. */
+static void needles_are_integrated_over_pixels(void **state)
+{
+    enum { FAR = 12 };
+    static const struct {
+        double degrees, aspect;
+        int parts;
+    } rows[] = {{1.0 / 18.0, 1.0, 2}, {1.0 / 18.0, 1.0, 4}, {0.2, 1.0, 2},
+                {1.0 / 18.0, 2.0, 2}, {1.0 / 18.0, 0.5, 2}};
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const int parts = rows[i].parts;
+        const struct gp_field wide =
+            scene_field(64, 64, rows[i].degrees, rows[i].aspect);
+        const struct gp_field fine = scene_field(64 * parts, 64 * parts,
+            rows[i].degrees / parts, rows[i].aspect);
+        struct gp_recipe r = scene_recipe("builtin:eye-night");
+        struct gp_shape s, p;
+        double off[2] = {0}, norm[2] = {0};
+        assert_ok(r.model->open(NULL, &r, &wide, &s));
+        assert_ok(r.model->open(NULL, &r, &fine, &p));
+        for (int at = 0; at < (2 * FAR + 1) * (2 * FAR + 1); at++) {
+            const int x = at % (2 * FAR + 1) - FAR;
+            const int y = at / (2 * FAR + 1) - FAR;
+            const double want = light_at(&s, x, y);
+            double sum = 0.0;
+            for (int v = 1 - parts; v < parts; v++) {
+                for (int u = 1 - parts; u < parts; u++)
+                    sum += light_at(&p, x * parts + u, y * parts + v) *
+                           (1.0 - fabs((double) u / parts)) *
+                           (1.0 - fabs((double) v / parts));
+            }
+            for (int k = 0; k <= (hypot(x, y) > 3.0); k++) {
+                off[k] += (sum - want) * (sum - want);
+                norm[k] += want * want;
+            }
+        }
+        for (int k = 0; k < 2; k++) {
+            if (!(sqrt(off[k] / norm[k]) < 1e-3))
+                fail_msg("%g degrees, aspect %g, %d parts, %s: %.3g apart",
+                         rows[i].degrees, rows[i].aspect, parts,
+                         k ? "far" : "all", sqrt(off[k] / norm[k]));
+        }
+        s.free(s.state);
+        p.free(p.state);
+        gp_recipe_free(&r);
+    }
+}
+
 SUITE_OF(model_pixels, NULL, NULL,
     every_model_is_one,
     light_is_kept_at_any_angle,
-    pixels_grow_to_a_point)
+    pixels_grow_to_a_point,
+    needles_are_integrated_over_pixels)
