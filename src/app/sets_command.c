@@ -96,16 +96,16 @@ static void print_table(const struct gp_settings *s,
            "fragments, speed");
     for (int i = 0; i < GP_TABLE_ROWS; i++) {
         const struct gp_table_row *const r = &t->row[i];
-        char fragments[24] = "-", part[24] = "-";
+        char fragments[24] = "-", ratio[24] = "-";
         if (r->fragments >= 0) {
             snprintf(fragments, sizeof fragments, "%lld", r->fragments);
-            snprintf(part, sizeof part, "%.3f", (double) r->fragments /
+            snprintf(ratio, sizeof ratio, "%.3f", (double) r->fragments /
                      fmax((double) first->fragments, 1.0));
         }
         printf("%-12s %7d %7d %6d %7d %10s %8.2f  %.3f %s %.2f%s\n",
                gp_table_names[i], r->visible, r->drawn.batches, r->drawn.lights,
                r->drawn.passes, fragments, r->ms, (double) r->drawn.batches /
-               fmax(first->drawn.batches, 1.0), part, first->ms / r->ms,
+               fmax(first->drawn.batches, 1.0), ratio, first->ms / r->ms,
                r->same ? "" : "  another picture");
     }
 }

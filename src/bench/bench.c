@@ -13,7 +13,7 @@
 #include <strings.h>
 
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
-static const double PART_MS = 10e3; // a tenth over this is made a hundredth
+static const double THIN_MS = 10e3; // a tenth over this is made a hundredth
 static const double ROW_MS = 15e3;  // no further run is started after this
 
 /* A frame, and the exact layer that its rows are compared with. */
@@ -68,10 +68,10 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
     const struct gp_sources *src, int nth, struct gp_frame *out)
 {
     const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
-    struct gp_frame part = {.data = f->data, .display = f->display};
-    memcpy(part.luminance, f->luminance, sizeof part.luminance);
-    memcpy(part.chromaticities, f->chromaticities, sizeof part.chromaticities);
-    gp_status st = gp_planes_make(log, "part of the frame", n, &part.rgb);
+    struct gp_frame thin = {.data = f->data, .display = f->display};
+    memcpy(thin.luminance, f->luminance, sizeof thin.luminance);
+    memcpy(thin.chromaticities, f->chromaticities, sizeof thin.chromaticities);
+    gp_status st = gp_planes_make(log, "part of the frame", n, &thin.rgb);
     if (st)
         return st;
     // Rows of blocks start 3 blocks further than the one before, 37 for
@@ -81,7 +81,7 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
     while (src->n > 0 && src->row[first + 1] == 0)
         first++;
     for (int c = 0; c < 3; c++) {
-        float *const to = part.rgb.c[c];
+        float *const to = thin.rgb.c[c];
         const float *const from = f->rgb.c[c];
         memset(to, 0, n * sizeof *to);
         for (size_t at = 0; at < n && nth > 0;) {
@@ -96,23 +96,23 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
             to[at] = from[at];
         }
     }
-    *out = part;
+    *out = thin;
     return GP_OK;
 }
 
-/* Runs a part of the sources twice, and only one source twice. */
+/* Runs some of the sources twice, and only one source twice. */
 static gp_status run_thinned(struct trial *t, int nth)
 {
     gp_status st;
     struct gp_bench_row *const row = t->row;
     const struct bench *const b = t->b;
-    struct gp_frame part = {0}, single = {0};
+    struct gp_frame thin = {0}, single = {0};
     struct run first, warm, least;
-    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, nth, &part));
+    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, nth, &thin));
     GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, 0, &single));
     GP_TRY(run_once(t, &single, &first)); // makes the state
     GP_TRY(run_once(t, &single, &least));
-    GP_TRY(run_once(t, &part, &warm));
+    GP_TRY(run_once(t, &thin, &warm));
     row->share = (double) warm.sources / (double) b->src.n;
     if (warm.sources == 0)
         goto out;
@@ -126,12 +126,12 @@ static gp_status run_thinned(struct trial *t, int nth)
     row->polygons = (double) row->stats.polygons / row->share;
     row->polygon_pixels = row->stats.polygon_pixels / row->share;
 out:
-    gp_frame_free(&part);
+    gp_frame_free(&thin);
     gp_frame_free(&single);
     return st;
 }
 
-/* Whole runs, or a part when those would take too long. */
+/* Whole runs, or thinned ones when those would take too long. */
 static gp_status time_row(struct trial *t)
 {
     const struct bench *const b = t->b;
@@ -146,7 +146,7 @@ static gp_status time_row(struct trial *t)
                                 ? 0.0 : t->engine->predict(&req, NULL).ms;
     gp_status st = GP_OK;
     if (expected > LONG_MS)
-        st = run_thinned(t, expected > 10.0 * PART_MS ? 100 : 10);
+        st = run_thinned(t, expected > 10.0 * THIN_MS ? 100 : 10);
     if (st || (row->extrapolated && row->ms > LONG_MS)) {
         // the whole frame's bound, where the engine has one without a run
         row->bound = NAN;

@@ -234,12 +234,12 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
                          const struct gp_shader_file *file, GLuint *out)
 {
     const struct gp_shader_file *common = find_file("common.glsl");
-    const char *const parts[] = {"#version 450 core\n", defines,
+    const char *const texts[] = {"#version 450 core\n", defines,
                                  common ? common->text : "", "\n#line 1\n",
                                  file->text};
     GLuint shader = gl->f.CreateShader(kind);
     GLint compiled = 0;
-    gl->f.ShaderSource(shader, 5, parts, NULL);
+    gl->f.ShaderSource(shader, 5, texts, NULL);
     gl->f.CompileShader(shader);
     gl->f.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (!compiled) {

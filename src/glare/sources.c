@@ -196,29 +196,29 @@ gp_status gp_sources_split(const struct gp_log *log,
                            struct gp_sources *hottest, struct gp_sources *rest)
 {
     gp_status st;
-    struct gp_sources part[2] = {{0}};
+    struct gp_sources split[2] = {{0}};
     size_t n = 0; // of the hot ones
     for (size_t i = 0; i < src->n; i++)
         n += gp_maxf(src->rgb[0][i],
                      gp_maxf(src->rgb[1][i], src->rgb[2][i])) >= hot;
-    GP_TRY(gp_sources_make(log, src, src->n - n, &part[0]));
-    GP_TRY(gp_sources_make(log, src, n, &part[1]));
+    GP_TRY(gp_sources_make(log, src, src->n - n, &split[0]));
+    GP_TRY(gp_sources_make(log, src, n, &split[1]));
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
             const float rgb[3] = {src->rgb[0][i], src->rgb[1][i],
                                   src->rgb[2][i]};
-            gp_sources_add(&part[largest_channel(rgb) >= hot], src->x[i], y,
+            gp_sources_add(&split[largest_channel(rgb) >= hot], src->x[i], y,
                            rgb);
         }
     }
-    gp_sources_finish(&part[0]);
-    gp_sources_finish(&part[1]);
-    *rest = part[0];
-    *hottest = part[1];
-    memset(part, 0, sizeof part);
+    gp_sources_finish(&split[0]);
+    gp_sources_finish(&split[1]);
+    *rest = split[0];
+    *hottest = split[1];
+    memset(split, 0, sizeof split);
 out:
-    gp_sources_free(&part[0]);
-    gp_sources_free(&part[1]);
+    gp_sources_free(&split[0]);
+    gp_sources_free(&split[1]);
     return st;
 }
 

@@ -7,7 +7,7 @@ enum { MOST_INDICES = 4096 };
 
 /* Returns point i of those that hold an object, in its mesh's space. */
 static struct gp_v3 point_of(const struct gp_scene *s, const struct gp_mesh *m,
-                             const struct gp_part *p, int i, bool corners)
+                             const struct gp_submesh *p, int i, bool corners)
 {
     return corners ? gp_box_corner(&m->box, i)
                    : gp_scene_vertex(s, s->index[p->first + i]);
@@ -20,12 +20,12 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
     struct gp_v3 c = {0.0, 0.0, 0.0};
     double most = 0.0; // squared
     int indices = 0;
-    for (int k = m->first; k < m->first + m->parts; k++)
-        indices += s->part[k].count;
+    for (int k = m->first; k < m->first + m->submeshes; k++)
+        indices += s->submesh[k].count;
     const bool corners = indices > MOST_INDICES;
     for (int pass = 0; pass < 2; pass++) { // the box, then the sphere
-        for (int k = m->first; k < m->first + m->parts; k++) {
-            const struct gp_part *const p = &s->part[k];
+        for (int k = m->first; k < m->first + m->submeshes; k++) {
+            const struct gp_submesh *const p = &s->submesh[k];
             const int n = corners ? 8 : p->count;
             for (int i = 0; i < n; i++) {
                 const struct gp_v3 at =

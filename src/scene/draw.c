@@ -9,7 +9,7 @@
 
 enum { TEXELS = 2 }; // of a vertex, as scene.vert reads them
 
-/* Vertices of a part, or of all opaque parts of a mesh. */
+/* Vertices of a submesh, or of all opaque submeshes of a mesh. */
 struct run {
     int first, count;
 };
@@ -21,7 +21,7 @@ struct gp_drawing {
     struct gp_drawing_params p;
     struct gp_box whole;       // holds every object
     struct gp_buffer vertices;
-    struct run *part;          // a part of the scene
+    struct run *submesh;       // a submesh of the scene
     struct run *opaque;        // a mesh of it; count 0: none
     struct gp_texture *cutout; // alpha, of each of the scene's
     struct gp_program ambient[2], flat[2], cube[2]; // [1]: with holes
@@ -37,12 +37,12 @@ enum { SPOT_IN_CUBE = 3 };
 
 // -- geometry -----------------------------------------------------------------
 
-/* Writes the vertices of a part, each with its triangle's normal. */
-static void write_part(const struct gp_scene *s, const struct gp_part *part,
-                       float *to)
+/* Writes the vertices of a submesh, each with its triangle's normal. */
+static void write_submesh(const struct gp_scene *s,
+                          const struct gp_submesh *submesh, float *to)
 {
-    for (int t = 0; t < part->count; t += 3) {
-        const uint32_t *const v = &s->index[part->first + t];
+    for (int t = 0; t < submesh->count; t += 3) {
+        const uint32_t *const v = &s->index[submesh->first + t];
         const struct gp_v3 a = gp_scene_vertex(s, v[0]);
         const struct gp_v3 n = gp_v3_unit(gp_v3_cross(
             gp_v3_sub(gp_scene_vertex(s, v[1]), a),
@@ -58,7 +58,7 @@ static void write_part(const struct gp_scene *s, const struct gp_part *part,
     }
 }
 
-/* Uploads a mesh after another, its opaque parts first: they are one shadow
+/* Uploads a mesh after another, its opaque submeshes first: they are one shadow
  * batch. */
 static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
 {
@@ -67,15 +67,15 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
     float *list = NULL;
     long long n = 0;
     int at = 0;
-    for (int i = 0; i < s->parts; i++)
-        n += s->part[i].count;
+    for (int i = 0; i < s->submeshes; i++)
+        n += s->submesh[i].count;
     const int limit = gp_gl_info(d->gl)->max_texel_buffer;
     if (n > limit / TEXELS)
         return gp_fail_bare(log, GP_ERR_GL, "%s: %lld triangles do not fit into "
                             "the memory of %s (the limit is %d)", s->path,
                             n / 3, gp_gl_info(d->gl)->name, limit / TEXELS / 3);
-    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->parts + 1, sizeof *d->part,
-                         &d->part));
+    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->submeshes + 1,
+                         sizeof *d->submesh, &d->submesh));
     GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->meshes + 1,
                          sizeof *d->opaque, &d->opaque));
     GP_TRY(gp_alloc(log, "vertices", (size_t) n * 4 * TEXELS + 1, sizeof *list,
@@ -84,14 +84,15 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
         const struct gp_mesh *const mesh = &s->mesh[m];
         d->opaque[m].first = at;
         for (int holes = 0; holes < 2; holes++) {
-            for (int i = mesh->first; i < mesh->first + mesh->parts; i++) {
-                const struct gp_part *const part = &s->part[i];
-                const struct gp_material *const of = &s->material[part->material];
+            for (int i = mesh->first; i < mesh->first + mesh->submeshes; i++) {
+                const struct gp_submesh *const submesh = &s->submesh[i];
+                const struct gp_material *const of =
+                    &s->material[submesh->material];
                 if (gp_material_cut(of) != holes || gp_material_gone(of))
                     continue;
-                d->part[i] = (struct run) {at, part->count};
-                write_part(s, part, list + (size_t) at * 4 * TEXELS);
-                at += part->count;
+                d->submesh[i] = (struct run) {at, submesh->count};
+                write_submesh(s, submesh, list + (size_t) at * 4 * TEXELS);
+                at += submesh->count;
             }
             if (!holes)
                 d->opaque[m].count = at - d->opaque[m].first;
@@ -228,7 +229,7 @@ void gp_drawing_close(struct gp_drawing **drawing)
     gp_target_free(d->gl, &d->square);
     gp_target_free(d->gl, &d->atlas);
     gp_buffer_free(d->gl, &d->vertices);
-    gp_free(d->part);
+    gp_free(d->submesh);
     gp_free(d->opaque);
     gp_free(d->cutout);
     GP_FREE(*drawing);
@@ -319,12 +320,12 @@ gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
         double m[16];
         gp_matrix_mul(o->to_world, d->to_clip, m);
-        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
+        for (int k = mesh->first; k < mesh->first + mesh->submeshes; k++) {
             const struct gp_material *const of =
-                &s->material[s->part[k].material];
+                &s->material[s->submesh[k].material];
             const bool holes = gp_material_cut(of);
             struct inputs in = {0};
-            if (!d->part[k].count)
+            if (!d->submesh[k].count)
                 continue;
             begin(d, &in);
             add_matrix(&in, "to_clip", m);
@@ -338,7 +339,7 @@ gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
                 .program = &d->ambient[holes], .target = &d->picture,
                 .cut = {0, 0, d->p.w, d->p.h}, .depth = GP_DEPTH_WRITE,
             };
-            GP_TRY(draw_run(log, d, d->part[k], &in, draw));
+            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
         }
     }
     st = gp_gl_check(log, d->gl, "drawing the ambient pass");
@@ -403,12 +404,12 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
         if (!d->p.separate)
             GP_TRY(draw_shadow(log, d, map, o, faces, d->opaque[o->mesh],
                                NULL));
-        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
+        for (int k = mesh->first; k < mesh->first + mesh->submeshes; k++) {
             const struct gp_material *const of =
-                &s->material[s->part[k].material];
+                &s->material[s->submesh[k].material];
             const bool holes = gp_material_cut(of);
             if (holes || d->p.separate)
-                GP_TRY(draw_shadow(log, d, map, o, faces, d->part[k],
+                GP_TRY(draw_shadow(log, d, map, o, faces, d->submesh[k],
                                    holes ? of : NULL));
         }
     }
@@ -496,16 +497,16 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
         add_light(d, l, map, &in);
         add_surface(d, o, map, &in);
         const int common = in.n;
-        for (int k = mesh->first; k < mesh->first + mesh->parts; k++) {
-            const float *const base = s->material[s->part[k].material].base;
-            if (!d->part[k].count)
+        for (int k = mesh->first; k < mesh->first + mesh->submeshes; k++) {
+            const float *const base = s->material[s->submesh[k].material].base;
+            if (!d->submesh[k].count)
                 continue;
             in.n = common;
             add_floats(&in, "tint", 4, (const double[4]) {
                 scale * of->color[0] * (double) base[0],
                 scale * of->color[1] * (double) base[1],
                 scale * of->color[2] * (double) base[2], 0.0});
-            GP_TRY(draw_run(log, d, d->part[k], &in, draw));
+            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
         }
     }
     st = gp_gl_check(log, d->gl, "drawing a light");

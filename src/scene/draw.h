@@ -16,8 +16,8 @@ struct gp_drawing_params {
     double light_scale; // the picture's units a cd or lux
     double ambient;     // light that comes back from white, everywhere
     int map;            // side of a map's square, texels, >= 8
-    bool separate;      // a shadow batch for each part; else one for all opaque
-                        // parts of an object (15.2.2)
+    bool separate;      // a shadow batch for each submesh; else one for all
+                        // opaque ones of an object (15.2.2)
 };
 #define GP_DRAWING_DEFAULTS                                                   \
     { .w = 960, .h = 540, .near = 0.1, .light_scale = 1.0 / 683.0,            \

@@ -191,14 +191,14 @@ static gp_status draw_occluders(struct drawing *d, const int *object,
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &d->scene->object[object[i]];
         const struct gp_mesh *const m = &d->scene->mesh[o->mesh];
-        for (int k = m->first; k < m->first + m->parts; k++) {
-            const struct gp_part *const part = &d->scene->part[k];
+        for (int k = m->first; k < m->first + m->submeshes; k++) {
+            const struct gp_submesh *const submesh = &d->scene->submesh[k];
             const struct gp_material *const of =
-                &d->scene->material[part->material];
+                &d->scene->material[submesh->material];
             if (gp_material_gone(of))
                 continue;
-            for (int t = 0; t < part->count; t += 3)
-                GP_TRY(add_triangle(d, o, d->scene->index + part->first + t,
+            for (int t = 0; t < submesh->count; t += 3)
+                GP_TRY(add_triangle(d, o, d->scene->index + submesh->first + t,
                                     of));
         }
     }
@@ -253,8 +253,8 @@ static long long triangles_of(const struct gp_scene *s, const int *object,
     long long n = 0;
     for (int i = 0; i < objects; i++) {
         const struct gp_mesh *const m = &s->mesh[s->object[object[i]].mesh];
-        for (int k = m->first; k < m->first + m->parts; k++)
-            n += s->part[k].count / 3;
+        for (int k = m->first; k < m->first + m->submeshes; k++)
+            n += s->submesh[k].count / 3;
     }
     return n;
 }

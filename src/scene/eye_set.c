@@ -180,11 +180,11 @@ bool gp_eye_hidden(const struct gp_scene *s, const struct gp_eye_disc *d,
         const struct gp_mesh *const m = &s->mesh[o->mesh];
         if (!sphere_covers(d, o->centre, o->radius))
             continue;
-        for (int k = m->first; k < m->first + m->parts; k++) {
-            const struct gp_part *const part = &s->part[k];
-            const bool opaque = !(s->material[part->material].cutoff > 0.0f);
-            const uint32_t *const index = s->index + part->first;
-            for (int t = 0; opaque && t < part->count; t += 3) {
+        for (int k = m->first; k < m->first + m->submeshes; k++) {
+            const struct gp_submesh *const submesh = &s->submesh[k];
+            const bool opaque = !(s->material[submesh->material].cutoff > 0.0f);
+            const uint32_t *const index = s->index + submesh->first;
+            for (int t = 0; opaque && t < submesh->count; t += 3) {
                 struct gp_v3 p[3];
                 for (int v = 0; v < 3; v++)
                     p[v] = gp_v3_sub(

@@ -77,19 +77,19 @@ static int list_triangles(const struct gp_scene *s, const struct gp_mesh *m,
                           struct triangle *out)
 {
     int n = 0;
-    for (int k = m->first; k < m->first + m->parts; k++) {
-        const struct gp_part *const part = &s->part[k];
-        for (int i = part->first; out && i < part->first + part->count;
+    for (int k = m->first; k < m->first + m->submeshes; k++) {
+        const struct gp_submesh *const submesh = &s->submesh[k];
+        for (int i = submesh->first; out && i < submesh->first + submesh->count;
              i += 3) {
-            struct triangle *const t = &out[n + (i - part->first) / 3];
+            struct triangle *const t = &out[n + (i - submesh->first) / 3];
             t->index = i;
-            t->material = part->material;
+            t->material = submesh->material;
             for (int v = 0; v < 3; v++)
                 memcpy(t->at + 3 * v,
                        s->position + 3 * (size_t) s->index[i + v],
                        3 * sizeof *t->at);
         }
-        n += part->count / 3;
+        n += submesh->count / 3;
     }
     return n;
 }

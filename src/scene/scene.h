@@ -85,14 +85,14 @@ static inline bool gp_material_gone(const struct gp_material *m)
 
 /* Triangles of one material: a batch. Three vertices each, in the order of
  * `index`, counter-clockwise from the front. */
-struct gp_part {
+struct gp_submesh {
     int first, count;  // of gp_scene.index; count is a multiple of 3
     int material;
 };
 
-/* A mesh in its own space; parts [first, first + parts). */
+/* A mesh in its own space; submeshes [first, first + submeshes). */
 struct gp_mesh {
-    int first, parts;
+    int first, submeshes;
     struct gp_box box;
     char name[GP_SCENE_NAME];
 };
@@ -156,8 +156,8 @@ struct gp_scene {
     float *uv;             // 2 a vertex; 0 where the file has none
     uint32_t *index;       // of vertices; 3 a triangle
     int vertices, indices;
-    struct gp_part *part;
-    int parts;
+    struct gp_submesh *submesh;
+    int submeshes;
     struct gp_mesh *mesh;
     int meshes;
     struct gp_material *material; // the last one is glTF's default

@@ -328,13 +328,13 @@ struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)
     return sets->scissor;
 }
 
-/* Returns the batches of a mesh; merged, its opaque parts are one. */
+/* Returns the batches of a mesh; merged, its opaque submeshes are one. */
 static int batches_of(const struct gp_scene *s, const struct gp_mesh *m,
                       bool merged)
 {
     int n = 0, opaque = 0;
-    for (int k = m->first; k < m->first + m->parts; k++) {
-        const bool is_opaque = gp_part_opaque(s, &s->part[k]);
+    for (int k = m->first; k < m->first + m->submeshes; k++) {
+        const bool is_opaque = gp_submesh_opaque(s, &s->submesh[k]);
         opaque += is_opaque;
         n += !is_opaque;
     }

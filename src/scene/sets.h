@@ -78,9 +78,9 @@ struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
 /* Returns the part of that scissor in which an object of V can show a point. */
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
 
-/* Returns how many batches draw a set once: the parts of its meshes (15.2.2).
- * `merged`: shadow batches, the opaque parts of an object in one. A frame has
- * those of V, and for each light those of S and of I. */
+/* Returns how many batches draw a set once: the submeshes of its meshes
+ * (15.2.2). `merged`: shadow batches, the opaque submeshes of an object in one.
+ * A frame has those of V, and for each light those of S and of I. */
 int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged);
 
 /* Returns boxes of the world that hold every visible point of the scissor that

@@ -1,4 +1,4 @@
-/* O'Rorke's Table 15-1 for a scene: the paper's renderer with one part of
+/* O'Rorke's Table 15-1 for a scene: the paper's renderer with one test of
  * visibility after another. Every row draws the same picture. */
 #ifndef GP_SCENE_TABLE_H
 #define GP_SCENE_TABLE_H
@@ -25,8 +25,8 @@ struct gp_table_row {
     double cpu_ms;       // the least of the runs, of all threads
     int visible;         // objects of V
     int lit, casters;    // of I and of S, summed over the lights
-    int batches[2];      // of V, I and S by their parts; [1]: opaque parts of a
-                         // caster in one
+    int batches[2];      // of V, I and S by their submeshes; [1]: opaque ones
+                         // of a caster in one
     bool same;           // its picture has the bytes of the first row's
 };
 

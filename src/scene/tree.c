@@ -179,38 +179,38 @@ static void set_bound(const struct builder *b, struct gp_tree_node *node, int k,
     }
 }
 
-/* Makes node i of its range: splits the largest part until there are four. Each
- * part that is no leaf becomes a node. A node of five items or more has three
- * for each node at most: there are at most n / 3 + 1. */
+/* Makes node i of its range: splits the largest range until there are four.
+ * Each range that is no leaf becomes a node. A node of five items or more has
+ * three for each node at most: there are at most n / 3 + 1. */
 static void make_node(struct builder *b, int i)
 {
     struct gp_tree_node *const node = &b->tree->node[i];
-    struct range part[4] = {b->wait[i]};
-    int parts = 1;
-    while (parts < 4) {
+    struct range of[4] = {b->wait[i]};
+    int ranges = 1;
+    while (ranges < 4) {
         int most = 0;
-        for (int k = 1; k < parts; k++)
-            most = part[k].count > part[most].count ? k : most;
-        if (part[most].count <= GP_TREE_LEAF)
+        for (int k = 1; k < ranges; k++)
+            most = of[k].count > of[most].count ? k : most;
+        if (of[most].count <= GP_TREE_LEAF)
             break;
         struct range two[2];
-        split_range(b, part[most], two);
-        part[most] = two[0];
-        part[parts++] = two[1];
+        split_range(b, of[most], two);
+        of[most] = two[0];
+        of[ranges++] = two[1];
     }
     for (int k = 0; k < 4; k++) {
         struct gp_tree_box box = empty_box;
-        if (k >= parts) {
+        if (k >= ranges) {
             set_bound(b, node, k, &box);
             node->first[k] = node->count[k] = 0;
             continue;
         }
-        box = box_of(b, part[k]);
+        box = box_of(b, of[k]);
         set_bound(b, node, k, &box);
-        node->first[k] = part[k].first;
-        node->count[k] = part[k].count;
-        if (part[k].count > GP_TREE_LEAF) {
-            b->wait[b->nodes] = part[k];
+        node->first[k] = of[k].first;
+        node->count[k] = of[k].count;
+        if (of[k].count > GP_TREE_LEAF) {
+            b->wait[b->nodes] = of[k];
             node->first[k] = b->nodes++;
             node->count[k] = 0;
         }

@@ -11,7 +11,7 @@
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 
-bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p)
+bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p)
 {
     const struct gp_material *const m = &s->material[p->material];
     return !gp_material_cut(m) && !gp_material_gone(m);
@@ -143,21 +143,21 @@ static bool convex(const struct gp_body *b, double near,
 bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
 {
     const struct gp_mesh *const m = &s->mesh[mesh];
-    const struct gp_part *const end = s->part + m->first + m->parts;
+    const struct gp_submesh *const end = s->submesh + m->first + m->submeshes;
     struct gp_half plane[GP_BODY_FACES];
     const double size = gp_v3_length(gp_v3_sub(m->box.hi, m->box.lo));
     const double near = ON * size;
     int triangles = 0;
     memset(out, 0, sizeof *out);
-    for (const struct gp_part *p = s->part + m->first; p < end; p++) {
+    for (const struct gp_submesh *p = s->submesh + m->first; p < end; p++) {
         triangles += p->count / 3;
-        if (!gp_part_opaque(s, p) || triangles > 4 * GP_BODY_POINTS)
+        if (!gp_submesh_opaque(s, p) || triangles > 4 * GP_BODY_POINTS)
             return false;
     }
     if (triangles == 0 || !(size > 0.0))
         return false;
     for (int pass = 0; pass < 2; pass++) { // points, then faces and edges
-        for (const struct gp_part *p = s->part + m->first; p < end; p++) {
+        for (const struct gp_submesh *p = s->submesh + m->first; p < end; p++) {
             for (int i = p->first; i < p->first + p->count; i += 3) {
                 int v[3];
                 for (int k = 0; k < 3; k++)

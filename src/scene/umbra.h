@@ -20,8 +20,8 @@ struct gp_body {
     int points, faces, edges;
 };
 
-/* True where no light passes through a part of a mesh. */
-bool gp_part_opaque(const struct gp_scene *s, const struct gp_part *p);
+/* True where no light passes through a submesh. */
+bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p);
 
 /* The umbra of a body: behind its front faces and within the planes through
  * the light and the edges of its silhouette. */

@@ -288,9 +288,9 @@ static void find_areas(struct gp_flare_look *l)
         double sum = 0.0, thin = 0.0;
         for (int i = 0; i < l->n; i++) { // trapezia: linear between
             const double t = i / l->per_t, v = (double) l->table[3 * i + c];
-            const double part = (i ? 1.0 : 0.5) / l->per_t;
-            sum += (rays ? v : v * t) * part;
-            thin += v * fmax(1.0 - t / l->reach, 0.0) * part;
+            const double weight = (i ? 1.0 : 0.5) / l->per_t;
+            sum += (rays ? v : v * t) * weight;
+            thin += v * fmax(1.0 - t / l->reach, 0.0) * weight;
         }
         across = 0.0;
         for (int i = 0; i < l->rays; i++)
@@ -387,8 +387,8 @@ static float fit_edges(const struct gp_flare_look *l, float t, float m)
     return t;
 }
 
-/* The larger part of a unit vector along (x, y). */
-static float larger_part(float x, float y)
+/* The larger component of a unit vector along (x, y). */
+static float larger_component(float x, float y)
 {
     return gp_maxf(fabsf(x), fabsf(y)) / gp_maxf(sqrtf(x * x + y * y), 1e-20f);
 }
@@ -400,10 +400,10 @@ static void look_up(const struct gp_flare_look *l, float at, float v,
     if (!(at < (float) l->n) || !(v > 0.0f))
         return;
     const int i = (int) at;
-    const float part = at - (float) i;
+    const float rest = at - (float) i;
     const float *const k = l->table + 3 * i;
     for (int c = 0; c < 3; c++)
-        out[c] += v * (k[c] + part * (k[c + 3] - k[c]));
+        out[c] += v * (k[c] + rest * (k[c + 3] - k[c]));
 }
 
 /* Value of the element at a pixel of its own axes: the reference of all forms,
@@ -422,7 +422,7 @@ static void value_at(const struct gp_flare_look *l,
             y = l->side[k][1];
         }
         if (l->flat) { // its two ramps may meet
-            const float m = larger_part(x * c + y * s, y * c - x * s);
+            const float m = larger_component(x * c + y * s, y * c - x * s);
             const float v = direction_of(l, u, y), rho = t * (float) l->radius;
             for (int b = 0; b < 3; b++)
                 out[b] += v * (gp_clamp01(0.5f + (l->outer[b] - rho) / m) -
@@ -432,7 +432,7 @@ static void value_at(const struct gp_flare_look *l,
             return;
         }
         if (l->edges)
-            t = fit_edges(l, t, larger_part(x * c + y * s, y * c - x * s));
+            t = fit_edges(l, t, larger_component(x * c + y * s, y * c - x * s));
         look_up(l, t * per_t, direction_of(l, u, y), out);
     }
     for (int i = 0; i < l->rays; i++) {

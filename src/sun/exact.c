@@ -327,21 +327,21 @@ static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
     return r;
 }
 
-int gp_sun_parts(const struct gp_occluders *o, int margin,
-                 struct gp_rect part[GP_SUN_PARTS])
+int gp_sun_rects(const struct gp_occluders *o, int margin,
+                 struct gp_rect rect[GP_SUN_RECTS])
 {
     const struct gp_rect depth = known_rect(o->depth, o->frame, margin);
     const struct gp_rect mask = known_rect(o->mask, o->frame, margin);
     const struct gp_rect both = gp_rect_meet(mask, depth);
     const bool apart = gp_rect_empty(both);
     // the mask's window without that of the depth: parts may be empty
-    part[0] = depth;
-    part[1] = apart ? mask
+    rect[0] = depth;
+    rect[1] = apart ? mask
                     : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0};
-    part[2] = (struct gp_rect) {mask.x0, both.y0, both.x0, both.y1};
-    part[3] = (struct gp_rect) {both.x1, both.y0, mask.x1, both.y1};
-    part[4] = (struct gp_rect) {mask.x0, both.y1, mask.x1, mask.y1};
-    return apart ? 2 : GP_SUN_PARTS;
+    rect[2] = (struct gp_rect) {mask.x0, both.y0, both.x0, both.y1};
+    rect[3] = (struct gp_rect) {both.x1, both.y0, mask.x1, both.y1};
+    rect[4] = (struct gp_rect) {mask.x0, both.y1, mask.x1, mask.y1};
+    return apart ? 2 : GP_SUN_RECTS;
 }
 
 static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
@@ -354,8 +354,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
 {
     // only pixels in a plane's window are visited: a display window may be
     // larger than any plane by any factor
-    struct gp_rect part[GP_SUN_PARTS];
-    const int parts = gp_sun_parts(o, 0, part);
+    struct gp_rect rect[GP_SUN_RECTS];
+    const int rects = gp_sun_rects(o, 0, rect);
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         l->visibility = 0.0;
@@ -368,11 +368,11 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
         const double frame = area_in(l, r, o->frame);
         struct sums s = {0};
         double known_area = 0.0;
-        for (int k = 0; k < parts; k++) {
-            const struct sums of = sum_rect(o, l, r, part[k]);
+        for (int k = 0; k < rects; k++) {
+            const struct sums of = sum_rect(o, l, r, rect[k]);
             s.area += of.area;
             s.shown += of.shown;
-            known_area += area_in(l, r, part[k]);
+            known_area += area_in(l, r, rect[k]);
         }
         // two closed forms of one area differ only by rounding: no light
         // shines through that

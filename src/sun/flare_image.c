@@ -78,11 +78,11 @@ struct run {
 
 static struct run cut(const struct run *r, int first, int end)
 {
-    struct run part = *r;
-    part.from += first;
-    part.n = end - first;
-    part.out += first;
-    return part;
+    struct run clipped = *r;
+    clipped.from += first;
+    clipped.n = end - first;
+    clipped.out += first;
+    return clipped;
 }
 
 static float texel(const struct gp_flare_image *m, int c, int x, int y)
@@ -153,10 +153,10 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *q,
     const int end = m->w - 1 - tx < r->n ? m->w - 1 - tx : r->n;
     for (int i = 0; i < r->n; i++) {
         if (inside && i >= first && i < end) {
-            const struct run part = cut(r, i, end);
+            const struct run clipped = cut(r, i, end);
             const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
                 (size_t) (tx + i);
-            add_taps(&part, at, at + m->w, s, t);
+            add_taps(&clipped, at, at + m->w, s, t);
             i = end - 1;
             continue;
         }

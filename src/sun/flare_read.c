@@ -275,9 +275,9 @@ static gp_status add_element(const struct gp_json_place *p,
     GP_TRY(gp_resize(p->log, "flare elements", (size_t) (f->n + copies) *
                      sizeof *f->element, &block));
     f->element = block;
-    double parts = 0.0; // of the light, in 0.5 to 1.5 each
+    double weights = 0.0; // of the light, in 0.5 to 1.5 each
     for (int i = 0; i < copies; i++)
-        parts += 0.5 + gp_flare_random(e->seed, 3 * i + 2);
+        weights += 0.5 + gp_flare_random(e->seed, 3 * i + 2);
     for (int i = 0; i < copies; i++) {
         struct gp_flare_element *const to = &f->element[f->n];
         *to = *e;
@@ -291,9 +291,10 @@ static gp_status add_element(const struct gp_json_place *p,
         // each is of half to all of the size, and has its share of the light
         to->at += e->spread * (2.0 * gp_flare_random(e->seed, 3 * i) - 1.0);
         to->size *= 0.5 + 0.5 * gp_flare_random(e->seed, 3 * i + 1);
-        const double part = (0.5 + gp_flare_random(e->seed, 3 * i + 2)) / parts;
+        const double share =
+            (0.5 + gp_flare_random(e->seed, 3 * i + 2)) / weights;
         for (int c = 0; c < 3; c++)
-            to->colour[c] = (float) ((double) e->colour[c] * part);
+            to->colour[c] = (float) ((double) e->colour[c] * share);
     }
 out:
     gp_free(e->only);

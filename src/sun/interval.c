@@ -120,8 +120,8 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n)
 {
     // pixels beside the planes' windows and their edges are clear
-    struct gp_rect part[GP_SUN_PARTS];
-    const int parts = gp_sun_parts(o, 1, part);
+    struct gp_rect rect[GP_SUN_RECTS];
+    const int rects = gp_sun_rects(o, 1, rect);
     const struct gp_rect f = o->frame;
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
@@ -136,8 +136,8 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
         v.radius = fmin(fmax(l->radius, 1e-3), 1e9); // as gp_sun_exact()
         const double disc = M_PI * v.radius * v.radius;
         if (!l->behind) {
-            for (int k = 0; k < parts; k++)
-                add_rect(&v, part[k], &s);
+            for (int k = 0; k < rects; k++)
+                add_rect(&v, rect[k], &s);
             const double clear =
                 gp_disc_rect_area(l->x, l->y, v.radius, f.x0, f.y0, f.x1,
                                   f.y1) - s.area;

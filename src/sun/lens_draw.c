@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum {
-    PART_ROWS = 256, // of pixels, drawn by one thread
+    STRIP_ROWS = 256, // of pixels, drawn by one thread
     CHUNK = 64,      // ghosts of lights in memory at once
 };
 
@@ -202,12 +202,12 @@ static gp_status trace_item(void *ctx, int i, int thread)
 
 // -- drawing ------------------------------------------------------------------
 
-/* Draws all items of the chunk into the rows of one part of the frame. */
-static gp_status draw_rows(void *ctx, int part, int thread)
+/* Draws all items of the chunk into the rows of one strip of the frame. */
+static gp_status draw_rows(void *ctx, int strip, int thread)
 {
     struct drawing *const d = ctx;
     struct gp_lens_rays *rays;
-    const int last = (gp_rect_h(d->view->frame) - 1) / PART_ROWS;
+    const int last = (gp_rect_h(d->view->frame) - 1) / STRIP_ROWS;
     const gp_status st = gp_lens_rays_make(&rays);
     (void) thread;
     for (int i = 0; i < d->items && !st; i++) {
@@ -215,10 +215,10 @@ static gp_status draw_rows(void *ctx, int part, int thread)
         if (it->level < 0)
             continue;
         const struct gp_lens_steps *const a = &d->level[it->level];
-        // the first and the last part have the margin too
-        const int top = part == 0 ? 0 : part * PART_ROWS / a->step + 1;
-        const int end = part == last ? a->h
-                                     : (part + 1) * PART_ROWS / a->step + 1;
+        // the first and the last strip have the margin too
+        const int top = strip == 0 ? 0 : strip * STRIP_ROWS / a->step + 1;
+        const int end = strip == last ? a->h
+                                     : (strip + 1) * STRIP_ROWS / a->step + 1;
         if (it->y1 / a->step + 1.0 >= top && it->y0 / a->step + 1.0 <= end)
             gp_lens_item_draw(it, d->band, a, top, end, rays);
     }
@@ -242,12 +242,13 @@ static gp_status make_accumulators(struct drawing *d)
 /* Traces and draws the items of a chunk, and adds up their figures. */
 static gp_status run_chunk(struct drawing *d, struct gp_lens_stats *stats)
 {
-    const int parts = (gp_rect_h(d->view->frame) + PART_ROWS - 1) / PART_ROWS;
+    const int strips =
+        (gp_rect_h(d->view->frame) + STRIP_ROWS - 1) / STRIP_ROWS;
     gp_status st = gp_parallel(d->items, trace_item, d, NULL);
     if (!st)
         st = make_accumulators(d);
     if (!st)
-        st = gp_parallel(parts, draw_rows, d, NULL);
+        st = gp_parallel(strips, draw_rows, d, NULL);
     for (int i = 0; i < d->items; i++) {
         struct gp_lens_item *const it = &d->item[i];
         if (!st && it->mesh.cells) {

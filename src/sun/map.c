@@ -265,8 +265,8 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
     for (int i = 0; i < n; i++) {
         const double shown = (double) rgba[4 * i];
         const double weight = (double) rgba[4 * i + 1];
-        const double part = weight > 0.0 ? shown / weight : 0.0;
-        light[i].visibility = part < 1.0 ? part : 1.0;
+        const double share = weight > 0.0 ? shown / weight : 0.0;
+        light[i].visibility = share < 1.0 ? share : 1.0;
     }
     return gp_gl_check(log, gl, "sun map");
 }

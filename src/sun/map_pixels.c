@@ -210,18 +210,18 @@ static void write_box(const struct gp_occluders *o, struct gp_rect box,
     int slot_x, int slot_y, int y0, int y1, int w, float *band)
 {
     const int down = slot_y - box.y0; // a row of the frame, plus this
-    struct gp_rect part = box;
-    part.y0 = y0 - down > box.y0 ? y0 - down : box.y0;
-    part.y1 = y1 - down < box.y1 ? y1 - down : box.y1;
-    if (gp_rect_empty(part))
+    struct gp_rect cut = box;
+    cut.y0 = y0 - down > box.y0 ? y0 - down : box.y0;
+    cut.y1 = y1 - down < box.y1 ? y1 - down : box.y1;
+    if (gp_rect_empty(cut))
         return;
     struct box_rows b = {
-        .o = o, .box = part, .stride = 4 * (size_t) w,
-        .to = band + (size_t) (part.y0 + down - y0) * 4 * (size_t) w +
+        .o = o, .box = cut, .stride = 4 * (size_t) w,
+        .to = band + (size_t) (cut.y0 + down - y0) * 4 * (size_t) w +
               2 * slot_x,
     };
-    const int h = gp_rect_h(part);
-    if ((long long) h * gp_rect_w(part) >= ALONE) {
+    const int h = gp_rect_h(cut);
+    if ((long long) h * gp_rect_w(cut) >= ALONE) {
         gp_parallel_do(h, write_row, &b);
         return;
     }

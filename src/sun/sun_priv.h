@@ -53,9 +53,9 @@ struct gp_rect gp_disc_box(double x, double y, double r, struct gp_rect rect);
 /* Divides the pixels of the frame in which a plane has samples, and `margin` (0
  * or 1) more on each side, into rectangles that do not overlap; some may be
  * empty. Returns how many. */
-enum { GP_SUN_PARTS = 5 };
-int gp_sun_parts(const struct gp_occluders *o, int margin,
-                 struct gp_rect part[GP_SUN_PARTS]);
+enum { GP_SUN_RECTS = 5 };
+int gp_sun_rects(const struct gp_occluders *o, int margin,
+                 struct gp_rect rect[GP_SUN_RECTS]);
 
 // -- lights in pixels of the frame, and the pixels under them (map_pixels.c) -
 

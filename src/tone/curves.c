@@ -81,13 +81,13 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
     const float per_white = 1.0f / white;
     for (size_t i = 0; i < n; i++) {
         float r0 = positive(r[i]), g0 = positive(g[i]), b0 = positive(b[i]);
-        float y = luminance(r0, g0, b0), part = gp_minf(y * per_white, 1.0f);
+        float y = luminance(r0, g0, b0), ratio = gp_minf(y * per_white, 1.0f);
         float open = 1.0f / (1.0f + y);
-        float under = gp_maxf((white - y) * per_white, 0.0f); // 1 - part
-        float rest = under * (1.0f + part) * open;
-        r0 = (r0 + part * gp_minf(r0 * per_white, GP_LIGHT_MAX)) * open;
-        g0 = (g0 + part * gp_minf(g0 * per_white, GP_LIGHT_MAX)) * open;
-        b0 = (b0 + part * gp_minf(b0 * per_white, GP_LIGHT_MAX)) * open;
+        float under = gp_maxf((white - y) * per_white, 0.0f); // 1 - ratio
+        float rest = under * (1.0f + ratio) * open;
+        r0 = (r0 + ratio * gp_minf(r0 * per_white, GP_LIGHT_MAX)) * open;
+        g0 = (g0 + ratio * gp_minf(g0 * per_white, GP_LIGHT_MAX)) * open;
+        b0 = (b0 + ratio * gp_minf(b0 * per_white, GP_LIGHT_MAX)) * open;
         fit(r0, g0, b0, rest, &r[i], &g[i], &b[i]);
     }
 }

@@ -29,8 +29,8 @@ static void check_scene(const struct gp_scene *s)
         if (s->index[i] >= (uint32_t) s->vertices)
             abort();
     }
-    for (int i = 0; i < s->parts; i++) {
-        const struct gp_part *const p = &s->part[i];
+    for (int i = 0; i < s->submeshes; i++) {
+        const struct gp_submesh *const p = &s->submesh[i];
         if (p->first < 0 || p->count % 3 || p->first + p->count > s->indices ||
             p->material < 0 || p->material >= s->materials)
             abort();

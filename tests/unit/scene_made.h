@@ -79,8 +79,9 @@ static inline void made_free(struct gp_scene *s)
     for (int i = 0; i < s->cutouts; i++)
         gp_free(s->cutout[i].alpha);
     void *const blocks[] = {
-        s->position, s->uv, s->index, s->part, s->mesh, s->material, s->cutout,
-        s->object, s->light, s->camera, (void *) (uintptr_t) s->path,
+        s->position, s->uv, s->index, s->submesh, s->mesh, s->material,
+        s->cutout, s->object, s->light, s->camera,
+        (void *) (uintptr_t) s->path,
     };
     for (size_t i = 0; i < COUNT(blocks); i++)
         gp_free(blocks[i]);
@@ -141,19 +142,20 @@ static inline void made_quad(struct gp_scene *s, int a, int b, int c, int d)
 static inline int made_part(struct gp_scene *s, int first, int material,
                             bool more)
 {
-    MADE_GROW(s->part, s->parts);
-    s->part[s->parts] = (struct gp_part) {first, s->indices - first, material};
+    MADE_GROW(s->submesh, s->submeshes);
+    s->submesh[s->submeshes] =
+        (struct gp_submesh) {first, s->indices - first, material};
     if (!more) {
         MADE_GROW(s->mesh, s->meshes);
         s->mesh[s->meshes++] = (struct gp_mesh) {
-            .first = s->parts, .name = "made",
+            .first = s->submeshes, .name = "made",
             .box = {{INFINITY, INFINITY, INFINITY},
                     {-INFINITY, -INFINITY, -INFINITY}},
         };
     }
-    s->parts++;
+    s->submeshes++;
     struct gp_mesh *const m = &s->mesh[s->meshes - 1];
-    m->parts++;
+    m->submeshes++;
     for (int i = first; i < s->indices; i++) {
         const float *const p = &s->position[3 * s->index[i]];
         const double x = (double) p[0], y = (double) p[1], z = (double) p[2];
@@ -262,8 +264,8 @@ static inline void made_bounds(const struct gp_scene *s, struct gp_object *o)
     struct gp_box b = {{INFINITY, INFINITY, INFINITY},
                        {-INFINITY, -INFINITY, -INFINITY}};
     for (int pass = 0; pass < 2; pass++) {
-        for (int k = m->first; k < m->first + m->parts; k++) {
-            const int first = s->part[k].first, n = s->part[k].count;
+        for (int k = m->first; k < m->first + m->submeshes; k++) {
+            const int first = s->submesh[k].first, n = s->submesh[k].count;
             for (int i = first; i < first + n; i++) {
                 const struct gp_v3 p = made_corner(s, o, i);
                 b.lo = (struct gp_v3) {fmin(b.lo.x, p.x), fmin(b.lo.y, p.y),
@@ -503,13 +505,13 @@ static inline struct gp_scene made_example(void)
     for (int i = 0; i < 8; i++)
         room[i] = made_open_box(&s, 0, 63u & ~faces[i]);
     // one mesh of eight parts: the parts are in order in the array
-    s.mesh[room[0]].parts = 8;
+    s.mesh[room[0]].submeshes = 8;
     s.meshes = room[0] + 1;
     for (int i = 0; i < 3; i++) {
         const int body = made_box(&s, 0);
-        const int first = s.part[s.mesh[body].first].first;
-        s.part[s.mesh[body].first].count = 18; // half of the faces
-        s.mesh[body].parts = 1;
+        const int first = s.submesh[s.mesh[body].first].first;
+        s.submesh[s.mesh[body].first].count = 18; // half of the faces
+        s.mesh[body].submeshes = 1;
         made_part(&s, first + 18, 0, true);
         made_put(&s, body, (struct gp_v3) {i - 1.0, 1.5 - i, 1},
                  (struct gp_v3) {0.5, 0.5, 1}, 20.0 * i);

@@ -13,8 +13,9 @@ struct ray_hit {
 
 /* True where a part is opaque at barycentric (u, v) of the triangle at index
  * i. */
-static inline bool ray_opaque(const struct gp_scene *s, const struct gp_part *p,
-                              int i, double u, double v)
+static inline bool ray_opaque(const struct gp_scene *s,
+                              const struct gp_submesh *p, int i, double u,
+                              double v)
 {
     const struct gp_material *const m = &s->material[p->material];
     if (m->cutout < 0 || !(m->cutoff > 0.0f))
@@ -45,8 +46,8 @@ static inline double ray_object(const struct gp_scene *s,
         return INFINITY;
     double first = INFINITY;
     const struct gp_mesh *const m = &s->mesh[o->mesh];
-    for (int k = m->first; k < m->first + m->parts; k++) {
-        const struct gp_part *const p = &s->part[k];
+    for (int k = m->first; k < m->first + m->submeshes; k++) {
+        const struct gp_submesh *const p = &s->submesh[k];
         for (int i = p->first; i < p->first + p->count; i += 3) {
             const struct gp_v3 a = made_corner(s, o, i),
                                b = gp_v3_sub(made_corner(s, o, i + 1), a),

@@ -302,8 +302,8 @@ gp_status gp_bound_rings_make(const struct gp_log *log,
 {
     gp_status st = GP_OK;
     struct gp_bound_rings r = {0};
-    const struct gp_rect part = gp_bound_crop(k, w, h);
-    r.n = gp_rect_empty(part) ? 0 : gp_max(w, h) + 1;
+    const struct gp_rect crop = gp_bound_crop(k, w, h);
+    r.n = gp_rect_empty(crop) ? 0 : gp_max(w, h) + 1;
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc_zero(log, "bound", (size_t) r.n + 1, sizeof(double),
                              &r.beyond[c]));
@@ -313,15 +313,15 @@ gp_status gp_bound_rings_make(const struct gp_log *log,
             r.slope[c] = r.slope[0];
             continue;
         }
-        for (int y = part.y0; y < part.y1; y++) {
-            for (int x = part.x0; x < part.x1; x++)
+        for (int y = crop.y0; y < crop.y1; y++) {
+            for (int x = crop.x0; x < crop.x1; x++)
                 beyond[gp_max(abs(x - k->cx), abs(y - k->cy))] +=
                     (double) gp_bound_sample(k, tail, c, x, y);
         }
         for (int i = r.n - 1; i >= 0; i--)
             beyond[i] += beyond[i + 1];
-        for (int y = part.y0 - 1; r.n && y < part.y1; y++) {
-            for (int x = part.x0 - 1; x < part.x1; x++) {
+        for (int y = crop.y0 - 1; r.n && y < crop.y1; y++) {
+            for (int x = crop.x0 - 1; x < crop.x1; x++) {
                 const double s = (double) gp_bound_sample(k, tail, c, x, y);
                 r.slope[c] +=
                     fabs((double) gp_bound_sample(k, tail, c, x + 1, y) - s) +

@@ -75,7 +75,7 @@ gp_status gp_power_make(const struct gp_log *log,
 {
     const struct gp_fftwf *lib;
     const struct gp_rect crop = gp_bound_crop(kernel, w - 1 + pad, h - 1 + pad);
-    const struct reaching part = {.k = kernel, .tail = tail, .crop = crop};
+    const struct reaching reach = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
     struct gp_fft_matrix in = {0}, spectrum = {0};
     const struct gp_fft_request req = {log, &p.x, &p.y, 0, p.channels};
@@ -103,7 +103,7 @@ gp_status gp_power_make(const struct gp_log *log,
             place[y] = y;
         GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, rows, &in));
         GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, p.ny, &spectrum));
-        GP_TRY(gp_fft_rows_in(&req, rows, load_kernel, &part, &in));
+        GP_TRY(gp_fft_rows_in(&req, rows, load_kernel, &reach, &in));
         // the matrix holds twice the spectrum
         GP_TRY(gp_fft_columns(&req, &in, rows, place, 0.5f, &spectrum));
     }

@@ -422,8 +422,8 @@ static double bound_of(const struct gp_glare_request *req,
                        const struct gp_fft_split *split, double least)
 {
     const size_t n = req->src->n;
-    const int parts = (split->core.x >= 0) + (split->hot_count > 0);
-    double sum = parts ? parts * gp_direct_bound(req->kernel, n) : 0.0;
+    const int direct = (split->core.x >= 0) + (split->hot_count > 0);
+    double sum = direct ? direct * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
         sum += gp_fft_bound(req->src, req->kernel, least, p);
     return sum;
@@ -510,10 +510,10 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     gp_status st = place_and_split(req, state, &p, &split);
     if (st)
         return st;
-    const int parts = (split.core.x >= 0) + (split.hot_count > 0);
+    const int direct = (split.core.x >= 0) + (split.hot_count > 0);
     *out = (struct gp_pixel_error) {
         .share = req->kernel->negative ? INFINITY
-                 : parts ? parts * gp_direct_bound(req->kernel, n) : 0.0,
+                 : direct ? direct * gp_direct_bound(req->kernel, n) : 0.0,
     };
     const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)

@@ -65,22 +65,22 @@ static void dilate(const uint64_t *light, int words, struct gp_fft_run run,
             to = 64 * i + highest(light[i]) + run.to;
             continue;
         }
-        uint64_t part[3] = {light[i]};
+        uint64_t bits[3] = {light[i]};
         for (int n = 1, s; n < length; n += s) {
             s = gp_min(n, length - n);
-            part[1] |= part[1] << s | part[0] >> (64 - s);
-            part[0] |= part[0] << s;
+            bits[1] |= bits[1] << s | bits[0] >> (64 - s);
+            bits[0] |= bits[0] << s;
         }
         const int at = 64 * i + run.from, shift = at & 63;
         const int word = (at - shift) / 64;
         if (shift) {
-            part[2] = part[1] >> (64 - shift);
-            part[1] = part[1] << shift | part[0] >> (64 - shift);
-            part[0] <<= shift;
+            bits[2] = bits[1] >> (64 - shift);
+            bits[1] = bits[1] << shift | bits[0] >> (64 - shift);
+            bits[0] <<= shift;
         }
         for (int j = 0; j < 3; j++) {
             if (word + j >= first && word + j < end)
-                out[word + j] |= part[j];
+                out[word + j] |= bits[j];
         }
     }
     set_bits(out, first, end, from, to);

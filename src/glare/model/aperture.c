@@ -64,18 +64,18 @@ void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
         const double curl = 0.9 * (gp_model_random(seed, key + 3) - 0.5);
         const double thick = 0.012 + 0.012 * gp_model_random(seed, key + 4);
         double x = 1.05 * from, y = -1.1 + 0.25 * from * from;
-        for (int i = 0; i < GP_LASH_PARTS; i++) {
-            struct gp_stain *const s = &out[k * GP_LASH_PARTS + i];
-            const double at = (double) i / GP_LASH_PARTS;
+        for (int i = 0; i < GP_LASH_STAINS; i++) {
+            struct gp_stain *const s = &out[k * GP_LASH_STAINS + i];
+            const double at = (double) i / GP_LASH_STAINS;
             const double angle = lean + curl * at;
-            const double end[2] = {x + length / GP_LASH_PARTS * sin(angle),
-                                   y + length / GP_LASH_PARTS * cos(angle)};
+            const double end[2] = {x + length / GP_LASH_STAINS * sin(angle),
+                                   y + length / GP_LASH_STAINS * cos(angle)};
             const double px[2] = {x, end[0]}, py[2] = {y, end[1]};
             for (int e = 0; e < 2; e++) {
                 s->x[e] = radius * (cosine * px[e] + sine * py[e]);
                 s->y[e] = radius * (cosine * py[e] - sine * px[e]);
                 s->radius[e] = radius * thick *
-                               (1.0 - (at + (double) e / GP_LASH_PARTS));
+                               (1.0 - (at + (double) e / GP_LASH_STAINS));
             }
             s->hides = 1.0;
             x = end[0];
@@ -159,7 +159,7 @@ struct iris {
     double path[GP_ZERNIKE_LAST + 1]; // nm rms, by Noll's number
     const struct gp_frame *mask;
     int stains;
-    struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_PARTS];
+    struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_STAINS];
 };
 
 /* The share of a square of side 1 beyond a straight edge: `inside` is how far
@@ -219,17 +219,17 @@ static double mask_share(const struct gp_frame *m, double x, double y,
 {
     const double w = gp_frame_w(m), h = gp_frame_h(m);
     const double scale = 0.5 * fmax(w, h);
-    const int parts = (int) fmin(ceil(2.0 * cell * scale), 8.0);
+    const int points = (int) fmin(ceil(2.0 * cell * scale), 8.0);
     const double inside =
         fmin(fmax(0.5 + (0.5 * w / scale - fabs(x)) / cell, 0.0), 1.0) *
         fmin(fmax(0.5 + (0.5 * h / scale - fabs(y)) / cell, 0.0), 1.0);
     double sum = 0.0;
     if (!(inside > 0.0))
         return 0.0;
-    for (int i = 0; i < parts * parts; i++) {
-        const double u = (x + cell * ((i % parts + 0.5) / parts - 0.5)) *
+    for (int i = 0; i < points * points; i++) {
+        const double u = (x + cell * ((i % points + 0.5) / points - 0.5)) *
                          scale + 0.5 * w - 0.5;
-        const double v = (y + cell * ((i / parts + 0.5) / parts - 0.5)) *
+        const double v = (y + cell * ((i / points + 0.5) / points - 0.5)) *
                          scale + 0.5 * h - 0.5;
         const int ix = (int) floor(u), iy = (int) floor(v);
         const double a = u - ix, b = v - iy;
@@ -238,7 +238,7 @@ static double mask_share(const struct gp_frame *m, double x, double y,
                b * ((1.0 - a) * mask_pixel(m, ix, iy + 1) +
                     a * mask_pixel(m, ix + 1, iy + 1));
     }
-    return inside * sum / (parts * parts);
+    return inside * sum / (points * points);
 }
 
 static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
@@ -429,7 +429,7 @@ static gp_status open_aperture(const struct gp_log *log,
     const int lashes = (int) (LASHES * gp_recipe_value(r, "lashes"));
     gp_stain_lashes(lashes, s->radius, s->turn, seed + 2,
                     s->stain + s->stains);
-    s->stains += lashes * GP_LASH_PARTS;
+    s->stains += lashes * GP_LASH_STAINS;
     double steep = 0.0;
     for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++) {
         s->path[j] = 550.0 * gp_recipe_value(r, aberrations[j]);

@@ -133,9 +133,9 @@ GP_CLONES static void add_lags(float w, const float *restrict from, int n,
         to[i] += w * from[i];
 }
 
-/* Sums lags u of one part of A into lane `lane` of `t`, [v][lane], for all v:
+/* Sums lags u of one plane of A into lane `lane` of `t`, [v][lane], for all v:
  * those of negative u are conjugate. */
-static void sum_column(const struct summing *s, const float *part, float sign,
+static void sum_column(const struct summing *s, const float *plane, float sign,
                        int k, float *sums, float *t)
 {
     const struct gp_lags *const a = s->a;
@@ -147,7 +147,7 @@ static void sum_column(const struct summing *s, const float *part, float sign,
         for (int i = 0; i < row->n; i++) {
             const int u = row->first + i;
             add_lags(s->x->weight[row->at + (size_t) i],
-                     part + (size_t) abs(u) * a->pitch, width,
+                     plane + (size_t) abs(u) * a->pitch, width,
                      u < 0 ? minus : plus);
         }
     }
@@ -155,7 +155,7 @@ static void sum_column(const struct summing *s, const float *part, float sign,
         t[v * LANES] = plus[v] + sign * minus[width - 1 - v];
 }
 
-/* Sums lags v of one part for all rows y of LANES columns. */
+/* Sums lags v of one plane for all rows y of LANES columns. */
 GP_CLONES static void sum_rows(const struct summing *s, const float *t,
                                int block, float *const to[3])
 {
@@ -190,16 +190,16 @@ static void sum_block(void *ctx, int block, int thread)
     const int lanes = gp_min(LANES, columns - x0);
     float *const sums = s->room + (size_t) thread * s->columns;
     float *const t = sums + 2 * s->a->pitch;
-    for (int part = 0; part < (s->a->im ? 2 : 1); part++) {
+    for (int plane = 0; plane < (s->a->im ? 2 : 1); plane++) {
         for (int l = 0; l < LANES; l++) {
             if (l < lanes)
-                sum_column(s, part ? s->a->im : s->a->re, part ? -1.0f : 1.0f,
+                sum_column(s, plane ? s->a->im : s->a->re, plane ? -1.0f : 1.0f,
                            x0 + l, sums, t + l);
             else
                 for (int v = 0; v <= 2 * s->a->n; v++)
                     t[v * LANES + l] = 0.0f;
         }
-        sum_rows(s, t, block, part ? s->s->im : s->s->re);
+        sum_rows(s, t, block, plane ? s->s->im : s->s->re);
     }
 }
 
@@ -442,29 +442,29 @@ out:
     return st;
 }
 
-/* Pixels that hold `reach` in few of their own are cut into parts, which are
- * then put together: light of a part is even over it too. */
+/* Pixels that hold `reach` in few of their own are cut into slices, which are
+ * then put together: light of a slice is even over it too. */
 enum { LEAST_REACH = 16 };
 
-static void parts_row(const void *state, int x, int y, int n,
-                      double *const out[3])
+static void joined_row(const void *state, int x, int y, int n,
+                       double *const out[3])
 {
     gp_deposit_row(state, 3, x, y, n, out);
 }
 
-static void parts_free(void *state)
+static void joined_free(void *state)
 {
     gp_deposit_free(state);
     gp_free(state);
 }
 
-/* Puts samples of parts together, parts[i] to a pixel along axis i. */
-static gp_status join_parts(const struct gp_log *log, const struct samples *k,
-    const int parts[2], const struct gp_field *f, struct gp_shape *out)
+/* Puts samples of slices together, slices[i] to a pixel along axis i. */
+static gp_status join_slices(const struct gp_log *log, const struct samples *k,
+    const int slices[2], const struct gp_field *f, struct gp_shape *out)
 {
     struct gp_deposit *d;
-    const int r[2] = {(k->r[0] - 1) / parts[0] + 1,
-                      (k->r[1] - 1) / parts[1] + 1};
+    const int r[2] = {(k->r[0] - 1) / slices[0] + 1,
+                      (k->r[1] - 1) / slices[1] + 1};
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *d, &d);
     if (!st)
         st = gp_deposit_make(log, gp_min(r[0], f->w - 1),
@@ -481,12 +481,12 @@ static gp_status join_parts(const struct gp_log *log, const struct samples *k,
             double light[3];
             for (int c = 0; c < 3; c++)
                 light[c] = (double) k->k.c[k->channels == 3 ? c : 0][at];
-            gp_deposit_add(d, (double) x / parts[0], (double) y / parts[1],
+            gp_deposit_add(d, (double) x / slices[0], (double) y / slices[1],
                            light);
         }
     }
     *out = (struct gp_shape) {
-        .state = d, .free = parts_free, .row = parts_row, .smooth = INFINITY,
+        .state = d, .free = joined_free, .row = joined_row, .smooth = INFINITY,
         .reach = gp_max(d->rx, d->ry), .rows = d->ry,
     };
     return GP_OK;
@@ -497,7 +497,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
 {
     double pixel[2] = {f->degrees * f->aspect, f->degrees};
     const int size[2] = {f->w, f->h};
-    int period[2], parts[2];
+    int period[2], slices[2];
     struct gp_pupil p = {0};
     struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
     struct gp_transform t[2] = {{0}, {0}};
@@ -513,10 +513,10 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
     k->channels = s.channels;
     for (int i = 0; i < 2; i++) {
-        parts[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
-        pixel[i] /= parts[i];
+        slices[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
+        pixel[i] /= slices[i];
         k->r[i] = (int) fmin(ceil(reach / pixel[i]),
-                             parts[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
+                             slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
         period[i] = gp_fft_length(gp_max(3 * k->r[i] + 1, 64));
     }
     const size_t cells = (size_t) p.n * (size_t) p.n;
@@ -539,8 +539,8 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
     GP_TRY(finish(log, &s, t, pixel, reach, f->luminance, k));
-    if (parts[0] > 1 || parts[1] > 1) {
-        st = join_parts(log, k, parts, f, out);
+    if (slices[0] > 1 || slices[1] > 1) {
+        st = join_slices(log, k, slices, f, out);
         goto out;
     }
     struct gp_shape shape = {

@@ -165,16 +165,16 @@ static void add_taking_over(const struct joined *s, int x, int y, int n,
             continue;
         const double at = direction(s, x + i, y);
         const int k = (int) at, next = (k + 1) % TURN;
-        const double part = spikes_share(&s->spikes, t);
+        const double spiked = spikes_share(&s->spikes, t);
         double spike[3] = {0};
-        if (part > 0.0)
+        if (spiked > 0.0)
             spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
                       s->pixel[1] * y, channels, spike);
         for (int c = 0; c < channels; c++) {
-            const double a = s->light[k][c] - part * s->spread[k][c];
-            const double b = s->light[next][c] - part * s->spread[next][c];
+            const double a = s->light[k][c] - spiked * s->spread[k][c];
+            const double b = s->light[next][c] - spiked * s->spread[next][c];
             out[c][i] += share * (strip[i] * (a + (at - k) * (b - a)) +
-                                  part * s->spikes.strength[c] * spike[c]);
+                                  spiked * s->spikes.strength[c] * spike[c]);
         }
     }
 }

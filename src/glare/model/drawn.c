@@ -135,16 +135,16 @@ const struct gp_model gp_model_moffat = {
 // -- discs and rings ----------------------------------------------------------
 
 /* Curves of the distance by channel, for shapes with edges. A pixel is
- * integrated by parts on which its curve bends little; where those would be
+ * integrated by slices on which its curve bends little; where those would be
  * many, the shape is shared out to pixels by its rings. */
 struct radial {
     struct gp_field f;
-    int parts;        // of a pixel, in x and in y
+    int slices;       // of a pixel, in x and in y
     int n;            // steps
     double step;      // degrees; the curve is 0 from n * step on
     double *curve[3]; // n + 2 each, owned
     bool grey;
-    struct gp_deposit rings; // of pixels too wide for parts
+    struct gp_deposit rings; // of pixels too wide for slices
 };
 
 static void free_radial(void *state)
@@ -197,19 +197,19 @@ static void radial_row(const void *state, int x, int y, int n,
     const double end = r->n * r->step + a + b;
     double node[MOST], weight[MOST];
     int nodes = 0;
-    if (r->parts == 1) {
+    if (r->slices == 1) {
         const struct gp_gauss *const g = gp_tent_rule(4);
         for (; nodes < g->n; nodes++) {
             node[nodes] = g->node[nodes];
             weight[nodes] = g->weight[nodes];
         }
-    } else { // parts of (-1, 1), `parts` to each half
+    } else { // slices of (-1, 1), `slices` to each half
         const struct gp_gauss *const g = gp_gauss_rule(3);
-        for (; nodes < 2 * r->parts * g->n; nodes++) {
+        for (; nodes < 2 * r->slices * g->n; nodes++) {
             const int k = nodes % g->n;
-            node[nodes] = (nodes / g->n + 0.5 + g->node[k]) / r->parts - 1.0;
+            node[nodes] = (nodes / g->n + 0.5 + g->node[k]) / r->slices - 1.0;
             weight[nodes] =
-                g->weight[k] * (1.0 - fabs(node[nodes])) / r->parts;
+                g->weight[k] * (1.0 - fabs(node[nodes])) / r->slices;
         }
     }
     for (int i = 0; i < n; i++) {
@@ -238,7 +238,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     void (*value)(const void *ctx, double t, double out[3]), const void *ctx,
     struct gp_shape *out)
 {
-    enum { MOST_PARTS = 8 };
+    enum { MOST_SLICES = 8 };
     struct radial *r;
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
     if (st)
@@ -247,8 +247,8 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     r->grey = grey;
     r->step = bend / 64.0;
     r->n = (int) ceil(end / r->step);
-    const double parts = ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend);
-    r->parts = (int) fmin(parts, MOST_PARTS);
+    const double slices = ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend);
+    r->slices = (int) fmin(slices, MOST_SLICES);
     const size_t room = (size_t) r->n + 2;
     st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
     if (st) {
@@ -274,7 +274,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     const double reach_x = ceil(end / (f->degrees * f->aspect)) + 1.0;
     const double reach_y = ceil(end / f->degrees) + 1.0;
     const double reach = fmax(reach_x, reach_y);
-    if (parts > MOST_PARTS)
+    if (slices > MOST_SLICES)
         st = make_rings(log, end, bend, (int) fmin(reach_x, f->w - 1),
                         (int) fmin(reach_y, f->h - 1), r);
     if (st) {
@@ -283,7 +283,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     }
     *out = (struct gp_shape) {
         .state = r, .free = free_radial, .grey = grey,
-        .row = parts > MOST_PARTS ? rings_row : radial_row,
+        .row = slices > MOST_SLICES ? rings_row : radial_row,
         .even = true, .smooth = INFINITY,
         .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
     };

@@ -288,7 +288,7 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
 
 /* Hairs from above, as lids' lashes, over a pupil of `radius` mm, each `parts`
  * stains; n hairs. */
-enum { GP_LASH_PARTS = 8 };
+enum { GP_LASH_STAINS = 8 };
 void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
                      struct gp_stain *out);
 

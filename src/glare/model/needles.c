@@ -94,16 +94,16 @@ static void add_pixel(const struct needling *m, int x, int y, double v[4])
     const bool steep = y > x;
     const int along = steep ? y : x, across = steep ? x : y;
     const double a = steep ? m->b : m->a, b = steep ? m->a : m->b;
-    const int parts = along < 8 ? 4 : along < 24 ? 2 : 1;
+    const int steps = along < 8 ? 4 : along < 24 ? 2 : 1;
     const struct gp_gauss *const g =
         gp_tent_rule(along < 8 ? 6 : along < 24 ? 4 : 2);
     for (int k = 0; k < g->n; k++) {
         const double u = a * (along + g->node[k]);
         double before = 0.0, turns = 0.0, last[4] = {0};
-        for (int i = -parts; i <= parts; i++) { // by angles that grow
-            const double part = (double) (steep ? -i : i) / parts;
-            const double w = b * (across + part);
-            const double tent = 1.0 - fabs(part);
+        for (int i = -steps; i <= steps; i++) { // by angles that grow
+            const double offset = (double) (steep ? -i : i) / steps;
+            const double w = b * (across + offset);
+            const double tent = 1.0 - fabs(offset);
             const double ss = u * u + w * w;
             const double light = // a turn
                 tent > 0.0 ? a * g->weight[k] * tent * 2.0 * M_PI * ss / u *
@@ -114,7 +114,7 @@ static void add_pixel(const struct needling *m, int x, int y, double v[4])
             const double at[4] = {angle, 0.5 - angle, 0.5 + angle, -angle};
             for (int q = 0; q < 4; q++) {
                 const double here = second_at(m, at[q] - m->turn);
-                if (i > -parts)
+                if (i > -steps)
                     v[q] -= slope * (here - last[q]);
                 last[q] = here;
             }

@@ -144,7 +144,7 @@ struct integral {
     const void *ctx; // of p
     int channels;
     double from, least, end; // degrees
-    double part[STEPS_OUT + 1][STEP_NODES][3]; // each node adds
+    double adds[STEPS_OUT + 1][STEP_NODES][3]; // each node adds
 };
 
 static void integrate_steps(void *ctx, int task, int thread)
@@ -163,7 +163,7 @@ static void integrate_steps(void *ctx, int task, int thread)
             double v[3];
             s->p(s->ctx, t, v);
             for (int c = 0; c < s->channels; c++)
-                s->part[i][k][c] =
+                s->adds[i][k][c] =
                     (high - low) * g->weight[k] * 2.0 * M_PI * t * v[c];
         }
     }
@@ -181,7 +181,7 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
         sum[c] = 0.0;
         for (int i = 0; i <= STEPS_OUT; i++) {
             for (int k = 0; k < STEP_NODES; k++)
-                sum[c] += s.part[i][k][c];
+                sum[c] += s.adds[i][k][c];
         }
     }
 }
@@ -262,13 +262,13 @@ static void add_circle(const struct gp_deposit *d, double u, double v,
             const double angle =
                 0.5 * (from + to) + (to - from) * g->node[k];
             const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
-            const double part[3] = {share * light[0], share * light[1],
+            const double quarter[3] = {share * light[0], share * light[1],
                                     share * light[2]};
             const double x = u * cos(angle), y = v * sin(angle);
-            gp_deposit_add(d, x, y, part);
-            gp_deposit_add(d, -x, y, part);
-            gp_deposit_add(d, x, -y, part);
-            gp_deposit_add(d, -x, -y, part);
+            gp_deposit_add(d, x, y, quarter);
+            gp_deposit_add(d, -x, y, quarter);
+            gp_deposit_add(d, x, -y, quarter);
+            gp_deposit_add(d, -x, -y, quarter);
         }
         if (column <= 0 && row > rows)
             return;

@@ -160,9 +160,9 @@ struct line {
     double a, b; // a pixel's sides in the plane of strands
 };
 
-/* Adds the part of a line from p to q degrees along it by few points, which
- * hold all of that part's light. */
-static void add_part(const struct line *l, bool back, double p, double q)
+/* Adds the stretch of a line from p to q degrees along it by few points, which
+ * hold all of that stretch's light. */
+static void add_stretch(const struct line *l, bool back, double p, double q)
 {
     const struct rays *const r = l->r;
     const struct strand *const s = l->s;
@@ -245,7 +245,7 @@ static void add_strand(const struct rays *r, const struct strand *s,
                 const double to = fmin(fmin(next_whole(u0, du, p, reach),
                                             next_whole(v0, dv, p, reach)),
                                        fmin(cut, s->length));
-                add_part(&l, false, p, to);
+                add_stretch(&l, false, p, to);
                 p = to;
                 if (to >= cut)
                     cut *= 1.5;
@@ -254,7 +254,7 @@ static void add_strand(const struct rays *r, const struct strand *s,
                 const double to =
                     fmin(fmin(next_whole(u0, -s->cosine / a, p, reach),
                               next_whole(v0, -s->sine / b, p, reach)), cut);
-                add_part(&l, true, -to, -p);
+                add_stretch(&l, true, -to, -p);
                 p = to;
                 if (to >= cut)
                     cut += r->width;

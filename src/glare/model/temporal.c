@@ -49,7 +49,7 @@ struct eye {
     double edge[WAVES][2];   // of the iris: cosines and sines of 2, 3, ...
     double grating, fibres, turn;
     int stains;
-    struct gp_stain stain[PARTICLES + EYE_LASHES * GP_LASH_PARTS];
+    struct gp_stain stain[PARTICLES + EYE_LASHES * GP_LASH_STAINS];
 };
 
 static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
@@ -172,7 +172,7 @@ static gp_status open_temporal(const struct gp_log *log,
     const int lashes = (int) (EYE_LASHES * gp_recipe_value(r, "lashes"));
     gp_stain_lashes(lashes, e->radius, e->turn, seed + 16,
                     e->stain + e->stains);
-    e->stains += lashes * GP_LASH_PARTS;
+    e->stains += lashes * GP_LASH_STAINS;
     const struct gp_diffraction d = {
         .name = "temporal", .diameter = 2.0 * e->radius,
         .reach = gp_recipe_value(r, "reach"),

@@ -531,7 +531,7 @@ static gp_status draw_field(struct drawing *k)
     return gp_gl_check(k->req->log, s->gl, "drawing glare polygons");
 }
 
-static int parts_of(int size, int side)
+static int ceil_div(int size, int side)
 {
     return (size + side - 1) / side;
 }
@@ -541,8 +541,8 @@ static gp_status draw_fields(struct drawing *k)
 {
     struct gp_splat *const s = k->s;
     const int w = k->req->src->w, h = k->req->src->h;
-    const int field_w = parts_of(w, parts_of(w, k->field_side));
-    const int field_h = parts_of(h, parts_of(h, k->field_side));
+    const int field_w = ceil_div(w, ceil_div(w, k->field_side));
+    const int field_h = ceil_div(h, ceil_div(h, k->field_side));
     const int targets = k->layout->polygons.n > k->layout->chunk ? 2 : 1;
     gp_status st = GP_OK;
     for (int i = 0; !st && i < targets; i++) {

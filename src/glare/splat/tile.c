@@ -447,8 +447,8 @@ static int field_size(int size, int most, int fragment)
 {
     const int limit = most < GP_TILE_FIELD / fragment ? most * fragment
                                                       : GP_TILE_FIELD;
-    const int parts = (size - 1) / limit + 1;
-    const int length = (size - 1) / parts + 1;
+    const int fields = (size - 1) / limit + 1;
+    const int length = (size - 1) / fields + 1;
     return (length + fragment - 1) / fragment * fragment;
 }
 

@@ -304,7 +304,7 @@ struct gp_tail_rows {
     int nodes_x, nodes_y; // of the frame
     size_t pitch;         // floats of a row of nodes
     int first, last;      // steps [first, last) of rows that hold light
-    float *part;          // of these: what each adds to rows of nodes, [step -
+    float *sums;          // of these: what each adds to rows of nodes, [step -
                           // first][tap][channel][pitch]
     float *line;          // scratch of a thread: 3 * pitch
     float *grid[3];       // the convolution: nodes_y * pitch
@@ -343,8 +343,8 @@ static void spread_step(void *ctx, int i, int thread)
     const int step = a->t->split.step, first = (a->first + i) * step;
     const size_t n = 3 * a->pitch;
     float *const line = a->line + (size_t) thread * n;
-    float *const part = a->part + (size_t) i * TAPS * n;
-    memset(part, 0, TAPS * n * sizeof *part);
+    float *const sums = a->sums + (size_t) i * TAPS * n;
+    memset(sums, 0, TAPS * n * sizeof *sums);
     for (int y = first; y < gp_min(first + step, a->src->h); y++) {
         const uint32_t from = a->src->row[y], to = a->src->row[y + 1];
         if (from == to)
@@ -354,7 +354,7 @@ static void spread_step(void *ctx, int i, int thread)
         for (size_t k = 0; k < TAPS; k++) {
             const float w = a->s->weight[y - first][k];
             for (size_t x = 0; x < n; x++)
-                part[k * n + x] += w * line[x];
+                sums[k * n + x] += w * line[x];
         }
     }
 }
@@ -368,7 +368,7 @@ static void load_nodes(const void *ctx, int c, int j, float *z)
         if (i < 0 || i >= a->last - a->first)
             continue;
         const float *const from =
-            a->part + (((size_t) i * TAPS + (size_t) k) * 3 + (size_t) c) *
+            a->sums + (((size_t) i * TAPS + (size_t) k) * 3 + (size_t) c) *
                           a->pitch;
         for (int x = 0; x < a->nodes_x; x++)
             z[2 * x] += from[x];
@@ -432,7 +432,7 @@ void gp_tail_rows_free(struct gp_tail_rows **rows)
 {
     struct gp_tail_rows *const a = *rows;
     if (a) {
-        gp_free(a->part);
+        gp_free(a->sums);
         gp_free(a->line);
         for (int c = 0; c < 3; c++)
             gp_free(a->grid[c]);
@@ -464,7 +464,7 @@ gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
     const int rows = a->last - a->first + TAPS - 1; // of nodes that are lit
     a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
     GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
-                    a->pitch * sizeof(float), &a->part));
+                    a->pitch * sizeof(float), &a->sums));
     GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
                     a->pitch * sizeof(float), &a->line));
     for (int c = 0; c < 3; c++)
@@ -483,7 +483,7 @@ gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
     GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &state->spectrum,
                            t->grey ? 1 : 3, 0, a->nodes_y));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
-    GP_FREE(a->part);
+    GP_FREE(a->sums);
     *out = a;
     a = NULL;
 out:

@@ -69,7 +69,7 @@ static gp_status check_sparse(const struct gp_gltf *g, json_t *o,
     GP_TRY(check_numbers(g, at, where, false, a->sparse,
                          type_bytes(a->where.type), &a->where));
     GP_TRY(check_numbers(g, at, with, false, a->sparse,
-                         a->parts * type_bytes(a->with.type), &a->with));
+                         a->components * type_bytes(a->with.type), &a->with));
     if (!a->sparse || !a->where.at || !a->with.at)
         return gp_gltf_fail(at, "\"sparse\" without count, indices or values");
 out:
@@ -95,11 +95,12 @@ gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
     if (!type_bytes(out->all.type) || type < 0 || type > 3 || !out->count)
         return gp_gltf_fail(at, "%s", out->count ? "a type that is not read "
                             "(numbers and vectors are)" : "no \"count\"");
-    out->parts = type + 1;
+    out->components = type + 1;
     const json_t *const normalized = json_object_get(o, "normalized");
     out->normalized = json_is_true(normalized) && out->all.type != F32;
     GP_TRY(check_numbers(g, at, o, true, out->count,
-                         out->parts * type_bytes(out->all.type), &out->all));
+                         out->components * type_bytes(out->all.type),
+                         &out->all));
     json_t *const sparse = json_object_get(o, "sparse");
     if (sparse)
         GP_TRY(check_sparse(g, sparse, out));
@@ -156,7 +157,7 @@ static bool convert(const struct gp_gltf_accessor *a, int type,
 {
     const int bytes = type_bytes(type);
     bool good = true;
-    for (int c = 0; c < a->parts; c++) {
+    for (int c = 0; c < a->components; c++) {
         float unit;
         float v = stored_number(from + c * bytes, type, &unit);
         if (a->normalized)
@@ -178,18 +179,19 @@ static gp_status replaced(const struct gp_gltf_accessor *a, int i, uint32_t *at)
                               *at, a->count);
 }
 
-gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int parts,
+gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int components,
                          float *out)
 {
-    if (a->parts != parts)
+    if (a->components != components)
         return gp_gltf_fail(&a->place, "elements of %d numbers, where %d are "
-                            "needed", a->parts, parts);
+                            "needed", a->components, components);
     if (!a->all.at)
-        memset(out, 0, (size_t) a->count * (size_t) parts * sizeof *out);
+        memset(out, 0, (size_t) a->count * (size_t) components * sizeof *out);
     for (int i = 0; i < a->count && a->all.at; i++) {
         const uint8_t *const from = a->all.at + (size_t) i *
                                                 (size_t) a->all.stride;
-        if (!convert(a, a->all.type, from, out + (size_t) i * (size_t) parts))
+        if (!convert(a, a->all.type, from,
+                     out + (size_t) i * (size_t) components))
             return gp_gltf_fail(&a->place, "element %d is not finite, or over "
                                 "%g", i, (double) MOST_VALUE);
     }
@@ -200,7 +202,7 @@ gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int parts,
         if (st)
             return st;
         if (!convert(a, a->with.type, a->with.at + k * (size_t) a->with.stride,
-                     out + (size_t) at * (size_t) parts))
+                     out + (size_t) at * (size_t) components))
             return gp_gltf_fail(&a->place, "element %u is not finite, or over "
                                 "%g", at, (double) MOST_VALUE);
     }
@@ -211,10 +213,10 @@ gp_status gp_gltf_indices(const struct gp_gltf_accessor *a, int below,
                           uint32_t *out)
 {
     const int type = a->all.type;
-    if (a->parts != 1 || (!a->sparse && !a->all.at) ||
+    if (a->components != 1 || (!a->sparse && !a->all.at) ||
         (type != U8 && type != U16 && type != U32))
         return gp_gltf_fail(&a->place, "it cannot be indices (component type "
-                            "%d, %d to an element)", type, a->parts);
+                            "%d, %d to an element)", type, a->components);
     for (int i = 0; i < a->count; i++)
         out[i] = a->all.at ? load_index(a->all.at + (size_t) i *
                                         (size_t) a->all.stride, type)

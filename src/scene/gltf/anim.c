@@ -11,7 +11,7 @@
 static const double MOST_PLACE = 1e15;
 
 /* Numbers of a value, by path. */
-static const int parts_of[GP_KEY_PATHS] = {3, 4, 3};
+static const int components_of[GP_KEY_PATHS] = {3, 4, 3};
 
 // -- reading ------------------------------------------------------------------
 
@@ -30,20 +30,21 @@ static gp_status read_keys(struct gp_gltf *g, const struct gp_gltf_at *at,
     GP_TRY(gp_gltf_accessor(g, from, &input));
     GP_TRY(gp_gltf_accessor(g, to, &output));
     const int values = way == GP_KEY_CUBIC ? 3 : 1;
-    const int parts = parts_of[out->path];
+    const int components = components_of[out->path];
     if (output.count / values != input.count || output.count % values)
         GP_TRY(gp_gltf_fail(at, "%d values for %d keys", output.count,
                             input.count));
     out->way = (enum gp_key_way) way;
     out->n = input.count;
     GP_TRY(gp_gltf_take(g, sizeof(float) * ((size_t) input.count +
-        (size_t) output.count * (size_t) parts)));
+        (size_t) output.count * (size_t) components)));
     GP_TRY(gp_alloc(g->log, g->path, (size_t) input.count, sizeof *out->time,
                     &out->time));
-    GP_TRY(gp_alloc(g->log, g->path, (size_t) output.count * (size_t) parts,
+    GP_TRY(gp_alloc(g->log, g->path,
+                    (size_t) output.count * (size_t) components,
                     sizeof *out->value, &out->value));
     GP_TRY(gp_gltf_floats(&input, 1, out->time));
-    GP_TRY(gp_gltf_floats(&output, parts, out->value));
+    GP_TRY(gp_gltf_floats(&output, components, out->value));
     for (int i = 1; i < out->n; i++) {
         if (!(out->time[i] > out->time[i - 1]))
             GP_TRY(gp_gltf_fail(&input.place, "keys that do not rise (%g after "
@@ -162,8 +163,9 @@ static void turn_between(const float *a, const float *b, double t, double *out)
 /* Writes the value of keys at a time. */
 static void value_at(const struct gp_keys *k, double seconds, double *out)
 {
-    const int parts = parts_of[k->path];
-    const size_t step = (size_t) (k->way == GP_KEY_CUBIC ? 3 * parts : parts);
+    const int components = components_of[k->path];
+    const size_t step =
+        (size_t) (k->way == GP_KEY_CUBIC ? 3 * components : components);
     int lo = 0, hi = k->n - 1; // the last key not after `seconds`, if any
     while (lo < hi) {
         const int middle = lo + (hi - lo + 1) / 2;
@@ -173,10 +175,10 @@ static void value_at(const struct gp_keys *k, double seconds, double *out)
             hi = middle - 1;
     }
     const float *const a = k->value + (size_t) lo * step;
-    const float *const va = a + (k->way == GP_KEY_CUBIC ? parts : 0);
+    const float *const va = a + (k->way == GP_KEY_CUBIC ? components : 0);
     const double from = (double) k->time[lo];
     if (lo == k->n - 1 || seconds <= from || k->way == GP_KEY_STEP) {
-        for (int c = 0; c < parts; c++)
+        for (int c = 0; c < components; c++)
             out[c] = (double) va[c];
         return;
     }
@@ -187,7 +189,7 @@ static void value_at(const struct gp_keys *k, double seconds, double *out)
         turn_between(a, b, t, out);
         return;
     }
-    for (int c = 0; c < parts; c++) {
+    for (int c = 0; c < components; c++) {
         if (k->way == GP_KEY_LINEAR) {
             out[c] = (1.0 - t) * (double) a[c] + t * (double) b[c];
             continue;
@@ -195,8 +197,8 @@ static void value_at(const struct gp_keys *k, double seconds, double *out)
         // appendix C.5: tangent out of a, tangent into b
         const double t2 = t * t, t3 = t2 * t;
         out[c] = (2.0 * t3 - 3.0 * t2 + 1.0) * (double) va[c] +
-                 length * (t3 - 2.0 * t2 + t) * (double) a[2 * parts + c] +
-                 (3.0 * t2 - 2.0 * t3) * (double) b[parts + c] +
+                 length * (t3 - 2.0 * t2 + t) * (double) a[2 * components + c] +
+                 (3.0 * t2 - 2.0 * t3) * (double) b[components + c] +
                  length * (t3 - t2) * (double) b[c];
     }
 }

@@ -101,7 +101,7 @@ struct gp_gltf_accessor {
     struct gp_gltf_at place;
     struct gp_gltf_numbers all;
     int count;         // elements
-    int parts;         // numbers of an element: 1 to 4
+    int components;    // numbers of an element: 1 to 4
     bool normalized;
     int sparse;        // elements that are replaced
     struct gp_gltf_numbers where, with; // their numbers, and their values
@@ -112,11 +112,11 @@ struct gp_gltf_accessor {
 GP_MUST_CHECK gp_status gp_gltf_accessor(const struct gp_gltf *g, int index,
                                          struct gp_gltf_accessor *out);
 
-/* Its values: count * parts floats; normalised integers within [-1, 1].
+/* Its values: count * components floats; normalised integers within [-1, 1].
  * Errors: GP_ERR_DATA a value that is not finite or over 1e15 either way, or an
- * element to replace that is not there; not `parts` to an element. */
+ * element to replace that is not there; not `components` to an element. */
 GP_MUST_CHECK gp_status gp_gltf_floats(const struct gp_gltf_accessor *a,
-                                       int parts, float *out);
+                                       int components, float *out);
 
 /* Its values as vertex numbers: count of them, each under `below`.
  * Errors: GP_ERR_DATA floats or signed integers, a number too high, an element
@@ -142,8 +142,8 @@ struct gp_keys {
     enum gp_key_way way;
     int n;
     float *time;       // n seconds, rising; owned
-    float *value;      // n * parts; CUBIC: tangent in, value, tangent out of
-                       // each; owned
+    float *value;      // n * components; CUBIC: tangent in, value, tangent
+                       // out of each; owned
 };
 
 /* A node: its place relative to its parent. */

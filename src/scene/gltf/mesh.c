@@ -175,7 +175,7 @@ struct walk {
     struct gp_scene *out;
     bool fill;
     long long vertices, indices;
-    int parts;
+    int submeshes;
     int *first, *uv;   // of each accessor of positions: its first vertex, or
                        // -1, the accessor of its texture coordinates, and the
     int *moved;        // material that moves these, or -1
@@ -383,17 +383,17 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     if (n > INT_MAX - w->indices)
         GP_TRY(gp_gltf_fail(at, "over %d indices", INT_MAX));
     if (w->fill) {
-        w->out->part[w->parts] = (struct gp_part) {
+        w->out->submesh[w->submeshes] = (struct gp_submesh) {
             (int) w->indices, (int) n, material,
         };
         GP_TRY(fill_triangles(w, mode, count, w->first[positions], &a,
                               indices >= 0 ? &index : NULL, &mesh->box));
     } else {
         GP_TRY(gp_gltf_take(g, sizeof(uint32_t) * (size_t) n +
-                                   sizeof(struct gp_part)));
+                                   sizeof(struct gp_submesh)));
     }
     w->indices += n;
-    w->parts++;
+    w->submeshes++;
 out:
     return st;
 }
@@ -402,7 +402,7 @@ static gp_status walk_meshes(struct walk *w)
 {
     gp_status st;
     w->vertices = w->indices = 0;
-    w->parts = 0;
+    w->submeshes = 0;
     for (int i = 0; i < gp_gltf_count(w->g, "accessors"); i++)
         w->first[i] = -1;
     for (int i = 0; i < w->out->meshes; i++) {
@@ -412,7 +412,7 @@ static gp_status walk_meshes(struct walk *w)
         struct gp_gltf_at at;
         size_t k;
         gp_gltf_place(w->g, "mesh", i, &at);
-        mesh->first = w->parts;
+        mesh->first = w->submeshes;
         mesh->box = (struct gp_box) {
             {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
         };
@@ -424,7 +424,7 @@ static gp_status walk_meshes(struct walk *w)
             if (st)
                 return st;
         }
-        mesh->parts = w->parts - mesh->first;
+        mesh->submeshes = w->submeshes - mesh->first;
     }
     return GP_OK;
 }
@@ -445,15 +445,15 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     GP_TRY(walk_meshes(&w));
     out->vertices = (int) w.vertices;
     out->indices = (int) w.indices;
-    out->parts = w.parts;
+    out->submeshes = w.submeshes;
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
                          3 * sizeof *out->position, &out->position));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.vertices,
                          2 * sizeof *out->uv, &out->uv));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.indices,
                          sizeof *out->index, &out->index));
-    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.parts, sizeof *out->part,
-                         &out->part));
+    GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) w.submeshes,
+                         sizeof *out->submesh, &out->submesh));
     w.fill = true;
     GP_TRY(walk_meshes(&w));
     if (w.morphs)

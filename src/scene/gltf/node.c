@@ -402,7 +402,7 @@ void gp_scene_free(struct gp_scene *s)
     gp_free(s->position);
     gp_free(s->uv);
     gp_free(s->index);
-    gp_free(s->part);
+    gp_free(s->submesh);
     gp_free(s->mesh);
     gp_free(s->material);
     gp_free(s->cutout);

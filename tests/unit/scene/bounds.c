@@ -61,7 +61,7 @@ static void mesh_of_nothing(void **state)
     const int at = made_put(&s, box, (struct gp_v3) {1, 2, 3},
                             (struct gp_v3) {1, 1, 1}, 0.0);
     const int part = s.mesh[box].first;
-    s.part[part].count = 0;
+    s.submesh[part].count = 0;
     gp_bounds_set(&s, &s.object[at]);
     assert_true(gp_box_empty(s.object[at].box));
     assert_true(s.object[at].radius == 0.0);
@@ -159,7 +159,7 @@ static void example_of_15_2_1(void **state)
     struct gp_scene s = made_example();
     int batches = 0;
     for (int i = 0; i < s.objects; i++)
-        batches += s.mesh[s.object[i].mesh].parts;
+        batches += s.mesh[s.object[i].mesh].submeshes;
     assert_int_equal(batches, 14);
     assert_int_equal(s.lights, 3);
     const struct gp_camera c =
@@ -180,7 +180,7 @@ static void outwards(void **state)
     struct gp_scene s = made_scene();
     const int mesh[] = {made_box(&s, 0), made_ball(&s, 0, 5)};
     for (size_t k = 0; k < COUNT(mesh); k++) {
-        const struct gp_part *const p = &s.part[s.mesh[mesh[k]].first];
+        const struct gp_submesh *const p = &s.submesh[s.mesh[mesh[k]].first];
         double volume = 0.0;
         for (int i = p->first; i < p->first + p->count; i += 3) {
             const struct gp_v3 a = gp_scene_vertex(&s, s.index[i]),

@@ -34,23 +34,23 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A part of the triangles since the last one, of a material of its own. */
+/* A submesh of the triangles since the last one, of a material of its own. */
 static int mesh_of_parts(int parts)
 {
     const int mesh = made_box(&scene, made_material(&scene, 0.0f, -1));
     struct gp_mesh *const m = &scene.mesh[mesh];
-    struct gp_part *const last = &scene.part[m->first];
+    struct gp_submesh *const last = &scene.submesh[m->first];
     const int whole = last->count;
     assert_int_equal(whole, 36);
     last->count = 3;
     for (int i = 1; i < parts; i++) {
-        MADE_GROW(scene.part, scene.parts);
-        scene.part[scene.parts++] = (struct gp_part) {
-            .first = scene.part[m->first].first + 3 * i,
+        MADE_GROW(scene.submesh, scene.submeshes);
+        scene.submesh[scene.submeshes++] = (struct gp_submesh) {
+            .first = scene.submesh[m->first].first + 3 * i,
             .count = i + 1 < parts ? 3 : whole - 3 * i,
             .material = made_material(&scene, 0.0f, -1),
         };
-        scene.mesh[mesh].parts++;
+        scene.mesh[mesh].submeshes++;
     }
     return mesh;
 }
@@ -125,8 +125,9 @@ static bool blocked(struct gp_v3 p, struct gp_v3 t)
 {
     for (int o = 0; o < scene.objects; o++) {
         const struct gp_mesh *const m = &scene.mesh[scene.object[o].mesh];
-        const struct gp_part *const part = &scene.part[m->first];
-        for (int k = part->first; k < part->first + part->count; k += 3) {
+        const struct gp_submesh *const submesh = &scene.submesh[m->first];
+        for (int k = submesh->first; k < submesh->first + submesh->count;
+             k += 3) {
             const struct gp_v3 a = made_corner(&scene, &scene.object[o], k);
             const struct gp_v3 b = gp_v3_sub(
                 made_corner(&scene, &scene.object[o], k + 1), a);

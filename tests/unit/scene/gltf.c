@@ -169,8 +169,8 @@ static void primitives_share_vertices_and_have_boxes_of_their_own(void **state)
                  TRIANGLE_URIS), GP_UP_Y);
     assert_int_equal(s.objects, 2);
     assert_int_equal(s.vertices, 3);
-    assert_int_equal(s.parts, 1);
-    assert_int_equal(s.part[0].material, s.materials - 1);
+    assert_int_equal(s.submeshes, 1);
+    assert_int_equal(s.submesh[0].material, s.materials - 1);
     gp_scene_free(&s);
 }
 
@@ -502,10 +502,10 @@ static void cutouts_are_moved(void **state)
              "'TEXCOORD_0': 1}}]}]",
              gm_uri(place, sizeof place), gm_uri(uv, sizeof uv));
     assert_ok(gp_scene_read(&kept_log, path, GP_UP_Y, &images, &s));
-    assert_int_equal(s.parts, 3);
+    assert_int_equal(s.submeshes, 3);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 6; i++) {
-            const uint32_t v = s.index[s.part[k].first + i / 2];
+            const uint32_t v = s.index[s.submesh[k].first + i / 2];
             assert_true(fabs((double) s.uv[2 * v + (uint32_t) i % 2] -
                              (double) moved[k][i]) < 1e-6);
         }

@@ -42,8 +42,8 @@ static void check_scene(const char *name, int triangles, int objects)
     long long placed = 0;
     for (int i = 0; i < s.objects; i++) {
         const struct gp_mesh *const m = &s.mesh[s.object[i].mesh];
-        for (int k = 0; k < m->parts; k++)
-            placed += s.part[m->first + k].count / 3;
+        for (int k = 0; k < m->submeshes; k++)
+            placed += s.submesh[m->first + k].count / 3;
     }
     assert_int_equal(placed, triangles);
     assert_int_equal(s.objects, objects);

@@ -35,8 +35,8 @@ static struct truth first_of_all(const struct gp_scene *s, struct gp_v3 from,
     for (int k = 0; k < s->objects; k++) {
         const struct gp_object *const o = &s->object[k];
         const struct gp_mesh *const m = &s->mesh[o->mesh];
-        for (int j = m->first; j < m->first + m->parts; j++) {
-            const struct gp_part *const p = &s->part[j];
+        for (int j = m->first; j < m->first + m->submeshes; j++) {
+            const struct gp_submesh *const p = &s->submesh[j];
             for (int i = p->first; i < p->first + p->count; i += 3) {
                 const struct gp_v3 a = made_corner(s, o, i);
                 const struct gp_v3 b = made_corner(s, o, i + 1);

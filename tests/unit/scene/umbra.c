@@ -64,7 +64,7 @@ static void bodies(void **state)
     const int dent = made_ball(&s, 0, 5);
     assert_true(gp_body_find(&s, dent, &b));
     float *const p =
-        &s.position[3 * s.index[s.part[s.mesh[dent].first].first + 40]];
+        &s.position[3 * s.index[s.submesh[s.mesh[dent].first].first + 40]];
     for (int i = 0; i < 3; i++)
         p[i] *= 0.97f;
     assert_false(gp_body_find(&s, dent, &b));
