@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_TEXELS = 1 << 24 }; // of a texture
 static const double USUAL_RATE = 24.0; // frames a second, without an attribute
 static const double MOST_APART = 0.5;  // pixels between two cameras
 static const double PI = 3.14159265358979323846;
@@ -21,35 +20,18 @@ static const double PI = 3.14159265358979323846;
 /* Reads a texture's alpha, from bytes of the scene's file or a file beside. */
 static gp_status read_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            int *w, int *h, float **alpha)
+                            long long most, int *w, int *h, uint16_t **alpha)
 {
     const struct gp_settings *const s = user;
-    struct gp_read_params limits = gp_read_limits(&s->read);
-    struct gp_member all = {.size = n};
-    const struct gp_members one = {
-        .stream = gp_stream_of(bytes, n), .member = &all, .n = 1,
-    };
-    struct gp_frame f = {0};
-    struct gp_plane a = {0};
-    gp_status st;
-    if (limits.max_pixels > MOST_TEXELS)
-        limits.max_pixels = MOST_TEXELS;
-    GP_TRY(bytes ? gp_members_frame(log, &limits, name, &one, 0, &f)
-                 : gp_read_frame(log, &limits, name, &f));
-    st = gp_read_plane(NULL, &limits, &f, "A", false, &a);
-    if (st && st != GP_ERR_USAGE)
-        GP_TRY(gp_fail(log, st, "%s: its alpha cannot be read; save the "
-                       "texture again", name));
-    *w = gp_frame_w(&f);
-    *h = gp_frame_h(&f);
-    const size_t pixels = gp_frame_pixels(&f);
-    GP_TRY(gp_alloc(log, name, pixels, sizeof **alpha, alpha));
-    for (size_t i = 0; i < pixels; i++)
-        (*alpha)[i] = a.v ? a.v[i] : 1.0f; // a picture without alpha
-out:
-    gp_plane_free(&a);
-    gp_frame_free(&f);
-    return st;
+    struct gp_coverage a;
+    const gp_status st =
+        gp_read_coverage(log, &s->read, name, bytes, n, most, &a);
+    if (st)
+        return st;
+    *w = a.w;
+    *h = a.h;
+    *alpha = a.code;
+    return GP_OK;
 }
 
 /* Lists the names of a scene's cameras, cut to fit. */

@@ -22,11 +22,14 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     gp_status st = check_size(log, gl, what, w, h);
     if (st)
         return st;
+    static const GLenum format[] = {
+        [GP_TEXEL_FLOAT] = GL_RGBA32F, [GP_TEXEL_LINEAR] = GL_RGBA32F,
+        [GP_TEXEL_BYTE] = GL_RGBA8, [GP_TEXEL_CODE] = GL_R16UI,
+    };
     const GLint filter = kind == GP_TEXEL_LINEAR ? GL_LINEAR : GL_NEAREST;
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
-    gl->f.TextureStorage2D(t.id, 1,
-                           kind == GP_TEXEL_BYTE ? GL_RGBA8 : GL_RGBA32F, w, h);
+    gl->f.TextureStorage2D(t.id, 1, format[kind], w, h);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_MIN_FILTER, filter);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, filter);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -44,6 +47,15 @@ void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
 {
     gl->f.TextureSubImage2D(t->id, 0, rect.x0, rect.y0, gp_rect_w(rect),
                             gp_rect_h(rect), GL_RGBA, GL_FLOAT, rgba);
+}
+
+void gp_texture_write_codes(const struct gp_gl *gl, const struct gp_texture *t,
+                            const uint16_t *code)
+{
+    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 2);
+    gl->f.TextureSubImage2D(t->id, 0, 0, 0, t->w, t->h, GL_RED_INTEGER,
+                            GL_UNSIGNED_SHORT, code);
+    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
 void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t)

@@ -89,12 +89,14 @@ GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
  * `what` names the object in messages; `out` is written only on GP_OK.
  */
 
-/* Four numbers a texel, red first.
+/* Four numbers a texel, red first; of CODE one.
  *   FLOAT   RGBA32F, not clamped; read by texelFetch or imageLoad only
  *   LINEAR  RGBA32F, also sampled: GL_LINEAR between texel centres, and
  *           clamped to the edge
- *   BYTE    RGBA8: [0, 1] in 255ths, and sums are rounded too; texelFetch */
-enum gp_texel { GP_TEXEL_FLOAT, GP_TEXEL_LINEAR, GP_TEXEL_BYTE };
+ *   BYTE    RGBA8: [0, 1] in 255ths, and sums are rounded too; texelFetch
+ *   CODE    R16UI: whole numbers up to 65535, texelFetch of a usampler2D; not
+ *           of targets */
+enum gp_texel { GP_TEXEL_FLOAT, GP_TEXEL_LINEAR, GP_TEXEL_BYTE, GP_TEXEL_CODE };
 
 struct gp_texture {
     unsigned id; // 0: empty
@@ -112,6 +114,10 @@ GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
  * rows of rgba: 4 * w * h floats. */
 void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
                       struct gp_rect rect, const float *rgba);
+
+/* Writes all of a texture of GP_TEXEL_CODE from w * h codes. */
+void gp_texture_write_codes(const struct gp_gl *gl, const struct gp_texture *t,
+                            const uint16_t *code);
 void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t);
 
 enum { GP_ATTACHMENTS = 8 }; // of a target, at most; every GL of 4.5 has 8

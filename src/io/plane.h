@@ -7,6 +7,7 @@
 #include "io/read.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /* Reads a plane beside a frame that gp_read_frame() read.
  *
@@ -82,6 +83,29 @@ GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_read_plane_file(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const char *name,
     bool depth, struct gp_plane *out);
+
+/* Alpha of a picture: w * h codes in rows from the top. */
+struct gp_coverage {
+    int w, h;
+    uint16_t *code; // of GP_COVERED; owned
+};
+enum { GP_COVERED = 65535 };
+
+/* Reads the alpha of a picture of any format (an EXR by glarepp-oiio) at two
+ * bytes a pixel, and never its colour as a whole: other memory is bounded by
+ * blocks of rows, but for interlaced PNG, whose bytes are all held.
+ *
+ *   path   of the file; with `bytes` its name for messages
+ *   bytes  the file's, n of them; NULL: `path` is opened
+ *   most   pixels; over it is refused
+ *   out    written on GP_OK only; gp_free() its codes. A picture without alpha
+ *          is not decoded: it is one pixel of GP_COVERED
+ *
+ * Samples outside [0, 1] are clamped, NaN is 0.
+ * Errors: those of gp_read_frame(); GP_ERR_DATA over `most`. */
+GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out);
 
 /* A 4x4 matrix attribute (m44f or m44d) of the frame's colour part, else of
  * the first part that has it: m[4 * row + column], row vectors, as stored.

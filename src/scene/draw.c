@@ -109,16 +109,10 @@ out:
 gp_status gp_cutout_upload(const struct gp_log *log, const struct gp_gl *gl,
                            const struct gp_cutout *c, struct gp_texture *out)
 {
-    const size_t n = (size_t) c->w * (size_t) c->h;
-    float *rgba = NULL;
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "alpha", n, 4 * sizeof *rgba, &rgba));
-    GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_FLOAT, c->w, c->h, out));
-    for (size_t i = 0; i < n; i++)
-        rgba[4 * i] = c->alpha[i];
-    gp_texture_write(gl, out, (struct gp_rect) {0, 0, c->w, c->h}, rgba);
-out:
-    gp_free(rgba);
+    const gp_status st =
+        gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h, out);
+    if (!st)
+        gp_texture_write_codes(gl, out, c->alpha);
     return st;
 }
 

@@ -25,7 +25,7 @@ struct gp_eye_map {
     struct gp_buffer vertices;   // of a chunk
     float *chunk;                // the same; owned
     struct gp_texture holes;     // of the material that is drawn
-    const float *holes_of;
+    const uint16_t *holes_of;
     float texel[4 * MOST_SIDE * MOST_SIDE];
 };
 

@@ -43,6 +43,13 @@ static int wrapped(double at, int n, enum gp_wrap wrap)
     return i < n ? i : 2 * n - 1 - i;
 }
 
+/* Returns the alpha of a code, rounded to float as a material's cutoff is: they
+ * are equal where the file says so. */
+static double texel(uint16_t code)
+{
+    return (double) ((float) code / 65535.0f);
+}
+
 double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
 {
     // (no texture is wrapped so often that its fraction still has digits)
@@ -51,11 +58,11 @@ double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
     const double x0 = floor(x), y0 = floor(y), fx = x - x0, fy = y - y0;
     double row[2];
     for (int i = 0; i < 2; i++) {
-        const float *const p =
+        const uint16_t *const p =
             c->alpha + (size_t) wrapped(y0 + i, c->h, c->wrap[1]) *
                            (size_t) c->w;
-        row[i] = (1.0 - fx) * (double) p[wrapped(x0, c->w, c->wrap[0])] +
-                 fx * (double) p[wrapped(x0 + 1.0, c->w, c->wrap[0])];
+        row[i] = (1.0 - fx) * texel(p[wrapped(x0, c->w, c->wrap[0])]) +
+                 fx * texel(p[wrapped(x0 + 1.0, c->w, c->wrap[0])]);
     }
     return (1.0 - fy) * row[0] + fy * row[1];
 }

@@ -55,7 +55,8 @@ struct gp_box {
 enum gp_wrap { GP_WRAP_REPEAT, GP_WRAP_CLAMP, GP_WRAP_MIRROR };
 struct gp_cutout {
     int w, h;
-    float *alpha;             // w * h, 0 to 1; owned by cutout `owner`
+    uint16_t *alpha;          // w * h codes, 65535 is 1; owned by cutout
+                              // `owner`
     int image;                // its number in the file
     int owner;                // itself, or an earlier one of the same image
     enum gp_wrap wrap[2];     // of u and v

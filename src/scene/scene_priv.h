@@ -83,7 +83,7 @@ struct gp_rect gp_shadow_cut(const struct gp_shadow_map *m, int faces);
 
 // -- cut-outs on GL (draw.c) -------------------------------------------------
 
-/* Makes the texture of a cut-out's alpha, in red. */
+/* Makes the texture of a cut-out's alpha, in codes. */
 GP_MUST_CHECK gp_status gp_cutout_upload(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_cutout *c, struct gp_texture *out);
 

@@ -115,6 +115,74 @@ run --scene lamp.gltf --report r.json -o o.png own0.1.exr
 like "$(cat err)" '*pixels apart; the frame*' 'over half a pixel is said'
 is "$(lights 'round(L["lamp"]["x"], 2)')" 51.0 "the frame's camera counts"
 
+# -- cut-outs -----------------------------------------------------------------------
+
+# of a cut-out of 4096 x 4096 texels, beside one of a texel: bytes a texel at the
+# peak, where the least of memory that counts is that of the system
+cat >leaf.py <<'PY'
+import json, resource, struct, subprocess, sys, zlib
+
+def png(name, side):
+    def chunk(kind, data):
+        crc = zlib.crc32(kind + data)
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", crc)
+    head = struct.pack(">IIBBBBB", side, side, 8, 6, 0, 0, 0)
+    rows = zlib.compress((b"\0" + b"\1\2\3\x90" * side) * side, 1)
+    with open(name + ".png", "wb") as f:
+        f.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) +
+                chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+
+def scene(name):
+    at = [-9, -9, -5, 9, -9, -5, 0, 9, -5]
+    uv = [0, 0, 1, 0, 0, 1]
+    with open("leaf.bin", "wb") as f:
+        f.write(struct.pack("<15f", *at, *uv))
+    views = [{"buffer": 0, "byteLength": 36},
+             {"buffer": 0, "byteOffset": 36, "byteLength": 24}]
+    kinds = [{"bufferView": i, "componentType": 5126, "count": 3, "type": t}
+             for i, t in enumerate(("VEC3", "VEC2"))]
+    scene = {"asset": {"version": "2.0"},
+        "cameras": [{"type": "perspective",
+                     "perspective": {"yfov": 1.57, "znear": 0.1}}],
+        "buffers": [{"uri": "leaf.bin", "byteLength": 60}],
+        "bufferViews": views, "accessors": kinds,
+        "images": [{"uri": name + ".png"}], "textures": [{"source": 0}],
+        "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":
+                       {"baseColorTexture": {"index": 0}}}],
+        "meshes": [{"primitives": [{"material": 0, "attributes":
+                    {"POSITION": 0, "TEXCOORD_0": 1}}]}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+        "nodes": [{"camera": 0}, {"mesh": 0}, {"translation": [0, 0, -10],
+                   "extensions": {"KHR_lights_punctual": {"light": 0}}}]}
+    with open(name + ".gltf", "w") as f:
+        json.dump(scene, f)
+
+def peak(name, *command):
+    # of a process of its own: ru_maxrss is the largest of all children
+    code = ("import resource, subprocess, sys\n"
+            "subprocess.run(sys.argv[1:], check=True, "
+            "stdout=subprocess.DEVNULL)\n"
+            "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
+    out = subprocess.run([sys.executable, "-c", code, *command],
+                         stdout=subprocess.PIPE, check=True).stdout
+    return 1024 * int(out)
+
+for name, side in (("one", 1), ("all", 4096)):
+    png(name, side)
+    scene(name)
+for what in (["--threads", "1", "--scene", "@", "--report", "-", "small.exr"],
+             ["sets", "--threads", "1", "--size", "64x64", "@"]):
+    took = [peak(n, sys.argv[1], *(n + ".gltf" if a == "@" else a for a in what))
+            for n in ("one", "all")]
+    print("%.1f" % ((took[1] - took[0]) / 4096 ** 2))
+PY
+"$python" leaf.py "$glarepp" >peaks 2>err
+set -- $(cat peaks)
+is "$(echo "$1" | awk '{ print ($1 > 0 && $1 <= 6) }')" 1 \
+    'a cut-out takes at most 6 bytes a texel' || note "$(cat peaks err)"
+is "$(echo "$2" | awk '{ print ($1 > 0 && $1 <= 6) }')" 1 \
+    'and so it does in sets' || note "$(cat peaks err)"
+
 # -- what is wrong ----------------------------------------------------------------
 
 printf 'glTF\002\0\0\0\377\377\0\0' >bad.glb

@@ -9,10 +9,12 @@
 /* Touches the bytes of a picture, and gives two samples. */
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            int *w, int *h, float **alpha)
+                            long long most, int *w, int *h,
+                            uint16_t **alpha)
 {
     (void) user;
     (void) name;
+    (void) most;
     if (bytes)
         fuzz_touch(bytes, n);
     const gp_status st = gp_alloc_zero(log, "a texture", 2, sizeof **alpha,

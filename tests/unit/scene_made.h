@@ -98,7 +98,7 @@ static inline int made_holes(struct gp_scene *s, int n, int side)
                        sizeof *c->alpha, &c->alpha));
     for (int y = 0; y < c->h; y++) {
         for (int x = 0; x < c->w; x++)
-            c->alpha[y * c->w + x] = (x / side + y / side) % 2 ? 0.0f : 1.0f;
+            c->alpha[y * c->w + x] = (x / side + y / side) % 2 ? 0 : 65535;
     }
     return s->cutouts++;
 }

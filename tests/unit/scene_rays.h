@@ -29,7 +29,8 @@ static inline bool ray_opaque(const struct gp_scene *s,
         (double) a[1] * (1 - u - v) + (double) b[1] * u + (double) d[1] * v};
     const int x = (int) fmin(c->w - 1, fmax(0.0, floor(at[0] * c->w)));
     const int y = (int) fmin(c->h - 1, fmax(0.0, floor(at[1] * c->h)));
-    return m->base[3] * c->alpha[y * c->w + x] >= m->cutoff;
+    return m->base[3] * (float) c->alpha[y * c->w + x] >=
+           65535.0f * m->cutoff;
 }
 
 /* The hit of one object with the least t in (t0, t1) (Moeller and Trumbore

@@ -2,7 +2,7 @@
 // map of shadows, which is depth only.
 //
 // in   colour   of the ambient light that comes back (COLOUR)
-//      holes    alpha of the material's texture, red (HOLES)
+//      holes    alpha of the material's texture, in 65535ths (HOLES)
 //      cut      x: factor of the texture's alpha; y: opaque from here on
 //      wraps    of u and v: 0 repeats, 1 clamps, 2 mirrors
 // out  light: colour (COLOUR); else nothing
@@ -12,7 +12,7 @@ uniform vec4 colour;
 layout(location = 0) out vec4 light;
 #endif
 #ifdef HOLES
-uniform sampler2D holes;
+uniform usampler2D holes;
 uniform vec2 cut;
 uniform ivec2 wraps;
 in vec2 uv;
@@ -28,8 +28,9 @@ int wrapped(int at, int size, int way)
 
 float alpha_at(ivec2 at, ivec2 size)
 {
-    return texelFetch(holes, ivec2(wrapped(at.x, size.x, wraps.x),
-                                   wrapped(at.y, size.y, wraps.y)), 0).r;
+    uint code = texelFetch(holes, ivec2(wrapped(at.x, size.x, wraps.x),
+                                        wrapped(at.y, size.y, wraps.y)), 0).r;
+    return float(code) / 65535.0;
 }
 
 // On the base level, between the four texels around it.

@@ -7,14 +7,15 @@
 /* Decodes pictures for the reader, which knows no format. */
 struct gp_scene_images {
     void *user;
-    /* Coverage of a picture, 0 to 1, w * h samples from the upper left corner;
-     * 1 where it has no alpha.
+    /* Coverage of a picture, w * h codes from the upper left corner, as
+     * gp_cutout has them; without alpha it may be one texel of 65535.
      *   name   of the picture, for messages; a file where `bytes` is NULL
+     *   most   texels that it may have
      *   alpha  written on GP_OK only; gp_free()
-     * Errors: those of its reader. */
+     * Errors: those of its reader; GP_ERR_DATA over `most`. */
     gp_status (*alpha)(void *user, const struct gp_log *log, const char *name,
-                       const void *bytes, size_t n, int *w, int *h,
-                       float **alpha);
+                       const void *bytes, size_t n, long long most, int *w,
+                       int *h, uint16_t **alpha);
 };
 
 /* Reads a scene: .glb, or .gltf with buffers in data URIs and at most one file
@@ -30,7 +31,7 @@ struct gp_scene_images {
  * hidden nodes (KHR_node_visibility) are placed.
  *
  * Memory: 64 MiB, 32 times the size of the file, 400 bytes for each byte of its
- * JSON, and 4 bytes for each texel of its cut-outs: at most 2^24 texels, each
+ * JSON, and 2 bytes for each texel of its cut-outs: at most 2^24 texels, each
  * image once; what `images` takes to decode one comes on top.
  *
  * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, a

@@ -2,6 +2,7 @@
 #include "unit.h"
 #include "write_fixture.h"
 #include "io/io_priv.h"
+#include "io/plane.h"
 
 #include <libdeflate.h>
 
@@ -386,5 +387,47 @@ static void texts_are_bounded(void **state)
     free(raw);
 }
 
+/* Alpha of every kind of picture, at two bytes a pixel. */
+static void alpha_only(void **state)
+{
+    enum { W = 5, H = 3 };
+    static const int size[2] = {W, H}, first[2] = {0, 0}, step[2] = {1, 1};
+    static const struct {
+        int type, bits, samples;
+    } row[] = {{6, 8, 4}, {6, 16, 4}, {4, 16, 2}, {4, 8, 2}, {2, 8, 3}};
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_coverage a;
+    static struct made m;
+    uint8_t raw[H * (1 + 8 * W)];
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const int n = row[i].samples, bits = row[i].bits;
+        put_head(&m, W, H, bits, row[i].type, false);
+        put_pixels(&m, raw, put_rows(raw, n, bits, size, first, step), 100);
+        kept_clear();
+        assert_ok(gp_read_coverage(&kept_all, &p, "in", m.bytes, m.n, W * H,
+                                   &a));
+        const bool opaque = n == 3;
+        assert_int_equal(a.w, opaque ? 1 : W);
+        assert_int_equal(a.h, opaque ? 1 : H);
+        for (int k = 0; k < a.w * a.h; k++)
+            assert_int_equal(a.code[k], opaque ? GP_COVERED :
+                             stored(k % W, k / W, n - 1, bits) *
+                                 (bits == 8 ? 257 : 1));
+        gp_free(a.code);
+        if (opaque)
+            continue;
+        const gp_status st = gp_read_coverage(&kept_all, &p, "in", m.bytes, m.n,
+                                              W * H - 1, &a);
+        assert_int_equal(st, GP_ERR_DATA);
+        assert_non_null(strstr(kept_line, "in: too large for a cut-out (5 x 3 "
+                               "texels, at most 14)"));
+        assert_null(strstr(kept_line, "max-pixels"));
+        put_head(&m, W, H, bits, row[i].type, false);
+        put_pixels(&m, raw, put_rows(raw, n, bits, size, first, step), 50);
+        assert_int_equal(gp_read_coverage(&kept_all, &p, "in", m.bytes, m.n,
+                                          W * H, &a), GP_ERR_DATA);
+    }
+}
+
 SUITE_OF_EACH(png_read, wf_start, remove_folder, kinds, chunks, damaged_bytes,
-              rows_and_sizes, texts_are_bounded)
+              rows_and_sizes, texts_are_bounded, alpha_only)

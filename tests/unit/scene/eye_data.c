@@ -14,7 +14,8 @@
 
 static gp_status leaf_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            int *w, int *h, float **alpha)
+                            long long most, int *w, int *h,
+                            uint16_t **alpha)
 {
     png_image image = {.version = PNG_IMAGE_VERSION};
     assert_true(png_image_begin_read_from_memory(&image, bytes, n));
@@ -27,7 +28,7 @@ static gp_status leaf_alpha(void *user, const struct gp_log *log,
     assert_true(png_image_finish_read(&image, NULL, rgba, 0, NULL));
     assert_ok(gp_alloc(log, name, pixels, sizeof **alpha, alpha));
     for (size_t i = 0; i < pixels; i++)
-        (*alpha)[i] = (float) rgba[4 * i + 3] / 255.0f;
+        (*alpha)[i] = (uint16_t) (257 * rgba[4 * i + 3]);
     free(rgba);
     return GP_OK;
 }

@@ -448,7 +448,8 @@ struct picture {
 
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            int *w, int *h, float **alpha)
+                            long long most, int *w, int *h,
+                            uint16_t **alpha)
 {
     struct picture *const p = user;
     p->calls++;
@@ -456,9 +457,10 @@ static gp_status give_alpha(void *user, const struct gp_log *log,
     p->n = n;
     if (bytes)
         memcpy(p->bytes, bytes, n < 8 ? n : 8);
-    float *const v = *alpha = aligned_alloc(64, 64);
-    for (int i = 0; i < 2; i++)
-        v[i] = (float) i;
+    assert_int_equal(most, 1 << 24);
+    uint16_t *const v = *alpha = aligned_alloc(64, 64);
+    v[0] = 0;
+    v[1] = 65535;
     *w = p->wide ? p->wide : 2;
     *h = 1;
     return GP_OK;

@@ -11,7 +11,8 @@
 /* A texture of one sample, as its picture does not matter here. */
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            int *w, int *h, float **alpha)
+                            long long most, int *w, int *h,
+                            uint16_t **alpha)
 {
     *w = *h = 1;
     return gp_alloc_zero(log, name, 1, sizeof **alpha, alpha);
