@@ -27,7 +27,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/model/diffract_priv.h"
+#include "glare/model/model_priv.h"
 
 #include <stdlib.h>
 

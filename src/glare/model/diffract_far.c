@@ -33,7 +33,7 @@
  * to the samples, which know of dust on an edge, and of colours. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/model/diffract_priv.h"
+#include "glare/model/model_priv.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "core/core_priv.h"
-#include "glare/model/diffract_priv.h"
+#include "glare/model/model_priv.h"
 #include "model_scene.h"
 
 /* Airy's pattern, 550 nm through 1 mm: its first zero, by a parabola through
