@@ -6,6 +6,7 @@
 #include "compare/compare.h"
 #include "glare/model/model.h"
 #include "io/file.h"
+#include "tone/tone.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +93,8 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
     const bool mask = sun->method == GP_SUN_MASK ||
                       s->command == GP_COMMAND_BENCH; // runs every method
     const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
-    const char *const engine = s->glare.engine, *const curve = s->tone.curve;
+    const char *const engine = s->glare.engine;
+    const struct gp_tone_curve *const curve = gp_tone_find(s->tone.curve);
     const bool chosen = strcmp(engine, "auto") == 0;
     bool stream, files;
     find_outputs(s, &stream, &files);
@@ -109,9 +111,8 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
     met |= s->hdr.n ? GP_NEED_HDR : 0;
     met |= mask ? GP_NEED_MASK : 0;
     met |= mask || s->debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
-    met |= config || strcmp(curve, "none") != 0 ? GP_NEED_CURVE : 0;
-    met |= config || strcmp(curve, "reinhard-extended") == 0 ? GP_NEED_EXTENDED
-                                                             : 0;
+    met |= config || !curve || curve->map ? GP_NEED_CURVE : 0;
+    met |= config || !curve || curve->reads_white ? GP_NEED_EXTENDED : 0;
     met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
                                                               : 0;
     met |= chosen ? GP_NEED_AUTO : 0;

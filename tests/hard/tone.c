@@ -8,26 +8,16 @@
 
 #include "tone_forms.h"
 
-enum { CURVES = sizeof references / sizeof *references };
+/* Columns: gp_tone_curves in order, `none` among them, then two exposures. */
+enum { EV = TONE_FORMS + 1, METERED, WAYS };
 
-/* gp_tone_curves in order, then what exposes. */
-enum { EV = CURVES + 1, METERED, WAYS };
-
-static const struct way {
+static struct way {
     const char *name, *curve;
     float exposure;
     bool metered;
 } ways[WAYS] = {
-    {"reinhard", "reinhard", 0.0f, false},
-    {"reinhard-extended", "reinhard-extended", 0.0f, false},
-    {"aces", "aces", 0.0f, false},
-    {"hable", "hable", 0.0f, false},
-    {"agx", "agx", 0.0f, false},
-    {"neutral", "neutral", 0.0f, false},
-    {"linear", "linear", 0.0f, false},
-    {"none", "none", 0.0f, false},
-    {"hable at -7.3 EV", "hable", -7.3f, false},
-    {"auto-exposure, reinhard", "reinhard", 0.0f, true},
+    [EV] = {"hable at -7.3 EV", "hable", -7.3f, false},
+    [METERED] = {"auto-exposure, reinhard", "reinhard", 0.0f, true},
 };
 
 /* Beyond, all is white; tone/map.c bounds light and factor so. */
@@ -66,8 +56,8 @@ static double plain_scale(const struct way *w, const struct gp_frame *f)
 static void plain_light(const struct way *w, const struct gp_frame *f,
                         double scale, size_t i, double out[3])
 {
-    const bool wide = strcmp(w->curve, "aces") == 0 ||
-                      strcmp(w->curve, "agx") == 0;
+    const struct tone_form *const form = tone_form_of(w->curve);
+    const bool wide = form && form->wide;
     for (int c = 0; c < 3; c++) {
         const double v = (double) f->lit.c[c][i] * scale;
         out[c] = fmin(fmax(v, wide ? -light_max : 0.0), light_max);
@@ -89,18 +79,9 @@ static double plain_white(const struct way *w, const struct gp_frame *f,
 
 // -- errors -------------------------------------------------------------------
 
-static const struct tone_form *form_of(const char *curve)
-{
-    for (int i = 0; i < CURVES; i++) {
-        if (strcmp(references[i].name, curve) == 0)
-            return &references[i];
-    }
-    return NULL;
-}
-
 static double bar_of(const struct way *w)
 {
-    const struct tone_form *const form = form_of(w->curve);
+    const struct tone_form *const form = tone_form_of(w->curve);
     return form ? form->tolerance : 0.0;
 }
 
@@ -126,7 +107,7 @@ static double copy_error(const struct gp_frame *f)
 
 static double map_error(const struct way *w, struct gp_frame *f)
 {
-    const struct tone_form *const form = form_of(w->curve);
+    const struct tone_form *const form = tone_form_of(w->curve);
     map(w, f);
     if (!form)
         return copy_error(f);
@@ -145,14 +126,14 @@ static double map_error(const struct way *w, struct gp_frame *f)
 
 // -- tables -------------------------------------------------------------------
 
-/* All curves there are, in their order, have a column. */
-static void check_ways(void)
+/* Makes the curves' columns; each but `none` has a printed form. */
+static void fill_ways(void)
 {
-    int n = 0;
-    while (gp_tone_curves[n]) {
-        if (n >= EV || strcmp(gp_tone_curves[n]->name, ways[n].curve) != 0)
-            hard_die(gp_tone_curves[n]->name, "has no column in tone.c");
-        n++;
+    for (int n = 0; gp_tone_curves[n]; n++) {
+        const char *const name = gp_tone_curves[n]->name;
+        if (n >= EV || (gp_tone_curves[n]->map && !tone_form_of(name)))
+            hard_die(name, "has no row in tone_forms.h");
+        ways[n] = (struct way) {name, name, 0.0f, false};
     }
 }
 
@@ -222,7 +203,7 @@ static void print_same_bytes(struct hard_column *column)
 void hard_tone(void)
 {
     struct hard_column column[WAYS + 1] = {{NULL, 0}};
-    check_ways();
+    fill_ways();
     for (int i = 0; i < WAYS; i++)
         column[i] = (struct hard_column) {ways[i].name, bar_of(&ways[i])};
     print_errors(column);

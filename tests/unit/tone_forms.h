@@ -1,8 +1,12 @@
-/* The tone curves as their sources print them, in double. */
+/* The tone curves as their sources print them, in double. A curve of
+ * gp_tone_curves needs a row in `references`; its tests follow from that. */
 #ifndef GP_TESTS_TONE_FORMS_H
 #define GP_TESTS_TONE_FORMS_H
 
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
 
 static inline double luminance(const double c[3])
 {
@@ -149,11 +153,26 @@ static const struct tone_form {
     const char *name;
     void (*map)(const double in[3], double white, double out[3]);
     double tolerance; // absolute, of a display whose white is 1
+    bool wide;        // mixes into wider primaries before negative light is cut
 } references[] = {
-    {"reinhard", ref_reinhard, 1e-6}, {"reinhard-extended", ref_extended, 1e-6},
-    {"aces", ref_aces, 1e-6},         {"hable", ref_hable, 1e-6},
-    {"agx", ref_agx, 2e-6},           {"neutral", ref_neutral, 1e-6},
-    {"linear", ref_linear, 0.0},
+    {"reinhard", ref_reinhard, 1e-6, false},
+    {"reinhard-extended", ref_extended, 1e-6, false},
+    {"aces", ref_aces, 1e-6, true},
+    {"hable", ref_hable, 1e-6, false},
+    {"agx", ref_agx, 2e-6, true},
+    {"neutral", ref_neutral, 1e-6, false},
+    {"linear", ref_linear, 0.0, false},
 };
+enum { TONE_FORMS = sizeof references / sizeof *references };
+
+/* Returns the row of a curve; NULL for `none`, and for one that has no row. */
+static inline const struct tone_form *tone_form_of(const char *curve)
+{
+    for (size_t i = 0; i < TONE_FORMS; i++) {
+        if (strcmp(references[i].name, curve) == 0)
+            return &references[i];
+    }
+    return NULL;
+}
 
 #endif
