@@ -160,11 +160,9 @@ static const struct gp_option_choice gp_alphas[] = {
      "EXR, PNG, TIFF, WebP, Targa, SGI, DPX, BMP"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
-    {"exr", GP_STDOUT_EXR, "OpenEXR; the only one for --hdr"},
-    {"png", GP_STDOUT_PNG, NULL},
-    {"pfm", GP_STDOUT_PFM, "portable float map: floats as they are"},
-    {"raw", GP_STDOUT_RAW, "pixels without a header, top left first, for "
-     "ffmpeg -f rawvideo; all frames must have one size"},
+#define X(name, ending, text) {ending, GP_STDOUT_##name, text},
+    GP_STDOUT_LIST(X)
+#undef X
     {0},
 };
 static const struct gp_option_choice gp_raws[] = {

@@ -15,8 +15,9 @@ static bool find_ending(const struct gp_write_params *p, const char *path,
                         char ending[ENDING_BYTES])
 {
     static const char *const formats[] = {
-        [GP_STDOUT_EXR] = "exr", [GP_STDOUT_PNG] = "png",
-        [GP_STDOUT_PFM] = "pfm", [GP_STDOUT_RAW] = "raw",
+#define X(name, ending, text) ending,
+        GP_STDOUT_LIST(X)
+#undef X
     };
     gp_file_ending(path, ending, ENDING_BYTES);
     if (ending[0] || !gp_file_is_straight(path))

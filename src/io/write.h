@@ -27,12 +27,20 @@ enum gp_compression {
     GP_COMPRESSION_DWAB,
 };
 
-/* Values of --stdout-format: what an output without an ending becomes. */
+/* Values of --stdout-format, formats of an output without an ending: a name,
+ * the ending of gp_writers, and a line for the man page, or NULL where the
+ * ending suffices. The enum, the option's values and the writer use this list.
+ */
+#define GP_STDOUT_LIST(X)                                                     \
+    X(EXR, "exr", "OpenEXR; the only one for --hdr")                          \
+    X(PNG, "png", NULL)                                                       \
+    X(PFM, "pfm", "portable float map: floats as they are")                   \
+    X(RAW, "raw", "pixels without a header, top left first, for "             \
+      "ffmpeg -f rawvideo; all frames must have one size")
 enum gp_stdout_format {
-    GP_STDOUT_EXR,
-    GP_STDOUT_PNG,
-    GP_STDOUT_PFM,
-    GP_STDOUT_RAW,
+#define X(name, ending, text) GP_STDOUT_##name,
+    GP_STDOUT_LIST(X)
+#undef X
 };
 
 /* Values of --raw, ffmpeg's names of these pixel formats. */
