@@ -113,6 +113,7 @@ static gp_status frame_of(const struct gp_log *log, const struct gp_kernel *k,
     const int ry = gp_max(abs(k->cy), abs(k->h - 1 - k->cy));
     const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
     *f = gp_frame_blank((struct gp_rect) {0, 0, (int) w, (int) h});
+    f->names_chromaticities = true;
     gp_status st = gp_planes_make(log, "kernel", w * h, &f->rgb);
     if (st)
         return st;
@@ -224,7 +225,8 @@ struct checked {
     long long nonfinite;    // samples; then `k` is empty
     const char *name;
     struct gp_kernel_label label;
-    float luminance[3];
+    float chromaticities[8], luminance[3];
+    bool named;             // the chromaticities are
     struct gp_kernel_use use;
 };
 
@@ -239,6 +241,9 @@ static gp_status check_of_model(const struct gp_log *log,
         st = make_kernel(log, c->name, &m, s->read.max_pixels, &c->k);
     gp_wanted_kernel_free(&m.wanted);
     memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
+    memcpy(c->chromaticities, gp_rec709_chromaticities,
+           sizeof c->chromaticities);
+    c->named = true;
     c->label = m.label;
     return st;
 }
@@ -260,6 +265,8 @@ static gp_status check_of_file(const struct gp_log *log,
             c->nonfinite += !isfinite(f.rgb.c[i][j]);
     }
     memcpy(c->luminance, f.luminance, sizeof c->luminance);
+    memcpy(c->chromaticities, f.chromaticities, sizeof c->chromaticities);
+    c->named = f.names_chromaticities;
     st = gp_label_read(log, &f, &c->label);
     if (!st && !c->nonfinite)
         st = gp_kernel_from_frame(log, &p, &f, &c->k);
@@ -288,6 +295,17 @@ static gp_status look_at_frame(const struct gp_log *log,
     }
     gp_frame_free(&f);
     return st;
+}
+
+static void print_primaries(const struct checked *c)
+{
+    const float *const p = c->chromaticities;
+    if (c->named)
+        printf("primaries  %g,%g %g,%g %g,%g, white %g,%g\n", (double) p[0],
+               (double) p[1], (double) p[2], (double) p[3], (double) p[4],
+               (double) p[5], (double) p[6], (double) p[7]);
+    else
+        printf("primaries  not named: used as it is in any frame\n");
 }
 
 static void print_figures(const struct checked *c,
@@ -333,6 +351,7 @@ static gp_status check_kernel(const struct gp_log *log,
     gp_label_use(&c.label, s->kernel_percent / 100.0, &c.k, w, h, &c.use);
     c.use.resampled = c.k.unturned || s->kernel_percent != 100.0;
     printf("kernel     %s\n", gp_printable(c.name).text);
+    print_primaries(&c);
     f.nonfinite = c.nonfinite;
     if (!c.nonfinite) {
         gp_kernel_measure(&c.k, c.luminance, &f);

@@ -184,14 +184,16 @@ static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
     const struct gp_field *const a = &k->field;
     if (!has_values(r, k->recipe, recipe))
         return false;
+    const bool coloured =
+        r->wanted.recipes || r->wanted.image[0].names_chromaticities;
+    if (a->aspect != b->aspect ||
+        (coloured && memcmp(a->chromaticities, b->chromaticities,
+                            8 * sizeof *a->chromaticities) != 0))
+        return false;
     if (!r->wanted.recipes)
-        return a->aspect == b->aspect &&
-               (a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0));
+        return a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
-           a->aspect == b->aspect &&
-           (!moves_in_time(r) || (a->frame == b->frame && a->fps == b->fps)) &&
-           memcmp(a->chromaticities, b->chromaticities,
-                  8 * sizeof *a->chromaticities) == 0;
+           (!moves_in_time(r) || (a->frame == b->frame && a->fps == b->fps));
 }
 
 /* Frame pixels for one of the kernel image, in the field's height. */
@@ -272,6 +274,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     struct gp_kernel_params p = gp_wanted_params(r->s, &r->wanted);
     p.aspect = field->aspect;
     p.scale = scale_of(r, field);
+    p.chromaticities = field->chromaticities;
     st = r->wanted.recipes
              ? gp_model_kernel_next(log, k->recipe, r->wanted.recipes, field,
                                     &r->kept, &k->k)
@@ -280,10 +283,13 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
         gp_free(k);
         return st;
     }
+    const struct gp_frame *const image = &r->wanted.image[0];
     if (r->wanted.recipes)
         gp_kernel_glance(&k->k, field->luminance, &k->figures);
     else
-        gp_kernel_measure(&k->k, r->wanted.image[0].luminance, &k->figures);
+        gp_kernel_measure(&k->k, image->names_chromaticities ? field->luminance
+                                                             : image->luminance,
+                          &k->figures);
     k->field = *field;
     memcpy(k->chromaticities, field->chromaticities, sizeof k->chromaticities);
     k->field.chromaticities = k->chromaticities;

@@ -402,13 +402,15 @@ gp_status gp_bench_run(const struct gp_log *log,
         // the kernel given, else the paper's own
         struct gp_frame image = {0};
         const struct gp_field field = field_of(req, &suns, &f);
+        struct gp_kernel_params of_image = *req->kernel;
+        of_image.chromaticities = f.chromaticities;
         gp_kernel_free(&kernel);
         if (own)
             GP_TRY(gp_paper_kernel(log, GP_PAPER_KERNEL, &image));
         st = !own && req->recipes
                  ? gp_model_kernel(log, req->recipe, req->recipes, &field,
                                    &kernel)
-                 : gp_kernel_from_frame(log, req->kernel,
+                 : gp_kernel_from_frame(log, &of_image,
                                         own ? &image : req->kernel_image,
                                         &kernel);
         gp_frame_free(&image);

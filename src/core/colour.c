@@ -224,6 +224,27 @@ void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
     }
 }
 
+int gp_spectrum_to_spectrum(const float from[8], const float to[8],
+                            double m[9])
+{
+    double xyz[9], target[9], back[9];
+    if (!gp_rgb_to_xyz(from, xyz) || !gp_rgb_to_xyz(to, target))
+        return 0;
+    for (int i = 0; i < 9; i += 3) {
+        const double white = target[i] + target[i + 1] + target[i + 2];
+        const double scale = white / (xyz[i] + xyz[i + 1] + xyz[i + 2]);
+        for (int c = 0; c < 3; c++)
+            xyz[i + c] *= scale;
+    }
+    gp_invert3(target, back);
+    gp_multiply3(back, xyz, m);
+    for (int i = 0; i < 9; i++) {
+        if (!(fabs(m[i]) < 1e3))
+            return 0;
+    }
+    return 1;
+}
+
 void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3])
 {

@@ -65,6 +65,13 @@ void gp_spectrum_weights(const float chromaticities[8], int n, double *nm,
 void gp_spectrum_colours(const float chromaticities[8], int n, double *nm,
                          double (*rgb)[3]);
 
+/* Colours of gp_spectrum_colours() in primaries `from` to those in `to`,
+ * row-major: what a kernel makes of white light. XYZ is scaled from white to
+ * white as it does, so that grey stays grey, whatever the whites. False when
+ * either are degenerate, or so odd that an element is 1e3 or more. */
+int gp_spectrum_to_spectrum(const float from[8], const float to[8],
+                            double m[9]);
+
 /* Moves a colour with a negative channel towards grey of its own luminance until
  * that channel is 0; one without luminance becomes 0.
  *   luminance  weights of the primaries */

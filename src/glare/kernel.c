@@ -1,4 +1,5 @@
-/* Makes kernels: checks, rotates, normalises, and cuts off zero borders. */
+/* Makes kernels: checks, converts, rotates, normalises, and cuts off zero
+ * borders. */
 #include "glare/kernel.h"
 
 #include "core/colour.h"
@@ -312,6 +313,78 @@ out:
     return st;
 }
 
+// -- primaries ----------------------------------------------------------------
+
+struct converting {
+    const struct gp_planes *in;
+    struct gp_planes out;
+    int w;
+    double m[9];
+    float luminance[3];          // weights of the primaries of `out`
+};
+
+static void convert_row(void *ctx, int y, int thread)
+{
+    const struct converting *const t = ctx;
+    const double *const m = t->m;
+    (void) thread;
+    for (int x = 0; x < t->w; x++) {
+        const size_t i = (size_t) y * (size_t) t->w + (size_t) x;
+        const double r = (double) t->in->c[0][i], g = (double) t->in->c[1][i],
+                     b = (double) t->in->c[2][i];
+        double v[3] = {r, g, b};
+        if (isfinite(r) && isfinite(g) && isfinite(b)) { // else an error later
+            for (int c = 0; c < 3; c++)
+                v[c] = m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b;
+            if (r >= 0.0 && g >= 0.0 && b >= 0.0) // lobes stay
+                gp_gamut_fold(t->luminance, v);
+        }
+        for (int c = 0; c < 3; c++)
+            t->out.c[c][i] = (float) v[c];
+    }
+}
+
+static bool is_grey(const struct raw_kernel *raw)
+{
+    const size_t bytes = (size_t) raw->w * (size_t) raw->h * sizeof(float);
+    return memcmp(raw->in.c[0], raw->in.c[1], bytes) == 0 &&
+           memcmp(raw->in.c[0], raw->in.c[2], bytes) == 0;
+}
+
+/* Converts raw->in from primaries to others, unless it is grey, which has no
+ * primaries; it is owned then. Sets raw->luminance to `luminance`, the weights
+ * of the others. */
+static gp_status convert(const struct gp_log *log, const float from[8],
+    const float to[8], float luminance[3], struct raw_kernel *raw)
+{
+    struct converting t = {.in = &raw->in, .w = raw->w};
+    if (memcmp(from, to, 8 * sizeof *from) == 0)
+        return GP_OK;
+    gp_luminance_weights(to, luminance);
+    raw->luminance = luminance;
+    if (is_grey(raw))
+        return GP_OK;
+    if (!gp_spectrum_to_spectrum(from, to, t.m))
+        return gp_fail(log, GP_ERR_DATA, "%s: the kernel's primaries (%g,%g "
+                       "%g,%g %g,%g, white %g,%g) cannot become the frame's "
+                       "(%g,%g %g,%g %g,%g, white %g,%g); repair chromaticities",
+                       raw->name, (double) from[0], (double) from[1],
+                       (double) from[2], (double) from[3], (double) from[4],
+                       (double) from[5], (double) from[6], (double) from[7],
+                       (double) to[0], (double) to[1], (double) to[2],
+                       (double) to[3], (double) to[4], (double) to[5],
+                       (double) to[6], (double) to[7]);
+    memcpy(t.luminance, luminance, sizeof t.luminance);
+    gp_status st = gp_planes_make(log, raw->name,
+                                  (size_t) raw->w * (size_t) raw->h, &t.out);
+    if (st)
+        return st;
+    gp_parallel_do(raw->h, convert_row, &t);
+    raw->in = t.out;
+    raw->owned = true;
+    return GP_OK;
+}
+
 // -- from a frame, from planes ------------------------------------------------
 
 /* Finds the pixel of the centre, counted from a window that starts at x0, y0,
@@ -353,7 +426,11 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the kernel has no pixels (%dx%d); use another "
                        "image", raw.name, raw.w, raw.h);
+    float luminance[3];
     gp_status st = find_center(log, p, image->data, &raw);
+    if (!st && p->chromaticities && image->names_chromaticities)
+        st = convert(log, image->chromaticities, p->chromaticities, luminance,
+                     &raw);
     if (!st)
         st = make_rotated(log, p, &raw, out);
     if (!st)

@@ -24,6 +24,8 @@ struct gp_kernel_params {
                                    // height; 0: 1
     double left_out;               // of a model whose kernel the image is:
                                    // becomes the kernel's; else 0
+    const float *chromaticities;   // 8, of the frames that it is made for, as
+                                   // gp_frame's; borrowed; NULL: the image's
 };
 
 /* The kernel before --rotate, scaled by the same factor, so that
@@ -82,8 +84,13 @@ float gp_kernel_aspect(const struct gp_frame *frame);
  * unless GP_NORMALIZE_NONE. For another scale, or pixels that are not square,
  * it is resampled by areas after it was turned: it is round on the screen, and
  * each channel's sum and centroid (within 1e-3 pixel) stay.
+ * First of all, an image that names its primaries is converted to those of
+ * p->chromaticities: its samples are colours of white light spread out, as those
+ * of gp_spectrum_to_spectrum(). A sample of no negative channel that gets one is
+ * folded in by gp_gamut_fold().
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
- * or faint, or a luminance sum that is not positive when normalising;
+ * or faint, or a luminance sum that is not positive when normalising, or
+ * primaries that cannot be converted;
  * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
  * is not finite, a rotated or resampled kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,

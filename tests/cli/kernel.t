@@ -294,6 +294,34 @@ run -k eye -e direct --layer l.exr in.exr
 run -k a.exr --kernel-normalize none -e direct --layer m.exr in.exr
 ok 'the file makes the layer of its model' "$glarepp" compare --fail-rel 1e-6 \
     --no-flip l.exr m.exr
+
+# frames of other primaries
+rec2020=0.708,0.292,0.17,0.797,0.131,0.046,0.3127,0.329
+acescg=0.713,0.293,0.165,0.83,0.128,0.044,0.32168,0.33767
+frame wide.1.exr seed=3 attr=chromaticities:chromaticities:$rec2020
+frame wide.2.exr seed=3 attr=chromaticities:chromaticities:$acescg
+frame wide.3.exr seed=3
+run kernel -k aperture:share=1,wavelengths=8 --size 64x48 -o a.exr
+is "$("$python" "$cli/tags.py" a.exr | grep '^chromaticities')" \
+    chromaticities=0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290 \
+    'a kernel file names its primaries'
+run -k aperture:share=1,wavelengths=8 -e direct --layer 'm.#.exr' 'wide.#.exr'
+run -k a.exr -e direct --layer 'l.#.exr' --report r.json 'wide.#.exr'
+quiet_success 'a kernel file in frames of other primaries'
+for i in 1 2 3; do
+    ok "makes the layer of the model in those of frame $i" "$glarepp" compare \
+        --no-flip --fail-rel 1e-5 m.$i.exr l.$i.exr
+done
+run -k image:file=a.exr -e direct --layer 'l.#.exr' 'wide.#.exr'
+ok 'and so does its recipe' "$glarepp" compare --no-flip --fail-rel 1e-5 \
+    m.1.exr l.1.exr
+run kernel --check a.exr
+like "$(cat out)" '*primaries  0.64,0.33 0.3,0.6 0.15,0.06, white 0.3127,0.329*' \
+    '--check: its primaries'
+run kernel --check k.exr
+like "$(cat out)" '*primaries  not named: used as it is in any frame*' \
+    '--check: none'
+
 run kernel -k eye -o a.png
 fails_with 2 '-o of a kernel' 'a kernel is an EXR file'
 run kernel --list

@@ -433,7 +433,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
                    window.y0 + (y < 0.0 ? middle[1] : y) + 0.5},
         .rotate = (float) f->rotate,
         .normalize = r->as_it_is ? GP_NORMALIZE_NONE : GP_NORMALIZE_LUMINANCE,
-        .aspect = f->aspect,
+        .aspect = f->aspect, .chromaticities = f->chromaticities,
         .scale = size > 0.0 ? size / (f->degrees * gp_rect_h(window))
                             : gp_recipe_value(r, "percent") / 100.0,
     };

@@ -448,6 +448,35 @@ static void lay_strands(const struct gp_recipe *r, double rotate,
     }
 }
 
+/* Reads the colour, of luminance 1 in the field's primaries: white light's in
+ * those of BT.709.
+ * Errors: GP_ERR_USAGE it has no luminance. */
+static gp_status find_tint(const struct gp_log *log, const struct gp_recipe *r,
+                           const struct gp_field *f, double tint[3])
+{
+    const double own[3] = {gp_recipe_value(r, "red"),
+                           gp_recipe_value(r, "green"),
+                           gp_recipe_value(r, "blue")};
+    double m[9], y = 0.0;
+    memcpy(tint, own, sizeof own);
+    if (memcmp(f->chromaticities, gp_rec709_chromaticities,
+               sizeof gp_rec709_chromaticities) != 0 &&
+        gp_spectrum_to_spectrum(gp_rec709_chromaticities, f->chromaticities, m))
+        for (int c = 0; c < 3; c++)
+            tint[c] = m[3 * c] * own[0] + m[3 * c + 1] * own[1] +
+                      m[3 * c + 2] * own[2];
+    gp_gamut_fold(f->luminance, tint);
+    for (int c = 0; c < 3; c++)
+        y += (double) f->luminance[c] * tint[c];
+    if (!(y > 0.0))
+        return gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
+                       "(%g,%g,%g); give red, green or blue over 0",
+                       r->model->name, own[0], own[1], own[2]);
+    for (int c = 0; c < 3; c++)
+        tint[c] /= y;
+    return GP_OK;
+}
+
 static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
                            const struct gp_field *f, struct gp_shape *out)
 {
@@ -493,17 +522,10 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
         for (int c = 0; c < 3; c++)
             light[c] += s->strand[i].gain * (1.0 + end * s->curve[c][0]);
     }
-    double tint[3] = {gp_recipe_value(r, "red"), gp_recipe_value(r, "green"),
-                      gp_recipe_value(r, "blue")};
-    double y = 0.0;
+    double tint[3];
+    GP_TRY(find_tint(log, r, f, tint));
     for (int c = 0; c < 3; c++)
-        y += (double) f->luminance[c] * tint[c];
-    if (!(y > 0.0))
-        GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
-                       "(%g,%g,%g); give red, green or blue over 0",
-                       r->model->name, tint[0], tint[1], tint[2]));
-    for (int c = 0; c < 3; c++)
-        s->tint[c] = light[c] > 0.0 ? tint[c] / (y * light[c]) : 0.0;
+        s->tint[c] = light[c] > 0.0 ? tint[c] / light[c] : 0.0;
     *out = (struct gp_shape) {
         .state = s, .free = rays_free,
         .row = coarse ? points_row : rays_row, .smooth = INFINITY,
@@ -538,9 +560,9 @@ out:
      dispersion, 0, 1, NULL, false},                                          \
     {"squeeze", "how many times as wide as high: an anamorphic lens",         \
      squeeze, 0.1, 20, NULL, false},                                          \
-    {"red", "colour", r, 0, 1, NULL, false},                                  \
-    {"green", "colour", g, 0, 1, NULL, false},                                \
-    {"blue", "colour", b, 0, 1, NULL, false},                                 \
+    {"red", "its colour, BT.709", r, 0, 1, NULL, false},                                  \
+    {"green", "its colour, BT.709", g, 0, 1, NULL, false},                                \
+    {"blue", "its colour, BT.709", b, 0, 1, NULL, false},                                 \
     {"seed", "which strands", 1, 0, 1e9, NULL, false},                        \
     {0}
 

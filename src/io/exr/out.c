@@ -240,8 +240,9 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
         put_foreign(h, f, kept);
     if (in_own_light(kept) &&
         !gp_exr_attr_find(own, "chromaticities", "chromaticities") &&
-        memcmp(f->chromaticities, gp_rec709_chromaticities,
-               sizeof f->chromaticities) != 0)
+        (f->names_chromaticities ||
+         memcmp(f->chromaticities, gp_rec709_chromaticities,
+                sizeof f->chromaticities) != 0))
         gp_exr_header_put(h, "chromaticities", "chromaticities",
                           f->chromaticities, sizeof f->chromaticities);
     if (kept == GP_EXR_KEEP_CONVERTED && p->primaries)

@@ -99,6 +99,39 @@ static void primaries_to_primaries(void **state)
     assert_false(gp_rgb_to_rgb(ap0, flat, m));
 }
 
+/* A sum of a spectrum's bands in one frame's primaries becomes that in
+ * another's. */
+static void spectra_to_other_primaries(void **state)
+{
+    enum { BANDS = 40 };
+    static const float all[][8] = {
+        {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f},
+        {0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f},
+        {0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f},
+        {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3},
+    };
+    static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f,
+                                  0.3f, 0.3f, 0.3f, 0.3f};
+    double m[9], nm[BANDS], colour[2][BANDS][3];
+    for (size_t i = 0; i < COUNT(all) * COUNT(all); i++) {
+        const float *const from = all[i / COUNT(all)];
+        const float *const to = all[i % COUNT(all)];
+        assert_true(gp_spectrum_to_spectrum(from, to, m));
+        gp_spectrum_colours(from, BANDS, nm, colour[0]);
+        gp_spectrum_colours(to, BANDS, nm, colour[1]);
+        for (int b = 0; b < BANDS; b++) {
+            const double *const v = colour[0][b];
+            for (int c = 0; c < 3; c++)
+                assert_near(m[3 * c] * v[0] + m[3 * c + 1] * v[1] +
+                            m[3 * c + 2] * v[2], colour[1][b][c], 1e-12);
+        }
+        for (int c = 0; c < 3; c++)
+            assert_near(m[3 * c] + m[3 * c + 1] + m[3 * c + 2], 1.0, 1e-12);
+    }
+    assert_false(gp_spectrum_to_spectrum(flat, all[0], m));
+    assert_false(gp_spectrum_to_spectrum(all[0], flat, m));
+}
+
 static void white_has_luminance_one(void **state)
 {
     float ch[8];
@@ -183,6 +216,7 @@ static void srgb_goes_and_comes_back(void **state)
 
 SUITE_OF(colour, NULL, NULL, weights_are_the_published_ones,
          bt709_is_exactly_what_papers_print, matrix_is_that_of_the_standard,
-         primaries_to_primaries, white_has_luminance_one,
+         primaries_to_primaries, spectra_to_other_primaries,
+         white_has_luminance_one,
          degenerate_primaries_count_as_bt709,
          srgb_points, srgb_clamps, srgb_goes_and_comes_back)
