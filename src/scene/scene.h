@@ -67,7 +67,7 @@ struct gp_material {
     float base[4];   // linear colour and alpha; where no texture says otherwise
     float cutoff;    // MASK: opaque where base[3] * texture's alpha >= cutoff;
                      // 0: opaque everywhere. BLEND: hides as MASK at 0.5, and
-                     // the scene has a warning
+                     // the scene has a warning; 2: glass, which hides nothing
     int cutout;      // index; -1: alpha is base[3] alone
     char name[GP_SCENE_NAME];
 };

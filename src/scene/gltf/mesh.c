@@ -91,8 +91,38 @@ static json_t *base_texture(json_t *material)
                            "baseColorTexture");
 }
 
+/* Content of materials that warnings name. */
+struct seen {
+    bool blends, glass; // glass: partly, or by a texture
+};
+
+/* Lets a material that transmits at least half of the light hide nothing
+ * (KHR_materials_transmission), as a blended one of at most half its alpha
+ * would; a texture of it is not read, and the material is opaque. */
+static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
+                            int *texture, struct seen *seen,
+                            struct gp_material *m)
+{
+    double factor = 0.0;
+    json_t *glass;
+    gp_status st = gp_gltf_extension(at, o, "KHR_materials_transmission",
+                                     &glass);
+    if (!st && glass)
+        st = gp_json_number(&at->p, glass, "transmissionFactor", 0.0, 1.0,
+                            &factor, NULL);
+    if (st || !(factor > 0.0))
+        return st;
+    const bool textured = json_object_get(glass, "transmissionTexture");
+    seen->glass = seen->glass || textured || factor < 1.0;
+    if (!textured && factor >= 0.5) {
+        m->cutoff = 2.0f; // no alpha reaches it
+        *texture = -1;
+    }
+    return GP_OK;
+}
+
 static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
-                               bool *blends, struct gp_material *m)
+                               struct seen *seen, struct gp_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
     json_t *const o = gp_gltf_item(g, "materials", index);
@@ -112,11 +142,12 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
     if (!mode)
         *texture = -1; // its alpha is ignored
-    *blends = *blends || mode == 2;
+    seen->blends = seen->blends || mode == 2;
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
     gp_gltf_name(o, m->name);
+    st = read_glass(&at, o, texture, seen, m);
 out:
     return st;
 }
@@ -129,7 +160,8 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
     const int textures = gp_gltf_count(g, "textures");
     int *of_texture = NULL;
     long long texels = 0;
-    bool blends = false, blind = false;
+    struct seen seen = {0};
+    bool blind = false;
     gp_status st;
     GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n + 1, sizeof *out->material,
@@ -148,7 +180,7 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         struct gp_material *const m = &out->material[i];
         int texture;
         m->cutout = -1;
-        GP_TRY(read_material(g, i, &texture, &blends, m));
+        GP_TRY(read_material(g, i, &texture, &seen, m));
         blind = blind || (texture >= 0 && !images);
         if (texture < 0 || !images)
             continue;
@@ -156,9 +188,13 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
             GP_TRY(read_cutout(g, texture, images, of_texture, &texels, out));
         m->cutout = of_texture[texture];
     }
-    if (blends)
+    if (seen.blends)
         gp_say(g->log, GP_LEVEL_WARN, "%s: blended materials hide light where "
                "their alpha is at least 0.5", g->path);
+    if (seen.glass)
+        gp_say(g->log, GP_LEVEL_WARN, "%s: glass (KHR_materials_transmission) "
+               "of a factor under 0.5, or with a texture, hides all light, "
+               "other glass none", g->path);
     if (blind)
         gp_say(g->log, GP_LEVEL_WARN, "%s: textures of cut-outs are not read; "
                "they count as opaque", g->path);

@@ -541,6 +541,42 @@ static void alpha_of_vertices_is_a_warning_on_cutouts(void **state)
     }
 }
 
+/* Glass of at least half the light hides nothing; a texture of it is not read. */
+static void glass_hides_nothing(void **state)
+{
+    static const struct {
+        const char *glass;
+        bool gone, warns;
+    } row[] = {
+        {"'transmissionFactor': 1", true, false},
+        {"'transmissionFactor': 0.5", true, true},
+        {"'transmissionFactor': 0.4", false, true},
+        {"'transmissionFactor': 0", false, false},
+        {"", false, false},
+        {"'transmissionFactor': 1, 'transmissionTexture': {'index': 0}", false,
+         true},
+        {"'transmissionTexture': {'index': 0}", false, false}, // factor 0
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        kept_clear();
+        struct gp_scene s = read_scene(gm_write(
+                 "'extensionsRequired': ['KHR_materials_transmission'], "
+                 "'materials': [{'extensions': {'KHR_materials_transmission': "
+                 "{%s}}}]", row[i].glass), GP_UP_Y);
+        assert_int_equal(gp_material_gone(&s.material[0]), row[i].gone);
+        assert_int_equal(strstr(kept_warning, "hides all light, other glass "
+                                "none") != NULL, row[i].warns);
+        assert_false(gp_material_gone(&s.material[1])); // the default
+        gp_scene_free(&s);
+    }
+    gm_write("'materials': [{'extensions': {'KHR_materials_transmission': "
+             "{'transmissionFactor': 2}}}]");
+    struct gp_scene s;
+    assert_int_equal(gp_scene_read(&kept_log, path, GP_UP_Y, NULL, &s),
+                     GP_ERR_DATA);
+    assert_non_null(strstr(kept_line, "transmissionFactor"));
+}
+
 static void an_image_is_read_once_for_all_textures(void **state)
 {
     struct picture p = {0};
@@ -668,7 +704,7 @@ SUITE_OF(gltf, make_folder, remove_folder,
     keys_step_and_run_straight, cubic_keys_follow_their_tangents,
     turns_run_at_one_speed_the_shorter_way,
     full_memory_is_one_line_and_keeps_nothing,
-    alpha_of_vertices_is_a_warning_on_cutouts,
+    alpha_of_vertices_is_a_warning_on_cutouts, glass_hides_nothing,
     cutouts_are_read_once_for_all_materials,
     an_image_is_read_once_for_all_textures, cutouts_are_moved, cameras_project_and_are_compared,
          cameras_of_one_name_are_told_apart_by_node)
