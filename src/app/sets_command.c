@@ -71,8 +71,10 @@ static gp_status write_pictures(const struct gp_log *log,
         } else if (scissor) {
             gp_sets_draw_scissors(t, scene->lights, w, h, &f.rgb);
         } else {
-            gp_sets_draw_map(t, scene, c, w, h, &f.rgb);
+            st = gp_sets_draw_map(log, t, scene, c, w, h, &f.rgb);
         }
+        if (st)
+            break;
         st = gp_write_picture(log, &s->write, path, &f, &f.rgb,
                               i < s->outputs.n ? GP_PICTURE_SCENE
                                                : GP_PICTURE_SHOWN, &stats);
