@@ -419,8 +419,8 @@ static void alpha_only(void **state)
         const gp_status st = gp_read_coverage(&kept_all, &p, "in", m.bytes, m.n,
                                               W * H - 1, &a);
         assert_int_equal(st, GP_ERR_DATA);
-        assert_non_null(strstr(kept_line, "in: too large for a cut-out (5 x 3 "
-                               "texels, at most 14)"));
+        assert_non_null(strstr(kept_line, "in: "));
+        assert_non_null(strstr(kept_line, "(5 x 3 texels, at most 14)"));
         assert_null(strstr(kept_line, "max-pixels"));
         put_head(&m, W, H, bits, row[i].type, false);
         put_pixels(&m, raw, put_rows(raw, n, bits, size, first, step), 50);

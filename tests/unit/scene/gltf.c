@@ -644,8 +644,8 @@ static void cameras_of_one_name_are_told_apart_by_node(void **state)
                  "'other'}]"), GP_UP_Y);
     assert_null(gp_scene_find_camera(&s, "Cam"));
     assert_int_equal(gp_scene_no_camera(&kept_log, &s, "Cam"), GP_ERR_USAGE);
-    assert_non_null(strstr(kept_line, "2 cameras of that name"));
-    assert_non_null(strstr(kept_line, "one of: 1 (Cam), 2 (Cam), other"));
+    assert_non_null(strstr(kept_line, "2 cameras"));
+    assert_non_null(strstr(kept_line, "1 (Cam), 2 (Cam), other"));
     assert_ptr_equal(gp_scene_find_camera(&s, "2"), &s.camera[1]);
     assert_ptr_equal(gp_scene_find_camera(&s, "other"), &s.camera[2]);
     assert_null(gp_scene_find_camera(&s, "0")); // a node without one

@@ -243,12 +243,12 @@ static void wrong_names_list_the_right_ones(void **state)
         struct gp_ocio_params p;
         const char *option, *offers;
     } rows[] = {
-        {{.input = "x"}, "(found \"x\")", "scene_linear (role)"},
+        {{.input = "x"}, "\"x\"", "scene_linear (role)"},
         {{.output = "x"}, "--output-space: ", "lin, half, turned, shot, "},
         {{.display = "Hidden", .view = "Half", .shows = true},
-         "display Hidden (found \"Half\")", "give one of Plain"},
+         "Hidden (found \"Half\")", " Plain"},
         {{.look = "twice, x", .shows = true}, "--look: ",
-         "(found \"x\"); give one of twice"},
+         "\"x\"); give one of twice"},
         {{.context = blank, .contexts = 1}, "--ocio-context: ", "NAME=VALUE"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
