@@ -397,18 +397,16 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     json_t *const list = json_array();
     for (int i = 0; i < f->lights; i++) {
         const struct gp_light *const l = &f->light[i];
-        const bool known = !l->behind || l->low < l->high;
         json_array_append_new(list, json_pack(
-            "{so* so* so* so* so* so so*}",
+            "{so* so* so* so* so* so so}",
             "name", l->name[0] ? gp_json_name(l->name) : NULL,
             "behind", l->behind ? json_true() : NULL,
             "x", l->behind ? NULL : rounded(l->x, 1e-4),
             "y", l->behind ? NULL : rounded(l->y, 1e-4),
             "radius", l->behind ? NULL : rounded(l->radius, 1e-4),
             "visibility", rounded(l->visibility, 1e-6),
-            "interval", !known ? NULL
-                : json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
-                            ceil(l->high * 1e6) * 1e-6)));
+            "interval", json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
+                                  ceil(l->high * 1e6) * 1e-6)));
     }
     json_object_set_new(o, "lights", list);
     if (f->sun_way)

@@ -129,8 +129,7 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
         const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
                                 : 0.0;
         const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
-                          : l->behind ? 0.0
-                                      : 1.0;
+                                : 1.0;
         struct interval v = {.o = o, .light = l};
         struct bounds_sums s = {0};
         v.radius = fmin(fmax(l->radius, 1e-3), 1e9); // as gp_sun_exact()

@@ -92,9 +92,9 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
  * pixel is at an edge where its coverage is not 0 or 1; by depth alone, where
  * one of its eight neighbours shows another share; with both, there too if it
  * or that neighbour has a surface that is not nearer than the light.
- * Outside of the frame a light may be hidden or clear; with GP_OUTSIDE_SCENE it
- * is gp_light.outside within its error, without it one behind the camera is
- * hidden. low <= visibility <= high. Writes in_frame.
+ * Outside of the frame, and behind the camera, a light may be hidden or clear;
+ * with GP_OUTSIDE_SCENE it is gp_light.outside within its error.
+ * low <= visibility <= high. Writes in_frame.
  * The same bits for any threads. Details thinner than a pixel may be missed. */
 void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n);

@@ -54,13 +54,15 @@ lamps()
 frame still.1004.exr channels=R,G,B,Z:float kind=dark size=640x360
 for method in exact mask; do
     if [ $method = mask ] && [ -z "$gl" ]; then
-        skip 3 'no GL'
+        skip 4 'no GL'
         continue
     fi
     run --scene "$street" --sun-method $method --report r.json still.1004.exr
     is "$(lamps '[round(L[k]["visibility"], 2) for k in ("lamp3", "lamp4",
         "lamp6")]')" '[0.73, 1.0, 0.0]' "$method: lamps beside and behind"
     is "$(lamps 'L["lamp4"]["behind"]')" True "$method: behind the camera"
+    is "$(lamps 'L["lamp4"]["interval"]')" '[1.0, 1.0]' \
+        "$method: the interval of one behind the camera"
     is "$(lamps 'L["lamp3"]["interval"][0] < 0.7278 <
         L["lamp3"]["interval"][1]')" True "$method: the interval holds it"
 done

@@ -260,7 +260,7 @@ for name in spec clip screen; do
 done
 run --sun-dir 0,0,-1 --report r.json spec.exr
 is "$(field r.json 'o["lights"]')" \
-    "[{'name': 'sun', 'behind': True, 'visibility': 0.0}]" \
+    "[{'name': 'sun', 'behind': True, 'visibility': 0.0, 'interval': [0.0, 1.0]}]" \
     'behind the camera'
 run --sun-dir 0,0.5,1 --ndc clip --report r.json spec.exr
 is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" '[48.0, 18.0]' \

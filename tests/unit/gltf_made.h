@@ -102,4 +102,14 @@ static inline void gm_refused(const char *file, gp_status status,
     assert_int_equal(s.objects, 77); // as it was
 }
 
+/* Reads a file without its images. */
+static inline struct gp_scene gm_read(const char *file, enum gp_up up)
+{
+    struct gp_scene s = {0};
+    const gp_status st = gp_scene_read(&kept_log, file, up, NULL, &s);
+    if (st)
+        fail_msg("%s", kept_line);
+    return s;
+}
+
 #endif
