@@ -176,56 +176,97 @@ static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
     return true;
 }
 
-/* Transforms fft->channels channels of the kernel from fft->channel on, its
- * samples in `core` left out, into the state's spectrum: planes of p->ny rows,
- * scaled so that the passes need no more factors. It is kept where these are
- * all channels: one of a grey kernel, or three. fft has the plans of p->nx and
- * p->ny; s->work fits p, and is overwritten. */
-static gp_status make_spectrum(const struct gp_glare_request *req,
-    struct fft_state *s, const struct gp_fft_request *fft,
-    const struct gp_fft_placing *p, struct gp_fft_core core)
+/* A kernel's spectrum, there or made with the frame. */
+struct kernel_spectrum {
+    struct gp_fft_kernel passes; // what they take
+    struct kernel_rows from;
+    struct gp_fft_matrix rows;   // of one channel; none where it is there
+    bool lent;                   // these are in a plane of the layer
+    int *places;
+};
+
+static void free_kernel_spectrum(struct kernel_spectrum *m)
+{
+    if (!m->lent)
+        gp_fft_matrix_free(&m->rows);
+    gp_free(m->places);
+    *m = (struct kernel_spectrum) {0};
+}
+
+/* Makes room for `n` rows of nx numbers: the layer's last plane, which is
+ * written after the last kernel is made, where it is large enough. */
+static gp_status make_kernel_rows(const struct gp_glare_request *req, int nx,
+    int n, struct kernel_spectrum *m)
+{
+    const size_t plane = (size_t) req->src->w * (size_t) req->src->h;
+    m->lent = gp_fft_matrix_floats(nx, n) <= plane;
+    if (!m->lent)
+        return gp_fft_matrix_make(req->log, 1, nx, n, &m->rows);
+    m->rows = gp_fft_matrix_in(req->layer->c[2], nx, n);
+    return GP_OK;
+}
+
+/* A coloured kernel's is not kept that no later frame takes; a grey one's is
+ * made for the first channel, and the others take it. */
+static bool keeps_spectrum(const struct gp_glare_request *req)
+{
+    return req->kernel->grey || !req->params->last;
+}
+
+/* Finds the spectrum in the state, or makes room for that of the kernel without
+ * its samples in `core`. */
+static gp_status open_kernel_spectrum(const struct gp_glare_request *req,
+    struct fft_state *s, const struct gp_fft_placing *p,
+    struct gp_fft_core core, struct kernel_spectrum *out)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
-    const int n = gp_rect_h(p->taps), all = k->grey ? 1 : 3;
+    struct kernel_spectrum m = {.passes.channels = k->grey ? 1 : 3};
+    if (has_spectrum(s, k, p, core)) {
+        m.passes.spectrum = s->spectrum;
+        *out = m;
+        return GP_OK;
+    }
     const bool even = is_even(k, &p->taps);
-    const struct kernel_rows from = {
+    const int n = even ? p->taps.y1 : gp_rect_h(p->taps);
+    gp_fft_matrix_free(&s->spectrum);
+    s->kernel = 0;
+    if (keeps_spectrum(req))
+        GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
+            req->log, m.passes.channels, p->nx, p->ny, &s->spectrum));
+    GP_TRY(make_kernel_rows(req, p->nx, n, &m));
+    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *m.places,
+                    &m.places));
+    for (int j = 0; j < n; j++)
+        m.places[j] = wrap_index(p->taps.y0 + j, p->ny);
+    m.from = (struct kernel_rows) {
         .kernel = k, .p = p, .core = core, .first = even ? 0 : p->taps.y0,
     };
-    struct gp_fft_matrix spectrum = {0};
-    int *places = NULL;
-    struct gp_fft_request one = *fft;
-    one.channels = 1;
+    m.passes.spectrum = s->spectrum;
+    m.passes.spectrum.real = even;
+    m.passes.n = n;
+    m.passes.place = m.places;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
-    const float scale = (float) (0.25 / ((double) p->nx * p->ny));
-    gp_fft_matrix_free(&s->spectrum);
-    GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
-        req->log, fft->channels, p->nx, p->ny, &spectrum));
-    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *places,
-                    &places));
-    for (int j = 0; j < n; j++)
-        places[j] = wrap_index(p->taps.y0 + j, p->ny);
-    for (int i = 0; i < fft->channels; i++) {
-        one.channel = fft->channel + i;
-        struct gp_fft_matrix m = one_channel(&s->work, 0, one.channel);
-        struct gp_fft_matrix to = one_channel(&spectrum, i, one.channel);
-        const int rows = even ? p->taps.y1 : n;
-        GP_TRY(gp_fft_rows_in(&one, rows, load_kernel_row, &from, &m));
-        if (even)
-            GP_TRY(gp_fft_even_columns(&one, &m, rows, scale, &to));
-        else
-            GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &to));
-    }
-    s->spectrum = spectrum;
-    spectrum = (struct gp_fft_matrix) {0};
-    s->kernel = fft->channels == all ? k->serial : 0;
-    s->placing = *p;
-    s->core = core;
+    m.passes.scale = (float) (0.25 / ((double) p->nx * p->ny));
+    *out = m;
+    m = (struct kernel_spectrum) {0};
 out:
-    gp_fft_matrix_free(&spectrum);
-    gp_free(places);
+    free_kernel_spectrum(&m);
     return st;
+}
+
+/* Transforms the rows of channel fft->channel, where the spectrum is made of
+ * them: `view` is to hold them. */
+static gp_status load_kernel_spectrum(const struct gp_fft_request *fft,
+    struct kernel_spectrum *m, struct gp_fft_matrix *view)
+{
+    m->passes.rows = NULL;
+    if (!m->rows.z[0] || fft->channel >= m->passes.channels)
+        return GP_OK;
+    *view = one_channel(&m->rows, 0, fft->channel);
+    m->passes.rows = view;
+    return gp_fft_rows_in(fft, m->passes.n, load_kernel_row, &m->from, view);
 }
 
 // -- one frame ---------------------------------------------------------------
@@ -318,10 +359,11 @@ static gp_status transform(const struct gp_glare_request *req,
     gp_status st;
     struct gp_fft_request fft = {.log = req->log, .channels = 1};
     struct gp_fft_noise noise = {0};
+    struct kernel_spectrum kernel = {0};
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .noise = &noise,
                                .negative = req->kernel->negative};
-    const int count = gp_rect_h(p->out), planes = req->kernel->grey ? 1 : 3;
+    const int count = gp_rect_h(p->out);
     GP_TRY(find_plan(req, s, p->ny, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
     GP_TRY(find_plan(req, s, p->nx, &fft.x));
@@ -335,20 +377,9 @@ static gp_status transform(const struct gp_glare_request *req,
             light.place[light.n++] = row - p->in.y0;
         }
     }
-    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx,
-                              gp_max(gp_max(light.n, count),
-                                     gp_rect_h(p->taps)), &s->work));
-    // a spectrum that no later frame takes is made a channel at a time
-    const bool make = !has_spectrum(s, req->kernel, p, core);
-    const bool each = make && planes > 1 && req->params->last;
-    struct gp_fft_request all = fft;
-    all.channels = planes;
-    if (make && !each)
-        GP_TRY(make_spectrum(req, s, &all, p, core));
-    const size_t w = (size_t) src->w;
-    gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
-    gp_planes_clear(req->layer, w * (size_t) p->out.y1,
-                    w * (size_t) (src->h - p->out.y1));
+    GP_TRY(open_kernel_spectrum(req, s, p, core, &kernel));
+    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, gp_max(light.n, count),
+                              &s->work));
     for (int c = 0; c < 3; c++) {
         const struct gp_kernel *const k = req->kernel;
         const double norm = sqrt(src->energy[c]);
@@ -360,21 +391,31 @@ static gp_status transform(const struct gp_glare_request *req,
     }
     const int first = wrap_index(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = one_channel(&s->work, 0, fft.channel);
-        if (each)
-            GP_TRY(make_spectrum(req, s, &fft, p, core));
+        struct gp_fft_matrix m = one_channel(&s->work, 0, fft.channel), view;
+        GP_TRY(load_kernel_spectrum(&fft, &kernel, &view));
         GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
-        GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
-                               each ? 1 : planes, first, count));
+        GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &kernel.passes,
+                               first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
+    const size_t w = (size_t) src->w;
+    gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
+    gp_planes_clear(req->layer, w * (size_t) p->out.y1,
+                    w * (size_t) (src->h - p->out.y1));
     gp_fft_matrix_free(&s->work);
+    free_kernel_spectrum(&kernel);
+    if (s->spectrum.z[0]) {
+        s->kernel = req->kernel->serial;
+        s->placing = *p;
+        s->core = core;
+    }
     if (req->params->last)
         gp_fft_matrix_free(&s->spectrum);
     if (!req->kernel->negative)
         GP_TRY(clear_unreached(req, s, src, &noise));
 out:
     gp_fft_matrix_free(&s->work);
+    free_kernel_spectrum(&kernel);
     for (int c = 0; c < 3; c++)
         gp_free(noise.row[c]);
     gp_free(light.y);
@@ -636,8 +677,10 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
         setup += plan;
     if (p.ny != p.nx && plan_at(s, p.ny, how) == s->plans)
         setup += plan;
+    const int channels = k->grey ? 1 : 3;
     if (!has_spectrum(s, k, &p, split.core))
-        setup += gp_fft_spectrum_ms(k->grey ? 1 : 3, &p, how);
+        setup += gp_fft_spectrum_ms(channels,
+                                    keeps_spectrum(req) ? channels : 0, &p, how);
     if (!s->spectrum.z[0])
         setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
                  fmax(gp_rect_h(p.in), gp_rect_h(p.out));

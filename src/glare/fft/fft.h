@@ -97,6 +97,11 @@ GP_MUST_CHECK gp_status gp_fft_real_matrix_make(const struct gp_log *log,
     int channels, int nx, int rows, struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
+/* Floats of one plane, and a matrix of one in memory of the caller, at
+ * GP_ALIGN, which is not to be freed. */
+size_t gp_fft_matrix_floats(int nx, int rows);
+struct gp_fft_matrix gp_fft_matrix_in(float *memory, int nx, int rows);
+
 /* State that the passes share. */
 struct gp_fft_request {
     const struct gp_log *log;
@@ -120,20 +125,27 @@ GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
     struct gp_fft_matrix *out);
 
-/* The same of rows that are even about the first, at place 0: row -j is row j
- * from right to left, so that columns are real and share a transform in pairs.
- * `out` is real, its pitch >= ny >= 2 rows - 1. */
-GP_MUST_CHECK gp_status gp_fft_even_columns(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, float scale,
-    struct gp_fft_matrix *out);
+/* A kernel's spectrum of one channel (grey) or three, in whole columns of
+ * pitch >= ny, scaled so that the passes need no more factors; or the rows that
+ * it is made of on the way. */
+struct gp_fft_kernel {
+    int channels;
+    struct gp_fft_matrix spectrum; // made: its planes are written, or, where
+                                   // they are NULL, it is not kept
+    const struct gp_fft_matrix *rows; // of gp_fft_rows_in(), to make it of;
+                                      // NULL: it is there
+    int n;            // rows: row j at place[j] of ny, or, where the spectrum
+    const int *place; // is real, at j, and -j is row j from right to left:
+                      // n <= ny / 2
+    float scale;
+};
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)
  * in, as gp_fft_columns() takes them, places first .. first + count (modulo ny)
- * out to rows [0, count). The kernel has one channel (grey) or three. */
+ * out to rows [0, count). A kernel's spectrum is made for one channel. */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
     struct gp_fft_matrix *m, int rows, const int *place,
-    const struct gp_fft_matrix *kernel, int kernel_channels, int first,
-    int count);
+    const struct gp_fft_kernel *kernel, int first, int count);
 
 /* Row `j` of channel `c` from z[2 * x], x in [0, nx). */
 typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);

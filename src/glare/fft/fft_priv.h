@@ -26,11 +26,12 @@ struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
 
 /* Milliseconds of the passes on one core: the frame's rows there and back and
  * all columns twice, for three channels; and those of making the spectrum of a
- * kernel of so many channels, on memory that is touched for the first time. */
+ * kernel of so many channels, `kept` of them on memory that is touched for the
+ * first time. */
 double gp_fft_passes_ms(const struct gp_sources *s,
                         const struct gp_fft_placing *p, enum gp_fft_plan how);
-double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
-                          enum gp_fft_plan how);
+double gp_fft_spectrum_ms(int channels, int kept,
+                          const struct gp_fft_placing *p, enum gp_fft_plan how);
 
 /* Bounds rel_l2 of transforms of s with k, where the layer's norm is at least
  * `least`; INFINITY where that is 0.

@@ -344,16 +344,36 @@ GP_CLONES static void multiply_real(float *restrict z, const float *restrict k,
     }
 }
 
-static gp_status make_matrix(const struct gp_log *log, int channels, int nx,
-                             int rows, bool real, struct gp_fft_matrix *out)
+/* A matrix without planes. */
+static struct gp_fft_matrix matrix_of(int nx, int rows, bool real)
 {
     struct gp_fft_matrix m = {
         .columns = (nx / 2 + 1 + 3) / 4 * 4, .real = real,
     };
-    const size_t floats = real ? 1 : 2; // of a number
     m.pitch = ((size_t) rows + ROWS - 1) / ROWS * ROWS;
     if (m.pitch % 64 == 0)
         m.pitch += ROWS; // neighbouring columns must not share a cache set
+    return m;
+}
+
+size_t gp_fft_matrix_floats(int nx, int rows)
+{
+    const struct gp_fft_matrix m = matrix_of(nx, rows, false);
+    return 2 * (size_t) m.columns * m.pitch;
+}
+
+struct gp_fft_matrix gp_fft_matrix_in(float *memory, int nx, int rows)
+{
+    struct gp_fft_matrix m = matrix_of(nx, rows, false);
+    m.z[0] = memory;
+    return m;
+}
+
+static gp_status make_matrix(const struct gp_log *log, int channels, int nx,
+                             int rows, bool real, struct gp_fft_matrix *out)
+{
+    struct gp_fft_matrix m = matrix_of(nx, rows, real);
+    const size_t floats = real ? 1 : 2; // of a number
     // one block, as it fills huge pages
     const size_t plane = (size_t) m.columns * m.pitch;
     gp_status st = gp_alloc(log, "spectrum", (size_t) channels * plane,
@@ -388,9 +408,8 @@ void gp_fft_matrix_free(struct gp_fft_matrix *m)
 struct pass {
     const struct gp_fftwf *lib;
     const struct gp_fft_request *req;
-    struct gp_fft_matrix *m;
-    const struct gp_fft_matrix *kernel;
-    int kernel_channels;
+    struct gp_fft_matrix *m, *out;
+    const struct gp_fft_kernel *kernel;
     int rows, tasks; // tasks of one channel
     const int *place;
     int first, count;
@@ -478,16 +497,16 @@ gp_status gp_fft_rows_in(const struct gp_fft_request *req, int rows,
     return run_pass(&s, (PAIRS + 1) * row_floats(req->x->n), rows_in);
 }
 
-/* Transforms one column into `out`, its rows at their places. */
-static void column_forward(const struct pass *s, const float *column,
-                           float *spread, float *out)
+/* Transforms a column of `rows` rows into `out`, row j at place[j] of ny. */
+static void column_forward(const struct pass *s, const float *column, int rows,
+                           const int *place, float *spread, float *out)
 {
     const int ny = s->req->y->n;
     const size_t one = 2 * sizeof(float); // complex number
-    const int first = s->rows ? s->place[0] : 0;
-    const int end = first + s->rows, over = gp_max(end - ny, 0);
-    if (s->rows && s->place[s->rows - 1] == (end - 1) % ny) { // no gap
-        const int upper = s->rows - over;
+    const int first = rows ? place[0] : 0;
+    const int end = first + rows, over = gp_max(end - ny, 0);
+    if (rows && place[rows - 1] == (end - 1) % ny) { // no gap
+        const int upper = rows - over;
         memcpy(spread, column + 2 * upper, one * (size_t) over);
         memset(spread + 2 * over, 0, one * (size_t) (first - over));
         memcpy(spread + 2 * first, column, one * (size_t) upper);
@@ -495,8 +514,8 @@ static void column_forward(const struct pass *s, const float *column,
             memset(spread + 2 * end, 0, one * (size_t) (ny - end));
     } else {
         memset(spread, 0, one * (size_t) ny);
-        for (int j = 0; j < s->rows; j++)
-            memcpy(spread + 2 * s->place[j], column + 2 * j, one);
+        for (int j = 0; j < rows; j++)
+            memcpy(spread + 2 * place[j], column + 2 * j, one);
     }
     s->lib->execute_dft(s->req->y->forward, (void *) spread, (void *) out);
 }
@@ -514,10 +533,9 @@ static void columns_forward(void *ctx, int i, int thread)
     const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
     const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
     for (int k = t.first; k < end; k++) {
-        float *const out =
-            s->kernel->z[t.c] + 2 * (size_t) k * s->kernel->pitch;
-        column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
-                       out);
+        float *const out = s->out->z[t.c] + 2 * (size_t) k * s->out->pitch;
+        column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, s->rows,
+                       s->place, t.line, out);
         scale_column(out, s->scale, 2 * ny);
     }
 }
@@ -528,7 +546,7 @@ gp_status gp_fft_columns(const struct gp_fft_request *req,
 {
     struct gp_fft_matrix in = *m;
     struct pass s = {
-        .req = req, .m = &in, .kernel = out, .rows = rows, .place = place,
+        .req = req, .m = &in, .out = out, .rows = rows, .place = place,
         .scale = scale, .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
     };
     return run_pass(&s, 2 * row_floats(req->y->n), columns_forward);
@@ -550,36 +568,46 @@ static void join_even(const float *a, size_t next, int rows, int ny, float *z)
     }
 }
 
-static void even_columns(void *ctx, int i, int thread)
+/* Takes z = a + ib apart, times `scale`; b may be NULL. */
+GP_CLONES static void part_even(const float *z, float scale, int n, float *a,
+                                float *b)
 {
-    struct pass *const s = ctx;
-    const int ny = s->req->y->n;
-    const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
-    const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
-    for (int k = t.first; k < end; k += 2) {
-        const bool two = k + 1 < end;
-        const float *const a = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
-        float *const out = s->kernel->z[t.c] + (size_t) k * s->kernel->pitch;
-        join_even(a, two ? 2 * s->m->pitch : 0, s->rows, ny, t.line);
-        s->lib->execute_dft(s->req->y->forward, (void *) t.line,
-                            (void *) t.next);
-        for (int y = 0; y < ny; y++)
-            out[y] = t.next[2 * y] * s->scale;
-        for (int y = 0; y < ny && two; y++)
-            out[s->kernel->pitch + (size_t) y] = t.next[2 * y + 1] * s->scale;
-    }
+    for (int y = 0; y < n; y++)
+        a[y] = z[2 * y] * scale;
+    for (int y = 0; y < n && b; y++)
+        b[y] = z[2 * y + 1] * scale;
 }
 
-gp_status gp_fft_even_columns(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, float scale,
-    struct gp_fft_matrix *out)
+/* Returns column k of the kernel's spectrum: the one that is there, or makes
+ * it, in its place or, where it is not kept, in the thread's scratch. Real
+ * columns are made with the next one when k is even: call for each k in order,
+ * from an even one on. */
+static const float *kernel_column(const struct pass *s,
+                                  const struct pass_task *t, int k, int end)
 {
-    struct gp_fft_matrix in = *m;
-    struct pass s = {
-        .req = req, .m = &in, .kernel = out, .rows = rows, .scale = scale,
-        .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
-    };
-    return run_pass(&s, 2 * row_floats(req->y->n), even_columns);
+    const struct gp_fft_kernel *const from = s->kernel;
+    const bool real = from->spectrum.real;
+    const int ny = s->req->y->n, plane = from->channels == 1 ? 0 : t->c;
+    const size_t pitch = (real ? 1 : 2) * from->spectrum.pitch;
+    const struct gp_fft_matrix *const rows = from->rows;
+    float *const kept = from->spectrum.z[plane];
+    float *const made = kept ? kept + (size_t) k * pitch
+                        : t->line + 2 * t->pitch + (real ? k % 2 * ny : 0);
+    if (!rows || (real && k % 2))
+        return made;
+    const float *const column = rows->z[t->c] + 2 * (size_t) k * rows->pitch;
+    if (real) {
+        const bool two = k + 1 < end;
+        float *const other = kept ? made + pitch : made + ny;
+        join_even(column, two ? 2 * rows->pitch : 0, from->n, ny, t->line);
+        s->lib->execute_dft(s->req->y->forward, (void *) t->line,
+                            (void *) t->next);
+        part_even(t->next, from->scale, ny, made, two ? other : NULL);
+    } else {
+        column_forward(s, column, from->n, from->place, t->line, made);
+        scale_column(made, from->scale, 2 * ny);
+    }
+    return made;
 }
 
 static void columns_multiply(void *ctx, int i, int thread)
@@ -588,15 +616,15 @@ static void columns_multiply(void *ctx, int i, int thread)
     const int ny = s->req->y->n;
     const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
     const int end = gp_min(t.first + COLUMNS, s->req->x->n / 2 + 1);
-    const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : t.c];
     const int upper = gp_min(s->count, ny - s->first);
     for (int k = t.first; k < end; k++) {
         float *const column = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
-        column_forward(s, column, t.line, t.next);
-        if (s->kernel->real)
-            multiply_real(t.next, kernel + (size_t) k * s->kernel->pitch, ny);
+        const float *const kernel = kernel_column(s, &t, k, end);
+        column_forward(s, column, s->rows, s->place, t.line, t.next);
+        if (s->kernel->spectrum.real)
+            multiply_real(t.next, kernel, ny);
         else
-            multiply(t.next, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
+            multiply(t.next, kernel, ny);
         s->lib->execute_dft(s->req->y->backward, (void *) t.next,
                             (void *) t.line);
         memcpy(column, t.line + 2 * (size_t) s->first,
@@ -611,16 +639,15 @@ static void columns_multiply(void *ctx, int i, int thread)
 }
 
 gp_status gp_fft_multiply(const struct gp_fft_request *req,
-    struct gp_fft_matrix *m,
-    int rows, const int *place, const struct gp_fft_matrix *kernel,
-    int kernel_channels, int first, int count)
+    struct gp_fft_matrix *m, int rows, const int *place,
+    const struct gp_fft_kernel *kernel, int first, int count)
 {
     struct pass s = {
         .req = req, .m = m, .kernel = kernel, .rows = rows, .place = place,
-        .kernel_channels = kernel_channels, .first = first, .count = count,
+        .first = first, .count = count,
         .tasks = (req->x->n / 2 + COLUMNS) / COLUMNS,
     };
-    return run_pass(&s, 2 * row_floats(req->y->n), columns_multiply);
+    return run_pass(&s, 3 * row_floats(req->y->n), columns_multiply);
 }
 
 static void rows_out(void *ctx, int i, int thread)

@@ -53,15 +53,15 @@ double gp_fft_passes_ms(const struct gp_sources *s,
             (p->nx + 2.0) * gp_fft_cost(p->ny, how));
 }
 
-double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
-                          enum gp_fft_plan how)
+double gp_fft_spectrum_ms(int channels, int kept,
+                          const struct gp_fft_placing *p, enum gp_fft_plan how)
 {
     const double rows = gp_rect_h(p->taps), columns = p->nx / 2 + 1.0;
-    const double bytes = columns * 2.0 * sizeof(float); // of a row
+    const double bytes = columns * 2.0 * sizeof(float) * p->ny; // of a plane
     return channels * GP_COST_FFT_PASS *
                (ceil(rows / 2.0) * gp_fft_cost(p->nx, how) +
                 columns * gp_fft_cost(p->ny, how)) +
-           GP_COST_FRESH_BYTE * bytes * (rows + channels * (double) p->ny);
+           GP_COST_FRESH_BYTE * bytes * kept;
 }
 
 /* Adds the squares and the samples of n in eight parts, so that it becomes
@@ -209,13 +209,13 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
         norm[i] = 0.0;
         for (int c = 0; c < 3; c++) {
             double core = 0.0; // sum of squares within the radii
+            double samples = 0.0; // not asked for
+            const int from = gp_max(k->cx - r.x, 0);
+            const int n = gp_min(k->cx + r.x + 1, k->w) - from;
             for (int y = gp_max(k->cy - r.y, 0);
-                 y <= gp_min(k->cy + r.y, k->h - 1); y++) {
-                const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-                for (int x = gp_max(k->cx - r.x, 0);
-                     x <= gp_min(k->cx + r.x, k->w - 1); x++)
-                    core += (double) row[x] * (double) row[x];
-            }
+                 y <= gp_min(k->cy + r.y, k->h - 1); y++)
+                add_samples(k->k.c[c] + (size_t) y * (size_t) k->w + from, n,
+                            &core, &samples);
             norm[i] = fmax(norm[i], sqrt(fmax(all[c] - core, 0.0)));
         }
     }

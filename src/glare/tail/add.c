@@ -478,10 +478,12 @@ gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
     const struct gp_fft_request fft = {
         .log = log, .x = &state->x, .y = &state->y, .channels = 3,
     };
+    const struct gp_fft_kernel kernel = {
+        .channels = t->grey ? 1 : 3, .spectrum = state->spectrum,
+    };
     gp_parallel_do(a->last - a->first, spread_step, a);
     GP_TRY(gp_fft_rows_in(&fft, rows, load_nodes, a, &m));
-    GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &state->spectrum,
-                           t->grey ? 1 : 3, 0, a->nodes_y));
+    GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
     GP_FREE(a->sums);
     *out = a;

@@ -118,6 +118,47 @@ static void assert_moved(const struct pass_row *p, const struct rows *r,
     }
 }
 
+/* A kernel that is made on the way, and kept or not, gives the same bits as its
+ * spectrum. */
+static void check_made(const struct pass_row *p,
+    const struct gp_fft_kernel *there, const struct gp_fft_matrix *kernel_rows,
+    const struct rows *r, const int *place, const struct gp_fft_plan_pair *x,
+    const struct gp_fft_plan_pair *y)
+{
+    const int room = p->rows > p->count ? p->rows : p->count;
+    for (int i = 0; i < 2 * p->kernel_channels; i++) {
+        const int c = i / 2;
+        const bool keep = i % 2;
+        const struct gp_fft_request one = {
+            .x = x, .y = y, .channel = c, .channels = 1,
+        };
+        struct gp_fft_matrix m, kept;
+        struct gp_fft_kernel made = {
+            .channels = p->kernel_channels, .rows = kernel_rows, .n = 1,
+            .place = (const int[]) {2},
+            .scale = (float) (0.25 / (p->nx * p->ny)),
+        };
+        struct rows out = make_rows(p->nx, p->rows, room, 77u);
+        assert_ok(gp_fft_matrix_make(NULL, 3, p->nx, room, &m));
+        assert_ok(gp_fft_matrix_make(NULL, 3, p->nx, p->ny, &kept));
+        made.spectrum = keep ? kept : (struct gp_fft_matrix) {0};
+        assert_ok(gp_fft_rows_in(&one, p->rows, load_row, &out, &m));
+        assert_ok(gp_fft_multiply(&one, &m, p->rows, place, &made, p->first,
+                                  p->count));
+        assert_ok(gp_fft_rows_out(&one, &m, p->count, store_row, &out));
+        const size_t samples = (size_t) p->nx * (size_t) p->count;
+        assert_memory_equal(out.out[c], r->out[c], samples * sizeof(float));
+        for (int k = 0; keep && k <= p->nx / 2; k++)
+            assert_memory_equal(kept.z[c] + 2 * (size_t) k * kept.pitch,
+                                there->spectrum.z[c] +
+                                    2 * (size_t) k * there->spectrum.pitch,
+                                (size_t) p->ny * 2 * sizeof(float));
+        gp_fft_matrix_free(&m);
+        gp_fft_matrix_free(&kept);
+        free_rows(&out);
+    }
+}
+
 /* A kernel whose sample at (1, 2) alone is not 0 moves the rows by as much;
  * places and outputs go round the torus. */
 static void check_passes(const struct pass_row *p)
@@ -154,10 +195,14 @@ static void check_passes(const struct pass_row *p)
     assert_ok(gp_fft_rows_in(&kernel_req, 1, load_row, &k, &kernel_rows));
     assert_ok(gp_fft_columns(&kernel_req, &kernel_rows, 1, (const int[]){2},
                              (float) (0.25 / (p->nx * p->ny)), &kernel));
-    assert_ok(gp_fft_multiply(&req, &m, p->rows, place, &kernel,
-                              p->kernel_channels, p->first, p->count));
+    struct gp_fft_kernel there = {
+        .channels = p->kernel_channels, .spectrum = kernel,
+    };
+    assert_ok(gp_fft_multiply(&req, &m, p->rows, place, &there, p->first,
+                              p->count));
     assert_ok(gp_fft_rows_out(&req, &m, p->count, store_row, &r));
     assert_moved(p, &r, place);
+    check_made(p, &there, &kernel_rows, &r, place, &x, &y);
     gp_fft_matrix_free(&m);
     gp_fft_matrix_free(&kernel_rows);
     gp_fft_matrix_free(&kernel);
@@ -187,7 +232,7 @@ static void check_even(int nx, int ny, int channels)
 {
     enum { REACH = 2, ROWS = 2 * REACH + 1 };
     struct gp_fft_plan_pair x, y;
-    struct gp_fft_matrix m, all, even;
+    struct gp_fft_matrix m, all, even, light;
     struct rows r = make_rows(nx, ROWS, ROWS, 5u);
     int place[ROWS];
     for (int c = 0; c < 3; c++) {
@@ -212,7 +257,17 @@ static void check_even(int nx, int ny, int channels)
     assert_ok(gp_fft_rows_in(&req, ROWS, load_row, &r, &m));
     assert_ok(gp_fft_columns(&req, &m, ROWS, place, 0.5f, &all));
     assert_ok(gp_fft_rows_in(&req, REACH + 1, load_row, &half, &m));
-    assert_ok(gp_fft_even_columns(&req, &m, REACH + 1, 0.5f, &even));
+    assert_ok(gp_fft_matrix_make(NULL, channels, nx, ny, &light));
+    for (int c = 0; c < channels; c++) {
+        const struct gp_fft_request one = {
+            .x = &x, .y = &y, .channel = c, .channels = 1,
+        };
+        const struct gp_fft_kernel kernel = {
+            .channels = channels, .spectrum = even, .rows = &m, .n = REACH + 1,
+            .scale = 0.5f,
+        };
+        assert_ok(gp_fft_multiply(&one, &light, 0, place, &kernel, 0, ny));
+    }
     for (int i = 0; i < channels * (nx / 2 + 1) * ny; i++) {
         const int c = i / ((nx / 2 + 1) * ny), j = i % ny;
         const size_t k = (size_t) (i / ny % (nx / 2 + 1));
@@ -225,6 +280,7 @@ static void check_even(int nx, int ny, int channels)
     gp_fft_matrix_free(&m);
     gp_fft_matrix_free(&all);
     gp_fft_matrix_free(&even);
+    gp_fft_matrix_free(&light);
     gp_fft_plan_free(&x);
     gp_fft_plan_free(&y);
     free_rows(&r);
