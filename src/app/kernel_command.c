@@ -239,6 +239,7 @@ static gp_status check_of_model(const struct gp_log *log,
     gp_status st = making_of_settings(log, &own, &m);
     if (!st)
         st = make_kernel(log, c->name, &m, s->read.max_pixels, &c->k);
+    c->use.share = gp_wanted_share(&m.wanted);
     gp_wanted_kernel_free(&m.wanted);
     memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
     memcpy(c->chromaticities, gp_rec709_chromaticities,
@@ -271,6 +272,7 @@ static gp_status check_of_file(const struct gp_log *log,
     if (!st && !c->nonfinite)
         st = gp_kernel_from_frame(log, &p, &f, &c->k);
     c->k.left_out = c->label.left_out;
+    c->use.share = c->label.share;
     gp_frame_free(&f);
     return st;
 }

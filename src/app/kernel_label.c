@@ -185,8 +185,10 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
     if (first)
         st = gp_label_recipes(log, f, r, &n);
     gp_free(first);
-    while (n > 0)
-        gp_recipe_free(&r[--n]);
+    while (n > 0) {
+        out->share = fmin(out->share + r[--n].value[0], 1.0);
+        gp_recipe_free(&r[n]);
+    }
     return st;
 }
 

@@ -22,6 +22,7 @@ struct gp_kernel_label {
     enum gp_compression compression; // of the file
     double left_out;     // the model's light outside of the file
     double beyond;       // of which falls outside of the frame too
+    double share;        // of a pixel's light, that the recipes read take
 };
 
 /* Texts for gp_write_params.added; names and texts are owned. */

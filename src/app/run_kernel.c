@@ -147,6 +147,17 @@ struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
     return p;
 }
 
+double gp_wanted_share(const struct gp_wanted_kernel *k)
+{
+    double all = 0.0, taken = 0.0;
+    for (int i = 0; i < gp_max(k->recipes, 1); i++) {
+        const double share = k->recipes ? k->recipe[i].value[0] : 1.0;
+        all += share;
+        taken += share * (k->label[i].present ? k->label[i].share : 1.0);
+    }
+    return taken / fmax(all, 1.0);
+}
+
 // -- made for frames ----------------------------------------------------------
 
 void gp_run_kernel_free(struct gp_run_kernel **k)
@@ -354,6 +365,7 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
         shares += share;
     }
     use.missed = missed / fmax(shares, 1.0);
+    use.share = gp_wanted_share(wanted);
     use.ends = use.ends && !wanted->recipes;
     if (!wanted->recipes) {
         const struct gp_kernel_params p = gp_wanted_params(r->s, wanted);

@@ -78,6 +78,9 @@ void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
 struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
                                          const struct gp_wanted_kernel *k);
 
+/* Returns the share of a pixel's light that the kernel takes and spreads. */
+double gp_wanted_share(const struct gp_wanted_kernel *k);
+
 /* Reads the images that k's recipes name: of the recipes of a kernel's file,
  * `from` (or NULL), beside that file if they are there. Same errors. */
 GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,

@@ -302,6 +302,7 @@ bool gp_kernel_fault(const struct gp_kernel_figures *f,
                      char line[GP_FAULT_BYTES])
 {
     const double glow = f->rim * use->brightest;
+    const double beyond = f->left_out - use->missed;
     line[0] = '\0';
     if (f->nonfinite > 0) {
         if (rule == GP_RULE_NONFINITE)
@@ -324,5 +325,10 @@ bool gp_kernel_fault(const struct gp_kernel_figures *f,
         snprintf(line, GP_FAULT_BYTES, "%.2g %% of its model's light falls in "
                  "the frame but outside of the kernel; make it again with a "
                  "larger --size or --radius", 100.0 * use->missed);
+    if (rule == GP_RULE_BEYOND && beyond > 0.01 && beyond > 0.1 * use->share)
+        snprintf(line, GP_FAULT_BYTES, "%.2g %% of the light that it takes from "
+                 "a pixel falls outside of the frame, wherever the source is, "
+                 "and is lost; choose keys or a kernel that falls faster with "
+                 "the angle, or check --fov", 100.0 * beyond / fmax(use->share, beyond));
     return line[0] != '\0';
 }

@@ -44,6 +44,7 @@ struct gp_kernel_use {
     bool resampled;      // not its file's samples
     double missed;       // a model's light that falls in the frames, but outside
                          // of what was computed
+    double share;        // of a pixel's light, that a model takes and spreads
     double brightest;    // luminance of the brightest source; 0: not known
 };
 
@@ -68,6 +69,7 @@ enum gp_kernel_rule {
     GP_RULE_OWN,
     GP_RULE_RIM,
     GP_RULE_LEFT_OUT,
+    GP_RULE_BEYOND,
     GP_KERNEL_RULES,
 };
 enum { GP_FAULT_BYTES = 256 };

@@ -478,6 +478,33 @@ quiet_success 'nor by the model itself'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
     "(True, 0.0, ['spencer'])" 'which reports the same'
 ok 'and the same layer' "$glarepp" compare --no-flip --fail-rel 1e-6 l.exr m.exr
+
+# light outside of every frame of this size
+run kernel --check moffat:beta=1.1
+like "$status $(cat out)" '1 *30 % of the light that it takes from a pixel falls outside*' \
+    "--check: light that misses the frame"
+for k in moffat:beta=1.1 moffat:beta=1.1,share=1; do
+    run kernel -k $k --size 64x48 -o far.exr
+    for one in $k far.exr image:file=far.exr; do
+        run -k $one --layer l.exr --report r.json in.exr
+        like "$status $(cat err)" \
+            "0 *warning: $one: 3? % of the light that it takes from a pixel falls outside *" \
+            "a run warns of light of $k that misses the frame: $one"
+        is "$(wc -l <err)" 1 'in one line'
+    done
+done
+is "$(field r.json 'o["kernel_left_out"] > .2, o["kernel"]["missed"]')" \
+    '(True, 0.0)' 'the report has the share'
+for k in eye eye-old cie moffat moffat:beta=1.3; do
+    run -k $k --layer l.exr in.exr
+    quiet_success "not where it is little: $k"
+done
+run -k eye --fov 0.5 --layer l.exr in.exr
+like "$status $(cat err)" \
+    '0 *warning: eye: * falls outside of the frame*' 'a narrow angle of view'
+run -k moffat:beta=1.1 --layer 's.#.exr' 'sizes.#.exr'
+is "$(grep -c 'falls outside' err)" 1 'once for all frames'
+
 run kernel -k eye --size 64x48 --fov 30 -o narrow.exr
 run -k narrow.exr --fov 60 --layer l.exr in.exr
 like "$status $(cat err)" '0 *warning: narrow.exr: made for 0.625 degrees a pixel, used at 1.25; *--kernel-size 50%' \

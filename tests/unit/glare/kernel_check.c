@@ -223,6 +223,25 @@ static void each_rule_finds_its_fault(void **state)
         found |= faults;
         gp_kernel_free(&k);
     }
+    // light of a model that misses the frame, by the share that it takes
+    static const struct {
+        double left_out, missed, share;
+        bool fault;
+    } outside[] = {
+        {0.101, 0.0, 1.0, true}, {0.099, 0.0, 1.0, false},
+        {0.101, 0.003, 1.0, false}, {0.03, 0.0, 0.1, true},
+        {0.009, 0.0, 0.1, false}, {0.5, 0.0, 0.0, true},
+    };
+    for (size_t i = 0; i < COUNT(outside); i++) {
+        const struct gp_kernel_figures f = {.left_out = outside[i].left_out};
+        const struct gp_kernel_use use = {.missed = outside[i].missed,
+                                          .share = outside[i].share};
+        char line[GP_FAULT_BYTES];
+        const bool broken = gp_kernel_fault(&f, &use, GP_RULE_BEYOND, line);
+        if (broken != outside[i].fault || (broken && !strchr(line, ';')))
+            fail_msg("outside %zu: %s", i, line);
+        found |= broken ? BIT(BEYOND) : 0u;
+    }
     // NaN makes no kernel: its count is all there is
     const struct gp_kernel_figures bad = {.nonfinite = 3, .measured = true};
     const struct gp_kernel_use use = {.add = true, .ends = true, .missed = 1.0,
