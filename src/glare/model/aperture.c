@@ -1,5 +1,6 @@
 /* Openings that diffract, what stains them, and the model `aperture`, a lens'
  * iris. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
@@ -41,7 +42,8 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
             const double b = v - one->y[0];
             double at = square > 0.0 ? (a * dx + b * dy) / square : 0.0;
             at = fmin(fmax(at, 0.0), 1.0);
-            const double away = hypot(a - at * dx, b - at * dy);
+            const double u = a - at * dx, w = b - at * dy;
+            const double away = sqrt(u * u + w * w);
             const double radius = one->radius[0] +
                                   at * (one->radius[1] - one->radius[0]);
             const double covered = cell_share(radius / cell, away / cell);
@@ -81,6 +83,47 @@ void gp_stain_lashes(int n, double radius, double turn, uint64_t seed,
             x = end[0];
             y = end[1];
         }
+    }
+}
+
+// -- gratings -----------------------------------------------------------------
+
+/* The angle of (x, y) in turns, in [-0.5, 0.5]: 1e-11 of a turn. */
+static inline double turns_of(double x, double y)
+{
+    static const double BEND = 0.41421356237309505; // tan(pi / 8)
+    const double a = fabs(x), b = fabs(y);
+    const double most = a > b ? a : b, least = a > b ? b : a;
+    const bool wide = least > BEND * most;
+    const double z = (wide ? least - most : least) /
+                     (wide ? least + most : most);
+    const double q = z * z;
+    // the arc tangent's series
+    const double s = z * (1.0 + q * (-1.0 / 3 + q * (1.0 / 5 +
+        q * (-1.0 / 7 + q * (1.0 / 9 + q * (-1.0 / 11 + q * (1.0 / 13 +
+        q * (-1.0 / 15 + q * (1.0 / 17 + q * (-1.0 / 19 + q * (1.0 / 21 -
+        q / 23)))))))))));
+    const double eighth = s / (2.0 * M_PI) + (wide ? 0.125 : 0.0);
+    const double quarter = a > b ? eighth : 0.25 - eighth;
+    const double half = x < 0.0 ? 0.5 - quarter : quarter;
+    return y < 0.0 ? -half : half;
+}
+
+GP_CLONES void gp_grating_row(int n, int y, int from, int to, double turn,
+                              double fibres, float *row)
+{
+    static const double ROUND = 0x1.8p52; // added, leaves whole numbers
+    const double middle = 0.5 * n - 0.5, v = middle - y;
+    const double start = turn / (2.0 * M_PI);
+    for (int x = from; x < to; x++) {
+        const double turns = fibres * (turns_of(x - middle, v) - start);
+        const double z = M_PI * (turns - ((turns + ROUND) - ROUND));
+        const double q = z * z;
+        // of half the angle, within pi / 2: Taylor's series, to 1e-9
+        const double s = z * (1.0 + q * (-1.0 / 6 + q * (1.0 / 120 +
+            q * (-1.0 / 5040 + q * (1.0 / 362880 +
+            q * (-1.0 / 39916800 + q / 6227020800.0))))));
+        row[x] = (float) (1.0 - s * s);
     }
 }
 
@@ -247,6 +290,8 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
     const double cell = p->cell / s->radius, middle = 0.5 * p->n;
     const double cosine = cos(s->turn), sine = sin(s->turn);
     const size_t row = (size_t) y * (size_t) p->n;
+    if (s->grating > 0.0)
+        gp_grating_row(p->n, y, 0, p->n, s->turn, s->fibres, p->t + row);
     for (int x = 0; x < p->n; x++) {
         const double px = (x + 0.5 - middle) * cell;
         const double py = (y + 0.5 - middle) * cell;
@@ -260,8 +305,7 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
             t *= square_share((r - s->obstruction) / cell, px / r, py / r);
         if (t > 0.0 && s->grating > 0.0 && r > 0.6) {
             const double from = fmin((r - 0.6) / 0.2, 1.0);
-            t *= 1.0 - s->grating * from *
-                           (0.5 + 0.5 * cos(s->fibres * atan2(-v, u)));
+            t *= 1.0 - s->grating * from * (double) p->t[row + (size_t) x];
         }
         p->t[row + (size_t) x] = (float) t;
         if (!p->path || t <= 0.0)

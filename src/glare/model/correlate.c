@@ -87,8 +87,8 @@ gp_status gp_correlator_make(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "kernel",
                          2 * GROUP * (size_t) gp_threads() * t.pitch,
                          sizeof *t.room, &t.room));
-    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) p->n + 2 * GROUP,
-                         (size_t) t.across * sizeof *t.z, &t.z));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) p->n + 2 * GROUP,
+                    (size_t) t.across * sizeof *t.z, &t.z));
     *out = t;
     return GP_OK;
 out:
@@ -189,6 +189,10 @@ static void pupil_rows(void *ctx, int group, int thread)
                 to[i] = out[k];
         }
     }
+    for (int half = 0; half < c->pack; half++)
+        memset(rows_at(c, first + half * GROUP, c->t->columns), 0,
+               (size_t) (c->t->across - c->t->columns) * GROUP *
+                   sizeof(float complex));
 }
 
 /* Columns: on to the spectrum, its squares, which are real, and back to lags
@@ -229,25 +233,11 @@ static void pupil_columns(void *ctx, int group, int thread)
     }
 }
 
-/* A at lag (u, v), v >= 0, and at (-u, v). */
-static void put_lag(struct gp_lags *a, int u, int v, float complex here,
-                    float complex other)
-{
-    const size_t at = (size_t) u * a->pitch + (size_t) a->n;
-    if (v > a->n)
-        return;
-    a->re[at + (size_t) v] = crealf(here);
-    a->re[at - (size_t) v] = crealf(other);
-    if (a->im) {
-        a->im[at + (size_t) v] = cimagf(here);
-        a->im[at - (size_t) v] = -cimagf(other);
-    }
-}
-
 /* Lags v, `pack` a transform, to all lags u. */
 static void pupil_lags(void *ctx, int group, int thread)
 {
     const struct correlating *const c = ctx;
+    struct gp_lags *const a = c->a;
     const int n = c->t->plan.n, first = group * GROUP * c->pack;
     for (int k = 0; k < c->t->columns; k++) {
         const float complex *const z = rows_at(c, first, k);
@@ -260,29 +250,60 @@ static void pupil_lags(void *ctx, int group, int thread)
             }
             const float complex *const at =
                 i < GROUP / 2 ? z + 2 * i : on + 2 * i - GROUP;
-            const float complex a = at[0], b = at[1];
-            in[k] = CMPLXF(crealf(a) - cimagf(b), cimagf(a) + crealf(b));
+            const float complex x = at[0], y = at[1];
+            in[k] = CMPLXF(crealf(x) - cimagf(y), cimagf(x) + crealf(y));
             if (k > 0) // a real row's half is conjugate
-                in[n - k] = CMPLXF(crealf(a) + cimagf(b),
-                                   crealf(b) - cimagf(a));
+                in[n - k] = CMPLXF(crealf(x) + cimagf(y),
+                                   crealf(y) - cimagf(x));
         }
     }
     run(c, c->t->plan.backward, GROUP, thread);
-    for (int u = 0; u <= c->t->pupil->n; u++) {
-        const int other = u ? n - u : 0;
-        for (int i = 0; i < GROUP; i++) {
-            const float complex *const out = array_out(c, thread, i);
-            const int v = first + i * c->pack;
+    const int rows = gp_min(GROUP, (a->n - first) / c->pack + 1);
+    for (int u = -a->n; u <= a->n; u++) {
+        const size_t at = gp_lag_at(a, u, first), from = (size_t) (u < 0 ? u + n
+                                                                         : u);
+        for (int i = 0; i < rows; i++) {
+            const float complex v = array_out(c, thread, i)[from];
             if (c->pack == 1) {
-                put_lag(c->a, u, v, out[u], out[other]);
+                a->re[at + (size_t) i] = crealf(v);
+                a->im[at + (size_t) i] = cimagf(v);
                 continue;
             }
-            put_lag(c->a, u, v, crealf(out[u]), crealf(out[other]));
-            put_lag(c->a, u, v + 1, cimagf(out[u]), cimagf(out[other]));
+            a->re[at + 2 * (size_t) i] = crealf(v);
+            a->re[at + 2 * (size_t) i + 1] = cimagf(v);
         }
     }
     if (group == 0)
-        c->a->sum = (double) crealf(array_out(c, thread, 0)[0]);
+        a->sum = (double) crealf(array_out(c, thread, 0)[0]);
+}
+
+/* Clears the last strip, which lags fill in part. */
+static void clear_last(struct gp_lags *a)
+{
+    const size_t at = gp_lag_at(a, -a->n, a->n / GP_LAG_STRIP * GP_LAG_STRIP);
+    const size_t bytes = (gp_lag_count(a->n) - at) * sizeof *a->re;
+    memset(a->re + at, 0, bytes);
+    if (a->im)
+        memset(a->im + at, 0, bytes);
+}
+
+/* The largest distance between open cells, from that to the middle. */
+static double edge_of(const struct gp_pupil *p)
+{
+    static const double SPREAD = 16.0; // cells, of dividing by their falloff
+    double most = 0.0;
+    for (int y = 0; y < p->n; y++) {
+        const float *const row = p->t + (size_t) y * (size_t) p->n;
+        int from = 0, end = p->n;
+        while (from < end && !(row[from] > 0.0f))
+            from++;
+        while (end > from && !(row[end - 1] > 0.0f))
+            end--;
+        if (from < end)
+            most = fmax(most, hypot(fmax(0.5 * p->n - from, end - 0.5 * p->n),
+                                    fabs(y + 0.5 - 0.5 * p->n)));
+    }
+    return 2.0 * most + SPREAD;
 }
 
 gp_status gp_correlate(const struct gp_log *log,
@@ -303,6 +324,8 @@ gp_status gp_correlate(const struct gp_log *log,
         boost[k] = (float) (1.0 / (s * s * s * s));
     }
     c.boost = boost;
+    clear_last(a);
+    a->edge = edge_of(t->pupil);
     gp_parallel_do((cells + rows - 1) / rows, pupil_rows, &c);
     gp_parallel_do(t->across / GROUP, pupil_columns, &c);
     gp_parallel_do(cells / rows + 1, pupil_lags, &c);

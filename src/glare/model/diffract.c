@@ -48,6 +48,7 @@ struct lag_row {
 /* Rows -edge .. edge of frequencies of a kernel of `period` pixels. */
 struct lag_matrix {
     int edge, period;
+    double step; // of frequencies, in cells of lag
     struct lag_row *row;
     float *weight;
 };
@@ -69,12 +70,12 @@ static double ramp(double t)
                      : t;
 }
 
-/* `step` is that of frequency in cells of lag; cells go from -n to n. */
+/* Cells go from -n to n. */
 static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
                                  int period, struct lag_matrix *out)
 {
     struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
-                           .period = period};
+                           .period = period, .step = step};
     const size_t rows = 2 * (size_t) m.edge + 1;
     const size_t most = (size_t) ceil(2.0 * step) + 3;
     size_t at = 0;
@@ -116,113 +117,147 @@ struct spectra {
     int channels;
 };
 
-struct summing {
-    const struct gp_lags *a;
+/* One wavelength; matrices may be the same. */
+struct band {
+    double rgb[3];
     const struct lag_matrix *x, *y;
-    const struct spectra *s;
-    const double *rgb;     // the wavelength's weights
-    size_t columns;        // floats of a thread's room
-    float *room;
+    struct lag_matrix own[2];
 };
 
-/* Adds w times a row of lags. */
-GP_CLONES static void add_lags(float w, const float *restrict from, int n,
-                               float *restrict to)
-{
-    for (int i = 0; i < n; i++)
-        to[i] += w * from[i];
-}
+enum { MOST_BANDS = 32 }; // summed together
 
-/* Sums lags u of one plane of A into lane `lane` of `t`, [v][lane], for all v:
- * those of negative u are conjugate. */
-static void sum_column(const struct summing *s, const float *plane, float sign,
-                       int k, float *sums, float *t)
+static void bands_free(struct band *b, int n)
 {
-    const struct gp_lags *const a = s->a;
-    const int n = a->n, width = 2 * n + 1;
-    float *const plus = sums, *const minus = sums + a->pitch;
-    memset(sums, 0, 2 * a->pitch * sizeof *sums);
-    for (int r = first_row(s->x, k); r <= 2 * s->x->edge; r += s->x->period) {
-        const struct lag_row *const row = &s->x->row[r];
-        for (int i = 0; i < row->n; i++) {
-            const int u = row->first + i;
-            add_lags(s->x->weight[row->at + (size_t) i],
-                     plane + (size_t) abs(u) * a->pitch, width,
-                     u < 0 ? minus : plus);
-        }
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < 2; k++)
+            lag_matrix_free(&b[i].own[k]);
     }
-    for (int v = 0; v < width; v++)
-        t[v * LANES] = plus[v] + sign * minus[width - 1 - v];
 }
 
-/* Sums lags v of one plane for all rows y of LANES columns. */
-GP_CLONES static void sum_rows(const struct summing *s, const float *t,
-                               int block, float *const to[3])
+enum { STRIP = GP_LAG_STRIP };
+
+/* Lags of a strip as the compiler keeps them in registers. */
+typedef float eight __attribute__((vector_size(32), may_alias));
+enum { EIGHTS = STRIP / 8, LANE_EIGHTS = LANES / 8 };
+
+struct summing {
+    const struct gp_lags *a;
+    const struct spectra *s;
+    const struct band *band;
+    int bands;
+    int strip;
+    int edge;        // lags u beyond which the strip is 0
+};
+
+/* Sums lags u of one plane of a strip for frequency k, to out[0]; as many for
+ * -k to out[1]. `strip` has those of u = 0. */
+static inline __attribute__((always_inline)) void
+sum_lags(const struct lag_matrix *m, const float *strip, int edge, int k,
+         float *restrict out0, float *restrict out1)
 {
-    const float scale = (float) (1.0 / s->a->sum);
-    const int n = s->a->n;
-    for (int y = 0; y < s->y->period; y++) {
-        float sum[LANES] = {0};
-        for (int r = first_row(s->y, y); r <= 2 * s->y->edge;
-             r += s->y->period) {
-            const struct lag_row *const row = &s->y->row[r];
-            const float *const w = s->y->weight + row->at;
-            const float *from = t + (size_t) (row->first + n) * LANES;
-            for (int i = 0; i < row->n; i++, from += LANES) {
-                for (int l = 0; l < LANES; l++)
-                    sum[l] += w[i] * from[l];
+    eight sum[2][EIGHTS] = {0};
+    for (int r = first_row(m, k); r <= 2 * m->edge; r += m->period) {
+        const struct lag_row *const row = &m->row[r];
+        const int from = gp_max(row->first, -edge);
+        const int end = gp_min(row->first + row->n, edge + 1);
+        for (int u = from; u < end; u++) {
+            const float w = m->weight[row->at + (size_t) (u - row->first)];
+            const eight *const plus = (const eight *) (strip + u * STRIP);
+            const eight *const minus = (const eight *) (strip - u * STRIP);
+            for (int i = 0; i < EIGHTS; i++) {
+                sum[0][i] += w * plus[i];
+                sum[1][i] += w * minus[i];
             }
         }
-        const size_t at = ((size_t) block * (size_t) s->y->period +
-                           (size_t) y) * LANES;
-        for (int c = 0; c < s->s->channels; c++) {
-            const float w = scale * (float) s->rgb[c];
-            for (int l = 0; l < LANES; l++)
-                to[c][at + (size_t) l] += w * sum[l];
+    }
+    memcpy(out0, sum[0], sizeof sum[0]);
+    memcpy(out1, sum[1], sizeof sum[1]);
+}
+
+/* Adds the strip's lags v, and -v, of LANES columns to rows y of the spectrum:
+ * t[0] and t[1], [v][lane]. */
+static inline __attribute__((always_inline)) void
+sum_rows(const struct summing *s, const struct band *b, int block,
+         eight (*t)[STRIP][LANE_EIGHTS], float *const to[3])
+{
+    const struct lag_matrix *const m = b->y;
+    const float scale = (float) (1.0 / s->a->sum);
+    const int v0 = s->strip * STRIP, end = v0 + STRIP;
+    const int low = gp_max((int) floor((v0 - 1) / m->step) - 1, -m->edge);
+    const int high = gp_min((int) ceil((end + 1) / m->step) + 1, m->edge);
+    for (int k = low; k <= high; k++) {
+        const struct lag_row *const row = &m->row[k + m->edge];
+        const int first = gp_max(row->first, v0);
+        const int last = gp_min(row->first + row->n, end);
+        const int turns = k % m->period;
+        const int y[2] = {turns < 0 ? turns + m->period : turns,
+                          turns > 0 ? m->period - turns : -turns};
+        for (int side = 0; side < 2 && first < last; side++) {
+            const size_t at = ((size_t) block * (size_t) m->period +
+                               (size_t) y[side]) * LANES;
+            eight sum[LANE_EIGHTS] = {0};
+            for (int v = first; v < last; v++) {
+                const float w = m->weight[row->at + (size_t) (v - row->first)];
+                for (int l = 0; l < LANE_EIGHTS; l++)
+                    sum[l] += w * t[side][v - v0][l];
+            }
+            for (int c = 0; c < s->s->channels; c++) {
+                const float w = scale * (float) b->rgb[c];
+                eight *const out = (eight *) (to[c] + at);
+                for (int l = 0; l < LANE_EIGHTS; l++)
+                    out[l] += w * sum[l];
+            }
         }
     }
 }
 
-static void sum_block(void *ctx, int block, int thread)
+/* Adds a strip of lags to LANES columns of the spectrum at all wavelengths. A
+ * at (u, -v) is conjugate to that at (-u, v): the column of -k. */
+GP_CLONES static void sum_strip(void *ctx, int block, int thread)
 {
     const struct summing *const s = ctx;
-    const int x0 = block * LANES, columns = s->x->period / 2 + 1;
-    const int lanes = gp_min(LANES, columns - x0);
-    float *const sums = s->room + (size_t) thread * s->columns;
-    float *const t = sums + 2 * s->a->pitch;
-    for (int plane = 0; plane < (s->a->im ? 2 : 1); plane++) {
-        for (int l = 0; l < LANES; l++) {
-            if (l < lanes)
-                sum_column(s, plane ? s->a->im : s->a->re, plane ? -1.0f : 1.0f,
-                           x0 + l, sums, t + l);
-            else
-                for (int v = 0; v <= 2 * s->a->n; v++)
-                    t[v * LANES + l] = 0.0f;
+    const size_t at = gp_lag_at(s->a, 0, s->strip * STRIP);
+    float sums[2][LANES][STRIP] = {0};
+    eight t[2][STRIP][LANE_EIGHTS];
+    (void) thread;
+    for (int i = 0; i < s->bands; i++) {
+        const struct band *const b = &s->band[i];
+        const int lanes =
+            gp_min(LANES, b->x->period / 2 + 1 - block * LANES);
+        for (int plane = 0; plane < (s->a->im ? 2 : 1); plane++) {
+            const float *const strip = (plane ? s->a->im : s->a->re) + at;
+            const float sign = plane ? -1.0f : 1.0f;
+            for (int l = 0; l < lanes; l++)
+                sum_lags(b->x, strip, s->edge, block * LANES + l, sums[0][l],
+                         sums[1][l]);
+            for (int v = 0; v < STRIP; v++) {
+                float columns[2][LANES];
+                for (int l = 0; l < LANES; l++) {
+                    columns[0][l] = sums[0][l][v];
+                    columns[1][l] = sign * sums[1][l][v];
+                }
+                memcpy(t[0][v], columns[0], sizeof t[0][v]);
+                memcpy(t[1][v], columns[1], sizeof t[1][v]);
+            }
+            if (s->strip == 0) // v = 0 is no other's counterpart
+                memset(t[1][0], 0, sizeof t[1][0]);
+            sum_rows(s, b, block, t, plane ? s->s->im : s->s->re);
         }
-        sum_rows(s, t, block, plane ? s->s->im : s->s->re);
     }
 }
 
-/* Adds one wavelength; `step` is that of frequencies in cells of lag. */
-static gp_status add_wavelength(const struct gp_log *log,
-    const struct gp_lags *a, const double step[2], const int period[2],
-    const double rgb[3], struct spectra *s)
+/* Adds wavelengths with one autocorrelation. */
+static void add_bands(const struct gp_lags *a, const struct band *b, int n,
+                      const struct spectra *s)
 {
-    struct lag_matrix x = {0}, y = {0};
-    struct summing sum = {.a = a, .x = &x, .y = &y, .s = s, .rgb = rgb};
-    gp_status st;
-    sum.columns = 2 * a->pitch + (size_t) (2 * a->n + 1) * LANES;
-    sum.columns = (sum.columns + 15) / 16 * 16;
-    GP_TRY(lag_matrix_make(log, a->n, step[0], period[0], &x));
-    GP_TRY(lag_matrix_make(log, a->n, step[1], period[1], &y));
-    GP_TRY(gp_alloc(log, "kernel", (size_t) gp_threads(),
-                    sum.columns * sizeof *sum.room, &sum.room));
-    gp_parallel_do(s->blocks, sum_block, &sum);
-out:
-    lag_matrix_free(&x);
-    lag_matrix_free(&y);
-    gp_free(sum.room);
-    return st;
+    struct summing sum = {.a = a, .s = s, .band = b, .bands = n};
+    for (; sum.strip < gp_lag_strips(a->n); sum.strip++) {
+        const double v = sum.strip * STRIP;
+        if (v > a->edge)
+            break;
+        sum.edge = (int) fmin(ceil(sqrt(a->edge * a->edge - v * v)), a->n);
+        gp_parallel_do(s->blocks, sum_strip, &sum);
+    }
 }
 
 // -- from frequencies to the shape --------------------------------------------
@@ -400,15 +435,32 @@ static void draw_row(void *ctx, int y, int thread)
     d->d->draw(d->d->ctx, d->p, y);
 }
 
+/* Makes a wavelength's matrices for lags -n .. n of `cell` mm. */
+static gp_status band_make(const struct gp_log *log, int n, double cell,
+    double nm, const int period[2], const double pixel[2], struct band *b)
+{
+    double step[2];
+    for (int k = 0; k < 2; k++)
+        step[k] = nm * 1e-6 / (period[k] * pixel[k] * (GP_PI / 180.0) * cell);
+    const bool alike = step[0] == step[1] && period[0] == period[1];
+    gp_status st = lag_matrix_make(log, n, step[0], period[0], &b->own[0]);
+    if (!st && !alike)
+        st = lag_matrix_make(log, n, step[1], period[1], &b->own[1]);
+    b->x = &b->own[0];
+    b->y = &b->own[alike ? 0 : 1];
+    return st;
+}
+
 static gp_status make_spectra(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     const struct gp_pupil *p, const int period[2], const double pixel[2],
     struct spectra *s)
 {
     double nm[GP_BANDS], rgb[GP_BANDS][3];
-    int bands = gp_min(d->bands, GP_BANDS);
+    int bands = gp_min(d->bands, GP_BANDS), n = 0;
+    struct band band[MOST_BANDS] = {0};
     struct gp_correlator t = {0};
-    struct gp_lags a = {.n = p->n, .pitch = (2 * (size_t) p->n + 16) / 16 * 16};
+    struct gp_lags a = {.n = p->n};
     gp_status st;
     gp_spectrum_colours(f->chromaticities, bands, nm, rgb);
     if (d->nm > 0.0) {
@@ -416,16 +468,14 @@ static gp_status make_spectra(const struct gp_log *log,
         nm[0] = d->nm;
         rgb[0][0] = rgb[0][1] = rgb[0][2] = 1.0;
     }
-    const size_t lags = ((size_t) a.n + 1) * a.pitch;
+    const size_t lags = gp_lag_count(a.n);
     GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.re));
     if (p->path)
         GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.im));
     GP_TRY(gp_correlator_make(log, p, &t));
-    for (int i = 0; i < bands; i++) {
-        double step[2];
-        for (int k = 0; k < 2; k++)
-            step[k] = nm[i] * 1e-6 /
-                      (period[k] * pixel[k] * (GP_PI / 180.0) * p->cell);
+    for (int i = 0; i < bands; i += n) {
+        bands_free(band, n);
+        n = p->path ? 1 : gp_min(bands - i, MOST_BANDS);
         if (i == 0 || p->path)
             GP_TRY(gp_correlate(log, &t, nm[i], &a));
         if (!(a.sum > 0.0)) {
@@ -433,9 +483,15 @@ static gp_status make_spectra(const struct gp_log *log,
                          "make its openings larger", d->name);
             goto out;
         }
-        GP_TRY(add_wavelength(log, &a, step, period, rgb[i], s));
+        for (int k = 0; k < n; k++) {
+            memcpy(band[k].rgb, rgb[i + k], sizeof band[k].rgb);
+            GP_TRY(band_make(log, a.n, p->cell, nm[i + k], period, pixel,
+                             &band[k]));
+        }
+        add_bands(&a, band, n, s);
     }
 out:
+    bands_free(band, n);
     gp_correlator_free(&t);
     gp_free(a.re);
     gp_free(a.im);

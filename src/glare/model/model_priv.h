@@ -276,6 +276,15 @@ double gp_zernike(int j, double x, double y);
 /* Its steepest slope over the disc, which is at the rim. */
 double gp_zernike_slope(int j);
 
+// -- aperture.c: gratings -----------------------------------------------------
+
+/* Writes 0.5 + 0.5 cos(fibres (a - turn)) of cells x in [from, to) of row y to
+ * row[x], in a pupil of n x n cells, n even: off by at most 1e-9 times the
+ * fibres. Angles a around the middle are counter-clockwise as seen; `fibres` is
+ * whole. */
+void gp_grating_row(int n, int y, int from, int to, double turn, double fibres,
+                    float *row);
+
 // -- aperture.c: stains -------------------------------------------------------
 
 /* A cover of a part of a pupil: a capsule around a line from one point to the
@@ -371,14 +380,34 @@ static inline double complex *gp_transform_out(const struct gp_transform *t,
 void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
                       int thread);
 
-/* A pupil's autocorrelation at lags (u, v), u in [0, n], v in [-n, n] cells,
- * times `sum`: re, im [u * pitch + n + v]; the rest is conjugate. */
+/* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
+ * times `sum`, at gp_lag_at(); at (-u, -v) it is conjugate. Lags are in strips
+ * of GP_LAG_STRIP v, with those of one u side by side; the last has zeros. */
 struct gp_lags {
     int n;
-    size_t pitch;
     float *re, *im; // im is NULL where it is 0: the pupil has no path
     double sum;     // 0: the pupil is dark
+    double edge;    // cells: farther lags hold nothing but rounding
 };
+enum { GP_LAG_STRIP = 32 };
+
+static inline int gp_lag_strips(int n)
+{
+    return n / GP_LAG_STRIP + 1;
+}
+
+/* Floats of `re`, `im`. */
+static inline size_t gp_lag_count(int n)
+{
+    return (size_t) gp_lag_strips(n) * (2 * (size_t) n + 1) * GP_LAG_STRIP;
+}
+
+static inline size_t gp_lag_at(const struct gp_lags *a, int u, int v)
+{
+    const size_t row = (size_t) (v / GP_LAG_STRIP) * (2 * (size_t) a->n + 1) +
+                       (size_t) (u + a->n);
+    return row * GP_LAG_STRIP + (size_t) (v % GP_LAG_STRIP);
+}
 
 /* Plans and scratch for a pupil's autocorrelation in single precision: off by
  * at most 1e-6 of the light that passes (build/tests/glare model_aperture). */
@@ -399,7 +428,7 @@ GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
     const struct gp_pupil *p, struct gp_correlator *out);
 void gp_correlator_free(struct gp_correlator *t);
 
-/* Fills a->re, a->im and a->sum at one wavelength. */
+/* Fills all but a->n at one wavelength. */
 GP_MUST_CHECK gp_status gp_correlate(const struct gp_log *log,
     const struct gp_correlator *t, double nm, struct gp_lags *a);
 

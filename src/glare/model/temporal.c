@@ -47,35 +47,50 @@ enum { PARTICLES = 1500, EYE_LASHES = 24, WAVES = 4 };
 struct eye {
     double radius;
     double edge[WAVES][2];   // of the iris: cosines and sines of 2, 3, ...
-    double grating, fibres, turn;
+    double grating, fibres;
+    double turn, right[2];   // radians; its cosine and sine
     int stains;
     struct gp_stain stain[PARTICLES + EYE_LASHES * GP_LASH_STAINS];
 };
 
+/* The open share of a cell at the edge of the iris, (u, v) and r = |(u, v)| mm
+ * from the middle. */
+static double edge_share(const struct eye *e, double u, double v, double r,
+                         double cell)
+{
+    const double cosine = (u * e->right[0] - v * e->right[1]) / r;
+    const double sine = (-v * e->right[0] - u * e->right[1]) / r;
+    double c = cosine, s = sine, edge = 0.97; // of 1, 2, 3, ... times the angle
+    for (int i = 0; i < WAVES; i++) {
+        const double next = c * cosine - s * sine;
+        s = s * cosine + c * sine;
+        c = next;
+        edge += e->edge[i][0] * c + e->edge[i][1] * s;
+    }
+    return fmin(fmax((edge * e->radius - r) / cell + 0.5, 0.0), 1.0);
+}
+
 static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
 {
+    static const double FIBRES = 1.5; // mm: the lens' cortex shows where the
+                                      // pupil is over 3 mm wide: Simpson 1953
     const struct eye *const e = ctx;
-    const double v = (y + 0.5 - 0.5 * p->n) * p->cell;
+    const double middle = 0.5 * p->n, end = e->radius + p->cell;
+    const double v = (y + 0.5 - middle) * p->cell;
+    const double half = sqrt(fmax(end * end - v * v, 0.0)) / p->cell;
+    const int from = (int) fmax(floor(middle - half), 0.0);
+    const int to = (int) fmin(ceil(middle + half), p->n);
     float *const row = p->t + (size_t) y * (size_t) p->n;
-    for (int x = 0; x < p->n; x++) {
-        const double u = (x + 0.5 - 0.5 * p->n) * p->cell;
-        const double r = hypot(u, v);
-        if (r > e->radius + p->cell)
-            continue;
-        row[x] = 1.0f;
-        if (r < 1.5 && r < 0.9 * e->radius)
-            continue;
-        const double a = atan2(-v, u) - e->turn;
-        double edge = 0.97;
-        for (int i = 0; i < WAVES && r > 0.9 * e->radius; i++)
-            edge += e->edge[i][0] * cos((i + 2) * a) +
-                    e->edge[i][1] * sin((i + 2) * a);
-        double t = fmin(fmax((edge * e->radius - r) / p->cell + 0.5, 0.0), 1.0);
-        // fibres of the lens' cortex show where the pupil is over 3 mm wide:
-        // Simpson 1953
-        if (e->grating > 0.0 && r > 1.5)
-            t *= 1.0 - e->grating * fmin(r - 1.5, 1.0) *
-                           (0.5 + 0.5 * cos(e->fibres * a));
+    if (e->grating > 0.0 && end > FIBRES)
+        gp_grating_row(p->n, y, from, to, e->turn, e->fibres, row);
+    for (int x = from; x < to; x++) {
+        const double u = (x + 0.5 - middle) * p->cell;
+        const double r = sqrt(u * u + v * v);
+        double t = r > end ? 0.0 : 1.0;
+        if (r > 0.9 * e->radius && r <= end)
+            t = edge_share(e, u, v, r, p->cell);
+        if (e->grating > 0.0 && r > FIBRES)
+            t *= 1.0 - e->grating * fmin(r - FIBRES, 1.0) * (double) row[x];
         row[x] = (float) t;
     }
     gp_stain_row(e->stain, e->stains, p, y);
@@ -162,6 +177,8 @@ static gp_status open_temporal(const struct gp_log *log,
         return st;
     e->radius = 0.5 * temporal_pupil(r, f);
     e->turn = f->rotate * M_PI / 180.0;
+    e->right[0] = cos(e->turn);
+    e->right[1] = sin(e->turn);
     for (int i = 0; i < 2 * WAVES; i++)
         e->edge[i / 2][i % 2] =
             0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);

@@ -261,7 +261,7 @@ static void lags_are_a_pupils(void **state)
     enum { N = 56, MOST = 160 };
     static double complex z[MOST * MOST];
     static float t[N * N], path[N * N];
-    static float lag[2][(N + 1) * (2 * N + 16)];
+    static float lag[2][(N / GP_LAG_STRIP + 1) * (2 * N + 1) * GP_LAG_STRIP];
     for (uint64_t i = 0; i < N * N; i++) {
         t[i] = (float) gp_model_random(1, i);
         path[i] = (float) (4000.0 * gp_model_random(2, i) - 2000.0);
@@ -269,8 +269,8 @@ static void lags_are_a_pupils(void **state)
     for (int with = 0; with < 2; with++) {
         const struct gp_pupil p = {N, 1.0, t, with ? path : NULL};
         struct gp_correlator c;
-        struct gp_lags a = {.n = N, .pitch = 2 * N + 16, .re = lag[0],
-                            .im = with ? lag[1] : NULL};
+        struct gp_lags a = {.n = N, .re = lag[0], .im = with ? lag[1] : NULL};
+        assert_true(gp_lag_count(N) == COUNT(lag[0]));
         assert_ok(gp_correlator_make(NULL, &p, &c));
         const int m = c.plan.n;
         assert_in_range(m, 2 * N, MOST);
@@ -291,18 +291,41 @@ static void lags_are_a_pupils(void **state)
         transform_lines(z, m, 1, m, 1);
         if (!(fabs(a.sum / creal(z[0]) - 1.0) < 1e-6))
             fail_msg("%g passes, not %g", a.sum, creal(z[0]));
-        for (int u = 0; u <= N; u++) {
-            for (int v = -N; v <= N; v++) {
-                const size_t at = (size_t) u * a.pitch + (size_t) (N + v);
+        for (int u = -N; u <= N; u++) {
+            for (int v = 0; v <= N; v++) {
+                const size_t at = gp_lag_at(&a, u, v);
                 const double complex is = (double) a.re[at] +
                     (with ? I * (double) a.im[at] : 0.0);
-                const double complex want = z[(v + m) % m * m + u];
+                const double complex want = z[v * m + (u + m) % m];
                 if (!(cabs(is - want) < 1e-6 * a.sum))
                     fail_msg("lag %d, %d: off by %g", u, v,
                              cabs(is - want) / a.sum);
             }
         }
         gp_correlator_free(&c);
+    }
+}
+
+/* Against the C library's cosine, in all eighths of a turn and between them. */
+static void gratings_are_cosines(void **state)
+{
+    (void) state;
+    enum { N = 64 };
+    static const double turns[] = {0.0, 0.7, -3.0, 6.1};
+    for (int i = 0; i < N * (int) COUNT(turns); i++) {
+        const int y = i % N;
+        const double turn = turns[i / N];
+        float row[N] = {0};
+        gp_grating_row(N, y, 1, N, turn, 3000.0, row);
+        assert_true(row[0] == 0.0f);
+        for (int x = 1; x < N; x++) {
+            const double u = x + 0.5 - 0.5 * N, v = y + 0.5 - 0.5 * N;
+            const double want =
+                0.5 + 0.5 * cos(3000.0 * (atan2(-v, u) - turn));
+            if (!(fabs((double) row[x] - want) < 1e-6))
+                fail_msg("cell %d, %d turned by %g: %g, not %g", x, y, turn,
+                         (double) row[x], want);
+        }
     }
 }
 
@@ -600,6 +623,6 @@ static void light_goes_on_beyond_the_reach(void **state)
 SUITE_OF(model_aperture, NULL, NULL, a_circle_makes_airys_pattern,
     blades_make_spikes, light_is_kept_and_white, frames_of_all_sizes_agree,
     turning_is_in_the_formula, pixels_add_up, lags_are_a_pupils,
-    masks_are_openings, keys_change_kernels, pupils_are_as_wide_as_published,
-    pupils_shimmer, fibres_make_a_halo, spectra_are_the_observers,
-    light_goes_on_beyond_the_reach)
+    gratings_are_cosines, masks_are_openings, keys_change_kernels,
+    pupils_are_as_wide_as_published, pupils_shimmer, fibres_make_a_halo,
+    spectra_are_the_observers, light_goes_on_beyond_the_reach)
