@@ -45,18 +45,30 @@ struct lag_row {
     size_t at; // of its weights
 };
 
-/* Rows -edge .. edge of frequencies of a kernel of `period` pixels. */
+/* A lag's share in a frequency. */
+struct lag_share {
+    int lag;
+    float weight;
+};
+
+/* Rows -edge .. edge of frequencies of a kernel of `period` pixels. Those that
+ * fall on a frequency k from 0 to half of the period are put together as well,
+ * in order of their lags: folded[at[k]] up to folded[at[k + 1]]. */
 struct lag_matrix {
     int edge, period;
     double step; // of frequencies, in cells of lag
     struct lag_row *row;
     float *weight;
+    struct lag_share *folded;
+    int *at;
 };
 
 static void lag_matrix_free(struct lag_matrix *m)
 {
     gp_free(m->row);
     gp_free(m->weight);
+    gp_free(m->folded);
+    gp_free(m->at);
     *m = (struct lag_matrix) {0};
 }
 
@@ -68,6 +80,36 @@ static double ramp(double t)
            : t < 0.0 ? a * a * a / 6.0
            : t < 1.0 ? t + b * b * b / 6.0
                      : t;
+}
+
+/* The first row whose frequency is k modulo the period. */
+static int first_row(const struct lag_matrix *m, int k)
+{
+    return (k + m->edge) % m->period;
+}
+
+static gp_status fold(const struct gp_log *log, size_t weights,
+                      struct lag_matrix *m)
+{
+    const int half = m->period / 2;
+    gp_status st = gp_alloc(log, "kernel", (size_t) half + 2, sizeof *m->at,
+                            &m->at);
+    if (!st)
+        st = gp_alloc(log, "kernel", weights, sizeof *m->folded, &m->folded);
+    if (st)
+        return st;
+    int n = 0;
+    for (int k = 0; k <= half; k++) {
+        m->at[k] = n;
+        for (int r = first_row(m, k); r <= 2 * m->edge; r += m->period) {
+            const struct lag_row *const row = &m->row[r];
+            for (int i = 0; i < row->n; i++)
+                m->folded[n++] = (struct lag_share) {
+                    row->first + i, m->weight[row->at + (size_t) i]};
+        }
+    }
+    m->at[half + 1] = n;
+    return GP_OK;
 }
 
 /* Cells go from -n to n. */
@@ -96,17 +138,13 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
                                       (ramp(high - u) + ramp(low - u) -
                                        2.0 * ramp(k * step - u)));
     }
+    if (!st)
+        st = fold(log, at, &m);
     if (st)
         lag_matrix_free(&m);
     else
         *out = m;
     return st;
-}
-
-/* The first row whose frequency is k modulo the period. */
-static int first_row(const struct lag_matrix *m, int k)
-{
-    return (k + m->edge) % m->period;
 }
 
 /* Spectra of the kernel: [c][block of LANES x][y][x in it], x in [0, nx / 2],
@@ -156,18 +194,18 @@ sum_lags(const struct lag_matrix *m, const float *strip, int edge, int k,
          float *restrict out0, float *restrict out1)
 {
     eight sum[2][EIGHTS] = {0};
-    for (int r = first_row(m, k); r <= 2 * m->edge; r += m->period) {
-        const struct lag_row *const row = &m->row[r];
-        const int from = gp_max(row->first, -edge);
-        const int end = gp_min(row->first + row->n, edge + 1);
-        for (int u = from; u < end; u++) {
-            const float w = m->weight[row->at + (size_t) (u - row->first)];
-            const eight *const plus = (const eight *) (strip + u * STRIP);
-            const eight *const minus = (const eight *) (strip - u * STRIP);
-            for (int i = 0; i < EIGHTS; i++) {
-                sum[0][i] += w * plus[i];
-                sum[1][i] += w * minus[i];
-            }
+    const struct lag_share *at = m->folded + m->at[k];
+    const struct lag_share *end = m->folded + m->at[k + 1];
+    while (at < end && at->lag < -edge)
+        at++;
+    while (at < end && end[-1].lag > edge)
+        end--;
+    for (; at < end; at++) {
+        const eight *const plus = (const eight *) (strip + at->lag * STRIP);
+        const eight *const minus = (const eight *) (strip - at->lag * STRIP);
+        for (int i = 0; i < EIGHTS; i++) {
+            sum[0][i] += at->weight * plus[i];
+            sum[1][i] += at->weight * minus[i];
         }
     }
     memcpy(out0, sum[0], sizeof sum[0]);
@@ -192,20 +230,20 @@ sum_rows(const struct summing *s, const struct band *b, int block,
         const int turns = k % m->period;
         const int y[2] = {turns < 0 ? turns + m->period : turns,
                           turns > 0 ? m->period - turns : -turns};
+        eight sum[2][LANE_EIGHTS] = {0};
+        for (int v = first; v < last; v++) {
+            const float w = m->weight[row->at + (size_t) (v - row->first)];
+            for (int i = 0; i < 2 * LANE_EIGHTS; i++)
+                sum[i % 2][i / 2] += w * t[i % 2][v - v0][i / 2];
+        }
         for (int side = 0; side < 2 && first < last; side++) {
             const size_t at = ((size_t) block * (size_t) m->period +
                                (size_t) y[side]) * LANES;
-            eight sum[LANE_EIGHTS] = {0};
-            for (int v = first; v < last; v++) {
-                const float w = m->weight[row->at + (size_t) (v - row->first)];
-                for (int l = 0; l < LANE_EIGHTS; l++)
-                    sum[l] += w * t[side][v - v0][l];
-            }
             for (int c = 0; c < s->s->channels; c++) {
                 const float w = scale * (float) b->rgb[c];
                 eight *const out = (eight *) (to[c] + at);
                 for (int l = 0; l < LANE_EIGHTS; l++)
-                    out[l] += w * sum[l];
+                    out[l] += w * sum[side][l];
             }
         }
     }

@@ -138,6 +138,13 @@ static void taking_over(const void *ctx, double t, double out[3])
     out[2] = share * spikes / (2.0 * GP_PI * t * t * t);
 }
 
+/* Degrees; much faster than hypot(). */
+static inline double distance(const struct joined *s, int x, int y)
+{
+    const double u = s->pixel[0] * x, v = s->pixel[1] * y;
+    return sqrt(u * u + v * v);
+}
+
 /* Direction of an offset, in steps of TURN, in [0, TURN). */
 static double direction(const struct joined *s, int x, int y)
 {
@@ -152,14 +159,14 @@ static void add_taking_over(const struct joined *s, int x, int y, int n,
                             double *const out[3])
 {
     const int channels = s->near.grey ? 1 : 3;
-    double strip[GP_SHAPE_STRIP] = {0};
+    double strip[GP_SHAPE_STRIP];
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
     if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > 0.75 * s->reach))
         return;
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
-        const double t = hypot(s->pixel[0] * (x + i), s->pixel[1] * y);
+        const double t = distance(s, x + i, y);
         const double share = 1.0 - gp_diffract_fade(t, s->reach);
         if (!(share > 0.0))
             continue;
@@ -185,7 +192,7 @@ static void joined_far(const void *state, int x, int y, int n,
 {
     const struct joined *const s = state;
     const int channels = s->near.grey ? 1 : 3;
-    double strip[GP_SHAPE_STRIP] = {0};
+    double strip[GP_SHAPE_STRIP];
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
     for (int c = 0; c < channels; c++)
@@ -194,7 +201,7 @@ static void joined_far(const void *state, int x, int y, int n,
         return;
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
-        const double t = hypot(s->pixel[0] * (x + i), s->pixel[1] * y);
+        const double t = distance(s, x + i, y);
         if (!(gp_diffract_fade(t, s->end) < 1.0))
             continue;
         const double at = direction(s, x + i, y);
@@ -253,7 +260,7 @@ static void measure(const struct joined *s, int rx, int ry,
             const int n = gp_min(rx + 1 - x, GP_SHAPE_STRIP);
             s->near.row(s->near.state, x, y, n, row);
             for (int i = 0; i < n; i++) {
-                const double t = hypot(s->pixel[0] * (x + i), s->pixel[1] * y);
+                const double t = distance(s, x + i, y);
                 for (int c = 0; c < channels; c++)
                     sum[c] += strip[c][i];
                 if (t < 0.5 * s->reach || t >= 0.75 * s->reach)
@@ -381,8 +388,8 @@ gp_status gp_diffract_join(const struct gp_log *log,
     if (st)
         return st;
     st = gp_alloc_zero(log, "kernel", 1, sizeof *by, &by);
-    if (!st)
-        st = gp_radial_shape(log, mean_profile, &reach, 1, reach, f, &s->far);
+    if (!st) // it is taken where it only falls, from 15 of its core's radii on
+        st = gp_radial_shape(log, mean_profile, &reach, 1, 0.0, f, &s->far);
     if (st) {
         gp_free(by);
         gp_free(s);
