@@ -1,9 +1,10 @@
 /* Words of reports, and the line of --verbose on a frame. */
 #include "app/report.h"
 
+#include "core/memory.h"
+
 #include <stdarg.h>
 #include <stdio.h>
-#include <sys/resource.h>
 
 const char *const gp_time_names[GP_TIMES] = {
     [GP_TIME_READ] = "read",
@@ -17,9 +18,7 @@ const char *const gp_time_names[GP_TIMES] = {
 
 double gp_peak_rss_mib(void)
 {
-    struct rusage u;
-    return getrusage(RUSAGE_SELF, &u) == 0 ? (double) u.ru_maxrss / 1024.0
-                                           : 0.0; // ru_maxrss is in KiB
+    return (double) gp_peak_memory() / (1 << 20);
 }
 
 const char *gp_pixel_type_name(enum gp_pixel_type type)

@@ -218,3 +218,20 @@ size_t gp_memory_limit(void)
         most = (size_t) own.rlim_cur;
     return most == SIZE_MAX ? 0 : most;
 }
+
+size_t gp_peak_memory(void)
+{
+    struct rusage used;
+    char line[128];
+    unsigned long long kib = 0;
+    FILE *const f = fopen("/proc/self/status", "re");
+    while (f && kib == 0 && fgets(line, sizeof line, f)) {
+        if (strncmp(line, "VmHWM:", 6) == 0)
+            kib = strtoull(line + 6, NULL, 10);
+    }
+    if (f)
+        fclose(f);
+    if (kib == 0 && getrusage(RUSAGE_SELF, &used) == 0)
+        kib = (unsigned long long) used.ru_maxrss; // in KiB, as proc(5)'s
+    return (size_t) kib << 10;
+}

@@ -57,4 +57,9 @@ char *gp_strdup(const char *s);
  * 0 when unknown. Memory that other processes use is not subtracted. */
 size_t gp_memory_limit(void);
 
+/* Returns the most bytes that this process had in memory so far: VmHWM of
+ * proc(5), else ru_maxrss of getrusage(2), which starts at the memory of the
+ * process that started this one. 0 when unknown. */
+size_t gp_peak_memory(void);
+
 #endif

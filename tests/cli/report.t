@@ -42,6 +42,19 @@ is "$(field r.json 'all(0 < b <= a * 1.00001 for a, b in zip(o["flux_in"], o["fl
     True 'no more light comes out than goes in'
 is "$(field r.json 'len(o["fft_size"]), o["nonfinite"], o["clamped"]')" \
     '(2, 0, 0)' 'counts'
+cat >heavy.py <<'PY'
+import json, subprocess, sys
+ballast = bytearray(300 << 20)
+line = subprocess.run([sys.argv[1], "-q", "-o", "heavy.png", "--report", "-",
+                       "in.exr"], check=True, capture_output=True).stdout
+exit(not 1 < json.loads(line)["peak_rss_mib"] < 250)
+PY
+if sanitized; then
+    skip 1 'a sanitizer takes memory of its own'
+else
+    ok 'the memory of a program that starts this one is not counted' \
+        "$python" heavy.py "$glarepp"
+fi
 is "$(field r.json 'o["peak_rss_mib"] > 1 and o["threads"] >= 1')" True 'costs'
 is "$(field r.json 'o["version"]')" \
     "$("$glarepp" --version | sed -n '1s/^glarepp //p')" 'version'
