@@ -167,10 +167,12 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
     return s.result;
 }
 
-bool gp_flight_has_room(size_t memory, size_t largest, int in_flight)
+bool gp_flight_has_room(const struct gp_flight_memory *m, int in_flight)
 {
-    return memory == 0 ||
-           (largest > 0 && largest < memory / 2 / (size_t) (in_flight + 1));
+    const size_t half = m->limit / 2;
+    return m->limit == 0 ||
+           (m->largest > 0 && m->shared < half &&
+            m->largest < (half - m->shared) / (size_t) (in_flight + 1));
 }
 
 int gp_flight_head(const struct gp_flight *f)

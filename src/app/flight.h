@@ -55,11 +55,17 @@ struct gp_flight {
 GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
     const struct gp_flight_work *work, struct gp_flight *f);
 
-/* True when one more unit may start beside `in_flight` others: all of them take
- * half of the memory at most, each as much as the largest so far. The first
- * is read by itself, as nothing is known before.
- *   memory, largest  bytes; 0 is unknown */
-bool gp_flight_has_room(size_t memory, size_t largest, int in_flight);
+/* Memory of a flight, in bytes; 0 is unknown. */
+struct gp_flight_memory {
+    size_t limit;   // of the process
+    size_t largest; // of a unit so far
+    size_t shared;  // by all units: kernels, transforms and the like
+};
+
+/* True when one more unit may start beside `in_flight` others: all of them and
+ * what they share take half of the memory at most, each as much as the largest
+ * so far. The first is read by itself, as nothing is known before. */
+bool gp_flight_has_room(const struct gp_flight_memory *m, int in_flight);
 
 /* The unit that is ended next. */
 int gp_flight_head(const struct gp_flight *f);

@@ -38,6 +38,9 @@ struct pipeline {
     int slots;
     atomic_int kept;                 // frames skipped, for the progress
     atomic_size_t largest;           // bytes of the largest unit so far
+    atomic_size_t shared;            // bytes that are no unit's
+    atomic_bool lit;                 // a unit with light was computed
+    atomic_int most;                 // units in flight so far
     size_t memory;                   // limit of the process; 0: unknown
     int frames, dark;                // written; of these without sources
     struct gp_facts brightest;       // of the dark frames
@@ -140,6 +143,17 @@ static size_t frame_bytes(const struct pipeline *p,
     return bytes;
 }
 
+/* Measures what units share; call on the thread that computes. */
+static void measure_shared(struct pipeline *p)
+{
+    const size_t peak = gp_peak_memory();
+    const size_t units =
+        (size_t) atomic_load(&p->most) * atomic_load(&p->largest);
+    if (peak > units && peak - units > atomic_load(&p->shared))
+        atomic_store(&p->shared, peak - units);
+    atomic_store(&p->lit, true);
+}
+
 static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
@@ -186,8 +200,11 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
             fs->facts.bytes = frame_bytes(p, fs);
             bytes += fs->facts.bytes;
         }
-        if (phase == GP_PHASE_COMPUTE)
+        if (phase == GP_PHASE_COMPUTE) {
             gp_suns_end_frame(&p->run.suns);
+            if (fs->facts.kernel.w > 0)
+                measure_shared(p);
+        }
     }
     size_t largest = atomic_load(&p->largest);
     while (bytes > largest &&
@@ -263,11 +280,25 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
+/* Memory that all units share, in parts of the largest one, until a frame
+ * has a kernel: that of a frame full of light is up to twice as wide and high,
+ * and so are its transforms. */
+enum { UNKNOWN_SHARED = 4 };
+
+/* Called under the lock of the flight. */
 static bool has_room(void *user, int in_flight)
 {
-    const struct pipeline *const p = user;
-    return p->asked->frame_jobs ||
-           gp_flight_has_room(p->memory, atomic_load(&p->largest), in_flight);
+    struct pipeline *const p = user;
+    struct gp_flight_memory m = {
+        .limit = p->memory, .largest = atomic_load(&p->largest),
+    };
+    m.shared = atomic_load(&p->lit) ? atomic_load(&p->shared)
+                                    : UNKNOWN_SHARED * m.largest;
+    if (!p->asked->frame_jobs && !gp_flight_has_room(&m, in_flight))
+        return false;
+    if (in_flight + 1 > atomic_load(&p->most))
+        atomic_store(&p->most, in_flight + 1);
+    return true;
 }
 
 // -- all frames --------------------------------------------------------------
@@ -323,6 +354,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs}, .memory = gp_memory_limit(),
+        .most = 1,
         .slots = most < units ? most : units > 0 ? units : 1,
     };
     const struct gp_flight_work work = {

@@ -229,6 +229,29 @@ else
     rm -f g.*.exr
 fi
 
+# The kernel and its transforms, which all frames share, take of that half too.
+wide()
+{
+    "$glarepp" -q --threads 2 --grow 700 -e fft -k k301.exr --kernel-size 700 \
+        --hdr 'g.h.#.exr' --type float --compression none --report g.json \
+        "$@" 'few.#.exr' && "$python" -c 'import json
+print(max(json.loads(n)["peak_rss_mib"] for n in open("g.json")))'
+}
+frame k301.exr kind=kernel size=301x301
+if sanitized; then
+    skip 2 'a sanitizer takes memory of its own'
+else
+    one=$(wide --frame-jobs 1)
+    three=$(wide --frame-jobs 3)
+    limited=$( (ulimit -v 350000 && wide))
+    note "peaks with a wide kernel: $one MiB of one frame, $three of three, $limited where 350 MB are allowed"
+    ok 'memory: ulimit -v allows one frame beside a wide kernel' \
+        "$python" -c "exit(not $limited < 1.1 * $one)"
+    ok 'memory: three would take more beside it' \
+        "$python" -c "exit(not $three > 1.2 * $one)"
+    rm -f g.*.exr
+fi
+
 many=$(seq -s , -f 'c%02.0f.X:float' 20)
 frame many.exr size=8x8 lights=9 "channels=R,G,B,$many"
 frame few.exr size=8x8 lights=9

@@ -229,12 +229,21 @@ static void room_bounds_the_flight(void **state)
     fly(&(struct row) {60, 8, 8}, GP_OK);
     assert_true(seen.most <= 2);
     // half of the memory, for all of them
-    assert_true(gp_flight_has_room(0, SIZE_MAX, 63));
-    assert_true(!gp_flight_has_room(1200, 0, 1));
-    assert_true(gp_flight_has_room(1200, 299, 1));
-    assert_true(!gp_flight_has_room(1200, 300, 1));
-    assert_true(gp_flight_has_room(1200, 199, 2));
-    assert_true(!gp_flight_has_room(1200, 200, 2));
+    static const struct {
+        struct gp_flight_memory memory;
+        int in_flight;
+        bool room;
+    } row[] = {
+        {{0, SIZE_MAX, 0}, 63, true},   {{0, 0, SIZE_MAX}, 63, true},
+        {{1200, 0, 0}, 1, false},       {{1200, 299, 0}, 1, true},
+        {{1200, 300, 0}, 1, false},     {{1200, 199, 0}, 2, true},
+        {{1200, 200, 0}, 2, false},     {{1200, 99, 400}, 1, true},
+        {{1200, 100, 400}, 1, false},   {{1200, 1, 600}, 1, false},
+        {{1200, 1, SIZE_MAX}, 1, false},
+    };
+    for (size_t i = 0; i < COUNT(row); i++)
+        assert_int_equal(gp_flight_has_room(&row[i].memory, row[i].in_flight),
+                         row[i].room);
 }
 
 SUITE_OF(flight, NULL, NULL, all_in_order, failures_are_skipped,
