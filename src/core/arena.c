@@ -9,10 +9,9 @@
  * as a run comes to need them, and stay. What a stage frees is joined with its
  * free neighbours, and the next stage's blocks, of whatever size, go there.
  *
- * Each block and each free span begins with a `struct span`; the spans of a
- * range of pages lie without gaps between them, so that neighbours are found
- * from the sizes alone (Knuth, The Art of Computer Programming 1, 2.5,
- * "boundary tags"). */
+ * Each block and each free span has a `struct span` in a table, not in its
+ * pages: to write there would clear a huge page on the thread that allocates, 2
+ * to 5 % of a frame's CPU time, where the threads that fill a block share this. */
 #include "core/core_priv.h"
 #include "core/memory.h"
 
@@ -26,27 +25,32 @@ enum {
     HUGE_PAGE = 2 << 20,
     GROWS = 256 << 10,   // a smaller block takes what is free, no new pages
     LEAST = 32 << 10,    // bytes of a free span that is worth an entry
+    SPANS = 4096,
     RANGES = 64,
     SLACK = 8,           // free pages that wait, over the peak that was in use:
                          // 1 of so many
 };
 
 struct span {
-    _Alignas(GP_ALIGN) size_t bytes; // with this header
-    size_t before;                   // of the span before it; 0: the first one
-    struct span *next, *last;        // of the list of free ones
+    uintptr_t at;
+    size_t bytes;
+    struct span *before, *after; // by addresses; `after`: of unused entries
+    struct span *next, *last;    // of the list of free ones
     bool free;
-    bool touched;                    // free, and the system has pages for it
+    bool touched;                // free, and the system has pages for it
 };
 
-/* Pages without a gap, whose last span is a header only. New ones come below,
- * where the system maps the next. */
+/* Pages without a gap. New ones come below, where the system maps the next. */
 struct range {
     atomic_uintptr_t begin, end;
 };
 
 static struct {
     pthread_mutex_t lock;
+    struct span span[SPANS];
+    int spans;            // entries that were ever used
+    struct span *unused;  // of them, those that are not now
+    struct span *lowest;  // by address
     struct span *free;
     struct range range[RANGES];
     atomic_int ranges;
@@ -57,15 +61,44 @@ static struct {
 
 // -- spans -------------------------------------------------------------------
 
-static struct span *span_after(const struct span *s)
+/* Adds a span to the table, before `after` or as the highest; NULL when the
+ * table is full. */
+static struct span *make_span(uintptr_t at, size_t bytes, struct span *before,
+                              struct span *after)
 {
-    return (struct span *) ((uintptr_t) s + s->bytes);
+    struct span *s = arena.unused;
+    if (s)
+        arena.unused = s->after;
+    else if (arena.spans < SPANS)
+        s = &arena.span[arena.spans++];
+    else
+        return NULL;
+    *s = (struct span) {
+        .at = at, .bytes = bytes, .before = before, .after = after,
+    };
+    *(before ? &before->after : &arena.lowest) = s;
+    if (after)
+        after->before = s;
+    return s;
 }
 
-static void set_bytes(struct span *s, size_t bytes)
+/* Removes a span that is in no list from the table. */
+static void drop_span(struct span *s)
 {
-    s->bytes = bytes;
-    span_after(s)->before = bytes;
+    *(s->before ? &s->before->after : &arena.lowest) = s->after;
+    if (s->after)
+        s->after->before = s->before;
+    s->after = arena.unused;
+    arena.unused = s;
+}
+
+/* Returns the span that begins there, or NULL. */
+static struct span *span_at(uintptr_t at)
+{
+    struct span *s = arena.lowest;
+    while (s && s->at != at)
+        s = s->after;
+    return s;
 }
 
 static void list_span(struct span *s)
@@ -94,18 +127,18 @@ static void unlist_span(struct span *s)
 /* Adds a span that is in no list to the free ones, with its neighbours. */
 static void free_span(struct span *s)
 {
-    struct span *const after = span_after(s);
-    if (after->free) {
+    struct span *const after = s->after, *const before = s->before;
+    if (after && after->free && s->at + s->bytes == after->at) {
         unlist_span(after);
         s->touched = s->touched || after->touched;
-        set_bytes(s, s->bytes + after->bytes);
+        s->bytes += after->bytes;
+        drop_span(after);
     }
-    struct span *const before =
-        s->before ? (struct span *) ((uintptr_t) s - s->before) : s;
-    if (before != s && before->free) {
+    if (before && before->free && before->at + before->bytes == s->at) {
         unlist_span(before);
         before->touched = before->touched || s->touched;
-        set_bytes(before, before->bytes + s->bytes);
+        before->bytes += s->bytes;
+        drop_span(s);
         s = before;
     }
     list_span(s);
@@ -126,13 +159,14 @@ static struct span *find_span(size_t bytes)
 static struct span *cut_span(struct span *s, size_t bytes)
 {
     unlist_span(s);
-    if (s->bytes - bytes < LEAST)
+    const size_t rest = s->bytes - bytes;
+    struct span *const end =
+        rest < LEAST ? NULL
+                     : make_span(s->at + rest, bytes, s, s->after);
+    if (!end)
         return s;
-    set_bytes(s, s->bytes - bytes);
+    s->bytes = rest;
     list_span(s);
-    struct span *const end = span_after(s);
-    end->free = false;
-    set_bytes(end, bytes);
     return end;
 }
 
@@ -155,9 +189,9 @@ static void return_pages(void)
         }
         if (!large)
             return;
-        const uintptr_t begin = page_up((uintptr_t) (large + 1));
+        const uintptr_t begin = page_up(large->at);
         const uintptr_t end =
-            (uintptr_t) span_after(large) / HUGE_PAGE * HUGE_PAGE;
+            (large->at + large->bytes) / HUGE_PAGE * HUGE_PAGE;
         if (end > begin)
             madvise((void *) begin, end - begin, MADV_DONTNEED);
         large->touched = false;
@@ -193,6 +227,12 @@ static uintptr_t map_pages(size_t bytes, uintptr_t end)
     return (uintptr_t) at;
 }
 
+static void unmap_pages(uintptr_t at, size_t bytes)
+{
+    munmap((void *) at, bytes);
+    arena.mapped -= bytes;
+}
+
 /* Returns a free span of that many bytes, of pages that are new as far as free
  * ones do not reach; NULL when memory or the list of ranges is full. */
 static struct span *add_pages(size_t bytes)
@@ -200,37 +240,36 @@ static struct span *add_pages(size_t bytes)
     const int n = atomic_load(&arena.ranges);
     struct range *const last = n ? &arena.range[n - 1] : NULL;
     const uintptr_t below = last ? atomic_load(&last->begin) : 0;
-    struct span *const first = (struct span *) below;
+    struct span *const first = below ? span_at(below) : NULL;
     const size_t there = first && first->free ? first->bytes : 0;
     size_t more = page_up(bytes - there);
     uintptr_t at = map_pages(more, below);
-    if (at && (!first || at + more != below)) { // a range of its own
-        const size_t whole = page_up(bytes + sizeof *first);
+    if (at && at + more != below) { // a range of its own
+        const size_t whole = page_up(bytes);
         if (whole > more) {
-            munmap((void *) at, more);
-            arena.mapped -= more;
+            unmap_pages(at, more);
             at = map_pages(whole, 0);
             more = whole;
         }
     }
     if (!at)
         return NULL;
-    struct span *const s = (struct span *) at;
-    *s = (struct span) {.touched = false};
-    if (at + more == below) {
-        set_bytes(s, more);
-        atomic_store(&last->begin, at);
-    } else if (n < RANGES) {
-        const uintptr_t end = at + more - sizeof *s;
-        *(struct span *) end = (struct span) {.bytes = sizeof *s};
-        set_bytes(s, more - sizeof *s);
-        atomic_store(&arena.range[n].begin, at);
-        atomic_store(&arena.range[n].end, end);
-        atomic_store(&arena.ranges, n + 1);
-    } else {
-        munmap((void *) at, more);
-        arena.mapped -= more;
+    const bool joins = at + more == below;
+    struct span *after = arena.lowest, *before = NULL;
+    for (; after && after->at < at; after = after->after)
+        before = after;
+    struct span *const s =
+        joins || n < RANGES ? make_span(at, more, before, after) : NULL;
+    if (!s) {
+        unmap_pages(at, more);
         return NULL;
+    }
+    if (joins) {
+        atomic_store(&last->begin, at);
+    } else {
+        atomic_store(&arena.range[n].begin, at);
+        atomic_store(&arena.range[n].end, at + more);
+        atomic_store(&arena.ranges, n + 1);
     }
     free_span(s);
     return find_span(bytes);
@@ -240,8 +279,7 @@ static struct span *add_pages(size_t bytes)
 
 void *gp_arena_take(size_t bytes)
 {
-    const size_t whole = (bytes + GP_ALIGN - 1) / GP_ALIGN * GP_ALIGN +
-                         sizeof(struct span);
+    const size_t whole = (bytes + GP_ALIGN - 1) / GP_ALIGN * GP_ALIGN;
     pthread_mutex_lock(&arena.lock);
     struct span *s = find_span(whole);
     if (!s && bytes >= GROWS)
@@ -254,14 +292,14 @@ void *gp_arena_take(size_t bytes)
         return_pages();
     }
     pthread_mutex_unlock(&arena.lock);
-    return s ? s + 1 : NULL;
+    return s ? (void *) s->at : NULL;
 }
 
 bool gp_arena_has(const void *block)
 {
     const uintptr_t at = (uintptr_t) block;
     for (int i = 0; i < atomic_load(&arena.ranges); i++) {
-        if (at > atomic_load(&arena.range[i].begin) &&
+        if (at >= atomic_load(&arena.range[i].begin) &&
             at < atomic_load(&arena.range[i].end))
             return true;
     }
@@ -270,8 +308,8 @@ bool gp_arena_has(const void *block)
 
 void gp_arena_give(void *block)
 {
-    struct span *const s = (struct span *) block - 1;
     pthread_mutex_lock(&arena.lock);
+    struct span *const s = span_at((uintptr_t) block);
     arena.used -= s->bytes;
     s->touched = true;
     free_span(s);

@@ -9,6 +9,7 @@
 
 #include <pthread.h>
 #include <stdio.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 enum { MIB = 1 << 20 };
@@ -120,6 +121,24 @@ static void never_more_than_was_in_use(void **state)
         assert_int_equal(gp_arena_mapped(), mapped);
         assert_true(resident() <= most + (size_t) 20 * MIB);
     }
+}
+
+/* The threads that fill a block clear its pages, not the one that allocates it.
+ * Before tests that map pages, since blocks that come back have some. */
+static void new_blocks_are_untouched(void **state)
+{
+    enum { BYTES = 64 * MIB };
+    need_kept_blocks();
+    const size_t page = (size_t) sysconf(_SC_PAGESIZE);
+    uint8_t *block;
+    unsigned char in[BYTES / 4096 + 2] = {0};
+    assert_int_equal(gp_alloc(NULL, "t", BYTES, 1, &block), GP_OK);
+    uint8_t *const first = block - (uintptr_t) block % page;
+    const size_t span = BYTES + (size_t) (block - first);
+    assert_int_equal(mincore(first, span, in), 0);
+    for (size_t i = 0; i < span / page; i++)
+        assert_int_equal(in[i] & 1, 0);
+    gp_free(block);
 }
 
 /* A block too small to be worth new pages takes what is free, or is the C
@@ -282,6 +301,7 @@ static int keep_memory(void **state)
 }
 
 SUITE_OF(memory, keep_memory, NULL, small_blocks_need_no_pages,
-         pages_of_holes_return, sizes_are_checked, memory_is_full,
-         small_and_none, zero_of_a_used_block, resized, same_blocks_again,
-         never_more_than_was_in_use, holes_are_joined, threads_share)
+         new_blocks_are_untouched, pages_of_holes_return, sizes_are_checked,
+         memory_is_full, small_and_none, zero_of_a_used_block, resized,
+         same_blocks_again, never_more_than_was_in_use, holes_are_joined,
+         threads_share)
