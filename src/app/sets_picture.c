@@ -81,7 +81,7 @@ struct extent {
     double lo[2], hi[2];
 };
 
-static void take(struct extent *e, int axis, double lo, double hi)
+static void widen(struct extent *e, int axis, double lo, double hi)
 {
     e->lo[axis] = fmin(e->lo[axis], lo);
     e->hi[axis] = fmax(e->hi[axis], hi);
@@ -98,16 +98,16 @@ static double on_axis(struct gp_v3 p, int axis)
     return axis ? p.z : p.x;
 }
 
-/* Takes the n places of an axis, but for those ten times as far from the
+/* Widens by the n places of an axis, but for those ten times as far from the
  * quartiles as these are apart; all of them where the quartiles are one. */
-static void take_most(struct extent *e, int axis, double *place, int n)
+static void widen_by_most(struct extent *e, int axis, double *place, int n)
 {
     qsort(place, (size_t) n, sizeof *place, compare);
     const double low = place[n / 4], high = place[n - 1 - n / 4];
     const double far = high > low ? 10.0 * (high - low) : INFINITY;
     for (int i = 0; i < n; i++) {
         if (place[i] >= low - far && place[i] <= high + far)
-            take(e, axis, place[i], place[i]);
+            widen(e, axis, place[i], place[i]);
     }
 }
 
@@ -135,7 +135,7 @@ static gp_status find_extent(const struct gp_log *log, const struct gp_scene *s,
                 place[n++] = on_axis(s->light[i].at, axis);
         }
         if (n)
-            take_most(out, axis, place, n);
+            widen_by_most(out, axis, place, n);
     }
     gp_free(place);
     const struct extent core = *out;
@@ -153,7 +153,7 @@ static gp_status find_extent(const struct gp_log *log, const struct gp_scene *s,
             }
         }
         for (int k = 0; k < 2 && lo[0] <= hi[0] && lo[1] <= hi[1]; k++)
-            take(out, k, lo[k], hi[k]);
+            widen(out, k, lo[k], hi[k]);
     }
     return GP_OK;
 }

@@ -27,7 +27,7 @@ struct row_facts {
 
 /* A light's pass. */
 struct lamp {
-    const struct work *work;
+    const struct relit *of;
     const struct gp_relight_pass *pass;
     struct gp_rect cut;      // in the data
     struct gp_rays rays;     // casters
@@ -35,7 +35,8 @@ struct lamp {
     unsigned char *mark;     // of its pixels
 };
 
-struct work {
+/* The picture, and the lamps that light it. */
+struct relit {
     const struct gp_surfaces *f;
     struct gp_rect data;
     const struct gp_planes *rgb;
@@ -68,7 +69,7 @@ static double depth_at(const struct gp_surfaces *f, int x, int y)
 
 /* Returns the way from the eye to a place of the picture, 1 long along the view
  * axis. */
-static struct gp_v3 way_to(const struct work *w, double x, double y)
+static struct gp_v3 way_to(const struct relit *w, double x, double y)
 {
     return gp_v3_add(w->way[0], gp_v3_add(gp_v3_scale(w->way[1], x),
                                           gp_v3_scale(w->way[2], y)));
@@ -77,7 +78,7 @@ static struct gp_v3 way_to(const struct work *w, double x, double y)
 /* Reads normal and albedo of a pixel, as they are in the frame; false where the
  * normal has no direction or nothing takes light. Returns the normal's length
  * in *length. */
-static bool read_pixel(const struct work *w, int x, int y, struct surface *s,
+static bool read_pixel(const struct relit *w, int x, int y, struct surface *s,
                        double *length)
 {
     const struct gp_surfaces *const f = w->f;
@@ -114,7 +115,7 @@ enum { BESIDE = 2 }; // pixels that are searched on each side
 
 /* Returns the distance along the view axis at which a surface's plane is seen
  * at a place of the picture; 0: never. */
-static double plane_at(const struct work *w, const struct surface *s,
+static double plane_at(const struct relit *w, const struct surface *s,
                        struct gp_v3 way)
 {
     const double slope = gp_v3_dot(s->normal, way);
@@ -124,7 +125,7 @@ static double plane_at(const struct work *w, const struct surface *s,
 }
 
 /* True where a surface's plane goes on in another's. */
-static bool goes_on(const struct work *w, const struct surface *a,
+static bool goes_on(const struct relit *w, const struct surface *a,
                     const struct surface *b)
 {
     const struct gp_v3 way = gp_v3_scale(gp_v3_sub(b->place, w->eye),
@@ -134,14 +135,14 @@ static bool goes_on(const struct work *w, const struct surface *a,
 }
 
 /* Reads a pixel that shows one surface only: its normal was not shortened. */
-static bool read_pure(const struct work *w, int x, int y, struct surface *s)
+static bool read_pure(const struct relit *w, int x, int y, struct surface *s)
 {
     double length;
     return read_pixel(w, x, y, s, &length) && s->z > 0.0 && length > 0.995;
 }
 
 /* True where a pixel may show more than its own surface. */
-static bool is_mixed(const struct work *w, const struct surface *own,
+static bool is_mixed(const struct relit *w, const struct surface *own,
                      double length, int x, int y)
 {
     if (length < 0.995)
@@ -187,7 +188,7 @@ static double share_of(const double mean[6], const struct surface *a,
 
 /* Finds the surfaces that a pixel shows, one or two, and their shares. Returns
  * how many. *edge: it may show others than its own. */
-static int find_surfaces(const struct work *w, int x, int y,
+static int find_surfaces(const struct relit *w, int x, int y,
                          struct surface of[2], double share[2], bool *edge)
 {
     struct surface own, near, best = {0};
@@ -297,7 +298,7 @@ static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
 // -- a light's pass -------------------------------------------------------------
 
 /* Returns the way from the eye to a place of a pixel. */
-static struct gp_v3 way_to_place(const struct work *w, int x, int y, int i)
+static struct gp_v3 way_to_place(const struct relit *w, int x, int y, int i)
 {
     return way_to(w, x + 0.5 + w->place[i][0], y + 0.5 + w->place[i][1]);
 }
@@ -348,7 +349,7 @@ static bool is_free(const struct lamp *lamp, struct gp_v3 place,
 static double clear_share(const struct lamp *lamp, const struct surface *s,
                           int x, int y, struct row_facts *facts)
 {
-    const struct work *const w = lamp->work;
+    const struct relit *const w = lamp->of;
     double clear = 0.0;
     facts->rays += MANY;
     for (int i = 0; i < MANY; i++) {
@@ -431,7 +432,7 @@ static void match_frame(const struct surface of[MANY],
 
 /* Finds the scene's surfaces at the places of a pixel, and their weights. False
  * where these are not those of the frame: their mean normal and albedo differ. */
-static bool find_places(const struct work *w, int x, int y,
+static bool find_places(const struct relit *w, int x, int y,
                         struct surface of[MANY], double weight[MANY])
 {
     struct surface own;
@@ -499,7 +500,7 @@ static void mark_row(void *ctx, int i, int thread)
         struct surface s;
         double length;
         mark[x] = 0;
-        if (!read_pixel(lamp->work, cut.x0 + x, y, &s, &length) ||
+        if (!read_pixel(lamp->of, cut.x0 + x, y, &s, &length) ||
             !(s.z > 0.0) || !(light_at(lamp->pass->light, &s) > 0.0))
             continue;
         lamp->row[i].rays++;
@@ -537,7 +538,7 @@ struct pixel {
 /* Adds a light to a pixel. */
 static void light_pixel(const struct lamp *lamp, struct pixel *p)
 {
-    const struct work *const w = lamp->work;
+    const struct relit *const w = lamp->of;
     const struct gp_relight_pass *const pass = lamp->pass;
     struct row_facts *const facts = &lamp->row[p->y - lamp->cut.y0];
     const int next = marks_around(lamp, p->x, p->y);
@@ -580,7 +581,7 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
 
 static void light_row(void *ctx, int i, int thread)
 {
-    const struct work *const w = ctx;
+    const struct relit *const w = ctx;
     struct pixel p = {.y = w->data.y0 + i};
     (void) thread;
     for (p.x = w->data.x0; p.x < w->data.x1; p.x++) {
@@ -600,7 +601,7 @@ static void light_row(void *ctx, int i, int thread)
 }
 
 /* Sets the axes of the camera in the world, from the matrix that leads to it. */
-static void set_axes(struct work *w)
+static void set_axes(struct relit *w)
 {
     const double *const m = w->f->camera.to_camera;
     const double *const ndc = w->f->camera.to_ndc;
@@ -611,7 +612,7 @@ static void set_axes(struct work *w)
 
 /* Sets the ways to the picture's places: at unit distance along the axis they
  * are even. */
-static void set_ways(struct work *w)
+static void set_ways(struct relit *w)
 {
     const struct gp_rect d = w->f->display;
     const double at[3][2] = {{d.x0, d.y0}, {d.x1, d.y0}, {d.x0, d.y1}};
@@ -665,7 +666,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     const struct gp_relight_pass *pass, int passes, struct gp_rect data,
     const struct gp_planes *rgb, struct gp_relit *out)
 {
-    struct work w = {
+    struct relit w = {
         .f = f, .data = data, .rgb = rgb, .eye = gp_camera_eye(&f->camera),
         .lamps = passes,
     };
@@ -676,7 +677,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
     for (int k = 0; k < passes; k++) {
         w.lamp[k] = (struct lamp) {
-            .work = &w, .pass = &pass[k],
+            .of = &w, .pass = &pass[k],
             .cut = gp_rect_meet(pass[k].cut, data),
         };
         GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));

@@ -17,7 +17,8 @@ const char *const gp_table_names[GP_TABLE_ROWS] = {
     [GP_TABLE_SCISSOR] = "+ scissor",
 };
 
-struct work {
+/* The scene, its sets and its pictures, for all rows. */
+struct rows {
     const struct gp_log *log;
     const struct gp_gl *gl;
     const struct gp_scene *s;
@@ -49,7 +50,7 @@ static int larger_first(const void *a, const void *b)
 
 /* Sorts all objects: the same order in every row, as surfaces at one depth show
  * the one that was drawn last. */
-static gp_status set_order(struct work *w)
+static gp_status set_order(struct rows *w)
 {
     const struct gp_v3 eye = gp_camera_eye(&w->view.camera);
     const int n = w->s->objects;
@@ -75,7 +76,7 @@ static gp_status set_order(struct work *w)
 
 /* Returns the widest angle between a lookup in a map and its ray: across the
  * square of four texels; of a sun the width of that. */
-static double texel_of(const struct work *w)
+static double texel_of(const struct rows *w)
 {
     const double across = 2.0 * sqrt(2.0) / (w->p->draw.map - 2) * 1.05;
     double widest = across; // of a cube's square
@@ -91,7 +92,7 @@ static double texel_of(const struct work *w)
 }
 
 /* Lists the objects of a set, in w->order[from] to w->order[to - 1]. */
-static int list_set(const struct work *w, const struct gp_sets *sets,
+static int list_set(const struct rows *w, const struct gp_sets *sets,
                     unsigned set, int from, int to, int *list)
 {
     const uint8_t *const flag = gp_sets_flags(sets);
@@ -104,7 +105,7 @@ static int list_set(const struct work *w, const struct gp_sets *sets,
 }
 
 /* Draws the ambient pass of V, and leaves the sets of the frame in *sets. */
-static gp_status draw_visible(struct work *w, unsigned use,
+static gp_status draw_visible(struct rows *w, unsigned use,
                               struct gp_sets **sets)
 {
     const int n = w->s->objects;
@@ -136,7 +137,7 @@ out:
 }
 
 /* Draws a light with its sets, which are added to the row and to the table. */
-static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
+static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
                             bool last, struct gp_table_row *row)
 {
     const int n = w->s->objects;
@@ -176,7 +177,7 @@ static gp_status draw_light(struct work *w, struct gp_sets *sets, int light,
 }
 
 /* Draws the picture of a row once. */
-static gp_status draw_row(struct work *w, enum gp_table_kind kind,
+static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
                           struct gp_table_row *row)
 {
     static const unsigned uses[GP_TABLE_ROWS] = {
@@ -204,7 +205,7 @@ out:
 }
 
 /* Draws a row to count and to compare it. */
-static gp_status count_row(struct work *w, enum gp_table_kind kind,
+static gp_status count_row(struct rows *w, enum gp_table_kind kind,
                            const float *first, float *picture)
 {
     struct gp_table_row *const row = &w->out->row[kind];
@@ -221,7 +222,7 @@ static gp_status count_row(struct work *w, enum gp_table_kind kind,
 
 /* Draws all rows for their time. Each run begins with another row, so that what
  * else the machine does falls on all of them. */
-static gp_status time_rows(struct work *w)
+static gp_status time_rows(struct rows *w)
 {
     gp_status st = GP_OK;
     for (int run = 0; run < w->p->runs; run++) {
@@ -238,7 +239,7 @@ static gp_status time_rows(struct work *w)
     return st;
 }
 
-static void set_view(struct work *w, const struct gp_camera *c)
+static void set_view(struct rows *w, const struct gp_camera *c)
 {
     w->view = (struct gp_sets_view) {
         .camera = *c, .display = {0, 0, w->p->draw.w, w->p->draw.h},
@@ -248,7 +249,7 @@ static void set_view(struct work *w, const struct gp_camera *c)
 
 /* Finds the box of F, over which suns lay their maps: it is the same in every
  * row. */
-static gp_status find_all(struct work *w)
+static gp_status find_all(struct rows *w)
 {
     struct gp_sets *sets = NULL;
     gp_status st = gp_sets_open(w->log, w->s, w->bodies, &w->view, 0, &sets);
@@ -272,7 +273,7 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     const size_t objects = (size_t) s->objects + 1;
     const size_t pixels = (size_t) p->draw.w * (size_t) p->draw.h;
     struct gp_table t = {0};
-    struct work w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
+    struct rows w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
     float *other = NULL;
     gp_status st;
     set_view(&w, c);
