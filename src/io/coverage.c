@@ -11,8 +11,8 @@
 /* Returns the code of a coverage; NaN is 0. */
 static uint16_t code_of(float v)
 {
-    return v >= 1.0f ? GP_COVERED
-           : v > 0.0f ? (uint16_t) (v * (float) GP_COVERED + 0.5f) : 0;
+    const float covered = v > 0.0f ? v < 1.0f ? v : 1.0f : 0.0f;
+    return (uint16_t) (covered * (float) GP_COVERED + 0.5f);
 }
 
 /* Returns the channel A of a picture, or -1. */

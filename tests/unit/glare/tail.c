@@ -367,7 +367,7 @@ static gp_status run_making(void)
                                     0.1f, 0.1f, 0.1f, 0.1f};
     const struct gp_tail_split split = gp_tail_choose(0.0, 1.0, 0, 300, 200);
     struct gp_kernel k = {0};
-    struct gp_spread_kernel wide;
+    struct gp_spread_kernel wide = {0};
     gp_status st = gp_tail_make(&kept_log, &split, 300, 200, false, true, veil,
                                 &fine, &k.tail);
     if (!st)
