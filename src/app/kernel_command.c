@@ -222,7 +222,8 @@ static gp_status list_models(const struct gp_log *log)
 /* A kernel and the frame to check it for. */
 struct checked {
     struct gp_kernel k;
-    long long nonfinite;    // samples; then `k` is empty
+    long long nonfinite;    // samples; where there are any, or none is `lit`,
+    bool lit;               // other than 0, `k` is empty
     const char *name;
     struct gp_kernel_label label;
     float chromaticities[8], luminance[3];
@@ -240,6 +241,7 @@ static gp_status check_of_model(const struct gp_log *log,
     if (!st)
         st = make_kernel(log, c->name, &m, s->read.max_pixels, &c->k);
     c->use.share = gp_wanted_share(&m.wanted);
+    c->lit = true;
     gp_wanted_kernel_free(&m.wanted);
     memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
     memcpy(c->chromaticities, gp_rec709_chromaticities,
@@ -262,14 +264,16 @@ static gp_status check_of_file(const struct gp_log *log,
     if (st)
         return st;
     for (int i = 0; i < 3; i++) {
-        for (size_t j = 0; j < gp_frame_pixels(&f); j++)
+        for (size_t j = 0; j < gp_frame_pixels(&f); j++) {
             c->nonfinite += !isfinite(f.rgb.c[i][j]);
+            c->lit |= fabsf(f.rgb.c[i][j]) >= FLT_MIN;
+        }
     }
     memcpy(c->luminance, f.luminance, sizeof c->luminance);
     memcpy(c->chromaticities, f.chromaticities, sizeof c->chromaticities);
     c->named = f.names_chromaticities;
     st = gp_label_read(log, &f, &c->label);
-    if (!st && !c->nonfinite)
+    if (!st && !c->nonfinite && c->lit)
         st = gp_kernel_from_frame(log, &p, &f, &c->k);
     c->k.left_out = c->label.left_out;
     c->use.share = c->label.share;
@@ -355,7 +359,8 @@ static gp_status check_kernel(const struct gp_log *log,
     printf("kernel     %s\n", gp_printable(c.name).text);
     print_primaries(&c);
     f.nonfinite = c.nonfinite;
-    if (!c.nonfinite) {
+    f.measured = !c.nonfinite; // of no light the sums are 0
+    if (!c.nonfinite && c.lit) {
         gp_kernel_measure(&c.k, c.luminance, &f);
         print_figures(&c, &f);
         if (!c.use.as_it_is && f.light > 0.0)

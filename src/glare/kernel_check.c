@@ -24,6 +24,7 @@ struct measuring {
     const float *luminance;
     bool edges;                 // whose steps are of interest
     double centre;
+    int about[2];               // the pixel of the centroid, from the centre's
     struct band band[BANDS];
 };
 
@@ -178,6 +179,50 @@ static void measure_band(void *ctx, int i, int thread)
         b->f.rim = find_rim(m, from, to);
 }
 
+/* Adds up what has no counterpart about the pixel of the centroid. */
+static void mirror_band(void *ctx, int i, int thread)
+{
+    struct measuring *const m = ctx;
+    const struct gp_kernel *const k = m->k;
+    const int from = (int) ((long long) k->h * i / BANDS);
+    const int to = (int) ((long long) k->h * (i + 1) / BANDS);
+    const int cx = k->cx + m->about[0], cy = k->cy + m->about[1];
+    float v[STRIP], mirror[STRIP];
+    double odd = 0.0;
+    (void) thread;
+    for (int y = from; y < to; y++) {
+        for (int x = 0; x < k->w; x += STRIP) {
+            const int n = gp_min(k->w - x, STRIP);
+            read_row(m, x, n, y, v);
+            read_row(m, 2 * cx - x - n + 1, n, 2 * cy - y, mirror);
+            for (int j = 0; j < n; j++)
+                odd += fmax(fabs((double) v[j]) -
+                            fabs((double) mirror[n - 1 - j]), 0.0);
+        }
+    }
+    m->band[i].odd = odd;
+}
+
+/* Asymmetry about the pixel of the centroid; that about the centre's where they
+ * are one, or the centroid is not in the kernel. `all`: magnitudes. */
+static double find_moved(struct measuring *m, double all,
+                         const struct gp_kernel_figures *f)
+{
+    const double x = round(f->centroid[0]), y = round(f->centroid[1]);
+    float at;
+    double odd = 0.0;
+    if ((x == 0.0 && y == 0.0) || !(fabs(x) < f->w) || !(fabs(y) < f->h))
+        return f->asymmetry;
+    m->about[0] = (int) x;
+    m->about[1] = (int) y;
+    gp_parallel_do(BANDS, mirror_band, m);
+    for (int i = 0; i < BANDS; i++)
+        odd += m->band[i].odd;
+    read_row(m, m->k->cx + (int) x, 1, m->k->cy + (int) y, &at);
+    const double leaves = all - fabs((double) at);
+    return leaves > 0.0 ? odd / leaves : 0.0;
+}
+
 void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
                       struct gp_kernel_figures *out)
 {
@@ -228,6 +273,7 @@ void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
     const double within = (w > 2.0 ? w - 2.0 : w) * (h > 2.0 ? h - 2.0 : h);
     out->outermost = 1.0 - within / (w * h);
     out->asymmetry = all > fabs(m.centre) ? odd / (all - fabs(m.centre)) : 0.0;
+    out->moved = find_moved(&m, all, out);
     out->measured = true;
 }
 
@@ -242,13 +288,30 @@ static bool is_half_beside(const struct gp_kernel_figures *f)
     return x < 0.05 || y < 0.05;
 }
 
-/* A channel without light, or light that is made or lost. */
+/* Of a symmetric kernel that is some pixels beside its centre: it is less than
+ * a third as asymmetric about its centroid. */
+static bool is_moved(const struct gp_kernel_figures *f)
+{
+    return f->asymmetry > 0.01 && f->moved < f->asymmetry / 3.0 &&
+           f->mirrored >= 0.5 * f->peak; // else its peak says so
+}
+
+/* A centroid's coordinate to 1e-4 pixel, without -0. */
+static double rounded(double v)
+{
+    return round(1e4 * v) / 1e4 + 0.0;
+}
+
+/* No light at all, a channel without light, or light that is made or lost. */
 static void check_sum(const struct gp_kernel_figures *f, bool as_it_is,
                       char line[GP_FAULT_BYTES])
 {
     static const char *const names[3] = {"red", "green", "blue"};
     const double most = fmax(f->sum[0], fmax(f->sum[1], f->sum[2]));
     const double whole = f->light + f->left_out;
+    if (!(most > 0.0))
+        snprintf(line, GP_FAULT_BYTES, "its light sums to %.3g; use an image "
+                 "that has light, with lobes smaller than it", f->light);
     for (int c = 0; c < 3 && !line[0]; c++) {
         if (!(f->sum[c] > 1e-3 * most))
             snprintf(line, GP_FAULT_BYTES, "its %s sums to %.3g, another "
@@ -277,14 +340,20 @@ static void check_figures(const struct gp_kernel_figures *f,
                  "darkens pixels near light; clamp them to 0", f->negatives);
     if (use->centred)
         return;
-    if (rule == GP_RULE_PEAK && f->mirrored < 0.5 * f->peak)
+    if (rule == GP_RULE_PEAK && f->peak > 0.0 &&
+        f->mirrored < 0.5 * f->peak)
         snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
                  "centre: all light would move; set --kernel-center, or crop "
                  "the image about its peak", f->peak_at[0], f->peak_at[1]);
     if (rule == GP_RULE_CENTROID && !use->resampled && is_half_beside(f))
         snprintf(line, GP_FAULT_BYTES, "its centroid is half a pixel from the "
                  "centre of its pixel (%.3g,%.3g); use an odd number of "
-                 "pixels", f->centroid[0], f->centroid[1]);
+                 "pixels", rounded(f->centroid[0]), rounded(f->centroid[1]));
+    if (rule == GP_RULE_CENTROID && is_moved(f))
+        snprintf(line, GP_FAULT_BYTES, "its centroid is %.3g,%.3g pixels from "
+                 "its centre, and it is symmetric about that: all light would "
+                 "move; set --kernel-center, or crop the image about it",
+                 rounded(f->centroid[0]), rounded(f->centroid[1]));
     if (rule == GP_RULE_BORDER && use->ends &&
         f->border > fmax(0.01, 0.25 * f->outermost))
         snprintf(line, GP_FAULT_BYTES, "%.3g %% of its light is in its "

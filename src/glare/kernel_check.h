@@ -29,6 +29,7 @@ struct gp_kernel_figures {
     double outermost;    // share of samples there: what even light would have
     double asymmetry;    // share of what leaves the pixel that has no
                          // counterpart opposite to it
+    double moved;        // the same about the pixel of the centroid
     long long negatives; // samples with a channel under 0
     long long nonfinite; // NaN or infinite, counted by the caller: there is no
                          // such kernel, and all else is 0

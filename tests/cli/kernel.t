@@ -353,6 +353,10 @@ for y in range(n):
             a = 1 / (1 + d * d) * min(max((81 - d) / 2, 0), 1)
         if kind == "box":
             a = 1.0 * (max(abs(dx), abs(dy)) <= 20)
+        if kind == "shifted":
+            a = max(1 - math.hypot(dx - 1, dy) / 6, 0)
+        if kind == "dark":
+            a = 0.0
         if kind == "moved":
             a = max(1 - math.hypot(dx - 3, dy) / 4, 0) ** 2
         if kind == "side":
@@ -388,9 +392,13 @@ faults box '*its outermost rows*its edge shows*' 2
 faults lobe '*samples are negative*' 1
 faults beside '*its centroid is half a pixel*' 1
 faults moved '*its peak is 3,0 pixels*no counterpart*' 2
+faults shifted '*its centroid is 1,0 pixels*' 1
 faults side '*no counterpart opposite*' 1
 faults yellow '*its blue sums to 0*' 1
 faults one '*a single sample*' 1
+"$python" images.py dark
+run kernel --check dark.pfm
+like "$status $(cat out)" '1 *fault: its light sums to 0*' '--check: no light'
 "$python" images.py soft
 run kernel --check soft.pfm
 like "$status $(grep '^fault: ' out)" '1 *its edge shows: 0.0* a source of 1e+03*' \

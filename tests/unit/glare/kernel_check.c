@@ -99,6 +99,28 @@ static double moved(double dx, double dy)
     return pow(fmax(1.0 - hypot(dx - 3.0, dy) / 4.0, 0.0), 2.0);
 }
 
+static double beside(double dx, double dy)
+{
+    return cone(dx - 1.0, dy + 1.0);
+}
+
+static double between(double dx, double dy)
+{
+    return bell(dx + 2.3, dy);
+}
+
+static double half(double dx, double dy)
+{
+    return dx >= 0.0 ? fade(dx, dy) : 0.0;
+}
+
+static double dark(double dx, double dy)
+{
+    (void) dx;
+    (void) dy;
+    return -1e-3;
+}
+
 static double twins(double dx, double dy)
 {
     return moved(dx, dy) + moved(-dx, dy);
@@ -179,6 +201,16 @@ static void each_rule_finds_its_fault(void **state)
         {"lobe", lobe, 15, WHITE, {.ends = true}, BIT(NEGATIVE)},
         {"half beside", fade, 16, WHITE, {.ends = true}, BIT(CENTROID)},
         {"moved", moved, 21, WHITE, {.ends = true}, BIT(PEAK) | BIT(SYMMETRY)},
+        {"a pixel beside", beside, 31, WHITE, {.ends = true}, BIT(CENTROID)},
+        {"a pixel beside, resampled", beside, 31, WHITE,
+         {.ends = true, .resampled = true}, BIT(CENTROID)},
+        {"a pixel beside, by a centre that was given", beside, 31, WHITE,
+         {.ends = true, .centred = true}, 0},
+        {"between pixels", between, 201, WHITE, {.ends = true},
+         BIT(CENTROID)},
+        {"half of one", half, 21, WHITE, {.brightest = 1.0}, BIT(SYMMETRY)},
+        {"no light", dark, 9, WHITE, {.brightest = 1.0},
+         BIT(SUM) | BIT(NEGATIVE)},
         {"half beside, resampled", fade, 16, WHITE,
          {.ends = true, .resampled = true}, 0},
         {"moved, by a centre that was given", moved, 21, WHITE,
