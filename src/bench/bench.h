@@ -97,6 +97,9 @@ struct gp_scaling_request {
  *                 times with least squares, neither under 0 (Amdahl 1967), and
  *                 the times that it predicts with 8, 16 and 64 threads; not
  *                 with one number of threads
+ * and a line where other programs kept over 10 % of the processors busy
+ * meanwhile, by /proc/stat and in half a second at least; other_cores in
+ * req->json.
  * Errors: GP_ERR_IO no process can be started, or the file cannot be written;
  * the status of a run that fails, which has said why. */
 GP_MUST_CHECK gp_status gp_scaling_run(const struct gp_log *log,

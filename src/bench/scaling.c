@@ -33,7 +33,9 @@ enum { ROWS = 24 };
 struct table {
     struct row row[ROWS];
     int n;
-};
+    double own;    // CPU time of all runs, ms
+    double others; // processors that other programs kept busy meanwhile; NaN
+};                 // when unknown
 
 /* The row of that name, which is made where it is missing and there is room. */
 static struct row *row_of(struct table *t, const char *name)
@@ -130,6 +132,7 @@ static void keep_run(struct table *t, int k, const json_t *report, double wall,
     json_t *v, *const walls = json_object_get(report, "times_ms");
     const json_t *const cpus = json_object_get(report, "cpu_ms");
     const double process = wall, all = cpu;
+    t->own += cpu;
     json_object_foreach(walls, name, v) {
         const double ms = json_number_value(v);
         const double own = json_number_value(json_object_get(cpus, name));
@@ -189,6 +192,46 @@ static gp_status run_once(const struct gp_log *log,
                  ms_of(used.ru_utime) + ms_of(used.ru_stime));
     json_decref(report);
     return st;
+}
+
+// -- other programs ----------------------------------------------------------
+
+/* Wall time from which the ticks of /proc/stat, of 10 ms, are fine enough. */
+static const double SURE_MS = 500.0;
+
+/* CPU time of all programs on the machine since its start, ms; NaN when
+ * /proc/stat does not say. */
+static double busy_ms(void)
+{
+    // user nice system idle iowait irq softirq steal; proc(5)
+    static const bool counts[] = {true, true, true, false, false, true, true,
+                                  true};
+    enum { FIELDS = sizeof counts / sizeof *counts };
+    const long ticks = sysconf(_SC_CLK_TCK); // a second
+    char line[512] = "";
+    FILE *const f = fopen("/proc/stat", "re");
+    const bool read = f && fgets(line, sizeof line, f);
+    double sum = 0.0;
+    if (f)
+        fclose(f);
+    if (!read || ticks <= 0 || strncmp(line, "cpu ", 4) != 0)
+        return (double) NAN;
+    char *at = line + 4;
+    for (int i = 0; i < FIELDS; i++) {
+        const double n = strtod(at, &at);
+        sum += counts[i] ? n : 0.0;
+    }
+    return sum * 1e3 / (double) ticks;
+}
+
+/* Prints a line where other programs made the times longer. */
+static void print_others(const struct table *t)
+{
+    const double most = (double) sysconf(_SC_NPROCESSORS_ONLN);
+    if (t->others > 0.1 * most)
+        printf("other programs kept %.1f of %.0f processors busy: times and "
+               "predictions are too long; repeat on an idle machine\n",
+               t->others, most);
 }
 
 // -- the line ----------------------------------------------------------------
@@ -262,6 +305,7 @@ static void print_table(const struct gp_scaling_request *req,
            "outside: start, plans and the end, which no stage counts\n"
            "serial share, predictions: by the line a + b / threads through "
            "the wall times\n");
+    print_others(t);
 }
 
 static gp_status save_json(const struct gp_log *log,
@@ -285,9 +329,12 @@ static gp_status save_json(const struct gp_log *log,
         }
         json_array_append_new(rows, o);
     }
-    return gp_bench_save_json(log, json_pack("{so si so ss}",
+    json_t *const o = json_pack("{so si so ss}",
         "input", gp_json_name(req->input), "runs", req->runs, "rows", rows,
-        "version", GP_VERSION), req->json);
+        "version", GP_VERSION);
+    if (isfinite(t->others))
+        json_object_set_new(o, "other_cores", json_real(t->others));
+    return gp_bench_save_json(log, o, req->json);
 }
 
 gp_status gp_scaling_run(const struct gp_log *log,
@@ -298,10 +345,14 @@ gp_status gp_scaling_run(const struct gp_log *log,
     const bool dash = req->json && gp_is_dash(req->json);
     if (req->json && !dash)
         GP_TRY(gp_file_check(log, req->json, false));
+    const double begin = gp_now_ms(), busy = busy_ms();
     for (int i = 0; i < req->runs; i++) {
         for (int k = 0; k < req->threads.n; k++)
             GP_TRY(run_once(log, req, k, &t));
     }
+    const double wall = gp_now_ms() - begin;
+    t.others = wall < SURE_MS ? (double) NAN
+                              : fmax(busy_ms() - busy - t.own, 0.0) / wall;
     for (int i = 0; i < t.n; i++)
         fit_line(&req->threads, &t.row[i]);
     if (!dash)

@@ -346,6 +346,23 @@ print("holds")
 PY
 is "$("$python" law.py 2>&1)" holds 'the stages add up to the process, lines fit'
 like "$(cat out)" '*process*cores: CPU time*' 'bench --threads: a table'
+if grep -q '^cpu ' /proc/stat 2>/dev/null; then
+    # programs that share the processors make times longer
+    spinning=
+    for _ in $(seq "$(getconf _NPROCESSORS_ONLN)"); do
+        (while :; do :; done) &
+        spinning="$spinning $!"
+    done
+    run bench --threads 1,2 --runs 20 -k kernel.exr --json busy.json in.exr
+    # shellcheck disable=SC2086
+    kill $spinning
+    like "$(cat out)" '*other programs kept *processors busy*' \
+        'bench --threads: a busy machine'
+    ok 'bench --threads: processors of other programs' "$python" -c \
+        'import json; exit(not json.load(open("busy.json"))["other_cores"] > .2)'
+else
+    skip 2 'no /proc/stat here'
+fi
 run bench --threads 1,2 --runs 1 nowhere.exr
 fails_with 3 nowhere.exr 'a frame that no run finds'
 run bench --threads 1,2 --paper
