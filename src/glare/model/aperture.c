@@ -10,13 +10,16 @@
 
 // -- stains: dust, scratches, lashes ------------------------------------------
 
+static inline double clamped(double v)
+{
+    return gp_mind(gp_maxd(v, 0.0), 1.0);
+}
+
 /* The share of a cell within `radius` of a line `away` from its middle, all in
  * cells. */
 static double cell_share(double radius, double away)
 {
-    const double to = fmin(fmax(0.5 + radius - away, 0.0), 1.0);
-    const double from = fmin(fmax(0.5 - radius - away, 0.0), 1.0);
-    return to - from;
+    return clamped(0.5 + radius - away) - clamped(0.5 - radius - away);
 }
 
 void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
@@ -27,9 +30,10 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
     float *const row = p->t + (size_t) y * (size_t) p->n;
     for (int k = 0; k < n; k++) {
         const struct gp_stain *const one = &s[k];
-        const double side = fmax(one->radius[0], one->radius[1]) + cell;
-        if (v < fmin(one->y[0], one->y[1]) - side ||
-            v > fmax(one->y[0], one->y[1]) + side)
+        const int wide = one->radius[1] > one->radius[0];
+        const int lower = one->y[1] > one->y[0];
+        const double side = one->radius[wide] + cell;
+        if (v < one->y[!lower] - side || v > one->y[lower] + side)
             continue;
         const double low = fmin(one->x[0], one->x[1]) - side;
         const double high = fmax(one->x[0], one->x[1]) + side;
@@ -41,7 +45,7 @@ void gp_stain_row(const struct gp_stain *s, int n, const struct gp_pupil *p,
             const double a = (x + 0.5 - middle) * cell - one->x[0];
             const double b = v - one->y[0];
             double at = square > 0.0 ? (a * dx + b * dy) / square : 0.0;
-            at = fmin(fmax(at, 0.0), 1.0);
+            at = clamped(at);
             const double u = a - at * dx, w = b - at * dy;
             const double away = sqrt(u * u + w * w);
             const double radius = one->radius[0] +

@@ -83,7 +83,7 @@ static void radial_row(const void *state, int x, int y, int n,
     const double b = t->f.degrees, a = b * t->f.aspect, side = fmax(a, b);
     for (int i = 0; i < n; i++) {
         const int px = abs(x + i), py = abs(y);
-        const int far = (int) (fmax(a * px, b * py) / side + 1e-9);
+        const int far = (int) (gp_maxd(a * px, b * py) / side + 1e-9);
         double sum[3] = {0};
         int k = far < t->bends ? 2 : 0;
         if (px <= t->near.rx && py <= t->near.ry) {

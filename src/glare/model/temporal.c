@@ -3,6 +3,7 @@
  * Real-Time Dynamic Simulation of the Scattering in the Human Eye, Eurographics
  * 2009. */
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
@@ -44,8 +45,9 @@ double gp_pupil_hippus(double p, double t, double strength, uint64_t seed)
 
 /* All in mm, where it is in the eye: a narrow pupil shows less of it. */
 enum { PARTICLES = 1500, EYE_LASHES = 24, WAVES = 4 };
+static const double EDGE = 0.97; // mean of the iris, of its radius
 struct eye {
-    double radius;
+    double radius, shut;     // within `shut` of the radius all is open
     double edge[WAVES][2];   // of the iris: cosines and sines of 2, 3, ...
     double grating, fibres;
     double turn, right[2];   // radians; its cosine and sine
@@ -60,7 +62,7 @@ static double edge_share(const struct eye *e, double u, double v, double r,
 {
     const double cosine = (u * e->right[0] - v * e->right[1]) / r;
     const double sine = (-v * e->right[0] - u * e->right[1]) / r;
-    double c = cosine, s = sine, edge = 0.97; // of 1, 2, 3, ... times the angle
+    double c = cosine, s = sine, edge = EDGE; // of 1, 2, 3, ... times the angle
     for (int i = 0; i < WAVES; i++) {
         const double next = c * cosine - s * sine;
         s = s * cosine + c * sine;
@@ -81,16 +83,17 @@ static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
     const int from = (int) fmax(floor(middle - half), 0.0);
     const int to = (int) fmin(ceil(middle + half), p->n);
     float *const row = p->t + (size_t) y * (size_t) p->n;
+    const double shut = e->shut * e->radius - p->cell;
     if (e->grating > 0.0 && end > FIBRES)
         gp_grating_row(p->n, y, from, to, e->turn, e->fibres, row);
     for (int x = from; x < to; x++) {
         const double u = (x + 0.5 - middle) * p->cell;
         const double r = sqrt(u * u + v * v);
         double t = r > end ? 0.0 : 1.0;
-        if (r > 0.9 * e->radius && r <= end)
+        if (r > shut && r <= end)
             t = edge_share(e, u, v, r, p->cell);
         if (e->grating > 0.0 && r > FIBRES)
-            t *= 1.0 - e->grating * fmin(r - FIBRES, 1.0) * (double) row[x];
+            t *= 1.0 - e->grating * gp_mind(r - FIBRES, 1.0) * (double) row[x];
         row[x] = (float) t;
     }
     gp_stain_row(e->stain, e->stains, p, y);
@@ -182,6 +185,9 @@ static gp_status open_temporal(const struct gp_log *log,
     for (int i = 0; i < 2 * WAVES; i++)
         e->edge[i / 2][i % 2] =
             0.012 * (gp_model_random(seed + 7, (uint64_t) i) - 0.5);
+    e->shut = EDGE;
+    for (int i = 0; i < WAVES; i++)
+        e->shut -= hypot(e->edge[i][0], e->edge[i][1]);
     e->grating = gp_recipe_value(r, "grating");
     e->fibres = floor(gp_recipe_value(r, "fibres"));
     add_particles(e, (int) (PARTICLES * gp_recipe_value(r, "particles")), t,

@@ -114,6 +114,38 @@ struct limiting {
 
 enum { COLUMNS = 32 };
 
+/* Adds a column of the spectrum, of frequency u across and as many as `twice`
+ * alike, to l and to row. */
+GP_CLONES static void limit_column(const float *restrict z, double scale,
+    const struct keeping *u, const struct keeping *down, int ny, double twice,
+    struct limits *l, double *restrict row)
+{
+    double most = l->most, edge = l->edge, column = 0.0, squares = 0.0;
+    for (int y = 0; y < ny; y++) {
+        const struct keeping *const v = &down[y];
+        const double own = u->own * v->own;
+        const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+        const double f = scale * own * own * sqrt(re * re + im * im);
+        const double kept = u->kept * v->kept;
+        const double lost = fabs(1.0 - kept * kept);
+        const double eps =
+            sqrt(gp_maxd(u->square * v->square - kept * kept, 0.0));
+        const double eta = u->sum * v->sum - kept;
+        const double same = lost + kept * eta, other = kept + eta;
+        const double all = f * (lost + 2.0 * kept * eta + eta * eta);
+        most = gp_maxd(most, f * (lost + kept * eps + eps * eps));
+        edge = gp_maxd(edge, u->edge || v->edge ? f : 0.0);
+        column += all;
+        row[y] += twice * all;
+        squares += f * f * (same * same + eps * eps * other * other);
+    }
+    l->most = most;
+    l->edge = edge;
+    l->sum += twice * column;
+    l->square += twice * squares;
+    l->most_column = gp_maxd(l->most_column, column);
+}
+
 static void limit_columns(void *ctx, int i, int thread)
 {
     const struct limiting *const a = ctx;
@@ -121,41 +153,17 @@ static void limit_columns(void *ctx, int i, int thread)
     const int nx = a->s->x.n, ny = a->s->y.n, c = i / a->tasks;
     const int first = i % a->tasks * COLUMNS;
     const int end = gp_min(first + COLUMNS, nx / 2 + 1);
-    const double step = a->t->split.step, area = step * step;
+    const double step = a->t->split.step;
+    // the passes' factor 1 / 2 of rows was left out once
+    const double scale = 2.0 * nx * ny * step * step;
     double *const row = a->row + (size_t) i * (size_t) ny;
     struct limits l = {0};
     (void) thread;
     memset(row, 0, (size_t) ny * sizeof *row);
-    for (int x = first; x < end; x++) {
-        double column = 0.0;
-        const float *const z = m->z[c] + 2 * (size_t) x * m->pitch;
-        const struct keeping u = a->across[x];
-        const double twice = x == 0 || 2 * x == nx ? 1.0 : 2.0;
-        for (int y = 0; y < ny; y++) {
-            const struct keeping *const v = &a->down[y];
-            const double own = u.own * v->own;
-            const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
-            // the passes' factor 1 / 2 of rows was left out once
-            const double f =
-                2.0 * nx * ny * area * own * own * sqrt(re * re + im * im);
-            const double kept = u.kept * v->kept;
-            const double lost = fabs(1.0 - kept * kept);
-            const double eps =
-                sqrt(fmax(u.square * v->square - kept * kept, 0.0));
-            const double eta = u.sum * v->sum - kept;
-            const double same = lost + kept * eta, other = kept + eta;
-            l.most = fmax(l.most, f * (lost + kept * eps + eps * eps));
-            if (u.edge || v->edge)
-                l.edge = fmax(l.edge, f);
-            const double all = f * (lost + 2.0 * kept * eta + eta * eta);
-            column += all;
-            row[y] += twice * all;
-            l.square += twice * f * f *
-                        (same * same + eps * eps * other * other);
-        }
-        l.sum += twice * column;
-        l.most_column = fmax(l.most_column, column);
-    }
+    for (int x = first; x < end; x++)
+        limit_column(m->z[c] + 2 * (size_t) x * m->pitch, scale,
+                     &a->across[x], a->down, ny,
+                     x == 0 || 2 * x == nx ? 1.0 : 2.0, &l, row);
     a->found[i] = l;
 }
 
