@@ -84,8 +84,13 @@ static void draw_eye(const void *ctx, const struct gp_pupil *p, int y)
     const int to = (int) fmin(ceil(middle + half), p->n);
     float *const row = p->t + (size_t) y * (size_t) p->n;
     const double shut = e->shut * e->radius - p->cell;
-    if (e->grating > 0.0 && end > FIBRES)
-        gp_grating_row(p->n, y, from, to, e->turn, e->fibres, row);
+    if (e->grating > 0.0 && end > FIBRES) {
+        const double hole = sqrt(gp_maxd(FIBRES * FIBRES - v * v, 0.0));
+        const int left = gp_clamp_whole(middle - hole / p->cell + 1, from, to);
+        const int right = gp_clamp_whole(middle + hole / p->cell - 1, left, to);
+        gp_grating_row(p->n, y, from, left, e->turn, e->fibres, row);
+        gp_grating_row(p->n, y, right, to, e->turn, e->fibres, row);
+    }
     for (int x = from; x < to; x++) {
         const double u = (x + 0.5 - middle) * p->cell;
         const double r = sqrt(u * u + v * v);
