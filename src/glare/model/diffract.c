@@ -336,7 +336,7 @@ struct finishing {
     const struct gp_transform *t[2]; // of x, of y
     size_t pitch;                 // LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
-    double pixel[2], reach;       // degrees
+    double pixel[2], fades;       // degrees; at the second samples are 0
     struct samples *out;
     const float *luminance;       // of the primaries
 };
@@ -363,6 +363,13 @@ static void finish_columns(void *ctx, int group, int thread)
         for (int i = 0; i < GP_GROUP; i++)
             to[i] = gp_transform_out(t, thread, i)[y < 0 ? y + t->n : y];
     }
+}
+
+/* Fades samples out over the last quarter of t degrees: no rim. */
+static double fade(double t, double end)
+{
+    const double z = fmin(fmax(4.0 * (end - t) / end, 0.0), 1.0);
+    return z * z * (3.0 - 2.0 * z);
 }
 
 /* Four rows of samples. */
@@ -393,8 +400,7 @@ static void finish_rows(void *ctx, int group, int thread)
             const double at = hypot(f->pixel[0] * x, f->pixel[1] * y);
             const double window = across * gp_sinc((double) x / n);
             const double v = creal(from[x < 0 ? x + n : x]) *
-                             gp_diffract_fade(at, f->reach) /
-                             (all * window * window);
+                             fade(at, f->fades) / (all * window * window);
             to[x + rx] = (float) v;
             if (f->first == 0)
                 other[rx - x] = (float) v;
@@ -426,12 +432,12 @@ static void fold_row(void *ctx, int y, int thread)
 }
 
 static gp_status finish(const struct gp_log *log, const struct spectra *s,
-    const struct gp_transform t[2], const double pixel[2], double reach,
+    const struct gp_transform t[2], const double pixel[2], double fades,
     const float luminance[3], struct samples *out)
 {
     struct finishing f = {
         .s = s, .t = {&t[0], &t[1]}, .pixel = {pixel[0], pixel[1]},
-        .reach = reach, .out = out, .pitch = LANES * (size_t) s->blocks,
+        .fades = fades, .out = out, .pitch = LANES * (size_t) s->blocks,
         .luminance = luminance, .first = s->im[0] ? -out->r[1] : 0,
     };
     const int rows = out->r[1] + 1 - f.first;
@@ -599,7 +605,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
     const double corner = hypot(pixel[0] * f->w, pixel[1] * f->h);
-    p.n = cells_of(d, fmin(d->reach, corner));
+    p.n = cells_of(d, fmin(d->reach, corner / GP_DIFFRACT_SAMPLED));
     p.cell = d->diameter / (p.n - 4);
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
                             0.95 * 180.0 / GP_PI;
@@ -632,8 +638,9 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
         GP_TRY(gp_transform_make(log, period[i], &t[i]));
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
-    GP_TRY(finish(log, &s, t, pixel, reach, f->luminance, k));
-    if (slices[0] > 1 || slices[1] > 1) {
+    const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
+    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance, k));
+    if (sliced) {
         st = join_slices(log, k, slices, f, out);
         goto out;
     }
@@ -644,7 +651,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     };
     for (int i = 0; i < 2; i++)
         shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
-    if (corner > 0.75 * reach)
+    if (corner > GP_DIFFRACT_SAMPLED * reach)
         GP_TRY(gp_diffract_join(log, d, k->r[0], k->r[1], reach, f,
                                 &shape));
     *out = shape;

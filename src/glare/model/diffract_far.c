@@ -8,8 +8,10 @@
  *   light_c(phi) / (t^2 + a^2)^1.5,   a = reach / 20
  *
  * in direction phi. The light is that of the samples from half of the reach to
- * where they begin to fade out, in a mean of SIGMA degrees of phi, so that it
- * is smooth; and takes over as they fade, where a tail may take over as well.
+ * three quarters of it, in means over phi. Over the last half of the reach they
+ * take over in turn, each of twice the degrees of the one before: what is narrow
+ * tapers and widens, and nothing ends. A tail may take over with that of 4
+ * degrees, which is smooth. Wider ones follow beyond the reach: fans dissolve.
  *
  * Of a pupil with blades, the part of that light which is theirs goes on in
  * spikes as far as the recipe's reach. The transform of a polygon is a sum over
@@ -39,8 +41,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TURN = 720 };               // directions
-static const double SIGMA = 4.0;
+/* Directions; means over them, the first JOIN of which take over up to the
+ * reach. */
+enum { TURN = 1440, JOIN = 5, MEANS = 8 };
+static const struct {
+    double sigma;    // degrees of phi
+    double from, to; // it and wider ones take over, shares of the reach
+} means[MEANS] = {
+    {0.25, GP_DIFFRACT_SAMPLED, 0.6}, {0.5, 0.54, 0.68}, {1.0, 0.59, 0.78},
+    {2.0, 0.66, 0.9}, {4.0, 0.75, 1.0}, {8.0, 1.0, 1.6}, {16.0, 1.3, 2.3},
+    {32.0, 1.8, 3.3},
+};
 
 /* Spikes of blades. Degrees of view, but for radians that say so. */
 struct spikes {
@@ -48,7 +59,7 @@ struct spikes {
     double turn, fan;              // radians clockwise, as y is down; half of
                                    // the fan
     double width[3], soft[3];      // of a straight edge; squared over t
-    double reach;                  // they fade out over its last quarter
+    double reach;                  // they widen over its last half
     double strength[3];            // by channel, of 1 / t^2
 };
 
@@ -58,10 +69,18 @@ struct joined {
     double pixel[2];               // degrees
     double reach, end;             // of samples; of these and spikes
     double own[3];                 // light of the centre, so that all is 1
-    double light[TURN][3];         // by directions i / TURN of a turn
-    double spread[TURN][3];        // part of it that spikes have before their
+    double light[MEANS][TURN][3];  // by directions i / TURN of a turn
+    double spread[MEANS][TURN][3]; // part of it that spikes have before their
                                    // reach
 };
+
+/* The share of light that means i and wider have t degrees from the light. */
+static double taken(int i, double t, double reach)
+{
+    const double from = means[i].from * reach, to = means[i].to * reach;
+    const double z = fmin(fmax((t - from) / (to - from), 0.0), 1.0);
+    return z * z * (3.0 - 2.0 * z);
+}
 
 // -- spikes -------------------------------------------------------------------
 
@@ -107,9 +126,10 @@ static void spikes_at(const struct spikes *k, const double pixel[2], double x,
     }
 }
 
-static double spikes_share(const struct spikes *k, double t)
+/* The part of them that means have. */
+static double spikes_taken(const struct spikes *k, int i, double t)
 {
-    return k->n ? gp_diffract_fade(t, k->reach) : 0.0;
+    return k->n ? taken(i, t, k->reach) : 1.0;
 }
 
 // -- the mean -----------------------------------------------------------------
@@ -131,11 +151,11 @@ static void mean_profile(const void *ctx, double t, double out[3])
 static void taking_over(const void *ctx, double t, double out[3])
 {
     const struct joined *const s = ctx;
-    const double share = 1.0 - gp_diffract_fade(t, s->reach);
-    const double spikes = spikes_share(&s->spikes, t);
+    const double share = taken(0, t, s->reach);
+    const double spikes = spikes_taken(&s->spikes, 0, t);
     out[0] = falloff(t, s->reach) * share;
-    out[1] = out[0] * (1.0 - spikes);
-    out[2] = share * spikes / (2.0 * GP_PI * t * t * t);
+    out[1] = out[0] * spikes;
+    out[2] = share * (1.0 - spikes) / (2.0 * GP_PI * t * t * t);
 }
 
 /* Degrees; much faster than hypot(). */
@@ -153,40 +173,80 @@ static double direction(const struct joined *s, int x, int y)
                 TURN * (1.0 - 1e-15));
 }
 
-/* Adds the part that takes over from the samples to n pixels: spikes and the mean
- * up to their reach, the mean beyond. */
-static void add_taking_over(const struct joined *s, int x, int y, int n,
-                            double *const out[3])
+/* Adds means of the light at a place t degrees away, from the reach on, in
+ * direction `at`: `strip` in all. */
+static void add_wide(const struct joined *s, double t, double at, double strip,
+                     int channels, double out[3])
+{
+    const int k = (int) at, next = (k + 1) % TURN;
+    double rest = 1.0;
+    for (int i = JOIN - 1; i < MEANS && rest > 0.0; i++) {
+        const double wider = i + 1 < MEANS ? taken(i + 1, t, s->end) : 0.0;
+        for (int c = 0; c < channels; c++) {
+            const double a = s->light[i][k][c], b = s->light[i][next][c];
+            out[c] += strip * (rest - wider) * (a + (at - k) * (b - a));
+        }
+        rest = wider;
+    }
+}
+
+/* Adds the same up to the reach, of samples' light and of spikes'. */
+static void add_means(const struct joined *s, double t, double at, double strip,
+                      int channels, double out[3])
+{
+    const int k = (int) at, next = (k + 1) % TURN;
+    const double share = taken(0, t, s->reach);
+    double rest = share, spikes = spikes_taken(&s->spikes, 0, t);
+    for (int i = 0; i < JOIN && (rest > 0.0 || spikes > 0.0); i++) {
+        const bool last = i + 1 == JOIN;
+        const double wider = last ? 0.0 : taken(i + 1, t, s->reach);
+        const double wide = last ? 0.0 : spikes_taken(&s->spikes, i + 1, t);
+        const double of = strip * (rest - wider);
+        const double more = strip * share * (spikes - wide) - of;
+        for (int c = 0; c < channels; c++) {
+            const double a = of * s->light[i][k][c] + more * s->spread[i][k][c];
+            const double b =
+                of * s->light[i][next][c] + more * s->spread[i][next][c];
+            out[c] += a + (at - k) * (b - a);
+        }
+        rest = wider;
+        spikes = wide;
+    }
+}
+
+/* Fades the samples of n pixels, and adds the part that takes over: spikes, and
+ * means of the rest and of spikes beyond their reach. */
+static void take_over(const struct joined *s, int x, int y, int n,
+                      double *const out[3])
 {
     const int channels = s->near.grey ? 1 : 3;
     double strip[GP_SHAPE_STRIP];
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
-    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > 0.75 * s->reach))
+    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) >
+          means[0].from * s->reach))
         return;
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
         const double t = distance(s, x + i, y);
-        const double share = 1.0 - gp_diffract_fade(t, s->reach);
+        const double share = taken(0, t, s->reach);
         if (!(share > 0.0))
             continue;
-        const double at = direction(s, x + i, y);
-        const int k = (int) at, next = (k + 1) % TURN;
-        const double spiked = spikes_share(&s->spikes, t);
-        double spike[3] = {0};
-        if (spiked > 0.0)
+        const double part = 1.0 - spikes_taken(&s->spikes, 0, t);
+        double v[3] = {0};
+        if (part > 0.0)
             spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
-                      s->pixel[1] * y, channels, spike);
-        for (int c = 0; c < channels; c++) {
-            const double a = s->light[k][c] - spiked * s->spread[k][c];
-            const double b = s->light[next][c] - spiked * s->spread[next][c];
-            out[c][i] += share * (strip[i] * (a + (at - k) * (b - a)) +
-                                  spiked * s->spikes.strength[c] * spike[c]);
-        }
+                      s->pixel[1] * y, channels, v);
+        for (int c = 0; c < channels; c++)
+            v[c] *= share * part * s->spikes.strength[c];
+        (t < s->end ? add_means : add_wide)(s, t, direction(s, x + i, y),
+                                            strip[i], channels, v);
+        for (int c = 0; c < channels; c++)
+            out[c][i] = (1.0 - share) * out[c][i] + v[c];
     }
 }
 
-/* The mean from where it begins to be all: 0 within three quarters of s->end. */
+/* The smooth means from where they begin: 0 within three quarters of s->end. */
 static void joined_far(const void *state, int x, int y, int n,
                        double *const out[3])
 {
@@ -202,24 +262,22 @@ static void joined_far(const void *state, int x, int y, int n,
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
         const double t = distance(s, x + i, y);
-        if (!(gp_diffract_fade(t, s->end) < 1.0))
+        double v[3] = {0};
+        if (!(taken(JOIN - 1, t, s->end) > 0.0))
             continue;
-        const double at = direction(s, x + i, y);
-        const int k = (int) at;
-        const double *const a = s->light[k];
-        const double *const b = s->light[(k + 1) % TURN];
+        add_wide(s, t, direction(s, x + i, y), strip[i], channels, v);
         for (int c = 0; c < channels; c++)
-            out[c][i] = strip[i] * (a[c] + (at - k) * (b[c] - a[c]));
+            out[c][i] = v[c];
     }
 }
 
-/* The share of the mean that has taken over, at the nearest such pixels: nothing
+/* The share of them that has taken over, at the nearest such pixels: nothing
  * is negative. */
 static double joined_least(const void *state, double pixels)
 {
     const struct joined *const s = state;
     const double t = pixels * fmin(s->pixel[0], s->pixel[1]);
-    return 1.0 - gp_diffract_fade(t, s->end);
+    return taken(JOIN - 1, t, s->end);
 }
 
 static void joined_row(const void *state, int x, int y, int n,
@@ -228,7 +286,7 @@ static void joined_row(const void *state, int x, int y, int n,
     const struct joined *const s = state;
     const int channels = s->near.grey ? 1 : 3;
     s->near.row(s->near.state, x, y, n, out);
-    add_taking_over(s, x, y, n, out);
+    take_over(s, x, y, n, out);
     for (int c = 0; c < channels && y == 0 && x <= 0 && x + n > 0; c++)
         out[c][-x] += s->own[c];
 }
@@ -247,7 +305,7 @@ struct directions {
     double light[TURN][3], spikes[TURN][3], shape[TURN], all;
 };
 
-/* Adds up the samples from half of the reach to where they fade. */
+/* Adds up the samples that do not fade, and those from which the means are. */
 static void measure(const struct joined *s, int rx, int ry,
                     struct directions *d, double sum[3])
 {
@@ -261,11 +319,12 @@ static void measure(const struct joined *s, int rx, int ry,
             s->near.row(s->near.state, x, y, n, row);
             for (int i = 0; i < n; i++) {
                 const double t = distance(s, x + i, y);
+                const double left = 1.0 - taken(0, t, s->reach);
                 for (int c = 0; c < channels; c++)
-                    sum[c] += strip[c][i];
+                    sum[c] += left * strip[c][i];
                 if (t < 0.5 * s->reach || t >= 0.75 * s->reach)
                     continue;
-                const int k = (int) direction(s, x + i, y);
+                const int k = (int) (direction(s, x + i, y) + 0.5) % TURN;
                 d->shape[k] += falloff(t, s->reach) * area;
                 d->all += falloff(t, s->reach) * area;
                 if (s->spikes.n)
@@ -305,33 +364,52 @@ static double fit_spikes(const struct directions *d, int c)
     return square > 0.0 ? fmax(product / square, 0.0) : 0.0;
 }
 
-/* The mean of `light` over SIGMA degrees to out, over all directions to mean. */
+/* The mean of `light` over `sigma` degrees. */
 static void even_out(const struct directions *d, const double light[TURN][3],
-                   double out[TURN][3], double mean[3])
+                     double sigma, double out[TURN][3])
 {
-    const int wide = (int) (2.0 * SIGMA * 4.0);
+    enum { MOST = TURN / 2 - 1 };
+    const int wide = gp_min((int) (4.0 * sigma * TURN / 360.0), MOST);
     // a direction without samples has the mean of all
     const double few = fmax(1e-6 * d->all, 1e-300);
-    double all[3] = {0};
+    double all[3] = {0}, g[MOST + 1];
+    for (int k = 0; k <= wide; k++)
+        g[k] = exp(-0.5 * pow(k * 360.0 / TURN / sigma, 2.0));
     for (int i = 0; i < TURN; i++) {
         for (int c = 0; c < 3; c++)
             all[c] += d->all > 0.0 ? light[i][c] / d->all : 0.0;
     }
-    memset(mean, 0, 3 * sizeof *mean);
     for (int i = 0; i < TURN; i++) {
         double v[3] = {all[0] * few, all[1] * few, all[2] * few}, w = few;
         for (int k = -wide; k <= wide; k++) {
-            const double z = k * 360.0 / TURN / SIGMA;
-            const double g = exp(-0.5 * z * z);
             const int at = (i + k + TURN) % TURN;
-            w += g * d->shape[at];
+            w += g[abs(k)] * d->shape[at];
             for (int c = 0; c < 3; c++)
-                v[c] += g * light[at][c];
+                v[c] += g[abs(k)] * light[at][c];
         }
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             out[i][c] = v[c] / w;
-            mean[c] += v[c] / w / TURN;
-        }
+    }
+}
+
+/* The means of each channel over all directions. */
+static void mean_of(const double light[TURN][3], double mean[3])
+{
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int i = 0; i < TURN; i++) {
+        for (int c = 0; c < 3; c++)
+            mean[c] += light[i][c] / TURN;
+    }
+}
+
+/* Scales channels to have such means. */
+static void scale_to(const double mean[3], double light[TURN][3])
+{
+    double has[3];
+    mean_of(light, has);
+    for (int i = 0; i < TURN; i++) {
+        for (int c = 0; c < 3; c++)
+            light[i][c] *= has[c] > 0.0 ? mean[c] / has[c] : 0.0;
     }
 }
 
@@ -346,13 +424,21 @@ static void share_out(struct joined *s, struct directions *d, double light[3],
         for (int c = 0; c < 3; c++)
             d->spikes[i][c] *= s->spikes.strength[c];
     }
-    even_out(d, d->light, s->light, light);
-    even_out(d, d->spikes, s->spread, spread);
-    memset(spread, 0, 3 * sizeof *spread);
-    for (int i = 0; i < TURN; i++) {
-        for (int c = 0; c < 3; c++) {
-            s->spread[i][c] = fmin(s->spread[i][c], s->light[i][c]);
-            spread[c] += s->spread[i][c] / TURN;
+    for (int m = MEANS - 1; m >= 0; m--) {
+        even_out(d, d->light, means[m].sigma, s->light[m]);
+        even_out(d, d->spikes, means[m].sigma, s->spread[m]);
+        if (m < MEANS - 1) { // all means have the same light
+            scale_to(light, s->light[m]);
+            scale_to(spread, s->spread[m]);
+        }
+        for (int i = 0; i < TURN; i++) {
+            for (int c = 0; c < 3; c++)
+                s->spread[m][i][c] =
+                    fmin(s->spread[m][i][c], s->light[m][i][c]);
+        }
+        if (m == MEANS - 1) {
+            mean_of(s->light[m], light);
+            mean_of(s->spread[m], spread);
         }
     }
 }
@@ -388,7 +474,7 @@ gp_status gp_diffract_join(const struct gp_log *log,
     if (st)
         return st;
     st = gp_alloc_zero(log, "kernel", 1, sizeof *by, &by);
-    if (!st) // it is taken where it only falls, from 15 of its core's radii on
+    if (!st) // it is taken where it only falls, from 10 of its core's radii on
         st = gp_radial_shape(log, mean_profile, &reach, 1, 0.0, f, &s->far);
     if (st) {
         gp_free(by);
@@ -405,7 +491,7 @@ gp_status gp_diffract_join(const struct gp_log *log,
     share_out(s, by, light, spread);
     gp_free(by);
     const double end = s->end;
-    gp_profile_integral(taking_over, s, 3, 0.75 * reach, end, over);
+    gp_profile_integral(taking_over, s, 3, means[0].from * reach, end, over);
     const double a = reach / 20.0; // and from there to infinity
     const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
     for (int c = 0; c < 3 && shape->fits[0] && shape->fits[1]; c++)

@@ -248,8 +248,8 @@ struct gp_blades {
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
-    double reach;     // degrees from the light; over the last quarter of it
-                      // the mean far out takes over; where cells resolve less,
+    double reach;     // degrees from the light; over the last half of it
+                      // means far out take over; where cells resolve less,
                       // the blades' spikes before that
     double nm;        // one wavelength; 0: daylight in `bands`
     int bands;        // 1 to 256
@@ -331,17 +331,13 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* Fades samples out over the last quarter of the reach: no rim. */
-static inline double gp_diffract_fade(double t, double reach)
-{
-    const double z = fmin(fmax(4.0 * (reach - t) / reach, 0.0), 1.0);
-    return z * z * (3.0 - 2.0 * z);
-}
+/* A shape's samples are all of it up to this share of their reach. */
+#define GP_DIFFRACT_SAMPLED 0.5
 
-/* Joins to a shape whose samples, of offsets up to rx and ry, fade out at `reach`
- * degrees, the spikes of d's blades up to d->reach, and the mean far out. Where
- * the samples hold all up to `reach` (`fits`), the light of the centre is changed
- * for all of it to be 1.
+/* Joins to a shape whose samples, of offsets up to rx and ry, end at `reach`
+ * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
+ * fade in before. Where the samples hold all up to `reach` (`fits`), the light
+ * of the centre is changed for all of it to be 1.
  *
  *   shape  owned by the caller; after an error as before */
 GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
