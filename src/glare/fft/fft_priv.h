@@ -101,8 +101,9 @@ struct gp_fft_shape {
                               // of the others
 };
 
-/* Those of channel c, rows without gaps where the kernel has a tail, which fills
- * them; free with gp_fft_shape_free(). */
+/* Those of channel c; where the kernel has a tail, which fills what is between
+ * them, rows without gaps, 16 neighbours alike. Free with
+ * gp_fft_shape_free(). */
 GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
     const struct gp_kernel *k, int c, struct gp_fft_shape *out);
 void gp_fft_shape_free(struct gp_fft_shape *s);

@@ -13,6 +13,7 @@
 #include "core/parallel.h"
 #include "glare/fft/fft_priv.h"
 
+#include <limits.h>
 #include <string.h>
 
 // -- bits ---------------------------------------------------------------------
@@ -184,6 +185,23 @@ GP_CLONES static uint32_t row_runs(const float *v, int w, int x0,
     return n;
 }
 
+/* Makes the runs of neighbouring rows, one a row, hold all of theirs, so that a
+ * reach is found by fewer parts. */
+static void join_runs(const struct gp_fft_shape *s, int h)
+{
+    enum { BLOCK = 16 };
+    for (int from = 0; from < h; from += BLOCK) {
+        const uint32_t end = s->row[gp_min(from + BLOCK, h)];
+        struct gp_fft_run all = {INT_MAX, INT_MIN};
+        for (uint32_t i = s->row[from]; i < end; i++) {
+            all.from = gp_min(all.from, s->run[i].from);
+            all.to = gp_max(all.to, s->run[i].to);
+        }
+        for (uint32_t i = s->row[from]; i < end; i++)
+            s->run[i] = all;
+    }
+}
+
 gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
                             int c, struct gp_fft_shape *out)
 {
@@ -212,6 +230,8 @@ gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
     }
     if (!st) {
         s.row[h] = (uint32_t) n;
+        if (k->tail)
+            join_runs(&s, k->h);
         st = make_nodes(log, k->h, &s);
     }
     if (st)

@@ -393,6 +393,9 @@ static void store_nodes(const void *ctx, int c, int j, const float *z)
         to[x] = z[2 * x];
 }
 
+enum { AHEAD = 1024 }; // floats that are fetched before they are needed: a CPU
+                       // does not foresee beyond a page
+
 /* Adds a line of nodes to a row of w pixels, `at` the weights of each tap. */
 GP_CLONES static void add_line(float *restrict row, int w,
     const float *restrict line, int step, const float at[TAPS][MOST_STEP])
@@ -401,6 +404,7 @@ GP_CLONES static void add_line(float *restrict row, int w,
     const int whole = w / step * step;
     for (int x = 0; x < whole; x += step, line++) {
         for (int i = 0; i < step; i += LANES) {
+            __builtin_prefetch(row + x + i + AHEAD, 1);
             v8_loose *const to = (v8_loose *) (row + x + i);
             v8 v = line[0] * *(const v8_loose *) (at[0] + i);
             v += line[1] * *(const v8_loose *) (at[1] + i);
