@@ -188,7 +188,7 @@ static unsigned find_cells(const struct gp_lens_item *it, double y0, double y1,
             uint8_t *const ray = &out->needs[i / cells * w + i % cells];
             const bool meets = c->set && (double) c->y1 > y0 &&
                                (double) c->y0 < y1;
-            const uint8_t bit = meets ? (uint8_t) (1u << (c->set - 1)) : 0;
+            const uint8_t bit = (uint8_t) (meets ? 1u << (c->set - 1) : 0u);
             out->set[half][i] = meets ? c->set : 0;
             ray[0] |= bit;
             ray[1] |= bit;
