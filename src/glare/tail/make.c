@@ -269,22 +269,34 @@ static double pixels_of(int node, int step, int n)
     return sum;
 }
 
+/* Finds pixels_of() nodes -r .. r; those whose splines end within n pixels have
+ * that of the middle one. */
+static void find_weights(int r, int step, int n, double *weight)
+{
+    for (int i = 0; i <= 2 * r; i++) {
+        const bool inner = (abs(i - r) + 3) * step <= n;
+        weight[i] = inner && i > 0 && (abs(i - 1 - r) + 3) * step <= n
+                        ? weight[i - 1] : pixels_of(i - r, step, n);
+    }
+}
+
 static gp_status find_sum(const struct gp_log *log, struct gp_tail *t, int c,
                           const double *at)
 {
     const int rx = t->rx, ry = t->ry, s = t->split.step;
-    double *weight;
-    gp_status st = gp_alloc(log, "tail", 2 * (size_t) rx + 1, sizeof *weight,
-                            &weight);
+    double *weight, *down;
+    const size_t across = 2 * (size_t) rx + 1, n = across + 2 * (size_t) ry + 1;
+    gp_status st = gp_alloc(log, "tail", n, sizeof *weight, &weight);
     if (st)
         return st;
-    for (int x = -rx; x <= rx; x++)
-        weight[x + rx] = pixels_of(x, s, t->w);
+    down = weight + across;
+    find_weights(rx, s, t->w, weight);
+    find_weights(ry, s, t->h, down);
     for (int y = -ry; y <= ry; y++) {
         double row = 0.0;
         for (int x = 0; x <= 2 * rx; x++)
             row += *at++ * weight[x];
-        t->sum[c] += row * pixels_of(y, s, t->h);
+        t->sum[c] += row * down[y + ry];
     }
     gp_free(weight);
     return GP_OK;
