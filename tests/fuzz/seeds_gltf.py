@@ -90,6 +90,8 @@ write("cutout", {**buffers(corners, floats(*[0, 1] * 4)),
       "images": [{"uri": "data:image/png;base64,UE5H"}],
       "meshes": [{"primitives": [{"material": 0, "attributes": {
           "POSITION": 0, "TEXCOORD_0": 1}}]}], "nodes": [{"mesh": 0}]})
+write("glass", {"materials": [{"extensions": {"KHR_materials_transmission": {
+    "transmissionFactor": f}}} for f in (0.4, 1)]})
 write("matrix", {"nodes": [{"matrix": [1, 0, 0, 0, 0, 1, 0, 0,
                                        0, 0, 1, 0, 5, 6, 7, 1]}],
                  "cameras": [{"type": "orthographic"}], "skins": [{}]})
