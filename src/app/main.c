@@ -48,7 +48,17 @@ static void print_line(void *user, enum gp_level level, const char *line)
         fprintf(stderr, "%s\n", whole);
 }
 
-/* Prints help, versions or completions to stdout. */
+/* Prints the installed flares to stdout, one a line. */
+static gp_status list_flares(const struct gp_log *log)
+{
+    char list[4096];
+    const gp_status st = gp_flare_presets(log, "list", "\n", list, sizeof list);
+    if (!st)
+        puts(list);
+    return st;
+}
+
+/* Prints help, versions, completions or flares to stdout. */
 static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
@@ -62,6 +72,8 @@ static gp_status print_text(const struct gp_log *log,
         gp_help(stdout, s->command);
     else if (s->help_man)
         gp_help_man(stdout);
+    else if (s->list_flares)
+        st = list_flares(log);
     else {
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
@@ -292,7 +304,7 @@ int main(int argc, char *argv[])
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
-    if (!st && (s.help || s.help_man || s.version ||
+    if (!st && (s.help || s.help_man || s.version || s.list_flares ||
                 s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH && s.threads.n > 1) {

@@ -422,7 +422,11 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         else
             out->inputs.at[out->inputs.n++] = word;
     }
-    if (st || out->help || out->help_man || out->version)
+    // each option is two words
+    out->list_flares = out->command == GP_COMMAND_MAIN && out->inputs.n == 0 &&
+                       out->options.n == 2 && out->sun.flare &&
+                       strcmp(out->sun.flare, "preset:list") == 0;
+    if (st || out->help || out->help_man || out->version || out->list_flares)
         return st;
     return gp_settings_check(log, out);
 }

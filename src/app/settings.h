@@ -159,6 +159,7 @@ struct gp_settings {
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;
+    bool list_flares;                  // print their names, nothing else
     enum gp_shell completion;          // help --completion
 
     uint64_t given[4];                 // a bit for each option of the table

@@ -311,10 +311,10 @@ static int is_preset(const struct dirent *d)
     return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
 }
 
-/* Refuses a preset that is not installed, and lists those that are. */
-static gp_status refuse_preset(const struct gp_log *log, const char *name)
+gp_status gp_flare_presets(const struct gp_log *log, const char *name,
+                           const char *between, char *list, size_t size)
 {
-    char folder[PATH_MAX], list[512] = "";
+    char folder[PATH_MAX];
     struct dirent **entry = NULL;
     int n = 0;
     size_t used = 0;
@@ -327,15 +327,23 @@ static gp_status refuse_preset(const struct gp_log *log, const char *name)
     for (int i = 0; i < n; i++) {
         const char *const word = entry[i]->d_name;
         const int bytes = (int) (strrchr(word, '.') - word);
-        const int more = snprintf(list + used, sizeof list - used, "%s%.*s",
-                                  i ? ", " : "", bytes, word);
-        used = used + (size_t) more < sizeof list ? used + (size_t) more
-                                                  : sizeof list - 1;
+        const int more = snprintf(list + used, size - used, "%s%.*s",
+                                  i ? between : "", bytes, word);
+        used = used + (size_t) more < size ? used + (size_t) more : size - 1;
         free(entry[i]);
     }
     free(entry);
-    return gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has this "
-                   "name; use one of %s, or give a file", name, list);
+    return GP_OK;
+}
+
+/* Refuses a preset that is not installed, and lists those that are. */
+static gp_status refuse_preset(const struct gp_log *log, const char *name)
+{
+    char list[512] = "";
+    const gp_status st = gp_flare_presets(log, name, ", ", list, sizeof list);
+    return st ? st
+              : gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
+                        "this name; use one of %s, or give a file", name, list);
 }
 
 /* Finds the file of "preset:NAME"; others are files themselves. */
