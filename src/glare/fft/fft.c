@@ -679,8 +679,8 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
         setup += plan;
     const int channels = k->grey ? 1 : 3;
     if (!has_spectrum(s, k, &p, split.core))
-        setup += gp_fft_spectrum_ms(channels,
-                                    keeps_spectrum(req) ? channels : 0, &p, how);
+        setup += gp_fft_spectrum_ms(
+            channels, keeps_spectrum(req) ? channels : 0, &p, how);
     if (!s->spectrum.z[0])
         setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
                  fmax(gp_rect_h(p.in), gp_rect_h(p.out));

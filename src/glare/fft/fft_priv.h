@@ -31,7 +31,8 @@ struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
 double gp_fft_passes_ms(const struct gp_sources *s,
                         const struct gp_fft_placing *p, enum gp_fft_plan how);
 double gp_fft_spectrum_ms(int channels, int kept,
-                          const struct gp_fft_placing *p, enum gp_fft_plan how);
+                          const struct gp_fft_placing *p,
+                          enum gp_fft_plan how);
 
 /* Bounds rel_l2 of transforms of s with k, where the layer's norm is at least
  * `least`; INFINITY where that is 0.

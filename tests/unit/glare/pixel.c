@@ -115,8 +115,8 @@ static void mark_support(const float *v, int w, int h, bool tail, bool *held)
 }
 
 /* Of random light, kernels (centres outside too, and with a tail) and layers:
- * samples of marked rows in (0, noise] become 0 where a sum over all sources and
- * samples of the kernel has no term; all others stay. */
+ * samples of marked rows in (0, noise] become 0 where a sum over all sources
+ * and samples of the kernel has no term; all others stay. */
 static void only_noise_out_of_reach_is_cleared(void **state)
 {
     static struct gp_tail tail;
