@@ -11,7 +11,7 @@
  * frame of 3840x2160 maps 0.3 to 0.9 % more than its stages hold at once.
  *
  * Each block and each free span has a `struct span` in a table, not in its
- * pages: to write there would clear a huge page on the thread that allocates, 2
+ * pages: to write there would clear a huge page on the thread that allocates, 1
  * to 5 % of a frame's CPU time, where the threads that fill a block share this. */
 #include "core/core_priv.h"
 #include "core/memory.h"
