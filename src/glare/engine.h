@@ -134,9 +134,10 @@ struct gp_engine {
     /* Predicts the time of `run` from counted work and from what `state` (may
      * be NULL) already holds. Cheap: no pass over pixels. Independent of the
      * number of threads, else the choice of `auto`, and with it the bytes,
-     * would depend on it. */
+     * would depend on it. May keep facts about the kernel in *state, which
+     * change no prediction. */
     struct gp_prediction (*predict)(const struct gp_glare_request *req,
-                                    const void *state);
+                                    void *state);
 
     /* Bounds rel_l2 before any drawing. May cost a few milliseconds and keep
      * its work in *state. INFINITY where nothing can be guaranteed.

@@ -284,7 +284,7 @@ static double cost_at(const double value[3], double size, double first)
 }
 
 static struct gp_prediction predict_direct(const struct gp_glare_request *req,
-                                           const void *state)
+                                           void *state)
 {
     static const double near_row[3] = GP_COST_DIRECT_NEAR_ROW;
     static const double far_row[3] = GP_COST_DIRECT_FAR_ROW;

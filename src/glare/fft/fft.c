@@ -1,5 +1,5 @@
-/* The engine fft; split.c chooses the part that goes direct, pass.c has the
- * transforms. */
+/* The engine fft; split.c chooses the part that goes direct, spectrum.c makes
+ * the kernel's spectrum, pass.c has the transforms. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/bound/bound.h"
@@ -15,49 +15,21 @@
 struct fft_state {
     struct gp_fft_plan_pair plan[8]; // of the lengths used last, latest last
     int plans;
-    unsigned long kernel; // serial of the spectrum's
-    struct gp_fft_placing placing;
-    struct gp_fft_core core;
-    struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
-    struct gp_fft_matrix work;     // of one channel: three leave the cache;
-                                   // empty between frames
+    struct gp_fft_spectrum spectrum; // the kernel's
+    struct gp_fft_matrix work; // of one channel: three leave the cache; empty
+                               // between frames
     unsigned long shape_kernel; // serial of the shapes'
     struct gp_fft_shape shape[3];
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
     struct gp_fft_core core_taps_of;
-    unsigned long norms_kernel; // serial and frame of what follows
-    int norms_w, norms_h;
+    unsigned long tail_kernel; // serial of the norms'
     double tail[GP_FFT_CORES];
+    unsigned long quarters_kernel; // serial and frame of the quarters
+    int quarters_w, quarters_h;
     struct gp_fft_quarters quarters;
     struct gp_bound_cache least;
 };
-
-static bool is_known(unsigned long serial, const struct gp_kernel *k)
-{
-    return serial && serial == k->serial;
-}
-
-static bool same_core(struct gp_fft_core a, struct gp_fft_core b)
-{
-    return a.x == b.x && a.y == b.y;
-}
-
-static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
-                         const struct gp_fft_placing *p,
-                         struct gp_fft_core core)
-{
-    return s->spectrum.z[0] && is_known(s->kernel, k) &&
-           same_core(s->core, core) &&
-           s->placing.nx == p->nx && s->placing.ny == p->ny &&
-           memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
-}
-
-/* Returns v modulo n, in [0, n). */
-static int wrap_index(int v, int n)
-{
-    return v % n < 0 ? v % n + n : v % n;
-}
 
 static void close_state(void **state)
 {
@@ -65,7 +37,7 @@ static void close_state(void **state)
     if (s) {
         for (int i = 0; i < s->plans; i++)
             gp_fft_plan_free(&s->plan[i]);
-        gp_fft_matrix_free(&s->spectrum);
+        gp_fft_matrix_free(&s->spectrum.m);
         for (int c = 0; c < 3; c++)
             gp_fft_shape_free(&s->shape[c]);
         gp_taps_free(&s->core_taps);
@@ -112,163 +84,6 @@ static gp_status find_plan(const struct gp_glare_request *req,
     return st;
 }
 
-// -- the kernel's spectrum ---------------------------------------------------
-
-struct kernel_rows {
-    const struct gp_kernel *kernel;
-    const struct gp_fft_placing *p;
-    struct gp_fft_core core;
-    int first; // offset of row 0
-};
-
-/* Row of offset dy = first + j, each sample at its offset modulo nx. */
-static void load_kernel_row(const void *ctx, int c, int j, float *z)
-{
-    const struct kernel_rows *const r = ctx;
-    const struct gp_kernel *const k = r->kernel;
-    const struct gp_rect taps = r->p->taps;
-    const int dy = r->first + j, nx = r->p->nx;
-    const float *const row =
-        k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
-    for (int from = taps.x0, end; from < taps.x1; from = end) {
-        const int at = wrap_index(from, nx);
-        end = gp_min(taps.x1, from + nx - at);
-        for (int dx = from; dx < end; dx++)
-            z[2 * (at + dx - from)] = row[dx];
-    }
-    if (abs(dy) > r->core.y)
-        return;
-    for (int dx = gp_max(-r->core.x, taps.x0);
-         dx <= r->core.x && dx < taps.x1; dx++)
-        z[2 * wrap_index(dx, nx)] = 0.0f;
-}
-
-/* Plane i of a matrix, as the plane of channel c; borrowed. */
-static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int i,
-                                        int c)
-{
-    struct gp_fft_matrix view = {
-        .columns = m->columns, .pitch = m->pitch, .real = m->real,
-    };
-    view.z[c] = m->z[i];
-    return view;
-}
-
-/* Tests whether a kernel is even about its centre, and all of it is in
- * `taps`. */
-static bool is_even(const struct gp_kernel *k, const struct gp_rect *taps)
-{
-    if (taps->x0 != 1 - taps->x1 || taps->y0 != 1 - taps->y1)
-        return false;
-    for (int c = 0; c < (k->grey ? 1 : 3); c++) {
-        const float *const centre =
-            k->k.c[c] + (size_t) k->cy * (size_t) k->w + k->cx;
-        for (int y = 0; y < taps->y1; y++) {
-            const float *const low = centre + (ptrdiff_t) y * k->w;
-            const float *const high = centre - (ptrdiff_t) y * k->w;
-            int differ = 0;
-            for (int x = taps->x0; x < taps->x1; x++)
-                differ |= low[x] != high[-x];
-            if (differ)
-                return false;
-        }
-    }
-    return true;
-}
-
-/* A kernel's spectrum, there or made with the frame. */
-struct kernel_spectrum {
-    struct gp_fft_kernel passes; // what they take
-    struct kernel_rows from;
-    struct gp_fft_matrix rows;   // of one channel; none where it is there
-    bool lent;                   // these are in a plane of the layer
-    int *places;
-};
-
-static void free_kernel_spectrum(struct kernel_spectrum *m)
-{
-    if (!m->lent)
-        gp_fft_matrix_free(&m->rows);
-    gp_free(m->places);
-    *m = (struct kernel_spectrum) {0};
-}
-
-/* Makes room for `n` rows of nx numbers: the layer's last plane, which is
- * written after the last kernel is made, where it is large enough. */
-static gp_status make_kernel_rows(const struct gp_glare_request *req, int nx,
-    int n, struct kernel_spectrum *m)
-{
-    const size_t plane = (size_t) req->src->w * (size_t) req->src->h;
-    m->lent = gp_fft_matrix_floats(nx, n) <= plane;
-    if (!m->lent)
-        return gp_fft_matrix_make(req->log, 1, nx, n, &m->rows);
-    m->rows = gp_fft_matrix_in(req->layer->c[2], nx, n);
-    return GP_OK;
-}
-
-/* A coloured kernel's is not kept that no later frame takes; a grey one's is
- * made for the first channel, and the others take it. */
-static bool keeps_spectrum(const struct gp_glare_request *req)
-{
-    return req->kernel->grey || !req->params->last;
-}
-
-/* Finds the spectrum in the state, or makes room for that of the kernel without
- * its samples in `core`. */
-static gp_status open_kernel_spectrum(const struct gp_glare_request *req,
-    struct fft_state *s, const struct gp_fft_placing *p,
-    struct gp_fft_core core, struct kernel_spectrum *out)
-{
-    gp_status st;
-    const struct gp_kernel *const k = req->kernel;
-    struct kernel_spectrum m = {.passes.channels = k->grey ? 1 : 3};
-    if (has_spectrum(s, k, p, core)) {
-        m.passes.spectrum = s->spectrum;
-        *out = m;
-        return GP_OK;
-    }
-    const bool even = is_even(k, &p->taps);
-    const int n = even ? p->taps.y1 : gp_rect_h(p->taps);
-    gp_fft_matrix_free(&s->spectrum);
-    s->kernel = 0;
-    if (keeps_spectrum(req))
-        GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
-            req->log, m.passes.channels, p->nx, p->ny, &s->spectrum));
-    GP_TRY(make_kernel_rows(req, p->nx, n, &m));
-    GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *m.places,
-                    &m.places));
-    for (int j = 0; j < n; j++)
-        m.places[j] = wrap_index(p->taps.y0 + j, p->ny);
-    m.from = (struct kernel_rows) {
-        .kernel = k, .p = p, .core = core, .first = even ? 0 : p->taps.y0,
-    };
-    m.passes.spectrum = s->spectrum;
-    m.passes.spectrum.real = even;
-    m.passes.n = n;
-    m.passes.place = m.places;
-    // two factors 1/2 were left out on the way in: the kernel's rows, the
-    // sources' rows
-    m.passes.scale = (float) (0.25 / ((double) p->nx * p->ny));
-    *out = m;
-    m = (struct kernel_spectrum) {0};
-out:
-    free_kernel_spectrum(&m);
-    return st;
-}
-
-/* Transforms the rows of channel fft->channel, where the spectrum is made of
- * them: `view` is to hold them. */
-static gp_status load_kernel_spectrum(const struct gp_fft_request *fft,
-    struct kernel_spectrum *m, struct gp_fft_matrix *view)
-{
-    m->passes.rows = NULL;
-    if (!m->rows.z[0] || fft->channel >= m->passes.channels)
-        return GP_OK;
-    *view = one_channel(&m->rows, 0, fft->channel);
-    m->passes.rows = view;
-    return gp_fft_rows_in(fft, m->passes.n, load_kernel_row, &m->from, view);
-}
-
 // -- one frame ---------------------------------------------------------------
 
 /* Rows of the frame that hold light, in order, and their places. */
@@ -311,7 +126,7 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     const int w = r->src->w;
     float *const row = r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
-    const int first = wrap_index(p->out.x0 - p->in.x0, p->nx);
+    const int first = gp_fft_wrap(p->out.x0 - p->in.x0, p->nx);
     const int end = p->out.x0 + p->nx - first;
     const int seam = end < p->out.x1 ? end : p->out.x1;
     for (int x = p->out.x0; x < seam; x++)
@@ -332,7 +147,7 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
 {
     const struct gp_kernel *const k = req->kernel;
     const struct gp_fft_shape *shape[3];
-    if (!is_known(s->shape_kernel, k)) {
+    if (!gp_fft_is_of(s->shape_kernel, k)) {
         for (int c = 0; c < 3; c++)
             gp_fft_shape_free(&s->shape[c]);
         s->shape_kernel = k->serial;
@@ -359,7 +174,7 @@ static gp_status transform(const struct gp_glare_request *req,
     gp_status st;
     struct gp_fft_request fft = {.log = req->log, .channels = 1};
     struct gp_fft_noise noise = {0};
-    struct kernel_spectrum kernel = {0};
+    struct gp_fft_making kernel = {0};
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .noise = &noise,
                                .negative = req->kernel->negative};
@@ -377,7 +192,7 @@ static gp_status transform(const struct gp_glare_request *req,
             light.place[light.n++] = row - p->in.y0;
         }
     }
-    GP_TRY(open_kernel_spectrum(req, s, p, core, &kernel));
+    GP_TRY(gp_fft_making_open(req, &s->spectrum, p, core, &kernel));
     GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, gp_max(light.n, count),
                               &s->work));
     for (int c = 0; c < 3; c++) {
@@ -389,10 +204,10 @@ static gp_status transform(const struct gp_glare_request *req,
         GP_TRY(gp_alloc_zero(req->log, "transform", (size_t) src->h,
                              sizeof(bool), &noise.row[c]));
     }
-    const int first = wrap_index(p->out.y0 - p->in.y0, p->ny);
+    const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = one_channel(&s->work, 0, fft.channel), view;
-        GP_TRY(load_kernel_spectrum(&fft, &kernel, &view));
+        struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel), view;
+        GP_TRY(gp_fft_making_load(&fft, &kernel, &view));
         GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &kernel.passes,
                                first, count));
@@ -403,24 +218,35 @@ static gp_status transform(const struct gp_glare_request *req,
     gp_planes_clear(req->layer, w * (size_t) p->out.y1,
                     w * (size_t) (src->h - p->out.y1));
     gp_fft_matrix_free(&s->work);
-    free_kernel_spectrum(&kernel);
-    if (s->spectrum.z[0]) {
-        s->kernel = req->kernel->serial;
-        s->placing = *p;
-        s->core = core;
+    gp_fft_making_free(&kernel);
+    if (s->spectrum.m.z[0]) {
+        s->spectrum.kernel = req->kernel->serial;
+        s->spectrum.placing = *p;
+        s->spectrum.core = core;
     }
     if (req->params->last)
-        gp_fft_matrix_free(&s->spectrum);
+        gp_fft_matrix_free(&s->spectrum.m);
     if (!req->kernel->negative)
         GP_TRY(clear_unreached(req, s, src, &noise));
 out:
     gp_fft_matrix_free(&s->work);
-    free_kernel_spectrum(&kernel);
+    gp_fft_making_free(&kernel);
     for (int c = 0; c < 3; c++)
         gp_free(noise.row[c]);
     gp_free(light.y);
     gp_free(light.place);
     return st;
+}
+
+/* Returns the norms of gp_fft_tail_norms(), which are found once a kernel. */
+static const double *find_tail_norms(struct fft_state *s,
+                                     const struct gp_kernel *k)
+{
+    if (!gp_fft_is_of(s->tail_kernel, k)) {
+        gp_fft_tail_norms(k, s->tail);
+        s->tail_kernel = k->serial;
+    }
+    return s->tail;
 }
 
 /* Opens the state, places all sources, and chooses the part of the sum that
@@ -441,16 +267,15 @@ static gp_status place_and_split(const struct gp_glare_request *req,
     *p = gp_fft_place(src, k);
     if (!p->nx)
         return GP_OK;
-    if (!is_known(s->norms_kernel, k) || s->norms_w != src->w ||
-        s->norms_h != src->h) {
-        gp_fft_tail_norms(k, s->tail);
+    if (!gp_fft_is_of(s->quarters_kernel, k) || s->quarters_w != src->w ||
+        s->quarters_h != src->h) {
         gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
-        s->norms_kernel = k->serial;
-        s->norms_w = src->w;
-        s->norms_h = src->h;
+        s->quarters_kernel = k->serial;
+        s->quarters_w = src->w;
+        s->quarters_h = src->h;
     }
     // never by how plans are made: the layer would then depend on it
-    gp_fft_split_choose(src, k, s->tail, (double) p->nx * p->ny,
+    gp_fft_split_choose(src, k, find_tail_norms(s, k), (double) p->nx * p->ny,
                         gp_fft_passes_ms(src, p, GP_FFT_PLAN_MEASURE),
                         (double) req->params->gain, split);
     return GP_OK;
@@ -588,13 +413,13 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
                                            (size_t) req->src->h);
     // add the direct parts: the core for all that was transformed, and hot
     // sources whole
-    if (!is_known(s->taps_kernel, k)) {
+    if (!gp_fft_is_of(s->taps_kernel, k)) {
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
         s->taps_kernel = k->serial;
     }
     if (split.core.x >= 0 && src->n) {
-        if (!s->core_taps.k[0] || !same_core(s->core_taps_of, split.core)) {
+        if (!s->core_taps.k[0] || !gp_fft_same_core(s->core_taps_of, split.core)) {
             gp_taps_free(&s->core_taps);
             GP_TRY(gp_taps_cut(req->log, k, split.core.x, split.core.y,
                                &s->core_taps));
@@ -621,10 +446,10 @@ out:
 // -- prediction --------------------------------------------------------------
 
 static struct gp_prediction predict_fft(const struct gp_glare_request *req,
-                                        const void *state)
+                                        void *state)
 {
-    static const struct fft_state empty;
-    const struct fft_state *const s = state ? state : &empty;
+    struct fft_state empty = {0};
+    struct fft_state *const s = state ? state : &empty;
     const struct gp_sources *const src = req->src;
     const struct gp_kernel *const k = req->kernel;
     const struct gp_glare_params *const params = req->params;
@@ -646,26 +471,24 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     const double points = (double) p.nx * p.ny;
     const double measured = gp_fft_passes_ms(src, &p, GP_FFT_PLAN_MEASURE);
     const double gain = (double) params->gain;
-    const bool known = is_known(s->norms_kernel, k);
-    double tail[GP_FFT_CORES] = {
+    const bool known = gp_fft_is_of(s->quarters_kernel, k);
+    const double whole[GP_FFT_CORES] = {
         fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
     };
-    if (known)
-        memcpy(tail, s->tail, sizeof tail);
-    gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
-    if (!known && (split.core.x >= 0 || split.hot_count > 0)) {
-        gp_fft_tail_norms(k, tail);
-        gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
-    }
+    gp_fft_split_choose(src, k, known ? find_tail_norms(s, k) : whole, points,
+                        measured, gain, &split);
+    if (!known && (split.core.x >= 0 || split.hot_count > 0))
+        gp_fft_split_choose(src, k, find_tail_norms(s, k), points, measured,
+                            gain, &split);
     ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
     if (!known)
         ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
     if (split.hot_count == src->n)
         return ms;
     // without the hot ones the rest has another place: that of the last frame
-    if (split.hot_count && is_known(s->kernel, k) &&
-        same_core(s->core, split.core))
-        p = s->placing;
+    if (split.hot_count && gp_fft_is_of(s->spectrum.kernel, k) &&
+        gp_fft_same_core(s->spectrum.core, split.core))
+        p = s->spectrum.placing;
     const double again = sources + gp_fft_passes_ms(src, &p, how);
     // set-up for this placing; a file of measured plans is assumed to have
     // these
@@ -678,10 +501,10 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     if (p.ny != p.nx && plan_at(s, p.ny, how) == s->plans)
         setup += plan;
     const int channels = k->grey ? 1 : 3;
-    if (!has_spectrum(s, k, &p, split.core))
+    if (!gp_fft_has_spectrum(&s->spectrum, k, &p, split.core))
         setup += gp_fft_spectrum_ms(
-            channels, keeps_spectrum(req) ? channels : 0, &p, how);
-    if (!s->spectrum.z[0])
+            channels, gp_fft_keeps_spectrum(req) ? channels : 0, &p, how);
+    if (!s->spectrum.m.z[0])
         setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
                  fmax(gp_rect_h(p.in), gp_rect_h(p.out));
     ms.later_ms += again;

@@ -1,5 +1,6 @@
-/* split.c: places a convolution on its torus, predicts its cost, bounds its
- * error, and chooses the part of the sum that goes direct. */
+/* Shared by the .c files of this folder. split.c: places a convolution on its
+ * torus, predicts its cost, bounds its error, and chooses the part of the sum
+ * that goes direct. */
 #ifndef GP_GLARE_FFT_FFT_PRIV_H
 #define GP_GLARE_FFT_FFT_PRIV_H
 
@@ -10,6 +11,29 @@
 /* Returns FFTW's wisdom about the plans of length n, measured once; NULL where
  * none is known. known.c, printed by tests/bench/plans.c. */
 const char *gp_fft_known(int n);
+
+/* Tests whether what has this serial was made for k. */
+static inline bool gp_fft_is_of(unsigned long serial, const struct gp_kernel *k)
+{
+    return serial && serial == k->serial;
+}
+
+/* Returns v modulo n, in [0, n). */
+static inline int gp_fft_wrap(int v, int n)
+{
+    return v % n < 0 ? v % n + n : v % n;
+}
+
+/* Plane i of a matrix, as the plane of channel c; borrowed. */
+static inline struct gp_fft_matrix
+gp_fft_one_channel(const struct gp_fft_matrix *m, int i, int c)
+{
+    struct gp_fft_matrix view = {
+        .columns = m->columns, .pitch = m->pitch, .real = m->real,
+    };
+    view.z[c] = m->z[i];
+    return view;
+}
 
 /* The places of sources, kernel and outputs on the torus of nx * ny
  * samples. The smallest on which no wrapped light reaches an output. */
@@ -147,6 +171,11 @@ struct gp_fft_core {
 };
 extern const struct gp_fft_core gp_fft_cores[GP_FFT_CORES];
 
+static inline bool gp_fft_same_core(struct gp_fft_core a, struct gp_fft_core b)
+{
+    return a.x == b.x && a.y == b.y;
+}
+
 /* Norms of the kernel without its core (and its tail), largest channel, one a
  * core. */
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
@@ -180,5 +209,51 @@ struct gp_fft_split {
 void gp_fft_split_choose(const struct gp_sources *src,
     const struct gp_kernel *k, const double tail[GP_FFT_CORES], double points,
     double fft_ms, double gain, struct gp_fft_split *out);
+
+// -- spectrum.c ---------------------------------------------------------------
+
+/* The spectrum of a kernel without its core, kept from frame to frame. */
+struct gp_fft_spectrum {
+    unsigned long kernel;   // serial
+    struct gp_fft_placing placing;
+    struct gp_fft_core core;
+    struct gp_fft_matrix m; // transposed, scaled
+};
+
+/* Tests whether it is that of k, so placed, without `core`. */
+bool gp_fft_has_spectrum(const struct gp_fft_spectrum *s,
+    const struct gp_kernel *k, const struct gp_fft_placing *p,
+    struct gp_fft_core core);
+
+/* Tests whether a request keeps it. A coloured kernel's is not kept that no
+ * later frame takes; a grey one's is made for the first channel, and the others
+ * take it. */
+bool gp_fft_keeps_spectrum(const struct gp_glare_request *req);
+
+/* A kernel's spectrum in the passes of a frame: there, or made with them. */
+struct gp_fft_making {
+    struct gp_fft_kernel passes;     // what they take
+    const struct gp_kernel *kernel;  // of its rows: borrowed, as p is
+    const struct gp_fft_placing *p;
+    struct gp_fft_core core;
+    int first;                       // offset of row 0
+    struct gp_fft_matrix rows;       // of one channel; none where it is there
+    bool lent;                       // these are in a plane of the layer
+    int *places;
+};
+
+/* Finds the spectrum in *s, or makes room there for that of the kernel without
+ * its samples in `core`; the layer's last plane may be scratch until the rows
+ * of the last channel are loaded and multiplied.
+ * Errors: GP_ERR_BUG out of memory. Free with gp_fft_making_free(). */
+GP_MUST_CHECK gp_status gp_fft_making_open(const struct gp_glare_request *req,
+    struct gp_fft_spectrum *s, const struct gp_fft_placing *p,
+    struct gp_fft_core core, struct gp_fft_making *out);
+void gp_fft_making_free(struct gp_fft_making *m);
+
+/* Transforms the rows of channel fft->channel, where the spectrum is made of
+ * them: `view` is to hold them. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_fft_making_load(const struct gp_fft_request *fft,
+    struct gp_fft_making *m, struct gp_fft_matrix *view);
 
 #endif

@@ -301,7 +301,7 @@ static double mean_overlap(int from, int to, int low, int high, int limit)
 }
 
 static struct gp_prediction predict_splat(const struct gp_glare_request *req,
-                                          const void *state)
+                                          void *state)
 {
     const struct gp_splat *const kept = state;
     const struct gp_sources *const s = req->src;

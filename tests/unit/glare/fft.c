@@ -1,5 +1,5 @@
-/* glare/fft: lengths, passes, what it keeps, what it hands to direct, what
- * that costs, and the rounding that it promises. */
+/* glare/fft: lengths, passes, what it hands to direct, what that costs,
+ * and the rounding that it promises. */
 #include "unit.h"
 #include "glare/fft/fft.h"
 #include "glare/fft/fft_priv.h"
@@ -337,56 +337,6 @@ static void transform_alone_holds(void **state)
     assert_true(transforms >= (quick ? 15 : 35));
 }
 
-/* Runs the transform alone, of a last frame or another. Returns true when a
- * next frame is predicted to find the kernel's spectrum. */
-static bool keeps_spectrum(struct scene *s, bool last, struct gp_glare *g)
-{
-    struct gp_glare_params p = GP_GLARE_DEFAULTS;
-    struct gp_glare_stats stats;
-    const struct gp_glare_request req = {
-        .params = &p, .src = &s->src, .kernel = &s->k, .layer = &s->f.layer,
-        .stats = &stats,
-    };
-    int fft = 0;
-    while (gp_engines[fft] != &gp_engine_fft)
-        fft++;
-    p.engine = "fft";
-    p.gain = 0.0f;
-    p.last = last;
-    assert_ok(gp_glare_run(NULL, &p, g, &s->src, &s->k, &s->f, &stats));
-    assert_true(stats.fft_w > 0 && stats.hot == 0);
-    const struct gp_prediction next = gp_engine_fft.predict(&req,
-                                                            g->state[fft]);
-    return next.ms == next.later_ms;
-}
-
-/* No spectrum is kept after the last frame, and its channels may be made one
- * after the other: the layer is the same. */
-static void a_last_frame_keeps_no_spectrum(void **state)
-{
-    static const enum shape shapes[] = {PEAK, TINTED, LOBES, RING};
-    for (size_t i = 0; i < COUNT(shapes); i++) {
-        for (int side = 30; side <= 31; side++) { // never even, and maybe
-            struct gp_glare g = {0}, alone = {0};
-            struct scene s = scene_make(
-                scene_frame(97, 61, 0, 0, ALL, 3u),
-                scene_kernel(side, side, MID, 0, shapes[i]),
-                &(struct gp_sensor_params) WHOLE(1, 0, 1e3f));
-            assert_true(keeps_spectrum(&s, false, &g));
-            const uint64_t hash = scene_hash(&s);
-            assert_false(keeps_spectrum(&s, true, &alone));
-            assert_true(scene_hash(&s) == hash);
-            assert_true(keeps_spectrum(&s, false, &alone));
-            assert_true(scene_hash(&s) == hash);
-            assert_false(keeps_spectrum(&s, true, &g)); // one was kept
-            assert_true(scene_hash(&s) == hash);
-            gp_glare_close(&g);
-            gp_glare_close(&alone);
-            scene_free(&s);
-        }
-    }
-}
-
 /* -- choices ----------------------------------------------------------------*/
 
 struct chosen {
@@ -681,7 +631,6 @@ static void a_night_is_worth_more_than_a_sky(void **state)
 
 SUITE_OF(fft, ask_quick, NULL,
     lengths_are_the_cheapest, passes_go_round, even_kernels_have_real_spectra,
-    transform_alone_holds, a_last_frame_keeps_no_spectrum,
-    choices_keep_the_rules, one_sun_goes_direct, tails_are_the_rest,
+    transform_alone_holds, choices_keep_the_rules, one_sun_goes_direct, tails_are_the_rest,
     predicted_rounding_is_kept, a_streak_has_a_wide_core,
     a_night_is_worth_more_than_a_sky)
