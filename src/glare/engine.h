@@ -93,10 +93,10 @@ struct gp_glare_stats {
 
 /* The part of the layer that is no engine's: the kernel's tail. */
 struct gp_layer_rest {
-    gp_task add; // adds it to row i of the layer, of which it is a task
+    gp_task add; // adds it to row i % h of channel i / h of the layer, of w * h
     void *ctx;
-    bool added;  // by the engine, to all rows, in a pass of its own over them;
-                 // false: what it leaves, its caller adds
+    bool added;  // by the engine, to all rows, while it writes them; false: the
+                 // caller adds it
 };
 
 /* Direct work: every source's kernel, cut to the frame. */

@@ -245,7 +245,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     }
     GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
     if (tail && !rest.added)
-        gp_parallel_do(req.src->h, rest.add, rest.ctx);
+        gp_parallel_do(3 * req.src->h, rest.add, rest.ctx);
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)
         GP_TRY(double_layer(log, path, f, times, &stats->bound));

@@ -1,7 +1,9 @@
 /* The engine fft; split.c chooses the part that goes direct, spectrum.c makes
  * the kernel's spectrum, pass.c has the transforms. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "core/parallel.h"
 #include "glare/bound/bound.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft_priv.h"
@@ -88,11 +90,12 @@ static gp_status find_plan(const struct gp_glare_request *req,
 
 /* Rows of the frame that hold light, in order, and their places. */
 struct light_rows {
-    bool negative; // the kernel is, somewhere
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
-    struct gp_fft_noise *noise;
+    struct gp_fft_reach *reach; // NULL: of a negative kernel
+    float noise[3];             // most of a sample, by channels
+    struct gp_layer_rest *rest; // or NULL
     int n;
     int *y, *place;
 };
@@ -117,33 +120,56 @@ GP_CLONES static bool clean_row(float *row, int n, float noise)
     return some;
 }
 
-/* Output row j back to the layer: places start at the box's corner, modulo
- * nx. */
-static void store_layer_row(const void *ctx, int c, int j, const float *z)
+/* Every second of 2 n floats. */
+GP_CLONES static void take_real(const float *restrict z, int n,
+                                float *restrict out)
+{
+    for (int x = 0; x < n; x++)
+        out[x] = z[2 * x];
+}
+
+/* Output row j back to the layer, without rounding noise where no light
+ * reaches, and with the rest: places start at the box's corner, modulo nx. */
+static void store_layer_row(const void *ctx, int c, int j, int thread,
+                            const float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_fft_placing *const p = r->p;
-    const int w = r->src->w;
-    float *const row = r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
+    const int w = r->src->w, y = p->out.y0 + j;
+    float *const row = r->layer->c[c] + (size_t) y * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = gp_fft_wrap(p->out.x0 - p->in.x0, p->nx);
     const int end = p->out.x0 + p->nx - first;
     const int seam = end < p->out.x1 ? end : p->out.x1;
-    for (int x = p->out.x0; x < seam; x++)
-        row[x] = z[2 * (x - p->out.x0 + first)];
-    for (int x = seam; x < p->out.x1; x++)
-        row[x] = z[2 * (x - seam)];
-    if (!r->negative)
-        r->noise->row[c][p->out.y0 + j] = clean_row(
-            row + p->out.x0, gp_rect_w(p->out), r->noise->most[c]);
+    take_real(z + 2 * first, seam - p->out.x0, row + p->out.x0);
+    take_real(z, p->out.x1 - seam, row + seam);
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
+    if (r->reach &&
+        clean_row(row + p->out.x0, gp_rect_w(p->out), r->noise[c]))
+        gp_fft_reach_clear(r->reach, c, y, thread, r->noise[c], row);
+    if (r->rest)
+        r->rest->add(r->rest->ctx, c * r->src->h + y, thread);
 }
 
-/* Clears the layer's rounding noise where no light reaches, and adds the rest
- * to rows that are in the cache for it. */
-static gp_status clear_unreached(const struct gp_glare_request *req,
+/* Row i of those of the layer that no light of the transform reaches: only the
+ * rest. */
+static void store_dark_row(void *ctx, int i, int thread)
+{
+    const struct light_rows *const r = ctx;
+    const struct gp_rect *const out = &r->p->out;
+    const size_t w = (size_t) r->src->w;
+    const int y = i < out->y0 ? i : i + gp_rect_h(*out);
+    for (int c = 0; c < 3; c++) {
+        memset(r->layer->c[c] + (size_t) y * w, 0, w * sizeof(float));
+        if (r->rest)
+            r->rest->add(r->rest->ctx, c * r->src->h + y, thread);
+    }
+}
+
+/* Opens the reach of `src` through the kernel, whose shapes are kept. */
+static gp_status open_reach(const struct gp_glare_request *req,
     struct fft_state *s, const struct gp_sources *src,
-    const struct gp_fft_noise *noise)
+    struct gp_fft_reach **out)
 {
     const struct gp_kernel *const k = req->kernel;
     const struct gp_fft_shape *shape[3];
@@ -161,8 +187,7 @@ static gp_status clear_unreached(const struct gp_glare_request *req,
             return st;
         shape[c] = own;
     }
-    return gp_fft_clear_unreached(req->log, src, k, shape, noise, req->layer,
-                                  req->rest);
+    return gp_fft_reach_open(req->log, src, k, shape, out);
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */
@@ -173,11 +198,9 @@ static gp_status transform(const struct gp_glare_request *req,
 {
     gp_status st;
     struct gp_fft_request fft = {.log = req->log, .channels = 1};
-    struct gp_fft_noise noise = {0};
     struct gp_fft_making kernel = {0};
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
-                               .noise = &noise,
-                               .negative = req->kernel->negative};
+                               .rest = req->rest};
     const int count = gp_rect_h(p->out);
     GP_TRY(find_plan(req, s, p->ny, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
@@ -198,12 +221,12 @@ static gp_status transform(const struct gp_glare_request *req,
     for (int c = 0; c < 3; c++) {
         const struct gp_kernel *const k = req->kernel;
         const double norm = sqrt(src->energy[c]);
-        noise.most[c] = (float) gp_fft_pixel_error(
+        light.noise[c] = (float) gp_fft_pixel_error(
             p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
             fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
-        GP_TRY(gp_alloc_zero(req->log, "transform", (size_t) src->h,
-                             sizeof(bool), &noise.row[c]));
     }
+    if (!req->kernel->negative)
+        GP_TRY(open_reach(req, s, src, &light.reach));
     const int first = gp_fft_wrap(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
         struct gp_fft_matrix m = gp_fft_one_channel(&s->work, 0, fft.channel), view;
@@ -213,10 +236,9 @@ static gp_status transform(const struct gp_glare_request *req,
                                first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
-    const size_t w = (size_t) src->w;
-    gp_planes_clear(req->layer, 0, w * (size_t) p->out.y0);
-    gp_planes_clear(req->layer, w * (size_t) p->out.y1,
-                    w * (size_t) (src->h - p->out.y1));
+    gp_parallel_do(src->h - count, store_dark_row, &light);
+    if (req->rest)
+        req->rest->added = true;
     gp_fft_matrix_free(&s->work);
     gp_fft_making_free(&kernel);
     if (s->spectrum.m.z[0]) {
@@ -226,13 +248,10 @@ static gp_status transform(const struct gp_glare_request *req,
     }
     if (req->params->last)
         gp_fft_matrix_free(&s->spectrum.m);
-    if (!req->kernel->negative)
-        GP_TRY(clear_unreached(req, s, src, &noise));
 out:
     gp_fft_matrix_free(&s->work);
     gp_fft_making_free(&kernel);
-    for (int c = 0; c < 3; c++)
-        gp_free(noise.row[c]);
+    gp_fft_reach_free(&light.reach);
     gp_free(light.y);
     gp_free(light.place);
     return st;

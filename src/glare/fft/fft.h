@@ -147,8 +147,10 @@ GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_request *req,
     struct gp_fft_matrix *m, int rows, const int *place,
     const struct gp_fft_kernel *kernel, int first, int count);
 
-/* Row `j` of channel `c` from z[2 * x], x in [0, nx). */
-typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);
+/* Row `j` of channel `c` from z[2 * x], x in [0, nx), on a thread of
+ * gp_parallel_do(). */
+typedef void (*gp_fft_store)(const void *ctx, int c, int j, int thread,
+                             const float *z);
 
 /* Transforms rows [0, rows) back. */
 GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_request *req,

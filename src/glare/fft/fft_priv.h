@@ -133,24 +133,23 @@ GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
     const struct gp_kernel *k, int c, struct gp_fft_shape *out);
 void gp_fft_shape_free(struct gp_fft_shape *s);
 
-/* The samples of a layer that may be noise where no light is. */
-struct gp_fft_noise {
-    float most[3]; // of noise, by channels
-    bool *row[3];  // true for rows that may hold samples in (0, most]
-};
+/* The pixels of a frame that a kernel's samples other than 0 reach from some
+ * source. */
+struct gp_fft_reach;
 
-/* Makes samples of a layer in (0, noise->most] 0 that no source reaches by a
- * sample of the kernel other than 0, in the rows marked.
- *
- *   shape  of the kernel's channels; may be the same ones
- *   layer  of the sources' frame
- *   rest   added to each row after it, where one pass over the rows is enough;
- *          NULL: none */
-GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
+/* Opens it; each row is found when it is first asked for. `shape` of the
+ * kernel's channels, which may be the same ones, and all else are borrowed.
+ * Errors: GP_ERR_BUG out of memory. Free with gp_fft_reach_free(). */
+GP_MUST_CHECK gp_status gp_fft_reach_open(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
-    const struct gp_fft_shape *const shape[3],
-    const struct gp_fft_noise *noise, const struct gp_planes *layer,
-    struct gp_layer_rest *rest);
+    const struct gp_fft_shape *const shape[3], struct gp_fft_reach **out);
+
+/* Makes samples of row y of a layer in (0, noise] 0 that are not reached in
+ * channel c; `v` has the row's src->w. Tasks may clear different rows at once,
+ * not different channels of one row. */
+void gp_fft_reach_clear(const struct gp_fft_reach *r, int c, int y, int thread,
+                        float noise, float *v);
+void gp_fft_reach_free(struct gp_fft_reach **reach);
 
 // -- the direct part ---------------------------------------------------------
 

@@ -659,9 +659,9 @@ static void rows_out(void *ctx, int i, int thread)
     pack(s->m->z[t.c] + 2 * (size_t) t.first, s->m->pitch, nx, in, t.pitch);
     for (int j = t.first; j < t.first + ROWS && j < s->rows; j += 2) {
         s->lib->execute_dft(s->req->x->backward, (void *) in, (void *) t.line);
-        s->store(s->ctx, t.c, j, t.line);
+        s->store(s->ctx, t.c, j, thread, t.line);
         if (j + 1 < s->rows)
-            s->store(s->ctx, t.c, j + 1, t.line + 1);
+            s->store(s->ctx, t.c, j + 1, thread, t.line + 1);
         in += t.pitch;
     }
 }

@@ -361,20 +361,24 @@ GP_CLONES static bool same_light(const float *a, const float *b, size_t n)
 // -- the reach ----------------------------------------------------------------
 
 /* Channels whose light and kernel have the same support. */
-struct clearing {
+struct part {
     const struct gp_kernel *k;
     const struct gp_fft_shape *shape;
-    struct light light;
-    const struct gp_fft_noise *noise;
-    const struct gp_planes *layer;
-    bool in[3];        // channels
-    uint64_t *scratch; // 3 * words a thread
-    const struct gp_layer_rest *rest; // added to each row; or NULL
+    const struct light *light;
+    uint64_t *reached; // words of each row of the frame
+    bool *found;       // rows of these that are found
+};
+
+struct gp_fft_reach {
+    struct light light[3]; // of channels that differ; none: no bits
+    struct part part[3];   // of channels that differ
+    int of[3];             // part of each channel
+    uint64_t *scratch;     // 2 * words a thread
 };
 
 /* A row of the frame, and the words that kernel rows reach of it. */
 struct row {
-    const struct clearing *m;
+    const struct part *m;
     int y;
     uint64_t *reached, *maybe, *joined;
 };
@@ -382,7 +386,7 @@ struct row {
 /* All of light rows [from, to) in one; in r->joined, or where it is known. */
 static const uint64_t *joined_rows(const struct row *r, int from, int to)
 {
-    const struct light *const s = &r->m->light;
+    const struct light *const s = r->m->light;
     const int level = highest((uint64_t) (to - from));
     const uint64_t *const a = bits_at(s, level, from);
     const uint64_t *const b = bits_at(s, level, to - (1 << level));
@@ -406,7 +410,7 @@ static bool look_at(const struct row *r, struct look *l)
 {
     static const int FEW = 2; // rows that cost less than all of them in one
     const struct gp_fft_shape *const k = r->m->shape;
-    const struct light *const s = &r->m->light;
+    const struct light *const s = r->m->light;
     const struct gp_fft_node *const node = l->node;
     const int above = r->y + r->m->k->cy - s->y0; // light of kernel row 0
     const int start = gp_max(above - l->to + 1, 0);
@@ -454,7 +458,7 @@ static bool look_at(const struct row *r, struct look *l)
 static void reach_row(const struct row *r)
 {
     struct look stack[LEVELS + 2] = {
-        {r->m->shape->node, 0, r->m->k->h, 0, r->m->light.words},
+        {r->m->shape->node, 0, r->m->k->h, 0, r->m->light->words},
     };
     int n = 1; // each level leaves one
     while (n > 0) {
@@ -489,84 +493,74 @@ GP_CLONES static void clear_bits(float *v, int n, uint64_t reached, float noise)
     }
 }
 
-static void clear_row(const struct clearing *m, int y, int thread)
+void gp_fft_reach_clear(const struct gp_fft_reach *r, int c, int y, int thread,
+                        float noise, float *v)
 {
-    const int w = m->light.src->w, words = m->light.words;
-    uint64_t *const scratch = m->scratch + 3 * (size_t) thread * (size_t) words;
-    const struct row r = {m, y, scratch, scratch + words, scratch + 2 * words};
-    bool some = false;
-    for (int c = 0; c < 3; c++)
-        some |= m->in[c] && m->noise->row[c][y];
-    if (!some)
-        return;
-    memset(r.reached, 0, (size_t) words * sizeof *r.reached);
-    if (w % 64) // no pixels
-        r.reached[words - 1] = ~0ull << w % 64;
-    reach_row(&r);
-    for (int c = 0; c < 3; c++) {
-        float *const row = m->layer->c[c] + (size_t) y * (size_t) w;
-        if (!m->in[c] || !m->noise->row[c][y])
-            continue;
-        for (int i = 0; i < words; i++)
-            clear_bits(row + 64 * i, gp_min(w - 64 * i, 64), r.reached[i],
-                       m->noise->most[c]);
+    const struct part *const m = &r->part[r->of[c]];
+    const int w = m->light->src->w, words = m->light->words;
+    const size_t n = (size_t) words;
+    uint64_t *const reached = m->reached + (size_t) y * n;
+    uint64_t *const scratch = r->scratch + 2 * (size_t) thread * n;
+    if (!m->found[y]) {
+        const struct row row = {m, y, reached, scratch, scratch + n};
+        memset(reached, 0, n * sizeof *reached);
+        if (w % 64) // no pixels
+            reached[n - 1] = ~0ull << w % 64;
+        reach_row(&row);
+        m->found[y] = true;
     }
+    for (int i = 0; i < words; i++)
+        clear_bits(v + 64 * i, gp_min(w - 64 * i, 64), reached[i], noise);
 }
 
-static void finish_row(void *ctx, int y, int thread)
+void gp_fft_reach_free(struct gp_fft_reach **reach)
 {
-    const struct clearing *const m = ctx;
-    clear_row(m, y, thread);
-    if (m->rest)
-        m->rest->add(m->rest->ctx, y, thread);
+    struct gp_fft_reach *const r = *reach;
+    for (int c = 0; c < 3 && r; c++) {
+        gp_free(r->light[c].bits);
+        gp_free(r->light[c].dark);
+        gp_free(r->part[c].reached);
+        gp_free(r->part[c].found);
+    }
+    if (r)
+        gp_free(r->scratch);
+    GP_FREE(*reach);
 }
 
-gp_status gp_fft_clear_unreached(const struct gp_log *log,
+gp_status gp_fft_reach_open(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
-    const struct gp_fft_shape *const shape[3],
-    const struct gp_fft_noise *noise, const struct gp_planes *layer,
-    struct gp_layer_rest *rest)
+    const struct gp_fft_shape *const shape[3], struct gp_fft_reach **out)
 {
-    bool left[3];
-    int channels = 0; // with such rows
-    gp_status st = GP_OK;
+    gp_status st;
+    struct gp_fft_reach *r = NULL;
+    const size_t words = ((size_t) src->w + 63) / 64, h = (size_t) src->h;
+    GP_TRY(gp_alloc_zero(log, "reach", 1, sizeof *r, &r));
+    GP_TRY(gp_alloc(log, "reach", 2 * (size_t) gp_threads(),
+                    words * sizeof *r->scratch, &r->scratch));
     for (int c = 0; c < 3; c++) {
-        left[c] = memchr(noise->row[c], 1, (size_t) src->h) != NULL;
-        channels += left[c];
-    }
-    for (int c = 0; c < 3 && !st; c++) {
-        struct clearing m = {.k = k, .noise = noise, .layer = layer};
-        bool lit[3] = {false}; // channels with light in the pixels of c's
-        if (!left[c])
+        int lit = 0, same = 0; // channels like it
+        while (lit < c && !(r->light[lit].bits &&
+                            same_light(src->rgb[lit], src->rgb[c], src->n)))
+            lit++;
+        if (lit == c)
+            GP_TRY(make_light(log, src, c, k->h, &r->light[c]));
+        while (same < c && !(r->part[same].light == &r->light[lit] &&
+                             same_shape(shape[same], shape[c], k->h)))
+            same++;
+        r->of[c] = same;
+        if (same < c)
             continue;
-        for (int i = c; i < 3; i++) {
-            lit[i] = left[i] &&
-                     (i == c || same_light(src->rgb[c], src->rgb[i], src->n));
-            left[i] &= !lit[i];
-        }
-        st = make_light(log, src, c, k->h, &m.light);
-        if (!st)
-            st = gp_alloc(log, "reach", 3 * (size_t) gp_threads(),
-                          (size_t) m.light.words * sizeof *m.scratch,
-                          &m.scratch);
-        for (int i = c; i < 3 && !st; i++) {
-            if (!lit[i])
-                continue;
-            m.shape = shape[i];
-            for (int j = i; j < 3; j++) {
-                m.in[j] = lit[j] && same_shape(shape[i], shape[j], k->h);
-                lit[j] &= !m.in[j];
-            }
-            if (rest && m.in[0] + m.in[1] + m.in[2] == channels) {
-                m.rest = rest;
-                rest->added = true;
-            }
-            gp_parallel_do(src->h, finish_row, &m);
-            memset(m.in, 0, sizeof m.in);
-        }
-        gp_free(m.scratch);
-        gp_free(m.light.bits);
-        gp_free(m.light.dark);
+        struct part *const m = &r->part[c];
+        *m = (struct part) {
+            .k = k, .shape = shape[c], .light = &r->light[lit],
+        };
+        GP_TRY(gp_alloc(log, "reach", h, words * sizeof *m->reached,
+                        &m->reached));
+        GP_TRY(gp_alloc_zero(log, "reach", h, sizeof *m->found, &m->found));
     }
+    *out = r;
+    r = NULL;
+out:
+    gp_fft_reach_free(&r);
     return st;
 }

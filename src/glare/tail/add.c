@@ -385,8 +385,10 @@ static void load_nodes(const void *ctx, int c, int j, float *z)
 
 // -- and back -----------------------------------------------------------------
 
-static void store_nodes(const void *ctx, int c, int j, const float *z)
+static void store_nodes(const void *ctx, int c, int j, int thread,
+                        const float *z)
 {
+    (void) thread;
     const struct gp_tail_rows *const a = ctx;
     float *const to = a->grid[c] + (size_t) j * a->pitch;
     for (int x = 0; x < a->nodes_x; x++)
@@ -423,21 +425,18 @@ GP_CLONES static void add_line(float *restrict row, int w,
     }
 }
 
-void gp_tail_add_row(void *ctx, int y, int thread)
+void gp_tail_add_row(void *ctx, int i, int thread)
 {
     const struct gp_tail_rows *const a = ctx;
     const int step = a->t->split.step, w = a->src->w;
+    const int c = i / a->src->h, y = i % a->src->h;
     const float *const down = a->s->weight[y % step];
     float *const line = a->line + (size_t) thread * 3 * a->pitch;
-    for (int c = 0; c < 3; c++) {
-        const float *const g = a->grid[c] + (size_t) (y / step) * a->pitch;
-        for (size_t x = 0; x < a->pitch; x++)
-            line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
-                      down[2] * g[x + 2 * a->pitch] +
-                      down[3] * g[x + 3 * a->pitch];
-        add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step,
-                 a->at);
-    }
+    const float *const g = a->grid[c] + (size_t) (y / step) * a->pitch;
+    for (size_t x = 0; x < a->pitch; x++)
+        line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
+                  down[2] * g[x + 2 * a->pitch] + down[3] * g[x + 3 * a->pitch];
+    add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step, a->at);
 }
 
 void gp_tail_rows_free(struct gp_tail_rows **rows)

@@ -128,9 +128,10 @@ GP_MUST_CHECK gp_status gp_tail_find(const struct gp_log *log,
     const struct gp_tail *t, const struct gp_tail_state *state,
     const struct gp_sources *src, struct gp_planes *layer,
     struct gp_tail_rows **out);
-/* Adds it to row y of the layer, of which no sample becomes negative; a task of
- * gp_parallel_do(), whose ctx are the rows. */
-void gp_tail_add_row(void *ctx, int y, int thread);
+/* Adds it to row i % h of channel i / h of the layer, i in [0, 3 h), of which no
+ * sample becomes negative; a task of gp_parallel_do(), whose ctx are the
+ * rows. */
+void gp_tail_add_row(void *ctx, int i, int thread);
 void gp_tail_rows_free(struct gp_tail_rows **rows);
 
 /* Milliseconds on one core, of finding and adding it; and of gp_tail_open()

@@ -50,8 +50,10 @@ static void load_row(const void *ctx, int c, int j, float *z)
         z[2 * x] = r->in[c][(size_t) j * (size_t) r->nx + (size_t) x];
 }
 
-static void store_row(const void *ctx, int c, int j, const float *z)
+static void store_row(const void *ctx, int c, int j, int thread,
+                      const float *z)
 {
+    (void) thread;
     const struct rows *const r = ctx;
     for (int x = 0; x < r->nx; x++)
         r->out[c][(size_t) j * (size_t) r->nx + (size_t) x] = z[2 * x];

@@ -1,4 +1,4 @@
-/* glare/fft: what it keeps from frame to frame. */
+/* glare/fft: what it keeps from frame to frame, and the rest that it adds. */
 #include "unit.h"
 #include "core/memory.h"
 #include "glare/fft/fft.h"
@@ -116,5 +116,63 @@ static void norms_are_found_once_a_kernel(void **state)
     scene_free(&s);
 }
 
+/* A rest of 1 in each sample. */
+struct ones {
+    struct gp_planes *layer;
+    int w, h;
+    int *times; // that it was added to each row of each channel
+};
+
+static void add_one(void *ctx, int i, int thread)
+{
+    const struct ones *const m = ctx;
+    float *const row = m->layer->c[i / m->h] + i % m->h * m->w;
+    (void) thread;
+    m->times[i]++;
+    for (int x = 0; x < m->w; x++)
+        row[x] += 1.0f;
+}
+
+/* Each row of each channel gets the rest once, over what the transform leaves
+ * there: where light is all over the frame, and where rows are out of reach. */
+static void each_row_gets_the_rest_once(void **state)
+{
+    static const enum light lights[] = {ALL, BLOCK, COLOURED};
+    for (size_t i = 0; i < COUNT(lights); i++) {
+        struct scene s = scene_make(scene_frame(97, 61, 0, 0, lights[i], 3u),
+                                    scene_kernel(15, 15, MID, 0, TINTED),
+                                    &usual);
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare_stats stats = {0};
+        struct gp_glare_request req = {
+            .params = &p, .src = &s.src, .kernel = &s.k,
+            .layer = &s.f.layer, .stats = &stats,
+        };
+        const int n = 97 * 61;
+        float *const alone = scene_alloc(3 * (size_t) n, sizeof *alone);
+        int *const times = scene_alloc((size_t) (3 * 61), sizeof *times);
+        struct ones ones = {&s.f.layer, 97, 61, times};
+        struct gp_layer_rest rest = {.add = add_one, .ctx = &ones};
+        void *kept = NULL;
+        p.gain = 0.0f; // the transform alone
+        assert_ok(gp_planes_make(NULL, "layer", (size_t) n, &s.f.layer));
+        assert_ok(gp_engine_fft.run(&req, &kept));
+        for (int j = 0; j < 3 * n; j++)
+            alone[j] = s.f.layer.c[j / n][j % n];
+        req.rest = &rest;
+        assert_ok(gp_engine_fft.run(&req, &kept));
+        assert_true(rest.added);
+        for (int j = 0; j < 3 * 61; j++)
+            assert_int_equal(times[j], 1);
+        for (int j = 0; j < 3 * n; j++)
+            assert_true(s.f.layer.c[j / n][j % n] == alone[j] + 1.0f);
+        gp_engine_fft.close(&kept);
+        free(alone);
+        free(times);
+        scene_free(&s);
+    }
+}
+
 SUITE_OF(fft_kept, NULL, NULL,
-    a_last_frame_keeps_no_spectrum, norms_are_found_once_a_kernel)
+    a_last_frame_keeps_no_spectrum, norms_are_found_once_a_kernel,
+    each_row_gets_the_rest_once)

@@ -141,7 +141,8 @@ static void only_noise_out_of_reach_is_cleared(void **state)
         struct gp_sources src;
         struct gp_planes layer;
         struct gp_fft_shape shape[3];
-        struct gp_fft_noise noise;
+        struct gp_fft_reach *reach;
+        const float noise = 0.5f;
         assert_ok(gp_sources_make(NULL, &like, (size_t) n, &src));
         for (int j = 0; j < n; j++) {
             float rgb[3];
@@ -155,6 +156,7 @@ static void only_noise_out_of_reach_is_cleared(void **state)
         assert_ok(gp_planes_make(NULL, "layer", (size_t) n, &layer));
         float *const was = scene_alloc(3 * (size_t) n, sizeof *was);
         bool *const reached = scene_alloc(3 * (size_t) n, sizeof *reached);
+        bool *const noisy = scene_alloc(3 * (size_t) h, sizeof *noisy);
         bool *const held = scene_alloc(3 * (size_t) area, sizeof *held);
         k.tail = scene_random(&seed) < 0.3f ? &tail : NULL;
         for (int c = 0; c < 3; c++) {
@@ -164,10 +166,8 @@ static void only_noise_out_of_reach_is_cleared(void **state)
                                  &seed) ? 0.5f : 0.0f;
             assert_ok(gp_fft_shape_make(NULL, &k, c, &shape[c]));
             mark_support(k.k.c[c], k.w, k.h, k.tail, held + c * area);
-            noise.most[c] = 0.5f;
-            noise.row[c] = scene_alloc((size_t) h, sizeof(bool));
             for (int y = 0; y < h; y++)
-                noise.row[c][y] = scene_random(&seed) < 0.8f;
+                noisy[c * h + y] = scene_random(&seed) < 0.8f;
             for (int j = 0; j < n; j++)
                 layer.c[c][j] = was[c * n + j] =
                     scene_random(&seed) < 0.2f ? 0.0f : scene_random(&seed);
@@ -186,22 +186,26 @@ static void only_noise_out_of_reach_is_cleared(void **state)
         }
         const struct gp_fft_shape *const shapes[] = {shape, shape + 1,
                                                      shape + 2};
-        assert_ok(gp_fft_clear_unreached(NULL, &src, &k, shapes, &noise,
-                                         &layer, NULL));
+        assert_ok(gp_fft_reach_open(NULL, &src, &k, shapes, &reach));
+        for (int j = 0; j < 3 * h; j++) {
+            if (noisy[j])
+                gp_fft_reach_clear(reach, j / h, j % h, 0, noise,
+                                   layer.c[j / h] + j % h * w);
+        }
+        gp_fft_reach_free(&reach);
         for (int j = 0; j < 3 * n; j++) {
             const int c = j / n;
-            const bool clear = !reached[j] && was[j] <= noise.most[c] &&
-                               noise.row[c][j % n / w];
+            const bool clear = !reached[j] && was[j] <= noise &&
+                               noisy[c * h + j % n / w];
             if (layer.c[c][j % n] != (clear ? 0.0f : was[j]))
                 fail_msg("run %u, channel %d, pixel %d %d: %g of %g", i, c,
                          j % w, j % n / w, (double) layer.c[c][j % n],
                          (double) was[j]);
             cleared += clear;
         }
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             gp_fft_shape_free(&shape[c]);
-            free(noise.row[c]);
-        }
+        free(noisy);
         gp_planes_free(&k.k);
         gp_planes_free(&layer);
         gp_sources_free(&src);

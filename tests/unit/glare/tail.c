@@ -72,7 +72,7 @@ static struct gp_planes added(const struct made *m, const struct gp_sources *s)
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, n * sizeof(float));
     assert_ok(gp_tail_find(NULL, m->t, m->s, s, &p, &rows));
-    gp_parallel_do(s->h, gp_tail_add_row, rows);
+    gp_parallel_do(3 * s->h, gp_tail_add_row, rows);
     gp_tail_rows_free(&rows);
     return p;
 }
