@@ -249,6 +249,62 @@ out:
     return st;
 }
 
+gp_status gp_open_regular(const struct gp_log *log, const char *path, int *fd,
+                          uint64_t *size)
+{
+    struct stat about = {0};
+    gp_status st;
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    // a socket cannot be opened (ENXIO)
+    if (file < 0 && errno != ENXIO)
+        return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
+                       path, strerror(errno));
+    if (file < 0 || fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) {
+        st = file >= 0 && S_ISDIR(about.st_mode)
+                 ? gp_fail(log, GP_ERR_IO, "%s: cannot read (it is a folder); "
+                           "name a file", path)
+                 : gp_fail(log, GP_ERR_DATA, "%s: no regular file (found a "
+                           "FIFO, device or socket); put the file itself there",
+                           path);
+        if (file >= 0)
+            close(file);
+        return st;
+    }
+    *fd = file;
+    *size = (uint64_t) about.st_size;
+    return GP_OK;
+}
+
+gp_status gp_load_regular(const struct gp_log *log, const char *path,
+                          size_t most, void **out, uint64_t *size)
+{
+    char *block = NULL;
+    uint64_t bytes;
+    int fd;
+    gp_status st = gp_open_regular(log, path, &fd, &bytes);
+    if (st)
+        return st;
+    const size_t wanted = bytes < most ? (size_t) bytes : most;
+    GP_TRY(gp_alloc(log, path, wanted, 1, &block));
+    for (size_t done = 0; done < wanted;) {
+        const ssize_t n = read(fd, block + done, wanted - done);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
+                           "file", path, n < 0 ? strerror(errno)
+                                               : "it shrank meanwhile"));
+        done += (size_t) n;
+    }
+    *out = block;
+    *size = bytes;
+    block = NULL; // the caller's
+out:
+    gp_free(block);
+    close(fd);
+    return st;
+}
+
 gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
                        json_t **out)
 {

@@ -8,6 +8,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 /* A file name or any other bytes: Linux allows any, JSON only UTF-8
  * (RFC 3629). Bytes that are not UTF-8 become U+FFFD. The caller owns it; NULL
@@ -39,6 +40,23 @@ gp_status gp_json_fail(const struct gp_json_place *p, const char *fmt, ...)
  * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_load_file(const struct gp_log *log,
     const char *path, size_t most, void **out, size_t *size);
+
+/* Opens a regular file that another file names, to be read; never waits, as it
+ * would for a FIFO.
+ *   fd    written on GP_OK only; close()
+ *   size  of the file in bytes; written on GP_OK only
+ * Errors: GP_ERR_IO cannot be opened, is a folder; GP_ERR_DATA a FIFO, device
+ * or socket. */
+GP_MUST_CHECK gp_status gp_open_regular(const struct gp_log *log,
+    const char *path, int *fd, uint64_t *size);
+
+/* Reads the first bytes of such a file, all that it has or `most`.
+ *   out   written on GP_OK only; gp_free()
+ *   size  of the file in bytes; more than `most`: the rest is not read
+ * Errors: those of gp_open_regular(); GP_ERR_IO cannot be read, shrank
+ * meanwhile; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_load_regular(const struct gp_log *log,
+    const char *path, size_t most, void **out, uint64_t *size);
 
 /* Reads a file of at most `most` bytes, at least 1024. Duplicate keys are
  * refused. Every number is read as a JSON_REAL, so that long integers (ids of

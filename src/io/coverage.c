@@ -87,10 +87,9 @@ gp_status gp_read_coverage(const struct gp_log *log,
     struct gp_read_params limits = gp_read_limits(p);
     struct gp_stream stream = gp_stream_of(bytes, n);
     struct gp_image image = {0};
-    bool exr;
     gp_status st;
     if (!bytes)
-        GP_TRY(gp_read_open(log, &limits, path, &stream, &exr));
+        GP_TRY(gp_stream_open_regular(log, path, &stream));
     // a larger picture than `most` has a line of its own, which does not
     // advise --max-pixels
     if (limits.max_pixels >= most)

@@ -96,7 +96,7 @@ enum { GP_COVERED = 65535 };
  * blocks of rows, but for interlaced PNG, whose bytes are all held.
  *
  *   path   of the file; with `bytes` its name for messages
- *   bytes  the file's, n of them; NULL: `path` is opened
+ *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
  *   most   pixels; over it is refused
  *   out    written on GP_OK only; gp_free() its codes. A picture without alpha
  *          is not decoded: it is one pixel of GP_COVERED

@@ -1,5 +1,6 @@
 #include "io/stream.h"
 
+#include "core/json.h"
 #include "core/memory.h"
 
 #include <errno.h>
@@ -72,6 +73,18 @@ gp_status gp_stream_fill(const struct gp_log *log, const char *path,
     return st;
 }
 
+/* Refuses a stream without a byte; closes it where opening it failed. */
+static gp_status check_size(const struct gp_log *log, const char *path,
+                            struct gp_stream *s, gp_status st)
+{
+    if (!st && s->size == 0)
+        st = gp_fail(log, GP_ERR_DATA,
+                     "%s: is empty (0 bytes); write or render it again", path);
+    if (st)
+        gp_stream_close(s);
+    return st;
+}
+
 gp_status gp_stream_open(const struct gp_log *log, const char *path,
                          uint64_t first, struct gp_stream *s)
 {
@@ -98,12 +111,15 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
         if (!st)
             st = read_until(log, path, first, s);
     }
-    if (!st && s->size == 0)
-        st = gp_fail(log, GP_ERR_DATA,
-                     "%s: is empty (0 bytes); write or render it again", path);
-    if (st)
-        gp_stream_close(s);
-    return st;
+    return check_size(log, path, s, st);
+}
+
+gp_status gp_stream_open_regular(const struct gp_log *log, const char *path,
+                                 struct gp_stream *s)
+{
+    *s = (struct gp_stream) GP_STREAM_EMPTY;
+    const gp_status st = gp_open_regular(log, path, &s->fd, &s->size);
+    return check_size(log, path, s, st);
 }
 
 int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,

@@ -40,6 +40,12 @@ static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
     const char *path, uint64_t first, struct gp_stream *s);
 
+/* Opens a file that another file names: a regular one, "-" is a name too.
+ *   s  as above
+ * Errors: those of gp_open_regular(); GP_ERR_DATA empty. */
+GP_MUST_CHECK gp_status gp_stream_open_regular(const struct gp_log *log,
+    const char *path, struct gp_stream *s);
+
 /* Reads a pipe to its end into memory; does nothing for other streams. Takes at
  * most a quarter (and 64 KiB) more memory than the pipe gave, and never more
  * than `limit` + 1 bytes.

@@ -194,6 +194,39 @@ fails_with 3 'none.glb' 'a scene that is not there'
 run --scene bad.png -o bad.png in.exr
 fails_with 2 '--scene' 'an output that is the scene'
 
+# -- a file beside that is none ----------------------------------------------------
+
+# waiting for a FIFO would not end, reading /dev/zero takes all memory
+cp one.gltf leaf.gltf
+mkfifo fifo.bin
+ln -s /dev/zero zero.bin
+ln -s one.png -
+for name in fifo zero; do
+    sed "s/leaf.bin/$name.bin/" leaf.gltf >buffer.$name.gltf
+    sed "s/one.png/$name.bin/" leaf.gltf >image.$name.gltf
+    for of in buffer image; do
+        timeout 20 "$glarepp" --scene $of.$name.gltf -o o.png small.exr >out 2>err
+        status=$?
+        fails_with 4 "$name.bin: no regular file" "$name, named by a $of"
+    done
+done
+sed 's/one.png/-/' leaf.gltf >dash.gltf
+run --scene dash.gltf -o o.png small.exr </dev/null
+status_is 0 'an image whose name is - is a file'
+{ cat leaf.bin && head -c 100000 /dev/zero; } >longer.bin
+sed 's/leaf.bin/longer.bin/' leaf.gltf >longer.gltf
+run --scene longer.gltf -o o.png small.exr
+status_is 0 'a buffer may be shorter than its file'
+head -c 59 leaf.bin >shorter.bin
+sed 's/leaf.bin/shorter.bin/' leaf.gltf >shorter.gltf
+run --scene shorter.gltf -o o.png small.exr
+fails_with 4 'truncated (59 bytes, "byteLength" is 60)' 'but not longer'
+cat leaf.gltf >fifo.bin &
+timeout 20 "$glarepp" --scene fifo.bin -o o.png small.exr >out 2>err
+status=$?
+status_is 0 'the scene itself may be a pipe'
+wait
+
 # -- the data's frames ------------------------------------------------------------
 
 if [ -n "$data" ] && [ -e "$data/scenes/street.1001.exr" ]; then

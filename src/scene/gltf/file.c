@@ -230,7 +230,7 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
     json_t *const o = gp_gltf_item(g, "buffers", index), *meshopt;
     const char *uri = NULL;
     char *file = NULL;
-    size_t size;
+    uint64_t size;
     int declared = 0;
     gp_status st;
     gp_gltf_place(g, "buffer", index, &at);
@@ -251,9 +251,11 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
                                 "\"%.100s\"); at most one is read", uri));
         g->beside = true;
         GP_TRY(file_of_uri(g, &at, uri, &file));
-        GP_TRY(gp_load_file(g->log, file, MOST_FILE, &b->own, &size));
+        GP_TRY(gp_load_regular(g->log, file, (size_t) declared, &b->own,
+                               &size));
+        size = size < MOST_FILE ? size : MOST_FILE;
         b->span = (struct gp_gltf_span) {b->own, (int) size};
-        g->file_bytes += size;
+        g->file_bytes += size < (uint64_t) declared ? size : (size_t) declared;
     }
     if (declared > b->span.bytes)
         GP_TRY(gp_gltf_fail(&at, "truncated (%d bytes, \"byteLength\" is %d)",

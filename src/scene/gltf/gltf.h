@@ -35,8 +35,9 @@ struct gp_scene_images {
  * image once; what `images` takes to decode one comes on top.
  *
  * Errors: GP_ERR_IO a file cannot be read; GP_ERR_DATA not glTF 2.0, damaged, a
- * circle of nodes, a number out of its range, an extension that is required
- * and not known (Draco, meshopt); GP_ERR_BUG out of memory; those of
+ * buffer or image beside it that is no regular file, a circle of nodes, a
+ * number out of its range, an extension that is required and not known (Draco,
+ * meshopt); GP_ERR_BUG out of memory; those of
  * `images`. */
 GP_MUST_CHECK gp_status gp_scene_read(
     const struct gp_log *log, const char *path, enum gp_up up,
