@@ -223,7 +223,8 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
         .depth = surfaces.depth.v,
     };
     GP_TRY(gp_bodies_make(fs->log, s, &bodies));
-    GP_TRY(gp_sets_open(fs->log, s, bodies, &view, GP_SETS_ALL, &sets));
+    GP_TRY(gp_sets_open(fs->log, s, bodies, &view,
+                        GP_SETS_ALL | GP_SETS_DEPTHS, &sets));
     for (int i = 0; i < s->objects; i++) {
         visible[surfaces.f.objects] = i;
         surfaces.f.objects += (gp_sets_flags(sets)[i] & GP_SET_V) != 0;

@@ -139,6 +139,16 @@ out:
     return st;
 }
 
+double gp_hidden_deepest(const struct gp_hidden *h)
+{
+    double deepest = 0.0;
+    const int tiles = h->levels > 0 ? h->w[GP_TILE_LEVEL] * h->h[GP_TILE_LEVEL]
+                                    : 0;
+    for (int i = 0; i < tiles; i++)
+        deepest = fmax(deepest, (double) h->deepest[i]);
+    return deepest * (1.0 + GP_DEPTH_SLACK);
+}
+
 void gp_hidden_free(struct gp_hidden *h)
 {
     for (int k = 0; k < 32; k++)

@@ -36,6 +36,9 @@ GP_MUST_CHECK gp_status gp_hidden_make(const struct gp_log *log,
                                        struct gp_hidden *out);
 void gp_hidden_free(struct gp_hidden *h);
 
+/* Returns the greatest depth of a surface, with its slack; 0: there is none. */
+double gp_hidden_deepest(const struct gp_hidden *h);
+
 /* True where the box is behind the surfaces of all pixels of its bounds in the
  * window, or of no pixel there: no pixel's centre can show a part of it. */
 bool gp_hidden_box(const struct gp_hidden *h, const struct gp_screen_box *b);

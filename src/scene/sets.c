@@ -123,6 +123,12 @@ static void flag_frame(struct gp_sets *s)
     }
 }
 
+/* True where the depths decide what a light changes. */
+static bool shows_depths(const struct gp_sets *s)
+{
+    return (s->use & GP_SETS_DEPTHS) && s->hidden.levels > 0;
+}
+
 gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
                        const struct gp_bodies *bodies,
                        const struct gp_sets_view *view, unsigned use,
@@ -145,6 +151,8 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
                          &s->tiles));
     s->view.depth = NULL;
     s->far = gp_sets_far(scene, view);
+    if (shows_depths(s))
+        s->far = fmax(s->far, gp_hidden_deepest(&s->hidden));
     s->frustum = gp_sets_frustum(view, s->far);
     flag_frame(s);
     *out = s;
@@ -245,18 +253,21 @@ static bool find_sets(struct gp_sets *s, const struct gp_reach *r)
 {
     const struct gp_sets_view *const v = &s->view;
     const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
-    if (!gp_reach_meets(r, &s->frustum) || !list_reached(s, r))
+    const bool any = shows_depths(s);
+    if (!gp_reach_meets(r, &s->frustum) || (!list_reached(s, r) && !any))
         return false;
     find_lit(s, r);
     const struct gp_screen_box bounds = gp_reach_project(
         r, &v->camera, v->display, v->near, INFINITY);
+    static const int only[1] = {0};
     const struct gp_scissor touched =
-        gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
+        any ? gp_scissor_make(&s->hidden, &bounds, only, 1, &bounds)
+            : gp_scissor_make(&s->hidden, s->box, s->lit, s->lits, &bounds);
     struct gp_scissor lit = touched;
     if (s->hidden.levels > 0 && cut)
         lit = gp_lit_tiles_light(&s->tiles, &s->hidden, &touched, r,
                                  &s->umbras, v->texel);
-    if (s->lits == 0 || (cut && gp_rect_empty(lit.rect))) {
+    if ((s->lits == 0 && !any) || (cut && gp_rect_empty(lit.rect))) {
         s->lits = 0; // the light is left out
         return false;
     }

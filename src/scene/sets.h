@@ -33,6 +33,9 @@ enum {
     GP_SETS_SHADOWS = 4,   // S by the hull
     GP_SETS_SCISSOR = 8,
     GP_SETS_ALL = 15,
+    // as well: the depths may show surfaces that no object has. A light and its
+    // scissor are those of all surfaces within its bounds, not of I
+    GP_SETS_DEPTHS = 16,
 };
 
 /* A frame, as far as sets need it. */
@@ -66,7 +69,8 @@ GP_MUST_CHECK gp_status gp_sets_open(const struct gp_log *log,
 void gp_sets_close(struct gp_sets **sets);
 
 /* Finds L, I, S and the scissor of a light, in place of those of the last one.
- * False: nothing that is visible can be lit; I and S are empty, L may be. */
+ * False: nothing that is visible can be lit; I and S are empty, L may be. With
+ * GP_SETS_DEPTHS the depths decide, and I may be empty in any case. */
 bool gp_sets_light(struct gp_sets *sets, int light);
 
 /* Returns GP_SET_* of each object; changes with gp_sets_light(). */

@@ -46,6 +46,25 @@ is "$(field r.json 'len(o["warnings"])')" 1 'the report has the warning'
 run --scene $street --relight all --report r.json -o o.png lit.exr
 is "$(field r.json 'len(o["relit"]), o["warnings"]')" '(8, [])' \
     'all lamps: no warning, as one of them lights'
+
+# only the frame has surfaces
+"$python" - $street bare.glb <<'PYTHON'
+import json, struct, sys
+data = open(sys.argv[1], "rb").read()
+n = struct.unpack("<I", data[12:16])[0]
+scene = json.loads(data[20:20 + n])
+for node in scene["nodes"]:
+    node.pop("mesh", None)
+text = json.dumps(scene).encode()
+text += b" " * (-len(text) % 4)
+rest = data[20 + n:]
+open(sys.argv[2], "wb").write(
+    struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) +
+    struct.pack("<II", len(text), 0x4e4f534a) + text + rest)
+PYTHON
+run --scene bare.glb --relight lamp1 --report r.json -o o.png lit.exr
+is "$(field r.json '[(l["name"], l["pixels"] > 1000, l["casters"]) for l in o["relit"]], o["warnings"]')" \
+    "([('lamp1', True, 0)], [])" 'a scene without meshes lights the frame'
 run --scene $street --report r.json -o o.png still.exr
 is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["times_ms"]')" \
     '(False, False, True)' 'without --relight there is only the scene'

@@ -196,6 +196,65 @@ static void many_tiles(void **state)
                  first_seed() + 20000, 4);
 }
 
+// -- surfaces that no object has ----------------------------------------------
+
+/* Checks a light by the depths of a picture, which shows more than the scene.
+ * Returns how many of its points are lit that no object has. */
+static int check_shown(const struct gp_scene *s, const struct shot *shot,
+                       struct gp_sets *sets, int light, unsigned long long at)
+{
+    const bool any = gp_sets_light(sets, light);
+    const uint8_t *const flag = gp_sets_flags(sets);
+    const struct gp_scissor cut = gp_sets_scissor(sets);
+    int lit = 0;
+    for (int k = 0; k < shot->pixels; k++) {
+        const double z = (double) shot->depth[k];
+        const int x = k % shot->w, y = k / shot->w;
+        if (shot->object[k] < 0 ||
+            !shot_reaches(&s->light[light], shot->point[k]))
+            continue;
+        const int first = shot_blocker(s, &s->light[light], shot->point[k]);
+        const bool drawn = any && x >= cut.rect.x0 && x < cut.rect.x1 &&
+                           y >= cut.rect.y0 && y < cut.rect.y1;
+        if (first < 0 && !(drawn && z >= cut.near && z <= cut.far))
+            fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d is lit and not "
+                     "in the scissor", at, light, x, y);
+        if (first >= 0 && drawn && !(flag[first] & GP_SET_S))
+            fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d: object %d "
+                     "casts a shadow and is not in S", at, light, x, y, first);
+        lit += first < 0 && shot->object[k] >= s->objects;
+    }
+    return lit;
+}
+
+/* The depths of a picture whose scene has lost objects, or all: no lit point is
+ * outside the scissor, no object that shades one outside S. */
+static void depths_show_more_than_objects(void **state)
+{
+    static struct shot shot;
+    int lit = 0;
+    for (int k = 0; k < 200; k++) {
+        const uint64_t at = first_seed() + 40000 + (uint64_t) k;
+        uint64_t seed = at;
+        struct gp_scene s = random_shot(&seed, k % 2 == 0, 16, 4, &shot);
+        struct gp_bodies *bodies;
+        struct gp_sets *sets;
+        const struct gp_sets_view view = shot_view(&shot);
+        const int objects = s.objects;
+        s.objects = k % 4 * objects / 4;
+        assert_ok(gp_bodies_make(NULL, &s, &bodies));
+        assert_ok(gp_sets_open(NULL, &s, bodies, &view,
+                               GP_SETS_ALL | GP_SETS_DEPTHS, &sets));
+        for (int i = 0; i < s.lights; i++)
+            lit += check_shown(&s, &shot, sets, i, at);
+        gp_sets_close(&sets);
+        gp_bodies_free(&bodies);
+        s.objects = objects;
+        made_free(&s);
+    }
+    assert_true(lit > 1000);
+}
+
 // -- against the plain twin ---------------------------------------------------
 
 /* Makes a scene hostile: objects of no size, of 1e9 units and 1e9 away, one
@@ -488,14 +547,15 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, as_plain, memory_is_full,
-        figure_15_1, figure_15_2, example_of_98,
+        nothing_is_lost, many_tiles, depths_show_more_than_objects, as_plain,
+        memory_is_full, figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
-                                "nothing_is_lost, many_tiles, as_plain, "
+                                "nothing_is_lost, many_tiles, "
+                                "depths_show_more_than_objects, as_plain, "
                                 "memory_is_full, "
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
