@@ -410,7 +410,7 @@ static void finish_rows(void *ctx, int group, int thread)
 
 /* Folds a row of samples in; of one channel, rounding is all that is under 0.
  * No sample within the reach is 0: a light's reach without holes is found
- * faster (gp_fft_clear_unreached()). */
+ * faster (gp_fft_reach_clear()). */
 static void fold_row(void *ctx, int y, int thread)
 {
     static const double LEAST = 1e-20; // of all light
