@@ -113,7 +113,9 @@ static const struct gp_option_choice gp_sun_draws[] = {
     {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
 };
 static const struct gp_option_choice gp_spaces[] = {
-    {"world", GP_NORMALS_WORLD, NULL}, {"camera", GP_NORMALS_CAMERA, NULL}, {0},
+    {"world", GP_NORMALS_WORLD, "those of the frame's world"},
+    {"camera", GP_NORMALS_CAMERA, "x right, y up, z to the eye, whatever "
+     "worldToCamera has"}, {0},
 };
 static const struct gp_option_choice gp_ndcs[] = {
     {"auto", GP_NDC_AUTO, "spec or clip, by the point that the view axis maps "

@@ -600,14 +600,19 @@ static void light_row(void *ctx, int i, int thread)
     }
 }
 
-/* Sets the axes of the camera in the world, from the matrix that leads to it. */
+/* Sets the axes of the camera in the world by the picture: to_camera need not be
+ * known, and programs differ in its z. A lens shift is a part along the view. */
 static void set_axes(struct relit *w)
 {
-    const double *const m = w->f->camera.to_camera;
     const double *const ndc = w->f->camera.to_ndc;
-    w->axis = (struct gp_v3) {ndc[3], ndc[7], ndc[11]};
-    for (int c = 0; c < 3; c++)
-        w->camera[c] = gp_v3_unit((struct gp_v3) {m[c], m[4 + c], m[8 + c]});
+    w->axis = gp_column(ndc, 3);
+    for (int c = 0; c < 2; c++) {
+        const struct gp_v3 side = gp_column(ndc, c);
+        const struct gp_v3 flat = gp_v3_sub(side, gp_v3_scale(w->axis,
+            gp_v3_dot(side, w->axis)));
+        w->camera[c] = gp_v3_scale(gp_v3_unit(flat), c == 0 ? 1.0 : -1.0);
+    }
+    w->camera[2] = gp_v3_scale(w->axis, -1.0);
 }
 
 /* Sets the ways to the picture's places: at unit distance along the axis they

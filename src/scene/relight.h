@@ -16,7 +16,8 @@ struct gp_surfaces {
     const struct gp_plane *z;      // along the view axis, units of the world;
                                    // NaN, <= 0 and >= GP_DEPTH_HUGE: none
     const struct gp_plane *normal; // three: x, y, z; of any length over 0
-    bool normal_of_camera;         // axes of the camera: x right, y up, z back
+    bool normal_of_camera;         // axes of the picture: x right, y up, z to
+                                   // the eye; else of the world
     const struct gp_plane *albedo; // three: r, g, b; 0: lit by nothing
     const int *object;             // indices of those that may be visible
     int objects;

@@ -186,11 +186,27 @@ static void settings_of_a_pass_count(void **state)
             normal[c].v[i] = (float) m[8 + c];
     }
     surfaces.normal_of_camera = true;
-    gp_planes_clear(&rgb, 0, W * H);
-    add(0, 2, all);
-    for (int i = 0; i < W * H; i++)
-        assert_true(fabsf(rgb.c[1][i] - first[i]) <=
-                    1e-5f * first[i] + 1e-7f);
+    // as in Blender, z along the view, no worldToCamera, a shifted lens
+    for (int kind = 0; kind < 4; kind++) {
+        struct gp_camera *const c = &surfaces.camera;
+        const struct gp_camera usual = *c;
+        for (int i = 0; i < 16; i++) {
+            if (kind == 2 || (kind == 1 && i % 4 == 2))
+                c->to_camera[i] *= kind == 2 ? 0.0 : -1.0;
+            if (kind == 3 && i % 4 < 2)
+                c->to_ndc[i] += 8.0 / (i % 4 ? H : W) * c->to_ndc[i / 4 * 4 + 3];
+        }
+        c->has_camera = kind != 2;
+        if (kind == 3)
+            surfaces.display = (struct gp_rect) {-8, -8, W - 8, H - 8};
+        gp_planes_clear(&rgb, 0, W * H);
+        add(0, 2, all);
+        *c = usual;
+        surfaces.display = all;
+        for (int i = 0; i < W * H; i++)
+            assert_true(fabsf(rgb.c[1][i] - first[i]) <=
+                        1e-5f * first[i] + 1e-7f);
+    }
     // no caster: no shadow; no albedo, no normal, no depth: no light
     gp_planes_clear(&rgb, 0, W * H);
     assert_true(add(0, 0, all).pixels == W * H);
