@@ -600,17 +600,16 @@ static void light_row(void *ctx, int i, int thread)
     }
 }
 
-/* Sets the axes of the camera in the world by the picture: to_camera need not be
- * known, and programs differ in its z. A lens shift is a part along the view. */
+/* Sets the axes of the picture in the world; programs differ in to_camera. */
 static void set_axes(struct relit *w)
 {
     const double *const ndc = w->f->camera.to_ndc;
     w->axis = gp_column(ndc, 3);
-    for (int c = 0; c < 2; c++) {
+    for (int c = 0; c < 2; c++) { // a lens shift is along the view
         const struct gp_v3 side = gp_column(ndc, c);
-        const struct gp_v3 flat = gp_v3_sub(side, gp_v3_scale(w->axis,
-            gp_v3_dot(side, w->axis)));
-        w->camera[c] = gp_v3_scale(gp_v3_unit(flat), c == 0 ? 1.0 : -1.0);
+        const double along = gp_v3_dot(side, w->axis);
+        w->camera[c] = gp_v3_scale(gp_v3_unit(gp_v3_sub(side,
+            gp_v3_scale(w->axis, along))), c ? -1.0 : 1.0);
     }
     w->camera[2] = gp_v3_scale(w->axis, -1.0);
 }
