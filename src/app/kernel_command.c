@@ -318,18 +318,19 @@ static void print_figures(const struct checked *c,
                           const struct gp_kernel_figures *f)
 {
     const struct gp_kernel *const k = &c->k;
+    const struct gp_kernel_place *const p = &f->place;
     printf("size       %dx%d, centre %d,%d\n", k->w, k->h, k->cx, k->cy);
     printf("sum        %.7g %.7g %.7g, luminance %.7g\n", f->sum[0], f->sum[1],
            f->sum[2], f->light);
-    printf("peak       %.7g at %d,%d\n", f->peak, f->peak_at[0],
-           f->peak_at[1]);
-    printf("centroid   %.4f,%.4f\n", round(1e4 * f->centroid[0]) / 1e4 + 0.0,
-           round(1e4 * f->centroid[1]) / 1e4 + 0.0);
+    printf("peak       %.7g at %d,%d\n", p->peak, p->peak_at[0],
+           p->peak_at[1]);
+    printf("centroid   %.4f,%.4f\n", round(1e4 * p->centroid[0]) / 1e4 + 0.0,
+           round(1e4 * p->centroid[1]) / 1e4 + 0.0);
     printf("own pixel  %.4g %%\n", 100.0 * f->own);
     printf("border     %.3g %%\n", 100.0 * f->border);
     printf("rim        %.3g\n", f->rim);
     printf("negatives  %lld\n", f->negatives);
-    printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
+    printf("asymmetry  %.3g %%\n", 100.0 * p->asymmetry);
     if (c->label.present)
         printf("left out   %.3g %%, of which %.3g %% in the frame\n",
                f->left_out > (double) FLT_EPSILON ? 100.0 * f->left_out : 0.0,

@@ -138,17 +138,17 @@ static void add_samples(const struct measuring *m, int x, int y, int n,
         sum += light;
         b->all += size;
         b->odd += fmax(size - fabs((double) mirror[n - 1 - i]), 0.0);
-        b->f.centroid[0] += light * dx;
+        b->f.place.centroid[0] += light * dx;
         if (top || (k->w > 2 && (dx == -k->cx || dx == k->w - 1 - k->cx)))
             b->f.border += size;
-        if (light > b->f.peak) {
-            b->f.peak = light;
-            b->f.peak_at[0] = dx;
-            b->f.peak_at[1] = y - k->cy;
-            b->f.mirrored = (double) mirror[n - 1 - i];
+        if (light > b->f.place.peak) {
+            b->f.place.peak = light;
+            b->f.place.peak_at[0] = dx;
+            b->f.place.peak_at[1] = y - k->cy;
+            b->f.place.mirrored = (double) mirror[n - 1 - i];
         }
     }
-    b->f.centroid[1] += sum * (y - k->cy);
+    b->f.place.centroid[1] += sum * (y - k->cy);
     if (k->negative) {
         for (int i = 0; i < n; i++)
             b->f.negatives += k->k.c[0][at + (size_t) i] < 0.0f ||
@@ -166,7 +166,7 @@ static void measure_band(void *ctx, int i, int thread)
     const int to = (int) ((long long) k->h * (i + 1) / BANDS);
     float v[STRIP], mirror[STRIP];
     (void) thread;
-    b->f.peak = b->f.mirrored = m->centre;
+    b->f.place.peak = b->f.place.mirrored = m->centre;
     for (int y = from; y < to; y++) {
         for (int x = 0; x < k->w; x += STRIP) {
             const int n = gp_min(k->w - x, STRIP);
@@ -206,12 +206,13 @@ static void mirror_band(void *ctx, int i, int thread)
 /* Asymmetry about the pixel of the centroid; that about the centre's where they
  * are one, or the centroid is not in the kernel. `all`: magnitudes. */
 static double find_moved(struct measuring *m, double all,
-                         const struct gp_kernel_figures *f)
+                         const struct gp_kernel_place *f)
 {
     const double x = round(f->centroid[0]), y = round(f->centroid[1]);
     float at;
     double odd = 0.0;
-    if ((x == 0.0 && y == 0.0) || !(fabs(x) < f->w) || !(fabs(y) < f->h))
+    if ((x == 0.0 && y == 0.0) || !(fabs(x) < m->k->w) ||
+        !(fabs(y) < m->k->h))
         return f->asymmetry;
     m->about[0] = (int) x;
     m->about[1] = (int) y;
@@ -239,61 +240,106 @@ void gp_kernel_glance(const struct gp_kernel *k, const float luminance[3],
     out->own = out->light > 0.0 ? (double) own / out->light : 0.0;
 }
 
-void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
-                       struct gp_kernel_figures *out)
+/* Measures the light that the weights make of the channels. */
+static void measure_light(const struct gp_kernel *k, const float weights[3],
+                          bool edges, struct gp_kernel_figures *out)
 {
-    struct measuring m = {
-        .k = k, .luminance = luminance, .edges = !k->origin,
-    };
+    struct measuring m = {.k = k, .luminance = weights, .edges = edges};
+    struct gp_kernel_place *const place = &out->place;
     double all = 0.0, odd = 0.0;
     float centre;
-    gp_kernel_glance(k, luminance, out);
+    gp_kernel_glance(k, weights, out);
     read_row(&m, k->cx, 1, k->cy, &centre);
-    m.centre = out->peak = out->mirrored = (double) centre;
+    m.centre = place->peak = place->mirrored = (double) centre;
     gp_parallel_do(BANDS, measure_band, &m);
     for (int i = 0; i < BANDS; i++) {
         const struct gp_kernel_figures *const b = &m.band[i].f;
-        if (b->peak > out->peak) {
-            out->peak = b->peak;
-            out->mirrored = b->mirrored;
-            memcpy(out->peak_at, b->peak_at, sizeof out->peak_at);
+        if (b->place.peak > place->peak) {
+            place->peak = b->place.peak;
+            place->mirrored = b->place.mirrored;
+            memcpy(place->peak_at, b->place.peak_at, sizeof place->peak_at);
         }
         out->rim = fmax(out->rim, b->rim);
         out->negatives += b->negatives;
         out->border += b->border;
-        out->centroid[0] += b->centroid[0];
-        out->centroid[1] += b->centroid[1];
+        place->centroid[0] += b->place.centroid[0];
+        place->centroid[1] += b->place.centroid[1];
         all += m.band[i].all;
         odd += m.band[i].odd;
     }
     for (int i = 0; i < 2; i++)
-        out->centroid[i] /= out->light != 0.0 ? out->light : 1.0;
+        place->centroid[i] /= out->light != 0.0 ? out->light : 1.0;
     out->border /= all > 0.0 ? all : 1.0;
     const double w = k->w, h = k->h;
     const double within = (w > 2.0 ? w - 2.0 : w) * (h > 2.0 ? h - 2.0 : h);
     out->outermost = 1.0 - within / (w * h);
-    out->asymmetry = all > fabs(m.centre) ? odd / (all - fabs(m.centre)) : 0.0;
-    out->moved = find_moved(&m, all, out);
+    const double leaves = all - fabs(m.centre);
+    place->asymmetry = leaves > 0.0 ? odd / leaves : 0.0;
+    place->moved = find_moved(&m, all, place);
     out->measured = true;
+}
+
+void gp_kernel_measure(const struct gp_kernel *k, const float luminance[3],
+                       struct gp_kernel_figures *out)
+{
+    static const float only[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    measure_light(k, luminance, !k->origin, out);
+    for (int c = 0; c < 3 && !k->grey; c++) {
+        struct gp_kernel_figures f;
+        measure_light(k, only[c], false, &f);
+        out->channel[c] = f.place;
+    }
+    out->coloured = !k->grey;
 }
 
 // -- faults -------------------------------------------------------------------
 
+static const char *const channel_names[3] = {"red", "green", "blue"};
+
+static bool has_light(const struct gp_kernel_figures *f, int c)
+{
+    return f->sum[c] > 1e-3 * fmax(f->sum[0], fmax(f->sum[1], f->sum[2]));
+}
+
 /* The half-pixel trap: made about the middle of an even number of pixels, and
  * so half a pixel beside the centre's. */
-static bool is_half_beside(const struct gp_kernel_figures *f)
+static bool is_half_beside(const struct gp_kernel_place *p)
 {
-    const double x = fabs(fabs(f->centroid[0]) - 0.5);
-    const double y = fabs(fabs(f->centroid[1]) - 0.5);
+    const double x = fabs(fabs(p->centroid[0]) - 0.5);
+    const double y = fabs(fabs(p->centroid[1]) - 0.5);
     return x < 0.05 || y < 0.05;
+}
+
+/* A peak without a counterpart opposite to it. */
+static bool is_peak_beside(const struct gp_kernel_place *p)
+{
+    return p->peak > 0.0 && p->mirrored < 0.5 * p->peak;
 }
 
 /* Of a symmetric kernel that is some pixels beside its centre: it is less than
  * a third as asymmetric about its centroid. */
-static bool is_moved(const struct gp_kernel_figures *f)
+static bool is_moved(const struct gp_kernel_place *p)
 {
-    return f->asymmetry > 0.01 && f->moved < f->asymmetry / 3.0 &&
-           f->mirrored >= 0.5 * f->peak; // else its peak says so
+    return p->asymmetry > 0.01 && p->moved < p->asymmetry / 3.0 &&
+           p->mirrored >= 0.5 * p->peak; // else its peak says so
+}
+
+/* The first channel with light that breaks a rule which another channel or the
+ * luminance keeps. -1: none, or the whole kernel is moved. */
+static int find_beside(const struct gp_kernel_figures *f,
+                       bool breaks(const struct gp_kernel_place *))
+{
+    int first = -1;
+    bool kept = !breaks(&f->place);
+    for (int c = 2; c >= 0 && f->coloured; c--) {
+        if (!has_light(f, c))
+            continue;
+        if (breaks(&f->channel[c]))
+            first = c;
+        else
+            kept = true;
+    }
+    return kept ? first : -1;
 }
 
 /* A centroid's coordinate to 1e-4 pixel, without -0. */
@@ -306,23 +352,61 @@ static double rounded(double v)
 static void check_sum(const struct gp_kernel_figures *f, bool as_it_is,
                       char line[GP_FAULT_BYTES])
 {
-    static const char *const names[3] = {"red", "green", "blue"};
     const double most = fmax(f->sum[0], fmax(f->sum[1], f->sum[2]));
     const double whole = f->light + f->left_out;
     if (!(most > 0.0))
         snprintf(line, GP_FAULT_BYTES, "its light sums to %.3g; use an image "
                  "that has light, with lobes smaller than it", f->light);
     for (int c = 0; c < 3 && !line[0]; c++) {
-        if (!(f->sum[c] > 1e-3 * most))
+        if (!has_light(f, c))
             snprintf(line, GP_FAULT_BYTES, "its %s sums to %.3g, another "
                      "channel to %.3g: white light loses a colour; give it "
-                     "that channel", names[c], f->sum[c], most);
+                     "that channel", channel_names[c], f->sum[c], most);
     }
     if (!line[0] && as_it_is && !(fabs(whole - 1.0) <= 0.01))
         snprintf(line, GP_FAULT_BYTES, "its light sums to %.4g, with what it "
                  "leaves out to %.4g, not 1: it was changed after it was made; "
                  "make it again, or use --kernel-normalize luminance",
                  f->light, whole);
+}
+
+/* A peak beside the centre: of one channel, or of the light. */
+static void check_peak(const struct gp_kernel_figures *f,
+                       char line[GP_FAULT_BYTES])
+{
+    const int c = find_beside(f, is_peak_beside);
+    const struct gp_kernel_place *const p = c < 0 ? &f->place : &f->channel[c];
+    if (c >= 0)
+        snprintf(line, GP_FAULT_BYTES, "the peak of its %s is %d,%d pixels "
+                 "from its centre: lights would get coloured fringes; align its "
+                 "channels", channel_names[c], p->peak_at[0], p->peak_at[1]);
+    else if (is_peak_beside(p))
+        snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
+                 "centre: all light would move; set --kernel-center, or crop "
+                 "the image about its peak", p->peak_at[0], p->peak_at[1]);
+}
+
+/* A centroid beside the centre: of one channel, or of the light. */
+static void check_centroid(const struct gp_kernel_figures *f, bool resampled,
+                           char line[GP_FAULT_BYTES])
+{
+    const int c = find_beside(f, is_moved);
+    const struct gp_kernel_place *const p = c < 0 ? &f->place : &f->channel[c];
+    const double x = rounded(p->centroid[0]), y = rounded(p->centroid[1]);
+    if (c >= 0)
+        snprintf(line, GP_FAULT_BYTES, "the centroid of its %s is %.3g,%.3g "
+                 "pixels from its centre, and it is symmetric about that: "
+                 "lights would get coloured fringes; align its channels",
+                 channel_names[c], x, y);
+    else if (is_moved(p))
+        snprintf(line, GP_FAULT_BYTES, "its centroid is %.3g,%.3g pixels from "
+                 "its centre, and it is symmetric about that: all light would "
+                 "move; set --kernel-center, or crop the image about it", x, y);
+    else if (!resampled && is_half_beside(p) &&
+             find_beside(f, is_peak_beside) < 0)
+        snprintf(line, GP_FAULT_BYTES, "its centroid is half a pixel from the "
+                 "centre of its pixel (%.3g,%.3g); use an odd number of "
+                 "pixels", x, y);
 }
 
 /* Rules about all figures. */
@@ -340,30 +424,20 @@ static void check_figures(const struct gp_kernel_figures *f,
                  "darkens pixels near light; clamp them to 0", f->negatives);
     if (use->centred)
         return;
-    if (rule == GP_RULE_PEAK && f->peak > 0.0 &&
-        f->mirrored < 0.5 * f->peak)
-        snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
-                 "centre: all light would move; set --kernel-center, or crop "
-                 "the image about its peak", f->peak_at[0], f->peak_at[1]);
-    if (rule == GP_RULE_CENTROID && !use->resampled && is_half_beside(f))
-        snprintf(line, GP_FAULT_BYTES, "its centroid is half a pixel from the "
-                 "centre of its pixel (%.3g,%.3g); use an odd number of "
-                 "pixels", rounded(f->centroid[0]), rounded(f->centroid[1]));
-    if (rule == GP_RULE_CENTROID && is_moved(f))
-        snprintf(line, GP_FAULT_BYTES, "its centroid is %.3g,%.3g pixels from "
-                 "its centre, and it is symmetric about that: all light would "
-                 "move; set --kernel-center, or crop the image about it",
-                 rounded(f->centroid[0]), rounded(f->centroid[1]));
+    if (rule == GP_RULE_PEAK)
+        check_peak(f, line);
+    if (rule == GP_RULE_CENTROID)
+        check_centroid(f, use->resampled, line);
     if (rule == GP_RULE_BORDER && use->ends &&
         f->border > fmax(0.01, 0.25 * f->outermost))
         snprintf(line, GP_FAULT_BYTES, "%.3g %% of its light is in its "
                  "outermost rows and columns: it is cut off; use a larger "
                  "kernel", 100.0 * f->border);
-    if (rule == GP_RULE_SYMMETRY && f->asymmetry > 0.5)
+    if (rule == GP_RULE_SYMMETRY && f->place.asymmetry > 0.5)
         snprintf(line, GP_FAULT_BYTES, "%.3g %% of the light that it spreads "
                  "has no counterpart opposite to it: glare falls to one side; "
                  "set --kernel-center, or centre the image",
-                 100.0 * f->asymmetry);
+                 100.0 * f->place.asymmetry);
 }
 
 bool gp_kernel_fault(const struct gp_kernel_figures *f,
@@ -395,9 +469,10 @@ bool gp_kernel_fault(const struct gp_kernel_figures *f,
                  "the frame but outside of the kernel; make it again with a "
                  "larger --size or --radius", 100.0 * use->missed);
     if (rule == GP_RULE_BEYOND && beyond > 0.01 && beyond > 0.1 * use->share)
-        snprintf(line, GP_FAULT_BYTES, "%.2g %% of the light that it takes from "
-                 "a pixel falls outside of the frame, wherever the source is, "
+        snprintf(line, GP_FAULT_BYTES, "%.2g %% of the light that it takes "
+                 "from a pixel falls outside of the frame, wherever the source is, "
                  "and is lost; choose keys or a kernel that falls faster with "
-                 "the angle, or check --fov", 100.0 * beyond / fmax(use->share, beyond));
+                 "the angle, or check --fov",
+                 100.0 * beyond / fmax(use->share, beyond));
     return line[0] != '\0';
 }

@@ -7,7 +7,19 @@
 
 #include <stdbool.h>
 
-/* Luminance by the weights given; offsets in pixels from the centre's pixel. */
+/* Position and symmetry of a kernel's light, or of a channel; offsets in pixels
+ * from the centre's pixel. */
+struct gp_kernel_place {
+    double peak;         // largest sample, of equals the centre's
+    int peak_at[2];
+    double mirrored;     // sample opposite to it
+    double centroid[2];
+    double asymmetry;    // share of what leaves the pixel that has no
+                         // counterpart opposite to it
+    double moved;        // the same about the pixel of the centroid
+};
+
+/* Luminance by the weights given. */
 struct gp_kernel_figures {
     int w, h;            // samples, without zero borders
     double sum[3];       // of each channel
@@ -21,15 +33,11 @@ struct gp_kernel_figures {
                          // lasts for 8 before and after, on 9 lines side by
                          // side, less twice the change over 4 before or after,
                          // the larger. 0 for kernels of models, not measured
-    double peak;         // largest sample, of equals the centre's
-    int peak_at[2];
-    double mirrored;     // sample opposite to it
-    double centroid[2];
+    struct gp_kernel_place place;
+    struct gp_kernel_place channel[3]; // where `coloured`
+    bool coloured;       // its channels are not equal
     double border;       // share of magnitudes in the outermost rows, columns
     double outermost;    // share of samples there: what even light would have
-    double asymmetry;    // share of what leaves the pixel that has no
-                         // counterpart opposite to it
-    double moved;        // the same about the pixel of the centroid
     long long negatives; // samples with a channel under 0
     long long nonfinite; // NaN or infinite, counted by the caller: there is no
                          // such kernel, and all else is 0

@@ -364,7 +364,8 @@ for y in range(n):
         if kind == "one":
             a = 1.0 * (d == 0)
         c = -1e-3 if kind == "lobe" and d == 2 else a
-        v.extend([c, c, 0.0 if kind == "yellow" else c])
+        red = max(1 - math.hypot(dx - 3, dy) / 4, 0) if kind == "fringe" else c
+        v.extend([red, c, 0.0 if kind == "yellow" else c])
 with open(kind + ".pfm", "wb") as f:
     f.write(b"PF\n%d %d\n-1.0\n" % (n, n) + v.tobytes())
 PY
@@ -392,6 +393,7 @@ faults box '*its outermost rows*its edge shows*' 2
 faults lobe '*samples are negative*' 1
 faults beside '*its centroid is half a pixel*' 1
 faults moved '*its peak is 3,0 pixels*no counterpart*' 2
+faults fringe '*the peak of its red is 3,0 pixels*' 1
 faults shifted '*its centroid is 1,0 pixels*' 1
 faults side '*no counterpart opposite*' 1
 faults yellow '*its blue sums to 0*' 1
@@ -415,7 +417,7 @@ no 'nor for pixels that are not square' grep 'half a pixel' err
 run -k lobe.pfm --kernel-center 7.5,7.5 --layer l.exr in.exr
 like "$status $(cat err)" '0 *samples are negative*' \
     'a centre that was given does not hide negative samples'
-for kernel in fade lobe beside moved side yellow one; do
+for kernel in fade lobe beside moved fringe side yellow one; do
     run kernel --check $kernel.pfm
     sed -n 's/^fault: \([^:;]*\).*/\1/p' out >checked
     run -k image:file=$kernel.pfm,share=.5 -k star --layer l.exr in.exr

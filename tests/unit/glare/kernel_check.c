@@ -142,18 +142,25 @@ static double blur(double dx, double dy)
     return exp(-0.02 * (dx * dx + dy * dy)); // 0.03 % in its own pixel
 }
 
-static struct gp_kernel make(drawing *draw, int n, const double scale[3])
+/* Draws channel c times scale[c], shift[c] pixels to the right. */
+static struct gp_kernel make_shifted(drawing *draw, int n,
+    const double scale[3], const int shift[3])
 {
     struct gp_planes p;
     struct gp_kernel k;
     assert_ok(gp_planes_make(NULL, "kernel", (size_t) n * (size_t) n, &p));
     for (int i = 0; i < n * n; i++) {
-        const double v = draw(i % n - 0.5 * (n - 1), i / n - 0.5 * (n - 1));
+        const double x = i % n - 0.5 * (n - 1), y = i / n - 0.5 * (n - 1);
         for (int c = 0; c < 3; c++)
-            p.c[c][i] = (float) (scale[c] * v);
+            p.c[c][i] = (float) (scale[c] * draw(x - shift[c], y));
     }
     assert_ok(gp_kernel_of_planes(NULL, "kernel", n, n, &p, &k));
     return k;
+}
+
+static struct gp_kernel make(drawing *draw, int n, const double scale[3])
+{
+    return make_shifted(draw, n, scale, (const int[3]) {0, 0, 0});
 }
 
 #define BIT(rule) (1u << GP_RULE_##rule)
@@ -300,12 +307,61 @@ static void figures_are_those_of_the_samples(void **state)
     assert_true(fabs(f.light / (2.0 * 41.0 * 41.0) - 1.0) < 1e-6);
     assert_true(fabs(f.own * 41.0 * 41.0 - 1.0) < 1e-6);
     assert_true(fabs(f.rim - 2.0) < 1e-6);
-    assert_true(f.peak_at[0] == 0 && f.peak_at[1] == 0);
+    assert_true(f.place.peak_at[0] == 0 && f.place.peak_at[1] == 0);
     assert_true(fabs(f.border - 160.0 / (41.0 * 41.0)) < 1e-6);
     assert_true(fabs(f.outermost - f.border) < 1e-6);
-    assert_true(f.asymmetry == 0.0 && f.negatives == 0);
-    assert_true(fabs(f.centroid[0]) < 1e-9 && fabs(f.centroid[1]) < 1e-9);
+    assert_true(f.place.asymmetry == 0.0 && f.negatives == 0);
+    assert_true(fabs(f.place.centroid[0]) < 1e-9);
+    assert_true(fabs(f.place.centroid[1]) < 1e-9);
     gp_kernel_free(&k);
+}
+
+/* A channel that is beside the others is named; a kernel that is beside its
+ * centre as a whole is not one of its channels. */
+static void a_fault_names_its_channel(void **state)
+{
+    (void) state;
+    static const struct {
+        int shift[3];
+        const char *peak, *centroid; // begin so
+        bool centred;
+        double tint[3];
+    } rows[] = {
+        {{8, 0, 0}, "the peak of its red is 8,0 pixels", "", false, WHITE},
+        {{0, 8, 0}, "the peak of its green is 8,0 pixels", "", false, WHITE},
+        {{0, 0, -8}, "the peak of its blue is -8,0 pixels", "", false, WHITE},
+        {{8, 8, 8}, "its peak is 8,0 pixels", "", false, {1.0, 0.8, 0.6}},
+        {{2, 0, 0}, "", "the centroid of its red is 2,0 pixels", false, WHITE},
+        {{0, 3, 3}, "", "the centroid of its green is 3,0 pixels", false,
+         WHITE},
+        {{2, 2, 2}, "", "its centroid is 2,0 pixels", false, {1.0, 0.8, 0.6}},
+        {{2, 0, 15}, "the peak of its blue is 15,0 pixels",
+         "the centroid of its red is 2,0 pixels", false, WHITE},
+        // luminance half a pixel beside
+        {{0, 0, 7}, "the peak of its blue is 7,0 pixels", "", false, WHITE},
+        {{0, 0, 0}, "", "", false, {1.0, 0.8, 0.6}},
+        {{8, 0, 2}, "", "", true, WHITE},
+        {{0, 0, 8}, "", "", false, {1.0, 1.0, 1e-4}}, // hardly any light
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel k = make_shifted(cone, 61, rows[i].tint,
+                                          rows[i].shift);
+        const struct gp_kernel_use use = {.ends = true,
+                                          .centred = rows[i].centred};
+        struct gp_kernel_figures f;
+        gp_kernel_measure(&k, gp_rec709_luminance, &f);
+        for (int centroid = 0; centroid < 2; centroid++) {
+            const char *const wanted = centroid ? rows[i].centroid
+                                                : rows[i].peak;
+            char line[GP_FAULT_BYTES];
+            gp_kernel_fault(&f, &use, centroid ? GP_RULE_CENTROID
+                                               : GP_RULE_PEAK, line);
+            if (strncmp(line, wanted, strlen(wanted)) != 0 ||
+                (line[0] != '\0') != (wanted[0] != '\0'))
+                fail_msg("row %zu: \"%s\", not \"%s\"", i, line, wanted);
+        }
+        gp_kernel_free(&k);
+    }
 }
 
 /* A run looks only at what it can afford: of models not even at the rim. */
@@ -333,4 +389,5 @@ static void a_glance_is_not_a_measurement(void **state)
 }
 
 SUITE_OF(kernel_check, NULL, NULL, each_rule_finds_its_fault,
-    figures_are_those_of_the_samples, a_glance_is_not_a_measurement)
+    a_fault_names_its_channel, figures_are_those_of_the_samples,
+    a_glance_is_not_a_measurement)
