@@ -260,14 +260,14 @@ static uint8_t byte_of(int kind, size_t i)
  * than libdeflate's own of one piece, as flat data is cut into larger ones. */
 static void pieces_are_one_stream(void **state)
 {
-    static const size_t piece = 1 << 18;
+    static const size_t piece = 1 << 19;
     const size_t size[] = {1, 2, 9999, piece - 1, piece, piece + 1,
                            2 * piece + 7, 7 * piece - 3, 35 * piece + 1};
     struct libdeflate_compressor *const c = libdeflate_alloc_compressor(3);
     for (size_t i = 0; i < 4 * COUNT(size); i++) {
         const size_t n = size[i / 4];
         const bool flat = n > piece && (i % 4 == 0 || i % 4 == 3);
-        const size_t cut = flat ? 16 * piece : piece;
+        const size_t cut = flat ? 8 * piece : piece;
         uint8_t *const raw = malloc(n), *const back = malloc(n);
         uint8_t *packed[2];
         size_t length[2] = {0};
