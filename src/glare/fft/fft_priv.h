@@ -147,7 +147,7 @@ GP_MUST_CHECK gp_status gp_fft_reach_open(const struct gp_log *log,
 /* Makes samples of row y of a layer in (0, noise] 0 that are not reached in
  * channel c; `v` has the row's src->w. Tasks may clear different rows at once,
  * not different channels of one row. */
-void gp_fft_reach_clear(const struct gp_fft_reach *r, int c, int y, int thread,
+void gp_fft_reach_clear(struct gp_fft_reach *r, int c, int y, int thread,
                         float noise, float *v);
 void gp_fft_reach_free(struct gp_fft_reach **reach);
 

@@ -14,6 +14,7 @@
 #include "glare/fft/fft_priv.h"
 
 #include <limits.h>
+#include <pthread.h>
 #include <string.h>
 
 // -- bits ---------------------------------------------------------------------
@@ -322,11 +323,12 @@ static void join_rows(void *ctx, int i, int thread)
     }
 }
 
+/* Makes room for the light of any channel. */
 static gp_status make_light(const struct gp_log *log,
-    const struct gp_sources *src, int c, int kernel_h, struct light *out)
+    const struct gp_sources *src, int kernel_h, struct light *out)
 {
     struct light m = {
-        .src = src, .c = c, .y0 = src->box.y0, .h = gp_rect_h(src->box),
+        .src = src, .y0 = src->box.y0, .h = gp_rect_h(src->box),
         .words = (src->w + 63) / 64, .levels = 1,
     };
     while (m.levels < LEVELS - 1 && gp_min(m.h, kernel_h) >> m.levels)
@@ -337,16 +339,23 @@ static gp_status make_light(const struct gp_log *log,
     if (!st)
         st = gp_alloc(log, "reach", rows, (size_t) m.words * sizeof *m.bits,
                       &m.bits);
-    if (st) {
+    if (st)
         gp_free(m.dark);
-        return st;
-    }
-    gp_parallel_do(m.h, make_bits, &m);
-    for (int row = 0; row < m.h; row++)
-        m.dark[row + 1] += m.dark[row];
-    gp_parallel_do((m.words + 7) / 8, join_rows, &m);
-    *out = m;
-    return GP_OK;
+    else
+        *out = m;
+    return st;
+}
+
+/* Fills in that of channel c, on one thread: tasks of others wait for it. */
+static void fill_light(struct light *m, int c)
+{
+    m->c = c;
+    for (int row = 0; row < m->h; row++)
+        make_bits(m, row, 0);
+    for (int row = 0; row < m->h; row++)
+        m->dark[row + 1] += m->dark[row];
+    for (int i = 0; i < (m->words + 7) / 8; i++)
+        join_rows(m, i, 0);
 }
 
 /* Returns true when the channels have light in the same pixels. */
@@ -370,9 +379,12 @@ struct part {
 };
 
 struct gp_fft_reach {
-    struct light light[3]; // of channels that differ; none: no bits
-    struct part part[3];   // of channels that differ
+    const struct gp_fft_shape *shape[3];
+    struct light light[3]; // of channels that differ
+    struct part part[3];   // of channels that differ; none: no light
     int of[3];             // part of each channel
+    bool known[3];         // channels of which it is
+    pthread_mutex_t lock;  // of what is found of channels
     uint64_t *scratch;     // 2 * words a thread
 };
 
@@ -493,9 +505,32 @@ GP_CLONES static void clear_bits(float *v, int n, uint64_t reached, float noise)
     }
 }
 
-void gp_fft_reach_clear(const struct gp_fft_reach *r, int c, int y, int thread,
+/* Finds the part of channel c: that of a channel before it, or its own. */
+static void find_part(struct gp_fft_reach *r, int c)
+{
+    const struct gp_sources *const src = r->light[c].src;
+    int lit = 0, same = 0;
+    while (lit < c && !(r->known[lit] && r->part[lit].light == &r->light[lit] &&
+                        same_light(src->rgb[lit], src->rgb[c], src->n)))
+        lit++;
+    if (lit == c)
+        fill_light(&r->light[c], c);
+    while (same < c && !(r->part[same].light == &r->light[lit] &&
+                         same_shape(r->shape[same], r->shape[c],
+                                    r->part[c].k->h)))
+        same++;
+    r->of[c] = same;
+    r->part[same].light = &r->light[lit];
+    r->known[c] = true;
+}
+
+void gp_fft_reach_clear(struct gp_fft_reach *r, int c, int y, int thread,
                         float noise, float *v)
 {
+    pthread_mutex_lock(&r->lock);
+    if (!r->known[c])
+        find_part(r, c);
+    pthread_mutex_unlock(&r->lock);
     const struct part *const m = &r->part[r->of[c]];
     const int w = m->light->src->w, words = m->light->words;
     const size_t n = (size_t) words;
@@ -522,8 +557,10 @@ void gp_fft_reach_free(struct gp_fft_reach **reach)
         gp_free(r->part[c].reached);
         gp_free(r->part[c].found);
     }
-    if (r)
+    if (r) {
         gp_free(r->scratch);
+        pthread_mutex_destroy(&r->lock);
+    }
     GP_FREE(*reach);
 }
 
@@ -535,25 +572,15 @@ gp_status gp_fft_reach_open(const struct gp_log *log,
     struct gp_fft_reach *r = NULL;
     const size_t words = ((size_t) src->w + 63) / 64, h = (size_t) src->h;
     GP_TRY(gp_alloc_zero(log, "reach", 1, sizeof *r, &r));
+    pthread_mutex_init(&r->lock, NULL);
     GP_TRY(gp_alloc(log, "reach", 2 * (size_t) gp_threads(),
                     words * sizeof *r->scratch, &r->scratch));
-    for (int c = 0; c < 3; c++) {
-        int lit = 0, same = 0; // channels like it
-        while (lit < c && !(r->light[lit].bits &&
-                            same_light(src->rgb[lit], src->rgb[c], src->n)))
-            lit++;
-        if (lit == c)
-            GP_TRY(make_light(log, src, c, k->h, &r->light[c]));
-        while (same < c && !(r->part[same].light == &r->light[lit] &&
-                             same_shape(shape[same], shape[c], k->h)))
-            same++;
-        r->of[c] = same;
-        if (same < c)
-            continue;
+    for (int c = 0; c < 3; c++) { // room: none is touched before it is needed
         struct part *const m = &r->part[c];
-        *m = (struct part) {
-            .k = k, .shape = shape[c], .light = &r->light[lit],
-        };
+        r->shape[c] = shape[c];
+        m->k = k;
+        m->shape = shape[c];
+        GP_TRY(make_light(log, src, k->h, &r->light[c]));
         GP_TRY(gp_alloc(log, "reach", h, words * sizeof *m->reached,
                         &m->reached));
         GP_TRY(gp_alloc_zero(log, "reach", h, sizeof *m->found, &m->found));
