@@ -101,7 +101,9 @@ static const struct gp_option_choice gp_outsides[] = {
 };
 static const struct gp_option_choice gp_ups[] = {
     {"auto", GP_UP_AUTO, "the axis by which the scene's camera is nearer to the "
-     "frame's; without one, the axis nearer to the picture's upright"},
+     "frame's; without one, the axis nearer to the picture's upright; of a frame "
+     "without a camera y, and for --relight the one by which its normals fit "
+     "its depth"},
     {"y", GP_UP_Y, "y, as in glTF"},
     {"z", GP_UP_Z, "z, as in Blender"}, {0},
 };

@@ -5,7 +5,9 @@ usage: exr.py FILE [key=value...]
 
   size=64x48          pixels of the data window
   kind=lights         lights: dim noise and hot pixels; dark: noise alone;
-                      kernel: a peak with streaks; zeros; nan: kernel with one
+                      kernel: a peak with streaks; zeros; nan: kernel with one;
+                      ground-y: black, Z and albedo of a ground 1 below a camera
+                      of 90 degrees, N its normal along the axis y
   lights=20 seed=1    number of hot pixels, and which
   dim=0.7             largest value of the noise
   hot=0               value of one more pixel in the middle
@@ -64,7 +66,15 @@ def pixels(o, w, h):
             v += L * (1.0, 0.5 + 0.5 * g, 0.5 + 0.5 * b)[c]
         return v
 
+    def ground(name, x, y):
+        slope = 2 * (y + 0.5) / h - 1
+        if name == "Z":
+            return 1 / slope if slope > 0.05 else 1e10
+        return {"N." + kind[-1].upper(): 1}.get(name, 0.5 * ("albedo" in name))
+
     def value(name, x, y):
+        if kind.startswith("ground-"):
+            return ground(name, x, y)
         if name in CHROMA:
             return colour(0, x, y) % 0.25
         if name in ("R", "G", "B", "Y"):

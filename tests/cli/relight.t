@@ -29,8 +29,9 @@ fails_with 2 'give --depth-type z' 'distances from the eye'
 frame lit.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B \
     kind=dark size=64x36
 frame still.exr channels=R,G,B,Z:float kind=dark size=64x36
-run --scene $street --relight lamp6 --relight lamp1 --report r.json -o o.png \
-    lit.exr
+up="--scene-up y" # the normals of lit.exr are of no surface
+run --scene $street $up --relight lamp6 --relight lamp1 --report r.json \
+    -o o.png lit.exr
 status_is 0 'two lamps, of which one lights nothing'
 is "$(field r.json '[(l["name"], l["pixels"] > 0, l["rays"] > l["pixels"] > 0, l["casters"] > 0) for l in o["relit"]]')" \
     "[('lamp1', True, True, True), ('lamp6', False, False, False)]" \
@@ -43,7 +44,7 @@ like "$(cat err)" '*lit.exr: --relight lamp6 *' \
     'a lamp that lights nothing is a warning'
 no 'a lamp that lights is none' grep -q 'lamp1 lights no' err
 is "$(field r.json 'len(o["warnings"])')" 1 'the report has the warning'
-run --scene $street --relight all --report r.json -o o.png lit.exr
+run --scene $street $up --relight all --report r.json -o o.png lit.exr
 is "$(field r.json 'len(o["relit"]), o["warnings"]')" '(8, [])' \
     'all lamps: no warning, as one of them lights'
 
@@ -62,12 +63,48 @@ open(sys.argv[2], "wb").write(
     struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) +
     struct.pack("<II", len(text), 0x4e4f534a) + text + rest)
 PYTHON
-run --scene bare.glb --relight lamp1 --report r.json -o o.png lit.exr
+run --scene bare.glb $up --relight lamp1 --report r.json -o o.png lit.exr
 is "$(field r.json '[(l["name"], l["pixels"] > 1000, l["casters"]) for l in o["relit"]], o["warnings"]')" \
     "([('lamp1', True, 0)], [])" 'a scene without meshes lights the frame'
 run --scene $street --report r.json -o o.png still.exr
 is "$(field r.json '"relit" in o, "relight" in o["times_ms"], "scene" in o["times_ms"]')" \
     '(False, False, True)' 'without --relight there is only the scene'
+
+# -- the axis of normals that points up ------------------------------------------
+
+# a frame without a camera: only its normals say which axis its world has up
+cat >lamp.gltf <<'JSON'
+{"asset": {"version": "2.0"}, "cameras": [{"type": "perspective",
+ "perspective": {"yfov": 1.5707963267948966, "znear": 1}}],
+ "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point",
+ "intensity": 1000}]}}, "nodes": [{"camera": 0}, {"name": "lamp",
+ "translation": [0.5, 1, -2], "extensions": {"KHR_lights_punctual":
+ {"light": 0}}}]}
+JSON
+for axis in x y z; do
+    frame $axis.exr size=60x60 kind=ground-$axis \
+        channels=R,G,B,Z:float,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B
+done
+ground()
+{
+    name=$1
+    shift
+    run --scene lamp.gltf --relight lamp -g 0 --no-provenance --depth-bits 16 \
+        -o $name.png "$@"
+}
+ground wanted --scene-up y y.exr
+ground unlit --scene-up y z.exr
+no 'normals of another world are dark' cmp -s wanted.png unlit.png
+for axis in y z; do
+    ground $axis $axis.exr
+    quiet_success "normals $axis up: not a word"
+    same $axis.png wanted.png "normals $axis up are found"
+done
+ground x x.exr
+like "$(cat err)" '*x.exr: has no camera, and its normals fit *; y up *scene-up*' \
+    'normals that fit neither are a warning'
+ground x --scene-up y x.exr
+quiet_success 'which --scene-up ends'
 
 # -- layers and parts ------------------------------------------------------------
 
