@@ -5,6 +5,7 @@
 #include "core/clock.h"
 #include "core/depth.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "io/plane.h"
 #include "scene/relight.h"
 #include "scene/sets.h"
@@ -90,7 +91,7 @@ out:
 
 // -- the axis of normals that points up ---------------------------------------
 
-enum { UP_STEP = 3 }; // pixels between those that are looked at
+enum { UP_ACROSS = 256 }; // pixels that are looked at across the picture
 
 /* Returns the sample of a plane, or 0 outside. */
 static double sample_of(const struct gp_plane *p, int x, int y)
@@ -139,9 +140,10 @@ static void turn_normals(const struct gp_frame_state *fs, struct surfaces *s)
 {
     const struct gp_rect d = s->depth.window;
     const double fits = 0.95; // cosine
+    const int step = 1 + gp_max(gp_rect_w(d), gp_rect_h(d)) / UP_ACROSS;
     int looked = 0, only_y = 0, only_z = 0;
-    for (int y = d.y0 + 1; y < d.y1 - 1; y += UP_STEP) {
-        for (int x = d.x0 + 1; x < d.x1 - 1; x += UP_STEP) {
+    for (int y = d.y0 + 1; y < d.y1 - 1; y += step) {
+        for (int x = d.x0 + 1; x < d.x1 - 1; x += step) {
             struct gp_v3 own;
             const struct gp_v3 n = {sample_of(&s->normal[0], x, y),
                                     sample_of(&s->normal[1], x, y),
