@@ -3,6 +3,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,9 +11,15 @@
 /* Half a code value of 8 bits in black, by the line of IEC 61966-2-1 (sRGB). */
 static const double half_code = 0.5 / 255.0 / 12.92;
 
-/* Rows that are measured together, and columns at a time. Samples that the
- * widest edge spans, and those on either side that say whether it is one. */
-enum { BANDS = 64, STRIP = 254, SPAN = 4, REACH = 3 * SPAN };
+/* Rows that are measured together, and columns at a time. */
+enum { BANDS = 64, STRIP = 254 };
+
+/* Samples that the widest edge spans along rows and columns, and along
+ * diagonals; lines to either side that it is on; rows and columns around it
+ * that say whether it is an edge. */
+enum { SPAN = 4, SPAN_DIAGONAL = 3, SIDES = 4, REACH = 14 };
+static_assert(REACH >= 3 * SPAN && REACH > 3 * SPAN_DIAGONAL + SIDES,
+              "what is read around an edge is there");
 
 struct band {
     struct gp_kernel_figures f; // sums and maxima of its rows
@@ -65,39 +72,46 @@ static double find_cut(rows r, int i, const int way[2])
     return (double) at - 1.5 * fabs(before - (double) at);
 }
 
-/* The drop from sample i over SPAN samples, less twice the larger change over
+/* The drop from sample i over `span` samples, less twice the larger change over
  * as many before it and after it, which leaves nothing of a power law, an
- * exponential, a Gaussian or a wave. It is an edge where it lasts: beside it,
- * up to SPAN samples to either side, all of 2 SPAN samples before it are above
- * all of 2 SPAN after it, as those of spikes, speckle and narrow rings are not.
- * 0 where it is not over `least`. */
+ * exponential, a Gaussian or a wave. It is an edge where it lasts: on it and on
+ * SIDES lines to either side, all of 2 span samples before it, with those
+ * between diagonals, are above all of 2 span after it, as those of spikes,
+ * speckle and narrow rings are not. 0 where it is not over `least`. */
 static double find_drop(rows r, int i, const int way[2], double least)
 {
-    const float at = sample(r, i, way, 0), end = sample(r, i, way, SPAN);
+    const bool diagonal = way[0] && way[1];
+    const int span = diagonal ? SPAN_DIAGONAL : SPAN;
+    const int between = diagonal ? way[0] : 0; // samples between diagonals
+    const float at = sample(r, i, way, 0), end = sample(r, i, way, span);
     if (!((double) (at - end) > least))
         return 0.0;
-    const float before = fabsf(sample(r, i, way, -SPAN) - at);
-    const float after = fabsf(end - sample(r, i, way, 2 * SPAN));
+    const float before = fabsf(sample(r, i, way, -span) - at);
+    const float after = fabsf(end - sample(r, i, way, 2 * span));
     const double slope = 2.0 * (double) gp_maxf(before, after);
     float low = at, high = end;
-    for (int n = 0; n <= 2 * SPAN; n++) {
+    for (int n = 0; n <= 2 * span; n++) {
         if (!((double) (low - high) - slope > least))
             return 0.0;
-        for (int side = -SPAN; side <= SPAN; side++) {
+        for (int side = -SIDES; side <= SIDES; side++) {
             const float *const in = r[REACH - n * way[1] + side * way[0]];
             const float *const out =
-                r[REACH + (SPAN + n) * way[1] + side * way[0]];
-            low = gp_minf(low, in[i - n * way[0] + side * way[1]]);
-            high = gp_maxf(high, out[i + (SPAN + n) * way[0] + side * way[1]]);
+                r[REACH + (span + n) * way[1] + side * way[0]];
+            const int within = i - n * way[0] - side * way[1];
+            const int beyond = i + (span + n) * way[0] - side * way[1];
+            low = gp_minf(low, gp_minf(in[within], in[within - between]));
+            high = gp_maxf(high, gp_maxf(out[beyond], out[beyond + between]));
         }
     }
     return fmax((double) (low - high) - slope, 0.0);
 }
 
-/* The largest edge in rows from .. to - 1, in any of four directions. */
+/* The largest edge in rows from .. to - 1, in any of eight directions. */
 static double find_rim(const struct measuring *m, int from, int to)
 {
-    static const int ways[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    static const int ways[8][2] = {
+        {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1},
+    };
     enum { ROWS = 2 * REACH + 1, WIDTH = STRIP + 2 * REACH };
     float v[ROWS][WIDTH];
     double rim = 0.0;
@@ -114,8 +128,9 @@ static double find_rim(const struct measuring *m, int from, int to)
             for (int i = 0; i < ROWS; i++)
                 r[i] = v[(y - from + REACH + 1 + i) % ROWS];
             for (int i = REACH; i < n + REACH; i++) {
-                for (int j = 0; j < 4 && (double) r[REACH][i] > rim; j++) {
-                    rim = fmax(rim, find_cut(r, i, ways[j]));
+                for (int j = 0; j < 8 && (double) r[REACH][i] > rim; j++) {
+                    if (j < 4)
+                        rim = fmax(rim, find_cut(r, i, ways[j]));
                     rim = fmax(rim, find_drop(r, i, ways[j], rim));
                 }
             }
@@ -378,8 +393,9 @@ static void check_peak(const struct gp_kernel_figures *f,
     const struct gp_kernel_place *const p = c < 0 ? &f->place : &f->channel[c];
     if (c >= 0)
         snprintf(line, GP_FAULT_BYTES, "the peak of its %s is %d,%d pixels "
-                 "from its centre: lights would get coloured fringes; align its "
-                 "channels", channel_names[c], p->peak_at[0], p->peak_at[1]);
+                 "from its centre: lights would get coloured fringes; align "
+                 "its channels", channel_names[c], p->peak_at[0],
+                 p->peak_at[1]);
     else if (is_peak_beside(p))
         snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
                  "centre: all light would move; set --kernel-center, or crop "
@@ -470,9 +486,9 @@ bool gp_kernel_fault(const struct gp_kernel_figures *f,
                  "larger --size or --radius", 100.0 * use->missed);
     if (rule == GP_RULE_BEYOND && beyond > 0.01 && beyond > 0.1 * use->share)
         snprintf(line, GP_FAULT_BYTES, "%.2g %% of the light that it takes "
-                 "from a pixel falls outside of the frame, wherever the source is, "
-                 "and is lost; choose keys or a kernel that falls faster with "
-                 "the angle, or check --fov",
+                 "from a pixel falls outside of the frame, wherever the source "
+                 "is, and is lost; choose keys or a kernel that falls faster "
+                 "with the angle, or check --fov",
                  100.0 * beyond / fmax(use->share, beyond));
     return line[0] != '\0';
 }

@@ -57,6 +57,15 @@ static double milli(double dx, double dy)
     return ball(dx, dy, 80.0, 1e-3, 2e-3);
 }
 
+/* A square on its corner, its edge a pixel wide, in light that goes on. */
+static double corner(double dx, double dy)
+{
+    const double off = (fabs(dx) + fabs(dy)) * sqrt(0.5);
+    const double share = fmin(fmax(40.5 - off, 0.0), 1.0);
+    return (cut(dx, dy) + 1e-3 * share) *
+           pow(fmax(1.0 - hypot(dx, dy) / 95.0, 0.0), 2.0);
+}
+
 /* Light that fades to 0, alone and in rings, in spikes and in a lobe. */
 static double fades(double dx, double dy)
 {
@@ -196,6 +205,8 @@ static void each_rule_finds_its_fault(void **state)
         {"a drop to a third", third, 201, WHITE,
          {.ends = true, .brightest = 1000.0}, BIT(RIM)},
         {"a drop to 2e-3", milli, 201, WHITE,
+         {.ends = true, .brightest = 1000.0}, BIT(RIM)},
+        {"a square on its corner", corner, 201, WHITE,
          {.ends = true, .brightest = 1000.0}, BIT(RIM)},
         {"an edge of two, of a faint light", soft, 201, WHITE,
          {.ends = true, .brightest = 1e-3}, 0},
