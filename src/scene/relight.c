@@ -2,7 +2,10 @@
 
 #include "core/depth.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
+#include "scene/colours.h"
+#include "scene/places.h"
 #include "scene/rays.h"
 
 #include <math.h>
@@ -10,14 +13,14 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { BITS = 6, MANY = 1 << BITS }; // places of a pixel
+enum { MANY = GP_PLACES };
 
 /* A surface that a pixel shows, and the ray to it. */
 struct surface {
     struct gp_v3 normal; // unit, to the eye's side
     struct gp_v3 place;
     double z;
-    double albedo[3];
+    double albedo[3]; // in units of the colours
 };
 
 struct row_facts {
@@ -41,6 +44,9 @@ struct relit {
     struct gp_rect data;
     const struct gp_planes *rgb;
     struct gp_rays shown;    // what the eye may see
+    struct gp_colours colours;
+    struct gp_shade *shade;  // every `step` pixels of the data
+    int step, across;        // shades of a row
     double place[MANY][2];   // of a pixel, from its middle
     struct gp_v3 eye;
     struct gp_v3 axis;       // of the view, unit
@@ -85,7 +91,7 @@ static bool read_pixel(const struct relit *w, int x, int y, struct surface *s,
     double n[3], most = 0.0;
     for (int c = 0; c < 3; c++) {
         const double a = sample(&f->albedo[c], x, y);
-        s->albedo[c] = a > 0.0 && isfinite(a) ? a : 0.0;
+        s->albedo[c] = a > 0.0 && isfinite(a) ? a / w->colours.unit : 0.0;
         most = fmax(most, s->albedo[c]);
         n[c] = sample(&f->normal[c], x, y);
     }
@@ -303,34 +309,6 @@ static struct gp_v3 way_to_place(const struct relit *w, int x, int y, int i)
     return way_to(w, x + 0.5 + w->place[i][0], y + 0.5 + w->place[i][1]);
 }
 
-/* Returns the place of a share of Blender's pixel filter: Blackman and Harris's
- * window of four terms, 3 pixels wide, whose integral it is. */
-static double place_of(double share)
-{
-    double lo = -0.5, hi = 0.5; // of the width
-    for (int i = 0; i < 40; i++) {
-        const double v = 0.5 * (lo + hi), turn = 2.0 * pi * (v + 0.5);
-        const double sum =
-            v + 0.5 - (0.48829 * sin(turn) - 0.14128 / 2.0 * sin(2.0 * turn) +
-                       0.01168 / 3.0 * sin(3.0 * turn)) / (2.0 * pi * 0.35875);
-        *(sum < share ? &lo : &hi) = v;
-    }
-    return 3.0 * lo;
-}
-
-/* Sets places that have the filter's density: no two share a row or a column
- * (Hammersley's set), as edges along these are frequent. */
-static void set_places(double place[MANY][2])
-{
-    for (unsigned i = 0; i < MANY; i++) {
-        unsigned turned = 0;
-        for (int bit = 0; bit < BITS; bit++)
-            turned |= (i >> bit & 1) << (BITS - 1 - bit);
-        place[i][0] = place_of((i + 0.5) / MANY);
-        place[i][1] = place_of((turned + 0.5) / MANY);
-    }
-}
-
 /* True where nothing is between a place of a surface and the light. */
 static bool is_free(const struct lamp *lamp, struct gp_v3 place,
                     struct gp_v3 normal, double z)
@@ -365,10 +343,8 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
     return clear;
 }
 
-enum { MEANS = 6 }; // albedo and normal
-
 /* Returns albedo and normal of a place in `out`, 0 where it has no surface. */
-static void means_of(const struct surface *s, double out[MEANS])
+static void means_of(const struct surface *s, double out[GP_MEANS])
 {
     const bool any = s->z > 0.0;
     for (int c = 0; c < 3; c++)
@@ -378,55 +354,21 @@ static void means_of(const struct surface *s, double out[MEANS])
     out[5] = any ? s->normal.z : 0.0;
 }
 
-/* Solves a x = b in place of b; a is symmetric and positive, and is lost
- * (Cholesky). */
-static void solve(double a[MEANS][MEANS], double b[MEANS])
+/* Scales the albedo of places so that their mix is the pixel's, as far as it may
+ * be that of these surfaces. */
+static void scale_places(const double own[3], const double weight[MANY],
+                         struct surface of[MANY])
 {
-    for (int i = 0; i < MEANS; i++) {
-        for (int j = 0; j <= i; j++) {
-            for (int k = 0; k < j; k++)
-                a[i][j] -= a[i][k] * a[j][k];
-            a[i][j] = i == j ? sqrt(a[i][i]) : a[i][j] / a[j][j];
-        }
-        for (int k = 0; k < i; k++)
-            b[i] -= a[i][k] * b[k];
-        b[i] /= a[i][i];
-    }
-    for (int i = MEANS - 1; i >= 0; i--) {
-        for (int k = i + 1; k < MEANS; k++)
-            b[i] -= a[k][i] * b[k];
-        b[i] /= a[i][i];
-    }
-}
-
-/* Weighs the places of a pixel so that their mean comes near the frame's: the
- * renderer's places are random, and met its surfaces in other shares (the
- * regression estimator of Deville and Sarndal 1992). */
-static void match_frame(const struct surface of[MANY],
-                        const double mean[MEANS], const double frame[MEANS],
-                        double weight[MANY])
-{
-    static const double RIDGE = 1e-3; // variances under it count as noise
-    double a[MEANS][MEANS] = {0}, move[MEANS], own[MEANS];
-    for (int i = 0; i < MEANS; i++) {
-        move[i] = frame[i] - mean[i];
-        a[i][i] = RIDGE;
-    }
-    for (int i = 0; i < MANY; i++) {
-        means_of(&of[i], own);
-        for (int j = 0; j < MEANS; j++) {
-            for (int k = 0; k <= j; k++)
-                a[j][k] += 1.0 / MANY * (own[j] - mean[j]) *
-                           (own[k] - mean[k]);
-        }
-    }
-    solve(a, move);
-    for (int i = 0; i < MANY; i++) {
-        double more = 1.0;
-        means_of(&of[i], own);
-        for (int j = 0; j < MEANS; j++)
-            more += move[j] * (own[j] - mean[j]);
-        weight[i] = 1.0 / MANY * fmax(more, 0.0);
+    static const double MOST = 4.0;
+    for (int c = 0; c < 3; c++) {
+        double mix = 0.0;
+        for (int i = 0; i < MANY; i++)
+            mix += of[i].z > 0.0 ? weight[i] * of[i].albedo[c] : 0.0;
+        if (!(mix > 0.0))
+            continue;
+        const double scale = fmin(fmax(own[c] / mix, 1.0 / MOST), MOST);
+        for (int i = 0; i < MANY; i++)
+            of[i].albedo[c] *= scale;
     }
 }
 
@@ -435,36 +377,86 @@ static void match_frame(const struct surface of[MANY],
 static bool find_places(const struct relit *w, int x, int y,
                         struct surface of[MANY], double weight[MANY])
 {
+    const struct gp_colours *const k = &w->colours;
     struct surface own;
-    double mean[MEANS] = {0}, one[MEANS], length, left = 0.0;
+    double one[MANY][GP_MEANS], frame[GP_MEANS], length, left = 0.0;
     if (!read_pixel(w, x, y, &own, &length))
         return false;
     for (int i = 0; i < MANY; i++) {
         const struct gp_v3 way = way_to_place(w, x, y, i);
         struct gp_rays_hit hit;
         of[i].z = 0.0;
-        if (!gp_rays_first(&w->shown, w->eye, way, INFINITY, &hit))
-            continue;
-        const float *const base = w->shown.scene->material[hit.material].base;
-        const double turn = gp_v3_dot(hit.normal, way) > 0.0 ? -1.0 : 1.0;
-        of[i].z = hit.at;
-        of[i].place = gp_v3_add(w->eye, gp_v3_scale(way, hit.at));
-        of[i].normal = gp_v3_scale(hit.normal, turn);
-        for (int c = 0; c < 3; c++)
-            of[i].albedo[c] = (double) base[c];
-        means_of(&of[i], one);
-        for (int k = 0; k < MEANS; k++)
-            mean[k] += 1.0 / MANY * one[k];
+        if (gp_rays_first(&w->shown, w->eye, way, INFINITY, &hit)) {
+            const double turn = gp_v3_dot(hit.normal, way) > 0.0 ? -1.0 : 1.0;
+            of[i].z = hit.at;
+            of[i].place = gp_v3_add(w->eye, gp_v3_scale(way, hit.at));
+            of[i].normal = gp_v3_scale(hit.normal, turn);
+            for (int c = 0; c < 3; c++)
+                of[i].albedo[c] = k->many[hit.material]
+                                      ? own.albedo[c]
+                                      : k->of[hit.material][c] / k->unit;
+        }
+        means_of(&of[i], one[i]);
     }
     own.normal = gp_v3_scale(own.normal, length);
     own.z = 1.0;
-    means_of(&own, one);
-    for (int i = 0; i < MEANS; i++)
-        left += (mean[i] - one[i]) * (mean[i] - one[i]);
+    means_of(&own, frame);
+    for (int j = 0; j < GP_MEANS; j++) {
+        double mean = 0.0;
+        for (int i = 0; i < MANY; i++)
+            mean += 1.0 / MANY * one[i][j];
+        left += (mean - frame[j]) * (mean - frame[j]);
+    }
     if (left > 0.1)
         return false;
-    match_frame(of, mean, one, weight);
+    gp_places_weigh((const double(*)[GP_MEANS]) one, frame, weight);
+    scale_places(own.albedo, weight, of);
     return true;
+}
+
+/* Sets the shades of a row: pixels inside a surface, and its material. */
+static void shade_row(void *ctx, int i, int thread)
+{
+    const struct relit *const w = ctx;
+    const int y = w->data.y0 + i * w->step;
+    (void) thread;
+    for (int k = 0; k < w->across; k++) {
+        struct gp_shade *const shade =
+            &w->shade[(size_t) i * (size_t) w->across + (size_t) k];
+        const int x = w->data.x0 + k * w->step;
+        struct surface s;
+        struct gp_rays_hit hit;
+        *shade = (struct gp_shade) {.material = -1};
+        if (!read_pure(w, x, y, &s) || is_mixed(w, &s, 1.0, x, y))
+            continue;
+        for (int c = 0; c < 3; c++)
+            shade->albedo[c] = (float) s.albedo[c];
+        if (gp_rays_first(&w->shown, w->eye, way_to(w, x + 0.5, y + 0.5),
+                          INFINITY, &hit) &&
+            fabs(hit.at - s.z) < 0.01 * s.z &&
+            fabs(gp_v3_dot(hit.normal, s.normal)) > 0.9)
+            shade->material = hit.material;
+    }
+}
+
+/* Finds the frame's colours of materials. */
+static gp_status find_colours(const struct gp_log *log, struct relit *w)
+{
+    enum { SIDE = 256 }; // shades, of the longer side
+    gp_status st = GP_OK;
+    w->colours.unit = 1.0;
+    if (gp_rect_empty(w->data))
+        return GP_OK;
+    const int wide = gp_rect_w(w->data), high = gp_rect_h(w->data);
+    w->step = gp_max(2, gp_max(wide, high) / SIDE);
+    w->across = (wide - 1) / w->step + 1;
+    const int rows = (high - 1) / w->step + 1;
+    const size_t n = (size_t) rows * (size_t) w->across;
+    GP_TRY(gp_alloc(log, "shades", n, sizeof *w->shade, &w->shade));
+    gp_parallel_do(rows, shade_row, w);
+    GP_TRY(gp_colours_make(log, w->shown.scene, w->shade, n, &w->colours));
+out:
+    return st;
 }
 
 /* Adds the light of the surfaces at a pixel's places. */
@@ -569,6 +561,8 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
     }
     if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
         return;
+    for (int c = 0; c < 3; c++)
+        add[c] *= w->colours.unit;
     const size_t at = (size_t) (p->y - w->data.y0) *
                           (size_t) gp_rect_w(w->data) +
                       (size_t) (p->x - w->data.x0);
@@ -677,8 +671,9 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     gp_status st;
     set_axes(&w);
     set_ways(&w);
-    set_places(w.place);
+    gp_places_set(w.place);
     GP_TRY(gp_rays_make(log, s, meshes, f->object, f->objects, &w.shown));
+    GP_TRY(find_colours(log, &w));
     for (int k = 0; k < passes; k++) {
         w.lamp[k] = (struct lamp) {
             .of = &w, .pass = &pass[k],
@@ -695,6 +690,8 @@ out:
         gp_free(w.lamp[k].mark);
         gp_free(w.lamp[k].row);
     }
+    gp_colours_free(&w.colours);
+    gp_free(w.shade);
     gp_rays_free(&w.shown);
     return st;
 }

@@ -57,7 +57,8 @@ struct gp_relit {
  * Blender's filter (Blackman and Harris, 3 pixels wide). At edges they show the
  * scene's own surfaces, if these have nearly the pixel's mean normal and albedo,
  * in shares that have them; else its mean is taken apart into the two surfaces
- * beside it.
+ * beside it. Albedo of the scene's materials is that which the frame shows of
+ * them, so that the light added is proportional to the frame's albedo.
  * The surfaces of a pixel are found once for all passes.
  *   meshes  of this scene, kept from call to call
  *   passes  of pass[] and out[], at most GP_RELIGHT_PASSES

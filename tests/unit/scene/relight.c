@@ -284,18 +284,71 @@ static void edges_have_the_shares_of_the_frame(void **state)
     made_sun(&scene, (struct gp_v3) {0, 0, -1}, 3.0);
     surfaces.object = every;
     surfaces.objects = 3;
+    for (int i = 0; i < 3 * W * H; i++)
+        albedo[i % 3].v[i / 3] = 0.5f;
     const size_t at = (size_t) row * W + (size_t) x;
     for (size_t i = 0; i < COUNT(shares); i++) {
         const float s = (float) shares[i];
         normal[1].v[at] = s - 1.0f;
         normal[2].v[at] = s;
-        for (int k = 0; k < 3; k++)
-            albedo[k].v[at] = 0.5f;
         gp_planes_clear(&rgb, 0, W * H);
         add(0, 0, all);
         const double got = (double) rgb.c[1][at] / (2.0 * 3.0 * 0.5 / MADE_PI);
         if (!(fabs(got - shares[i]) < 0.01))
             fail_msg("share %g: lit by %g", shares[i], got);
+    }
+}
+
+/* Lights a frame by a sun, with an albedo that is k times that of a pattern, or
+ * of one colour, and of no material. */
+static void light_edges(float k, bool textured)
+{
+    for (int i = 0; i < W * H; i++) {
+        const float part = textured ? 0.5f + 0.5f * (float) (i * 37 % 64) / 64
+                                    : 1.0f;
+        for (int c = 0; c < 3; c++)
+            albedo[c].v[i] = k * part * (float) colour[c];
+    }
+    gp_planes_clear(&rgb, 0, W * H);
+    add(1, 0, all);
+}
+
+/* The light added is proportional to the frame's albedo, at edges too, whose
+ * materials have another. */
+static void light_follows_albedo(void **state)
+{
+    float first[3][W * H];
+    made_put(&scene, made_box(&scene, 0), (struct gp_v3) {-1, 1, 0.5},
+             (struct gp_v3) {0.8, 0.8, 1.0}, 30);
+    made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
+    made_sun(&scene, (struct gp_v3) {0, 0, -1}, 3.0);
+    surfaces.object = every;
+    for (int i = 0; i < W * H; i += 7) // pixels that look like edges
+        normal[2].v[i] = 0.97f;
+    for (int k = 0; k < 4; k++) {
+        const bool textured = k % 2;
+        surfaces.objects = k < 2 ? 1 : 3;
+        light_edges(1.0f, textured);
+        for (int c = 0; c < 3; c++)
+            memcpy(first[c], rgb.c[c], sizeof first[c]);
+        for (int i = 0; k < 2 && i < W * H; i++) {
+            // a mixed pixel of the ground is as bright as the others
+            const double want = 2.0 / MADE_PI * 3.0 *
+                                (double) albedo[1].v[i];
+            if (!(fabs((double) first[1][i] - want) <= 0.1 * want))
+                fail_msg("%d,%d: %g, not %g", i % W, i / W,
+                         (double) first[1][i], want);
+        }
+        light_edges(0.5f, textured);
+        for (int c = 0; c < 3; c++) {
+            for (int i = 0; i < W * H; i++)
+                assert_true(fabsf(rgb.c[c][i] - 0.5f * first[c][i]) <=
+                            1e-3f * first[c][i]);
+        }
+        light_edges(0.3f, textured);
+        for (int i = 0; i < W * H; i++)
+            assert_true(fabsf(rgb.c[0][i] - 0.3f * first[0][i]) <=
+                        1e-3f * first[0][i]);
     }
 }
 
@@ -364,5 +417,6 @@ static void full_memory_lights_nothing(void **state)
 }
 
 SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found, light_is_that_of_the_formula,
-    edges_have_the_shares_of_the_frame, settings_of_a_pass_count,
+    edges_have_the_shares_of_the_frame, light_follows_albedo,
+    settings_of_a_pass_count,
     passes_of_a_call_are_calls, full_memory_lights_nothing)
