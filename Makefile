@@ -281,8 +281,8 @@ check-ubsan: ## runs the tests under UndefinedBehaviorSanitizer
 # and of these the suites of what threads share, within ten minutes
 TSAN_CLI := threads sequence stream farm flight layers views groups sun
 TSAN_SUITES := core/parallel core/memory app/flight io/exr_read io/exr_write \
-               io/png io/stream glare/direct glare/fft glare/bound sun/map \
-               sun/exact sun/occluder sun/flare compare/flip tone/tone
+               io/png io/stream glare/direct glare/fft glare/fft_kept glare/bound \
+               sun/map sun/exact sun/occluder sun/flare compare/flip tone/tone
 TSAN_MAKE = TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp \
     die_after_fork=0 allocator_may_return_null=1" GLAREPP_TEST_QUICK=1 \
     $(call SAN_MAKE,tsan,thread) UNIT_BIN="$(1:%=$(B)/tsan/tests/%)" check-san
