@@ -1,10 +1,32 @@
 /* The kernel's spectrum, less its core: made with a frame, kept for more. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/fft/fft_priv.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+typedef float vf __attribute__((vector_size(32)));
+typedef vf vf_loose __attribute__((aligned(4), may_alias));
+
+/* Writes n samples to every second float of z; the 2 n floats from z on exist,
+ * and those between keep their values. */
+GP_CLONES static void spread_row(const float *restrict row, int n,
+                                 float *restrict z)
+{
+    enum { LANES = 8 };
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        const vf v = *(const vf_loose *) (row + x);
+        vf_loose *const to = (vf_loose *) (z + 2 * x);
+        const vf a = to[0], b = to[1];
+        to[0] = __builtin_shufflevector(v, a, 0, 9, 1, 11, 2, 13, 3, 15);
+        to[1] = __builtin_shufflevector(v, b, 4, 9, 5, 11, 6, 13, 7, 15);
+    }
+    for (; x < n; x++)
+        z[2 * x] = row[x];
+}
 
 /* Row of offset dy = first + j, each sample at its offset modulo nx. */
 static void load_kernel_row(const void *ctx, int c, int j, float *z)
@@ -18,8 +40,7 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     for (int from = taps.x0, end; from < taps.x1; from = end) {
         const int at = gp_fft_wrap(from, nx);
         end = gp_min(taps.x1, from + nx - at);
-        for (int dx = from; dx < end; dx++)
-            z[2 * (at + dx - from)] = row[dx];
+        spread_row(row + from, end - from, z + 2 * at);
     }
     if (abs(dy) > r->core.y)
         return;
