@@ -38,6 +38,7 @@ static gp_status halve_kernel(const struct gp_log *log,
     out->unturned = NULL;
     out->tail = NULL;
     out->origin = NULL;
+    out->lit = NULL;
     out->serial = 0;
     gp_status st = gp_planes_make(log, "kernel", n, &out->k);
     for (int c = 0; !st && c < 3; c++) {

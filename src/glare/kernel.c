@@ -3,13 +3,17 @@
 #include "glare/kernel.h"
 
 #include "core/colour.h"
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
+#include "glare/kernel_sums.h"
 #include "glare/tail/tail.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 enum { MAX_CENTER = 1 << 20 }; // pixels; a centre farther away meets no frame
@@ -41,19 +45,48 @@ struct raw_sums {
     struct row_sums *row;
 };
 
-static void sum_raw_channel(const float *v, int w, int c, struct row_sums *r)
+/* Sums of the rows of n channels, each in order; the channels at once, as each
+ * sum waits for its own last sample. */
+static inline __attribute__((always_inline)) void
+sum_samples(const float *const *v, int n, int w, double *restrict sum,
+            double *restrict square)
 {
-    double sum = 0.0;
+    double a[3] = {0}, b[3] = {0};
     for (int x = 0; x < w; x++) {
-        float magnitude = fabsf(v[x]);
-        sum += (double) v[x];
-        r->peak = magnitude > r->peak ? magnitude : r->peak;
+        for (int c = 0; c < n; c++) {
+            const double one = (double) v[c][x];
+            a[c] += one;
+            b[c] += one * one;
+        }
+    }
+    for (int c = 0; c < n; c++) {
+        sum[c] = a[c];
+        square[c] = b[c];
+    }
+}
+
+/* Returns the bits of the largest magnitude of w, by which floats are ordered:
+ * those of Inf and NaN are the largest. */
+GP_CLONES static uint32_t largest_bits(const float *v, int w)
+{
+    uint32_t most = 0;
+    for (int x = 0; x < w; x++) {
+        const union { float v; uint32_t bits; } one = {.v = fabsf(v[x])};
+        most = one.bits > most ? one.bits : most;
+    }
+    return most;
+}
+
+static void look_at_channel(const float *v, int w, int c, struct row_sums *r)
+{
+    const union { uint32_t bits; float v; } peak = {largest_bits(v, w)};
+    r->peak = peak.v > r->peak ? peak.v : r->peak;
+    for (int x = 0; x < w && !isfinite(peak.v); x++) {
         if (!isfinite(v[x])) {
             r->bad_x = x;
             r->bad_c = c;
         }
     }
-    r->sum[c] = sum;
     int x0 = 0, x1 = w;
     while (x0 < r->x0 && v[x0] == 0.0f)
         x0++;
@@ -68,19 +101,23 @@ static void sum_raw_row(void *ctx, int y, int thread)
     const struct raw_sums *const s = ctx;
     const int w = s->raw->w;
     const size_t at = (size_t) y * (size_t) w;
-    const float *const first = s->raw->in.c[0] + at;
+    const float *v[3];
+    double squares[3]; // not asked for
     struct row_sums r = {.x0 = w, .x1 = 0, .bad_x = -1};
     (void) thread;
-    sum_raw_channel(first, w, 0, &r);
-    for (int c = 1; c < 3; c++) {
-        const float *const v = s->raw->in.c[c] + at;
-        if (memcmp(v, first, (size_t) w * sizeof *v) == 0) {
-            r.sum[c] = r.sum[0]; // most kernels are grey
-            continue;
-        }
-        r.coloured = true;
-        sum_raw_channel(v, w, c, &r);
+    for (int c = 0; c < 3; c++) {
+        v[c] = s->raw->in.c[c] + at;
+        const bool other = c && memcmp(v[c], v[0], (size_t) w * sizeof **v);
+        r.coloured |= other;
+        if (!c || other) // most kernels are grey
+            look_at_channel(v[c], w, c, &r);
     }
+    if (r.coloured)
+        sum_samples(v, 3, w, r.sum, squares);
+    else
+        sum_samples(v, 1, w, r.sum, squares);
+    for (int c = 1; c < 3 && !r.coloured; c++)
+        r.sum[c] = r.sum[0];
     s->row[y] = r;
 }
 
@@ -157,6 +194,7 @@ static gp_status find_factor(const struct gp_log *log,
 
 struct row_norms {
     double sum[3], square[3], magnitude[3], faint[3];
+    double side[3][4]; // of gp_side_sums()
     bool negative;
 };
 
@@ -168,38 +206,115 @@ struct cutting {
     struct row_norms *row;
 };
 
+/* Scales w samples. Returns true when some are under FLT_MIN in magnitude. */
+GP_CLONES static bool scale_row(float *v, int w, double factor, bool *negative)
+{
+    int under = 0, faint = 0;
+    for (int x = 0; x < w; x++) {
+        const float scaled = (float) ((double) v[x] * factor);
+        under |= scaled < 0.0f;
+        faint |= fabsf(scaled) < FLT_MIN;
+        v[x] = scaled;
+    }
+    *negative = under;
+    return faint;
+}
+
+/* Makes samples under FLT_MIN 0; returns their sum. */
+static double drop_faint(float *v, int w)
+{
+    double sum = 0.0;
+    for (int x = 0; x < w; x++) {
+        if (fabsf(v[x]) < FLT_MIN) {
+            sum += fabs((double) v[x]);
+            v[x] = 0.0f;
+        }
+    }
+    return sum;
+}
+
+static double sum_magnitudes(const float *v, int w)
+{
+    double sum = 0.0;
+    for (int x = 0; x < w; x++)
+        sum += fabs((double) v[x]);
+    return sum;
+}
+
+GP_CLONES static int count_lit(const float *v, int w)
+{
+    int n = 0;
+    for (int x = 0; x < w; x++)
+        n += v[x] != 0.0f;
+    return n;
+}
+
+static struct gp_lit_row find_lit(const float *v, int w)
+{
+    struct gp_lit_row lit = {0, w, 0};
+    while (lit.to > 0 && v[lit.to - 1] == 0.0f)
+        lit.to--;
+    while (lit.from < lit.to && v[lit.from] == 0.0f)
+        lit.from++;
+    lit.dark = lit.to - lit.from - count_lit(v, w);
+    return lit;
+}
+
 /* Scales a row, in place where the planes are the raw kernel's own. */
 static void cut_row(void *ctx, int y, int thread)
 {
     const struct cutting *const m = ctx;
-    const size_t w = (size_t) m->k->w, to = (size_t) y * w;
+    const int w = m->k->w, channels = m->k->grey ? 1 : 3;
+    const size_t to = (size_t) y * (size_t) w;
     const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
                         (size_t) m->box.x0;
+    const float *v[3];
+    bool negative[3] = {false};
     struct row_norms n = {0};
     (void) thread;
     for (int c = 0; c < 3; c++) {
         const float *const in = m->raw->in.c[c] + from;
         float *const out = m->k->k.c[c] + to;
-        if (c > 0 && m->k->grey) {
-            memcpy(out, m->k->k.c[0] + to, w * sizeof *out);
-            n.sum[c] = n.sum[0];
-            n.square[c] = n.square[0];
-            n.magnitude[c] = n.magnitude[0];
-            n.faint[c] = n.faint[0];
+        const float *const first = c < channels ? in : v[0];
+        v[c] = out;
+        if (first != out)
+            memcpy(out, first, (size_t) w * sizeof *out);
+        if (c < channels && scale_row(out, w, m->factor, &negative[c]))
+            n.faint[c] = drop_faint(out, w);
+    }
+    if (channels == 3)
+        sum_samples(v, 3, w, n.sum, n.square);
+    else
+        sum_samples(v, 1, w, n.sum, n.square);
+    for (int c = 0; c < 3; c++) {
+        struct gp_lit_row *const lit = m->k->lit + (size_t) c * (size_t) m->k->h;
+        if (c < channels) {
+            n.magnitude[c] = negative[c] ? sum_magnitudes(v[c], w) : n.sum[c];
+            n.negative |= negative[c];
+            lit[y] = find_lit(v[c], w);
+            gp_side_sums(v[c], w, m->k->cx, INT_MAX / 2, n.side[c]);
             continue;
         }
-        for (size_t x = 0; x < w; x++) {
-            const float scaled = (float) ((double) in[x] * m->factor);
-            out[x] = fabsf(scaled) < FLT_MIN ? 0.0f : scaled;
-            const double v = (double) out[x];
-            n.sum[c] += v;
-            n.square[c] += v * v;
-            n.magnitude[c] += fabs(v);
-            n.faint[c] += fabs((double) scaled - v);
-            n.negative |= out[x] < 0.0f;
-        }
+        n.sum[c] = n.sum[0];
+        n.square[c] = n.square[0];
+        n.magnitude[c] = n.magnitude[0];
+        n.faint[c] = n.faint[0];
+        lit[y] = m->k->lit[y];
     }
     m->row[y] = n;
+}
+
+/* Finds the least quarters of the rows. */
+static void find_quarters(const struct row_norms *row, struct gp_kernel *k)
+{
+    for (int c = 0; c < 3 && !k->negative; c++) {
+        struct gp_quarter_sums q = {0};
+        for (int y = 0; y < k->h; y++)
+            gp_quarter_add(&q, row[y].side[k->grey ? 0 : c], y <= k->cy,
+                           y >= k->cy);
+        k->quarter_square[c] = gp_quarter_least(q.square);
+        k->quarter_sum[c] = gp_quarter_least(q.sum);
+    }
 }
 
 /* Takes raw->in when it is owned, also on failure. */
@@ -227,6 +342,7 @@ static gp_status make_kernel(const struct gp_log *log,
         GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
                               &k.k));
     }
+    GP_TRY(gp_alloc(log, raw->name, 3 * (size_t) k.h, sizeof *k.lit, &k.lit));
     gp_parallel_do(k.h, cut_row, &m);
     double square[3] = {0};
     for (int y = 0; y < k.h; y++) {
@@ -240,6 +356,7 @@ static gp_status make_kernel(const struct gp_log *log,
     }
     for (int c = 0; c < 3; c++)
         k.norm2[c] = sqrt(square[c]);
+    find_quarters(m.row, &k);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -457,6 +574,7 @@ void gp_kernel_free(struct gp_kernel *k)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);
     gp_tail_free(k->tail);
+    gp_free(k->lit);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};
 }

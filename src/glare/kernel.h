@@ -41,6 +41,12 @@ struct gp_unturned {
 
 struct gp_tail; // glare/tail/tail.h
 
+/* The samples of a row of one channel that are not 0. */
+struct gp_lit_row {
+    int from, to; // half-open: all are in it; empty where there is none
+    int dark;     // samples in it that are 0
+};
+
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q), and
  * that of the tail, where there is one: then k is only the core.
@@ -58,6 +64,12 @@ struct gp_kernel {
     double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
+    struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; NULL of
+                          // kernels that are made by hand, which also have no
+                          // quarters; owned
+    double quarter_square[3]; // the least sum of squares of a channel over one
+    double quarter_sum[3];    // of its quarters, its centre's row and column in
+                          // each, and of samples; 0 of a negative kernel
     unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
                           // is never taken for known
     struct gp_unturned *unturned; // NULL when the kernel was not rotated, or

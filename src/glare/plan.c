@@ -560,6 +560,7 @@ static gp_status ask_whole(const struct gp_glare_request *req,
     k.h = 2 * src->h - 1;
     k.cx = src->w - 1;
     k.cy = src->h - 1;
+    k.lit = NULL;
     k.serial = g->whole_of == k.serial ? g->whole.serial : 0;
     *out = c;
     if ((k.w + 2.0 * GP_TAPS_PAD) * k.h > MOST)

@@ -3,6 +3,7 @@
 #include "core/minmax.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft_priv.h"
+#include "glare/kernel_sums.h"
 
 #include <limits.h>
 #include <math.h>
@@ -64,31 +65,6 @@ double gp_fft_spectrum_ms(int channels, int kept,
            GP_COST_FRESH_BYTE * bytes * kept;
 }
 
-/* Adds the squares and the samples of n in eight parts, so that it becomes
- * vector code. */
-GP_CLONES static void add_samples(const float *v, int n, double *squares,
-                                  double *sum)
-{
-    enum { LANES = 8 };
-    double square[LANES] = {0}, whole[LANES] = {0};
-    int x = 0;
-    for (; x + LANES <= n; x += LANES) {
-        for (int i = 0; i < LANES; i++) {
-            const double one = (double) v[x + i];
-            square[i] += one * one;
-            whole[i] += one;
-        }
-    }
-    for (; x < n; x++) {
-        square[0] += (double) v[x] * (double) v[x];
-        whole[0] += (double) v[x];
-    }
-    for (int i = 0; i < LANES; i++) {
-        *squares += square[i];
-        *sum += whole[i];
-    }
-}
-
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {
@@ -97,35 +73,29 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
     const int reach_x = k->w - 1 <= w ? INT_MAX / 2 : w / 2;
     const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
     *out = (struct gp_fft_quarters) {0};
+    if (k->lit && reach_x > w && reach_y > h) {
+        for (int c = 0; c < 3; c++) {
+            out->square[c] = k->quarter_square[c];
+            out->sum[c] = k->quarter_sum[c];
+        }
+        return;
+    }
     for (int c = 0; c < 3 && !k->negative; c++) {
         if (c > 0 && k->grey) {
             out->square[c] = out->square[0];
             out->sum[c] = out->sum[0];
             continue;
         }
-        // above the centre and below, left and right of it, which all hold the
-        // centre's own row and column
-        double square[2][2] = {{0}}, sum[2][2] = {{0}};
+        struct gp_quarter_sums q = {0};
         for (int y = 0; y < k->h; y++) {
-            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-            double side[4] = {0}; // squares left and right, samples alike
-            for (int i = 0; i < 2; i++) {
-                const int from = gp_max(i ? k->cx : k->cx - reach_x, 0);
-                const int last = gp_min(i ? k->cx + reach_x : k->cx, k->w - 1);
-                add_samples(row + from, last + 1 - from, &side[i],
-                            &side[2 + i]);
-            }
-            const bool in[2] = {y <= k->cy && y >= k->cy - reach_y,
-                                y >= k->cy && y <= k->cy + reach_y};
-            for (int i = 0; i < 4; i++) {
-                square[i / 2][i % 2] += in[i / 2] ? side[i % 2] : 0.0;
-                sum[i / 2][i % 2] += in[i / 2] ? side[2 + i % 2] : 0.0;
-            }
+            double side[4];
+            gp_side_sums(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
+                         reach_x, side);
+            gp_quarter_add(&q, side, y <= k->cy && y >= k->cy - reach_y,
+                           y >= k->cy && y <= k->cy + reach_y);
         }
-        out->square[c] = fmin(fmin(square[0][0], square[0][1]),
-                              fmin(square[1][0], square[1][1]));
-        out->sum[c] = fmin(fmin(sum[0][0], sum[0][1]),
-                           fmin(sum[1][0], sum[1][1]));
+        out->square[c] = gp_quarter_least(q.square);
+        out->sum[c] = gp_quarter_least(q.sum);
     }
 }
 
@@ -195,7 +165,7 @@ static double sum_squares(const struct gp_kernel *k, int c)
     if (!k->tail)
         return k->norm2[c] * k->norm2[c];
     for (int y = 0; y < k->h; y++)
-        add_samples(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, &sum,
+        gp_add_samples(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, &sum,
                     &samples);
     return sum;
 }
@@ -214,7 +184,7 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
             const int n = gp_min(k->cx + r.x + 1, k->w) - from;
             for (int y = gp_max(k->cy - r.y, 0);
                  y <= gp_min(k->cy + r.y, k->h - 1); y++)
-                add_samples(k->k.c[c] + (size_t) y * (size_t) k->w + from, n,
+                gp_add_samples(k->k.c[c] + (size_t) y * (size_t) k->w + from, n,
                             &core, &samples);
             norm[i] = fmax(norm[i], sqrt(fmax(all[c] - core, 0.0)));
         }
