@@ -32,6 +32,7 @@ GP_CLONES static void spread_row(const float *restrict row, int n,
 static void load_kernel_row(const void *ctx, int c, int j, float *z)
 {
     const struct gp_fft_making *const r = ctx;
+    enum { LINE = 16 }; // samples of a cache line
     const struct gp_kernel *const k = r->kernel;
     const struct gp_rect taps = r->p->taps;
     const int dy = r->first + j, nx = r->p->nx;
@@ -40,6 +41,8 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
     for (int from = taps.x0, end; from < taps.x1; from = end) {
         const int at = gp_fft_wrap(from, nx);
         end = gp_min(taps.x1, from + nx - at);
+        for (int x = from; x < end && dy + 2 < taps.y1; x += LINE)
+            __builtin_prefetch(row + 2 * k->w + x); // while these are transformed
         spread_row(row + from, end - from, z + 2 * at);
     }
     if (abs(dy) > r->core.y)
