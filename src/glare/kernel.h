@@ -64,9 +64,9 @@ struct gp_kernel {
     double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
-    struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; NULL of
-                          // kernels that are made by hand, which also have no
-                          // quarters; owned
+    struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; owned.
+                          // NULL: nothing is known of the samples, as where
+                          // they or the centre were changed: no quarters too
     double quarter_square[3]; // the least sum of squares of a channel over one
     double quarter_sum[3];    // of its quarters, its centre's row and column in
                           // each, and of samples; 0 of a negative kernel

@@ -173,6 +173,40 @@ static void each_row_gets_the_rest_once(void **state)
     }
 }
 
+/* What is known of a kernel since it was made is what its samples say: its
+ * quarters, and the support of its rows. */
+static void a_kernel_is_known_as_it_is(void **state)
+{
+    static const enum shape shapes[] = {PEAK, TINTED, LOBES, RING};
+    for (size_t i = 0; i < COUNT(shapes); i++) {
+        for (int j = 0; j < 4; j++) { // sides, and centres in it and beyond
+            struct gp_kernel k = scene_kernel(30 + j % 2, 41 - j, j < 2 ? MID : 50,
+                                              j < 2 ? 0 : -3, shapes[i]);
+            struct gp_kernel bare = k;
+            struct gp_fft_quarters known, found;
+            assert_non_null(k.lit);
+            bare.lit = NULL;
+            for (int side = 20; side <= 60; side += 20) { // of the frame
+                gp_fft_find_quarters(&k, side, side, &known);
+                gp_fft_find_quarters(&bare, side, side, &found);
+                assert_memory_equal(&known, &found, sizeof known);
+            }
+            for (int c = 0; c < 3; c++) {
+                struct gp_fft_shape a, b;
+                assert_ok(gp_fft_shape_make(NULL, &k, c, &a));
+                assert_ok(gp_fft_shape_make(NULL, &bare, c, &b));
+                assert_memory_equal(a.row, b.row,
+                                    ((size_t) k.h + 1) * sizeof *a.row);
+                assert_memory_equal(a.run, b.run,
+                                    a.row[k.h] * sizeof *a.run);
+                gp_fft_shape_free(&a);
+                gp_fft_shape_free(&b);
+            }
+            gp_kernel_free(&k);
+        }
+    }
+}
+
 SUITE_OF(fft_kept, NULL, NULL,
-    a_last_frame_keeps_no_spectrum, norms_are_found_once_a_kernel,
+    a_last_frame_keeps_no_spectrum, a_kernel_is_known_as_it_is, norms_are_found_once_a_kernel,
     each_row_gets_the_rest_once)
