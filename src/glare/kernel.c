@@ -3,11 +3,10 @@
 #include "glare/kernel.h"
 
 #include "core/colour.h"
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
-#include "glare/kernel_sums.h"
+#include "glare/kernel_rows.h"
 #include "glare/tail/tail.h"
 
 #include <float.h>
@@ -45,41 +44,9 @@ struct raw_sums {
     struct row_sums *row;
 };
 
-/* Sums of the rows of n channels, each in order; the channels at once, as each
- * sum waits for its own last sample. */
-static inline __attribute__((always_inline)) void
-sum_samples(const float *const *v, int n, int w, double *restrict sum,
-            double *restrict square)
-{
-    double a[3] = {0}, b[3] = {0};
-    for (int x = 0; x < w; x++) {
-        for (int c = 0; c < n; c++) {
-            const double one = (double) v[c][x];
-            a[c] += one;
-            b[c] += one * one;
-        }
-    }
-    for (int c = 0; c < n; c++) {
-        sum[c] = a[c];
-        square[c] = b[c];
-    }
-}
-
-/* Returns the bits of the largest magnitude of w, by which floats are ordered:
- * those of Inf and NaN are the largest. */
-GP_CLONES static uint32_t largest_bits(const float *v, int w)
-{
-    uint32_t most = 0;
-    for (int x = 0; x < w; x++) {
-        const union { float v; uint32_t bits; } one = {.v = fabsf(v[x])};
-        most = one.bits > most ? one.bits : most;
-    }
-    return most;
-}
-
 static void look_at_channel(const float *v, int w, int c, struct row_sums *r)
 {
-    const union { uint32_t bits; float v; } peak = {largest_bits(v, w)};
+    const union { uint32_t bits; float v; } peak = {gp_row_bits(v, w)};
     r->peak = peak.v > r->peak ? peak.v : r->peak;
     for (int x = 0; x < w && !isfinite(peak.v); x++) {
         if (!isfinite(v[x])) {
@@ -112,10 +79,7 @@ static void sum_raw_row(void *ctx, int y, int thread)
         if (!c || other) // most kernels are grey
             look_at_channel(v[c], w, c, &r);
     }
-    if (r.coloured)
-        sum_samples(v, 3, w, r.sum, squares);
-    else
-        sum_samples(v, 1, w, r.sum, squares);
+    gp_row_sums(v, r.coloured ? 3 : 1, w, r.sum, squares);
     for (int c = 1; c < 3 && !r.coloured; c++)
         r.sum[c] = r.sum[0];
     s->row[y] = r;
@@ -194,7 +158,7 @@ static gp_status find_factor(const struct gp_log *log,
 
 struct row_norms {
     double sum[3], square[3], magnitude[3], faint[3];
-    double side[3][4]; // of gp_side_sums()
+    double side[3][4]; // of gp_row_sides()
     bool negative;
 };
 
@@ -205,60 +169,6 @@ struct cutting {
     struct gp_kernel *k;
     struct row_norms *row;
 };
-
-/* Scales w samples. Returns true when some are under FLT_MIN in magnitude. */
-GP_CLONES static bool scale_row(float *v, int w, double factor, bool *negative)
-{
-    int under = 0, faint = 0;
-    for (int x = 0; x < w; x++) {
-        const float scaled = (float) ((double) v[x] * factor);
-        under |= scaled < 0.0f;
-        faint |= fabsf(scaled) < FLT_MIN;
-        v[x] = scaled;
-    }
-    *negative = under;
-    return faint;
-}
-
-/* Makes samples under FLT_MIN 0; returns their sum. */
-static double drop_faint(float *v, int w)
-{
-    double sum = 0.0;
-    for (int x = 0; x < w; x++) {
-        if (fabsf(v[x]) < FLT_MIN) {
-            sum += fabs((double) v[x]);
-            v[x] = 0.0f;
-        }
-    }
-    return sum;
-}
-
-static double sum_magnitudes(const float *v, int w)
-{
-    double sum = 0.0;
-    for (int x = 0; x < w; x++)
-        sum += fabs((double) v[x]);
-    return sum;
-}
-
-GP_CLONES static int count_lit(const float *v, int w)
-{
-    int n = 0;
-    for (int x = 0; x < w; x++)
-        n += v[x] != 0.0f;
-    return n;
-}
-
-static struct gp_lit_row find_lit(const float *v, int w)
-{
-    struct gp_lit_row lit = {0, w, 0};
-    while (lit.to > 0 && v[lit.to - 1] == 0.0f)
-        lit.to--;
-    while (lit.from < lit.to && v[lit.from] == 0.0f)
-        lit.from++;
-    lit.dark = lit.to - lit.from - count_lit(v, w);
-    return lit;
-}
 
 /* Scales a row, in place where the planes are the raw kernel's own. */
 static void cut_row(void *ctx, int y, int thread)
@@ -279,20 +189,17 @@ static void cut_row(void *ctx, int y, int thread)
         v[c] = out;
         if (first != out)
             memcpy(out, first, (size_t) w * sizeof *out);
-        if (c < channels && scale_row(out, w, m->factor, &negative[c]))
-            n.faint[c] = drop_faint(out, w);
+        if (c < channels && gp_row_scale(out, w, m->factor, &negative[c]))
+            n.faint[c] = gp_row_drop_faint(out, w);
     }
-    if (channels == 3)
-        sum_samples(v, 3, w, n.sum, n.square);
-    else
-        sum_samples(v, 1, w, n.sum, n.square);
+    gp_row_sums(v, channels, w, n.sum, n.square);
     for (int c = 0; c < 3; c++) {
         struct gp_lit_row *const lit = m->k->lit + (size_t) c * (size_t) m->k->h;
         if (c < channels) {
-            n.magnitude[c] = negative[c] ? sum_magnitudes(v[c], w) : n.sum[c];
+            n.magnitude[c] = negative[c] ? gp_row_magnitudes(v[c], w) : n.sum[c];
             n.negative |= negative[c];
-            lit[y] = find_lit(v[c], w);
-            gp_side_sums(v[c], w, m->k->cx, INT_MAX / 2, n.side[c]);
+            lit[y] = gp_row_lit(v[c], w);
+            gp_row_sides(v[c], w, m->k->cx, INT_MAX / 2, n.side[c]);
             continue;
         }
         n.sum[c] = n.sum[0];

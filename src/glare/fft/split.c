@@ -3,7 +3,7 @@
 #include "core/minmax.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft_priv.h"
-#include "glare/kernel_sums.h"
+#include "glare/kernel_rows.h"
 
 #include <limits.h>
 #include <math.h>
@@ -89,7 +89,7 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
         struct gp_quarter_sums q = {0};
         for (int y = 0; y < k->h; y++) {
             double side[4];
-            gp_side_sums(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
+            gp_row_sides(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
                          reach_x, side);
             gp_quarter_add(&q, side, y <= k->cy && y >= k->cy - reach_y,
                            y >= k->cy && y <= k->cy + reach_y);
