@@ -50,6 +50,7 @@ struct gp_power {
     int channels;       // 1 (grey) or 3
     float *power[3];    // |K|: [column * ny + row], columns 0 .. nx / 2, each
                         // a little over the true value: no rounding hides it
+                        // Not written where that is faint throughout
     float *most[3];     // the largest of each column
     double mean2[3];    // mean of |K|^2 over the whole plane
     double norm1[3];    // sum of the kernel's magnitudes

@@ -18,6 +18,12 @@ enum {
  * transformed but taken at their largest: they hardly count. */
 static const double FAINT = 0.25;
 
+static bool is_faint(const struct gp_power *p, int c, int k)
+{
+    const double most = (double) p->most[c][k];
+    return most * most <= FAINT * p->mean2[c];
+}
+
 /* Rounding of a transform of n points relative to its norm, two rows to a
  * complex one (Higham 2002, theorem 24.2). */
 static double rounding(const struct gp_power *p)
@@ -42,21 +48,157 @@ GP_CLONES static double sum_squares(const float *v, int n)
     return sum;
 }
 
-/* -- the kernel's power ---------------------------------------------------- */
+GP_CLONES static double sum_magnitudes(const float *v, int n)
+{
+    enum { LANES = 8 };
+    double lane[LANES] = {0}, sum = 0.0;
+    int x = 0;
+    for (; x + LANES <= n; x += LANES) {
+        for (int i = 0; i < LANES; i++)
+            lane[i] += fabs((double) v[x + i]);
+    }
+    for (; x < n; x++)
+        sum += fabs((double) v[x]);
+    for (int i = 0; i < LANES; i++)
+        sum += lane[i];
+    return sum;
+}
+
+/* -- the kernel's samples -------------------------------------------------- */
 
 /* The part of the kernel that can reach the frame. */
 struct reaching {
     const struct gp_kernel *k;
     struct gp_rect crop;
     bool tail;
+    double (*sum)[2]; // of each row of each channel: magnitudes, squares
 };
+
+/* Returns row y of the kernel, of which [crop.x0, *core) and [*beyond, crop.x1)
+ * count. */
+static const float *find_row(const struct reaching *p, int c, int y, int *core,
+                             int *beyond)
+{
+    const struct gp_kernel *const k = p->k;
+    const bool cut = p->tail && abs(y - k->cy) <= GP_CORE_RADIUS;
+    *core = cut ? gp_clamp(k->cx - GP_CORE_RADIUS, p->crop.x0, p->crop.x1)
+                : p->crop.x1;
+    *beyond = cut ? gp_clamp(k->cx + GP_CORE_RADIUS + 1, p->crop.x0,
+                             p->crop.x1)
+                  : p->crop.x1;
+    return k->k.c[c] + (size_t) y * (size_t) k->w;
+}
 
 static void load_kernel(const void *ctx, int c, int j, float *z)
 {
     const struct reaching *const p = ctx;
-    for (int x = p->crop.x0; x < p->crop.x1; x++)
-        z[2 * (x - p->crop.x0)] =
-            gp_bound_sample(p->k, p->tail, c, x, p->crop.y0 + j);
+    int core, beyond;
+    const float *const row = find_row(p, c, p->crop.y0 + j, &core, &beyond);
+    for (int x = p->crop.x0; x < core; x++)
+        z[2 * (x - p->crop.x0)] = row[x];
+    for (int x = beyond; x < p->crop.x1; x++)
+        z[2 * (x - p->crop.x0)] = row[x];
+}
+
+static void measure_row(void *ctx, int i, int thread)
+{
+    const struct reaching *const p = ctx;
+    const int rows = gp_rect_h(p->crop);
+    int core, beyond;
+    const float *const row =
+        find_row(p, i / rows, p->crop.y0 + i % rows, &core, &beyond);
+    (void) thread;
+    p->sum[i][0] = sum_magnitudes(row + p->crop.x0, core - p->crop.x0) +
+                   sum_magnitudes(row + beyond, p->crop.x1 - beyond);
+    p->sum[i][1] = sum_squares(row + p->crop.x0, core - p->crop.x0) +
+                   sum_squares(row + beyond, p->crop.x1 - beyond);
+}
+
+/* Finds norm1 and mean2, the mean of |K|^2 by Parseval. */
+static gp_status measure_kernel(const struct gp_log *log,
+                                struct reaching *reach, struct gp_power *p)
+{
+    const int rows = gp_rect_h(reach->crop);
+    if (gp_rect_empty(reach->crop))
+        return GP_OK;
+    gp_status st = gp_alloc(log, "bound", (size_t) rows * (size_t) p->channels,
+                            sizeof *reach->sum, &reach->sum);
+    if (st)
+        return st;
+    gp_parallel_do(rows * p->channels, measure_row, reach);
+    for (int i = 0; i < rows * p->channels; i++) {
+        p->norm1[i / rows] += reach->sum[i][0];
+        p->mean2[i / rows] += reach->sum[i][1];
+    }
+    GP_FREE(reach->sum);
+    return GP_OK;
+}
+
+/* -- its magnitudes, column by column -------------------------------------- */
+
+struct magnitudes {
+    const struct gp_fftwf *lib;
+    struct gp_power *p;
+    const struct gp_fft_matrix *rows; // twice the spectra of `n` rows
+    int c, n;
+    float *buffer; // two columns for each thread
+};
+
+/* Returns the largest |z|^2 of n numbers, n a multiple of 8. In double: squares
+ * may leave the range of float. */
+GP_CLONES static double find_most(const float *z, int n)
+{
+    enum { LANES = 8 };
+    double lane[LANES] = {0}, most = 0.0;
+    for (int y = 0; y < n; y += LANES) {
+        for (int i = 0; i < LANES; i++) {
+            const double re = (double) z[2 * (y + i)];
+            const double im = (double) z[2 * (y + i) + 1];
+            const double v = re * re + im * im;
+            lane[i] = v > lane[i] ? v : lane[i];
+        }
+    }
+    for (int i = 0; i < LANES; i++)
+        most = fmax(most, lane[i]);
+    return most;
+}
+
+/* A magnitude, half of sqrt(square), that rounding hides nowhere. */
+static inline __attribute__((always_inline)) float
+over(double square, double extra)
+{
+    return (float) ((0.5 * sqrt(square) + extra) * (1.0 + 0x1p-20));
+}
+
+GP_CLONES static void find_over(const float *restrict z, double extra, int n,
+                                float *restrict to)
+{
+    for (int y = 0; y < n; y++) {
+        const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+        to[y] = over(re * re + im * im, extra);
+    }
+}
+
+/* Transforms some columns and keeps their magnitudes. */
+static void find_columns(void *ctx, int i, int thread)
+{
+    const struct magnitudes *const m = ctx;
+    struct gp_power *const p = m->p;
+    const int c = m->c, end = gp_min((i + 1) * COLUMNS, p->nx / 2 + 1);
+    const size_t ny = (size_t) p->ny;
+    const double extra = rounding(p) * p->norm1[c];
+    float *const column = m->buffer + 4 * ny * (size_t) thread;
+    float *const spectrum = column + 2 * ny;
+    memset(column + 2 * m->n, 0,
+           2 * sizeof(float) * (ny - (size_t) m->n));
+    for (int k = i * COLUMNS; k < end; k++) {
+        memcpy(column, m->rows->z[c] + 2 * (size_t) k * m->rows->pitch,
+               2 * sizeof(float) * (size_t) m->n);
+        m->lib->execute_dft(p->y.forward, (void *) column, (void *) spectrum);
+        p->most[c][k] = over(find_most(spectrum, p->ny), extra);
+        if (!is_faint(p, c, k)) // else nothing reads it
+            find_over(spectrum, extra, p->ny, p->power[c] + (size_t) k * ny);
+    }
 }
 
 /* The least period on which what wraps around stays off n pixels: sources lie
@@ -73,72 +215,47 @@ gp_status gp_power_make(const struct gp_log *log,
                         const struct gp_kernel *kernel, bool tail, int w,
                         int h, int pad, struct gp_power *out)
 {
-    const struct gp_fftwf *lib;
+    gp_status st;
     const struct gp_rect crop = gp_bound_crop(kernel, w - 1 + pad, h - 1 + pad);
-    const struct reaching reach = {.k = kernel, .tail = tail, .crop = crop};
+    struct reaching reach = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
-    struct gp_fft_matrix in = {0}, spectrum = {0};
-    const struct gp_fft_request req = {log, &p.x, &p.y, 0, p.channels};
-    const int rows = gp_rect_h(crop);
-    int *place = NULL;
-    gp_status st = GP_OK;
-    for (int c = 0; c < p.channels; c++) {
-        for (int y = crop.y0; y < crop.y1; y++) {
-            for (int x = crop.x0; x < crop.x1; x++)
-                p.norm1[c] +=
-                    fabs((double) gp_bound_sample(kernel, tail, c, x, y));
-        }
-    }
-    if (!gp_rect_empty(crop) && !gp_fftwf_open(NULL, &lib)) {
+    struct gp_fft_matrix rows = {0};
+    struct magnitudes m = {.p = &p, .n = gp_rect_h(crop)};
+    GP_TRY(measure_kernel(log, &reach, &p));
+    if (!gp_rect_empty(crop) && !gp_fftwf_open(NULL, &m.lib)) {
         p.nx = period(w, pad, kernel->cx - crop.x0, crop.x1 - 1 - kernel->cx);
         p.ny = period(h, pad, kernel->cy - crop.y0, crop.y1 - 1 - kernel->cy);
     }
     if ((double) p.nx * p.ny > MOST_POINTS)
         p.nx = p.ny = 0;
+    const size_t columns = (size_t) p.nx / 2 + 1, ny = (size_t) p.ny;
     if (p.nx) {
         GP_TRY(gp_fft_plan_make(log, p.nx, GP_FFT_PLAN_ESTIMATE, NULL, &p.x));
         GP_TRY(gp_fft_plan_make(log, p.ny, GP_FFT_PLAN_ESTIMATE, NULL, &p.y));
-        GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof *place, &place));
-        for (int y = 0; y < rows; y++)
-            place[y] = y;
-        GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, rows, &in));
-        GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, p.ny, &spectrum));
-        GP_TRY(gp_fft_rows_in(&req, rows, load_kernel, &reach, &in));
-        // the matrix holds twice the spectrum
-        GP_TRY(gp_fft_columns(&req, &in, rows, place, 0.5f, &spectrum));
+        GP_TRY(gp_fft_matrix_make(log, 1, p.nx, m.n, &rows));
+        // (lengths are multiples of 8: columns stay aligned)
+        GP_TRY(gp_alloc(log, "bound", 4 * ny * (size_t) gp_threads(),
+                        sizeof *m.buffer, &m.buffer));
     }
-    // magnitudes, largest and mean ones. The kernel's place on the torus does
-    // not change |K|
-    for (int c = 0; p.nx && c < p.channels; c++) {
-        const size_t columns = (size_t) p.nx / 2 + 1, ny = (size_t) p.ny;
-        const double extra = rounding(&p) * p.norm1[c];
-        double all = 0.0;
+    // The kernel's place on the torus does not change |K|
+    for (m.c = 0; p.nx && m.c < p.channels; m.c++) {
+        const struct gp_fft_request req = {log, &p.x, &p.y, m.c, 1};
+        struct gp_fft_matrix view = rows;
+        view.z[0] = NULL;
+        view.z[m.c] = rows.z[0];
+        m.rows = &view;
         GP_TRY(gp_alloc(log, "bound", columns * ny, sizeof(float),
-                        &p.power[c]));
-        GP_TRY(gp_alloc(log, "bound", columns, sizeof(float), &p.most[c]));
-        for (size_t k = 0; k < columns; k++) {
-            const float *const z = spectrum.z[c] + 2 * k * spectrum.pitch;
-            float *const to = p.power[c] + k * ny;
-            float most = 0.0f;
-            double sum = 0.0;
-            for (size_t y = 0; y < ny; y++) {
-                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
-                const double v = sqrt(re * re + im * im) + extra;
-                to[y] = (float) (v * (1.0 + 0x1p-20)); // never rounded down
-                sum += v * v;
-                most = fmaxf(most, to[y]);
-            }
-            p.most[c][k] = most;
-            all += sum * (k == 0 || k + 1 == columns ? 1.0 : 2.0);
-        }
-        p.mean2[c] = all / ((double) p.nx * p.ny);
+                        &p.power[m.c]));
+        GP_TRY(gp_alloc(log, "bound", columns, sizeof(float), &p.most[m.c]));
+        GP_TRY(gp_fft_rows_in(&req, m.n, load_kernel, &reach, &view));
+        gp_parallel_do(((int) columns + COLUMNS - 1) / COLUMNS, find_columns,
+                       &m);
     }
     *out = p;
     p = (struct gp_power) {0};
 out:
-    gp_free(place);
-    gp_fft_matrix_free(&in);
-    gp_fft_matrix_free(&spectrum);
+    gp_free(m.buffer);
+    gp_fft_matrix_free(&rows);
     gp_power_free(&p);
     return st;
 }
@@ -346,7 +463,7 @@ static void add_columns(void *ctx, int i, int thread)
         const float *const z = a->m->z[c] + 2 * (size_t) k * a->m->pitch;
         const double times = k == 0 || k == last ? 1.0 : 2.0;
         const double most = (double) p->most[kc][k];
-        if (most * most <= FAINT * p->mean2[kc]) {
+        if (is_faint(p, kc, k)) {
             sum += most * most * p->ny * sum_squares(z, 2 * a->r->rows) * times;
             continue;
         }
