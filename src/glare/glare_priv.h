@@ -57,7 +57,7 @@ GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
 GP_MUST_CHECK gp_status gp_resample(const struct gp_log *log, const char *name,
     double across, double down, bool grey, struct gp_rotated *k);
 
-// -- plan.c: --tolerance-pixel -----------------------------------------------
+// -- floor.c: errors that no engine bounds ------------------------------------
 
 /* Limits of the exact composite, known before it is made. */
 struct gp_pixel_floor {
@@ -70,6 +70,23 @@ struct gp_pixel_floor {
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_frame *f, struct gp_pixel_floor *out);
+
+/* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
+ * most share * gain * layer + gain * sum of weight * of, and the composite Y is
+ * at least `lit`, as kernel and light are not negative. The
+ * share's part is at most `share` where Y's own part is not negative. */
+double gp_pixel_bound(const struct gp_pixel_floor *f,
+                      const struct gp_pixel_error *e, double gain);
+
+/* Finds the error that underflow, and the kernel's tail, add to an engine's
+ * bound of rel_l2, which is for the core in floats that never leave their
+ * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
+ * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
+ * *keep is NULL at first and kept from frame to frame. */
+struct gp_floor;
+GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
+                                      struct gp_floor **keep, double *floor);
+void gp_floor_free(struct gp_floor **f);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 //
@@ -149,15 +166,5 @@ GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_request *req,
 GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_request *req,
     struct gp_glare *g, int engine, const struct gp_pixel_floor *floor,
     double *bound);
-
-/* Finds the error that underflow, and the kernel's tail, add to an engine's
- * bound of rel_l2, which is for the core in floats that never leave their
- * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
- * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
- * *keep is NULL at first and kept from frame to frame. */
-struct gp_floor;
-GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
-                                      struct gp_floor **keep, double *floor);
-void gp_floor_free(struct gp_floor **f);
 
 #endif
