@@ -161,6 +161,15 @@ struct gp_engine {
 extern const struct gp_engine gp_engine_direct, gp_engine_fft, gp_engine_splat;
 extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 
+enum { GP_CANDIDATES = 16 };
+
+/* An approximation whose bound was over the tolerance: zero where it was not.
+ * It is asked again after 2, 4, 8, ... frames, or when it is faster. */
+struct gp_plan_refusal {
+    int wait, left; // frames until it is asked: in all, and from now
+    double share;   // of the fastest exact candidate's ms, that it took
+};
+
 /* The planner's memory of the frames before; zero at first. */
 struct gp_plan_past {
     int last;    // candidate taken, from 1; 0 none
@@ -168,6 +177,9 @@ struct gp_plan_past {
     double lost; // milliseconds lost to it since
     bool warned; // the warning that no engine keeps the tolerance was printed
     unsigned long kernel; // serial of the last frame's; 0: none
+    int w, h;             // of that frame
+    double tolerance;
+    struct gp_plan_refusal refused[GP_CANDIDATES]; // for all of these
 };
 
 /* The glare stage over a sequence. */

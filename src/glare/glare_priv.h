@@ -93,8 +93,6 @@ void gp_floor_free(struct gp_floor **f);
 // A choice depends on the build (costs.h), the frame, the options and the
 // frames before it in the sequence; never on threads, time of day or load.
 
-enum { GP_CANDIDATES = 16 };
-
 struct gp_candidate {
     int engine;                   // index in gp_engines
     struct gp_splat_params splat; // its settings, where it is a splat
@@ -138,7 +136,9 @@ typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
  * |layer| in norm, so no sample by more than that.
  *
  * Bounds are asked only where they decide, and kept in c[i].bound: an
- * approximation's, which takes long to find, only under 4/5 of the other's ms.
+ * approximation's, which takes long to find, only under 4/5 of the other's ms,
+ * and, once it was over the tolerance, again 2 frames later, then 4, and so on
+ * up to 32, or when its share of the exact ones' ms fell by a fifth. Clear past->refused for another kernel, size or tolerance.
  * Errors: what `ask` returns. */
 GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
     double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,

@@ -22,9 +22,12 @@ static const double ENOUGH = 2.0;
 
 // -- the choice ---------------------------------------------------------------
 
+enum { LONGEST_WAIT = 32 }; // frames
+
 struct asking {
     struct gp_candidate *c;
-    double tolerance;
+    struct gp_plan_past *past;
+    double tolerance, exact_ms; // the fewest of an exact candidate
     gp_plan_ask ask;
     void *ctx;
     int order[GP_CANDIDATES]; // by ms, only those of finite ms
@@ -34,12 +37,28 @@ struct asking {
 static gp_status ask_bound(struct asking *a, int i)
 {
     struct gp_candidate *const c = &a->c[i];
+    struct gp_plan_refusal *const r = &a->past->refused[i];
     if (!isnan(c->bound))
         return GP_OK;
     gp_status st = a->ask(a->ctx, i, &c->bound);
     if (isnan(c->bound))
         c->bound = INFINITY;
+    if (st || c->bound <= a->tolerance) {
+        *r = (struct gp_plan_refusal) {0};
+    } else if (!c->exact) {
+        r->wait = r->wait ? gp_min(2 * r->wait, LONGEST_WAIT) : 2;
+        r->left = r->wait;
+        r->share = c->later_ms / a->exact_ms;
+    }
     return st;
+}
+
+/* Tests whether candidate i was refused not long ago, and would be again: its
+ * bound is that of frames much like this one. */
+static bool waits(const struct asking *a, int i)
+{
+    const struct gp_plan_refusal *const r = &a->past->refused[i];
+    return r->left > 0 && a->c[i].later_ms / a->exact_ms > GAIN * r->share;
 }
 
 /* Finds the first in order, exact or not, of less than `ms` that keeps the
@@ -50,7 +69,7 @@ static gp_status first_within(struct asking *a, bool exact, double ms,
     *found = -1;
     for (int k = 0; k < a->count && *found < 0; k++) {
         const int i = a->order[k];
-        if (a->c[i].exact != exact || !(a->c[i].ms < ms))
+        if (a->c[i].exact != exact || !(a->c[i].ms < ms) || waits(a, i))
             continue;
         gp_status st = ask_bound(a, i);
         if (st)
@@ -88,8 +107,9 @@ static gp_status may_follow(struct asking *a, int last, int i, bool *may)
 /* Chooses between `last` and `fastest`, which both keep the tolerance, and the
  * rival that would have saved enough time by now. */
 static gp_status choose_next(struct asking *a, int last, int fastest,
-                            struct gp_plan_past *past, int *taken)
+                            int *taken)
 {
+    struct gp_plan_past *const past = a->past;
     bool may = false, refused[GP_CANDIDATES] = {false};
     *taken = last;
     if (a->c[fastest].ms < GAIN * a->c[last].ms) {
@@ -107,7 +127,8 @@ static gp_status choose_next(struct asking *a, int last, int fastest,
             const int i = a->order[k];
             const double most = // ms that are worth asking for its bound
                 a->c[i].exact ? a->c[last].ms : GAIN * a->c[last].ms;
-            if (i != last && !refused[i] && a->c[i].later_ms < most &&
+            if (i != last && !refused[i] && !waits(a, i) &&
+                a->c[i].later_ms < most &&
                 (rival < 0 || a->c[i].later_ms < a->c[rival].later_ms))
                 rival = i;
         }
@@ -132,7 +153,10 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
                          struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
                          struct gp_choice *out)
 {
-    struct asking a = {.c = c, .tolerance = tolerance, .ask = ask, .ctx = ctx};
+    struct asking a = {
+        .c = c, .past = past, .tolerance = tolerance, .exact_ms = INFINITY,
+        .ask = ask, .ctx = ctx,
+    };
     int fastest, taken;
     // fewest ms first; of equals, the first in the list
     for (int i = 0; i < n; i++) {
@@ -142,6 +166,9 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
         for (; at > 0 && c[a.order[at - 1]].ms > c[i].ms; at--)
             a.order[at] = a.order[at - 1];
         a.order[at] = i;
+        if (c[i].exact)
+            a.exact_ms = fmin(a.exact_ms, c[i].ms);
+        past->refused[i].left -= past->refused[i].left > 0;
     }
     gp_status st = find_fastest(&a, &fastest);
     const bool within = fastest >= 0;
@@ -157,7 +184,7 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
     if (within && last >= 0 && last < n && c[last].ms < INFINITY) {
         st = ask_bound(&a, last);
         if (!st && c[last].bound <= tolerance)
-            st = choose_next(&a, last, fastest, past, &taken);
+            st = choose_next(&a, last, fastest, &taken);
     }
     if (st)
         return st;
@@ -311,14 +338,15 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     struct gp_glare_request req = *p->req;
     params.splat = c->splat;
     req.params = &params;
+    const double most = (double) params.tolerance_pixel;
     *bound = INFINITY;
-    if (!gp_engines[c->engine]->bound)
+    if (!gp_engines[c->engine]->bound ||
+        (most > 0.0 && !gp_engines[c->engine]->pixel))
         return GP_OK;
     gp_status st = gp_engines[c->engine]->bound(
         &req, &p->g->state[c->engine], bound);
     *bound += req.floor;
     p->rel_l2[i] = *bound;
-    const double most = (double) params.tolerance_pixel;
     if (st || !(most > 0.0))
         return st;
     st = gp_plan_pixel(&req, p->g, c->engine, p->floor, &c->pixel);
@@ -407,12 +435,19 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
     struct planning p = {.req = req, .g = g, .floor = floor};
     struct gp_choice choice;
     const double tolerance = (double) req->params->tolerance;
+    struct gp_plan_past *const past = &g->past;
     const int n = gp_plan_candidates(req, g, p.c);
-    gp_status st = gp_plan_choose(p.c, n, tolerance, &g->past, ask_engine, &p,
+    if (past->kernel != req->kernel->serial || past->w != req->src->w ||
+        past->h != req->src->h || past->tolerance != tolerance)
+        memset(past->refused, 0, sizeof past->refused);
+    gp_status st = gp_plan_choose(p.c, n, tolerance, past, ask_engine, &p,
                                   &choice);
     if (st)
         return st;
-    g->past.kernel = req->kernel->serial;
+    past->kernel = req->kernel->serial;
+    past->w = req->src->w;
+    past->h = req->src->h;
+    past->tolerance = tolerance;
     *out = p.c[choice.taken];
     const bool pixel = out->bound > p.rel_l2[choice.taken];
     out->bound = p.rel_l2[choice.taken];

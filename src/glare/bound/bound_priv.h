@@ -59,6 +59,8 @@ struct gp_power {
 /* Makes the power of the part of the kernel that can reach a frame of w x h
  * pixels from sources up to `pad` pixels outside it. Without FFTW, or on a
  * plane over its limit of memory, only norm1 is found.
+ * (The fft engine's spectrum cannot serve: its torus is by the box of the
+ * sources, and it is made after the choice that this bound is for.)
  * Written only on GP_OK; free with gp_power_free(). */
 GP_MUST_CHECK gp_status gp_power_make(const struct gp_log *log,
     const struct gp_kernel *kernel, bool tail, int w, int h, int pad,

@@ -251,6 +251,36 @@ static void no_flicker(void **state)
     assert_true(taken <= 11); // the first, and after ten ms lost
 }
 
+/* An approximation that is refused is asked after 2, 4, 8, 16, 32, 32 frames;
+ * at once when it takes a fifth less; and taken when it is right then. */
+static void refused_ones_wait(void **state)
+{
+    static const int frames[] = {1, 3, 7, 15, 31, 63, 95, 127};
+    struct made_up c[] = {{100, 0, 1e-5, true}, {50, 0, 2e-3, false}};
+    struct gp_plan_past past = {0};
+    struct asked asked = {0};
+    struct gp_choice got;
+    int times = 0;
+    for (int frame = 1; frame <= 130; frame++) {
+        c[1].ms = frame % 2 ? 50 : 41; // under a fifth less
+        assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
+        assert_int_equal(got.taken, 0);
+        assert_int_equal(asked.times[0], 1);
+        assert_int_equal(asked.times[1], times < (int) COUNT(frames) &&
+                                             frame == frames[times]);
+        times += asked.times[1];
+    }
+    c[1].ms = 0.79 * 41;
+    assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
+    assert_int_equal(asked.times[1], 1);
+    c[1].bound = 1e-4;
+    for (int frame = 1; frame <= 32; frame++) {
+        assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
+        assert_int_equal(got.taken, frame == 32);
+    }
+    assert_int_equal(past.refused[1].wait, 0);
+}
+
 // -- real candidates ----------------------------------------------------------
 
 static struct scene scene_of(enum light light, int w, int h, int kernel)
@@ -433,8 +463,32 @@ static void the_tolerance_is_kept_or_a_warning_printed(void **state)
     }
 }
 
+/* Splat, which guarantees no pixel, is not asked for a layout's bound where one
+ * is to be kept, though nothing else keeps it. */
+static void no_pixel_bound_no_question(void **state)
+{
+    for (int pixel = 0; pixel < 2; pixel++) {
+        struct scene s = scene_of(FEW, 97, 61, 31);
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        p.splat = (struct gp_splat_params) GP_SPLAT_EXACT;
+        p.tolerance = pixel ? 1e-3f : 1e-9f;
+        p.tolerance_pixel = pixel ? 1e-9f : 0.0f;
+        kept_clear();
+        assert_ok(gp_glare_run(&kept_log, &p, &g, &s.src, &s.k, &s.f, &stats));
+        assert_string_not_equal(kept_warning, "");
+        for (int i = 0; gp_engines[i]; i++) {
+            if (gp_engines[i] == &gp_engine_splat)
+                assert_int_equal(g.state[i] != NULL, !pixel);
+        }
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
 SUITE_OF(plan, NULL, NULL,
     one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
-    no_flicker, candidates_are_whole, fields_cost, states_count,
+    no_flicker, refused_ones_wait, candidates_are_whole, fields_cost, states_count,
     bounds_count, kernels_that_move_cost_each_time,
-    the_tolerance_is_kept_or_a_warning_printed)
+    the_tolerance_is_kept_or_a_warning_printed, no_pixel_bound_no_question)
