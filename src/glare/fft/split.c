@@ -170,6 +170,26 @@ static double sum_squares(const struct gp_kernel *k, int c)
     return sum;
 }
 
+/* The sum of squares of h rows of w samples, `pitch` apart. */
+GP_CLONES static double box_squares(const float *v, int pitch, int w, int h)
+{
+    enum { LANES = 8 };
+    double square[LANES] = {0}, sum = 0.0;
+    for (int y = 0; y < h; y++) {
+        const float *const row = v + (ptrdiff_t) y * pitch;
+        int x = 0;
+        for (; x + LANES <= w; x += LANES) {
+            for (int i = 0; i < LANES; i++)
+                square[i] += (double) row[x + i] * (double) row[x + i];
+        }
+        for (; x < w; x++)
+            sum += (double) row[x] * (double) row[x];
+    }
+    for (int i = 0; i < LANES; i++)
+        sum += square[i];
+    return sum;
+}
+
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
     const double all[3] = {sum_squares(k, 0), sum_squares(k, 1),
@@ -178,14 +198,13 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
         const struct gp_fft_core r = gp_fft_cores[i];
         norm[i] = 0.0;
         for (int c = 0; c < 3; c++) {
-            double core = 0.0; // sum of squares within the radii
-            double samples = 0.0; // not asked for
             const int from = gp_max(k->cx - r.x, 0);
-            const int n = gp_min(k->cx + r.x + 1, k->w) - from;
-            for (int y = gp_max(k->cy - r.y, 0);
-                 y <= gp_min(k->cy + r.y, k->h - 1); y++)
-                gp_add_samples(k->k.c[c] + (size_t) y * (size_t) k->w + from, n,
-                            &core, &samples);
+            const int to = gp_min(k->cx + r.x + 1, k->w);
+            const int top = gp_max(k->cy - r.y, 0);
+            const int bottom = gp_min(k->cy + r.y + 1, k->h);
+            const double core = box_squares(
+                k->k.c[c] + (ptrdiff_t) top * k->w + from, k->w, to - from,
+                bottom - top);
             norm[i] = fmax(norm[i], sqrt(fmax(all[c] - core, 0.0)));
         }
     }
