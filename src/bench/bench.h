@@ -95,9 +95,10 @@ struct gp_scaling_request {
  *   cores         CPU time of all threads over wall time
  *   serial share  a / (a + b) of the line a + b / threads through the wall
  *                 times with least squares, neither under 0 (Amdahl 1967), and
- *                 the times that it predicts with 8, 16 and 64 threads; not
- *                 with one number of threads
- * and a line where other programs kept over 10 % of the processors busy
+ *                 the times that it predicts with 8, 16 and 64 threads; only by
+ *                 numbers of threads up to that of the processors that the
+ *                 process may use (`processors` in req->json), if two differ
+ * and a line where other programs kept over 10 % of these processors busy
  * meanwhile, by /proc/stat and in half a second at least; other_cores in
  * req->json.
  * Errors: GP_ERR_IO no process can be started, or the file cannot be written;

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <sched.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,9 +34,10 @@ enum { ROWS = 24 };
 struct table {
     struct row row[ROWS];
     int n;
-    double own;    // CPU time of all runs, ms
-    double others; // processors that other programs kept busy meanwhile; NaN
-};                 // when unknown
+    cpu_set_t usable; // processors that the runs may use
+    double own;       // CPU time of all runs, ms
+    double others;    // of these, what other programs kept busy meanwhile; NaN
+};                    // when unknown
 
 /* The row of that name, which is made where it is missing and there is room. */
 static struct row *row_of(struct table *t, const char *name)
@@ -199,50 +201,70 @@ static gp_status run_once(const struct gp_log *log,
 /* Wall time from which the ticks of /proc/stat, of 10 ms, are fine enough. */
 static const double SURE_MS = 500.0;
 
-/* CPU time of all programs on the machine since its start, ms; NaN when
- * /proc/stat does not say. */
-static double busy_ms(void)
+/* CPU time of all programs on those processors since the machine's start, ms;
+ * NaN when /proc/stat does not say. */
+static double busy_ms(const cpu_set_t *of)
 {
     // user nice system idle iowait irq softirq steal; proc(5)
     static const bool counts[] = {true, true, true, false, false, true, true,
                                   true};
     enum { FIELDS = sizeof counts / sizeof *counts };
     const long ticks = sysconf(_SC_CLK_TCK); // a second
-    char line[512] = "";
+    char line[512];
     FILE *const f = fopen("/proc/stat", "re");
-    const bool read = f && fgets(line, sizeof line, f);
     double sum = 0.0;
+    int seen = 0;
+    while (f && fgets(line, sizeof line, f) && strncmp(line, "cpu", 3) == 0) {
+        char *at = line + 3;
+        if (*at == ' ') // the sum of all
+            continue;
+        const long cpu = strtol(at, &at, 10);
+        if (cpu < 0 || cpu >= CPU_SETSIZE || !CPU_ISSET((size_t) cpu, of))
+            continue;
+        for (int i = 0; i < FIELDS; i++) {
+            const double n = strtod(at, &at);
+            sum += counts[i] ? n : 0.0;
+        }
+        seen++;
+    }
     if (f)
         fclose(f);
-    if (!read || ticks <= 0 || strncmp(line, "cpu ", 4) != 0)
-        return (double) NAN;
-    char *at = line + 4;
-    for (int i = 0; i < FIELDS; i++) {
-        const double n = strtod(at, &at);
-        sum += counts[i] ? n : 0.0;
-    }
-    return sum * 1e3 / (double) ticks;
+    return seen && ticks > 0 ? sum * 1e3 / (double) ticks : (double) NAN;
 }
 
 /* Prints a line where other programs made the times longer. */
 static void print_others(const struct table *t)
 {
-    const double most = (double) sysconf(_SC_NPROCESSORS_ONLN);
+    const int most = CPU_COUNT(&t->usable);
     if (t->others > 0.1 * most)
-        printf("other programs kept %.1f of %.0f processors busy: times and "
+        printf("other programs kept %.1f of %d processors busy: times and "
                "predictions are too long; repeat on an idle machine\n",
                t->others, most);
 }
 
 // -- the line ----------------------------------------------------------------
 
-/* Fits wall = serial + parallel / threads by least squares, neither under 0;
- * NaN with one number of threads. */
-static void fit_line(const struct gp_counts *n, struct row *r)
+/* The numbers of threads that the line goes through: one for each processor,
+ * as more than that share them and are no faster. */
+static struct gp_counts fitted(const struct gp_counts *n, int processors)
+{
+    struct gp_counts some = {0};
+    for (int k = 0; k < n->n; k++) {
+        if (n->v[k] <= processors)
+            some.v[some.n++] = k;
+    }
+    return some;
+}
+
+/* Fits wall = serial + parallel / threads by least squares, neither under 0, to
+ * those numbers of threads; NaN where they are not two different ones. */
+static void fit_line(const struct gp_counts *n, const struct gp_counts *some,
+                     struct row *r)
 {
     double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    for (int k = 0; k < n->n; k++) {
-        const double at = 1.0 / n->v[k], share = 1.0 / n->n;
+    for (int i = 0; i < some->n; i++) {
+        const int k = some->v[i];
+        const double at = 1.0 / n->v[k], share = 1.0 / some->n;
         x += share * at;
         y += share * r->wall[k];
         xx += share * at * at;
@@ -256,6 +278,25 @@ static void fit_line(const struct gp_counts *n, struct row *r)
         r->serial = 0.0;
         r->parallel = xy / xx;
     }
+}
+
+/* Returns true when the numbers of threads make a line. */
+static bool has_line(const struct table *t)
+{
+    return isfinite(t->row[0].parallel);
+}
+
+/* Prints a line where numbers of threads are left out of the fit, or leave too
+ * few for it. */
+static void print_fitted(const struct gp_counts *n, const struct table *t)
+{
+    const int most = CPU_COUNT(&t->usable);
+    if (!has_line(t))
+        printf("no serial share: it takes two different numbers of threads, up "
+               "to %d here (the processors that glarepp may use)\n", most);
+    else if (fitted(n, most).n < n->n)
+        printf("left out of the line: numbers of threads above %d (the "
+               "processors that glarepp may use)\n", most);
 }
 
 // -- printing ----------------------------------------------------------------
@@ -278,11 +319,11 @@ static void print_table(const struct gp_scaling_request *req,
            gp_printable(req->input).text, req->runs, "threads");
     for (int k = 0; k < n->n; k++)
         printf("%9d       ", n->v[k]);
-    printf("  serial  predicted ms at\n%-9s", "");
+    printf("%s\n%-9s", has_line(t) ? "  serial  predicted ms at" : "", "");
     for (int k = 0; k < n->n; k++)
         printf("%9s %6s", "ms", "cores");
-    printf("   share");
-    for (int i = 0; i < PREDICTED; i++)
+    printf("%s", has_line(t) ? "   share" : "");
+    for (int i = 0; i < PREDICTED && has_line(t); i++)
         printf("%8d", predicted[i]);
     putchar('\n');
     for (int i = 0; i < t->n; i++) {
@@ -302,9 +343,10 @@ static void print_table(const struct gp_scaling_request *req,
         putchar('\n');
     }
     printf("\ncores: CPU time of all threads over wall time\n"
-           "outside: start, plans and the end, which no stage counts\n"
-           "serial share, predictions: by the line a + b / threads through "
-           "the wall times\n");
+           "outside: start, plans and the end, which no stage counts\n%s",
+           has_line(t) ? "serial share, predictions: by the line a + b / "
+                         "threads through the wall times\n" : "");
+    print_fitted(n, t);
     print_others(t);
 }
 
@@ -329,9 +371,9 @@ static gp_status save_json(const struct gp_log *log,
         }
         json_array_append_new(rows, o);
     }
-    json_t *const o = json_pack("{so si so ss}",
-        "input", gp_json_name(req->input), "runs", req->runs, "rows", rows,
-        "version", GP_VERSION);
+    json_t *const o = json_pack("{so si si so ss}",
+        "input", gp_json_name(req->input), "runs", req->runs, "processors",
+        CPU_COUNT(&t->usable), "rows", rows, "version", GP_VERSION);
     if (isfinite(t->others))
         json_object_set_new(o, "other_cores", json_real(t->others));
     return gp_bench_save_json(log, o, req->json);
@@ -345,16 +387,21 @@ gp_status gp_scaling_run(const struct gp_log *log,
     const bool dash = req->json && gp_is_dash(req->json);
     if (req->json && !dash)
         GP_TRY(gp_file_check(log, req->json, false));
-    const double begin = gp_now_ms(), busy = busy_ms();
+    if (sched_getaffinity(0, sizeof t.usable, &t.usable)) {
+        CPU_ZERO(&t.usable); // over 1024 processors: the first
+        CPU_SET(0, &t.usable);
+    }
+    const struct gp_counts some = fitted(&req->threads, CPU_COUNT(&t.usable));
+    const double begin = gp_now_ms(), busy = busy_ms(&t.usable);
     for (int i = 0; i < req->runs; i++) {
         for (int k = 0; k < req->threads.n; k++)
             GP_TRY(run_once(log, req, k, &t));
     }
     const double wall = gp_now_ms() - begin;
     t.others = wall < SURE_MS ? (double) NAN
-                              : fmax(busy_ms() - busy - t.own, 0.0) / wall;
+                              : fmax(busy_ms(&t.usable) - busy - t.own, 0.0) / wall;
     for (int i = 0; i < t.n; i++)
-        fit_line(&req->threads, &t.row[i]);
+        fit_line(&req->threads, &some, &t.row[i]);
     if (!dash)
         print_table(req, &t);
     if (req->json)

@@ -338,6 +338,8 @@ for k, threads in enumerate((1, 2)):
     assert abs(own - runs["process"]["ms"]) < 1e-6 * own, (own, runs)
 for r in rows.values():
     one, two = (x["ms"] for x in r["runs"])
+    if o["processors"] < 2:  # no line
+        continue
     assert r["serial_ms"] >= 0 and r["parallel_ms"] >= 0, r
     if one >= two >= one / 2:  # the line goes through both
         fit = r["serial_ms"] + r["parallel_ms"] / 2
@@ -364,6 +366,42 @@ if grep -q '^cpu ' /proc/stat 2>/dev/null; then
 else
     skip 2 'no /proc/stat here'
 fi
+# threads that have no processor of their own are no part of the line
+if command -v taskset >/dev/null; then
+    first=$("$python" -c 'import os; print(min(os.sched_getaffinity(0)))')
+    taskset -c "$first" "$glarepp" bench --threads 1,2 --runs 1 -k kernel.exr \
+        --json alone.json in.exr >out 2>err
+    status=$?
+    quiet_success 'bench --threads on one processor'
+    like "$(cat out)" '*no serial share: *two different numbers*up to 1 here*' \
+        'one processor: no line, and why'
+    no 'one processor: no serial share' grep -q '%' out
+    is "$("$python" -c 'import json
+o = json.load(open("alone.json"))
+print(o["processors"], any("serial_ms" in r for r in o["rows"]))')" '1 False' \
+        'one processor: JSON without the line'
+else
+    skip 5 'no taskset here'
+fi
+most=$("$python" -c 'import os; print(len(os.sched_getaffinity(0)))')
+if [ "$most" -ge 2 ] && [ "$most" -lt 500 ]; then
+    run bench --threads "1,2,$((2 * most))" --runs 1 -k kernel.exr \
+        --json more.json in.exr
+    quiet_success 'bench --threads with more threads than processors'
+    like "$(cat out)" "*left out of the line: *above $most *" \
+        'more threads than processors: it says so'
+    is "$("$python" -c 'import json
+for r in json.load(open("more.json"))["rows"]:
+    one, two = (x["ms"] for x in r["runs"][:2])
+    fit = r["serial_ms"] + r["parallel_ms"] / 2
+    assert not one >= two >= one / 2 or abs(fit - two) < 1e-6 * two, r
+print("holds")')" holds 'more threads than processors: not in the line'
+else
+    skip 4 'one processor, or hundreds'
+fi
+run bench --threads 1,1 --runs 1 -k kernel.exr in.exr
+like "$(cat out)" '*no serial share: *two different numbers*' \
+    'the same number of threads twice'
 run bench --threads 1,2 --runs 1 nowhere.exr
 fails_with 3 nowhere.exr 'a frame that no run finds'
 run bench --threads 1,2 --paper
