@@ -6,6 +6,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_NODES = 16, MOST_TENT = 10 };
 
@@ -50,6 +51,11 @@ static double tent_polynomial(const double *b, int n, double x, double *before,
     return p1;
 }
 
+static double tent_grid(int i, int steps)
+{
+    return -1.0 + 2.0 * i / steps;
+}
+
 /* Gauss rules for the tent, by Stieltjes' way: Gautschi 2004, section 2.2. */
 static void make_tents(void)
 {
@@ -64,14 +70,27 @@ static void make_tents(void)
         }
         b[k] = k > 0 ? norm[k] / norm[k - 1] : 0.0;
     }
+    // a root is between each two of the polynomial before, and beyond both ends
+    enum { GRID = 4001 }; // an odd number: 0 is no end of a step
+    int before[MOST_TENT + 1] = {0}, now[MOST_TENT]; // steps with a root
     for (int n = 1; n <= MOST_TENT; n++) {
-        enum { GRID = 4001 }; // an odd number: 0 is no end of a step
-        tents[n].n = 0;
-        for (int i = 0; i < GRID; i++) {
-            double low = -1.0 + 2.0 * i / GRID, high = low + 2.0 / GRID;
+        before[n - 1] = GRID;
+        tents[n].n = n;
+        for (int i = 0; i < n; i++) {
+            int first = i > 0 ? before[i - 1] : 0, end = before[i];
+            double low = tent_grid(first, GRID);
             const double at = tent_polynomial(b, n, low, &p, &slope);
-            if ((at > 0.0) == (tent_polynomial(b, n, high, &p, &slope) > 0.0))
-                continue;
+            while (end - first > 1) {
+                const int mid = (first + end) / 2;
+                if ((tent_polynomial(b, n, tent_grid(mid, GRID), &p, &slope) >
+                     0.0) == (at > 0.0))
+                    first = mid;
+                else
+                    end = mid;
+            }
+            now[i] = first;
+            low = tent_grid(first, GRID);
+            double high = low + 2.0 / GRID;
             for (int step = 0; step < 60; step++) {
                 const double mid = 0.5 * (low + high);
                 if ((tent_polynomial(b, n, mid, &p, &slope) > 0.0) ==
@@ -82,9 +101,10 @@ static void make_tents(void)
             }
             const double x = 0.5 * (low + high);
             tent_polynomial(b, n, x, &p, &slope);
-            tents[n].node[tents[n].n] = x;
-            tents[n].weight[tents[n].n++] = norm[n - 1] / (slope * p);
+            tents[n].node[i] = x;
+            tents[n].weight[i] = norm[n - 1] / (slope * p);
         }
+        memcpy(before, now, (size_t) n * sizeof *now);
     }
 }
 

@@ -142,24 +142,66 @@ static gp_status make_table(const struct gp_log *log, int channels,
     return st;
 }
 
+/* Rings near the light, in parts that are added up in order. */
+enum { RINGS_A_PART = 8 };
+struct ringing {
+    gp_profile p;
+    const void *ctx; // of p
+    const struct gp_field *f;
+    double end;
+    struct gp_deposit *part;
+};
+
+/* Where ring i begins: each is wider than the one before by a tenth. */
+static double ring_from(int i)
+{
+    static const double LEAST = 1e-6, RATIO = 1.1;
+    return i > 0 ? LEAST * pow(RATIO, i - 1.0) : 0.0;
+}
+
+static void fill_part(void *ctx, int part, int thread)
+{
+    const struct ringing *const r = ctx;
+    double light[3] = {0};
+    (void) thread;
+    for (int i = part * RINGS_A_PART; i < (part + 1) * RINGS_A_PART; i++)
+        gp_deposit_rings(&r->part[part], r->p, r->ctx, r->f, ring_from(i),
+                         fmin(ring_from(i + 1), r->end), light);
+}
+
 /* Fills pixels under two of the longer sides from the light; where pixels are
  * wide, those within which the sky's profiles bend. */
 static gp_status make_near(const struct gp_log *log, gp_profile p,
                            const void *ctx, struct radial_table *t)
 {
-    static const double LEAST = 1e-6, RATIO = 1.1, BENDS = 180.0, WIDE = 4.0;
+    static const double BENDS = 180.0, WIDE = 4.0;
     const double b = t->f.degrees, a = b * t->f.aspect;
     const double sides = 2.0 * fmax(a, b) * (1.0 - 1e-9);
     const double reach = fmin(a, b) > WIDE ? fmax(BENDS, sides) : sides;
     const int rx = (int) ceil(reach / a) - 1;
     const int ry = (int) ceil(reach / b) - 1;
-    const double end = hypot(a * (rx + 1), b * (ry + 1));
-    double light[3] = {0};
-    gp_status st = gp_deposit_make(log, rx, ry, &t->near);
-    for (double from = 0.0, to = LEAST; from < end && !st; to *= RATIO) {
-        gp_deposit_rings(&t->near, p, ctx, &t->f, from, fmin(to, end), light);
-        from = to;
+    const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
+    struct ringing r = {
+        .p = p, .ctx = ctx, .f = &t->f, .end = hypot(a * (rx + 1), b * (ry + 1)),
+    };
+    int parts = 1;
+    gp_status st;
+    while (ring_from(parts * RINGS_A_PART) < r.end)
+        parts++;
+    GP_TRY(gp_deposit_make(log, rx, ry, &t->near));
+    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) parts, sizeof *r.part,
+                         &r.part));
+    for (int i = 0; i < parts; i++)
+        GP_TRY(gp_deposit_make(log, rx, ry, &r.part[i]));
+    gp_parallel_do(parts, fill_part, &r);
+    for (int i = 0; i < parts; i++) {
+        for (size_t k = 0; k < 3 * n; k++)
+            t->near.v[0][k] += r.part[i].v[0][k];
     }
+out:
+    for (int i = 0; i < parts && r.part; i++)
+        gp_deposit_free(&r.part[i]);
+    gp_free(r.part);
     return st;
 }
 
