@@ -16,6 +16,10 @@
  * programs a core. These sleep. */
 enum { MOST_THREADS = 256 };
 
+/* Of a worker; the usual 8 MiB of address space each leave little for frames
+ * under `ulimit -v`. No body of the tests takes more than 40 KiB. */
+enum { STACK_BYTES = 1 << 20 };
+
 /* A loop under way, on its caller's stack. */
 struct loop {
     gp_body body;
@@ -185,11 +189,17 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
         if (!registered)
             registered = pthread_atfork(NULL, NULL, after_fork) == 0;
         pthread_t id;
+        pthread_attr_t own;
+        const bool sized = pthread_attr_init(&own) == 0;
+        if (sized)
+            pthread_attr_setstacksize(&own, STACK_BYTES);
         while (pool.workers < team - 1 &&
-               pthread_create(&id, NULL, worker, NULL) == 0) {
+               pthread_create(&id, sized ? &own : NULL, worker, NULL) == 0) {
             pthread_detach(id);
             pool.workers++;
         }
+        if (sized)
+            pthread_attr_destroy(&own);
         pthread_sigmask(SIG_SETMASK, &before, NULL);
     }
     struct loop **at = &pool.open; // after the others

@@ -96,4 +96,17 @@ make_all t.12 odd.exr fft --no-provenance --fft-plan estimate
 diff -r t.11 t.12 >diff.log
 result $? 'estimated plans are the default' || note "$(cat diff.log)"
 
+# threads take little address space, which a queue may limit (sanitizers take
+# more for themselves)
+limit=300000
+(ulimit -v $limit && "$glarepp" --version) >ok.log 2>&1 || limit=unlimited
+frame wide.exr size=1200x700 lights=20
+for n in 1 64; do
+    (ulimit -v $limit && exec "$glarepp" -q --threads $n --no-provenance \
+        -o wide.$n.png wide.exr) >out 2>err
+    status=$?
+    quiet_success "$n threads in $limit KiB"
+done
+ok '64 threads in little memory: the same as one' cmp wide.1.png wide.64.png
+
 done_testing
