@@ -570,7 +570,7 @@ gp_status gp_png_write(const struct gp_log *log,
     const size_t n = f.stride * (size_t) pic.height;
     GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &f.to));
     GP_TRY(gp_picture_each_row(log, &pic, filter_row, &f));
-    GP_TRY(gp_zlib_pack(log, f.to, n, &data));
+    GP_TRY(gp_zlib_pack(log, f.to, n, f.stride, &data));
     GP_FREE(f.to);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
     GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, &data));
