@@ -458,7 +458,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev
           libgl1-mesa-dri \
           libcmocka-dev openimageio-tools openexr mandoc valgrind perl procps \
           dpkg-dev gnuplot-nox \
-          python3 python3-numpy python3-scipy python3-openimageio
+          python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
          clang-tidy cppcheck

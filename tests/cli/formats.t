@@ -141,6 +141,19 @@ ok 'PNG of pieces: the same bytes for any threads' cmp pieces.png pieces2.png
 echo "pieces.exr pieces.png srgb:4e-3 PNG of pieces, by OpenImageIO" >>list
 run -t 1e9 -g 0 --type float --hdr pieces.libpng.exr pieces.png
 echo "pieces.libpng.exr pieces.png srgb:1e-6 PNG of pieces, by libpng" >>list
+if "$python" -c 'import PIL' 2>/dev/null; then
+    ok 'PNG of pieces, by Pillow' "$python" -c 'from PIL import Image
+Image.open("pieces.png").save("pieces.tif")'
+    echo "pieces.tif pieces.png equal PNG of pieces, by Pillow: pixels" >>list
+else
+    skip 2 'no Pillow (python3-pil)'
+fi
+if convert -version 2>/dev/null | grep -q '^Version: ImageMagick'; then
+    ok 'PNG of pieces, by ImageMagick' convert pieces.png -depth 8 pieces.ppm
+    echo "pieces.ppm pieces.png equal PNG of pieces, by ImageMagick: pixels" >>list
+else
+    skip 2 'no ImageMagick'
+fi
 if command -v ffmpeg >/dev/null; then
     ok 'PNG of pieces, by ffmpeg' ffmpeg -v error -xerror -y -i pieces.png -c:v targa pieces.tga
     echo "pieces.tga pieces.png equal PNG of pieces, by ffmpeg: pixels" >>list
