@@ -50,7 +50,7 @@ struct pipeline {
 static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
 {
     enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
-           FFT = 8, // rows and columns while they are made
+           FFT = 16, // rows and columns while they are made, some as doubles
            SPLAT = 4 * sizeof(float), // render target
            LENS = 32, // steps of 1, 2, 4, 8 and 16 pixels, 24 bytes each
            REST = 9 }; // sources, 14 each, and files
