@@ -129,8 +129,10 @@ static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
 static unsigned seconds_for(uint64_t bytes)
 {
     const char *const given = getenv("GLAREPP_HELPER_SECONDS");
-    const long base = given ? strtol(given, NULL, 10) : 0;
-    return (unsigned) (base > 0 && base < 1000000 ? base : SECONDS) +
+    char *end = NULL;
+    const long base = given ? strtol(given, &end, 10) : 0;
+    const bool is_number = base > 0 && base < 1000000 && !*end;
+    return (unsigned) (is_number ? base : SECONDS) +
            (unsigned) (bytes >> 20 < 1000000 ? bytes >> 20 : 1000000);
 }
 
