@@ -318,6 +318,8 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     if (g->fft_w)
         json_object_set_new(o, "fft_size",
                             json_pack("[ii]", g->fft_w, g->fft_h));
+    if (g->fft_double)
+        json_object_set_new(o, "fft_double", json_true());
     put_rgb(o, "flux_in", f->flux_in);
     if (f->flux_faint[0] + f->flux_faint[1] + f->flux_faint[2] > 0.0)
         put_rgb(o, "flux_faint", f->flux_faint);

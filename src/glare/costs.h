@@ -48,6 +48,10 @@
 /* ms of a pass for each nanosecond of its transforms: moved, placed,
  * multiplied */
 #define GP_COST_FFT_PASS 1.35e-6
+
+/* Passes in double over those in float. What fft makes in double depends on
+ * it, too. */
+#define GP_COST_FFT_DOUBLE 2
 /* ns of one point of a transform in a pass, moved, placed and multiplied: what
  * the factor is for in the mean */
 #define GP_COST_FFT_POINT 0.5

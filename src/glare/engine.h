@@ -77,6 +77,7 @@ struct gp_glare_stats {
     const char *engine;     // the engine that ran
     char why[256];          // engine_why
     int fft_w, fft_h;       // transform size
+    bool fft_double;        // in double
     int fft_core[2];        // radii of the kernel's part that went direct, in
                             // x and y; -1: none
     size_t hot;             // sources that fft handed to direct

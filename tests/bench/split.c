@@ -1,5 +1,5 @@
 /* Ways to keep a transform's rounding out of dark pixels: error and time of
- * each, beside those of the split that fft makes (src/glare/fft/split.c).
+ * each, beside those of what fft chooses (src/glare/fft/split.c).
  *
  *   split FRAME.exr KERNEL.exr [RUNS]
  *
@@ -19,6 +19,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/direct/direct.h"
 #include "glare/engine.h"
 #include "glare/fft/fft.h"
 #include "glare/sensors.h"
@@ -113,16 +114,79 @@ static void run_engine(struct test *t, void *ctx)
                       &stats));
 }
 
-/* Its split, and none: of a gain that shows no rounding. */
+/* A core of the kernel and sources of some light by direct, the rest in float. */
+struct split {
+    struct engine e;
+    struct gp_kernel rest;
+    struct gp_taps core, all;
+    float hot; // sources from this up
+};
+
+static struct split make_split(const struct test *t, int radius, size_t hottest)
+{
+    struct split s = {.e.gain = 1e-9f, .hot = INFINITY};
+    const struct gp_kernel *const k = &t->k;
+    const size_t n = (size_t) k->w * (size_t) k->h;
+    struct gp_planes p;
+    must(gp_planes_make(&split_log, "rest", n, &p));
+    for (int c = 0; c < 3; c++) {
+        memcpy(p.c[c], k->k.c[c], n * sizeof(float));
+        for (int y = k->cy - radius; y <= k->cy + radius; y++)
+            memset(p.c[c] + y * k->w + k->cx - radius, 0,
+                   sizeof(float) * (2 * (size_t) radius + 1));
+    }
+    must(gp_kernel_of_planes(&split_log, "rest", k->w, k->h, &p, &s.rest));
+    must(gp_taps_make(&split_log, k, radius, &s.core));
+    must(gp_taps_make(&split_log, k, -1, &s.all));
+    size_t hot = 0;
+    for (int b = GP_SOURCE_BINS - 2; b >= 0 && hot < hottest; b--) {
+        hot += t->src.count[b];
+        s.hot = gp_source_bin_start(b);
+    }
+    return s;
+}
+
+static void run_split(struct test *t, void *ctx)
+{
+    struct split *const s = ctx;
+    struct gp_glare_params params = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats = {0};
+    struct gp_sources hot, cool;
+    params.engine = "fft";
+    params.gain = s->e.gain;
+    must(gp_sources_split(&split_log, &t->src, s->hot, &hot, &cool));
+    must(gp_glare_run(&split_log, &params, &s->e.g, &cool, &s->rest, &t->f,
+                      &stats));
+    must(gp_direct_sum(&split_log, &cool, &s->core, true, &t->f.layer));
+    if (hot.n)
+        must(gp_direct_sum(&split_log, &hot, &s->all, true, &t->f.layer));
+    gp_sources_free(&hot);
+    gp_sources_free(&cool);
+}
+
+/* What it chooses, nothing (of a gain that shows no rounding), and splits. */
 static void compare_engine(struct test *t)
 {
-    struct engine none = {.gain = 1e-9f}, split = {.gain = 1.0f};
+    static const struct { int radius; size_t hottest; } splits[] = {
+        {8, 0}, {16, 39},
+    };
+    struct engine none = {.gain = 1e-9f}, chosen = {.gain = 1.0f};
     const struct way unit = {run_engine, &none};
     compare(t, "fft without a split", unit, unit);
-    compare(t, "fft: core and hot sources direct", unit,
-            (struct way) {run_engine, &split});
+    compare(t, "fft: as it chooses", unit, (struct way) {run_engine, &chosen});
+    for (size_t i = 0; i < sizeof splits / sizeof *splits; i++) {
+        char name[64];
+        struct split s = make_split(t, splits[i].radius, splits[i].hottest);
+        snprintf(name, sizeof name, "a core of radius %d, %zu sources direct",
+                 splits[i].radius, splits[i].hottest);
+        compare(t, name, unit, (struct way) {run_split, &s});
+        gp_glare_close(&s.e.g);
+        gp_kernel_free(&s.rest);
+        gp_taps_free(&s.core);
+        gp_taps_free(&s.all);
+    }
     gp_glare_close(&none.g);
-    gp_glare_close(&split.g);
+    gp_glare_close(&chosen.g);
 }
 
 // -- columns and rows in double -----------------------------------------------

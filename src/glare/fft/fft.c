@@ -50,10 +50,13 @@ static void close_state(void **state)
 }
 
 /* Returns the index of the plans of length n; s->plans when it has none. */
-static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how)
+static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how,
+                   bool in_double)
 {
     int i = 0;
-    while (i < s->plans && (s->plan[i].n != n || s->plan[i].how != how))
+    while (i < s->plans &&
+           (s->plan[i].n != n || s->plan[i].in_double != in_double ||
+            (s->plan[i].how != how && !in_double)))
         i++;
     return i;
 }
@@ -61,11 +64,11 @@ static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how)
 /* The plans of length n, from the state or made; they stay when one more
  * length is asked for, but may move. */
 static gp_status find_plan(const struct gp_glare_request *req,
-                           struct fft_state *s,
-                           int n, const struct gp_fft_plan_pair **out)
+                           struct fft_state *s, int n, bool in_double,
+                           const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
-    const int i = plan_at(s, n, req->params->fft_plan);
+    const int i = plan_at(s, n, req->params->fft_plan, in_double);
     if (i < s->plans) {
         const struct gp_fft_plan_pair found = s->plan[i];
         memmove(s->plan + i, s->plan + i + 1,
@@ -79,10 +82,14 @@ static gp_status find_plan(const struct gp_glare_request *req,
         memmove(s->plan, s->plan + 1, sizeof *s->plan * (size_t) (room - 1));
         s->plans--;
     }
-    gp_status st = gp_fft_plan_make(req->log, n, req->params->fft_plan,
-                                    req->params->wisdom, &s->plan[s->plans]);
+    struct gp_fft_plan_pair *const made = &s->plan[s->plans];
+    gp_status st =
+        in_double ? gp_fft_plan_make_double(req->log, n, made)
+                  : gp_fft_plan_make(req->log, n, req->params->fft_plan,
+                                     req->params->wisdom, made);
     if (!st)
-        *out = &s->plan[s->plans++];
+        *out = made;
+    s->plans += !st;
     return st;
 }
 
@@ -190,21 +197,25 @@ static gp_status open_reach(const struct gp_glare_request *req,
     return gp_fft_reach_open(req->log, src, k, shape, out);
 }
 
+// of a bound of float's rounding: that of double's
+static const double IN_DOUBLE = 0x1p-29;
+
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
     const struct gp_sources *src, const struct gp_fft_placing *p,
-    struct gp_fft_core core)
+    const struct gp_fft_split *split)
 {
     gp_status st;
+    const bool twice = split->in_double;
     struct gp_fft_request fft = {.log = req->log, .channels = 1};
     struct gp_fft_making kernel = {0};
     struct light_rows light = {.src = src, .p = p, .layer = req->layer,
                                .rest = req->rest};
     const int count = gp_rect_h(p->out);
-    GP_TRY(find_plan(req, s, p->ny, &fft.y));
+    GP_TRY(find_plan(req, s, p->ny, twice, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
-    GP_TRY(find_plan(req, s, p->nx, &fft.x));
+    GP_TRY(find_plan(req, s, p->nx, twice, &fft.x));
     fft.y = &kept;
     const size_t lit = (size_t) gp_rect_h(p->in);
     GP_TRY(gp_alloc(req->log, "transform", lit, sizeof(int), &light.y));
@@ -215,15 +226,17 @@ static gp_status transform(const struct gp_glare_request *req,
             light.place[light.n++] = row - p->in.y0;
         }
     }
-    GP_TRY(gp_fft_making_open(req, &s->spectrum, p, core, &kernel));
-    GP_TRY(gp_fft_matrix_make(req->log, 1, p->nx, gp_max(light.n, count),
-                              &s->work));
+    GP_TRY(gp_fft_making_open(req, &s->spectrum, p, split, &kernel));
+    GP_TRY(gp_fft_matrix_make_of(
+        req->log, (struct gp_fft_numbers) {.in_double = twice}, 1, p->nx,
+        gp_max(light.n, count), &s->work));
     for (int c = 0; c < 3; c++) {
         const struct gp_kernel *const k = req->kernel;
         const double norm = sqrt(src->energy[c]);
-        light.noise[c] = (float) gp_fft_pixel_error(
+        const double noise = gp_fft_pixel_error(
             p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
             fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
+        light.noise[c] = (float) (noise * (twice ? IN_DOUBLE : 1.0));
     }
     if (!req->kernel->negative)
         GP_TRY(open_reach(req, s, src, &light.reach));
@@ -244,7 +257,8 @@ static gp_status transform(const struct gp_glare_request *req,
     if (s->spectrum.m.z[0]) {
         s->spectrum.kernel = req->kernel->serial;
         s->spectrum.placing = *p;
-        s->spectrum.core = core;
+        s->spectrum.core = split->core;
+        s->spectrum.in_double = twice;
     }
     if (req->params->last)
         gp_fft_matrix_free(&s->spectrum.m);
@@ -310,8 +324,9 @@ static double bound_of(const struct gp_glare_request *req,
     const int direct = (split->core.x >= 0) + (split->hot_count > 0);
     double sum = direct ? direct * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
-        sum += gp_fft_bound(req->src, req->kernel, least, p);
-    return sum;
+        sum += gp_fft_bound(req->src, req->kernel, least, p) *
+               (split->in_double ? IN_DOUBLE : 1.0);
+    return sum + (split->in_double ? 0x1p-24 : 0.0); // rounded to float once
 }
 
 /* Bounds by the lower limit of the layer of sources anywhere and, where that is
@@ -398,11 +413,13 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     const int direct = (split.core.x >= 0) + (split.hot_count > 0);
     *out = (struct gp_pixel_error) {
         .share = req->kernel->negative ? INFINITY
-                 : direct ? direct * gp_direct_bound(req->kernel, n) : 0.0,
+                 : direct ? direct * gp_direct_bound(req->kernel, n)
+                 : split.in_double ? 0x1p-24 : 0.0,
     };
     const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
-        out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core);
+        out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core) *
+                     (split.in_double ? IN_DOUBLE : 1.0);
     return GP_OK;
 }
 
@@ -426,7 +443,7 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
         p = src->n ? gp_fft_place(src, k) : (struct gp_fft_placing) {0};
     }
     if (p.nx)
-        GP_TRY(transform(req, s, src, &p, split.core));
+        GP_TRY(transform(req, s, src, &p, &split));
     else
         gp_planes_clear(req->layer, 0, (size_t) req->src->w *
                                            (size_t) req->src->h);
@@ -455,6 +472,7 @@ static gp_status run_fft(const struct gp_glare_request *req, void **state)
     req->stats->fft_h = p.ny;
     req->stats->fft_core[0] = split.core.x;
     req->stats->fft_core[1] = split.core.y;
+    req->stats->fft_double = split.in_double;
     req->stats->hot = split.hot_count;
 out:
     gp_sources_free(&hot);
@@ -506,7 +524,8 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
         return ms;
     // without the hot ones the rest has another place: that of the last frame
     if (split.hot_count && gp_fft_is_of(s->spectrum.kernel, k) &&
-        gp_fft_same_core(s->spectrum.core, split.core))
+        gp_fft_same_core(s->spectrum.core, split.core) &&
+        !s->spectrum.in_double)
         p = s->spectrum.placing;
     const double again = sources + gp_fft_passes_ms(src, &p, how);
     // set-up for this placing; a file of measured plans is assumed to have
@@ -515,16 +534,17 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
                             ? GP_COST_FFT_PLAN_MEASURE
                             : GP_COST_FFT_PLAN_ESTIMATE;
     double setup = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
-    if (plan_at(s, p.nx, how) == s->plans)
+    if (plan_at(s, p.nx, how, split.in_double) == s->plans)
         setup += plan;
-    if (p.ny != p.nx && plan_at(s, p.ny, how) == s->plans)
+    if (p.ny != p.nx && plan_at(s, p.ny, how, split.in_double) == s->plans)
         setup += plan;
     const int channels = k->grey ? 1 : 3;
-    if (!gp_fft_has_spectrum(&s->spectrum, k, &p, split.core))
-        setup += gp_fft_spectrum_ms(
+    const double twice = split.in_double ? GP_COST_FFT_DOUBLE : 1.0;
+    if (!gp_fft_has_spectrum(&s->spectrum, k, &p, &split))
+        setup += twice * gp_fft_spectrum_ms(
             channels, gp_fft_keeps_spectrum(req) ? channels : 0, &p, how);
     if (!s->spectrum.m.z[0])
-        setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
+        setup += twice * GP_COST_FRESH_BYTE * 4.0 * p.nx *
                  fmax(gp_rect_h(p.in), gp_rect_h(p.out));
     ms.later_ms += again;
     ms.ms += again + setup;

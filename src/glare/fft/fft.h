@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// -- pass.c: FFTW by dlopen; a run without a transform never loads it --------
+// -- plans.c: FFTW by dlopen; a run without a transform never loads it --------
 
 /* The functions of one precision; P is its prefix, real its scalar type. */
 #define GP_FFTW_TABLE(name, P)                                                \
@@ -54,7 +54,9 @@ int gp_fft_row_length(int n, int rows, int ny);
 struct gp_fft_plan_pair {
     int n;
     enum gp_fft_plan how;
-    fftwf_plan forward, backward;
+    bool in_double;
+    fftwf_plan forward, backward;              // NULL in double
+    fftw_plan forward_double, backward_double; // NULL in float
 };
 
 /* Plans for that length. Estimated plans depend on nothing but the length, the
@@ -64,6 +66,10 @@ struct gp_fft_plan_pair {
  * Call on one thread. Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
 GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);
+
+/* Plans in double, estimated. */
+GP_MUST_CHECK gp_status gp_fft_plan_make_double(const struct gp_log *log, int n,
+    struct gp_fft_plan_pair *out);
 void gp_fft_plan_free(struct gp_fft_plan_pair *p);
 
 // -- pass.c: passes ----------------------------------------------------------
@@ -82,30 +88,42 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p);
  *            rows that are no output are not kept.
  *   rows     back, eight at a time, two to a transform, into the layer. */
 
+/* What a matrix holds. */
+struct gp_fft_numbers {
+    bool real;      // re only: the spectrum of what is even about its centre
+    bool in_double;
+};
+
 /* Columns k = 0 .. nx/2 of a half spectrum, each `pitch` complex numbers. */
 struct gp_fft_matrix {
     int columns;    // stored: nx / 2 + 1, rounded up to a multiple of 4
     size_t pitch;   // complex numbers from column to column, multiple of 8
-    float *z[3];    // interleaved re, im; [column * pitch + row]; one block
-    bool real;      // re only: the spectrum of what is even about its centre
+    float *z[3];    // interleaved re, im; [column * pitch + row]; one block; of
+                    // a matrix in double, its doubles
+    struct gp_fft_numbers of;
 };
 
-/* Makes `channels` planes; not cleared. Free with gp_fft_matrix_free(). */
+/* Makes `channels` planes of such numbers, or of complex ones in float; not
+ * cleared. Free with gp_fft_matrix_free(). */
+GP_MUST_CHECK gp_status gp_fft_matrix_make_of(const struct gp_log *log,
+    struct gp_fft_numbers of, int channels, int nx, int rows,
+    struct gp_fft_matrix *out);
 GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
-    int channels, int nx, int rows, struct gp_fft_matrix *out);
-GP_MUST_CHECK gp_status gp_fft_real_matrix_make(const struct gp_log *log,
     int channels, int nx, int rows, struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
-/* Floats of one plane, and a matrix of one in memory of the caller, at
+/* Bytes of one plane, and a matrix of one in memory of the caller, at
  * GP_ALIGN, which is not to be freed. */
-size_t gp_fft_matrix_floats(int nx, int rows);
-struct gp_fft_matrix gp_fft_matrix_in(float *memory, int nx, int rows);
+size_t gp_fft_matrix_bytes(struct gp_fft_numbers of, int nx, int rows);
+struct gp_fft_matrix gp_fft_matrix_in(void *memory, struct gp_fft_numbers of,
+                                      int nx, int rows);
 
 /* State that the passes share. */
 struct gp_fft_request {
     const struct gp_log *log;
-    const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny
+    const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny; as both are, the
+                                           // passes and all their matrices are
+                                           // in float or in double
     int channel, channels; // the first, and how many
 };
 
@@ -122,7 +140,7 @@ GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_request *req,
  * whole columns of `out` (pitch >= ny), times `scale`. Places are distinct and
  * ascend from place[0] on, modulo ny. */
 GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_request *req,
-    const struct gp_fft_matrix *m, int rows, const int *place, float scale,
+    const struct gp_fft_matrix *m, int rows, const int *place, double scale,
     struct gp_fft_matrix *out);
 
 /* A kernel's spectrum of one channel (grey) or three, in whole columns of
@@ -137,7 +155,7 @@ struct gp_fft_kernel {
     int n;            // rows: row j at place[j] of ny, or, where the spectrum
     const int *place; // is real, at j, and -j is row j from right to left:
                       // n <= ny / 2
-    float scale;
+    double scale;
 };
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)

@@ -29,7 +29,7 @@ static inline struct gp_fft_matrix
 gp_fft_one_channel(const struct gp_fft_matrix *m, int i, int c)
 {
     struct gp_fft_matrix view = {
-        .columns = m->columns, .pitch = m->pitch, .real = m->real,
+        .columns = m->columns, .pitch = m->pitch, .of = m->of,
     };
     view.z[c] = m->z[i];
     return view;
@@ -184,25 +184,27 @@ struct gp_fft_split {
     float hot;        // a source with a channel from this up goes direct
                       // whole; INFINITY sends none
     size_t hot_count;
+    bool in_double;   // the transforms are, and nothing goes direct
     double rounding;  // expected largest error of a pixel over its own value
-    double ms;        // predicted for the direct part, on one core
+    double ms;        // predicted on one core: of the direct part, or of what
+                      // double takes more than float
 };
 
-/* Chooses the cheapest split that keeps `rounding` under
- *   1e-6 for at most half of the transform, or 5 ms; else
- *   1e-5, and what shows near black (half a code of 8 bits at EV 0, 0.5 % of the
- *        darkest light; of a frame that is black at EV +6), for half of the
- *        transform; else
- *   1e-6 for four times the transform and 5 ms, the core as much as the
- *        transform and 5 ms: a night is worth that; else
- *   what shows at EV +6 on black, for four times the transform and 40 ms; else
- *   what shows near black, for ten times the transform and 100 ms; else, as in
- *        a bright sky,
- *   twice the least rounding to be had for half of the transform, if it is 4
- *        times less than without; else no split.
+/* Chooses how `rounding`, the expected one, is kept within 1e-6, and within what
+ * shows near black: half a code of 8 bits at EV 0, 0.5 % of the darkest
+ * light; in a frame that is black that at EV +6, and 0.5 % of the layer where only
+ * the kernel's tail is left:
+ *   nothing, where float alone does; else
+ *   the cheapest split that does, for no more than double takes; else
+ *   nothing, where float alone is within 1e-4 (a fifth of what half rounds) and
+ *        does not show, as in a bright sky; else
+ *   the transforms in double.
+ * Where the kernel has a coarse far part, which leaves up to 2e-4 itself, the
+ * figures are 1e-5, for half of the transform, 2e-3 and, for what double takes,
+ * 1e-4.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
- *   fft_ms     predicted for the transform
+ *   fft_ms     predicted for the transform in float
  *   gain       of the layer in the composite, > 0
  * The choice depends only on the frame, never on the number of threads. */
 void gp_fft_split_choose(const struct gp_sources *src,
@@ -216,13 +218,14 @@ struct gp_fft_spectrum {
     unsigned long kernel;   // serial
     struct gp_fft_placing placing;
     struct gp_fft_core core;
+    bool in_double;
     struct gp_fft_matrix m; // transposed, scaled
 };
 
-/* Tests whether it is that of k, so placed, without `core`. */
+/* Tests whether it is that of k, so placed, as a split takes it. */
 bool gp_fft_has_spectrum(const struct gp_fft_spectrum *s,
     const struct gp_kernel *k, const struct gp_fft_placing *p,
-    struct gp_fft_core core);
+    const struct gp_fft_split *split);
 
 /* Tests whether a request keeps it. A coloured kernel's is not kept that no
  * later frame takes; a grey one's is made for the first channel, and the others
@@ -242,12 +245,12 @@ struct gp_fft_making {
 };
 
 /* Finds the spectrum in *s, or makes room there for that of the kernel without
- * its samples in `core`; the layer's last plane may be scratch until the rows
- * of the last channel are loaded and multiplied.
+ * its samples in the split's core; the layer's last plane may be scratch until
+ * the rows of the last channel are loaded and multiplied.
  * Errors: GP_ERR_BUG out of memory. Free with gp_fft_making_free(). */
 GP_MUST_CHECK gp_status gp_fft_making_open(const struct gp_glare_request *req,
     struct gp_fft_spectrum *s, const struct gp_fft_placing *p,
-    struct gp_fft_core core, struct gp_fft_making *out);
+    const struct gp_fft_split *split, struct gp_fft_making *out);
 void gp_fft_making_free(struct gp_fft_making *m);
 
 /* Transforms the rows of channel fft->channel, where the spectrum is made of

@@ -85,22 +85,24 @@ void gp_fft_making_free(struct gp_fft_making *m)
 /* Makes room for `n` rows of nx numbers: the layer's last plane, which is
  * written after the last kernel is made, where it is large enough. */
 static gp_status make_kernel_rows(const struct gp_glare_request *req, int nx,
-    int n, struct gp_fft_making *m)
+    int n, bool in_double, struct gp_fft_making *m)
 {
+    const struct gp_fft_numbers of = {.in_double = in_double};
     const size_t plane = (size_t) req->src->w * (size_t) req->src->h;
-    m->lent = gp_fft_matrix_floats(nx, n) <= plane;
+    m->lent = gp_fft_matrix_bytes(of, nx, n) <= plane * sizeof(float);
     if (!m->lent)
-        return gp_fft_matrix_make(req->log, 1, nx, n, &m->rows);
-    m->rows = gp_fft_matrix_in(req->layer->c[2], nx, n);
+        return gp_fft_matrix_make_of(req->log, of, 1, nx, n, &m->rows);
+    m->rows = gp_fft_matrix_in(req->layer->c[2], of, nx, n);
     return GP_OK;
 }
 
 bool gp_fft_has_spectrum(const struct gp_fft_spectrum *s,
     const struct gp_kernel *k, const struct gp_fft_placing *p,
-    struct gp_fft_core core)
+    const struct gp_fft_split *split)
 {
     return s->m.z[0] && gp_fft_is_of(s->kernel, k) &&
-           gp_fft_same_core(s->core, core) &&
+           gp_fft_same_core(s->core, split->core) &&
+           s->in_double == split->in_double &&
            s->placing.nx == p->nx && s->placing.ny == p->ny &&
            memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
 }
@@ -112,39 +114,40 @@ bool gp_fft_keeps_spectrum(const struct gp_glare_request *req)
 
 gp_status gp_fft_making_open(const struct gp_glare_request *req,
     struct gp_fft_spectrum *s, const struct gp_fft_placing *p,
-    struct gp_fft_core core, struct gp_fft_making *out)
+    const struct gp_fft_split *split, struct gp_fft_making *out)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
     struct gp_fft_making m = {.passes.channels = k->grey ? 1 : 3};
-    if (gp_fft_has_spectrum(s, k, p, core)) {
+    if (gp_fft_has_spectrum(s, k, p, split)) {
         m.passes.spectrum = s->m;
         *out = m;
         return GP_OK;
     }
     const bool even = is_even(k, &p->taps);
     const int n = even ? p->taps.y1 : gp_rect_h(p->taps);
+    const struct gp_fft_numbers of = {even, split->in_double};
     gp_fft_matrix_free(&s->m);
     s->kernel = 0;
     if (gp_fft_keeps_spectrum(req))
-        GP_TRY((even ? gp_fft_real_matrix_make : gp_fft_matrix_make)(
-            req->log, m.passes.channels, p->nx, p->ny, &s->m));
-    GP_TRY(make_kernel_rows(req, p->nx, n, &m));
+        GP_TRY(gp_fft_matrix_make_of(req->log, of, m.passes.channels, p->nx,
+                                     p->ny, &s->m));
+    GP_TRY(make_kernel_rows(req, p->nx, n, of.in_double, &m));
     GP_TRY(gp_alloc(req->log, "transform", (size_t) n, sizeof *m.places,
                     &m.places));
     for (int j = 0; j < n; j++)
         m.places[j] = gp_fft_wrap(p->taps.y0 + j, p->ny);
     m.kernel = k;
     m.p = p;
-    m.core = core;
+    m.core = split->core;
     m.first = even ? 0 : p->taps.y0;
     m.passes.spectrum = s->m;
-    m.passes.spectrum.real = even;
+    m.passes.spectrum.of = of;
     m.passes.n = n;
     m.passes.place = m.places;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
-    m.passes.scale = (float) (0.25 / ((double) p->nx * p->ny));
+    m.passes.scale = 0.25 / ((double) p->nx * p->ny);
     *out = m;
     m = (struct gp_fft_making) {0};
 out:

@@ -156,7 +156,6 @@ const struct gp_fft_core gp_fft_cores[GP_FFT_CORES] = {
  * to 6.5e-6 over random frames, W1 to W3 and all radii (test_fft_split; numpy
  * float32 against float64); rounded up, as the darkest pixels count. */
 static const double NOISE = 6.5e-6;
-static const double ALLOWED = 1e-6;
 
 /* The sum of squares of channel c of k's own samples, without its tail. */
 static double sum_squares(const struct gp_kernel *k, int c)
@@ -237,7 +236,6 @@ struct search {
     const double *tail;
     double energy, scale;
     double quads;     // that all sources make, or 0
-    double core_most; // milliseconds that the core may take
     double hot_ms;    // of one hot source
     double hot_pass_ms; // of adding those of all hot sources to the layer
 };
@@ -251,10 +249,9 @@ static double pass_ms(const struct gp_sources *s, int rx, int ry)
 }
 
 /* The cheapest split of rounding <= `most` that costs up to `budget`; its
- * rounding is INFINITY when there is none. With least_rounding, the split of
- * least rounding in the budget instead. */
+ * rounding is INFINITY when there is none. */
 static struct gp_fft_split find_split(const struct search *s, double budget,
-                                double most, int least_rounding)
+                                      double most)
 {
     struct gp_fft_split best = {
         .core = NONE, .rounding = INFINITY, .ms = INFINITY,
@@ -291,103 +288,70 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
                 .ms = ms,
                 .rounding = s->scale * s->tail[i] * sqrt(fmax(left, 0.0)),
             };
-            if (ms > budget || core > s->core_most || split.rounding > most)
-                continue;
-            if (least_rounding ? split.rounding < best.rounding
-                               : split.ms < best.ms)
+            if (ms <= budget && split.rounding <= most && ms < best.ms)
                 best = split;
         }
     }
     return best;
 }
 
-static const double ANYWAY_MS = 5.0; // more than transforms take
-
-/* Tests whether all sources go direct: where rounding would be seen in the
- * layer itself, in its darkest part, where only the tail is left, and the sum
- * takes no more than about twice as long as the transforms. */
-static bool all_direct(const struct search *s, const struct gp_kernel *k,
-                       double points, double fft_ms, struct gp_fft_split *all)
+/* Noise that shows, over a dark pixel's own value: near black in a picture, and
+ * in the layer of a black frame where only the kernel's tail is left of it. */
+static double find_seen(const struct gp_sources *src, const struct gp_kernel *k,
+                        double own, double gain)
 {
-    static const double SEEN = 5e-3; // of the layer's own value
-    static const double LONGER = 2.0;
-    const struct gp_sources *const src = s->src;
-    const double most = NOISE / sqrt(points) * s->tail[0] * sqrt(s->energy);
-    const double ms = s->hot_ms * (double) src->n + s->hot_pass_ms;
-    if (!k->tail || ms > LONGER * fft_ms + ANYWAY_MS)
-        return false;
-    for (int c = 0; c < 3; c++) {
-        if (most > SEEN * src->flux[c] * k->tail->least) {
-            *all = (struct gp_fft_split) {
-                .core = NONE, .hot = gp_source_bin_start(0),
-                .hot_count = src->n, .ms = ms,
-            };
-            return true;
-        }
+    static const double OF_TAIL = 5e-3;
+    double seen = src->visible > 0.0 ? src->visible / own : INFINITY;
+    if (!(src->hidden > 0.0))
+        return seen;
+    // a frame that is black has no light of its own to hide noise at any EV
+    seen = fmin(seen, src->hidden / own);
+    for (int c = 0; c < 3 && k->tail; c++) {
+        if (src->flux[c] > 0.0)
+            seen = fmin(seen,
+                        OF_TAIL * gain * src->flux[c] * k->tail->least / own);
     }
-    return false;
+    return seen;
 }
 
 void gp_fft_split_choose(const struct gp_sources *src,
     const struct gp_kernel *k, const double tail[GP_FFT_CORES], double points,
     double fft_ms, double gain, struct gp_fft_split *out)
 {
-    static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
-    static const double FINE = 1e-5; // as the layer's promise in rel_l2
-    // times and milliseconds that noise which can be seen is worth
-    static const double SEEN_WORTH = 10.0, SEEN_MS = 100.0, DARK_MS = 40.0;
+    // wanted; enough of float alone; wanted where that is not: without a coarse
+    // far part, and with one, which is no finer
+    static const double levels[2][3] = {{1e-6, 1e-4, 1e-6}, {1e-5, 2e-3, 1e-4}};
+    static const double IN_DOUBLE = 0x1p-29; // its rounding over that in float
+    const double *const level = levels[k->tail != NULL];
     const double own = gp_sources_dark(src);
     struct search s = {
         .src = src, .tail = tail,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_COST_DIRECT_TAP,
         .hot_pass_ms = pass_ms(src, k->w, k->h),
-        .core_most = fft_ms + ANYWAY_MS,
     };
     for (int b = 0; b < BINS; b++)
         s.energy += bin_energy(src, b);
-    const struct gp_fft_split none = {
+    *out = (struct gp_fft_split) {
         .core = NONE, .hot = INFINITY,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
     };
-    *out = none;
-    const double seen = src->visible > 0.0 ? src->visible / own : INFINITY;
-    // a frame that is black has no light of its own to hide noise at any EV
-    const double hidden =
-        src->hidden > 0.0 ? src->hidden / own : INFINITY;
-    const double most = fmin(fmin(ALLOWED, seen), hidden);
-    if (all_direct(&s, k, points, fft_ms, out) || none.rounding <= most)
+    const double twice_ms = (GP_COST_FFT_DOUBLE - 1.0) * fft_ms;
+    const double seen = find_seen(src, k, own, gain);
+    const double wanted = fmin(level[0], seen);
+    const bool would_do = out->rounding <= fmin(level[1], seen);
+    if (out->rounding <= wanted)
         return;
     s.quads = gp_direct_quads(src);
-    const double half = fft_ms / 2.0;
-    const double first = fmax(half, ANYWAY_MS);
-    struct gp_fft_split found = find_split(&s, first, most, 0);
-    if (!(found.rounding <= most) && none.rounding >= LEAST_GAIN * FINE)
-        found = find_split(&s, half, fmin(fmin(FINE, seen), hidden), 0);
-    if (!(found.rounding < INFINITY))
-        found = find_split(&s, WORTH * fft_ms + ANYWAY_MS, most, 0);
-    if (!(found.rounding <= hidden) && none.rounding > hidden) {
-        const double budget = WORTH * fft_ms + DARK_MS;
-        struct gp_fft_split dark = find_split(&s, budget, hidden, 0);
-        const double all_ms = quads_ms(s.quads, k->w, k->h) + s.hot_pass_ms;
-        if (s.quads > 0.0 && all_ms <= fmin(budget, dark.ms))
-            dark = (struct gp_fft_split) {
-                .core = NONE, .hot = gp_source_bin_start(0),
-                .hot_count = src->n, .ms = all_ms,
-            };
-        if (dark.rounding <= hidden) {
-            *out = dark;
-            return;
-        }
+    struct gp_fft_split found =
+        find_split(&s, k->tail ? fft_ms / 2.0 : twice_ms, wanted);
+    if (!(found.rounding <= wanted) && !would_do)
+        found = find_split(&s, twice_ms, fmin(level[2], seen));
+    if (found.rounding < INFINITY) {
+        *out = found;
+    } else if (!would_do) {
+        out->in_double = true;
+        out->rounding *= IN_DOUBLE;
+        out->ms = twice_ms;
     }
-    const bool shows = none.rounding > seen;
-    if (!(found.rounding < INFINITY) && shows)
-        found = find_split(&s, SEEN_WORTH * fft_ms + SEEN_MS, seen, 0);
-    if (!(found.rounding < INFINITY)) {
-        const double least = find_split(&s, half, INFINITY, 1).rounding;
-        found = find_split(&s, half, NEAR * least, 0);
-        if (found.rounding * LEAST_GAIN > none.rounding)
-            return;
-    }
-    *out = found;
 }

@@ -90,6 +90,10 @@ static void fftw_is_missing(void **state)
     const struct gp_fftwd *twice;
     fail_always.library = "libfftw3.so.3";
     assert_int_equal(gp_fftwd_open(&kept_log, &twice), GP_ERR_IO);
+    kept_clear();
+    assert_int_equal(gp_fft_plan_make_double(&kept_log, 64, &pair), GP_ERR_IO);
+    assert_non_null(strstr(kept_line, "--engine direct"));
+    assert_null(pair.forward_double);
     fail_always.library = NULL;
     assert_ok(gp_fftwf_open(&kept_log, &lib));
     assert_ok(gp_fftwd_open(&kept_log, &twice));
@@ -133,16 +137,17 @@ static void fftw_makes_no_plan(void **state)
     real_twice = twice->plan_dft_1d;
     ((struct gp_fftwf *) lib)->plan_dft_1d = plan;
     ((struct gp_fftwd *) twice)->plan_dft_1d = plan_twice;
-    for (int of_reference = 0; of_reference < 2; of_reference++) {
+    for (int i = 0; i < 3; i++) { // in float; in double, where much is seen
+        scene_gain = i == 1 ? 1e3f : 1.0f;
         for (refused = 1; refused <= 5; refused++) {
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
             plans = 0;
             kept_clear();
             const gp_status st =
-                of_reference ? gp_glare_reference(&kept_log, &s.src, &s.k,
-                                                  layer)
-                             : scene_run("fft", &s, &g, &stats);
+                i == 2 ? gp_glare_reference(&kept_log, &s.src, &s.k, layer)
+                       : scene_run("fft", &s, &g, &stats);
+            assert_true(st != GP_OK || i == 2 || stats.fft_double == i);
             assert_int_equal(st, plans >= refused ? GP_ERR_BUG : GP_OK);
             assert_true((st != GP_OK) ==
                         (strstr(kept_line, "no plan for length") != NULL));
