@@ -255,7 +255,7 @@ hardcases: $(B)/tests/hardcases $(BRIDGES) ## prints the largest error of each h
 # Writes these tables into the manual, after a row for each of them
 hardcases-manual: $(B)/tests/hardcases $(BRIDGES)
 	@$(B)/tests/hardcases >$(B)/hardcases.txt
-	@awk -f tests/hard/summary.awk $(B)/hardcases.txt |
+	@awk -f tests/hard/summary.awk $(B)/hardcases.txt | \
 	    cat - $(B)/hardcases.txt >$(B)/hardcases.md
 	@sed -i -e '/^<!-- make hardcases -->/,/^<!-- end -->/{//!d}' \
 	    -e '/^<!-- make hardcases -->/r $(B)/hardcases.md' man/hardcases.md
