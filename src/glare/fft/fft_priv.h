@@ -191,17 +191,17 @@ struct gp_fft_split {
 };
 
 /* Chooses how `rounding`, the expected one, is kept within 1e-6, and within what
- * shows near black: half a code of 8 bits at EV 0, 0.5 % of the darkest
- * light; in a frame that is black that at EV +6, and 0.5 % of the layer where only
- * the kernel's tail is left:
+ * shows near black: half a code of 8 bits at EV 0, 0.5 % of the darkest light; in
+ * a frame that is black that at EV +6:
  *   nothing, where float alone does; else
  *   the cheapest split that does, for no more than double takes; else
  *   nothing, where float alone is within 1e-4 (a fifth of what half rounds) and
  *        does not show, as in a bright sky; else
  *   the transforms in double.
  * Where the kernel has a coarse far part, which leaves up to 2e-4 itself, the
- * figures are 1e-5, for half of the transform, 2e-3 and, for what double takes,
- * 1e-4.
+ * figures are 1e-5, and 0.5 % of the layer where only that part is left, for half
+ * of the transform or 5 ms, 2e-3 and, for what double takes, 1e-4; of a black
+ * frame the layer counts as what shows.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform in float

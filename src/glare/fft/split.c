@@ -295,21 +295,26 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
     return best;
 }
 
-/* Noise that shows, over a dark pixel's own value: near black in a picture, and
- * in the layer of a black frame where only the kernel's tail is left of it. */
-static double find_seen(const struct gp_sources *src, const struct gp_kernel *k,
-                        double own, double gain)
+/* Noise that shows near black, over a dark pixel's own value. */
+static double find_seen(const struct gp_sources *src, double own)
 {
-    static const double OF_TAIL = 5e-3;
-    double seen = src->visible > 0.0 ? src->visible / own : INFINITY;
-    if (!(src->hidden > 0.0))
-        return seen;
     // a frame that is black has no light of its own to hide noise at any EV
-    seen = fmin(seen, src->hidden / own);
+    return fmin(src->visible > 0.0 ? src->visible / own : INFINITY,
+                src->hidden > 0.0 ? src->hidden / own : INFINITY);
+}
+
+/* Noise that shows in the layer itself where only the kernel's tail is left of
+ * it. */
+static double find_seen_of_tail(const struct gp_sources *src,
+                                const struct gp_kernel *k, double own,
+                                double gain)
+{
+    static const double SEEN = 5e-3; // of the layer's own value
+    double seen = INFINITY;
     for (int c = 0; c < 3 && k->tail; c++) {
         if (src->flux[c] > 0.0)
             seen = fmin(seen,
-                        OF_TAIL * gain * src->flux[c] * k->tail->least / own);
+                        SEEN * gain * src->flux[c] * k->tail->least / own);
     }
     return seen;
 }
@@ -321,6 +326,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     // wanted; enough of float alone; wanted where that is not: without a coarse
     // far part, and with one, which is no finer
     static const double levels[2][3] = {{1e-6, 1e-4, 1e-6}, {1e-5, 2e-3, 1e-4}};
+    static const double CHEAP_MS = 5.0; // more than transforms take
     static const double IN_DOUBLE = 0x1p-29; // its rounding over that in float
     const double *const level = levels[k->tail != NULL];
     const double own = gp_sources_dark(src);
@@ -337,14 +343,18 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
     };
     const double twice_ms = (GP_COST_FFT_DOUBLE - 1.0) * fft_ms;
-    const double seen = find_seen(src, k, own, gain);
-    const double wanted = fmin(level[0], seen);
+    const double cheap_ms = fmax(fft_ms / 2.0, CHEAP_MS);
+    const double of_tail = find_seen_of_tail(src, k, own, gain);
+    // where the frame has light of its own, that in the layer is worth less
+    const double seen = fmin(find_seen(src, own),
+                             src->hidden > 0.0 ? of_tail : INFINITY);
+    const double wanted = fmin(level[0], fmin(seen, of_tail));
     const bool would_do = out->rounding <= fmin(level[1], seen);
     if (out->rounding <= wanted)
         return;
     s.quads = gp_direct_quads(src);
     struct gp_fft_split found =
-        find_split(&s, k->tail ? fft_ms / 2.0 : twice_ms, wanted);
+        find_split(&s, k->tail ? cheap_ms : twice_ms, wanted);
     if (!(found.rounding <= wanted) && !would_do)
         found = find_split(&s, twice_ms, fmin(level[2], seen));
     if (found.rounding < INFINITY) {
