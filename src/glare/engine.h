@@ -66,6 +66,7 @@ struct gp_glare_params {
     enum gp_fft_plan fft_plan;
     const char *wisdom;        // file for measured plans; NULL keeps none
     struct gp_splat_params splat;
+    bool fft_double;           // transforms in double, whatever the frame needs
     bool last;                 // no frame follows: no kernel's spectrum is kept
 };
 #define GP_GLARE_DEFAULTS                                                     \

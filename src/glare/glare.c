@@ -235,6 +235,7 @@ gp_status gp_glare_run(const struct gp_log *log,
                       path);
     }
     params.splat = taken.splat;
+    params.fft_double = taken.fft_double;
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
     const struct gp_tail *const tail = req.tail ? kernel->tail : NULL;

@@ -96,6 +96,7 @@ void gp_floor_free(struct gp_floor **f);
 struct gp_candidate {
     int engine;                   // index in gp_engines
     struct gp_splat_params splat; // its settings, where it is a splat
+    bool fft_double;              // for tolerance_pixel's sake
     bool exact;                   // rounding is its only error
     bool whole;                   // it sums the kernel with its tail, sample by
                                   // sample

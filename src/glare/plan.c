@@ -330,6 +330,30 @@ gp_status gp_plan_pixel(const struct gp_glare_request *req, struct gp_glare *g,
     return st;
 }
 
+/* Takes fft in double where what it would choose is over tolerance_pixel, and
+ * double is not or is far less so; `params` are those of `req`. */
+static gp_status ask_double(struct planning *p, struct gp_glare_params *params,
+                            const struct gp_glare_request *req, int i)
+{
+    static const double FAR_LESS = 0.1;
+    struct gp_candidate *const c = &p->c[i];
+    double bound, pixel;
+    params->fft_double = true;
+    gp_status st = gp_plan_pixel(req, p->g, c->engine, p->floor, &pixel);
+    if (st || !(pixel <= (double) params->tolerance_pixel ||
+                pixel < FAR_LESS * c->pixel))
+        return st;
+    st = gp_engine_fft.bound(req, &p->g->state[c->engine], &bound);
+    const struct gp_prediction ms =
+        predict(req, p->g, c->engine, &c->splat, 0.0);
+    c->fft_double = true;
+    c->pixel = pixel;
+    c->ms = ms.ms;
+    c->later_ms = ms.later_ms;
+    p->rel_l2[i] = bound + req->floor;
+    return st;
+}
+
 static gp_status ask_engine(void *ctx, int i, double *bound)
 {
     struct planning *const p = ctx;
@@ -350,6 +374,9 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     if (st || !(most > 0.0))
         return st;
     st = gp_plan_pixel(&req, p->g, c->engine, p->floor, &c->pixel);
+    if (!st && c->pixel > most && gp_engines[c->engine] == &gp_engine_fft)
+        st = ask_double(p, &params, &req, i);
+    *bound = p->rel_l2[i];
     if (c->pixel > most) // over the tolerance by the same factor
         *bound = fmax(*bound, (double) params.tolerance * c->pixel / most);
     return st;

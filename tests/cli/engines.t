@@ -78,11 +78,12 @@ fi
 # -- lamps in the dark ----------------------------------------------------------
 
 # dark_lamps ARGUMENT...: engine, and whether the worst pixel is within its bound
-# and that within the tolerance
+# and that within 1e-5; of $lamps
+lamps=dark.exr
 dark_lamps()
 {
     "$glarepp" -q -k kernel302.exr --verify --report dark.json --layer l.exr "$@" \
-        dark.exr && "$python" - <<'PY'
+        "$lamps" && "$python" - <<'PY'
 import json
 j = json.load(open("dark.json"))
 bound, worst = j.get("bound_pixel"), j["measured"]["max_rel"]
@@ -92,10 +93,16 @@ PY
 frame kernel302.exr kind=kernel size=302x203 type=float
 frame dark.exr lights=5000 dim=1e-6 size=640x460 type=float
 is "$(dark_lamps -t 0.1)" fft 'lamps in the dark: no bound of a pixel unasked'
+is "$(dark_lamps -e fft --tolerance-pixel 1e-5)" 'fft True True' \
+    'lamps in the dark: fft in double keeps each pixel'
+is "$(dark_lamps --tolerance-pixel 1e-7)" 'fft True True' \
+    'lamps in the dark: --tolerance-pixel 1e-7 is kept'
+frame light.exr lights=60 dim=0.9 size=640x460 type=float
+lamps=light.exr
 is "$(dark_lamps -e fft --tolerance-pixel 1e-5)" 'fft True False' \
-    'lamps in the dark: fft says that a pixel may be over 1e-5 of itself'
-is "$(dark_lamps --tolerance-pixel 1e-5)" 'direct True True' \
-    'lamps in the dark: --tolerance-pixel 1e-5 is kept'
+    'lamps in the light: fft in float may be over 1e-5 of a pixel'
+is "$(dark_lamps --tolerance-pixel 1e-5)" 'fft True True' \
+    'lamps in the light: auto takes double for --tolerance-pixel 1e-5'
 run -k kernel302.exr --tolerance-pixel 1e-9 --layer l.exr dark.exr
 like "$(cat err)" \
     '*warning: dark.exr: no engine guarantees --tolerance-pixel 1e-09 *' \

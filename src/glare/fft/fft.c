@@ -282,6 +282,22 @@ static const double *find_tail_norms(struct fft_state *s,
     return s->tail;
 }
 
+/* Chooses the split, or double where it is asked for. */
+static void choose_split(const struct gp_glare_request *req,
+    const struct gp_fft_placing *p, const double tail[GP_FFT_CORES],
+    struct gp_fft_split *out)
+{
+    // never by how plans are made: the layer would then depend on it
+    const double ms = gp_fft_passes_ms(req->src, p, GP_FFT_PLAN_MEASURE);
+    gp_fft_split_choose(req->src, req->kernel, tail, (double) p->nx * p->ny, ms,
+                        (double) req->params->gain, out);
+    if (req->params->fft_double && !out->in_double)
+        *out = (struct gp_fft_split) {
+            .core = {-1, -1}, .hot = INFINITY, .in_double = true,
+            .ms = (GP_COST_FFT_DOUBLE - 1.0) * ms,
+        };
+}
+
 /* Opens the state, places all sources, and chooses the part of the sum that
  * goes direct; p->nx is 0 when no light reaches the frame. */
 static gp_status place_and_split(const struct gp_glare_request *req,
@@ -307,10 +323,7 @@ static gp_status place_and_split(const struct gp_glare_request *req,
         s->quarters_w = src->w;
         s->quarters_h = src->h;
     }
-    // never by how plans are made: the layer would then depend on it
-    gp_fft_split_choose(src, k, find_tail_norms(s, k), (double) p->nx * p->ny,
-                        gp_fft_passes_ms(src, p, GP_FFT_PLAN_MEASURE),
-                        (double) req->params->gain, split);
+    choose_split(req, p, find_tail_norms(s, k), split);
     return GP_OK;
 }
 
@@ -505,18 +518,13 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     }
     // the direct part; finding the tails' norms takes as long as a small frame,
     // so only when the error without a core is known to be too large
-    const double points = (double) p.nx * p.ny;
-    const double measured = gp_fft_passes_ms(src, &p, GP_FFT_PLAN_MEASURE);
-    const double gain = (double) params->gain;
     const bool known = gp_fft_is_of(s->quarters_kernel, k);
     const double whole[GP_FFT_CORES] = {
         fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
     };
-    gp_fft_split_choose(src, k, known ? find_tail_norms(s, k) : whole, points,
-                        measured, gain, &split);
+    choose_split(req, &p, known ? find_tail_norms(s, k) : whole, &split);
     if (!known && (split.core.x >= 0 || split.hot_count > 0))
-        gp_fft_split_choose(src, k, find_tail_norms(s, k), points, measured,
-                            gain, &split);
+        choose_split(req, &p, find_tail_norms(s, k), &split);
     ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
     if (!known)
         ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
