@@ -101,8 +101,10 @@ frame light.exr lights=60 dim=0.9 size=640x460 type=float
 lamps=light.exr
 is "$(dark_lamps -e fft --tolerance-pixel 1e-5)" 'fft True False' \
     'lamps in the light: fft in float may be over 1e-5 of a pixel'
-is "$(dark_lamps --tolerance-pixel 1e-5)" 'fft True True' \
-    'lamps in the light: auto takes double for --tolerance-pixel 1e-5'
+is "$(dark_lamps --tolerance-pixel 1e-5)" 'direct True True' \
+    'lamps in the light: auto takes direct, which keeps 1e-5 and is faster'
+is "$(dark_lamps --tolerance-pixel 1e-6)" 'fft True True' \
+    'lamps in the light: auto takes fft in double for --tolerance-pixel 1e-6'
 run -k kernel302.exr --tolerance-pixel 1e-9 --layer l.exr dark.exr
 like "$(cat err)" \
     '*warning: dark.exr: no engine guarantees --tolerance-pixel 1e-09 *' \
