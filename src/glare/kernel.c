@@ -178,7 +178,7 @@ static void cut_row(void *ctx, int y, int thread)
     const size_t to = (size_t) y * (size_t) w;
     const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
                         (size_t) m->box.x0;
-    const float *v[3];
+    const float *v[3] = {0};
     bool negative[3] = {false};
     struct row_norms n = {0};
     (void) thread;
