@@ -46,9 +46,11 @@ struct raw_sums {
 
 static void look_at_channel(const float *v, int w, int c, struct row_sums *r)
 {
-    const union { uint32_t bits; float v; } peak = {gp_row_bits(v, w)};
-    r->peak = peak.v > r->peak ? peak.v : r->peak;
-    for (int x = 0; x < w && !isfinite(peak.v); x++) {
+    const uint32_t bits = gp_row_bits(v, w);
+    float peak;
+    memcpy(&peak, &bits, sizeof peak);
+    r->peak = peak > r->peak ? peak : r->peak;
+    for (int x = 0; x < w && !isfinite(peak); x++) {
         if (!isfinite(v[x])) {
             r->bad_x = x;
             r->bad_c = c;
@@ -74,7 +76,7 @@ static void sum_raw_row(void *ctx, int y, int thread)
     (void) thread;
     for (int c = 0; c < 3; c++) {
         v[c] = s->raw->in.c[c] + at;
-        const bool other = c && memcmp(v[c], v[0], (size_t) w * sizeof **v);
+        const bool other = c && memcmp(v[c], v[0], (size_t) w * sizeof **v) != 0;
         r.coloured |= other;
         if (!c || other) // most kernels are grey
             look_at_channel(v[c], w, c, &r);

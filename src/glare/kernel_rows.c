@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 GP_CLONES void gp_add_samples(const float *v, int n, double *squares,
                               double *sum)
@@ -85,8 +86,10 @@ GP_CLONES uint32_t gp_row_bits(const float *v, int w)
 {
     uint32_t most = 0;
     for (int x = 0; x < w; x++) {
-        const union { float v; uint32_t bits; } one = {.v = fabsf(v[x])};
-        most = one.bits > most ? one.bits : most;
+        const float magnitude = fabsf(v[x]);
+        uint32_t bits;
+        memcpy(&bits, &magnitude, sizeof bits);
+        most = bits > most ? bits : most;
     }
     return most;
 }
