@@ -139,7 +139,9 @@ typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
  * Bounds are asked only where they decide, and kept in c[i].bound: an
  * approximation's, which takes long to find, only under 4/5 of the other's ms,
  * and, once it was over the tolerance, again 2 frames later, then 4, and so on
- * up to 32, or when its share of the exact ones' ms fell by a fifth. Clear past->refused for another kernel, size or tolerance.
+ * up to 32, or when its share of the exact ones' ms fell by a fifth. `ask` may
+ * raise an exact candidate's ms. Clear past->refused for another kernel, size or
+ * tolerance.
  * Errors: what `ask` returns. */
 GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
     double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,

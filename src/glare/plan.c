@@ -67,14 +67,17 @@ static gp_status first_within(struct asking *a, bool exact, double ms,
                               int *found)
 {
     *found = -1;
-    for (int k = 0; k < a->count && *found < 0; k++) {
+    for (int k = 0; k < a->count; k++) {
         const int i = a->order[k];
         if (a->c[i].exact != exact || !(a->c[i].ms < ms) || waits(a, i))
             continue;
-        gp_status st = ask_bound(a, i);
+        ms = fmin(ms, *found < 0 ? INFINITY : a->c[*found].ms);
+        gp_status st = a->c[i].ms < ms ? ask_bound(a, i) : GP_OK;
         if (st)
             return st;
-        if (a->c[i].bound <= a->tolerance)
+        // asking may have made it slower: fft in double
+        if (a->c[i].bound <= a->tolerance &&
+            (*found < 0 || a->c[i].ms < a->c[*found].ms))
             *found = i;
     }
     return GP_OK;
@@ -297,7 +300,7 @@ add_words(struct words *w, const char *format, ...)
     w->room -= used;
 }
 
-/* "fft", "splat 4/8", "direct of the whole kernel". */
+/* "fft", "fft in double", "splat 4/8", "direct of the whole kernel". */
 static void add_name(struct words *w, const struct gp_candidate *c)
 {
     const struct gp_splat_params *const s = &c->splat;
@@ -306,7 +309,8 @@ static void add_name(struct words *w, const struct gp_candidate *c)
             s->cluster, s->shrink > 0.0f ? " shrunk" : "");
     else
         add_words(w, "%s%s", gp_engines[c->engine]->name,
-                  c->whole ? " of the whole kernel" : "");
+                  c->whole        ? " of the whole kernel"
+                  : c->fft_double ? " in double" : "");
 }
 
 // -- the plan -----------------------------------------------------------------
@@ -494,10 +498,13 @@ gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,
     }
     add_name(&w, out);
     add_words(&w, " %.3g ms of bound %.2g", out->ms, out->bound);
-    if (!choice.within)
+    if (!choice.within && !pixel)
         add_words(&w, ", the lowest there is, over %.2g", tolerance);
     if (out->pixel > 0.0)
         add_words(&w, ", %.2g in a pixel", out->pixel);
+    if (!choice.within && pixel)
+        add_words(&w, ", the lowest there is, over %.2g",
+                  (double) req->params->tolerance_pixel);
     if (choice.kept)
         add_words(&w, ", as before");
     const char *between = "; ";

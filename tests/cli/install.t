@@ -154,7 +154,7 @@ usr/share/zsh/vendor-completions/_glarepp' 'what the package holds'
     is "$(dpkg-deb -f first.deb Version)" "$version" 'its version'
     depends=$(dpkg-deb -f first.deb Depends)
     for library in libc6 libopenexr libpng16 libopenimageio libopencolorio \
-        libjansson4 libfftw3-single3; do
+        libjansson4 libfftw3-single3 libfftw3-double3; do
         like "$depends" "*$library*" "it depends on $library"
     done
     is "$(gzip -dc tree/usr/share/man/man1/glarepp.1.gz | cmp - \

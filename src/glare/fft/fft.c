@@ -197,9 +197,6 @@ static gp_status open_reach(const struct gp_glare_request *req,
     return gp_fft_reach_open(req->log, src, k, shape, out);
 }
 
-// of a bound of float's rounding: that of double's
-static const double IN_DOUBLE = 0x1p-29;
-
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
@@ -236,7 +233,7 @@ static gp_status transform(const struct gp_glare_request *req,
         const double noise = gp_fft_pixel_error(
             p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
             fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
-        light.noise[c] = (float) (noise * (twice ? IN_DOUBLE : 1.0));
+        light.noise[c] = (float) (noise * (twice ? GP_FFT_DOUBLE_ROUNDING : 1.0));
     }
     if (!req->kernel->negative)
         GP_TRY(open_reach(req, s, src, &light.reach));
@@ -338,7 +335,7 @@ static double bound_of(const struct gp_glare_request *req,
     double sum = direct ? direct * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
         sum += gp_fft_bound(req->src, req->kernel, least, p) *
-               (split->in_double ? IN_DOUBLE : 1.0);
+               (split->in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0);
     return sum + (split->in_double ? 0x1p-24 : 0.0); // rounded to float once
 }
 
@@ -432,7 +429,7 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
         out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core) *
-                     (split.in_double ? IN_DOUBLE : 1.0);
+                     (split.in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0);
     return GP_OK;
 }
 
@@ -503,7 +500,7 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     const struct gp_sources *const src = req->src;
     const struct gp_kernel *const k = req->kernel;
     const struct gp_glare_params *const params = req->params;
-    const enum gp_fft_plan how = params->fft_plan;
+    enum gp_fft_plan how = params->fft_plan;
     const double sources = 3.0 * GP_COST_FFT_SOURCE * (double) src->n;
     struct gp_fft_placing p = gp_fft_place(src, k);
     struct gp_fft_split split;
@@ -526,6 +523,8 @@ static struct gp_prediction predict_fft(const struct gp_glare_request *req,
     if (!known && (split.core.x >= 0 || split.hot_count > 0))
         choose_split(req, &p, find_tail_norms(s, k), &split);
     ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
+    if (split.in_double)
+        how = GP_FFT_PLAN_ESTIMATE;
     if (!known)
         ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
     if (split.hot_count == src->n)

@@ -82,7 +82,7 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p);
  *   rows     two real rows are one complex row: z = a + ib, so that
  *            A(k) = (Z(k) + conj Z(-k)) / 2, B(k) = (Z(k) - conj Z(-k)) / 2i.
  *            Eight rows at a time go transposed into the matrix, a full cache
- *            line to each column.
+ *            line (in double, two) to each column.
  *   columns  one column stays in the first-level cache: forward, times the
  *            kernel's column, backward; rows without light are not stored,
  *            rows that are no output are not kept.

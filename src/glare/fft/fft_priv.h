@@ -159,9 +159,13 @@ void gp_fft_reach_free(struct gp_fft_reach **reach);
  * |sources| |kernel| 2^-24 strong: one hot pixel lays it over the darkest
  * corner. Two parts of the sum carry nearly all of that product and cost
  * little by themselves: the kernel's core, for all sources, and the few
- * hottest sources, for the whole kernel. What remains is transformed. */
+ * hottest sources, for the whole kernel. What remains is transformed; in double
+ * where that is cheaper. */
 
 enum { GP_FFT_CORES = 12 };
+
+/* Rounding in double over that in float. */
+#define GP_FFT_DOUBLE_ROUNDING 0x1p-29
 
 /* Radii in x and y of the core that may go direct: none, squares, and where
  * light leaves along an axis, as streaks do, rectangles. */
@@ -185,7 +189,8 @@ struct gp_fft_split {
                       // whole; INFINITY sends none
     size_t hot_count;
     bool in_double;   // the transforms are, and nothing goes direct
-    double rounding;  // expected largest error of a pixel over its own value
+    double rounding;  // expected largest error of a pixel over its own value,
+                      // at least gp_sources_dark()
     double ms;        // predicted on one core: of the direct part, or of what
                       // double takes more than float
 };
@@ -197,8 +202,8 @@ struct gp_fft_split {
  *   the cheapest split that does, for no more than double takes; else
  *   nothing, where float alone is within 1e-4 (a fifth of what half rounds) and
  *        does not show, as in a bright sky; else
- *   the transforms in double.
- * Where the kernel has a coarse far part, which leaves up to 2e-4 itself, the
+ *   the transforms in double, which keep it to a range of light of about 1e10.
+ * A pixel's own value counts as no less than gp_sources_dark(). Where the kernel has a coarse far part, which leaves up to 2e-4 itself, the
  * figures are 1e-5, and 0.5 % of the layer where only that part is left, for half
  * of the transform or 5 ms, 2e-3 and, for what double takes, 1e-4; of a black
  * frame the layer counts as what shows.

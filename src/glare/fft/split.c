@@ -327,7 +327,6 @@ void gp_fft_split_choose(const struct gp_sources *src,
     // far part, and with one, which is no finer
     static const double levels[2][3] = {{1e-6, 1e-4, 1e-6}, {1e-5, 2e-3, 1e-4}};
     static const double CHEAP_MS = 5.0; // more than transforms take
-    static const double IN_DOUBLE = 0x1p-29; // its rounding over that in float
     const double *const level = levels[k->tail != NULL];
     const double own = gp_sources_dark(src);
     struct search s = {
@@ -361,7 +360,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         *out = found;
     } else if (!would_do) {
         out->in_double = true;
-        out->rounding *= IN_DOUBLE;
+        out->rounding *= GP_FFT_DOUBLE_ROUNDING;
         out->ms = twice_ms;
     }
 }

@@ -16,6 +16,8 @@ struct made_up {
 
 struct asked {
     const struct made_up *c;
+    struct gp_candidate *candidates;
+    double slower;    // ms more of candidate 1, once it was asked
     int times[MOST];
     int all, failing; // the failing-th answer is an error
 };
@@ -24,6 +26,7 @@ static gp_status answer(void *ctx, int i, double *bound)
 {
     struct asked *const a = ctx;
     *bound = a->c[i].bound;
+    a->candidates[i].ms += i == 1 ? a->slower : 0.0;
     a->times[i]++;
     return ++a->all == a->failing ? GP_ERR_DATA : GP_OK;
 }
@@ -37,7 +40,10 @@ static gp_status choose(const struct made_up *from, int n, double tolerance,
             .exact = from[i].exact, .ms = from[i].ms, .bound = NAN,
             .later_ms = from[i].later_ms > 0.0 ? from[i].later_ms : from[i].ms,
         };
-    *asked = (struct asked) {.c = from, .failing = asked->failing};
+    *asked = (struct asked) {
+        .c = from, .candidates = c, .failing = asked->failing,
+        .slower = asked->slower,
+    };
     return gp_plan_choose(c, n, tolerance, past, answer, asked, out);
 }
 
@@ -487,8 +493,28 @@ static void no_pixel_bound_no_question(void **state)
     }
 }
 
+/* One that asking makes slower, as fft in double, is taken only where it still
+ * is the fastest; the others are asked only then. */
+static void asking_may_make_one_slower(void **state)
+{
+    static const struct made_up c[] = {
+        {9, 0, 1e-6, true}, {8, 0, 1e-5, true}, {10, 0, 1e-5, true},
+    };
+    (void) state;
+    for (int i = 0; i < 2; i++) {
+        struct gp_plan_past past = {0};
+        struct asked asked = {.slower = i ? 1.5 : 0.5};
+        struct gp_choice choice;
+        assert_ok(choose(c, 3, 1e-3, &past, &asked, &choice));
+        assert_int_equal(choice.taken, i ? 0 : 1);
+        assert_int_equal(asked.times[0], i);
+        assert_int_equal(asked.times[2], 0);
+    }
+}
+
 SUITE_OF(plan, NULL, NULL,
-    one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
+    one_frame, asking_may_make_one_slower, questions_may_fail, a_choice_is_kept,
+    a_lost_bound_ends_it,
     no_flicker, refused_ones_wait, candidates_are_whole, fields_cost, states_count,
     bounds_count, kernels_that_move_cost_each_time,
     the_tolerance_is_kept_or_a_warning_printed, no_pixel_bound_no_question)
