@@ -7,10 +7,11 @@
  * of 256 KiB lose up to 4 %. Of a picture that is flat, or whose rows repeat,
  * that is more: vertical stripes of noise would be several times as large. So
  * the loss is estimated, and over 1 % the picture is packed again in fewer
- * pieces, or in one, which is quick where so much repeats. libdeflate ends every
- * stream with a block that is marked as the last. Its mark is cleared, and an
- * empty stored block fills the last byte up, so that the next piece begins on a
- * whole one.
+ * pieces, or in one, which is quick where so much repeats. The estimate sees no
+ * rows that repeat every second row or more rarely, and no diagonals: noise
+ * that does is several times as large. libdeflate ends every stream with a block
+ * that is marked as the last. Its mark is cleared, and an empty stored block
+ * fills the last byte up, so that the next piece begins on a whole one.
  * Source: RFC 1950, RFC 1951 section 3.2.3; zlib's examples/gzjoin.c. */
 #include "io/io_priv.h"
 
