@@ -7,8 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-GP_CLONES void gp_add_samples(const float *v, int n, double *squares,
-                              double *sum)
+/* Adds the squares and the samples of n in eight parts, so that it becomes
+ * vector code. */
+GP_CLONES static void add_samples(const float *v, int n, double *squares,
+                                  double *sum)
 {
     enum { LANES = 8 };
     double square[LANES] = {0}, whole[LANES] = {0};
@@ -36,7 +38,7 @@ void gp_row_sides(const float *row, int w, int cx, int reach, double side[4])
         const int from = gp_max(i ? cx : cx - reach, 0);
         const int last = gp_min(i ? cx + reach : cx, w - 1);
         side[i] = side[2 + i] = 0.0;
-        gp_add_samples(row + from, last + 1 - from, &side[i], &side[2 + i]);
+        add_samples(row + from, last + 1 - from, &side[i], &side[2 + i]);
     }
 }
 

@@ -8,10 +8,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Adds the squares and the samples of n in eight parts, so that it becomes
- * vector code. */
-void gp_add_samples(const float *v, int n, double *squares, double *sum);
-
 /* Squares and samples of one channel above the centre and below, left and right
  * of it, which all hold the centre's own row and column. */
 struct gp_quarter_sums {

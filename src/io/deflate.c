@@ -42,7 +42,7 @@ struct packer {
     uint8_t *packed; // room for any piece
 };
 
-/* What is known of a piece. */
+/* Facts of a piece. */
 struct piece {
     uint32_t adler;
     uint32_t above, aside; // bytes that count_repeated() finds

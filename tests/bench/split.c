@@ -164,7 +164,7 @@ static void run_split(struct test *t, void *ctx)
     gp_sources_free(&cool);
 }
 
-/* What it chooses, nothing (of a gain that shows no rounding), and splits. */
+/* Compares its choice, no split (a gain that shows no rounding), and splits. */
 static void compare_engine(struct test *t)
 {
     static const struct { int radius; size_t hottest; } splits[] = {

@@ -197,6 +197,12 @@ static gp_status open_reach(const struct gp_glare_request *req,
     return gp_fft_reach_open(req->log, src, k, shape, out);
 }
 
+/* Returns the rounding of a split's transforms over that of float. */
+static double over_float(const struct gp_fft_split *split)
+{
+    return split->in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0;
+}
+
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_request *req,
     struct fft_state *s,
@@ -233,7 +239,7 @@ static gp_status transform(const struct gp_glare_request *req,
         const double noise = gp_fft_pixel_error(
             p, fmin((double) src->brightest * k->norm1[c], norm * k->norm2[c]),
             fmin(norm * k->norm1[c], src->flux[c] * k->norm2[c]), INFINITY);
-        light.noise[c] = (float) (noise * (twice ? GP_FFT_DOUBLE_ROUNDING : 1.0));
+        light.noise[c] = (float) (noise * over_float(split));
     }
     if (!req->kernel->negative)
         GP_TRY(open_reach(req, s, src, &light.reach));
@@ -335,7 +341,7 @@ static double bound_of(const struct gp_glare_request *req,
     double sum = direct ? direct * gp_direct_bound(req->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
         sum += gp_fft_bound(req->src, req->kernel, least, p) *
-               (split->in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0);
+               over_float(split);
     return sum + (split->in_double ? 0x1p-24 : 0.0); // rounded to float once
 }
 
@@ -429,7 +435,7 @@ static gp_status pixel_fft(const struct gp_glare_request *req, void **state,
     const struct cool cool = find_cool(req->src, split.hot);
     for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
         out->of[c] = cool_error(&p, req->kernel, &cool, c, split.core) *
-                     (split.in_double ? GP_FFT_DOUBLE_ROUNDING : 1.0);
+                     over_float(&split);
     return GP_OK;
 }
 

@@ -88,7 +88,7 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p);
  *            rows that are no output are not kept.
  *   rows     back, eight at a time, two to a transform, into the layer. */
 
-/* What a matrix holds. */
+/* Kind and precision of a matrix's numbers. */
 struct gp_fft_numbers {
     bool real;      // re only: the spectrum of what is even about its centre
     bool in_double;

@@ -157,18 +157,6 @@ const struct gp_fft_core gp_fft_cores[GP_FFT_CORES] = {
  * float32 against float64); rounded up, as the darkest pixels count. */
 static const double NOISE = 6.5e-6;
 
-/* The sum of squares of channel c of k's own samples, without its tail. */
-static double sum_squares(const struct gp_kernel *k, int c)
-{
-    double sum = 0.0, samples = 0.0; // the latter not asked for
-    if (!k->tail)
-        return k->norm2[c] * k->norm2[c];
-    for (int y = 0; y < k->h; y++)
-        gp_add_samples(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, &sum,
-                    &samples);
-    return sum;
-}
-
 /* The sum of squares of h rows of w samples, `pitch` apart. */
 GP_CLONES static double box_squares(const float *v, int pitch, int w, int h)
 {
@@ -191,8 +179,10 @@ GP_CLONES static double box_squares(const float *v, int pitch, int w, int h)
 
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
-    const double all[3] = {sum_squares(k, 0), sum_squares(k, 1),
-                           sum_squares(k, 2)};
+    double all[3]; // of the kernel's own samples, without its tail
+    for (int c = 0; c < 3; c++)
+        all[c] = k->tail ? box_squares(k->k.c[c], k->w, k->w, k->h)
+                         : k->norm2[c] * k->norm2[c];
     for (int i = 0; i < GP_FFT_CORES; i++) {
         const struct gp_fft_core r = gp_fft_cores[i];
         norm[i] = 0.0;

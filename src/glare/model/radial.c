@@ -152,7 +152,7 @@ struct ringing {
     struct gp_deposit *part;
 };
 
-/* Where ring i begins: each is wider than the one before by a tenth. */
+/* Returns the start of ring i: each is a tenth wider than the one before. */
 static double ring_from(int i)
 {
     static const double LEAST = 1e-6, RATIO = 1.1;

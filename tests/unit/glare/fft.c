@@ -105,7 +105,7 @@ static double scalar(const struct gp_fft_matrix *m, int c, size_t i)
                            : (double) m->z[c][i];
 }
 
-/* What sums of n numbers of about 1 are off by. */
+/* Returns the error allowed to sums of n numbers of about 1. */
 static double few_roundings(const struct gp_fft_matrix *m, double n)
 {
     return (m->of.in_double ? 8e-15 : 4e-6) * sqrt(n);

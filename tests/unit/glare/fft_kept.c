@@ -173,7 +173,7 @@ static void each_row_gets_the_rest_once(void **state)
     }
 }
 
-/* What is known of a kernel since it was made is what its samples say: its
+/* Facts found while a kernel is made equal those found in its samples: its
  * quarters, and the support of its rows. */
 static void a_kernel_is_known_as_it_is(void **state)
 {

@@ -361,8 +361,7 @@ static uint8_t *draw(int drawn, unsigned w, unsigned h, unsigned bytes)
     return rows;
 }
 
-/* Where pieces would lose much of what repeats or of what is little, they are
- * fewer; where they lose little, they are not. */
+/* Pieces are fewer where they would lose over 1 %, and only there. */
 static void drawn_pictures_lose_little(void **state)
 {
     static const struct { unsigned w, h, bytes; } row[] = {
