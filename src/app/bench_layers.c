@@ -52,7 +52,7 @@ static gp_status sum_flare(void *user, const struct gp_log *log,
                                                   (size_t) moved.h,
                           3 * sizeof *layer, &layer);
         if (!st && moved.n)
-            st = gp_glare_reference(log, &moved, &run->kernel, layer);
+            st = gp_glare_reference(log, NULL, &moved, &run->kernel, layer);
         if (!st && moved.n)
             add_window(f, &moved, layer, out);
         gp_free(layer);

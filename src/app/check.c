@@ -457,6 +457,9 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     s->ocio.context = s->ocio_context.at;
     s->ocio.contexts = s->ocio_context.n;
     s->glare.gain = s->compose.gain;
+    // what is added to a picture is of its own lights; what is moved is missed
+    if (!gp_option_given(s, "edges") && s->compose.mix == GP_MIX_ADD)
+        s->edges = GP_SURROUND_BLACK;
 out:
     return st;
 }

@@ -10,6 +10,7 @@ const struct gp_settings gp_defaults = {
     .sensor = GP_SENSOR_DEFAULTS,
     .glare = GP_GLARE_DEFAULTS,
     .compose = GP_COMPOSE_DEFAULTS,
+    .edges = GP_SURROUND_EXTEND,
     .tone = GP_TONE_DEFAULTS,
     .write = GP_WRITE_DEFAULTS,
     .bench = GP_BENCH_DEFAULTS,
@@ -29,6 +30,15 @@ static const struct gp_option_choice gp_mixes[] = {
     {"scatter", GP_MIX_SCATTER, "add the layer and subtract its light from the "
      "sources, which conserves energy; a gain over 1 adds light"},
     {"add", GP_MIX_ADD, "add the layer to the frame"},
+    {0},
+};
+static const struct gp_option_choice gp_edges_ways[] = {
+    {"extend", GP_SURROUND_EXTEND, "with the broad light of its border, without "
+     "lamps; the default with --mix scatter"},
+    {"mirror", GP_SURROUND_MIRROR, "with its mirror image, a quarter of its shorter "
+     "side wide, then as extend; takes up to twice the time"},
+    {"black", GP_SURROUND_BLACK, "not at all: light that leaves the picture is "
+     "lost; the default with --mix add"},
     {0},
 };
 static const struct gp_option_choice gp_threshold_modes[] = {
@@ -317,6 +327,9 @@ const struct gp_option gp_options[] = {
         "more than 1 only brightens the glare"),
     CHOICE(compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
+    CHOICE(edges, .name = "edges", IN(LIGHT), .arg = "HOW",
+        .choices = gp_edges_ways,
+        .help = "Continue the picture beyond its border this way"),
 
     OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
         .most = 3, .lo = -1e6, .hi = 1e6,

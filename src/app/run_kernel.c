@@ -565,6 +565,12 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         for (int i = 0; i < r->wanted.recipes; i++)
             gp_recipe_adapt(&recipe[i], fs->mean, fs->white);
         reach_lights(r, fs, &field);
+        if (r->s->edges == GP_SURROUND_MIRROR) {
+            const int more = 2 * gp_mirror_reach(gp_frame_w(&fs->frame),
+                                                 gp_frame_h(&fs->frame));
+            field.w += more;
+            field.h += more;
+        }
         st = make_kernel(fs->log, r, recipe, &field, &made);
         if (!st)
             st = warn_of_images(r, fs);

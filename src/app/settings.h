@@ -108,6 +108,7 @@ struct gp_settings {
     struct gp_kernel_params kernel;    // of images
     struct gp_glare_params glare;      // gain is compose's
     struct gp_compose_params compose;
+    enum gp_surround_how edges;        // where not given: black with add
     struct gp_tone_params tone;
     struct gp_ocio_params ocio;        // config NULL: tone maps
     struct gp_write_params write;

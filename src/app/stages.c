@@ -274,6 +274,13 @@ static const struct gp_sources *all_light(const struct gp_frame_state *fs)
     return fs->joined.n ? &fs->joined : &fs->sources;
 }
 
+/* How the picture goes on for `own`, a part of its sources. */
+static struct gp_surround edges_of(const struct gp_run *r,
+    const struct gp_frame_state *fs, const struct gp_sources *own)
+{
+    return (struct gp_surround) {r->s->edges, &fs->sources, own};
+}
+
 static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
 {
     bool joined;
@@ -292,6 +299,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
            sizeof fs->facts.kernel_faint);
     struct gp_glare_params p = r->s->glare;
     p.taken = r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
+    p.edges = edges_of(r, fs, &fs->sources);
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     if (light->n > 0)
         return gp_glare_run(fs->log, &p, &r->engines, light,
@@ -311,8 +319,9 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         3 * gp_frame_pixels(&fs->frame), sizeof *exact, &exact);
     if (st)
         return st;
-    st = gp_glare_reference(fs->log, all_light(fs), gp_run_kernel_of(fs),
-                            exact);
+    const struct gp_surround edges = edges_of(r, fs, &fs->sources);
+    st = gp_glare_reference(fs->log, &edges, all_light(fs),
+                            gp_run_kernel_of(fs), exact);
     if (!st) {
         gp_glare_measure(
             &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
@@ -366,10 +375,11 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_glare_stats stats = {0};
         struct gp_flare_facts flare = {0};
         const double start = gp_now_ms(), cpu = gp_cpu_ms();
+        struct gp_glare_params glare = r->s->glare;
+        glare.edges = edges_of(r, fs, &g->sources);
         if (g->sources.n > 0)
-            st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
-                              &g->sources, gp_run_kernel_of(fs), &g->frame,
-                              &stats);
+            st = gp_glare_run(fs->log, &glare, &r->group_engines, &g->sources,
+                              gp_run_kernel_of(fs), &g->frame, &stats);
         if (!st)
             st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->group_ghosts,
                                    &g->frame, &flare);

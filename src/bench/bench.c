@@ -289,7 +289,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     if (b->src.n > 0) {
         GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact,
                         &b->exact));
-        GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
+        GP_TRY(gp_glare_reference(b->log, NULL, &b->src, b->kernel, b->exact));
         GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
     }
     // FLIP judges the tone-mapped composite, not light

@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "gl/gl.h"
+#include "glare/edges.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"
 #include "glare/tail/tail.h"
@@ -66,6 +67,7 @@ struct gp_glare_params {
     enum gp_fft_plan fft_plan;
     const char *wisdom;        // file for measured plans; NULL keeps none
     struct gp_splat_params splat;
+    struct gp_surround edges;     // what is beyond the border
     bool fft_double;           // transforms in double, whatever the frame needs
     bool last;                 // no frame follows: no kernel's spectrum is kept
 };
@@ -112,6 +114,8 @@ struct gp_glare_request {
     struct gp_layer_rest *rest;       // or NULL
     const struct gp_tail_state *tail; // open for the kernel's tail, which is
                    // added to what engines draw; NULL: the kernel has none
+    const struct gp_beyond *beyond; // light from beyond the border, or NULL:
+                   // what the tail's error adds to it counts
     double floor;  // added to a bound for the tail, and for values under the
                    // range of float
     double enough; // ms; where over 0, predict() may stop counting beyond it,
@@ -195,8 +199,8 @@ struct gp_glare {
     int whole_w, whole_h;
 };
 
-/* Computes f->layer from sources. No source: the layer is zero, no engine is
- * opened. Of a kernel with a tail engines draw the core, and the tail is added
+/* Computes f->layer from sources, with the light from beyond the border that
+ * p->edges has. No source: the layer is zero, no engine is opened. Of a kernel with a tail engines draw the core, and the tail is added
  * to it; but `direct`, when named, sums the whole kernel sample by sample.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
@@ -214,10 +218,12 @@ void gp_glare_close(struct gp_glare *g);
 
 /* The truth: the same sum in double, plain loops when n sources times the
  * kernel's area is small, else a double-precision FFT. Slow; for --verify and
- * tests. `layer` has 3 * w * h doubles, plane after plane. */
+ * tests.
+ *   edges  as in gp_glare_params; NULL: black
+ *   layer  3 * w * h doubles, plane after plane */
 GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *kernel,
-    double *layer);
+    const struct gp_surround *edges, const struct gp_sources *src,
+    const struct gp_kernel *kernel, double *layer);
 
 /* Errors of a layer against the truth; design.md section 6. The composite is
  * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:

@@ -38,9 +38,13 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
-    const double wrong = // the tail's error
+    // the tail's error, of the light and of that from beyond the border
+    const double outside = gp_beyond_most(req->beyond);
+    const double wrong =
         req->tail ? gp_tail_error_of(req->tail)->norm *
-                        sqrt(src->energy[0] + src->energy[1] + src->energy[2])
+                        (sqrt(src->energy[0] + src->energy[1] +
+                              src->energy[2]) +
+                         outside * sqrt(3.0 * src->w * src->h))
                   : 0.0;
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm
@@ -176,7 +180,10 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
                                 2.0 * (double) req->src->n);
         if (req->tail)
             o.tail[c] = gp_tail_pixel_error(req->tail, k->tail, req->src, c) +
-                        0x1p-24 * o.layer[c];
+                        0x1p-24 * o.layer[c] +
+                        gp_tail_error_of(req->tail)->column *
+                            sqrt((double) req->src->w * req->src->h) *
+                            gp_beyond_most(req->beyond);
     }
     gp_parallel_do(m.cells.rows, bound_row, &m);
     if (!k->negative)

@@ -160,7 +160,8 @@ static int find_engine(const char *name)
     return gp_engines[i] ? i : -1;
 }
 
-gp_status gp_glare_run(const struct gp_log *log,
+/* gp_glare_run() but for the mirror image. */
+static gp_status run_picture(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     struct gp_frame *f, struct gp_glare_stats *stats)
@@ -197,6 +198,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_sources less = {0};
     struct gp_kernel small = {0};
     struct gp_tail_rows *rows = NULL;
+    struct gp_beyond *beyond = NULL;
     struct gp_layer_rest rest = {.add = gp_tail_add_row};
     if (kernel_times)
         GP_TRY(halve_kernel(log, kernel, kernel_times, &small));
@@ -210,6 +212,8 @@ gp_status gp_glare_run(const struct gp_log *log,
         .tail = drawn->tail ? g->tail : NULL,
         .layer = &f->layer, .stats = stats,
     };
+    GP_TRY(gp_beyond_find(log, &p->edges, &beyond));
+    req.beyond = beyond;
     GP_TRY(gp_floor_find(&req, &g->floor, &req.floor));
     struct gp_pixel_floor floor = {0};
     if (p->tolerance_pixel > 0.0f) {
@@ -251,10 +255,55 @@ gp_status gp_glare_run(const struct gp_log *log,
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
     if (times)
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
+    GP_TRY(gp_beyond_add(log, beyond, drawn, g->tail, &f->layer));
 out:
+    gp_beyond_free(&beyond);
     gp_tail_rows_free(&rows);
     gp_sources_free(&less);
     gp_kernel_free(&small);
+    return st;
+}
+
+/* Copies the picture out of planes with a margin of `reach` pixels. */
+static void cut_planes(const struct gp_planes *from, int reach, int w, int h,
+                       struct gp_planes *to)
+{
+    const size_t wide = (size_t) (w + 2 * reach);
+    for (int c = 0; c < 3; c++) {
+        for (int y = 0; y < h; y++)
+            memcpy(to->c[c] + (size_t) y * (size_t) w,
+                   from->c[c] + (size_t) (y + reach) * wide + (size_t) reach,
+                   (size_t) w * sizeof(float));
+    }
+}
+
+gp_status gp_glare_run(const struct gp_log *log,
+    const struct gp_glare_params *p, struct gp_glare *g,
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    struct gp_frame *f, struct gp_glare_stats *stats)
+{
+    gp_status st;
+    if (p->edges.how != GP_SURROUND_MIRROR || !src->n)
+        return run_picture(log, p, g, src, kernel, f, stats);
+    struct gp_mirrored m = {0};
+    struct gp_glare_params params = *p;
+    struct gp_frame wide = {.path = f->path};
+    const int w = src->w, h = src->h;
+    const bool pixel = p->tolerance_pixel > 0.0f;
+    memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
+    GP_TRY(gp_mirror(log, &p->edges, src, pixel ? &f->rgb : NULL, &m));
+    wide.data = (struct gp_rect) {0, 0, m.src.w, m.src.h};
+    wide.rgb = m.rgb;
+    params.edges = m.edges;
+    // what scatters is the picture, for which the edges are made
+    params.taken = p->taken ? m.edges.picture : NULL;
+    GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
+    if (!f->layer.c[0])
+        GP_TRY(gp_planes_make(log, "layer", gp_frame_pixels(f), &f->layer));
+    cut_planes(&wide.layer, m.reach, w, h, &f->layer);
+out:
+    gp_planes_free(&wide.layer);
+    gp_mirrored_free(&m);
     return st;
 }
 

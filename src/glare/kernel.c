@@ -461,6 +461,8 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
         st = make_rotated(log, p, &raw, out);
     if (!st)
         out->left_out = p->left_out;
+    for (int c = 0; !st && c < 3; c++)
+        out->beyond[c] = p->left_out;
     return st;
 }
 

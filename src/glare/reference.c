@@ -169,17 +169,49 @@ out:
     return st;
 }
 
-gp_status gp_glare_reference(const struct gp_log *log,
+/* The sum with any kernel, and the light from beyond the border. */
+static gp_status sum_all(const struct gp_log *log, const struct gp_surround *edges,
     const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
-    struct gp_kernel whole;
-    if (!k->tail)
-        return sum_plain(log, src, k, layer);
-    gp_status st = gp_kernel_whole(log, k, src->w, src->h, &whole);
-    if (st)
-        return st;
-    st = sum_plain(log, src, &whole, layer);
+    gp_status st = GP_OK;
+    struct gp_kernel whole = {0};
+    struct gp_beyond *beyond = NULL;
+    const struct gp_kernel *const all = k->tail ? &whole : k;
+    if (k->tail)
+        GP_TRY(gp_kernel_whole(log, k, src->w, src->h, &whole));
+    GP_TRY(sum_plain(log, src, all, layer));
+    if (edges)
+        GP_TRY(gp_beyond_find(log, edges, &beyond));
+    GP_TRY(gp_beyond_add_exact(log, beyond, all, layer));
+out:
+    gp_beyond_free(&beyond);
     gp_kernel_free(&whole);
+    return st;
+}
+
+gp_status gp_glare_reference(const struct gp_log *log,
+    const struct gp_surround *edges, const struct gp_sources *src,
+    const struct gp_kernel *k, double *layer)
+{
+    gp_status st;
+    struct gp_mirrored m = {0};
+    double *wide = NULL;
+    if (!edges || edges->how != GP_SURROUND_MIRROR)
+        return sum_all(log, edges, src, k, layer);
+    GP_TRY(gp_mirror(log, edges, src, NULL, &m));
+    const size_t pitch = (size_t) m.src.w, n = pitch * (size_t) m.src.h;
+    GP_TRY(gp_alloc(log, "exact layer", 3 * n, sizeof *wide, &wide));
+    GP_TRY(sum_all(log, &m.edges, &m.src, k, wide));
+    for (size_t i = 0; i < 3 * (size_t) src->h; i++) {
+        const size_t c = i / (size_t) src->h, y = i % (size_t) src->h;
+        memcpy(layer + i * (size_t) src->w,
+               wide + c * n + (y + (size_t) m.reach) * pitch +
+                   (size_t) m.reach,
+               (size_t) src->w * sizeof *layer);
+    }
+out:
+    gp_mirrored_free(&m);
+    gp_free(wide);
     return st;
 }
 

@@ -376,6 +376,7 @@ static void join_tail(struct gp_tail *t, const struct gp_field *field,
             k->norm1[c] += t->norm1[c];
             k->norm2[c] += t->norm2[c];
         }
+        k->beyond[c] = 1.0 - k->sum[c];
         k->left_out -= (double) field->luminance[c] * k->sum[c];
     }
 }

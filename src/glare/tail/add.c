@@ -308,8 +308,9 @@ typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
 struct gp_tail_rows {
     const struct gp_tail *t;
     const struct gp_tail_state *s;
-    const struct gp_sources *src;
-    int nodes_x, nodes_y; // of the frame
+    const struct gp_sources *src; // NULL: light 1 everywhere
+    int w, h;             // of the frame
+    int nodes_x, nodes_y;
     size_t pitch;         // floats of a row of nodes
     int first, last;      // steps [first, last) of rows that hold light
     float *sums;          // of these: what each adds to rows of nodes, [step -
@@ -425,18 +426,26 @@ GP_CLONES static void add_line(float *restrict row, int w,
     }
 }
 
-void gp_tail_add_row(void *ctx, int i, int thread)
+void gp_tail_add_to(const struct gp_tail_rows *a, int c, int y, int thread,
+                    float *row)
 {
-    const struct gp_tail_rows *const a = ctx;
-    const int step = a->t->split.step, w = a->src->w;
-    const int c = i / a->src->h, y = i % a->src->h;
+    const int step = a->t->split.step;
     const float *const down = a->s->weight[y % step];
     float *const line = a->line + (size_t) thread * 3 * a->pitch;
-    const float *const g = a->grid[c] + (size_t) (y / step) * a->pitch;
+    const float *const g = a->grid[a->t->grey && !a->src ? 0 : c] +
+                           (size_t) (y / step) * a->pitch;
     for (size_t x = 0; x < a->pitch; x++)
         line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
                   down[2] * g[x + 2 * a->pitch] + down[3] * g[x + 3 * a->pitch];
-    add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step, a->at);
+    add_line(row, a->w, line, step, a->at);
+}
+
+void gp_tail_add_row(void *ctx, int i, int thread)
+{
+    const struct gp_tail_rows *const a = ctx;
+    const int c = i / a->h, y = i % a->h;
+    gp_tail_add_to(a, c, y, thread,
+                   a->layer->c[c] + (size_t) y * (size_t) a->w);
 }
 
 void gp_tail_rows_free(struct gp_tail_rows **rows)
@@ -451,59 +460,116 @@ void gp_tail_rows_free(struct gp_tail_rows **rows)
     GP_FREE(*rows);
 }
 
-gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
-    const struct gp_tail_state *state, const struct gp_sources *src,
-    struct gp_planes *layer, struct gp_tail_rows **out)
+/* Row `j` of nodes of light 1 everywhere: what all pixels give them. */
+static void load_flat(const void *ctx, int c, int j, float *z)
+{
+    const struct gp_tail_rows *const a = ctx;
+    (void) c;
+    for (int x = 0; x < a->nodes_x; x++)
+        z[2 * x] = a->sums[x] * a->sums[a->nodes_x + j];
+}
+
+/* Adds n pixels of light 1 to their nodes. */
+static void spread_flat(const struct gp_tail_state *s, int step, int n,
+                        float *nodes)
+{
+    for (int x = 0; x < n; x++) {
+        for (int k = 0; k < TAPS; k++)
+            nodes[x / step + k] += s->weight[x % step][k];
+    }
+}
+
+/* As gp_tail_find(), of a->src. */
+static gp_status find_rows(const struct gp_log *log, struct gp_tail_rows *a)
 {
     gp_status st;
-    const int step = t->split.step;
-    struct gp_tail_rows *a = NULL;
+    const struct gp_tail *const t = a->t;
+    const struct gp_tail_state *const state = a->s;
+    const int step = t->split.step, channels = a->src || !t->grey ? 3 : 1;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
-    if (src->w > t->w || src->h > t->h)
+    if (a->w > t->w || a->h > t->h)
         return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
-                            "pixels meets %dx%d", t->w, t->h, src->w, src->h);
-    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *a, &a));
-    *a = (struct gp_tail_rows) {
-        .t = t, .s = state, .src = src, .layer = layer,
-        .nodes_x = gp_tail_nodes(src->w, step),
-        .nodes_y = gp_tail_nodes(src->h, step),
-        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
-    };
+                            "pixels meets %dx%d", t->w, t->h, a->w, a->h);
+    a->nodes_x = gp_tail_nodes(a->w, step);
+    a->nodes_y = gp_tail_nodes(a->h, step);
+    a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
     for (int k = 0; k < TAPS * step; k++)
         a->at[k / step][k % step] = state->weight[k % step][k / step];
     const int rows = a->last - a->first + TAPS - 1; // of nodes that are lit
-    a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
-    GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
-                    a->pitch * sizeof(float), &a->sums));
     GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
                     a->pitch * sizeof(float), &a->line));
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < channels; c++)
         GP_TRY(gp_alloc_zero(log, "tail", (size_t) a->nodes_y,
                              a->pitch * sizeof(float), &a->grid[c]));
     GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
-    GP_TRY(gp_fft_matrix_make(log, 3, state->x.n, gp_max(rows, a->nodes_y),
-                              &m));
+    GP_TRY(gp_fft_matrix_make(log, channels, state->x.n,
+                              gp_max(rows, a->nodes_y), &m));
     for (int j = 0; j < rows; j++)
         places[j] = a->first + j;
     const struct gp_fft_request fft = {
-        .log = log, .x = &state->x, .y = &state->y, .channels = 3,
+        .log = log, .x = &state->x, .y = &state->y, .channels = channels,
     };
     const struct gp_fft_kernel kernel = {
         .channels = t->grey ? 1 : 3, .spectrum = state->spectrum,
     };
-    gp_parallel_do(a->last - a->first, spread_step, a);
-    GP_TRY(gp_fft_rows_in(&fft, rows, load_nodes, a, &m));
+    if (a->src) {
+        GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
+                        a->pitch * sizeof(float), &a->sums));
+        gp_parallel_do(a->last - a->first, spread_step, a);
+    } else {
+        GP_TRY(gp_alloc_zero(log, "tail", (size_t) (a->nodes_x + a->nodes_y),
+                             sizeof *a->sums, &a->sums));
+        spread_flat(state, step, a->w, a->sums);
+        spread_flat(state, step, a->h, a->sums + a->nodes_x);
+    }
+    GP_TRY(gp_fft_rows_in(&fft, rows, a->src ? load_nodes : load_flat, a, &m));
     GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
     GP_FREE(a->sums);
-    *out = a;
-    a = NULL;
 out:
-    gp_tail_rows_free(&a);
     gp_free(places);
     gp_fft_matrix_free(&m);
     return st;
+}
+
+/* Makes rows of `like`. */
+static gp_status make_rows(const struct gp_log *log,
+    const struct gp_tail_rows *like, struct gp_tail_rows **out)
+{
+    struct gp_tail_rows *a;
+    gp_status st = gp_alloc_zero(log, "tail", 1, sizeof *a, &a);
+    if (st)
+        return st;
+    *a = *like;
+    st = find_rows(log, a);
+    if (st)
+        gp_tail_rows_free(&a);
+    *out = a;
+    return st;
+}
+
+gp_status gp_tail_find(const struct gp_log *log, const struct gp_tail *t,
+    const struct gp_tail_state *state, const struct gp_sources *src,
+    struct gp_planes *layer, struct gp_tail_rows **out)
+{
+    const int step = t->split.step;
+    const struct gp_tail_rows like = {
+        .t = t, .s = state, .src = src, .w = src->w, .h = src->h,
+        .layer = layer,
+        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
+    };
+    return make_rows(log, &like, out);
+}
+
+gp_status gp_tail_flat(const struct gp_log *log, const struct gp_tail *t,
+    const struct gp_tail_state *state, int w, int h, struct gp_tail_rows **out)
+{
+    const struct gp_tail_rows like = {
+        .t = t, .s = state, .w = w, .h = h,
+        .last = (h - 1) / t->split.step + 1,
+    };
+    return make_rows(log, &like, out);
 }
 
 // -- prediction ---------------------------------------------------------------

@@ -1,0 +1,540 @@
+/* Light from beyond the border. */
+#include "glare/edges.h"
+
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/kernel.h"
+#include "glare/tail/tail.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// -- the cells of a border ------------------------------------------------------
+
+/* A cell: the middle of its outer side, in pixels (the first pixel's centre is
+ * 0, 0), and its light. */
+struct cell {
+    float x, y, length;
+    float root[3]; // mean of cube roots of the picture's light
+    float all[3];  // mean of it
+    float own[3];  // ... of the part that is wanted
+};
+
+struct gp_beyond {
+    int w, h, side;  // of the picture; of a cell, pixels
+    int nx, ny;      // corners of cells
+    float *b[3];     // nx * ny each
+    double most;
+};
+
+void gp_beyond_free(struct gp_beyond **b)
+{
+    for (int c = 0; *b && c < 3; c++)
+        gp_free((*b)->b[c]);
+    GP_FREE(*b);
+}
+
+double gp_beyond_most(const struct gp_beyond *b)
+{
+    return b ? b->most : 0.0;
+}
+
+/* Adds the light in columns [x0, x1) of rows [y0, y1), by cube roots too where
+ * `root` is not NULL, over their number. */
+static void sum_box(const struct gp_sources *s, struct gp_rect box,
+                    float light[3], float *root)
+{
+    const double n = (double) gp_rect_w(box) * (double) gp_rect_h(box);
+    double sum[3] = {0}, roots[3] = {0};
+    for (int y = box.y0; y < box.y1; y++) {
+        uint32_t low = s->row[y], high = s->row[y + 1];
+        while (low < high) { // the first from x0 on
+            const uint32_t mid = low + (high - low) / 2;
+            if (s->x[mid] < box.x0)
+                low = mid + 1;
+            else
+                high = mid;
+        }
+        for (uint32_t i = low; i < s->row[y + 1] && s->x[i] < box.x1; i++) {
+            for (int c = 0; c < 3; c++) {
+                sum[c] += (double) s->rgb[c][i];
+                roots[c] += root ? (double) cbrtf(s->rgb[c][i]) : 0.0;
+            }
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        light[c] = (float) (sum[c] / n);
+        if (root)
+            root[c] = (float) (roots[c] / n);
+    }
+}
+
+struct border {
+    const struct gp_sources *picture, *own;
+    int side, depth;  // of a cell along the border, and across
+    int across, down; // cells of a side
+    struct cell *cell;
+};
+
+/* Cell i: those of the upper side, the lower, the left, the right. */
+static void find_cell(void *ctx, int i, int thread)
+{
+    const struct border *const a = ctx;
+    const int w = a->picture->w, h = a->picture->h;
+    const bool flat = i < 2 * a->across; // upper or lower
+    const int k = flat ? i % a->across : (i - 2 * a->across) % a->down;
+    const bool far = flat ? i >= a->across : i >= 2 * a->across + a->down;
+    const int from = k * a->side;
+    const int to = gp_min(from + a->side, flat ? w : h);
+    const int deep = gp_min(a->depth, flat ? h : w);
+    const int first = far ? (flat ? h : w) - deep : 0;
+    const struct gp_rect box =
+        flat ? (struct gp_rect) {from, first, to, first + deep}
+             : (struct gp_rect) {first, from, first + deep, to};
+    const float middle = 0.5f * (float) (from + to - 1);
+    const float line = far ? (float) (flat ? h : w) - 0.5f : -0.5f;
+    struct cell *const out = &a->cell[i];
+    (void) thread;
+    out->x = flat ? middle : line;
+    out->y = flat ? line : middle;
+    out->length = (float) (to - from);
+    sum_box(a->picture, box, out->all, out->root);
+    if (a->own == a->picture)
+        memcpy(out->own, out->all, sizeof out->own);
+    else
+        sum_box(a->own, box, out->own, NULL);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const float x = *(const float *) a, y = *(const float *) b;
+    return (x > y) - (x < y);
+}
+
+/* Limits lamps: cells over GP_EDGE_LAMP times the median of the lit ones.
+ * Returns the number of lit cells. */
+static gp_status limit_lamps(const struct gp_log *log, const float weight[3],
+                             struct cell *cell, int n, int *lit)
+{
+    float *sorted;
+    gp_status st = gp_alloc(log, "edges", (size_t) n, sizeof *sorted, &sorted);
+    if (st)
+        return st;
+    *lit = 0;
+    for (int i = 0; i < n; i++) {
+        const float *const r = cell[i].root;
+        const float y = weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2];
+        if (y > 0.0f)
+            sorted[(*lit)++] = y;
+    }
+    if (*lit) {
+        qsort(sorted, (size_t) *lit, sizeof *sorted, ascending);
+        const float most =
+            cbrtf((float) GP_EDGE_LAMP) * sorted[*lit / 2];
+        for (int i = 0; i < n; i++) {
+            float *const r = cell[i].root;
+            const float y =
+                weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2];
+            for (int c = 0; c < 3 && y > most; c++)
+                r[c] *= most / y;
+        }
+    }
+    gp_free(sorted);
+    return GP_OK;
+}
+
+// -- the light that is seen from a pixel ------------------------------------------
+
+struct seeing {
+    struct gp_beyond *b;
+    const struct cell *cell;
+    int cells;
+    bool part;   // of the picture's light only a part is wanted
+    float *sums; // 10 rows of nx for each thread
+};
+
+/* Adds a cell to the sums of a row of corners: of weights, of roots, and of the
+ * light of the part and of all, each times weights. */
+GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
+    int side, int n, bool part, float *restrict sums)
+{
+    const float up = y - cell->y, soft = up * up + (float) (side * side);
+    const float step = (float) side;
+    for (int i = 0; i < n; i++) {
+        const float dx = (float) i * step - cell->x;
+        const float d2 = dx * dx + soft;
+        const float v = cell->length / (d2 * sqrtf(d2));
+        sums[i] += v;
+        sums[i + n] += v * cell->root[0];
+        sums[i + 2 * n] += v * cell->root[1];
+        sums[i + 3 * n] += v * cell->root[2];
+    }
+    for (int i = 0; part && i < n; i++) {
+        const float dx = (float) i * step - cell->x;
+        const float d2 = dx * dx + soft;
+        const float v = cell->length / (d2 * sqrtf(d2));
+        for (int c = 0; c < 3; c++) {
+            sums[i + (4 + c) * n] += v * cell->own[c];
+            sums[i + (7 + c) * n] += v * cell->all[c];
+        }
+    }
+}
+
+static void see_row(void *ctx, int row, int thread)
+{
+    const struct seeing *const a = ctx;
+    struct gp_beyond *const b = a->b;
+    const int n = b->nx;
+    float *const sums = a->sums + (size_t) thread * 10 * (size_t) n;
+    memset(sums, 0, 10 * (size_t) n * sizeof *sums);
+    for (int i = 0; i < a->cells; i++)
+        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, a->part,
+                 sums);
+    for (int c = 0; c < 3; c++) {
+        float *const out = b->b[c] + (size_t) row * (size_t) n;
+        for (int i = 0; i < n; i++) {
+            const float r = sums[i + (1 + c) * n] / sums[i];
+            const float own = sums[i + (4 + c) * n], all = sums[i + (7 + c) * n];
+            out[i] = r * r * r;
+            if (a->part)
+                out[i] *= all > 0.0f ? own / all : 0.0f;
+        }
+    }
+}
+
+gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edges,
+                         struct gp_beyond **out)
+{
+    const struct gp_sources *const s = edges->picture;
+    const struct gp_sources *const own = edges->own ? edges->own : s;
+    struct gp_beyond *b = NULL;
+    float *sums = NULL;
+    gp_status st = GP_OK;
+    int lit;
+    *out = NULL;
+    if (edges->how == GP_SURROUND_BLACK || !s || !s->n || !own->n)
+        return GP_OK;
+    if (own->w != s->w || own->h != s->h)
+        return gp_fail_bare(log, GP_ERR_BUG, "edges: light of %dx%d in a "
+                            "picture of %dx%d", own->w, own->h, s->w, s->h);
+    const int side = (gp_max(s->w, s->h) + GP_EDGE_CELLS - 1) / GP_EDGE_CELLS;
+    struct border border = {
+        .picture = s, .own = own, .side = side, .depth = (side + 3) / 4,
+        .across = (s->w + side - 1) / side, .down = (s->h + side - 1) / side,
+    };
+    const int cells = 2 * (border.across + border.down);
+    GP_TRY(gp_alloc(log, "edges", (size_t) cells, sizeof *border.cell,
+                    &border.cell));
+    gp_parallel_do(cells, find_cell, &border);
+    GP_TRY(limit_lamps(log, s->luminance, border.cell, cells, &lit));
+    if (!lit)
+        goto out;
+    GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *b, &b));
+    b->w = s->w;
+    b->h = s->h;
+    b->side = side;
+    b->nx = (s->w - 1) / side + 2;
+    b->ny = (s->h - 1) / side + 2;
+    const size_t n = (size_t) b->nx * (size_t) b->ny;
+    for (int c = 0; c < 3; c++)
+        GP_TRY(gp_alloc(log, "edges", n, sizeof *b->b[c], &b->b[c]));
+    GP_TRY(gp_alloc(log, "edges", (size_t) gp_threads() * 10 * (size_t) b->nx,
+                    sizeof *sums, &sums));
+    struct seeing seeing = {
+        .b = b, .cell = border.cell, .cells = cells, .part = own != s,
+        .sums = sums,
+    };
+    gp_parallel_do(b->ny, see_row, &seeing);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++)
+            b->most = fmax(b->most, (double) b->b[c][i]);
+    }
+    *out = b;
+    b = NULL;
+out:
+    gp_beyond_free(&b);
+    gp_free(border.cell);
+    gp_free(sums);
+    return st;
+}
+
+// -- the share of the kernel that is outside --------------------------------------
+
+/* The sums of a kernel's samples over boxes: at (y, x) of those above and left,
+ * (k->h + 1) rows of k->w + 1. */
+static void sum_kernel(const struct gp_kernel *k, int c, double *sum)
+{
+    const size_t pitch = (size_t) k->w + 1;
+    memset(sum, 0, pitch * sizeof *sum);
+    for (int y = 0; y < k->h; y++) {
+        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+        const double *const above = sum + (size_t) y * pitch;
+        double *const here = sum + ((size_t) y + 1) * pitch;
+        double line = 0.0;
+        here[0] = 0.0;
+        for (int x = 0; x < k->w; x++) {
+            line += (double) row[x];
+            here[x + 1] = above[x + 1] + line;
+        }
+    }
+}
+
+struct adding {
+    const struct gp_beyond *b;
+    const struct gp_kernel *k;
+    const double *sum;             // of one channel
+    int c;
+    const struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail
+    double *box;                   // k->w + 1 for each thread
+    double *share;                 // w ...
+    float *line;                   // w + nx
+    struct gp_planes *layer;       // or
+    double *exact;
+};
+
+/* Fills share[x] with w in row y. */
+static void find_shares(const struct adding *a, int y, double *restrict box,
+                        double *restrict share)
+{
+    const struct gp_kernel *const k = a->k;
+    const int w = a->b->w, h = a->b->h;
+    const size_t pitch = (size_t) k->w + 1;
+    // rows of the kernel whose sources are in the picture
+    const int y0 = gp_clamp_wide((long long) y - h + 1 + k->cy, 0, k->h);
+    const int y1 = gp_clamp_wide((long long) y + 1 + k->cy, 0, k->h);
+    const double *const low = a->sum + (size_t) y0 * pitch;
+    const double *const high = a->sum + (size_t) y1 * pitch;
+    const double all = a->sum[(size_t) k->h * pitch + (size_t) k->w];
+    for (size_t i = 0; i < pitch; i++)
+        box[i] = high[i] - low[i];
+    const double rest = k->beyond[a->c] + (all - box[k->w]);
+    for (int x = 0; x < w; x++)
+        share[x] = rest;
+    // columns right of x + cx, left of x + cx - w + 1
+    const int left = gp_clamp_wide((long long) k->w - k->cx - 1, 0, w);
+    for (int x = 0; x < left; x++)
+        share[x] += box[k->w] - box[gp_max(x + k->cx + 1, 0)];
+    const int right = gp_clamp_wide((long long) w - k->cx, 0, w);
+    for (int x = right; x < w; x++)
+        share[x] += box[gp_min(x + k->cx + 1 - w, k->w)];
+}
+
+/* Fills line[x] with b in row y; `nodes` is scratch. */
+static void find_light(const struct gp_beyond *b, int c, int y, float *nodes,
+                       float *restrict line)
+{
+    const size_t n = (size_t) b->nx;
+    const float *const above = b->b[c] + (size_t) (y / b->side) * n;
+    const float down = (float) (y % b->side) / (float) b->side;
+    const float step = 1.0f / (float) b->side;
+    for (size_t i = 0; i < n; i++)
+        nodes[i] = above[i] + down * (above[i + n] - above[i]);
+    for (int i = 0; i * b->side < b->w; i++) {
+        float *const to = line + i * b->side;
+        const int end = gp_min(b->side, b->w - i * b->side);
+        const float slope = (nodes[i + 1] - nodes[i]) * step;
+        for (int k = 0; k < end; k++)
+            to[k] = nodes[i] + slope * (float) k;
+    }
+}
+
+GP_CLONES static void add_row_to(float *restrict layer,
+    const double *restrict share, const float *restrict light, int n)
+{
+    for (int x = 0; x < n; x++) {
+        const float v = layer[x] + (float) share[x] * light[x];
+        layer[x] = gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
+    }
+}
+
+static void add_row(void *ctx, int y, int thread)
+{
+    const struct adding *const a = ctx;
+    const size_t w = (size_t) a->b->w, at = (size_t) y * w;
+    const size_t t = (size_t) thread, nx = (size_t) a->b->nx;
+    double *const share = a->share + t * w;
+    float *const line = a->line + t * (2 * w + nx);
+    find_shares(a, y, a->box + t * ((size_t) a->k->w + 1), share);
+    if (a->tail) {
+        float *const inside = line + w + nx;
+        memset(inside, 0, w * sizeof *inside);
+        gp_tail_add_to(a->tail, a->c, y, thread, inside);
+        const double all = a->k->tail->sum[a->c];
+        for (size_t x = 0; x < w; x++)
+            share[x] += all - (double) inside[x];
+    }
+    find_light(a->b, a->c, y, line + w, line);
+    if (a->layer)
+        add_row_to(a->layer->c[a->c] + at, share, line, (int) w);
+    for (size_t x = 0; !a->layer && x < w; x++)
+        a->exact[at + x] += share[x] * (double) line[x];
+}
+
+/* Adds w b to `layer` or, where that is NULL, to `exact`. */
+static gp_status add(const struct gp_log *log, const struct gp_beyond *b,
+    const struct gp_kernel *k, const struct gp_tail_state *tail,
+    struct gp_planes *layer, double *exact)
+{
+    gp_status st;
+    const size_t w = (size_t) b->w, threads = (size_t) gp_threads();
+    const size_t pitch = (size_t) k->w + 1;
+    struct gp_tail_rows *rows = NULL;
+    double *sum = NULL;
+    struct adding a = {.b = b, .k = k, .layer = layer};
+    GP_TRY(gp_alloc(log, "edges", ((size_t) k->h + 1) * pitch, sizeof *sum,
+                    &sum));
+    GP_TRY(gp_alloc(log, "edges", threads * pitch, sizeof *a.box, &a.box));
+    GP_TRY(gp_alloc(log, "edges", threads * w, sizeof *a.share, &a.share));
+    GP_TRY(gp_alloc(log, "edges", threads * (2 * w + (size_t) b->nx),
+                    sizeof *a.line, &a.line));
+    if (k->tail && tail)
+        GP_TRY(gp_tail_flat(log, k->tail, tail, b->w, b->h, &rows));
+    a.sum = sum;
+    a.tail = rows;
+    for (a.c = 0; a.c < 3; a.c++) {
+        if (a.c == 0 || !k->grey)
+            sum_kernel(k, a.c, sum);
+        a.exact = exact ? exact + (size_t) a.c * w * (size_t) b->h : NULL;
+        gp_parallel_do(b->h, add_row, &a);
+    }
+out:
+    gp_tail_rows_free(&rows);
+    gp_free(sum);
+    gp_free(a.box);
+    gp_free(a.share);
+    gp_free(a.line);
+    return st;
+}
+
+gp_status gp_beyond_add(const struct gp_log *log, const struct gp_beyond *b,
+    const struct gp_kernel *k, const struct gp_tail_state *tail,
+    struct gp_planes *layer)
+{
+    return b ? add(log, b, k, tail, layer, NULL) : GP_OK;
+}
+
+gp_status gp_beyond_add_exact(const struct gp_log *log,
+    const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
+{
+    return b ? add(log, b, k, NULL, NULL, layer) : GP_OK;
+}
+
+// -- the mirror image --------------------------------------------------------------
+
+int gp_mirror_reach(int w, int h)
+{
+    return (gp_min(w, h) + 3) / 4;
+}
+
+/* The place in [0, n) that i in [-n, 2 n) shows. */
+static int mirrored(int i, int n)
+{
+    return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i;
+}
+
+/* Adds source i of src at column x of row y, both of the larger picture. */
+static void add_mirrored(const struct gp_sources *src, uint32_t i, int x, int y,
+                         struct gp_sources *out)
+{
+    const float rgb[3] = {src->rgb[0][i], src->rgb[1][i], src->rgb[2][i]};
+    gp_sources_add(out, x, y, rgb);
+}
+
+static gp_status mirror_sources(const struct gp_log *log,
+    const struct gp_sources *src, int reach, struct gp_sources *out)
+{
+    struct gp_sources like = *src;
+    const int w = src->w, h = src->h;
+    size_t n = 0;
+    like.w += 2 * reach;
+    like.h += 2 * reach;
+    like.x0 -= reach;
+    like.y0 -= reach;
+    for (int y = -reach; y < h + reach; y++) {
+        const int from = mirrored(y, h);
+        for (uint32_t i = src->row[from]; i < src->row[from + 1]; i++)
+            n += 1u + (src->x[i] < reach) + (src->x[i] >= w - reach);
+    }
+    gp_status st = gp_sources_make(log, &like, n, out);
+    if (st)
+        return st;
+    for (int y = -reach; y < h + reach; y++) {
+        const int from = mirrored(y, h);
+        const uint32_t first = src->row[from], end = src->row[from + 1];
+        for (uint32_t i = end; i-- > first;) { // left of the picture
+            if (src->x[i] < reach)
+                add_mirrored(src, i, reach - 1 - src->x[i], y + reach, out);
+        }
+        for (uint32_t i = first; i < end; i++)
+            add_mirrored(src, i, reach + src->x[i], y + reach, out);
+        for (uint32_t i = end; i-- > first;) {
+            if (src->x[i] >= w - reach)
+                add_mirrored(src, i, reach + 2 * w - 1 - src->x[i], y + reach,
+                             out);
+        }
+    }
+    gp_sources_finish(out);
+    return GP_OK;
+}
+
+static gp_status mirror_planes(const struct gp_log *log,
+    const struct gp_planes *p, int w, int h, int reach, struct gp_planes *out)
+{
+    const size_t wide = (size_t) (w + 2 * reach);
+    gp_status st = gp_planes_make(log, "mirror image",
+                                  wide * (size_t) (h + 2 * reach), out);
+    for (int c = 0; !st && c < 3; c++) {
+        for (int y = -reach; y < h + reach; y++) {
+            const float *const from =
+                p->c[c] + (size_t) mirrored(y, h) * (size_t) w;
+            float *const to = out->c[c] + (size_t) (y + reach) * wide;
+            for (int x = -reach; x < w + reach; x++)
+                to[x + reach] = from[mirrored(x, w)];
+        }
+    }
+    return st;
+}
+
+/* Sets *at to the mirrored sources of `one`: those that are there, or `own`,
+ * which is made. */
+static gp_status mirror_other(const struct gp_log *log,
+    const struct gp_sources *one, const struct gp_sources *src, int reach,
+    const struct gp_sources *there, struct gp_sources *own,
+    const struct gp_sources **at)
+{
+    *at = one == src ? there : one ? own : NULL;
+    return *at == own && one ? mirror_sources(log, one, reach, own) : GP_OK;
+}
+
+gp_status gp_mirror(const struct gp_log *log, const struct gp_surround *edges,
+    const struct gp_sources *src, const struct gp_planes *rgb,
+    struct gp_mirrored *m)
+{
+    gp_status st;
+    *m = (struct gp_mirrored) {
+        .reach = gp_mirror_reach(src->w, src->h),
+        .edges = {.how = GP_SURROUND_EXTEND},
+    };
+    GP_TRY(mirror_sources(log, src, m->reach, &m->src));
+    GP_TRY(mirror_other(log, edges->picture, src, m->reach, &m->src,
+                        &m->picture, &m->edges.picture));
+    if (edges->own != edges->picture)
+        GP_TRY(mirror_other(log, edges->own, src, m->reach, &m->src, &m->own,
+                            &m->edges.own));
+    if (rgb)
+        GP_TRY(mirror_planes(log, rgb, src->w, src->h, m->reach, &m->rgb));
+out:
+    return st;
+}
+
+void gp_mirrored_free(struct gp_mirrored *m)
+{
+    gp_sources_free(&m->src);
+    gp_sources_free(&m->picture);
+    gp_sources_free(&m->own);
+    gp_planes_free(&m->rgb);
+}

@@ -1,0 +1,102 @@
+/* Edges: the light that comes from beyond the border of the picture.
+ *
+ * A kernel takes light out of every bright pixel. Near the border part of it
+ * lands outside, and without a picture there nothing comes back: a flat sky is
+ * darker along its border. So the picture goes on. Pixel p of channel c gets
+ *
+ *   beyond(p) = w(p) b(p)
+ *
+ * beside the light of the picture's own pixels, where w is the share of the
+ * kernel whose sources lie outside,
+ *
+ *   w(p) = all of the kernel - sum over q in the picture of kernel(p - q)
+ *
+ * and b the broad light of the border as seen from p. For that the border is
+ * cut into cells, GP_EDGE_CELLS along the longer side and a quarter as deep.
+ * Each has the mean r of the cube roots of its light, and
+ *
+ *   b(p) = (sum over cells j of v_j(p) r_j / sum of v_j(p))^3
+ *   v_j(p) = length_j (|p - q_j|^2 + cell^2)^(-3/2)
+ *
+ * q_j being the middle of the cell's outer side: at depth d under the border
+ * that looks at some d to each side. A flat border of light s has b = s, so a
+ * flat picture stays flat. The cube root takes lamps out: a lamp on a share f of
+ * what is looked at counts f^3 of its light, and a cell over GP_EDGE_LAMP times
+ * the median of the lit cells counts no more than that.
+ *
+ * b is found at the corners of the cells and linear between them. */
+#ifndef GP_GLARE_EDGES_H
+#define GP_GLARE_EDGES_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/sources.h"
+
+enum {
+    GP_EDGE_CELLS = 96, // along the longer side: no finer, as a cell is the
+                        // least that a lamp is told from the sky by
+    GP_EDGE_LAMP = 4,   // two stops: more than clouds differ, less than lamps
+};
+
+/* How the picture goes on.
+ *   BLACK   not at all
+ *   EXTEND  as above
+ *   MIRROR  as its mirror image, gp_mirror_reach() pixels far, then as above */
+enum gp_surround_how { GP_SURROUND_BLACK, GP_SURROUND_EXTEND, GP_SURROUND_MIRROR };
+
+struct gp_surround {
+    enum gp_surround_how how;
+    const struct gp_sources *picture; // whose border is looked at; borrowed;
+                                      // NULL: as BLACK
+    const struct gp_sources *own;     // the part of it whose light is wanted:
+                                      // parts that add up to the picture add
+                                      // up here too; NULL: all of it
+};
+
+struct gp_kernel;
+struct gp_tail_state;
+
+/* The broad light of a border: b. */
+struct gp_beyond;
+
+/* Finds it. *out stays NULL where the border has no light. Free with
+ * gp_beyond_free(). Errors: GP_ERR_BUG out of memory, or parts of other sizes. */
+GP_MUST_CHECK gp_status gp_beyond_find(const struct gp_log *log,
+    const struct gp_surround *edges, struct gp_beyond **out);
+void gp_beyond_free(struct gp_beyond **b);
+
+/* The largest value of b; 0 where b is NULL. */
+double gp_beyond_most(const struct gp_beyond *b);
+
+/* Adds w b to a layer of the picture's size.
+ *   tail  open for k's tail, where it has one
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_beyond_add(const struct gp_log *log,
+    const struct gp_beyond *b, const struct gp_kernel *k,
+    const struct gp_tail_state *tail, struct gp_planes *layer);
+
+/* The same in double, for the truth: k has no tail, layer 3 w h doubles. */
+GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,
+    const struct gp_beyond *b, const struct gp_kernel *k, double *layer);
+
+/* Pixels that MIRROR mirrors on each side: a quarter of the shorter side. A
+ * kernel is made for frames larger by twice that. */
+int gp_mirror_reach(int w, int h);
+
+/* A picture and its mirror image around it, `reach` pixels wide. */
+struct gp_mirrored {
+    int reach;
+    struct gp_surround edges;       // of the larger picture, which EXTEND from it
+    struct gp_sources src, picture, own;
+    struct gp_planes rgb;
+};
+
+/* Mirrors `src`, the sources of `edges`, and planes of its size unless `rgb` is
+ * NULL. Free with gp_mirrored_free(), on failure too.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_mirror(const struct gp_log *log,
+    const struct gp_surround *edges, const struct gp_sources *src,
+    const struct gp_planes *rgb, struct gp_mirrored *out);
+void gp_mirrored_free(struct gp_mirrored *m);
+
+#endif
