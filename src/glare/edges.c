@@ -26,8 +26,8 @@ struct cell {
 
 struct gp_beyond {
     int w, h, side;  // of the picture; of a cell, pixels
-    int nx, ny;      // corners of cells
-    float *b[3];     // nx * ny each
+    int rows;        // of corners of cells, `side` pixels apart
+    float *b[3];     // rows * w each: b in these rows
     double most;
 };
 
@@ -152,9 +152,9 @@ static gp_status limit_lamps(const struct gp_log *log, const float weight[3],
 struct seeing {
     struct gp_beyond *b;
     const struct cell *cell;
-    int cells;
+    int cells, corners; // of the border; in a row
     bool part;   // of the picture's light only a part is wanted
-    float *sums; // 10 rows of nx for each thread
+    float *sums; // 10 rows of corners for each thread
 };
 
 /* Adds a cell to the sums of a row of corners: of weights, of roots, and of the
@@ -184,25 +184,38 @@ GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
     }
 }
 
+/* Fills a row of n pixels from its corners, `side` pixels apart. */
+GP_CLONES static void fill_between(const float *corner, int side, int n,
+                                   float *restrict row)
+{
+    const float step = 1.0f / (float) side;
+    for (int x = 0; x < n; x += side, corner++) {
+        const float slope = (corner[1] - corner[0]) * step;
+        const int end = gp_min(side, n - x);
+        for (int k = 0; k < end; k++)
+            row[x + k] = corner[0] + slope * (float) k;
+    }
+}
+
 static void see_row(void *ctx, int row, int thread)
 {
     const struct seeing *const a = ctx;
     struct gp_beyond *const b = a->b;
-    const int n = b->nx;
+    const int n = a->corners;
     float *const sums = a->sums + (size_t) thread * 10 * (size_t) n;
     memset(sums, 0, 10 * (size_t) n * sizeof *sums);
     for (int i = 0; i < a->cells; i++)
         add_cell(&a->cell[i], (float) (row * b->side), b->side, n, a->part,
                  sums);
     for (int c = 0; c < 3; c++) {
-        float *const out = b->b[c] + (size_t) row * (size_t) n;
+        float *const out = sums + (1 + c) * n;
+        const float *const own = sums + (4 + c) * n, *const all = own + 3 * n;
         for (int i = 0; i < n; i++) {
-            const float r = sums[i + (1 + c) * n] / sums[i];
-            const float own = sums[i + (4 + c) * n], all = sums[i + (7 + c) * n];
-            out[i] = r * r * r;
-            if (a->part)
-                out[i] *= all > 0.0f ? own / all : 0.0f;
+            const float r = out[i] / sums[i];
+            const float part = all[i] > 0.0f ? own[i] / all[i] : 0.0f;
+            out[i] = r * r * r * (a->part ? part : 1.0f);
         }
+        fill_between(out, b->side, b->w, b->b[c] + (size_t) row * (size_t) b->w);
     }
 }
 
@@ -237,18 +250,18 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     b->w = s->w;
     b->h = s->h;
     b->side = side;
-    b->nx = (s->w - 1) / side + 2;
-    b->ny = (s->h - 1) / side + 2;
-    const size_t n = (size_t) b->nx * (size_t) b->ny;
+    b->rows = (s->h - 1) / side + 2;
+    const int corners = (s->w - 1) / side + 2;
+    const size_t n = (size_t) b->rows * (size_t) s->w;
     for (int c = 0; c < 3; c++)
         GP_TRY(gp_alloc(log, "edges", n, sizeof *b->b[c], &b->b[c]));
-    GP_TRY(gp_alloc(log, "edges", (size_t) gp_threads() * 10 * (size_t) b->nx,
-                    sizeof *sums, &sums));
+    GP_TRY(gp_alloc(log, "edges", (size_t) gp_threads() * 10 *
+                    (size_t) corners, sizeof *sums, &sums));
     struct seeing seeing = {
-        .b = b, .cell = border.cell, .cells = cells, .part = own != s,
-        .sums = sums,
+        .b = b, .cell = border.cell, .cells = cells, .corners = corners,
+        .part = own != s, .sums = sums,
     };
-    gp_parallel_do(b->ny, see_row, &seeing);
+    gp_parallel_do(b->rows, see_row, &seeing);
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < n; i++)
             b->most = fmax(b->most, (double) b->b[c][i]);
@@ -264,163 +277,236 @@ out:
 
 // -- the share of the kernel that is outside --------------------------------------
 
-/* The sums of a kernel's samples over boxes: at (y, x) of those above and left,
- * (k->h + 1) rows of k->w + 1. */
-static void sum_kernel(const struct gp_kernel *k, int c, double *sum)
+/* Sums of a kernel's samples over boxes: at (y, x) of those above and left,
+ * h + 1 rows of `pitch`, w + 1, channel after channel. */
+struct box_sums {
+    const struct gp_kernel *k;
+    int channels; // 1 of a kernel that is grey, its tail too
+    size_t pitch;
+    double *at;
+};
+
+enum { STRIP = 256 }; // columns of a task
+
+static void sum_along(void *ctx, int i, int thread)
 {
-    const size_t pitch = (size_t) k->w + 1;
-    memset(sum, 0, pitch * sizeof *sum);
-    for (int y = 0; y < k->h; y++) {
-        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-        const double *const above = sum + (size_t) y * pitch;
-        double *const here = sum + ((size_t) y + 1) * pitch;
-        double line = 0.0;
-        here[0] = 0.0;
-        for (int x = 0; x < k->w; x++) {
-            line += (double) row[x];
-            here[x + 1] = above[x + 1] + line;
-        }
+    const struct box_sums *const s = ctx;
+    const struct gp_kernel *const k = s->k;
+    const int c = i / (k->h + 1), y = i % (k->h + 1);
+    double *const row = s->at + (size_t) i * s->pitch;
+    double sum = 0.0;
+    (void) thread;
+    row[0] = 0.0;
+    for (int x = 0; x < k->w; x++) {
+        if (y > 0)
+            sum += (double) k->k.c[c][(size_t) (y - 1) * (size_t) k->w +
+                                      (size_t) x];
+        row[x + 1] = sum;
     }
+}
+
+static void sum_down(void *ctx, int i, int thread)
+{
+    const struct box_sums *const s = ctx;
+    const size_t strips = (s->pitch + STRIP - 1) / STRIP;
+    const size_t from = (size_t) i % strips * STRIP;
+    const size_t n = s->pitch - from < STRIP ? s->pitch - from : STRIP;
+    double *row = s->at + (size_t) i / strips * ((size_t) s->k->h + 1) *
+                              s->pitch + from;
+    (void) thread;
+    for (int y = 0; y < s->k->h; y++, row += s->pitch) {
+        for (size_t x = 0; x < n; x++)
+            row[x + s->pitch] += row[x];
+    }
+}
+
+static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
+                           struct box_sums *s)
+{
+    *s = (struct box_sums) {
+        .k = k, .channels = k->grey && (!k->tail || k->tail->grey) ? 1 : 3,
+        .pitch = (size_t) k->w + 1,
+    };
+    const int rows = s->channels * (k->h + 1);
+    gp_status st = gp_alloc(log, "edges", (size_t) rows * s->pitch,
+                            sizeof *s->at, &s->at);
+    if (st)
+        return st;
+    gp_parallel_do(rows, sum_along, s);
+    gp_parallel_do(s->channels * (int) ((s->pitch + STRIP - 1) / STRIP),
+                   sum_down, s);
+    return GP_OK;
+}
+
+/* The row of sums before row y of channel c. */
+static const double *box_row(const struct box_sums *s, int c, int y)
+{
+    return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
+}
+
+/* The first row or column i of n of a kernel, centre c, that meets light at or
+ * before place p: those of light in [0, end) are [kernel_from(p - end + 1),
+ * kernel_from(p + 1)). */
+static int kernel_from(long long p, int c, int n)
+{
+    return gp_clamp_wide(p + c, 0, n);
 }
 
 struct adding {
     const struct gp_beyond *b;
-    const struct gp_kernel *k;
-    const double *sum;             // of one channel
-    int c;
+    const struct box_sums *sums;
     const struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail
-    double *box;                   // k->w + 1 for each thread
-    double *share;                 // w ...
-    float *line;                   // w + nx
-    struct gp_planes *layer;       // or
+    double *box;                     // w + 1 of the kernel for each thread
+    float *share;                    // 2 w of the picture: w; the tail inside
+    struct gp_planes *layer;
     double *exact;
 };
 
-/* Fills share[x] with w in row y. */
-static void find_shares(const struct adding *a, int y, double *restrict box,
-                        double *restrict share)
+/* Fills share[x] with w in row y, but for the tail's. */
+GP_CLONES static void find_shares(const struct gp_kernel *k,
+    const double *restrict low, const double *restrict high, double rest, int w,
+    double *restrict box, float *restrict share)
 {
-    const struct gp_kernel *const k = a->k;
-    const int w = a->b->w, h = a->b->h;
-    const size_t pitch = (size_t) k->w + 1;
-    // rows of the kernel whose sources are in the picture
-    const int y0 = gp_clamp_wide((long long) y - h + 1 + k->cy, 0, k->h);
-    const int y1 = gp_clamp_wide((long long) y + 1 + k->cy, 0, k->h);
-    const double *const low = a->sum + (size_t) y0 * pitch;
-    const double *const high = a->sum + (size_t) y1 * pitch;
-    const double all = a->sum[(size_t) k->h * pitch + (size_t) k->w];
-    for (size_t i = 0; i < pitch; i++)
+    for (int i = 0; i <= k->w; i++)
         box[i] = high[i] - low[i];
-    const double rest = k->beyond[a->c] + (all - box[k->w]);
+    const double all = box[k->w];
+    const float base = (float) rest;
     for (int x = 0; x < w; x++)
-        share[x] = rest;
-    // columns right of x + cx, left of x + cx - w + 1
+        share[x] = base;
+    // samples right of x + cx have their light left of the picture
+    const int none = gp_min(gp_max(-k->cx - 1, 0), w);
     const int left = gp_clamp_wide((long long) k->w - k->cx - 1, 0, w);
-    for (int x = 0; x < left; x++)
-        share[x] += box[k->w] - box[gp_max(x + k->cx + 1, 0)];
+    for (int x = 0; x < none; x++)
+        share[x] += (float) all;
+    for (int x = none; x < left; x++)
+        share[x] += (float) (all - box[x + k->cx + 1]);
+    // those left of x + cx - w + 1 right of it
     const int right = gp_clamp_wide((long long) w - k->cx, 0, w);
-    for (int x = right; x < w; x++)
-        share[x] += box[gp_min(x + k->cx + 1 - w, k->w)];
+    const int whole = gp_clamp_wide((long long) w + k->w - k->cx, right, w);
+    for (int x = right; x < whole; x++)
+        share[x] += (float) box[x + k->cx + 1 - w];
+    for (int x = whole; x < w; x++)
+        share[x] += (float) all;
 }
 
-/* Fills line[x] with b in row y; `nodes` is scratch. */
-static void find_light(const struct gp_beyond *b, int c, int y, float *nodes,
-                       float *restrict line)
+GP_CLONES static void take_tail(float *restrict share,
+    const float *restrict inside, float all, int n)
 {
-    const size_t n = (size_t) b->nx;
-    const float *const above = b->b[c] + (size_t) (y / b->side) * n;
-    const float down = (float) (y % b->side) / (float) b->side;
-    const float step = 1.0f / (float) b->side;
-    for (size_t i = 0; i < n; i++)
-        nodes[i] = above[i] + down * (above[i + n] - above[i]);
-    for (int i = 0; i * b->side < b->w; i++) {
-        float *const to = line + i * b->side;
-        const int end = gp_min(b->side, b->w - i * b->side);
-        const float slope = (nodes[i + 1] - nodes[i]) * step;
-        for (int k = 0; k < end; k++)
-            to[k] = nodes[i] + slope * (float) k;
-    }
+    for (int x = 0; x < n; x++)
+        share[x] += all - inside[x];
 }
 
-GP_CLONES static void add_row_to(float *restrict layer,
-    const double *restrict share, const float *restrict light, int n)
+/* Adds w b; b lies between those of two rows of corners. */
+GP_CLONES static void add_light(float *restrict layer,
+    const float *restrict share, const float *restrict above,
+    const float *restrict below, float down, int n)
 {
     for (int x = 0; x < n; x++) {
-        const float v = layer[x] + (float) share[x] * light[x];
-        layer[x] = gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
+        const float b = above[x] + down * (below[x] - above[x]);
+        layer[x] = gp_maxf(gp_minf(layer[x] + share[x] * b, FLT_MAX),
+                           -FLT_MAX);
     }
 }
 
 static void add_row(void *ctx, int y, int thread)
 {
     const struct adding *const a = ctx;
-    const size_t w = (size_t) a->b->w, at = (size_t) y * w;
-    const size_t t = (size_t) thread, nx = (size_t) a->b->nx;
-    double *const share = a->share + t * w;
-    float *const line = a->line + t * (2 * w + nx);
-    find_shares(a, y, a->box + t * ((size_t) a->k->w + 1), share);
-    if (a->tail) {
-        float *const inside = line + w + nx;
-        memset(inside, 0, w * sizeof *inside);
-        gp_tail_add_to(a->tail, a->c, y, thread, inside);
-        const double all = a->k->tail->sum[a->c];
-        for (size_t x = 0; x < w; x++)
-            share[x] += all - (double) inside[x];
+    const struct gp_beyond *const b = a->b;
+    const struct gp_kernel *const k = a->sums->k;
+    const size_t w = (size_t) b->w;
+    float *const share = a->share + (size_t) thread * 2 * w;
+    double *const box = a->box + (size_t) thread * a->sums->pitch;
+    const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
+    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
+    for (int c = 0; c < 3; c++) {
+        if (c < a->sums->channels) {
+            const double *const low = box_row(a->sums, c, y0);
+            const double *const high = box_row(a->sums, c, y1);
+            const double all = box_row(a->sums, c, k->h)[k->w];
+            find_shares(k, low, high,
+                        k->beyond[c] + (all - (high[k->w] - low[k->w])), b->w,
+                        box, share);
+        }
+        if (a->tail && (c == 0 || !k->tail->grey)) {
+            memset(share + w, 0, w * sizeof *share);
+            gp_tail_add_to(a->tail, c, y, thread, share + w);
+        }
+        if (a->tail && c < a->sums->channels)
+            take_tail(share, share + w, (float) k->tail->sum[c], b->w);
+        const float *const above =
+            b->b[c] + (size_t) (y / b->side) * w;
+        add_light(a->layer->c[c] + (size_t) y * w, share, above, above + w,
+                  (float) (y % b->side) / (float) b->side, b->w);
     }
-    find_light(a->b, a->c, y, line + w, line);
-    if (a->layer)
-        add_row_to(a->layer->c[a->c] + at, share, line, (int) w);
-    for (size_t x = 0; !a->layer && x < w; x++)
-        a->exact[at + x] += share[x] * (double) line[x];
 }
 
-/* Adds w b to `layer` or, where that is NULL, to `exact`. */
-static gp_status add(const struct gp_log *log, const struct gp_beyond *b,
-    const struct gp_kernel *k, const struct gp_tail_state *tail,
-    struct gp_planes *layer, double *exact)
+/* The plain form of add_row(), in double, of a kernel without a tail. */
+static void add_exact_row(void *ctx, int y, int thread)
 {
-    gp_status st;
-    const size_t w = (size_t) b->w, threads = (size_t) gp_threads();
-    const size_t pitch = (size_t) k->w + 1;
-    struct gp_tail_rows *rows = NULL;
-    double *sum = NULL;
-    struct adding a = {.b = b, .k = k, .layer = layer};
-    GP_TRY(gp_alloc(log, "edges", ((size_t) k->h + 1) * pitch, sizeof *sum,
-                    &sum));
-    GP_TRY(gp_alloc(log, "edges", threads * pitch, sizeof *a.box, &a.box));
-    GP_TRY(gp_alloc(log, "edges", threads * w, sizeof *a.share, &a.share));
-    GP_TRY(gp_alloc(log, "edges", threads * (2 * w + (size_t) b->nx),
-                    sizeof *a.line, &a.line));
-    if (k->tail && tail)
-        GP_TRY(gp_tail_flat(log, k->tail, tail, b->w, b->h, &rows));
-    a.sum = sum;
-    a.tail = rows;
-    for (a.c = 0; a.c < 3; a.c++) {
-        if (a.c == 0 || !k->grey)
-            sum_kernel(k, a.c, sum);
-        a.exact = exact ? exact + (size_t) a.c * w * (size_t) b->h : NULL;
-        gp_parallel_do(b->h, add_row, &a);
+    const struct adding *const a = ctx;
+    const struct gp_beyond *const b = a->b;
+    const struct gp_kernel *const k = a->sums->k;
+    const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
+    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
+    const float down = (float) (y % b->side) / (float) b->side;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const int from = c % a->sums->channels;
+        const double *const low = box_row(a->sums, from, y0);
+        const double *const high = box_row(a->sums, from, y1);
+        const double all = box_row(a->sums, from, k->h)[k->w];
+        const float *const above = b->b[c] + (size_t) (y / b->side) *
+                                                 (size_t) b->w;
+        double *const out = a->exact + ((size_t) c * (size_t) b->h +
+                                        (size_t) y) * (size_t) b->w;
+        for (int x = 0; x < b->w; x++) {
+            const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
+            const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
+            const double inside = high[x1] - high[x0] - low[x1] + low[x0];
+            const float light = above[x] + down * (above[x + b->w] - above[x]);
+            out[x] += (k->beyond[c] + all - inside) * (double) light;
+        }
     }
-out:
-    gp_tail_rows_free(&rows);
-    gp_free(sum);
-    gp_free(a.box);
-    gp_free(a.share);
-    gp_free(a.line);
-    return st;
 }
 
 gp_status gp_beyond_add(const struct gp_log *log, const struct gp_beyond *b,
     const struct gp_kernel *k, const struct gp_tail_state *tail,
     struct gp_planes *layer)
 {
-    return b ? add(log, b, k, tail, layer, NULL) : GP_OK;
+    gp_status st;
+    struct box_sums sums = {0};
+    struct gp_tail_rows *rows = NULL;
+    struct adding a = {.b = b, .sums = &sums, .layer = layer};
+    if (!b)
+        return GP_OK;
+    const size_t threads = (size_t) gp_threads();
+    GP_TRY(sum_boxes(log, k, &sums));
+    GP_TRY(gp_alloc(log, "edges", threads * sums.pitch, sizeof *a.box, &a.box));
+    GP_TRY(gp_alloc(log, "edges", threads * 2 * (size_t) b->w, sizeof *a.share,
+                    &a.share));
+    if (k->tail)
+        GP_TRY(gp_tail_flat(log, k->tail, tail, b->w, b->h, &rows));
+    a.tail = rows;
+    gp_parallel_do(b->h, add_row, &a);
+out:
+    gp_tail_rows_free(&rows);
+    gp_free(sums.at);
+    gp_free(a.box);
+    gp_free(a.share);
+    return st;
 }
 
 gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
 {
-    return b ? add(log, b, k, NULL, NULL, layer) : GP_OK;
+    struct box_sums sums;
+    gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
+    if (!b || st)
+        return st;
+    struct adding a = {.b = b, .sums = &sums, .exact = layer};
+    gp_parallel_do(b->h, add_exact_row, &a);
+    gp_free(sums.at);
+    return GP_OK;
 }
 
 // -- the mirror image --------------------------------------------------------------

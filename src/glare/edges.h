@@ -33,7 +33,7 @@
 #include "glare/sources.h"
 
 enum {
-    GP_EDGE_CELLS = 96, // along the longer side: no finer, as a cell is the
+    GP_EDGE_CELLS = 64, // along the longer side: no finer, as a cell is the
                         // least that a lamp is told from the sky by
     GP_EDGE_LAMP = 4,   // two stops: more than clouds differ, less than lamps
 };

@@ -38,14 +38,11 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
-    // the tail's error, of the light and of that from beyond the border
-    const double outside = gp_beyond_most(req->beyond);
-    const double wrong =
-        req->tail ? gp_tail_error_of(req->tail)->norm *
-                        (sqrt(src->energy[0] + src->energy[1] +
-                              src->energy[2]) +
-                         outside * sqrt(3.0 * src->w * src->h))
-                  : 0.0;
+    const double tail = req->tail ? gp_tail_error_of(req->tail)->norm : 0.0;
+    const double wrong = // the tail's error
+        tail * sqrt(src->energy[0] + src->energy[1] + src->energy[2]);
+    const double beyond = // ... of light from beyond the border
+        tail * gp_beyond_most(req->beyond) * sqrt(3.0 * src->w * src->h);
     const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm
     *floor = 0.0;
@@ -85,7 +82,7 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
         least = fmax(least, other);
     }
     // (adding the tail rounds the sum once)
-    *floor = least > 0.0 ? (lost + wrong) / least : INFINITY;
+    *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
     *floor += req->tail ? 0x1p-24 : 0.0;
     return GP_OK;
 }
