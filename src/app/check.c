@@ -239,14 +239,15 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
                        m->check ? "one frame" : "no frames");
     const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
                        gp_option_given(s, "frame");
-    if (m->from && (s->kernels.n || sized || s->kernel_size ||
+    const bool kernel = gp_option_given(s, "kernel");
+    if (m->from && (kernel || sized || s->kernel_size ||
                     gp_option_given(s, "rotate")))
         return gp_fail(log, GP_ERR_USAGE, "--from: %s says how it was made; "
                        "leave the kernel's other options out", m->from);
     if (m->from && m->check)
         return gp_fail(log, GP_ERR_USAGE, "--from: --check makes no file "
                        "(found %s); write --check %s", m->from, m->from);
-    if (m->check && s->kernels.n)
+    if (m->check && kernel)
         return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
                        "and -k %s); write only --check %s", m->check,
                        s->kernels.at[0], s->kernels.at[0]);

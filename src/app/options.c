@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include "app/flight.h"
+#include "app/styles.h"
 #include "glare/model/model.h"
 
 #include <float.h>
@@ -18,6 +19,7 @@ const struct gp_settings gp_defaults = {
     .table = GP_TABLE_DEFAULTS,
     .sun = GP_SUN_DEFAULTS,
     .command = GP_COMMAND_MAIN,
+    .style = GP_STYLE_USUAL,
     .level = GP_LEVEL_WARN,
 };
 
@@ -220,10 +222,11 @@ static const struct gp_option_choice gp_shells[] = {
 /* Heading and commands of an option. */
 #define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
 #define BOTH(g) .group = GP_GROUP_##g,                                        \
-    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_STYLES
 #define KERNEL .group = GP_GROUP_KERNEL, .commands = GP_COMMAND_KERNEL
 #define LENS(g) .group = GP_GROUP_##g,                                        \
-    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL |      \
+        GP_COMMAND_STYLES
 #define MAKES(g) .group = GP_GROUP_##g,                                       \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL
 #define OPTICS .group = GP_GROUP_LENS, .commands = GP_COMMAND_LENS
@@ -232,7 +235,7 @@ static const struct gp_option_choice gp_shells[] = {
 #define COMPARE .group = GP_GROUP_COMPARE, .commands = GP_COMMAND_COMPARE
 #define ALL(g) .group = GP_GROUP_##g,                                         \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE |     \
-        GP_COMMAND_KERNEL | GP_COMMAND_SETS
+        GP_COMMAND_KERNEL | GP_COMMAND_SETS | GP_COMMAND_STYLES
 
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', .group = GP_GROUP_OUTPUT,
@@ -286,6 +289,11 @@ const struct gp_option gp_options[] = {
         "pixels; in files other than EXR, every four channels of a pixel "
         "count as one pixel"),
 
+    OPT(style, .name = "style", .group = GP_GROUP_LIGHT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL,
+        .arg = "NAME", .list = gp_style_name,
+        .help = "Set kernels, threshold, mix, flare and lens together, but for "
+                "those that are given"),
     OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,
         .help = "Treat pixels over this luminance as light sources: a number, "
@@ -301,7 +309,7 @@ const struct gp_option gp_options[] = {
         "their largest channel is V, which keeps their hue; 0 clamps none"),
     OPT(kernels, .name = "kernel", .letter = 'k', LENS(LIGHT),
         .arg = "FILE", .list = gp_kernel_word, .open = true,
-        .help = "Point-spread function, without it builtin:eye: an image file "
+        .help = "Point-spread function, without it the style's: an image file "
                 "or a model and its keys, as MODEL:key=value,key=value; "
                 "several add up by their shares"),
     OPT(fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,

@@ -1,4 +1,5 @@
 #include "app/options.h"
+#include "app/styles.h"
 
 #include "core/memory.h"
 #include "glare/model/model.h"
@@ -266,6 +267,37 @@ static gp_status set_text(const struct use *u, void *field)
     return GP_OK;
 }
 
+/* Sets the option by its kind. */
+static gp_status set_value(const struct use *u, void *field)
+{
+    switch (u->option->kind) {
+    case GP_KIND_FLAG:
+        *(bool *) field = true;
+        return GP_OK;
+    case GP_KIND_SET:
+        memcpy(field, &u->option->set, sizeof u->option->set);
+        return GP_OK;
+    case GP_KIND_FLOAT:
+    case GP_KIND_INT:
+    case GP_KIND_COUNT:
+        return set_number(u, field);
+    case GP_KIND_COUNTS:
+        return set_counts(u, field);
+    case GP_KIND_THRESHOLD:
+        return set_threshold(u, field);
+    case GP_KIND_PAIR:
+    case GP_KIND_NUMBERS:
+        return set_list(u, field);
+    case GP_KIND_CHOICE:
+    case GP_KIND_NAMED:
+        return set_choice(u, field);
+    case GP_KIND_TEXT:
+    case GP_KIND_TEXTS:
+        return set_text(u, field);
+    }
+    return GP_ERR_BUG;
+}
+
 // -- words -------------------------------------------------------------------
 
 /* Finds the option that `word` names. *value is the rest of the word
@@ -349,32 +381,21 @@ static gp_status read_option(const struct gp_log *log, int argc,
     s->given[row / 64] |= UINT64_C(1) << row % 64;
     s->options.at[s->options.n++] = name;
     s->options.at[s->options.n++] = u.value;
-    switch (u.option->kind) {
-    case GP_KIND_FLAG:
-        *(bool *) field = true;
-        return GP_OK;
-    case GP_KIND_SET:
-        memcpy(field, &u.option->set, sizeof u.option->set);
-        return GP_OK;
-    case GP_KIND_FLOAT:
-    case GP_KIND_INT:
-    case GP_KIND_COUNT:
-        return set_number(&u, field);
-    case GP_KIND_COUNTS:
-        return set_counts(&u, field);
-    case GP_KIND_THRESHOLD:
-        return set_threshold(&u, field);
-    case GP_KIND_PAIR:
-    case GP_KIND_NUMBERS:
-        return set_list(&u, field);
-    case GP_KIND_CHOICE:
-    case GP_KIND_NAMED:
-        return set_choice(&u, field);
-    case GP_KIND_TEXT:
-    case GP_KIND_TEXTS:
-        return set_text(&u, field);
+    return set_value(&u, field);
+}
+
+/* Sets the options of the style that the command has and that are not given. */
+static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
+{
+    const char *const *word = gp_style_of(s->style)->word;
+    gp_status st = GP_OK;
+    for (; *word && !st; word += 2) {
+        const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
+                              word[1]};
+        if ((u.option->commands & s->command) && !gp_option_given(s, word[0]))
+            st = set_value(&u, (char *) s + u.option->at);
     }
-    return GP_ERR_BUG;
+    return st;
 }
 
 gp_status gp_options_parse(const struct gp_log *log, int argc,
@@ -386,7 +407,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     *out = gp_defaults;
     for (int k = 0; k < LISTS; k++) {
         struct gp_texts *const list = list_of(out, k);
-        st = gp_alloc(log, "command line", 2 * (size_t) argc + 2,
+        st = gp_alloc(log, "command line", 2 * (size_t) argc + GP_STYLE_WORDS,
                       sizeof *list->at, &list->at);
         if (st)
             return st;
@@ -428,5 +449,6 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
                        strcmp(out->sun.flare, "preset:list") == 0;
     if (st || out->help || out->help_man || out->version || out->list_flares)
         return st;
-    return gp_settings_check(log, out);
+    st = apply_style(log, out);
+    return st ? st : gp_settings_check(log, out);
 }

@@ -567,6 +567,8 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     put_frame(o, facts);
     put_list(o, "outputs", (const char *const *) facts->outputs,
              facts->n_outputs);
+    if (facts->settings)
+        put_name(o, "style", facts->settings->style);
     json_object_set_new(o, "width", json_integer(facts->width));
     json_object_set_new(o, "height", json_integer(facts->height));
     put_window(o, "window", facts->window);

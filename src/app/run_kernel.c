@@ -57,10 +57,9 @@ static gp_status check_image_options(const struct gp_log *log,
 gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out)
 {
-    static const char *const usual[] = {"builtin:eye"};
     const struct gp_read_params limits = gp_read_limits(&s->read);
-    const char *const *const at = s->kernels.n ? s->kernels.at : usual;
-    const int n = s->kernels.n ? s->kernels.n : 1;
+    const char *const *const at = s->kernels.at;
+    const int n = s->kernels.n;
     struct gp_wanted_kernel k = {0};
     bool files = false;
     if (n > GP_RECIPES)

@@ -52,6 +52,7 @@ enum gp_command {
     GP_COMMAND_KERNEL = 1 << 3, // "kernel": a kernel as a file
     GP_COMMAND_LENS = 1 << 4,   // "lens": figures of a lens
     GP_COMMAND_SETS = 1 << 5,   // "sets": visibility sets of a scene
+    GP_COMMAND_STYLES = 1 << 6, // "styles": lists them, or draws a frame in all
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
@@ -121,7 +122,8 @@ struct gp_settings {
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts hdr, layer;        // files of these options
-    struct gp_texts kernels;           // files and recipes; none: builtin:eye
+    const char *style;                 // of styles.h
+    struct gp_texts kernels;           // files and recipes
     struct gp_texts ocio_context;      // becomes ocio.context
     struct gp_texts light_groups;      // layers that glare
     struct gp_texts options;           // name and value (NULL: takes none) of

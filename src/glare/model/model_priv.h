@@ -70,6 +70,7 @@ extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_circle, gp_model_ring;                               // drawn.c
 extern const struct gp_model gp_model_star, gp_model_cross,
     gp_model_streak;                                              // rays.c
+extern const struct gp_model gp_model_halation;                   // halation.c
 extern const struct gp_model gp_model_image;                      // drawn.c
 
 /* Keys of the luminance that an eye is adapted to. */

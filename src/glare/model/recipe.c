@@ -11,7 +11,8 @@ const struct gp_model *const gp_models[] = {
     &gp_model_spencer, &gp_model_cie, &gp_model_aperture,
     &gp_model_temporal,
     &gp_model_star, &gp_model_cross, &gp_model_streak, &gp_model_ring,
-    &gp_model_circle, &gp_model_gaussian, &gp_model_moffat, &gp_model_image,
+    &gp_model_circle, &gp_model_gaussian, &gp_model_moffat,
+    &gp_model_halation, &gp_model_image,
     NULL,
 };
 
