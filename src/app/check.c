@@ -292,6 +292,26 @@ static gp_status check_lens(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Checks that glarepp styles lists them, or draws one frame. */
+static gp_status check_styles(const struct gp_log *log,
+                              const struct gp_settings *s)
+{
+    const bool makes = s->outputs.n || s->report;
+    if (s->inputs.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
+                       "%d); give one", s->inputs.at[1], s->inputs.n);
+    if (s->inputs.n && !makes)
+        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
+                       "styles -o sheet.png %s", s->inputs.at[0]);
+    if (s->inputs.n && gp_is_dash(s->inputs.at[0]))
+        return gp_fail(log, GP_ERR_USAGE, "-: styles reads the frame once for "
+                       "each style; give a file");
+    if (!s->inputs.n && makes)
+        return gp_fail(log, GP_ERR_USAGE, "styles: no frame; write glarepp "
+                       "styles -o sheet.png frame.exr");
+    return GP_OK;
+}
+
 static bool is_power_of_two(int n)
 {
     return n > 0 && (n & (n - 1)) == 0;
@@ -434,6 +454,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_lens(log, s);
     if (s->command == GP_COMMAND_SETS)
         return check_sets(log, s);
+    if (s->command == GP_COMMAND_STYLES)
+        return check_styles(log, s);
     GP_TRY(check_inputs(log, s));
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_grow(log, s));

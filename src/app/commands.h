@@ -46,6 +46,13 @@ GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
     const struct gp_settings *s, bool *faulty);
 
+/* glarepp styles: lists the styles, or draws the frame without glare and in each
+ * of them on a sheet, by a run of the main job for each. The report has a line
+ * for each.
+ * Errors: those of the main job; GP_ERR_USAGE several frames. */
+GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
+                                          const struct gp_settings *s);
+
 /* glarepp sets: O'Rorke's Table 15-1 for a scene. Reads the scene, draws each
  * row, prints the table, and writes what is asked.
  *   differ  true where a row draws another picture than the first; the command's

@@ -4,6 +4,7 @@
 #define GP_APP_JOBS_H
 
 #include "app/settings.h"
+#include "core/frame.h"
 #include "core/status.h"
 #include "io/read.h"
 #include "io/sequence.h"
@@ -37,6 +38,16 @@ struct gp_job {
     const char *view;  // of gp_jobs.view; NULL without views
 };
 
+/* Takes tone-mapped pictures in place of the files of a run: `picture` has the
+ * samples of f's data window, display-linear, or with --tonemap none
+ * scene-linear. Both end with the call. */
+struct gp_taker {
+    gp_status (*take)(void *user, const struct gp_log *log,
+                      const struct gp_frame *f,
+                      const struct gp_planes *picture);
+    void *user;
+};
+
 /* The views of a frame follow each other, in the order of the list. */
 struct gp_jobs {
     struct gp_job *job;        // owned; at least one
@@ -49,6 +60,7 @@ struct gp_jobs {
     bool views_found;          // and were found in the first input: no frame
                                // may have others
     char *views_line;          // owned; the warning that says so, or NULL
+    const struct gp_taker *taker; // borrowed; NULL: files are written
     struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
                                // without stdin
 };

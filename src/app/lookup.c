@@ -15,6 +15,7 @@ const struct gp_command_row gp_commands[] = {
      "  glarepp kernel [options] -o FILE (see glarepp kernel --help)\n"
      "  glarepp lens [options]           (see glarepp lens --help)\n"
      "  glarepp sets [options] SCENE     (see glarepp sets --help)\n"
+     "  glarepp styles [options] [FRAME] (see glarepp styles --help)\n"
      "  glarepp help [TOPIC]\n\n"
      "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or patterns:\n"
      "shot.####.exr, shot.@.exr, shot.%04d.exr; %V stands for a stereo view.\n",
@@ -52,6 +53,13 @@ const struct gp_command_row gp_commands[] = {
      "the\nsurfaces do not make what the file claims.\n",
      "glarepp lens --list"},
     {"sets", GP_COMMAND_SETS, NULL, "glarepp sets scene.glb"},
+    {"styles", GP_COMMAND_STYLES,
+     "Lists the styles, or draws a frame in each of them.\n\n"
+     "  glarepp styles\n"
+     "  glarepp styles [options] -o SHEET FRAME\n\n"
+     "SHEET is a picture, with a tile for each style. --report has a line for "
+     "each,\nwith its command.\n",
+     "glarepp styles -o sheet.png frame.exr"},
     {"help", GP_COMMAND_HELP, NULL, NULL},
     {0},
 };

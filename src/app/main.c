@@ -318,6 +318,8 @@ int main(int argc, char *argv[])
     } else if (!st && s.command == GP_COMMAND_SETS) {
         gp_gl_prepare(); // while there is one thread
         st = gp_sets_command(&log, &s, &differs);
+    } else if (!st && s.command == GP_COMMAND_STYLES) {
+        st = gp_styles_command(&log, &s);
     } else if (!st && s.command == GP_COMMAND_LENS) {
         st = gp_lens_command(&log, &s, &differs);
     } else if (!st) {

@@ -239,10 +239,11 @@ static const struct gp_option_choice gp_shells[] = {
 
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', .group = GP_GROUP_OUTPUT,
-        .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL | GP_COMMAND_SETS,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL | GP_COMMAND_SETS |
+            GP_COMMAND_STYLES,
         .arg = "FILE",
-        .help = "Write a tone-mapped picture, the kernel as EXR floats, or the "
-                "scene's picture; the ending picks the format; may be given "
+        .help = "Write a tone-mapped picture, the kernel as EXR floats, the "
+                "scene's picture or the sheet of styles; the ending picks the format; may be given "
                 "more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
@@ -578,9 +579,11 @@ const struct gp_option gp_options[] = {
         .help = "Write no glarepp:version and glarepp:command into EXR and "
                 "PNG files, and drop those of the input"),
 
-    OPT(report, .name = "report", IN(REPORT), .arg = "FILE", .once = true,
+    OPT(report, .name = "report", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_STYLES, .arg = "FILE", .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
-    OPT(report_append, .name = "report-append", IN(REPORT),
+    OPT(report_append, .name = "report-append", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_STYLES,
         .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
         "resumed run should; without it, replace it"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,

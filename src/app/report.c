@@ -559,6 +559,16 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
     return write_object(log, r, o);
 }
 
+/* Adds the style, and the command that makes the picture again. */
+static void put_style(json_t *o, const struct gp_facts *f)
+{
+    char *command;
+    put_name(o, "style", f->settings->style);
+    if (gp_command_text(NULL, f->settings, &f->input, 1, &command) == GP_OK)
+        put_name(o, "command", command);
+    free(command);
+}
+
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
@@ -568,7 +578,7 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     put_list(o, "outputs", (const char *const *) facts->outputs,
              facts->n_outputs);
     if (facts->settings)
-        put_name(o, "style", facts->settings->style);
+        put_style(o, facts);
     json_object_set_new(o, "width", json_integer(facts->width));
     json_object_set_new(o, "height", json_integer(facts->height));
     put_window(o, "window", facts->window);

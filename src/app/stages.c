@@ -544,7 +544,11 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->write;
     const char *const input = fs->job->input;
+    const struct gp_taker *const taker = r->jobs->taker;
     char *command = NULL;
+    if (taker)
+        return taker->take(taker->user, fs->log, &fs->frame,
+                           untoned(r->s) ? &fs->frame.lit : &fs->frame.shown);
     gp_status st = r->s->no_provenance
         ? GP_OK : gp_command_text(fs->log, r->s, &input, 1, &command);
     p.command = command;
