@@ -26,7 +26,7 @@ options_of()
     "$glarepp" "$@" --help |
         sed -n 's/^ \{2,6\}\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
-commands='bench compare kernel lens sets'
+commands='bench compare kernel lens sets styles'
 help=$({ options_of; for command in $commands; do options_of $command; done; } |
     sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |

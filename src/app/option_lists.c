@@ -35,6 +35,23 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
 };
 
+const struct gp_option_choice gp_primitives[] = {
+    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, else quad"},
+    {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
+    {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
+     "limit of size"},
+    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile of the frame, which "
+     "sums the polygons that reach it"},
+    {0},
+};
+const struct gp_option_choice gp_gls[] = {
+    {"auto", GP_GL_AUTO, "osmesa, or egl where OSMesa cannot be opened"},
+    {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
+    {"egl", GP_GL_EGL, "a GPU where there is one, else Mesa's surfaceless "
+     "platform on the CPU"},
+    {0},
+};
+
 const struct gp_option_choice gp_progresses[] = {
     {"auto", GP_PROGRESS_AUTO, "on a terminal, after one second"},
     {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},

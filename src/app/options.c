@@ -50,13 +50,6 @@ static const struct gp_option_choice gp_threshold_modes[] = {
      "et al.; the picture has a step at the threshold"},
     {0},
 };
-static const struct gp_option_choice gp_gls[] = {
-    {"auto", GP_GL_AUTO, "osmesa, or egl where OSMesa cannot be opened"},
-    {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
-    {"egl", GP_GL_EGL, "a GPU where there is one, else Mesa's surfaceless "
-     "platform on the CPU"},
-    {0},
-};
 static const struct gp_option_choice gp_methods[] = {
     {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
      "formula (1) of Ando et al."},
@@ -64,15 +57,6 @@ static const struct gp_option_choice gp_methods[] = {
      "the group's light"},
     {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each pixel, its tail "
      "from the group"},
-    {0},
-};
-static const struct gp_option_choice gp_primitives[] = {
-    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, else quad"},
-    {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
-    {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
-     "limit of size"},
-    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile of the frame, which "
-     "sums the polygons that reach it"},
     {0},
 };
 static const struct gp_option_choice gp_depth_types[] = {
@@ -221,6 +205,8 @@ static const struct gp_option_choice gp_shells[] = {
 
 /* Heading and commands of an option. */
 #define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
+#define DRAWS(g) .group = GP_GROUP_##g,                                       \
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_STYLES
 #define BOTH(g) .group = GP_GROUP_##g,                                        \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_STYLES
 #define KERNEL .group = GP_GROUP_KERNEL, .commands = GP_COMMAND_KERNEL
@@ -240,11 +226,10 @@ static const struct gp_option_choice gp_shells[] = {
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL | GP_COMMAND_SETS |
-            GP_COMMAND_STYLES,
-        .arg = "FILE",
+            GP_COMMAND_STYLES, .arg = "FILE",
         .help = "Write a tone-mapped picture, the kernel as EXR floats, the "
-                "scene's picture or the sheet of styles; the ending picks the format; may be given "
-                "more than once"),
+                "scene's picture or the sheet of styles; the ending picks the "
+                "format; may be given more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through; may be given more than "
@@ -579,11 +564,9 @@ const struct gp_option gp_options[] = {
         .help = "Write no glarepp:version and glarepp:command into EXR and "
                 "PNG files, and drop those of the input"),
 
-    OPT(report, .name = "report", .group = GP_GROUP_REPORT,
-        .commands = GP_COMMAND_MAIN | GP_COMMAND_STYLES, .arg = "FILE", .once = true,
+    OPT(report, .name = "report", DRAWS(REPORT), .arg = "FILE", .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
-    OPT(report_append, .name = "report-append", .group = GP_GROUP_REPORT,
-        .commands = GP_COMMAND_MAIN | GP_COMMAND_STYLES,
+    OPT(report_append, .name = "report-append", DRAWS(REPORT),
         .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
         "resumed run should; without it, replace it"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,

@@ -42,7 +42,8 @@ int gp_sheet_h(const struct gp_sheet *s)
     return rows * (s->h + LINE + GAP) + GAP;
 }
 
-static void draw_caption(struct gp_sheet *s, int left, int top, const char *text)
+static void draw_caption(struct gp_sheet *s, int left, int top,
+                         const char *text)
 {
     for (int n = 0; text[n] && (6 * n + 5) * DOT <= s->w; n++) {
         const char c = text[n];

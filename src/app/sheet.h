@@ -21,8 +21,8 @@ int gp_sheet_h(const struct gp_sheet *s);
 /* Draws tile i, 0 to s->tiles - 1: the display window of f from `picture`, the
  * samples of its data window, scaled down by areas; outside of the data window
  * it is black. The first tile sets the size of all. Captions are of a to z,
- * spaces and dashes; longer ones are cut. Start with {.columns, .tiles}; end with
- * gp_planes_free(&s->planes).
+ * spaces and dashes; longer ones are cut. Start with {.columns, .tiles}; end
+ * with gp_planes_free(&s->planes).
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sheet_draw(const struct gp_log *log,
     struct gp_sheet *s, int i, const char *caption, const struct gp_frame *f,

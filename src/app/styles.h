@@ -1,4 +1,4 @@
-/* Styles: names for options that belong together, as words of a command line. */
+/* Styles: names for options that belong together, as their words. */
 #ifndef GP_APP_STYLES_H
 #define GP_APP_STYLES_H
 

@@ -83,7 +83,7 @@ out:
 // -- all of them --------------------------------------------------------------
 
 static gp_status write_sheet(const struct gp_log *log,
-                             const struct gp_settings *s, struct gp_sheet *sheet)
+    const struct gp_settings *s, const struct gp_sheet *sheet)
 {
     struct gp_write_stats stats = {0};
     struct gp_write_params p = s->write;

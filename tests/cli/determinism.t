@@ -31,7 +31,8 @@ make_all()
         --layer "$into/l.####.exr" --debug sensors="$into/s.####.exr" \
         -o "$into/p.####.png" "$@" "$here/in.####.exr" 2>err || return
     sed -i "s/\"times_ms\".*//; s/\"outputs\":[^]]*]//; s/\"gl\".*//
-            s/\"engine_why\":\"[^\"]*\"//; s/\"input\":\"[^\"]*\"//" "$into/r"
+            s/\"engine_why\":\"[^\"]*\"//; s/\"input\":\"[^\"]*\"//
+            s/\"command\":\"[^\"]*\"//" "$into/r"
 }
 
 # as_first DESCRIPTION COMMAND...: its folder `new` holds what `first` does

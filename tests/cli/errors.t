@@ -310,7 +310,7 @@ f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
 -o a i --debug sunmap=f => --debug sunmap: needs a light; give --sun, --sun-dir, --camera, --lights or --scene
 -o a i --view left => --view: needs --ocio CONFIG; for stereo use --views left
 -o a i --display d => --display: needs --ocio; give --ocio CONFIG or --ocio env
--o a i -k builtin:sta => --kernel: no such value (found "builtin:sta"); did you mean builtin:star? Else give one of builtin:eye, builtin:eye-night, builtin:eye-old, builtin:star, builtin:cross, builtin:streak, builtin:ring, builtin:circle, spencer, cie, aperture, temporal, gaussian, moffat, image
+-o a i -k builtin:sta => --kernel: no such value (found "builtin:sta"); did you mean builtin:star? Else give one of builtin:eye, builtin:eye-night, builtin:eye-old, builtin:star, builtin:cross, builtin:streak, builtin:ring, builtin:circle, spencer, cie, aperture, temporal, gaussian, moffat, halation, image
 -o a i -k stra => --kernel: no such file (found "stra"); did you mean builtin:star?
 -o a i --threshold-mode excesss => --threshold-mode: no such value (found "excesss"); did you mean excess? Else give one of excess, whole
 --layer diffuse in.exr => diffuse: --layer writes a file (ending is missing); end the name in .exr, or to choose an EXR layer use --layer-in diffuse

@@ -34,6 +34,7 @@ share/doc/glarepp/README.md
 share/doc/glarepp/examples/blender_camera.py
 share/doc/glarepp/examples/flares/anamorphic.json
 share/doc/glarepp/examples/flares/lamps.json
+share/doc/glarepp/examples/flares/oval.json
 share/doc/glarepp/examples/flares/veil.json
 share/doc/glarepp/examples/flares/vintage.json
 share/doc/glarepp/examples/flares/zoom.json
@@ -124,6 +125,7 @@ usr/share/doc/glarepp/copyright
 usr/share/doc/glarepp/examples/blender_camera.py
 usr/share/doc/glarepp/examples/flares/anamorphic.json
 usr/share/doc/glarepp/examples/flares/lamps.json
+usr/share/doc/glarepp/examples/flares/oval.json
 usr/share/doc/glarepp/examples/flares/veil.json
 usr/share/doc/glarepp/examples/flares/vintage.json
 usr/share/doc/glarepp/examples/flares/zoom.json

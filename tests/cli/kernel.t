@@ -483,7 +483,7 @@ run -k whole.exr -e direct --layer l.exr --report r.json in.exr
 quiet_success 'no warning of light that falls beside the frame'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"]')" \
     '(True, 0.0)' 'which the report has'
-run --layer m.exr --report r.json -e direct in.exr
+run --style eye --layer m.exr --report r.json -e direct in.exr
 quiet_success 'nor by the model itself'
 is "$(field r.json 'o["kernel_left_out"] > .01, o["kernel"]["missed"], o["kernel"]["recipes"]')" \
     "(True, 0.0, ['spencer'])" 'which reports the same'

@@ -15,7 +15,7 @@ run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
     --report r.json in.exr
 quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
-is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
+is "$(field r.json 'list(o)')" "['input', 'outputs', 'style', 'command', 'width', 'height', 'window', \
 'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'deg_per_pixel', \
 'fov_from', 'kernel', 'kernel_left_out', 'flux_out', 'bound', 'measured', 'nonfinite', \
 'clamped', 'depth', 'times_ms', 'cpu_ms', 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \

@@ -336,11 +336,11 @@ refuses --sun-color 'two colours' --sun 1,2 --sun-color 1,2
 refuses --sun-map 'an odd map' --sun 1,2 --sun-method mask --sun-map 15
 refuses --sun-color 'flare without flux' --sun 1,2 --flare flare.json
 refuses '"bright"' 'flare without light' --flare flare.json
-refuses 'anamorphic, lamps, veil' 'a list of flares in place of one' \
+refuses 'anamorphic, lamps, oval, veil' 'a list of flares in place of one' \
     --flare preset:list
 run --flare preset:list
 status_is 0 'the list of flares'
-is "$(tr '\n' ' ' <out)" 'anamorphic lamps veil vintage zoom ' 'their names'
+is "$(tr '\n' ' ' <out)" 'anamorphic lamps oval veil vintage zoom ' 'their names'
 run --flare preset:list --threads 2 -o out.png
 fails_with 2 'no input' 'a list of flares, and a picture of nothing'
 refuses 'veil, vintage, zoom' 'a flare by a path' --flare preset:../flare

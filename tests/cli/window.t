@@ -16,13 +16,14 @@ window()
 lamp='size=17x17 origin=40,30 display=0,0,99,79 kind=zeros hot=1000'
 frame lamp.exr $lamp $channels
 frame padded.exr $lamp $channels pad=0,0,99,79
-run --fov 3 --report r.json --layer l.exr --hdr h.exr -o o.png lamp.exr
+run --style eye --fov 3 --report r.json --layer l.exr --hdr h.exr -o o.png \
+    lamp.exr
 quiet_success 'a cropped lamp'
 is "$(window r.json)" '[0,0,100,80]' 'glares over the display window'
 like "$(cat r.json)" '*"window_read":\[40,30,57,47\]*' \
     'the report has the window that was read'
 is "$(png_size o.png)" '100x80 8 2' 'PNG: the display window'
-run --fov 3 --report c.json --grow none --layer cut.exr lamp.exr
+run --style eye --fov 3 --report c.json --grow none --layer cut.exr lamp.exr
 is "$(window c.json)" '[40,30,57,47]' '--grow none: the data window'
 "$python" - r.json c.json <<'PY'
 import json, sys

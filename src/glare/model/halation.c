@@ -1,9 +1,9 @@
-/* Halation of film: light that the emulsion scatters into the base, and that the
- * base's back reflects.
+/* Halation of film: light that the emulsion scatters into the base, and that
+ * the base's back reflects.
  *
- * The emulsion scatters as a Lambertian sheet does. At the angle w it comes back
- * r = 2 d tan w away, d the base's thickness, with the irradiance of a sheet at
- * the distance 2 d,
+ * The emulsion scatters as a Lambertian sheet does. Light at the angle w comes
+ * back r = 2 d tan w away, d the base's thickness, with the irradiance of a
+ * sheet at the distance 2 d,
  *
  *   E(r) = R(w) cos^4 w / (pi (2 d)^2)
  *

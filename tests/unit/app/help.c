@@ -81,7 +81,7 @@ static void help_is_complete(void **state)
         assert_null(strstr(help, "e+38"));
         if (c == GP_COMMAND_MAIN || c == GP_COMMAND_BENCH) {
             assert_non_null(strstr(help, "0 or more; default 1)"));
-            assert_non_null(strstr(help, "without it builtin:eye"));
+            assert_non_null(strstr(help, "without it the style's"));
             assert_non_null(strstr(help, "(0 to 1; default 0)"));
         }
         free(help);

@@ -12,7 +12,7 @@ static void defaults_hold(void **state)
     assert_true(s.inputs.n == 1 && s.outputs.n == 1);
     assert_string_equal(s.inputs.at[0], "in.exr");
     assert_string_equal(s.outputs.at[0], "a.png");
-    assert_int_equal(s.kernels.n, 0);
+    assert_string_equal(s.style, "camera");
     assert_false(s.kernel.centered);
     assert_string_equal(s.glare.engine, "auto");
     assert_true(s.sensor.threshold == 1.0f && s.sensor.knee == 0.0f);
