@@ -15,7 +15,6 @@
  *
  * The layers are the frame's channels; the ring's edge is as soft as the
  * emulsion is thick. */
-#include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
@@ -28,17 +27,18 @@ struct halation {
     double factor; // that makes the luminance 1
 };
 
-/* Half of the width of the ring's edge, share of its radius. The emulsion of
- * colour film is 0.02 to 0.03 mm thick, a fifth of the base. */
-#define SOFT 0.2
+/* Scale on which the ring's edge rises, share of its radius: half of the
+ * emulsion's thickness, which in colour film is 0.02 to 0.03 mm, a fifth of the
+ * base. */
+#define SOFT 0.1
 
 static void halation_profile(const void *ctx, double t, double out[3])
 {
     const struct halation *const h = ctx;
     const double r = t / h->across;
     const double along = sqrt(1.0 + r * r); // 1 / cos w
-    const double edge = 0.5 + (r / h->ring - 1.0) / (2.0 * SOFT);
-    const double back = h->faint + (1.0 - h->faint) * gp_smoothstep(edge);
+    const double edge = 0.5 + 0.5 * tanh((r / h->ring - 1.0) / SOFT);
+    const double back = h->faint + (1.0 - h->faint) * edge;
     const double light = h->factor * back /
                          (M_PI * h->across * h->across * pow(along, 4.0));
     for (int c = 0; c < 3; c++)

@@ -223,6 +223,7 @@ static void resolution_does_not_matter(void **state)
         {"spencer", 4e-6}, {"spencer:light=scotopic", 4e-6},
         {"cie:age=70", 1e-4}, {"cie:equation=general", 2e-3},
         {"moffat:share=1", 1e-6}, {"gaussian:share=1", 1e-6},
+        {"halation:share=1", 1e-4},
         {"gaussian:share=1,fwhm=0.05", 1e-6},
         {"circle:share=1,soft=0.08", 2e-3},
         {"ring:share=1", 3e-4}, {"star:share=1", 2e-3},
@@ -275,6 +276,7 @@ static void light_is_kept(void **state)
         "cie:equation=general", "spencer:needles=90",
         "spencer:light=scotopic,needles=7,seed=3", "star:share=1", "cross", "streak:share=1", "ring:share=1", "circle",
         "circle:size=0.01", "star:squeeze=3,points=5",
+        "halation:share=0.3",
     };
     for (size_t i = 0; i < COUNT(texts); i++) {
         struct gp_recipe r = scene_recipe(texts[i]);
@@ -400,6 +402,56 @@ static void make_for(const char *text, double degrees, const float ch[8],
     gp_recipe_free(&r);
 }
 
+/* The light of channel c that is farther than t degrees. */
+static double light_beyond(const struct gp_kernel *k, double degrees, int c,
+                           double t)
+{
+    double sum = 0.0;
+    for (int y = 0; y < k->h; y++) {
+        for (int x = 0; x < k->w; x++) {
+            if (hypot(x - k->cx, y - k->cy) * degrees > t)
+                sum += (double) k->k.c[c][y * k->w + x];
+        }
+    }
+    return sum;
+}
+
+/* Halation is wider in red than in green than in blue; by the index of the base
+ * it has a ring, beyond which the light ends as that of a Lambertian sheet:
+ * 1 / (1 + r^2 / (2 d)^2) is farther than r. */
+static void halation_is_of_film(void **state)
+{
+    (void) state;
+    const double degrees = 1.0 / 36.0, n = 1.48;
+    const double across = 2.0 * 0.13 / 26.0 * 180.0 / M_PI;
+    const double ring = across / sqrt(n * n - 1.0);
+    const struct gp_field f = scene_field(801, 801, degrees, 1.0);
+    struct gp_kernel k, whole;
+    double far[3], near;
+    model_make("halation:share=0.2", &f, &k);
+    assert_ok(gp_kernel_whole(NULL, &k, f.w, f.h, &whole));
+    for (int c = 0; c < 3; c++)
+        far[c] = light_beyond(&whole, degrees, c, 2.0 * ring) /
+                 light_beyond(&whole, degrees, c, 0.5 * ring);
+    assert_true(far[0] > 1.1 * far[1] && far[1] > 1.1 * far[2]);
+    gp_kernel_free(&whole);
+    gp_kernel_free(&k);
+    model_make("halation:share=0.2,green=1,blue=1", &f, &k);
+    assert_ok(gp_kernel_whole(NULL, &k, f.w, f.h, &whole));
+    const double out = k.left_out; // beyond the field
+    near = light_beyond(&whole, degrees, 0, 1.5 * ring) + out;
+    const double wanted = (1.0 + 9.0 / (n * n - 1.0)) /
+                          (1.0 + 2.25 / (n * n - 1.0));
+    const double got = near / (light_beyond(&whole, degrees, 0, 3.0 * ring) +
+                               out);
+    assert_true(fabs(got / wanted - 1.0) < 0.01);
+    const double inside = sample_at(&whole, 0, (int) (0.5 * ring / degrees), 0);
+    assert_true(sample_at(&whole, 0, (int) (1.2 * ring / degrees), 0) >
+                3.0 * inside);
+    gp_kernel_free(&whole);
+    gp_kernel_free(&k);
+}
+
 /* A kernel of spectra for the primaries of CIE XYZ, which hold every colour,
  * converted to BT.709, is the one made for BT.709 where that holds the colour:
  * the sum over wavelengths is folded in, and not each wavelength. */
@@ -451,7 +503,7 @@ static void colours_are_those_of_any_primaries(void **state)
 }
 
 SUITE_OF(model, NULL, NULL,
-    colours_are_those_of_any_primaries,
+    halation_is_of_film, colours_are_those_of_any_primaries,
     recipes_are_read, messages_are_short,
     presets_are_in_range,
     pixels_add_up,
