@@ -50,7 +50,7 @@ static const struct gp_model_key halation_keys[] = {
     {"base", "thickness of the film's base, mm", 0.13, 0.01, 2.0, NULL, false},
     {"index", "refractive index of the base", 1.48, 1.3, 2.0, NULL, false},
     {"focal", "focal length of the lens, mm", 26.0, 1.0, 2000.0, NULL, false},
-    {"green", "share of the light that reaches the layer for green", 0.45, 0.0,
+    {"green", "share of the light that reaches the layer for green", 0.36, 0.0,
      1.0, NULL, false},
     {"blue", "share of the light that reaches the layer for blue", 0.1, 0.0,
      1.0, NULL, false},
