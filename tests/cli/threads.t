@@ -22,7 +22,8 @@ make_all()
         --layer "$folder/l.exr" --debug sensors="$folder/s.exr" \
         -o "$folder/p8.png" "$@" "$input" 2>err || return
     sed -i "s/\"times_ms\".*//; s/\"outputs\":[^]]*]//; s/\"gl\".*//
-            s/\"engine_why\":\"[^\"]*\"//" "$folder/r"
+            s/\"engine_why\":\"[^\"]*\"//
+            s/\"command\":\"[^\"]*\"//" "$folder/r"
 }
 
 # same_for INPUT ENGINE DESCRIPTION ARGUMENT...: one thread against 2, 4, 7
