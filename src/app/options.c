@@ -50,15 +50,6 @@ static const struct gp_option_choice gp_threshold_modes[] = {
      "et al.; the picture has a step at the threshold"},
     {0},
 };
-static const struct gp_option_choice gp_methods[] = {
-    {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
-     "formula (1) of Ando et al."},
-    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by the second moment of "
-     "the group's light"},
-    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each pixel, its tail "
-     "from the group"},
-    {0},
-};
 static const struct gp_option_choice gp_depth_types[] = {
     {"z", GP_DEPTH_Z, "distance along the view axis"},
     {"ray", GP_DEPTH_RAY, "distance from the camera"},
@@ -321,7 +312,7 @@ const struct gp_option gp_options[] = {
         "more than 1 only brightens the glare"),
     CHOICE(compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
-    CHOICE(edges, .name = "edges", IN(LIGHT), .arg = "HOW",
+    CHOICE(edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
         .choices = gp_edges_ways,
         .help = "Continue the picture beyond its border this way"),
 

@@ -56,9 +56,9 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name suffices
 };
 
-// Values of --progress, --debug, --gl and --primitive, in option_lists.c
+// Values of options, in option_lists.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
-    gp_primitives[];
+    gp_methods[], gp_primitives[];
 
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
