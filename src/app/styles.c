@@ -22,14 +22,15 @@
 #define VEIL "moffat:share=.012,fwhm=.6,beta=2"
 
 const struct gp_style gp_styles[] = {
-    {"camera", "a modern lens: its iris' diffraction, a soft core, a thin veil",
+    {"camera", "a modern lens: a soft core, a thin veil, its iris' diffraction",
      {
         "kernel", CORE,
         "kernel", VEIL,
         // The iris, round by its blades: Airy's pattern falls with the cube of
-        // the angle, as a Moffat of beta 1.5, and a stop of D mm sends the share
-        // 2 l / (pi^2 D t) of its light farther than t radians: of 35 mm at f/4
-        // and 550 nm .00073 / t, t in degrees; so share times fwhm / 1.53.
+        // the angle, as a Moffat of beta 1.5. A stop of D mm sends the share
+        // 2 l / (pi^2 D t) of its light farther than t radians; 35 mm at f/4
+        // and 550 nm: .00073 / t, t in degrees, which is share times fwhm /
+        // 1.53.
         // Rays of straight blades would take 18 ms more of 110 in 1920x1080.
         "kernel", "moffat:share=.028,fwhm=.04,beta=1.5",
      }},

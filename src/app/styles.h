@@ -4,7 +4,7 @@
 
 #define GP_STYLE_USUAL "camera" // of a run without --style
 
-enum { GP_STYLE_WORDS = 16 };   // most of one style, a NULL at the end included
+enum { GP_STYLE_WORDS = 16 };   // most of one style, with the NULL
 
 struct gp_style {
     const char *name;
