@@ -45,6 +45,10 @@ static void halation_profile(const void *ctx, double t, double out[3])
         out[c] = light * pow(h->pass[c], along);
 }
 
+/* The usual film has a base of cellulose triacetate, 5 mils thick, n = 1.48;
+ * the usual lens shows 14 mm of it in GP_USUAL_FOV: 35 mm film in 16:9.
+ * What the layers pass is chosen for halos of orange and red, as film without a
+ * backing has. */
 static const struct gp_model_key halation_keys[] = {
     GP_MODEL_SHARE(0.03),
     {"base", "thickness of the film's base, mm", 0.13, 0.01, 2.0, NULL, false},
