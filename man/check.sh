@@ -23,7 +23,7 @@ fi
 # options_of [COMMAND]: those that its --help lists, one a line: "-o --output"
 options_of()
 {
-    "$glarepp" "$@" --help |
+    "$glarepp" "$@" --help all |
         sed -n 's/^ \{2,6\}\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
 commands='bench compare kernel lens sets styles'

@@ -1,4 +1,5 @@
 #include "app/options.h"
+#include "core/minmax.h"
 #include "glare/model/model.h"
 
 #include <ctype.h>
@@ -58,13 +59,10 @@ static void option_text(const struct gp_option *o, bool values, char *text,
 
 // -- --help ------------------------------------------------------------------
 
-void gp_help_text(FILE *f, int column, const char *text)
+/* Prints text from a column on, its other lines from `indent` on. */
+static void print_wrapped(FILE *f, int column, int indent, const char *text)
 {
-    if (column >= INDENT - 1)
-        fprintf(f, "\n%*s", INDENT, "");
-    else
-        fprintf(f, "%*s", INDENT - column, "");
-    for (column = INDENT; *text;) {
+    while (*text) {
         const int n = (int) strcspn(text, " ");
         fprintf(f, "%.*s", n, text);
         column += n;
@@ -75,21 +73,36 @@ void gp_help_text(FILE *f, int column, const char *text)
                 putc(' ', f);
                 column++;
             } else {
-                fprintf(f, "\n%*s", INDENT, "");
-                column = INDENT;
+                fprintf(f, "\n%*s", indent, "");
+                column = indent;
             }
         }
     }
     putc('\n', f);
 }
 
+void gp_help_text(FILE *f, int column, const char *text)
+{
+    if (column >= INDENT - 1)
+        fprintf(f, "\n%*s", INDENT, "");
+    else
+        fprintf(f, "%*s", INDENT - column, "");
+    print_wrapped(f, INDENT, INDENT, text);
+}
+
+/* Prints an option's letter, name and value; returns their columns. */
+static int print_name(FILE *f, const struct gp_option *o)
+{
+    const int column = o->letter
+                           ? fprintf(f, "  -%c, --%s", o->letter, o->name)
+                           : fprintf(f, "      --%s", o->name);
+    return column + (o->arg ? fprintf(f, " %s", o->arg) : 0);
+}
+
 static void print_option(FILE *f, const struct gp_option *o)
 {
     char text[1536];
-    int column = o->letter ? fprintf(f, "  -%c, --%s", o->letter, o->name)
-                           : fprintf(f, "      --%s", o->name);
-    if (o->arg)
-        column += fprintf(f, " %s", o->arg);
+    const int column = print_name(f, o);
     option_text(o, true, text, sizeof text);
     gp_help_text(f, column, text);
 }
@@ -124,17 +137,28 @@ static bool print_group(FILE *f, int group, unsigned commands)
     return headed;
 }
 
+/* Prints the examples of a command, their texts in one column. */
+static void print_examples(FILE *f, const struct gp_command_row *c)
+{
+    int width = 0;
+    for (const struct gp_example *e = c->example; e->line; e++)
+        width = gp_max(width, (int) strlen(e->line));
+    for (const struct gp_example *e = c->example; e->line; e++)
+        fprintf(f, "  %-*s  %s\n", width, e->line, e->text);
+    putc('\n', f);
+}
+
 void gp_help(FILE *f, enum gp_command command)
 {
     const struct gp_command_row *const c = gp_command_of(command);
-    fputs(c->usage ? c->usage : gp_commands->usage, f);
-    putc('\n', f);
+    fprintf(f, "%s\n", c->usage);
+    print_examples(f, c);
     for (int g = 0; g < GP_GROUPS; g++) {
         if (print_group(f, g, command))
             putc('\n', f);
     }
-    fprintf(f, "The first command to try: %s\n",
-            c->first ? c->first : gp_commands->first);
+    fprintf(f, "glarepp help TOPIC explains more; glarepp help lists topics and "
+            "commands.\n");
 }
 
 // -- the man page ------------------------------------------------------------
@@ -311,6 +335,8 @@ const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
         if (i-- == 0)
             return c->word;
     }
+    if (i-- == 0)
+        return "all";
     if (i < GP_GROUPS)
         return gp_option_groups[i].word;
     i -= GP_GROUPS;
@@ -417,14 +443,19 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
 {
     const struct section *section = NULL;
     bool found = false;
+    if (topic && strcasecmp(topic, "all") == 0) {
+        gp_help(f, GP_COMMAND_MAIN);
+        return GP_OK;
+    }
     if (!topic) {
         fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
                    "TOPIC is a command:\n");
         for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
             if (c->bit != GP_COMMAND_HELP)
-                fprintf(f, "  %s\n", c->word);
+                fprintf(f, "  %-14s%.*s\n", c->word,
+                        (int) strcspn(c->usage, ".\n"), c->usage);
         }
-        fprintf(f, "\noptions for a task:\n");
+        fprintf(f, "\nthe options of pictures:\n  all\n\noptions for a task:\n");
         for (int g = 0; g < GP_GROUPS; g++)
             fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
                     gp_option_groups[g].title);
@@ -466,4 +497,51 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         fprintf(f, "\nman glarepp has more in its section \"%s\".\n",
                 section->title);
     return GP_OK;
+}
+
+// -- one screen --------------------------------------------------------------
+
+/* True when pictures take options of the group. */
+static bool is_of_pictures(int group)
+{
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((int) o->group == group && (o->commands & GP_COMMAND_MAIN))
+            return true;
+    }
+    return false;
+}
+
+void gp_help_screen(FILE *f)
+{
+    const char *const usage = gp_commands->usage;
+    char text[1024];
+    size_t at = 0;
+    fprintf(f, "%.*s\n\n", (int) strcspn(usage, "\n"), usage);
+    print_examples(f, gp_commands);
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (o->usual)
+            fprintf(f, "%*s%s\n", INDENT + 1 - print_name(f, o), "", o->usual);
+    }
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        if (c->bit != GP_COMMAND_HELP)
+            at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
+                                    at ? ", " : "Commands: ", c->word);
+    }
+    fprintf(f, "\n%s (glarepp COMMAND --help)\n", text);
+    at = 0;
+    for (int g = 0; g < GP_GROUPS; g++) {
+        if (is_of_pictures(g))
+            at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
+                                    at ? ", " : "Topics: ",
+                                    gp_option_groups[g].word);
+    }
+    for (const struct section *s = sections; s < sections + SECTIONS; s++) {
+        if (!is_group(s))
+            at += (size_t) snprintf(text + at, sizeof text - at, ", %.*s",
+                                    (int) strcspn(s->words, " "), s->words);
+    }
+    snprintf(text + at, sizeof text - at, " (glarepp help TOPIC)");
+    print_wrapped(f, 0, 2, text);
+    fprintf(f, "All options: glarepp --help all. What is used, and why: -v. "
+               "More: man glarepp.\n");
 }

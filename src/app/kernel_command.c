@@ -214,7 +214,7 @@ static gp_status list_models(const struct gp_log *log)
     printf("\nPresets: -k builtin:NAME\n\n");
     for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
         printf("  %-10s %s\n  %-10s %s\n", p->name, p->text, "", p->recipe);
-    return gp_flush_stdout(log);
+    return gp_flush_text(log);
 }
 
 // -- --check ------------------------------------------------------------------

@@ -47,7 +47,7 @@ static gp_status list_lenses(const struct gp_log *log)
         free(entry[i]);
     }
     free(entry);
-    return st ? st : gp_flush_stdout(log);
+    return st ? st : gp_flush_text(log);
 }
 
 // -- --check ------------------------------------------------------------------

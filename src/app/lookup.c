@@ -8,24 +8,20 @@
 
 const struct gp_command_row gp_commands[] = {
     {"", GP_COMMAND_MAIN,
-     "Adds the glare of bright light to HDR frames.\n\n"
-     "  glarepp [options] -o OUTPUT INPUT...\n"
-     "  glarepp bench [options] INPUT    (see glarepp bench --help)\n"
-     "  glarepp compare [options] A B    (see glarepp compare --help)\n"
-     "  glarepp kernel [options] -o FILE (see glarepp kernel --help)\n"
-     "  glarepp lens [options]           (see glarepp lens --help)\n"
-     "  glarepp sets [options] SCENE     (see glarepp sets --help)\n"
-     "  glarepp styles [options] [FRAME] (see glarepp styles --help)\n"
-     "  glarepp help [TOPIC]\n\n"
+     "Adds the glare of bright light to HDR frames: halos, rays and streaks.\n\n"
+     "  glarepp [options] -o OUTPUT INPUT...\n\n"
      "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or patterns:\n"
      "shot.####.exr, shot.@.exr, shot.%04d.exr; %V stands for a stereo view.\n",
-     "glarepp -o out.png frame.exr"},
+     {{"glarepp -o out.png frame.exr", "as a camera sees it"},
+      {"glarepp --style anamorphic -o out.png frame.exr", "blue streaks"},
+      {"glarepp --hdr lit.####.exr shot.####.exr", "a sequence, linear"}}},
     {"bench", GP_COMMAND_BENCH,
      "Measures speed against error on a frame, for every technique.\n\n"
      "  glarepp bench [options] INPUT\n"
      "  glarepp bench [options] --paper\n\n"
      "INPUT is a file, or - for stdin (EXR).\n",
-     "glarepp bench frame.exr"},
+     {{"glarepp bench frame.exr", "a table"},
+      {"glarepp bench --csv t.csv --plot t.svg frame.exr", "and a plot"}}},
     {"compare", GP_COMMAND_COMPARE,
      "Measures the error between two images or two sequences.\n\n"
      "  glarepp compare [options] A B\n\n"
@@ -35,7 +31,9 @@ const struct gp_command_row gp_commands[] = {
      "Exit status, as idiff's: 0 PASS, 1 WARNING, 2 FAILURE, 3 cannot be "
      "compared,\n4 a file cannot be read or written; 64 a wrong command "
      "line.\n",
-     "glarepp compare a.exr b.exr"},
+     {{"glarepp compare a.exr b.exr", "the error"},
+      {"glarepp compare --fail 0.004 --heatmap d.png a.exr b.exr",
+       "and where it is"}}},
     {"kernel", GP_COMMAND_KERNEL,
      "Makes a glare kernel, or checks one.\n\n"
      "  glarepp kernel [options] -o FILE\n"
@@ -44,23 +42,33 @@ const struct gp_command_row gp_commands[] = {
      "  glarepp kernel --list\n\n"
      "-k names the model; FILE is an EXR, with the recipe in its attributes.\n"
      "--check looks at what FRAME would show; exit status 1 for a fault.\n",
-     "glarepp kernel --list"},
+     {{"glarepp kernel --list", "models, keys and presets"},
+      {"glarepp kernel -k aperture:blades=6 -o k.exr", "rays of six blades"}}},
     {"lens", GP_COMMAND_LENS,
-     "Checks a lens, or draws it.\n\n"
-     "  glarepp lens --check FILE|NAME [--draw FILE]\n"
-     "  glarepp lens --list\n\n"
-     "FILE is a prescription in JSON, NAME one of --list. Exit status 1 where "
+     "Lists the lenses for --lens, checks one, or draws it.\n\n"
+     "  glarepp lens [--list]\n"
+     "  glarepp lens --check FILE|NAME [--draw FILE]\n\n"
+     "FILE is a prescription in JSON, NAME one of the list. Exit status 1 where "
      "the\nsurfaces do not make what the file claims.\n",
-     "glarepp lens --list"},
-    {"sets", GP_COMMAND_SETS, NULL, "glarepp sets scene.glb"},
+     {{"glarepp lens", "those that are installed"},
+      {"glarepp lens --check heliar --draw heliar.svg", "one and its rays"}}},
+    {"sets", GP_COMMAND_SETS,
+     "Times the drawing of what a scene's camera and lights reach.\n\n"
+     "  glarepp sets [options] SCENE\n\n"
+     "SCENE is a glTF file with a camera: .glb or .gltf. Exit status 1 where "
+     "two ways\nto draw it do not make the same picture.\n",
+     {{"glarepp sets scene.glb", "a table"},
+      {"glarepp sets --size 1280x720 --debug sets=map.png scene.glb",
+       "and a map"}}},
     {"styles", GP_COMMAND_STYLES,
      "Lists the styles, or draws a frame in each of them.\n\n"
      "  glarepp styles\n"
      "  glarepp styles [options] -o SHEET FRAME\n\n"
      "SHEET is a picture, with a tile for each style. --report has a line for "
      "each,\nwith its command.\n",
-     "glarepp styles -o sheet.png frame.exr"},
-    {"help", GP_COMMAND_HELP, NULL, NULL},
+     {{"glarepp styles", "their names"},
+      {"glarepp styles -o sheet.png frame.exr", "a frame in all of them"}}},
+    {"help", GP_COMMAND_HELP, NULL, {{0}}},
     {0},
 };
 

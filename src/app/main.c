@@ -68,6 +68,10 @@ static gp_status print_text(const struct gp_log *log,
         gp_complete(stdout, s->completion);
     else if (s->command == GP_COMMAND_HELP)
         st = gp_help_topic(log, stdout, s->inputs.n ? s->inputs.at[0] : NULL);
+    else if (s->help && s->help[0] && strcmp(s->help, "all") != 0)
+        st = gp_help_topic(log, stdout, s->help);
+    else if (s->help && !s->help[0] && s->command == GP_COMMAND_MAIN)
+        gp_help_screen(stdout);
     else if (s->help)
         gp_help(stdout, s->command);
     else if (s->help_man)
@@ -80,7 +84,7 @@ static gp_status print_text(const struct gp_log *log,
                "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
     }
-    return st ? st : gp_flush_stdout(log);
+    return st ? st : gp_flush_text(log);
 }
 
 // -- the commands ------------------------------------------------------------

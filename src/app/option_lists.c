@@ -120,3 +120,9 @@ const char *gp_grow_word(int i, const char **text)
     *text = words[i][1];
     return words[i][0];
 }
+
+const char *gp_help_word(int i, const char **text)
+{
+    *text = NULL;
+    return i == 0 ? "all" : NULL;
+}

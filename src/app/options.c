@@ -220,14 +220,17 @@ const struct gp_option gp_options[] = {
             GP_COMMAND_STYLES, .arg = "FILE",
         .help = "Write a tone-mapped picture, the kernel as EXR floats, the "
                 "scene's picture or the sheet of styles; the ending picks the "
-                "format; may be given more than once"),
+                "format; may be given more than once",
+        .usual = "Write a picture, tone-mapped: .png .jpg .tif"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through; may be given more than "
-                "once"),
+                "once",
+        .usual = "Write an EXR: the frame with glare, linear light"),
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
         .help = "Write the glare layer only, scene-linear; may be given more "
-                "than once"),
+                "than once",
+        .usual = "Write an EXR: only the glare, to add in comp"),
     OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = gp_grow_word,
         .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
@@ -240,7 +243,8 @@ const struct gp_option gp_options[] = {
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .aside = true,
         .help = "Read these frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
-                "3,4,10-20x2 or 5-1; without it, all that exist on disk"),
+                "3,4,10-20x2 or 5-1; without it, all that exist on disk",
+        .usual = "Read these frames of a sequence: 1-100"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Make these stereo views: by %V or %v (first letter) in input "
                 "names, where the default is left,right; else views inside "
@@ -275,7 +279,8 @@ const struct gp_option gp_options[] = {
         .arg = "T|P%|EVev", .hi = FLT_MAX,
         .help = "Treat pixels over this luminance as light sources: a number, "
                 "a percentile such as 99.9%, or EV over the log-average such "
-                "as +3ev"),
+                "as +3ev",
+        .usual = "Let pixels over this luminance glare"),
     CHOICE(sensor.mode, .name = "threshold-mode", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_threshold_modes,
         .help = "Spread this part of a light source"),
@@ -288,10 +293,12 @@ const struct gp_option gp_options[] = {
         .arg = "FILE", .list = gp_kernel_word, .open = true,
         .help = "Point-spread function, without it the style's: an image file "
                 "or a model and its keys, as MODEL:key=value,key=value; "
-                "several add up by their shares"),
+                "several add up by their shares",
+        .usual = "Shape the glare; glarepp kernel --list has shapes"),
     OPT(fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,
         .help = "Vertical angle of view of the display window, by which models "
-                "have their size; without it the frame's camera, else 30"),
+                "have their size; without it the frame's camera, else 30",
+        .usual = "Set the vertical angle of view"),
     OPT(kernel_size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
@@ -309,7 +316,8 @@ const struct gp_option gp_options[] = {
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
         .hi = 1e6, .help = "Scale the glare in pictures and --hdr, not in "
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
-        "more than 1 only brightens the glare"),
+        "more than 1 only brightens the glare",
+        .usual = "Scale the glare: 0.5 for half of it"),
     CHOICE(compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
     CHOICE(edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
@@ -481,10 +489,12 @@ const struct gp_option gp_options[] = {
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .needs = GP_NEED_NO_CONFIG, .list = gp_curve_name,
-        .help = "Map tones with this operator"),
+        .help = "Map tones with this operator",
+        .usual = "Map tones of -o: reinhard, agx, aces, linear"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .needs = GP_NEED_CURVE, .hi = 32,
-        .help = "Scale the light by 2^EV before the operator"),
+        .help = "Scale the light by 2^EV before the operator",
+        .usual = "Expose -o: 1 for twice as bright, -1 for half"),
     OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
         .needs = GP_NEED_CURVE, .help = "Scale the frame so that its "
         "log-average becomes middle grey, then by --exposure"),
@@ -569,7 +579,8 @@ const struct gp_option gp_options[] = {
     SET(level, .name = "quiet", .letter = 'q', ALL(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Print errors only"),
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
-        .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
+        .set = GP_LEVEL_INFO, .help = "Say of each frame what was used, and "
+        "why"),
 
     OPT(making.size, .name = "size", .group = GP_GROUP_KERNEL,
         .commands = GP_COMMAND_KERNEL | GP_COMMAND_SETS, .arg = "WxH",
@@ -685,7 +696,9 @@ const struct gp_option gp_options[] = {
     OPT(version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),
     OPT(help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
-        .commands = ~0u, .help = "Print this; glarepp help TOPIC prints more"),
+        .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
+        .blank = true, .optional = true, .help = "Print help: one screen, "
+        "a command's own, a topic of glarepp help"),
     OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
         .help = "Print the man page's generated parts"),
     CHOICE(completion, .name = "completion", .group = GP_GROUP_GENERAL,

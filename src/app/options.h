@@ -102,11 +102,15 @@ struct gp_option {
     int least, most;       // GP_KIND_NUMBERS
     const char *arg;       // name of the value in --help; NULL: takes none
     const char *help;      // one line, no full stop
+    const char *usual;     // at most 50 characters, for --help of one screen;
+                           // NULL: it is not there
     const struct gp_option_choice *choices;  // NULL name at the end
     /* The i-th value and its line, NULL after the last. */
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are valid too
     bool blank;            // GP_KIND_TEXT: an empty word is valid
+    bool optional;         // ... and the value may be left out: the next word is
+                           // it only where it is all letters
     bool once;             // GP_KIND_TEXT: a second value is an error
     bool hidden;           // not in --help
     bool aside;            // no pixel of an output depends on it; implied for
@@ -121,10 +125,11 @@ const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
 /* Lists of values for the table's `list`: engines, tone curves, words of
- * --grow. */
+ * --grow and --help. */
 const char *gp_engine_name(int i, const char **text);
 const char *gp_curve_name(int i, const char **text);
 const char *gp_grow_word(int i, const char **text);
+const char *gp_help_word(int i, const char **text);
 
 /* The range of a number in words: "0 to 1", "0 or more", "any number". */
 struct gp_range_text {
@@ -162,8 +167,11 @@ static inline bool gp_read_whole(const char *text, const char *between, int *v)
 struct gp_command_row {
     const char *word;    // "" of the main one
     enum gp_command bit;
-    const char *usage;   // before its options in --help; NULL: the main one's
-    const char *first;   // the first command line to try; NULL: the main one's
+    const char *usage;   // what it does, a line, then how to write it; NULL of
+                         // help, whose options are topics
+    struct gp_example {
+        const char *line, *text;
+    } example[4];        // NULL line at the end
 };
 extern const struct gp_command_row gp_commands[];
 
@@ -198,7 +206,10 @@ GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
     const struct gp_settings *s, const char *const *input, int inputs,
     char **out);
 
-/* --help of a command, to `f`. */
+/* --help of one screen, to `f`: at most 24 lines of 80 columns. */
+void gp_help_screen(FILE *f);
+
+/* All options of a command, after its own text. */
 void gp_help(FILE *f, enum gp_command command);
 
 /* Ends a line of help that is `column` characters long with `text`, wrapped at
@@ -210,15 +221,15 @@ void gp_help_text(FILE *f, int column, const char *text);
 void gp_help_man(FILE *f);
 
 /* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
- * topic is a command, the word of a group, an option's name or letter with or
- * without dashes, a value's name, or a section of the manual, which man(1)
- * shows in place of this program.
+ * topic is a command, the word of a group, all (as --help all), an option's
+ * name or letter with or without dashes, a value's name, or a section of the
+ * manual, which man(1) shows in place of this program.
  * Errors: GP_ERR_USAGE no such topic, with the nearest if there is one;
  * GP_ERR_IO the manual cannot be shown. */
 GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
                                       const char *topic);
 
-/* The i-th topic, in `word` or a constant: commands, groups, sections with
+/* The i-th topic, in `word` or a constant: commands, all, groups, sections with
  * other names; NULL after the last. */
 enum { GP_TOPIC_BYTES = 32 };
 const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES]);

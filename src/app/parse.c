@@ -361,7 +361,10 @@ static gp_status read_option(const struct gp_log *log, int argc,
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
                        "value (found \"%s\"); leave it out", word, u.value);
-    if (arg && !u.value) {
+    if (arg && !u.value && u.option->optional) {
+        const char *const next = *i + 1 < argc ? argv[*i + 1] : "";
+        u.value = *next && !next[strspn(next, LETTERS)] ? argv[++*i] : "";
+    } else if (arg && !u.value) {
         if (*i + 1 >= argc)
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; write %s %s",
                            word, word, arg);

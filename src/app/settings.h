@@ -161,7 +161,8 @@ struct gp_settings {
     bool skip_bad_frames;
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
-    bool help, help_man, version;
+    const char *help;                  // topic, "" without one; NULL: no --help
+    bool help_man, version;
     bool list_flares;                  // print their names, nothing else
     enum gp_shell completion;          // help --completion
 

@@ -329,6 +329,24 @@ run -o x.png bnech
 run bnech -o x.png
 like "$(cat err)" 'glarepp: bnech: *' 'a file of such a name is a file'
 no 'and no slip' grep -q 'did you mean' err
+run --help
+quiet_success '--help'
+ok '--help is one screen: 24 lines of 80 columns' \
+    awk 'length > 80 { exit 1 } END { exit NR > 24 || NR < 15 }' out
+run sets --help
+like "$(head -n 3 out)" '*glarepp sets*' 'a command begins with its own text'
+run --help kernels
+like "$(head -n 1 out)" 'Light and kernel' '--help TOPIC is help TOPIC'
+# a reader that is gone before the first word
+for words in --help 'help all' 'help --gain' 'kernel --list' 'lens --list' --version; do
+    {
+        sleep 0.2
+        # shellcheck disable=SC2086
+        "$glarepp" $words 2>err
+        echo $? >code
+    } | :
+    is "$(cat code err)" 0 "$words into a pipe that nobody reads"
+done
 if [ -c /dev/full ]; then
     "$glarepp" help kernels >/dev/full 2>err
     status=$?

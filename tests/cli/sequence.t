@@ -258,7 +258,7 @@ done
 
 # -- the words -----------------------------------------------------------------
 
-run --help
+run --help all
 like "$(cat out)" '*--views LIST*' '--views is in --help'
 like "$("$glarepp" help --completion bash)" '*--views*' '--views is completed'
 grep -qF -- '\-views' "$root/man/glarepp.1"

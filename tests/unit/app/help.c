@@ -91,6 +91,35 @@ static void help_is_complete(void **state)
     free(man);
 }
 
+/* A screen of 24 lines by 80 columns, with at least ten options. */
+static void one_screen_is_one_screen(void **state)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *f = open_memstream(&text, &size);
+    int lines = 0, options = 0;
+    gp_help_screen(f);
+    fclose(f);
+    for (const char *c = text; *c; c++)
+        lines += *c == '\n';
+    assert_in_range(lines, 15, 24);
+    assert_true(widest(text) <= 80);
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        assert_true(!o->usual || strlen(o->usual) <= 50);
+        assert_true(!o->usual || (o->commands & GP_COMMAND_MAIN));
+        if (o->usual)
+            lists(text, " --%s%s%s ", o, true);
+        options += o->usual != NULL;
+    }
+    assert_in_range(options, 10, 12);
+    for (int i = 0; gp_commands->example[i].line; i++)
+        assert_non_null(strstr(text, gp_commands->example[i].line));
+    assert_non_null(strstr(text, "bench, compare, kernel, lens, sets"));
+    assert_non_null(strstr(text, "outputs, inputs, kernels"));
+    assert_non_null(strstr(text, "--help all"));
+    free(text);
+}
+
 // -- the line that a wrong word gets -----------------------------------------
 
 /* Each group has a word of its own and an example that the parser takes,
@@ -113,6 +142,21 @@ static void examples_are_right(void **state)
             fail_msg("%s: not in --help", h->example);
         free(help);
         gp_settings_free(&s);
+    }
+    for (const struct gp_command_row *r = gp_commands; r->word; r++) {
+        const struct gp_example *e = r->example;
+        char *help = r->usage ? printed(r->bit, false) : NULL;
+        assert_true(!help || strncmp(help, r->usage, strlen(r->usage)) == 0);
+        assert_true(!help || (e[0].line && e[1].line));
+        for (; e->line; e++) {
+            struct gp_settings s;
+            if (parse(e->line + strlen("glarepp "), &s) || kept_line[0] ||
+                s.command != r->bit)
+                fail_msg("%s: %s", e->line, kept_line);
+            assert_non_null(strstr(help, e->line));
+            gp_settings_free(&s);
+        }
+        free(help);
     }
 }
 
@@ -219,7 +263,8 @@ static void topics_print_their_part(void **state)
         {"view", "--view V"}, {"views", "--views LIST"},
         {"flare", "--flare FILE"}, {"masks", "--mask CH"},
         {"bench", "glarepp bench [options] INPUT"}, {"report", "--verify"},
-        {"splat", "-e, --engine NAME"}, {"streak", "-k, --kernel FILE"},
+        {"all", "--views LIST"}, {"ALL", "-h, --help [TOPIC]"},
+        {"--all", "-a, --all"}, {"splat", "-e, --engine NAME"}, {"streak", "-k, --kernel FILE"},
     };
     for (size_t i = 0; i < COUNT(rows); i++)
         topic_has(rows[i].name, rows[i].part);
@@ -299,11 +344,13 @@ static void completions_are_complete(void **state)
         assert_null(strstr(text, "help-man"));
         assert_non_null(strstr(text, "bench"));
         assert_non_null(strstr(text, "sequences"));
+        assert_non_null(strstr(text, " all "));
         free(text);
     }
 }
 
 SUITE_OF(help, NULL, NULL,
-    the_table_is_sound, help_is_complete, examples_are_right,
+    the_table_is_sound, help_is_complete, one_screen_is_one_screen,
+    examples_are_right,
     slips_of_commands, edits_are_counted, topics_print_their_part,
     every_topic_is_known, unknown_topics_suggest, completions_are_complete)

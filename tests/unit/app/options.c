@@ -67,8 +67,8 @@ static void check_stored(const struct gp_option *o, const char *value,
     struct gp_settings s;
     char line[256];
     const int n = line_for(o, value, line, sizeof line);
-    snprintf(line + n, sizeof line - (size_t) n, " --%s %s%s", o->name, value,
-             o->kind == GP_KIND_NAMED ? "=f" : "");
+    snprintf(line + n, sizeof line - (size_t) n, " --%s%s%s%s", o->name,
+             o->optional ? "=" : " ", value, o->kind == GP_KIND_NAMED ? "=f" : "");
     if (parse(line, &s) != GP_OK)
         fail_msg("%s: %s", line, kept_line);
     const void *const at = (const char *) &s + o->at;
@@ -225,17 +225,35 @@ static void words_that_look_like_options(void **state)
     assert_int_equal(s.inputs.n, 4); // options stand anywhere before --
     assert_string_equal(s.inputs.at[3], "--help");
     assert_true(s.compose.gain == 2.0f); // the last one holds
-    assert_false(s.help);
+    assert_null(s.help);
     gp_settings_free(&s);
     assert_ok(parse("--output=--hdr i", &s));
     assert_string_equal(s.outputs.at[0], "--hdr");
     gp_settings_free(&s);
     assert_ok(parse("--help", &s)); // needs no input
-    assert_true(s.help);
+    assert_string_equal(s.help, "");
     gp_settings_free(&s);
     assert_ok(parse("--version -o x", &s));
     assert_true(s.version);
     gp_settings_free(&s);
+}
+
+/* The word after --help is its topic where it is all letters. */
+static void topics_of_help(void **state)
+{
+    static const struct { const char *line, *topic; int inputs; } rows[] = {
+        {"--help all", "all", 0}, {"-h kernels -o a", "kernels", 0},
+        {"--help=sun-dir", "sun-dir", 0}, {"-hall", "all", 0},
+        {"--help a.exr", "", 1}, {"--help -o a", "", 0}, {"--help=", "", 0},
+        {"bench --help all", "all", 0}, {"a.exr --help", "", 1},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_settings s;
+        assert_ok(parse(rows[i].line, &s));
+        assert_string_equal(s.help, rows[i].topic);
+        assert_int_equal(s.inputs.n, rows[i].inputs);
+        gp_settings_free(&s);
+    }
 }
 
 /* The paper's settings hold by themselves; a group as large as the default
@@ -282,7 +300,7 @@ static void commands(void **state)
         assert_int_equal(kept_lines, 0);
         assert_int_equal(s.command, rows[i].command);
         assert_int_equal(s.inputs.n, rows[i].inputs);
-        assert_int_equal(s.help, rows[i].help);
+        assert_int_equal(s.help != NULL, rows[i].help);
         assert_true(s.bench.runs == 9 && isinf(s.compare.hard_warn));
         gp_settings_free(&s);
     }
@@ -401,5 +419,5 @@ static void warnings(void **state)
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
          commands_make_the_same_picture, forms_of_values,
-         forms_of_thresholds, words_that_look_like_options,
+         forms_of_thresholds, words_that_look_like_options, topics_of_help,
          clusters_follow_groups, commands, errors_say_what_is_wrong, warnings)
