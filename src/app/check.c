@@ -10,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // -- needs of options --------------------------------------------------------
 
@@ -274,21 +275,20 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
     return check_size(log, &s->making, 960, 540);
 }
 
-/* Checks that glarepp lens has one thing to do. */
-static gp_status check_lens(const struct gp_log *log,
-                            const struct gp_settings *s)
+/* Checks that glarepp lens has one thing to do; by itself it lists. */
+static gp_status check_lens(const struct gp_log *log, struct gp_settings *s)
 {
-    const struct gp_making *const m = &s->making;
+    struct gp_making *const m = &s->making;
     if (s->inputs.n)
         return gp_fail(log, GP_ERR_USAGE, "%s: lens reads no frames; write "
                        "--check FILE for a lens", s->inputs.at[0]);
-    if (m->list == (m->check != NULL))
-        return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp lens "
-                       "--check FILE|NAME and --list",
-                       m->list ? "too much to do" : "nothing to do");
+    if (m->list && m->check)
+        return gp_fail(log, GP_ERR_USAGE, "too much to do; write one of "
+                       "glarepp lens --check FILE|NAME and --list");
     if (m->draw && !m->check)
         return gp_fail(log, GP_ERR_USAGE, "--draw: needs a lens; add --check "
                        "FILE|NAME");
+    m->list = !m->check;
     return GP_OK;
 }
 
@@ -357,6 +357,32 @@ static gp_status check_scaling(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Says that no output is given. Where the last input is the name of a file that
+ * is not there and can be written, it was meant as the output. */
+static gp_status no_output(const struct gp_log *log,
+                           const struct gp_settings *s)
+{
+    const int n = s->inputs.n;
+    const char *const *const in = (const char *const *) s->inputs.at;
+    const char *const first = in[0], *const last = in[n - 1];
+    const char *const slash = strrchr(last, '/'); // (or the folder is missing)
+    const bool meant = n > 1 && access(last, F_OK) != 0 &&
+                       gp_write_check(NULL, &s->write, slash ? slash + 1 : last)
+                           == GP_OK;
+    const bool one = n - meant == 1 && !strpbrk(first, "#@%");
+    const char *const out = meant ? last : one ? "out.png" : "out.####.png";
+    char ending[16];
+    gp_file_ending(out, ending, sizeof ending);
+    if (strcmp(ending, "exr") == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
+                       "give --hdr %s for linear light, or -o %s for a "
+                       "tone-mapped picture", first, n > 2 ? " ... " : " ",
+                       last, out, out);
+    return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); give "
+                   "-o %s", first, n > 2 ? " ... " : n > 1 ? " " : "",
+                   n > 1 ? last : "", out);
+}
+
 /* Checks that something is read and made. */
 static gp_status check_inputs(const struct gp_log *log,
                               const struct gp_settings *s)
@@ -388,8 +414,7 @@ static gp_status check_inputs(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
                        "frame.exr, or see glarepp --help");
     if (!bench && !wants)
-        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
-                       "out.png %s, or see glarepp --help", s->inputs.at[0]);
+        return no_output(log, s);
     return GP_OK;
 }
 

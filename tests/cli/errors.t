@@ -243,7 +243,7 @@ refuses 2 -Z 'an unknown letter' -Z in.exr
 refuses 2 --quiet 'a value that is not wanted' --quiet=yes in.exr
 refuses 2 'no input' 'no input'
 run in.exr
-fails_with 2 'nothing to make' 'no output given'
+fails_with 2 'give -o out.png' 'no output given'
 refuses 2 --csv 'an option of glarepp bench' --csv x in.exr
 run bench -o there/x.png in.exr
 fails_with 2 --output 'glarepp bench with an option of pictures'
@@ -286,7 +286,14 @@ while read -r row; do
     is "$(cat err)" "glarepp: ${row#* => }" "the whole line: ${row%% => *}"
 done <<'ROWS'
 -q => no input; write glarepp -o out.png frame.exr, or see glarepp --help
-f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
+f.exr => no output is given (found f.exr); give -o out.png
+f.exr out.png => no output is given (found f.exr out.png); give -o out.png
+-g 2 f.exr none/a.tif => no output is given (found f.exr none/a.tif); give -o none/a.tif
+f.exr out.exr => no output is given (found f.exr out.exr); give --hdr out.exr for linear light, or -o out.exr for a tone-mapped picture
+s.0001.exr s.0002.exr => no output is given (found s.0001.exr s.0002.exr); give -o out.####.png
+s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.png); give -o o.#.png
+s.####.exr => no output is given (found s.####.exr); give -o out.####.png
+--help xyzzyquux => help: no such topic (found "xyzzyquux"); glarepp help lists them
 --gian 2 i => --gian: unknown option; did you mean --gain?
 --xyzzyquux i => --xyzzyquux: unknown option; glarepp --help lists them
 -o a i --gain => --gain: needs a value; write --gain G

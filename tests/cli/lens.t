@@ -7,6 +7,9 @@
 "$glarepp" lens --list >list 2>err
 result $? 'lens --list'
 is "$(wc -l <list)" 6 'six lenses'
+run lens
+quiet_success 'lens alone lists'
+same out list 'the same'
 while read -r name rest; do
     "$glarepp" lens --check "$name" >out 2>err
     result $? "lens --check $name"
@@ -67,7 +70,7 @@ wrong 4 '--check cut.json'
 wrong 4 '--check neg.json'
 wrong 3 '--check none.json'
 wrong 3 '--check nosuch'
-wrong 2 ''
+wrong 2 '--draw a.svg'
 wrong 2 '--check heliar --list'
 wrong 2 '--draw a.svg --list'
 wrong 2 '--check heliar frame.exr'
