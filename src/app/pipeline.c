@@ -1,6 +1,7 @@
 #include "app/commands.h"
 
 #include "app/flight.h"
+#include "app/say.h"
 #include "app/stages.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -44,6 +45,7 @@ struct pipeline {
     size_t memory;                   // limit of the process; 0: unknown
     int frames, dark;                // written; of these without sources
     struct gp_facts brightest;       // of the dark frames
+    struct gp_tally tally;           // of those written
 };
 
 /* Counts the peak bytes of a pixel. */
@@ -254,19 +256,17 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         struct gp_facts *const facts = &u->view[v].facts;
         facts->warned = u->log.warned;
         facts->warned_bytes = u->log.warned_bytes;
-        char line[1024];
         if (!st) {
             if (facts->dark && (!p->dark || facts->peak > p->brightest.peak))
                 p->brightest = *facts;
             p->dark += facts->dark;
+            gp_tally_add(&p->tally, facts);
             p->frames++;
         }
         if (st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
-        else if (p->log->level >= GP_LEVEL_INFO) {
-            gp_facts_text(facts, line, sizeof line);
-            gp_say(p->log, GP_LEVEL_INFO, "%s", line);
-        }
+        else if (p->log->level >= GP_LEVEL_INFO)
+            gp_say_frame(p->log, facts);
         if (p->s.report)
             reported = st ? gp_report_failed(p->log, &p->run.report, facts, st,
                                              u->log.last)
@@ -349,11 +349,16 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     gp_status st;
     char line[GP_LINE_BYTES];
     const int units = jobs->n / jobs->views;
+    const double start = gp_now_ms();
+    // a person reads: notes say the same in more words
+    const bool person = progress->terminal && s->level == GP_LEVEL_WARN;
     const int most = s->frame_jobs ? s->frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
-        .run = {.s = &p.s, .jobs = jobs}, .memory = gp_memory_limit(),
+        .run = {.s = &p.s, .jobs = jobs,
+                .says = person || s->level >= GP_LEVEL_INFO},
+        .memory = gp_memory_limit(),
         .most = 1,
         .slots = most < units ? most : units > 0 ? units : 1,
     };
@@ -379,6 +384,12 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
+    if (person && jobs->targets && p.tally.made) {
+        gp_tally_text(&p.tally, s, jobs, (gp_now_ms() - start) * 1e-3, line,
+                      sizeof line);
+        gp_make_printable(line);
+        gp_progress_say(progress, stderr, line);
+    }
     // (a sequence may fade in: dark frames beside others are in the report)
     if (p.frames && p.dark == p.frames) {
         gp_facts_dark(&p.brightest, p.frames, line, sizeof line);

@@ -20,8 +20,7 @@ enum {
 
 // -- the line: under the lock ------------------------------------------------
 
-/* Formats "45 s", "3 min 20 s", "2 h 5 min". */
-static void print_duration(char *text, size_t size, double seconds)
+void gp_print_duration(char *text, size_t size, double seconds)
 {
     long long s = (long long) (seconds + 0.5);
     if (s < 60)
@@ -48,12 +47,12 @@ static void describe_progress(const struct gp_progress *p, double seconds,
     if (p->failed)
         snprintf(failed, sizeof failed, ", %d failed", p->failed);
     if (p->done == 0) { // no rate yet
-        print_duration(time, sizeof time, seconds);
+        gp_print_duration(time, sizeof time, seconds);
         snprintf(line, size, "0 of %d made, %s so far: %s: %s", p->total, time,
                  p->name, p->stage);
     } else {
-        print_duration(time, sizeof time,
-                       seconds / p->done * (p->total - p->done));
+        gp_print_duration(time, sizeof time,
+                          seconds / p->done * (p->total - p->done));
         snprintf(line, size, "%d of %d made%s, %.*f frames/s, %s left: %s: %s",
                  gp_max(p->done - p->failed, 0), p->total, failed,
                  rate >= 1.0 ? 1 : 3, rate, time, p->name, p->stage);

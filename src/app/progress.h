@@ -60,6 +60,9 @@ void gp_progress_fail(struct gp_progress *p, int n);
 void gp_progress_update(struct gp_progress *p, int done, int total,
                         const char *name, const char *stage);
 
+/* Formats a time: "45 s", "3 min 20 s", "2 h 5 min". */
+void gp_print_duration(char *text, size_t size, double seconds);
+
 /* Prints a message to `file` on a line of its own, and redraws no progress in
  * between. */
 void gp_progress_say(struct gp_progress *p, FILE *file, const char *line);

@@ -16,6 +16,54 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+// -- facts ---------------------------------------------------------------------
+
+/* Keys of times_ms. */
+static const char *const time_names[GP_TIMES] = {
+    [GP_TIME_READ] = "read",
+    [GP_TIME_SCENE] = "scene", [GP_TIME_RELIGHT] = "relight",
+    [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
+    [GP_TIME_KERNEL] = "kernel",
+    [GP_TIME_GLARE] = "glare", [GP_TIME_LENS] = "lens",
+    [GP_TIME_COMPOSE] = "compose", [GP_TIME_TONEMAP] = "tonemap",
+    [GP_TIME_WRITE] = "write",
+};
+
+static const char *pixel_type_name(enum gp_pixel_type type)
+{
+    static const char *const names[] = {
+        [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
+    };
+    return names[type];
+}
+
+void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
+                   size_t size)
+{
+    char of[40] = "";
+    const double t = (double) f->threshold;
+    if (frames > 1)
+        snprintf(of, sizeof of, " of %d frames", frames);
+    if (f->peak > 0.0f)
+        snprintf(line, size, "%s: no pixel%s is over the threshold %.3g "
+                 "(brightest %.3g at %d,%d); lower --threshold", f->input, of,
+                 t, (double) f->peak, f->peak_at[0], f->peak_at[1]);
+    else
+        snprintf(line, size, "%s: no pixel%s is over the threshold %.3g (all "
+                 "are black); check the frame", f->input, of, t);
+}
+
+enum gp_edges gp_facts_edges(const struct gp_facts *f)
+{
+    bool seen = false;
+    for (int i = 0; i < f->lights; i++)
+        seen = seen || f->light[i].in_frame;
+    return !seen ? GP_EDGES_NONE
+           : f->mask ? f->depth ? GP_EDGES_COVERAGE : GP_EDGES_MASK
+           : f->depth ? GP_EDGES_DEPTH
+                      : GP_EDGES_NONE;
+}
+
 // -- the settings that made a picture -----------------------------------------
 
 /* True when pixels of an output may depend on the option. */
@@ -390,7 +438,7 @@ static void put_lights(json_t *o, const struct gp_facts *f)
     if (f->depth)
         json_object_set_new(o, "depth", json_pack("{so ss so*}",
             "channel", gp_json_name(f->depth), filled ? "empty" : "type",
-            filled ? f->depth_empty : gp_pixel_type_name(f->depth_type),
+            filled ? f->depth_empty : pixel_type_name(f->depth_type),
             "reversed", f->depth_reversed ? json_true() : NULL));
     if (f->mask)
         put_name(o, "mask", f->mask);
@@ -600,8 +648,8 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     json_t *const times = json_object(), *const cpu = json_object();
     for (int i = 0; i < GP_TIMES; i++) {
         if (facts->ms[i] >= 0.0) {
-            put_number(times, gp_time_names[i], facts->ms[i], 1e-3);
-            put_number(cpu, gp_time_names[i], facts->cpu_ms[i], 1e-3);
+            put_number(times, time_names[i], facts->ms[i], 1e-3);
+            put_number(cpu, time_names[i], facts->cpu_ms[i], 1e-3);
         }
     }
     put_number(times, "total", facts->total_ms, 1e-3);
@@ -610,7 +658,7 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
         json_object_set(o, "cpu_ms", cpu);
     json_decref(cpu);
     put_number(o, "frame_mib", (double) facts->bytes / (1 << 20), 0.1);
-    put_number(o, "peak_rss_mib", gp_peak_rss_mib(), 0.1);
+    put_number(o, "peak_rss_mib", (double) gp_peak_memory() / (1 << 20), 0.1);
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (facts->glare.gl || facts->sun_gl)
         put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);

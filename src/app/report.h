@@ -2,6 +2,7 @@
 #ifndef GP_APP_REPORT_H
 #define GP_APP_REPORT_H
 
+#include "app/jobs.h"
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
@@ -40,6 +41,13 @@ struct gp_flare_facts {
 };
 
 struct gp_settings;
+
+/* Luminance summed over pixels, for words; all 0: not measured. */
+struct gp_spread {
+    double light;                // of the frame as it was read
+    double bright, lamps;        // that the kernel spreads: of bright pixels, of
+                                 // lights
+};
 
 /* The kernel of a frame; 0 x 0: none was needed. */
 struct gp_kernel_facts {
@@ -94,15 +102,18 @@ struct gp_facts {
     const char *input;
     struct gp_taken taken;       // part, layer and view of the input
     char **outputs;              // `n_outputs` names
+    const enum gp_target_kind *kinds; // of each
     int n_outputs;
     int width, height;           // of `window`
     struct gp_rect window, read; // data windows: of the outputs, of the file
     long long sources;           // bright pixels, and pixels of lights
     double flux_in[3];           // of the sources, by channel
+    struct gp_spread spread;
     double flux_faint[3];        // light under FLT_MIN, which counts as 0
     double kernel_faint[3];      // magnitudes of the kernel under FLT_MIN
     struct gp_kernel_facts kernel;
     double deg_per_pixel;        // 0: the kernel is an image
+    double fov;                  // vertical angle of view, degrees
     const char *fov_from;        // "option", "camera", "lens", "default"
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
@@ -184,15 +195,6 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
                    size_t size);
 
-/* Keys of times_ms. */
-extern const char *const gp_time_names[GP_TIMES];
-
-/* Returns the most memory that the process has held, MiB; 0 when unknown. */
-double gp_peak_rss_mib(void);
-
-/* Returns the type's name: "uint", "half", "float". */
-const char *gp_pixel_type_name(enum gp_pixel_type type);
-
 /* Measure of the edges before the lights that the frame shows, by which the
  * report says how near their shares are. */
 enum gp_edges {
@@ -202,8 +204,5 @@ enum gp_edges {
     GP_EDGES_MASK,     // coverage without depth
 };
 enum gp_edges gp_facts_edges(const struct gp_facts *f);
-
-/* Formats the facts as one line of text without a line feed: --verbose. */
-void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
 
 #endif

@@ -338,6 +338,7 @@ static struct gp_field find_field(const struct gp_run *r,
     (void) gp_job_number(fs->job, &field.frame);
     const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
     fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;
+    fs->facts.fov = fov;
     return field;
 }
 

@@ -26,9 +26,13 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     };
     gp_status st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
                                  sizeof *out->names, &out->names);
+    if (!st)
+        st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
+                           sizeof *out->kinds, &out->kinds);
     out->facts = (struct gp_facts) {
         .numbered = job->numbered, .frame = job->frame, .view = job->view,
-        .input = job->input, .outputs = out->names, .views = jobs->views_line,
+        .input = job->input, .outputs = out->names,
+        .kinds = out->kinds, .views = jobs->views_line,
     };
     for (int i = 0; i < GP_TIMES; i++)
         out->facts.ms[i] = -1.0;
@@ -66,6 +70,7 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     for (int i = 0; fs->names && i < fs->targets; i++)
         free(fs->names[i]);
     gp_free(fs->names);
+    gp_free(fs->kinds);
     gp_free(fs->light);
     gp_free(fs->relit);
     gp_free(fs->depth);
@@ -235,6 +240,25 @@ static gp_status sense_light_groups(const struct gp_run *r,
     return GP_OK;
 }
 
+/* Returns the luminance of a sum over pixels of the frame. */
+static double luminance_of(const struct gp_frame *f, const double sum[3])
+{
+    double y = 0.0;
+    for (int c = 0; c < 3; c++)
+        y += (double) f->luminance[c] * sum[c];
+    return y;
+}
+
+/* Measures the light of the frame and of its bright pixels. */
+static void measure_spread(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    double sum[3], squares;
+    gp_planes_sum(&fs->frame.rgb, gp_frame_pixels(&fs->frame), sum, &squares);
+    fs->facts.spread.light = luminance_of(&fs->frame, sum);
+    fs->facts.spread.bright = gp_wanted_share(&r->wanted) *
+                              luminance_of(&fs->frame, fs->sources.flux);
+}
+
 static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
@@ -262,6 +286,8 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
     }
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
+    if (r->says)
+        measure_spread(r, fs);
     return GP_OK;
 }
 
@@ -294,6 +320,10 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_sources *const light = all_light(fs);
     fs->facts.sources = (long long) light->n;
     memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
+    if (r->says)
+        fs->facts.spread.lamps =
+            gp_wanted_share(&r->wanted) * luminance_of(&fs->frame, light->flux) -
+            fs->facts.spread.bright;
     memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
     memcpy(fs->facts.kernel_faint, gp_run_kernel_of(fs)->faint,
            sizeof fs->facts.kernel_faint);
@@ -566,6 +596,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
             break;
         }
         fs->names[fs->facts.n_outputs] = name;
+        fs->kinds[fs->facts.n_outputs] = t->kind;
         st = write_target(r, fs, &p, t, name, &stats);
         fs->facts.n_outputs += !st;
     }

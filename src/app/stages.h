@@ -126,6 +126,7 @@ struct gp_frame_state {
                                    // runs: count as glare
     char **names;                  // files written: facts.n_outputs, then
                                    // the one being written, then NULL
+    enum gp_target_kind *kinds;    // owned facts.kinds
     int targets;
     struct gp_light *light;        // owned facts.light
     struct gp_relit_facts *relit;  // owned facts.relit
@@ -200,6 +201,7 @@ struct gp_run {
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
     bool layer_ends;               // no stage after compose reads frame.layer
+    bool says;                     // words need facts.spread
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 

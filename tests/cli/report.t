@@ -124,7 +124,7 @@ if [ $status = 0 ]; then
         --report r.json -v in.exr
     is "$(field r.json 'o["groups"] + o.get("clusters", 0) == o["polygons"] < o["sources"], len(o["form"]) > 0, "bound" in o')" \
         '(True, True, True)' 'the fields of a grouped splat run'
-    like "$(cat err)" '*polygons (*groups, *clusters)*' '-v: groups and clusters'
+    like "$(cat err)" '*engine splat (--engine) on *' '-v: the engine, and where it drew'
 else
     fails_with 5 '' 'no GL here'
     skip 1 'no GL'
@@ -191,12 +191,14 @@ elif command -v localedef >/dev/null &&
 fi
 if [ -n "$comma" ]; then
     run --engine direct -t 1.5 -g 0.5 --report c.json --layer c.exr in.exr
+    "$glarepp" --engine direct -t 1.5 -g 0.5 --layer c.exr -v in.exr 2>points
     LC_ALL=$comma "$glarepp" --engine direct -t 1.5 -g 0.5 --report l.json \
         --layer l.exr -v in.exr 2>err
     same c.exr l.exr 'a decimal comma changes no option and no pixel'
     is "$(field l.json 'o["flux_in"], o["bound"]')" \
         "$(field c.json 'o["flux_in"], o["bound"]')" 'a report has its points'
-    no '-v has its points' grep -q '[0-9],[0-9]' err
+    sed s/l.exr/c.exr/ err >commas
+    same points commas '-v has its points'
     LC_ALL=$comma "$glarepp" -t 1,5 -o out.png in.exr 2>err
     status=$?
     fails_with 2 1,5 'a decimal comma is no number'
@@ -208,10 +210,17 @@ fi
 
 run -v -o out.png in.exr
 status_is 0 -v
-is "$(wc -l <err)" 1 '-v: a line for the frame'
-like "$(cat err)" 'glarepp: in.exr: 64x48, * sources*' '-v: what was done'
+is "$(sed 's/[0-9][0-9]* sources/N sources/; s/[0-9.]* % of/P % of/; s/of [0-9.]* mm/of M mm/; s/engine [a-z]*/engine E/' err)" \
+    "glarepp: in.exr: read 64x48 pixels
+glarepp: in.exr: N sources: pixels over the threshold of 1 (the default), P % of the light moved
+glarepp: in.exr: kernel builtin:eye (the default), pupil of M mm, view of 30 degrees (assumed; --fov sets it), engine E (chosen by auto)
+glarepp: in.exr: wrote out.png: tone-mapped by reinhard (the default)" \
+    '-v: what was used, and why'
 run -v --verify --engine fft -o out.png in.exr
-like "$(cat err)" '*measured rel_l2*bound*' '-v --verify: how wrong it is'
+like "$(cat err)" '*measured rel_l2*' '-v --verify: how wrong it is'
+run -v -o x.exr --hdr h.exr in.exr
+like "$(cat err)" '*h.exr: linear light; x.exr: tone-mapped by reinhard (use --hdr*' \
+    '-v: which EXR is tone-mapped'
 run -o out.png in.exr
 quiet_success 'nothing is said without -v'
 run --tonemap none --exposure 1 -o out.exr in.exr
@@ -296,10 +305,72 @@ while True:
         break
     text += more
 status = os.waitpid(pid, 0)[1]
-print(status, text.count(b"\n"), text.count(b" of 16") > 0,
-      text.endswith(b"\r\x1b[K"))
+lines = text.rsplit(b"\r\x1b[K", 1)
+print(status, text.count(b" of 16") > 0, lines[0].count(b"\n"),
+      lines[1].startswith(b"wide.####.png: 16 frames, "), lines[1].count(b"\n"))
 PY
-is "$(cat terminal)" '0 0 True True' 'progress on a terminal: one line, wiped'
+is "$(cat terminal)" '0 True 0 True 1' \
+    'progress on a terminal: one line, wiped; then what happened, in one line'
+
+# A line on a terminal says what happened. terminal ARGUMENT...: what stderr gets,
+# a terminal; stdout goes to the file out
+cat >terminal.py <<'PY'
+import os, pty, sys
+pid, fd = pty.fork()
+if pid == 0:
+    os.dup2(os.open("out", os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), 1)
+    os.execv(sys.argv[1], sys.argv[1:])
+text = b""
+while True:
+    try:
+        more = os.read(fd, 4096)
+    except OSError:  # the other side is closed
+        break
+    if not more:
+        break
+    text += more
+os.waitpid(pid, 0)
+sys.stdout.buffer.write(text.replace(b"\r\n", b"\n"))
+PY
+terminal()
+{
+    "$python" terminal.py "$glarepp" "$@" >err
+}
+frame seven.exr kind=zeros size=9x9 type=float hot=8
+terminal -o out.png seven.exr
+is "$(sed 's/[0-9]*\.[0-9]* s$/T s/' err)" 'out.png: 1 source, 88 % of the light moved, view of 30 degrees (assumed), reinhard, T s' \
+    'on a terminal: one line says what happened'
+terminal --fov 40 -g 0.5 --tonemap agx -o out.png --hdr h.exr seven.exr
+like "$(cat err)" 'out.png and 1 more: 1 source, 44 % of the light moved, view of 40 degrees (given), agx, *' \
+    'with what was given'
+terminal -o x.exr seven.exr
+like "$(cat err)" '*, tone-mapped by reinhard (use --hdr for linear light), *' \
+    'an EXR that is tone-mapped is no linear one'
+terminal -o - seven.exr
+like "$(cat err)" 'stdout: *, tone-mapped by reinhard (use --hdr *' 'one on stdout neither'
+terminal --hdr h.exr seven.exr
+like "$(cat err)" 'h.exr: *, linear, *' 'a linear one is'
+terminal --mix add -o out.png seven.exr
+like "$(cat err)" '*, 88 % of the light added, *' '--mix add moves none'
+terminal -k k.exr -o out.png seven.exr
+like "$(cat err)" '*moved, reinhard, *' 'an image of a kernel has no angle'
+terminal -o out.png dark.exr
+like "$(cat err)" 'out.png: 0 sources: nothing glares, *warning: dark.exr: no pixel is over *' \
+    'without a source nothing glares'
+terminal -o 'o.####.png' 'shot.####.exr'
+like "$(cat err)" 'o.####.png: 2 frames, * sources, *' 'a sequence: one line for all'
+is "$(wc -l <err)" 1 'and no more'
+for quiet in -q '--progress json' --help; do
+    # shellcheck disable=SC2086
+    terminal $quiet -o out.png seven.exr
+    no "$quiet: no such line" grep -q '^out.png' err
+done
+terminal -v -o out.png seven.exr
+no '-v: its notes say it' grep -q '^out.png' err
+terminal --report - seven.exr
+is "$(cat err)" '' 'without a picture there is nothing to say'
+terminal -o out.png nowhere.exr
+is "$(wc -l <err)" 1 'an error has only its own line'
 
 run --help
 status_is 0 --help

@@ -91,7 +91,7 @@ is "$(field r.json 'o["lights"]')" \
 is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'empty': '1e+10'}" \
     'depth, and what of it is empty'
 is "$(field r.json '"sun" in o["times_ms"]')" True 'time of the sun'
-like "$(cat err)" '*visible 0.5*' '-v: the share'
+like "$(cat err)" '*sun 50 % visible*' '-v: the share'
 run --report r.json --layer l.exr in.exr
 is "$(field r.json '"lights" in o, "sun" in o["times_ms"]')" '(False, False)' \
     'no sun: not a word of it'

@@ -1,0 +1,394 @@
+#include "app/say.h"
+
+#include "app/options.h"
+#include "app/progress.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+// -- numbers -----------------------------------------------------------------
+
+struct number {
+    char text[40];
+};
+
+/* 1183 as "1,183". */
+static struct number count_text(long long n)
+{
+    struct number digits, out;
+    const int length = snprintf(digits.text, sizeof digits.text, "%lld", n);
+    size_t at = 0;
+    for (int i = 0; i < length; i++) {
+        if (i > 0 && (length - i) % 3 == 0)
+            out.text[at++] = ',';
+        out.text[at++] = digits.text[i];
+    }
+    out.text[at] = '\0';
+    return out;
+}
+
+/* A share of the light in percent: "3.1", "42", "under 0.1". */
+static struct number percent_text(double part, double whole)
+{
+    struct number out;
+    const double percent = 100.0 * part / whole;
+    if (percent > 0.0 && percent < 0.1)
+        snprintf(out.text, sizeof out.text, "under 0.1 %%");
+    else
+        snprintf(out.text, sizeof out.text,
+                 percent >= 1e4 ? "%.2g %%" : percent >= 9.95 || percent <= 0.0
+                 ? "%.0f %%" : "%.1f %%", percent);
+    return out;
+}
+
+// -- parts of lines ----------------------------------------------------------
+
+/* A line under construction, full up to `at`. */
+struct words {
+    char *line;
+    size_t size, at;
+};
+
+/* Appends to a line; what does not fit is cut. */
+GP_PRINTF(2, 3)
+static void add(struct words *w, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    const int n = vsnprintf(w->line + w->at, w->size - w->at, fmt, args);
+    va_end(args);
+    const size_t room = w->size - w->at - 1;
+    w->at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
+}
+
+/* Adds which part of a frame's light went where. `lit` is false where only the
+ * layer is written. */
+static void add_light(struct words *w, const struct gp_settings *s, bool lit,
+                      const struct gp_spread *spread)
+{
+    const double gain = (double) s->compose.gain;
+    const bool scatter = s->compose.mix == GP_MIX_SCATTER;
+    const double moved = scatter ? fmin(gain, 1.0) * spread->bright : 0.0;
+    const double added = gain * (spread->bright + spread->lamps) - moved;
+    if (!(spread->light > 0.0))
+        return;
+    const bool adds = added > 1e-9 * moved; // (sums round)
+    const bool moves = moved > 0.0 || !adds;
+    if (!lit)
+        add(w, ", %s of the light spread",
+            percent_text(spread->bright + spread->lamps, spread->light).text);
+    else if (moves)
+        add(w, ", %s of the light moved",
+            percent_text(moved, spread->light).text);
+    if (lit && adds)
+        add(w, ", %s%s added", percent_text(added, spread->light).text,
+            moves ? "" : " of the light");
+}
+
+/* Adds the tone curve or the view of OpenColorIO by which a picture was made,
+ * in words where they are wanted. */
+static void add_tones(struct words *w, const struct gp_settings *s,
+                      const struct gp_ocio_names *ocio, bool in_words)
+{
+    if (!ocio && strcmp(s->tone.curve, "none") == 0)
+        add(w, "linear");
+    else if (ocio)
+        add(w, "%s%s", in_words ? "shown by " : "",
+            ocio->view ? ocio->view : "OpenColorIO");
+    else
+        add(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.curve);
+}
+
+/* True for a tone-mapped picture in a format whose light is linear where other
+ * programs write it. */
+static bool looks_linear(const struct gp_settings *s, const char *path)
+{
+    static const char *const endings[] = {"exr", "hdr", "pfm"};
+    char ending[16];
+    if (!s->ocio.config && strcmp(s->tone.curve, "none") == 0)
+        return false;
+    gp_file_ending(path, ending, sizeof ending);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        if (strcmp(ending, endings[i]) == 0)
+            return true;
+    }
+    return gp_is_dash(path) && s->write.stdout_format == GP_STDOUT_EXR;
+}
+
+#define LINEAR_HINT " (use --hdr for linear light)"
+
+static const char *shown_name(const char *path)
+{
+    return gp_is_dash(path) ? "stdout" : path;
+}
+
+/* "(the default)", or the option. */
+static void add_reason(struct words *w, const struct gp_settings *s,
+                       const char *option)
+{
+    if (gp_option_given(s, option))
+        add(w, " (--%s)", option);
+    else
+        add(w, " (the default)");
+}
+
+// -- notes about a frame -----------------------------------------------------
+
+static void say_input(struct words *w, const struct gp_facts *f)
+{
+    add(w, "read %dx%d pixels", f->read.x1 - f->read.x0,
+        f->read.y1 - f->read.y0);
+    if (f->taken.layer[0])
+        add(w, ", layer %s", f->taken.layer);
+    if (f->taken.part[0])
+        add(w, ", part %s", f->taken.part);
+    if (f->taken.view[0])
+        add(w, ", view %s", f->taken.view);
+    for (int i = 0; i < f->light_groups; i++)
+        add(w, "%s%s", i ? " and " : ", light of ", f->light_group[i]);
+    if (memcmp(&f->read, &f->window, sizeof f->read) != 0)
+        add(w, ", grown to %dx%d", f->width, f->height);
+    if (f->nonfinite)
+        add(w, ", %s were NaN or Inf", count_text(f->nonfinite).text);
+    if (f->clamped)
+        add(w, ", %s were over --max-value", count_text(f->clamped).text);
+}
+
+static bool is_lit(const struct gp_facts *f)
+{
+    for (int i = 0; i < f->n_outputs; i++) {
+        if (f->kinds[i] == GP_TARGET_HDR || f->kinds[i] == GP_TARGET_PICTURE)
+            return true;
+    }
+    return false;
+}
+
+static void say_light(struct words *w, const struct gp_facts *f)
+{
+    const struct gp_settings *const s = f->settings;
+    if (f->sources)
+        add(w, "%s sources: pixels over", count_text(f->sources).text);
+    else
+        add(w, "no pixel is over");
+    add(w, " the threshold of %.3g", (double) f->threshold);
+    if (s->sensor.unit == GP_THRESHOLD_LUMINANCE)
+        add_reason(w, s, "threshold");
+    else
+        add(w, s->sensor.unit == GP_THRESHOLD_EV ? " (--threshold %+gev)"
+                                                 : " (--threshold %g%%)",
+            (double) s->sensor.threshold);
+    if (f->spread.lamps > 0.0)
+        add(w, " and lights");
+    if (f->sources)
+        add_light(w, s, is_lit(f), &f->spread);
+    else
+        add(w, ": nothing glares");
+}
+
+static void say_kernel(struct words *w, const struct gp_facts *f)
+{
+    static const struct { const char *from, *text; } fovs[] = {
+        {"option", "--fov"}, {"camera", "of its camera"},
+        {"lens", "of the lens"}, {"default", "assumed; --fov sets it"},
+    };
+    const struct gp_settings *const s = f->settings;
+    const struct gp_glare_stats *const g = &f->glare;
+    add(w, "kernel ");
+    for (int i = 0; i < s->kernels.n; i++)
+        add(w, "%s%s", i ? " and " : "", s->kernels.at[i]);
+    add(w, "%s", s->kernels.n ? " (--kernel)" : "builtin:eye (the default)");
+    for (int i = 0; i < f->kernel.recipes; i++) {
+        if (f->kernel.pupil[i] > 0.0)
+            add(w, ", pupil of %.1f mm", f->kernel.pupil[i]);
+    }
+    if (f->deg_per_pixel > 0.0)
+        add(w, ", view of %.3g degrees", f->fov);
+    for (size_t i = 0; i < sizeof fovs / sizeof *fovs; i++) {
+        if (f->deg_per_pixel > 0.0 && strcmp(f->fov_from, fovs[i].from) == 0)
+            add(w, " (%s)", fovs[i].text);
+    }
+    if (g->engine)
+        add(w, ", engine %s (%s)", g->engine,
+            strcmp(s->glare.engine, "auto") == 0 ? "chosen by auto"
+                                                 : "--engine");
+    if (g->gl)
+        add(w, " on %s", g->gl);
+}
+
+static void say_lights(struct words *w, const struct gp_facts *f)
+{
+    enum { MOST = 8 };
+    static const char *const edges[] = {
+        [GP_EDGES_NONE] = "",
+        [GP_EDGES_DEPTH] = "edges by depth alone",
+        [GP_EDGES_COVERAGE] = "edges by coverage",
+        [GP_EDGES_MASK] = "edges by coverage without depth",
+    };
+    for (int i = 0; i < f->lights && i < MOST; i++) {
+        const struct gp_light *const l = &f->light[i];
+        add(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
+        if (l->behind)
+            add(w, "behind the camera");
+        else
+            add(w, "%s visible", percent_text(l->visibility, 1.0).text);
+    }
+    if (f->lights > MOST)
+        add(w, " and %d lights more", f->lights - MOST);
+    if (f->depth && !f->depth_empty[0])
+        add(w, ", depth of %s", f->depth);
+    const enum gp_edges by = gp_facts_edges(f);
+    if (by)
+        add(w, ", %s", edges[by]);
+}
+
+static void say_ghosts(struct words *w, const struct gp_facts *f)
+{
+    if (f->flare.runs)
+        add(w, "flare of bright pixels, %d elements", f->flare.elements);
+    if (f->lens.name)
+        add(w, "%slens %s: %d ghosts of %d lights", f->flare.runs ? ", " : "",
+            f->lens.name, f->lens.stats.drawn, f->lens.stats.lights);
+}
+
+static void say_outputs(struct words *w, const struct gp_facts *f)
+{
+    static const char *const texts[] = {
+        [GP_TARGET_HDR] = "linear light",
+        [GP_TARGET_LAYER] = "the glare alone, linear light",
+        [GP_TARGET_PICTURE] = "",
+        [GP_TARGET_SENSORS] = "the light that glares",
+        [GP_TARGET_POLYGONS] = "outlines of polygons",
+        [GP_TARGET_SUNMAP] = "sun maps",
+        [GP_TARGET_INTENSITY] = "intensity map",
+    };
+    const struct gp_settings *const s = f->settings;
+    for (int i = 0; i < f->n_outputs; i++) {
+        const char *const path = f->outputs[i];
+        add(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
+            texts[f->kinds[i]]);
+        if (f->kinds[i] != GP_TARGET_PICTURE)
+            continue;
+        add_tones(w, s, f->ocio, true);
+        if (looks_linear(s, path))
+            add(w, LINEAR_HINT);
+        else if (!f->ocio)
+            add_reason(w, s, "tonemap");
+    }
+}
+
+void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
+{
+    const struct {
+        bool said;
+        void (*say)(struct words *w, const struct gp_facts *f);
+    } notes[] = {
+        {true, say_input},
+        {f->ms[GP_TIME_SENSORS] >= 0.0, say_light},
+        {f->kernel.w > 0, say_kernel},
+        {f->lights > 0, say_lights},
+        {f->flare.runs || f->lens.name, say_ghosts},
+        {f->n_outputs > 0, say_outputs},
+    };
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
+        char line[GP_LINE_BYTES] = "";
+        struct words w = {line, sizeof line, 0};
+        if (!notes[i].said)
+            continue;
+        notes[i].say(&w, f);
+        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->input,
+               f->view ? " (" : "", f->view ? f->view : "",
+               f->view ? ")" : "", line);
+    }
+    if (f->verified)
+        gp_say(log, GP_LEVEL_INFO, "%s: measured rel_l2 %.3g, max_rel %.3g, "
+               "max_abs %.3g, flux_error %.3g", f->input, f->error.rel_l2,
+               f->error.max_rel, f->error.max_abs, f->error.flux_error);
+}
+
+// -- the line on a terminal --------------------------------------------------
+
+void gp_tally_add(struct gp_tally *t, const struct gp_facts *f)
+{
+    int shown = 0;
+    while (shown < f->n_outputs && f->kinds[shown] != GP_TARGET_PICTURE)
+        shown++;
+    if (!t->name[0] && f->n_outputs > 0)
+        snprintf(t->name, sizeof t->name, "%s",
+                 shown_name(f->outputs[shown < f->n_outputs ? shown : 0]));
+    t->fewest = t->made && t->fewest < f->sources ? t->fewest : f->sources;
+    t->most = t->most > f->sources ? t->most : f->sources;
+    t->spread.light += f->spread.light;
+    t->spread.bright += f->spread.bright;
+    t->spread.lamps += f->spread.lamps;
+    if (f->deg_per_pixel > 0.0) {
+        t->narrow = t->wide > 0.0 ? fmin(t->narrow, f->fov) : f->fov;
+        t->wide = fmax(t->wide, f->fov);
+        t->fov_from = f->fov_from;
+    }
+    t->ocio = f->ocio;
+    t->made++;
+}
+
+static void add_view(struct words *w, const struct gp_tally *t)
+{
+    static const struct { const char *from, *text; } froms[] = {
+        {"option", "given"}, {"camera", "of its camera"},
+        {"lens", "of the lens"}, {"default", "assumed"},
+    };
+    if (!(t->wide > 0.0))
+        return;
+    add(w, ", view of %.3g", t->narrow);
+    if (t->wide > t->narrow)
+        add(w, " to %.3g", t->wide);
+    add(w, " degrees");
+    for (size_t i = 0; i < sizeof froms / sizeof *froms; i++) {
+        if (strcmp(t->fov_from, froms[i].from) == 0)
+            add(w, " (%s)", froms[i].text);
+    }
+}
+
+void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
+                   const struct gp_jobs *jobs, double seconds, char *line,
+                   size_t size)
+{
+    struct words w = {line, size, 0};
+    const struct gp_output *first = &jobs->target[0];
+    bool lit = false, pictures = false, linear = false;
+    char time[32];
+    for (int i = 0; i < jobs->targets; i++) {
+        const struct gp_output *const o = &jobs->target[i];
+        const bool picture = o->kind == GP_TARGET_PICTURE;
+        first = picture && !pictures ? o : first;
+        lit = lit || picture || o->kind == GP_TARGET_HDR;
+        pictures = pictures || picture;
+        linear = linear || (picture && looks_linear(s, o->name.path));
+    }
+    add(&w, "%s", t->made > 1 || !t->name[0] ? shown_name(first->name.path)
+                                             : t->name);
+    if (jobs->targets > 1)
+        add(&w, " and %d more", jobs->targets - 1);
+    add(&w, ": ");
+    if (t->made > 1)
+        add(&w, "%s %s, ", count_text(t->made).text,
+            jobs->view.n > 1 ? "views" : "frames");
+    if (t->fewest < t->most)
+        add(&w, "%s to ", count_text(t->fewest).text);
+    add(&w, "%s source%s", count_text(t->most).text, t->most == 1 ? "" : "s");
+    if (t->most == 0)
+        add(&w, ": nothing glares");
+    else
+        add_light(&w, s, lit, &t->spread);
+    add_view(&w, t);
+    add(&w, ", ");
+    if (pictures)
+        add_tones(&w, s, t->ocio, linear);
+    add(&w, "%s", !pictures ? "linear" : linear ? LINEAR_HINT : "");
+    if (seconds < 10.0)
+        snprintf(time, sizeof time, "%.2f s", seconds);
+    else
+        gp_print_duration(time, sizeof time, seconds);
+    add(&w, ", %s", time);
+}

@@ -1,0 +1,213 @@
+/* app/say: words about a run, on a terminal and of --verbose. */
+#include "unit.h"
+#include "app/option_line.h"
+#include "app/say.h"
+
+static char *names[] = {"lit.exr", "out.png"};
+static const enum gp_target_kind kinds[] = {
+    GP_TARGET_HDR, GP_TARGET_PICTURE, GP_TARGET_LAYER, GP_TARGET_PICTURE,
+};
+
+/* A frame of 1000 of light, of which 31 are bright, at 30 degrees. */
+static struct gp_facts some_facts(const struct gp_settings *s)
+{
+    struct gp_facts f = {
+        .input = "in.exr", .outputs = names, .kinds = kinds, .n_outputs = 2,
+        .width = 64, .height = 48, .window = {0, 0, 64, 48},
+        .read = {0, 0, 64, 48}, .sources = 1183, .threshold = 1.0f,
+        .spread = {1000.0, 31.0, 0.0}, .deg_per_pixel = 0.1, .fov = 30.0,
+        .fov_from = "default", .kernel = {.w = 9, .h = 9},
+        .glare = {.engine = "fft", .why = "0.3 ms predicted"}, .settings = s,
+    };
+    return f;
+}
+
+// -- the line on a terminal --------------------------------------------------
+
+/* Formats the line of the targets that are bits, for `made` frames, of which
+ * the last has other sources and another angle. */
+static void line_of(const struct gp_settings *s, const struct gp_facts *f,
+                    unsigned targets, int made, double seconds, char *line,
+                    size_t size)
+{
+    static const char *const paths[] = {
+        "lit.####.exr", "out.####.png", "glare.####.exr", "x.####.exr",
+    };
+    struct gp_tally t = {0};
+    struct gp_output list[4];
+    struct gp_jobs jobs = {.target = list};
+    for (int i = 0; i < 4; i++) {
+        struct gp_output o = {.kind = kinds[i]};
+        o.name.path = paths[i];
+        if (targets >> i & 1)
+            list[jobs.targets++] = o;
+    }
+    for (int i = 0; i < made; i++) {
+        struct gp_facts one = *f;
+        one.sources += made > 1 && i == made - 1 ? 7 : 0;
+        one.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
+        gp_tally_add(&t, &one);
+    }
+    gp_tally_text(&t, s, &jobs, seconds, line, size);
+}
+
+static void lines_say_what_happened(void **state)
+{
+    static const struct {
+        const char *options;
+        unsigned targets;
+        int made;
+        long long sources;
+        double seconds;
+        const char *want;
+    } rows[] = {
+        {"--tonemap agx", 2, 1, 1183, 0.134, "out.png: 1,183 sources, 3.1 % of "
+         "the light moved, view of 30 degrees (assumed), agx, 0.13 s"},
+        {"--tonemap agx", 3, 1, 1, 12.0, "out.png and 1 more: 1 source, 3.1 % "
+         "of the light moved, view of 30 degrees (assumed), agx, 12 s"},
+        {"-g 1", 2, 1, 0, 1.0, "out.png: 0 sources: nothing glares, view of 30 "
+         "degrees (assumed), reinhard, 1.00 s"},
+        {"-g 1", 2, 3, 1234567, 200.0, "out.####.png: 3 frames, 1,234,567 to "
+         "1,234,574 sources, 3.1 % of the light moved, view of 30 to 45 "
+         "degrees (assumed), reinhard, 3 min 20 s"},
+        {"-g 1", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 sources, 3.1 % "
+         "of the light moved, view of 30 to 45 degrees (assumed), tone-mapped "
+         "by reinhard (use --hdr for linear light), 1.00 s"},
+        {"--tonemap none", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 "
+         "sources, 3.1 % of the light moved, view of 30 to 45 degrees "
+         "(assumed), linear, 1.00 s"},
+        {"-g 1", 4, 2, 5, 1.0, "glare.####.exr: 2 frames, 5 to 12 sources, "
+         "3.1 % of the light spread, view of 30 to 45 degrees (assumed), "
+         "linear, 1.00 s"},
+        {"--mix add", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light "
+         "added, view of 30 degrees (assumed), reinhard, 1.00 s"},
+        {"-g 0.02", 2, 1, 2, 1.0, "out.png: 2 sources, under 0.1 % of the "
+         "light moved, view of 30 degrees (assumed), reinhard, 1.00 s"},
+        {"-g 10", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light moved, "
+         "28 % added, view of 30 degrees (assumed), reinhard, 1.00 s"},
+        {"-g 0", 1, 1, 2, 1.0, "lit.exr: 2 sources, 0 % of the light moved, "
+         "view of 30 degrees (assumed), linear, 1.00 s"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_settings s;
+        char options[64], line[400], small[400];
+        snprintf(options, sizeof options, "%s -o a i", rows[i].options);
+        assert_ok(parse(options, &s));
+        struct gp_facts f = some_facts(&s);
+        f.n_outputs = rows[i].targets == 1 ? 1 : 2;
+        f.sources = rows[i].sources;
+        line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds, line,
+                sizeof line);
+        assert_string_equal(line, rows[i].want);
+        for (size_t size = 1; size < 200; size += 7) { // cut, not overrun
+            memset(small, '#', sizeof small);
+            line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds,
+                    small, size);
+            assert_true(strlen(small) < size && small[size] == '#');
+        }
+        gp_settings_free(&s);
+    }
+}
+
+static void angles_say_where_they_are_from(void **state)
+{
+    static const char *const rows[][2] = {
+        {"option", "degrees (given)"}, {"camera", "degrees (of its camera)"},
+        {"lens", "degrees (of the lens)"}, {"default", "degrees (assumed)"},
+    };
+    struct gp_settings s;
+    char line[400];
+    assert_ok(parse("-o a i", &s));
+    struct gp_facts f = some_facts(&s);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        f.fov_from = rows[i][0];
+        line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
+        assert_non_null(strstr(line, rows[i][1]));
+    }
+    f.deg_per_pixel = 0.0; // an image of a kernel
+    line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
+    assert_null(strstr(line, "view"));
+    gp_settings_free(&s);
+}
+
+// -- notes -------------------------------------------------------------------
+
+static char notes[8192];
+
+static void keep_note(void *user, enum gp_level level, const char *line)
+{
+    const size_t at = strlen(notes);
+    assert_int_equal(level, GP_LEVEL_INFO);
+    snprintf(notes + at, sizeof notes - at, "%s\n", line);
+}
+static const struct gp_log notebook = {keep_note, NULL, GP_LEVEL_INFO};
+
+static void notes_of(const char *options, struct gp_facts *f)
+{
+    struct gp_settings s;
+    assert_ok(parse(options, &s));
+    f->settings = &s;
+    notes[0] = '\0';
+    gp_say_frame(&notebook, f);
+    gp_settings_free(&s);
+}
+
+static void notes_say_what_and_why(void **state)
+{
+    struct gp_facts f = some_facts(NULL);
+    notes_of("-o a --hdr h i", &f);
+    assert_string_equal(notes,
+        "in.exr: read 64x48 pixels\n"
+        "in.exr: 1,183 sources: pixels over the threshold of 1 (the default), "
+        "3.1 % of the light moved\n"
+        "in.exr: kernel builtin:eye (the default), view of 30 degrees "
+        "(assumed; --fov sets it), engine fft (chosen by auto)\n"
+        "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by reinhard "
+        "(the default)\n");
+    f.view = "left";
+    f.fov_from = "camera";
+    f.n_outputs = 0;
+    f.nonfinite = 1000;
+    f.threshold = 2.5f;
+    f.glare.gl = "llvmpipe";
+    snprintf(f.taken.layer, sizeof f.taken.layer, "beauty");
+    notes_of("-t 99% -k star -k cie -e fft -o a i", &f);
+    assert_string_equal(notes,
+        "in.exr (left): read 64x48 pixels, layer beauty, 1,000 were NaN or "
+        "Inf\n"
+        "in.exr (left): 1,183 sources: pixels over the threshold of 2.5 "
+        "(--threshold 99%), 3.1 % of the light spread\n"
+        "in.exr (left): kernel star and cie (--kernel), view of 30 degrees (of "
+        "its camera), engine fft (--engine) on llvmpipe\n");
+}
+
+static void notes_of_what_else_there_is(void **state)
+{
+    const struct gp_light light[2] = {
+        {.name = "sun", .visibility = 0.5, .in_frame = true},
+        {.visibility = 1.0, .behind = true},
+    };
+    struct gp_facts f = some_facts(NULL);
+    f.sources = 0;
+    f.kernel.w = 0;
+    f.light = light;
+    f.lights = 2;
+    f.depth = "Z";
+    f.flare.runs = f.flare.elements = 3;
+    f.lens.name = "heliar";
+    f.verified = true;
+    f.error.rel_l2 = 1e-7;
+    notes_of("-t +2ev -o a i", &f);
+    assert_non_null(strstr(notes, "no pixel is over the threshold of 1 "
+                           "(--threshold +2ev): nothing glares\n"));
+    assert_null(strstr(notes, "kernel"));
+    assert_non_null(strstr(notes, "in.exr: sun 50 % visible, light behind the "
+                           "camera, depth of Z, edges by depth alone\n"));
+    assert_non_null(strstr(notes, "flare of bright pixels, 3 elements, lens "
+                           "heliar: 0 ghosts of 0 lights\n"));
+    assert_non_null(strstr(notes, "measured rel_l2 1e-07, max_rel 0"));
+}
+
+SUITE_OF(say, NULL, NULL, lines_say_what_happened,
+         angles_say_where_they_are_from, notes_say_what_and_why,
+         notes_of_what_else_there_is)
