@@ -89,6 +89,55 @@ const struct gp_option_choice gp_debugs[] = {
     {0},
 };
 
+const struct gp_option_choice gp_types[] = {
+    {"auto", GP_OUT_AUTO, "as in the input; float where a value is over "
+     "65504"},
+    {"half", GP_OUT_HALF, "16 bits; a brighter pixel is scaled to 65504, which "
+     "keeps its hue; formats other than EXR get float"},
+    {"float", GP_OUT_FLOAT, "32 bits"}, {0},
+};
+
+const struct gp_option_choice gp_compressions[] = {
+    {"auto", GP_COMPRESSION_AUTO, "as in the input if that is lossless, else "
+     "zip"},
+    {"none", GP_COMPRESSION_NONE, NULL}, {"rle", GP_COMPRESSION_RLE, NULL},
+    {"zips", GP_COMPRESSION_ZIPS, NULL}, {"zip", GP_COMPRESSION_ZIP, NULL},
+    {"piz", GP_COMPRESSION_PIZ, NULL},
+    {"pxr24", GP_COMPRESSION_PXR24, "rounds 32-bit floats to 24 bits, depth "
+     "too; lossless for half"},
+    {"b44", GP_COMPRESSION_B44, "lossy for half, alpha too, where NaN and Inf "
+     "become 0; lossless for float"},
+    {"b44a", GP_COMPRESSION_B44A, "as b44"},
+    {"dwaa", GP_COMPRESSION_DWAA, "lossy for R, G, B and Y of every layer, "
+     "where NaN becomes 0; lossless for depth and alpha"},
+    {"dwab", GP_COMPRESSION_DWAB, "as dwaa"}, {0},
+};
+
+const struct gp_option_choice gp_bits[] = {
+    {"8", 8, NULL}, {"16", 16, NULL}, {0},
+};
+
+const struct gp_option_choice gp_alphas[] = {
+    {"black", GP_ALPHA_BLACK, "composite the picture over black, "
+     "without alpha"},
+    {"keep", GP_ALPHA_KEEP, "write the frame's alpha where the format has it: "
+     "EXR, PNG, TIFF, WebP, Targa, SGI, DPX, BMP"}, {0},
+};
+
+const struct gp_option_choice gp_stdout_formats[] = {
+#define X(name, ending, text) {ending, GP_STDOUT_##name, text},
+    GP_STDOUT_LIST(X)
+#undef X
+    {0},
+};
+
+const struct gp_option_choice gp_raws[] = {
+    {"rgb24", GP_RAW_RGB24, "8 bits, sRGB"},
+    {"rgb48le", GP_RAW_RGB48LE, "16 bits, sRGB, low byte first"},
+    {"rgb48be", GP_RAW_RGB48BE, "16 bits, sRGB, high byte first"},
+    {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"}, {0},
+};
+
 // -- values by name ----------------------------------------------------------
 
 const char *gp_engine_name(int i, const char **text)
