@@ -35,12 +35,24 @@ static void print_quoted(FILE *f, const char *text, const char *escaped)
     }
 }
 
+/* Prints the topics of help but the options, which shells complete already. */
+static void print_topics(FILE *f)
+{
+    char name[GP_TOPIC_BYTES];
+    const char *word;
+    for (int i = 0; (word = gp_help_topic_at(i, name)); i++)
+        fprintf(f, "%s ", word);
+}
+
 /* Prints the values of an option, separated by blanks. */
 static void print_values(FILE *f, const struct gp_option *o,
                          const char *escaped)
 {
     const char *name, *text;
-    for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+    if (o->optional) // --help
+        print_topics(f);
+    for (int i = 0; !o->optional && (name = gp_option_value(o, i, &text));
+         i++) {
         if (i)
             putc(' ', f);
         print_quoted(f, name, escaped);
@@ -97,15 +109,6 @@ static void print_kernel_words(FILE *f)
     const char *word, *text;
     for (int i = 0; (word = gp_kernel_word(i, &text)); i++)
         fprintf(f, "%s%s", i ? " " : "", word);
-}
-
-/* Prints the topics of help but the options, which shells complete already. */
-static void print_topics(FILE *f)
-{
-    char name[GP_TOPIC_BYTES];
-    const char *word;
-    for (int i = 0; (word = gp_help_topic_at(i, name)); i++)
-        fprintf(f, "%s ", word);
 }
 
 static void print_commands(FILE *f, const char *between)
@@ -233,7 +236,7 @@ static void zsh_option(FILE *f, const struct gp_option *o)
         print_quoted(f, o->help, "[]:\\");
         putc(']', f);
         if (o->arg) {
-            putc(':', f);
+            fputs(o->optional ? "::" : ":", f);
             print_quoted(f, o->arg, ":");
         }
         if (o->kind == GP_KIND_NAMED) {
@@ -244,9 +247,10 @@ static void zsh_option(FILE *f, const struct gp_option *o)
         } else if (takes_model(o)) {
             fprintf(f, ":_glarepp_kernel");
         } else if (o->arg && has_values(o)) {
-            fprintf(f, o->open ? ":{compadd -- " : ":(");
+            const bool files = o->open && !o->optional;
+            fprintf(f, files ? ":{compadd -- " : ":(");
             print_values(f, o, ":");
-            fprintf(f, o->open ? "; _files}" : ")");
+            fprintf(f, files ? "; _files}" : ")");
         } else if (o->arg) {
             fprintf(f, takes_file(o) ? ":_files" : ": ");
         }

@@ -249,6 +249,9 @@ if command -v bash >/dev/null; then
     bash_says 'glarepp bench --hd' '|'
     bash_says 'glarepp --js' '|'
     bash_says 'glarepp help sequ' 'sequences|'
+    bash_says 'glarepp help al' 'all|'
+    bash_says 'glarepp --help al' 'all|'
+    bash_says 'glarepp --help = sequ' 'sequences|'
     bash_says 'glarepp -o x.png a' 'a file.exr|'
 else
     skip 1 'no bash'
@@ -273,6 +276,7 @@ if command -v fish >/dev/null; then
     fish_says 'glarepp bench --js' '--json|'
     fish_says 'glarepp --js' ''
     fish_says 'glarepp help sequ' 'sequences|'
+    fish_says 'glarepp --help sequ' 'sequences|'
 else
     skip 1 'no fish'
 fi
@@ -292,7 +296,7 @@ if command -v zsh >/dev/null && zsh -fc 'zmodload zsh/zpty' 2>/dev/null; then
     cp completion.zsh _glarepp
     ok 'zsh reads its completions' zsh -n completion.zsh
     for row in '--engine=sp splat' '-k builtin:ey builtin:eye' '-k cie:age=70,pig pigment=' \
-        'bench --js --json' 'help sequ sequences'; do
+        'bench --js --json' 'help sequ sequences' '--help=sequ sequences'; do
         ok "zsh: glarepp ${row% *}" timeout 10 zsh -f ask.zsh \
             "glarepp ${row% *}" "${row##* }"
     done
