@@ -388,8 +388,8 @@ static const struct gp_model_key aperture_keys[] = {
     GP_MODEL_SHARE(0.5),
     {"blades", "blades of the iris, 3 to 32; 0 makes a circle", 6, 0, 32, NULL,
      false},
-    {"roundness", "shape of the blades, 0 straight to 1 a circle", 0.1, 0, 1,
-     NULL, false},
+    {"roundness", "shape of the blades, 0 straight, with spikes as needles, to 1 "
+     "a circle; between them spikes are fans", 0, 0, 1, NULL, false},
     {"rotation", "turns the iris and all that is on it, degrees "
      "counter-clockwise", 0, -360, 360, NULL, false},
     {"obstruction", "diameter of a disc that hides the middle, as in a mirror "
@@ -419,7 +419,7 @@ static const struct gp_model_key aperture_keys[] = {
     {"wavelength", "a single wavelength, nm, shown white; 0 takes daylight", 0,
      0, 2000, NULL, false},
     {"reach", "distance beyond which only the light's smooth mean goes on, "
-     "degrees", 8.5, 0.01, 90, NULL, false},
+     "degrees; spikes fade from a quarter of it on", 12, 0.01, 90, NULL, false},
     {0},
 };
 
@@ -488,6 +488,7 @@ static gp_status open_aperture(const struct gp_log *log,
     const struct gp_diffraction d = {
         .name = mask && mask->path ? mask->path : "aperture",
         .diameter = 2.0 * s->radius * wide, .reach = gp_recipe_value(r, "reach"),
+        .sampled = 0.25, // a spike is some 100 times as bright as its sides
         .nm = gp_recipe_value(r, "wavelength"),
         .bands = (int) gp_recipe_value(r, "wavelengths"),
         .steep = steep / s->radius, .draw = draw_iris, .ctx = s,

@@ -605,7 +605,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
     const double corner = hypot(pixel[0] * f->w, pixel[1] * f->h);
-    p.n = cells_of(d, fmin(d->reach, corner / GP_DIFFRACT_SAMPLED));
+    p.n = cells_of(d, fmin(d->reach, corner / d->sampled));
     p.cell = d->diameter / (p.n - 4);
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
                             0.95 * 180.0 / GP_PI;
@@ -651,7 +651,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     };
     for (int i = 0; i < 2; i++)
         shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
-    if (corner > GP_DIFFRACT_SAMPLED * reach)
+    if (corner > d->sampled * reach)
         GP_TRY(gp_diffract_join(log, d, k->r[0], k->r[1], reach, f,
                                 &shape));
     *out = shape;

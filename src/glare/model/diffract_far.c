@@ -5,13 +5,13 @@
  * mean over the circle: Airy's rings fall so, and so does the sum over a spike
  * of an n-gon, an inverse square that keeps its width. Far out a shape is
  *
- *   light_c(phi) / (t^2 + a^2)^1.5,   a = reach / 20
+ *   light_c / (t^2 + a^2)^1.5,   a = reach / 20
  *
- * in direction phi. The light is that of the samples from half of the reach to
- * three quarters of it, in means over phi. Over the last half of the reach they
- * take over in turn, each of twice the degrees of the one before: what is narrow
- * tapers and widens, and nothing ends. A tail may take over with that of 4
- * degrees, which is smooth. Wider ones follow beyond the reach: fans dissolve.
+ * with the light of the samples from half of the reach to three quarters of it,
+ * in the median of directions: that between spikes, even around the circle.
+ * Before the reach it takes over from what is narrow, which only fades, as
+ * left_at() says: a spike that got wider in place of fainter would end in a tuft.
+ * The light that spikes then lack, some 0.1 % of all, stays in the centre.
  *
  * Of a pupil with blades, the part of that light which is theirs goes on in
  * spikes as far as the recipe's reach. The transform of a polygon is a sum over
@@ -41,16 +41,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Directions; means over them, the first JOIN of which take over up to the
- * reach. */
-enum { TURN = 1440, JOIN = 5, MEANS = 8 };
-static const struct {
-    double sigma;    // degrees of phi
-    double from, to; // it and wider ones take over, shares of the reach
-} means[MEANS] = {
-    {0.25, GP_DIFFRACT_SAMPLED, 0.6}, {0.5, 0.54, 0.68}, {1.0, 0.59, 0.78},
-    {2.0, 0.66, 0.9}, {4.0, 0.75, 1.0}, {8.0, 1.0, 1.6}, {16.0, 1.3, 2.3},
-    {32.0, 1.8, 3.3},
+enum {
+    TURN = 1440,      // directions
+    SIDE = TURN / 180 // of 2 degrees
 };
 
 /* Spikes of blades. Degrees of view, but for radians that say so. */
@@ -59,7 +52,7 @@ struct spikes {
     double turn, fan;              // radians clockwise, as y is down; half of
                                    // the fan
     double width[3], soft[3];      // of a straight edge; squared over t
-    double reach;                  // they widen over its last half
+    double from, reach;            // they fade between: left_at()
     double strength[3];            // by channel, of 1 / t^2
 };
 
@@ -67,19 +60,24 @@ struct joined {
     struct gp_shape near, far;     // far: of light 1, grey
     struct spikes spikes;
     double pixel[2];               // degrees
-    double reach, end;             // of samples; of these and spikes
+    double from, reach;            // samples fade between: left_at()
+    double end;                    // of these and spikes
     double own[3];                 // light of the centre, so that all is 1
-    double light[MEANS][TURN][3];  // by directions i / TURN of a turn
-    double spread[MEANS][TURN][3]; // part of it that spikes have before their
-                                   // reach
+    double light[3];               // of the mean
 };
 
-/* The share of light that means i and wider have t degrees from the light. */
-static double taken(int i, double t, double reach)
+/* The share of what is narrow that is left t degrees from the light. After
+ * `from` degrees it falls by the power STEEP beside its own, bent in over SOFT of
+ * a logarithm of t, and to 0 over the LAST of the reach. Light that falls by no
+ * more than the 12th power of the distance has no rim. */
+static double left_at(double t, double from, double reach)
 {
-    const double from = means[i].from * reach, to = means[i].to * reach;
-    const double z = fmin(fmax((t - from) / (to - from), 0.0), 1.0);
-    return z * z * (3.0 - 2.0 * z);
+    static const double STEEP = 5.5, SOFT = 0.3, LAST = 0.4;
+    const double u = log(t / from);
+    if (!(u > 0.0))
+        return 1.0;
+    const double fall = u < SOFT ? u * u / (2.0 * SOFT) : u - 0.5 * SOFT;
+    return exp(-STEEP * fall) * gp_smoothstep((1.0 - t / reach) / LAST);
 }
 
 // -- spikes -------------------------------------------------------------------
@@ -126,10 +124,10 @@ static void spikes_at(const struct spikes *k, const double pixel[2], double x,
     }
 }
 
-/* The part of them that means have. */
-static double spikes_taken(const struct spikes *k, int i, double t)
+/* The share of them that is left; 0 where there are none. */
+static double spikes_left(const struct spikes *k, double t)
 {
-    return k->n ? taken(i, t, k->reach) : 1.0;
+    return k->n ? left_at(t, k->from, k->reach) : 0.0;
 }
 
 // -- the mean -----------------------------------------------------------------
@@ -146,16 +144,14 @@ static void mean_profile(const void *ctx, double t, double out[3])
     out[0] = falloff(t, *reach);
 }
 
-/* Parts that take over: of the mean's light, of that where spikes have ended, and
- * of a spike of 1 / t^2, as if it were even around the circle. */
+/* Parts that take over: of the mean, and of a spike of 1 / t^2, as if it were
+ * even around the circle. */
 static void taking_over(const void *ctx, double t, double out[3])
 {
     const struct joined *const s = ctx;
-    const double share = taken(0, t, s->reach);
-    const double spikes = spikes_taken(&s->spikes, 0, t);
-    out[0] = falloff(t, s->reach) * share;
-    out[1] = out[0] * spikes;
-    out[2] = share * (1.0 - spikes) / (2.0 * GP_PI * t * t * t);
+    const double share = 1.0 - left_at(t, s->from, s->reach);
+    out[0] = share * falloff(t, s->reach);
+    out[1] = share * spikes_left(&s->spikes, t) / (2.0 * GP_PI * t * t * t);
 }
 
 /* Degrees; much faster than hypot(). */
@@ -165,57 +161,7 @@ static inline double distance(const struct joined *s, int x, int y)
     return sqrt(u * u + v * v);
 }
 
-/* Direction of an offset, in steps of TURN, in [0, TURN). */
-static double direction(const struct joined *s, int x, int y)
-{
-    const double turns = atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
-    return fmin(fmax(TURN * (turns < 0.0 ? turns + 1.0 : turns), 0.0),
-                TURN * (1.0 - 1e-15));
-}
-
-/* Adds means of the light at a place t degrees away, from the reach on, in
- * direction `at`: `strip` in all. */
-static void add_wide(const struct joined *s, double t, double at, double strip,
-                     int channels, double out[3])
-{
-    const int k = (int) at, next = (k + 1) % TURN;
-    double rest = 1.0;
-    for (int i = JOIN - 1; i < MEANS && rest > 0.0; i++) {
-        const double wider = i + 1 < MEANS ? taken(i + 1, t, s->end) : 0.0;
-        for (int c = 0; c < channels; c++) {
-            const double a = s->light[i][k][c], b = s->light[i][next][c];
-            out[c] += strip * (rest - wider) * (a + (at - k) * (b - a));
-        }
-        rest = wider;
-    }
-}
-
-/* Adds the same up to the reach, of samples' light and of spikes'. */
-static void add_means(const struct joined *s, double t, double at, double strip,
-                      int channels, double out[3])
-{
-    const int k = (int) at, next = (k + 1) % TURN;
-    const double share = taken(0, t, s->reach);
-    double rest = share, spikes = spikes_taken(&s->spikes, 0, t);
-    for (int i = 0; i < JOIN && (rest > 0.0 || spikes > 0.0); i++) {
-        const bool last = i + 1 == JOIN;
-        const double wider = last ? 0.0 : taken(i + 1, t, s->reach);
-        const double wide = last ? 0.0 : spikes_taken(&s->spikes, i + 1, t);
-        const double of = strip * (rest - wider);
-        const double more = strip * share * (spikes - wide) - of;
-        for (int c = 0; c < channels; c++) {
-            const double a = of * s->light[i][k][c] + more * s->spread[i][k][c];
-            const double b =
-                of * s->light[i][next][c] + more * s->spread[i][next][c];
-            out[c] += a + (at - k) * (b - a);
-        }
-        rest = wider;
-        spikes = wide;
-    }
-}
-
-/* Fades the samples of n pixels, and adds the part that takes over: spikes, and
- * means of the rest and of spikes beyond their reach. */
+/* Fades the samples of n pixels, and adds what takes over: spikes and mean. */
 static void take_over(const struct joined *s, int x, int y, int n,
                       double *const out[3])
 {
@@ -223,61 +169,46 @@ static void take_over(const struct joined *s, int x, int y, int n,
     double strip[GP_SHAPE_STRIP];
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
-    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) >
-          means[0].from * s->reach))
+    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > s->from))
         return;
     s->far.row(s->far.state, x, y, n, far);
     for (int i = 0; i < n; i++) {
         const double t = distance(s, x + i, y);
-        const double share = taken(0, t, s->reach);
+        const double share = 1.0 - left_at(t, s->from, s->reach);
         if (!(share > 0.0))
             continue;
-        const double part = 1.0 - spikes_taken(&s->spikes, 0, t);
+        const double part = spikes_left(&s->spikes, t);
         double v[3] = {0};
         if (part > 0.0)
             spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
                       s->pixel[1] * y, channels, v);
         for (int c = 0; c < channels; c++)
-            v[c] *= share * part * s->spikes.strength[c];
-        (t < s->end ? add_means : add_wide)(s, t, direction(s, x + i, y),
-                                            strip[i], channels, v);
-        for (int c = 0; c < channels; c++)
-            out[c][i] = (1.0 - share) * out[c][i] + v[c];
+            out[c][i] = (1.0 - share) * out[c][i] +
+                        share * (part * s->spikes.strength[c] * v[c] +
+                                 strip[i] * s->light[c]);
     }
 }
 
-/* The smooth means from where they begin: 0 within three quarters of s->end. */
+/* The mean. */
 static void joined_far(const void *state, int x, int y, int n,
                        double *const out[3])
 {
     const struct joined *const s = state;
-    const int channels = s->near.grey ? 1 : 3;
     double strip[GP_SHAPE_STRIP];
     double *const far[3] = {strip, NULL, NULL};
-    const int last = gp_max(abs(x), abs(x + n - 1));
-    for (int c = 0; c < channels; c++)
-        memset(out[c], 0, (size_t) n * sizeof *out[c]);
-    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > 0.75 * s->end))
-        return;
     s->far.row(s->far.state, x, y, n, far);
-    for (int i = 0; i < n; i++) {
-        const double t = distance(s, x + i, y);
-        double v[3] = {0};
-        if (!(taken(JOIN - 1, t, s->end) > 0.0))
-            continue;
-        add_wide(s, t, direction(s, x + i, y), strip[i], channels, v);
-        for (int c = 0; c < channels; c++)
-            out[c][i] = v[c];
+    for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
+        for (int i = 0; i < n; i++)
+            out[c][i] = s->light[c] * strip[i];
     }
 }
 
-/* The share of them that has taken over, at the nearest such pixels: nothing
- * is negative. */
+/* The share of it that has taken over, at the nearest such pixels. */
 static double joined_least(const void *state, double pixels)
 {
     const struct joined *const s = state;
-    const double t = pixels * fmin(s->pixel[0], s->pixel[1]);
-    return taken(JOIN - 1, t, s->end);
+    return 1.0 - left_at(pixels * fmin(s->pixel[0], s->pixel[1]), s->from,
+                         s->reach);
 }
 
 static void joined_row(const void *state, int x, int y, int n,
@@ -302,10 +233,17 @@ static void joined_free(void *state)
 
 /* Light of samples by direction, and of spikes of strength 1. */
 struct directions {
-    double light[TURN][3], spikes[TURN][3], shape[TURN], all;
+    double light[TURN][3], spikes[TURN][3], shape[TURN];
 };
 
-/* Adds up the samples that do not fade, and those from which the means are. */
+/* Direction of an offset, in steps of TURN. */
+static int direction(const struct joined *s, int x, int y)
+{
+    const double turns = atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
+    return (int) (TURN * (turns + 1.0) + 0.5) % TURN;
+}
+
+/* Adds up the samples that do not fade, and those from which the mean is. */
 static void measure(const struct joined *s, int rx, int ry,
                     struct directions *d, double sum[3])
 {
@@ -319,14 +257,13 @@ static void measure(const struct joined *s, int rx, int ry,
             s->near.row(s->near.state, x, y, n, row);
             for (int i = 0; i < n; i++) {
                 const double t = distance(s, x + i, y);
-                const double left = 1.0 - taken(0, t, s->reach);
+                const double left = left_at(t, s->from, s->reach);
                 for (int c = 0; c < channels; c++)
                     sum[c] += left * strip[c][i];
                 if (t < 0.5 * s->reach || t >= 0.75 * s->reach)
                     continue;
-                const int k = (int) (direction(s, x + i, y) + 0.5) % TURN;
+                const int k = direction(s, x + i, y);
                 d->shape[k] += falloff(t, s->reach) * area;
-                d->all += falloff(t, s->reach) * area;
                 if (s->spikes.n)
                     spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
                               s->pixel[1] * y, channels, spike);
@@ -339,107 +276,50 @@ static void measure(const struct joined *s, int rx, int ry,
     }
 }
 
-/* The strength of spikes in a channel, by least squares over the directions of
- * samples, of which the rest is taken as even. */
-static double fit_spikes(const struct directions *d, int c)
+static int compare(const void *a, const void *b)
 {
-    double sum[2] = {0}, square = 0.0, product = 0.0, weight = 0.0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int i = 0; i < TURN; i++) {
-            if (!(d->shape[i] > 0.0))
-                continue;
-            const double v = d->light[i][c] / d->shape[i];
-            const double z = d->spikes[i][c] / d->shape[i];
-            if (!pass) {
-                sum[0] += d->shape[i] * v;
-                sum[1] += d->shape[i] * z;
-                weight += d->shape[i];
-                continue;
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+/* The strength of spikes in a channel: the light of directions within 2 degrees
+ * of theirs, over that between. */
+static double fit_spikes(const struct directions *d, int c, double between)
+{
+    double sum = 0.0, spikes = 0.0;
+    for (int i = 0; i < TURN; i++) {
+        bool near = false;
+        for (int k = -SIDE; k <= SIDE; k++)
+            near |= d->spikes[(i + k + TURN) % TURN][c] > 0.0;
+        sum += near ? d->light[i][c] - between * d->shape[i] : 0.0;
+        spikes += d->spikes[i][c];
+    }
+    return spikes > 0.0 ? fmax(sum / spikes, 0.0) : 0.0;
+}
+
+/* Fills s->light and the spikes' strength. */
+static void share_out(struct joined *s, const struct directions *d)
+{
+    // of the mean: without dust there is hardly light for spikes to end in
+    static const double DARKEST = 0.1;
+    for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
+        double light[TURN / SIDE], mean = 0.0;
+        int n = 0;
+        for (int i = 0; i < TURN; i += SIDE) {
+            double sum = 0.0, shape = 0.0;
+            for (int k = i; k < i + SIDE; k++) {
+                sum += d->light[k][c];
+                shape += d->shape[k];
             }
-            square += d->shape[i] * pow(z - sum[1] / weight, 2.0);
-            product += d->shape[i] * (z - sum[1] / weight) *
-                       (v - sum[0] / weight);
+            if (shape > 0.0)
+                light[n++] = sum / shape;
         }
-    }
-    return square > 0.0 ? fmax(product / square, 0.0) : 0.0;
-}
-
-/* The mean of `light` over `sigma` degrees. */
-static void even_out(const struct directions *d, const double light[TURN][3],
-                     double sigma, double out[TURN][3])
-{
-    enum { MOST = TURN / 2 - 1 };
-    const int wide = gp_min((int) (4.0 * sigma * TURN / 360.0), MOST);
-    // a direction without samples has the mean of all
-    const double few = fmax(1e-6 * d->all, 1e-300);
-    double all[3] = {0}, g[MOST + 1];
-    for (int k = 0; k <= wide; k++)
-        g[k] = exp(-0.5 * pow(k * 360.0 / TURN / sigma, 2.0));
-    for (int i = 0; i < TURN; i++) {
-        for (int c = 0; c < 3; c++)
-            all[c] += d->all > 0.0 ? light[i][c] / d->all : 0.0;
-    }
-    for (int i = 0; i < TURN; i++) {
-        double v[3] = {all[0] * few, all[1] * few, all[2] * few}, w = few;
-        for (int k = -wide; k <= wide; k++) {
-            const int at = (i + k + TURN) % TURN;
-            w += g[abs(k)] * d->shape[at];
-            for (int c = 0; c < 3; c++)
-                v[c] += g[abs(k)] * light[at][c];
-        }
-        for (int c = 0; c < 3; c++)
-            out[i][c] = v[c] / w;
-    }
-}
-
-/* The means of each channel over all directions. */
-static void mean_of(const double light[TURN][3], double mean[3])
-{
-    memset(mean, 0, 3 * sizeof *mean);
-    for (int i = 0; i < TURN; i++) {
-        for (int c = 0; c < 3; c++)
-            mean[c] += light[i][c] / TURN;
-    }
-}
-
-/* Scales channels to have such means. */
-static void scale_to(const double mean[3], double light[TURN][3])
-{
-    double has[3];
-    mean_of(light, has);
-    for (int i = 0; i < TURN; i++) {
-        for (int c = 0; c < 3; c++)
-            light[i][c] *= has[c] > 0.0 ? mean[c] / has[c] : 0.0;
-    }
-}
-
-/* Fills s->light, s->spread, the spikes' strength, and their means. */
-static void share_out(struct joined *s, struct directions *d, double light[3],
-                      double spread[3])
-{
-    const int channels = s->near.grey ? 1 : 3;
-    for (int c = 0; c < channels && s->spikes.n; c++)
-        s->spikes.strength[c] = fit_spikes(d, c);
-    for (int i = 0; i < TURN; i++) {
-        for (int c = 0; c < 3; c++)
-            d->spikes[i][c] *= s->spikes.strength[c];
-    }
-    for (int m = MEANS - 1; m >= 0; m--) {
-        even_out(d, d->light, means[m].sigma, s->light[m]);
-        even_out(d, d->spikes, means[m].sigma, s->spread[m]);
-        if (m < MEANS - 1) { // all means have the same light
-            scale_to(light, s->light[m]);
-            scale_to(spread, s->spread[m]);
-        }
-        for (int i = 0; i < TURN; i++) {
-            for (int c = 0; c < 3; c++)
-                s->spread[m][i][c] =
-                    fmin(s->spread[m][i][c], s->light[m][i][c]);
-        }
-        if (m == MEANS - 1) {
-            mean_of(s->light[m], light);
-            mean_of(s->spread[m], spread);
-        }
+        for (int i = 0; i < n; i++)
+            mean += light[i] / n;
+        qsort(light, (size_t) n, sizeof *light, compare);
+        s->light[c] = n ? fmax(light[n / 2], DARKEST * mean) : 0.0;
+        if (s->spikes.n)
+            s->spikes.strength[c] = fit_spikes(d, c, s->light[c]);
     }
 }
 
@@ -454,6 +334,7 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
         return k;
     k.turn = -b->turn;
     k.fan = asin(fmin(0.5 * b->length / b->bend, 1.0));
+    k.from = d->sampled * d->reach;
     k.reach = d->reach;
     for (int c = 0; c < 3; c++) {
         const double mm = 1e-6 * (d->nm > 0.0 ? d->nm : waves[c]);
@@ -469,7 +350,7 @@ gp_status gp_diffract_join(const struct gp_log *log,
 {
     struct joined *s;
     struct directions *by;
-    double over[3], light[3], spread[3], sum[3] = {0};
+    double over[3], sum[3] = {0};
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
     if (st)
         return st;
@@ -483,21 +364,21 @@ gp_status gp_diffract_join(const struct gp_log *log,
     }
     s->pixel[0] = f->degrees * f->aspect;
     s->pixel[1] = f->degrees;
+    s->from = d->sampled * reach;
     s->reach = reach;
     s->near = *shape;
     s->spikes = spikes_of(d, reach);
     s->end = fmax(reach, s->spikes.reach);
     measure(s, rx, ry, by, sum);
-    share_out(s, by, light, spread);
+    share_out(s, by);
     gp_free(by);
     const double end = s->end;
-    gp_profile_integral(taking_over, s, 3, means[0].from * reach, end, over);
+    gp_profile_integral(taking_over, s, 2, s->from, end, over);
     const double a = reach / 20.0; // and from there to infinity
     const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
     for (int c = 0; c < 3 && shape->fits[0] && shape->fits[1]; c++)
-        s->own[c] = 1.0 - sum[c] - (over[0] + rest) * (light[c] - spread[c]) -
-                    (over[1] + rest) * spread[c] -
-                    over[2] * 2.0 * s->spikes.n * s->spikes.strength[c];
+        s->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
+                    over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
     shape->state = s;
     shape->free = joined_free;
     shape->row = joined_row;
@@ -508,6 +389,7 @@ gp_status gp_diffract_join(const struct gp_log *log,
     shape->far = joined_far;
     shape->least = joined_least;
     shape->far_grey = shape->grey;
+    shape->far_even = true;
     shape->sharp = s->spikes.n ? (int) fmin(ceil(pixels), INT_MAX)
                                : gp_max(rx, ry);
     return GP_OK;

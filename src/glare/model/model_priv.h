@@ -249,9 +249,10 @@ struct gp_blades {
 struct gp_diffraction {
     const char *name; // of the model, for messages
     double diameter;  // mm, of all openings
-    double reach;     // degrees from the light; over the last half of it
-                      // means far out take over; where cells resolve less,
-                      // the blades' spikes before that
+    double reach;     // degrees from the light; before it the mean far out
+                      // takes over; where cells resolve less, the blades'
+                      // spikes before that
+    double sampled;   // what is narrow fades from this share of the reach on
     double nm;        // one wavelength; 0: daylight in `bands`
     int bands;        // 1 to 256
     double steep;     // nm of path a mm, the most that changes; 0: no path
@@ -332,12 +333,9 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* A shape's samples are all of it up to this share of their reach. */
-#define GP_DIFFRACT_SAMPLED 0.5
-
 /* Joins to a shape whose samples, of offsets up to rx and ry, end at `reach`
  * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * fade in before. Where the samples hold all up to `reach` (`fits`), the light
+ * take over before. Where the samples hold all up to `reach` (`fits`), the light
  * of the centre is changed for all of it to be 1.
  *
  *   shape  owned by the caller; after an error as before */

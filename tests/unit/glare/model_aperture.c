@@ -78,8 +78,8 @@ static void blades_make_spikes(void **state)
         double light[STEPS];
         const double n = rows[i].blades;
         snprintf(text, sizeof text, "aperture:share=1,blades=%d,roundness=0,"
-                 "dust=0,scratches=0,wavelengths=8,rotation=%g", rows[i].blades,
-                 rows[i].rotation);
+                 "dust=0,scratches=0,wavelengths=8,reach=28,rotation=%g",
+                 rows[i].blades, rows[i].rotation);
         model_make(text, &f, &k);
         find_spikes(&k, light, STEPS, 60.0, 250.0);
         double all = 0.0, inside = 0.0;
@@ -209,8 +209,10 @@ static void pixels_add_up(void **state)
         model_make(text, &f, &b);
         for (int y = -80 / ny; y <= 80 / ny; y++) {
             for (int x = -80 / nx; x <= 80 / nx; x++) {
-                // pairs of fine pixels that are as far apart
+                // pairs of fine pixels that are as far apart, and do not fade
                 double sum = 0.0;
+                if (hypot(nx * x, ny * y) > 76.0)
+                    continue;
                 for (int j = 1 - ny; j < ny; j++) {
                     for (int k = 1 - nx; k < nx; k++)
                         sum += (double) ((nx - abs(k)) * (ny - abs(j))) /
