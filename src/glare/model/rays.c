@@ -13,10 +13,12 @@
  *   v_c(p, q) = a g_c(p) n(q / s(p)) / s(p)        p <= L
  *   g_c(p)    = g_c(0) exp(-p^2 / (2 width^2))     p < 0: a round end
  *             = sum over wavelengths l of w_c(l) g(p 550 / l) 550 / l
- *   g(p)      = (1 - p / L)^2 / (1 + (p / core)^2)
+ *   g(p)      = (1 - p / L)^8 / (1 + (p / core)^2)
  *   s(p)      = width (1 - 0.8 p / L)
  *
- * n is the normal density, cut at 5; w the spectrum's weights, which sum to 1
+ * The eighth power is a window that no brightness shows the end of: a lamp that
+ * is 2^23 times as bright as what is seen has rays of 0.8 L, which fade over a
+ * third of that. n is the normal density, cut at 5; w the spectrum's weights, which sum to 1
  * in each channel: white light stays white, only redder far out, as diffraction
  * makes it (without `dispersion` g_c is g). Lengths, angles and strengths a of
  * strands come from `seed`, spread about those of their ray, and the sum is 1
@@ -355,8 +357,8 @@ static void rays_free(void *state)
 static double curve_of(double nm, double t, double core, double dispersion)
 {
     const double scale = 1.0 + dispersion * (550.0 / nm - 1.0);
-    const double at = t * scale / core, end = fmax(1.0 - t, 0.0);
-    return end * end * scale / (1.0 + at * at);
+    const double at = t * scale / core, end = pow(fmax(1.0 - t, 0.0), 8.0);
+    return end * scale / (1.0 + at * at);
 }
 
 /* g_c by wavelengths, of integral 1 in each channel, for strands of length 1;
@@ -548,8 +550,9 @@ out:
     {"strands", "strands of each ray", strands, 1, 16, NULL, false},          \
     {"spread", "angle to which strands fan out on each side, degrees", spread, \
      0, 90, NULL, false},                                                     \
-    {"length", "degrees of view from the light to a ray's end", length, 0.01, \
-     180, NULL, false},                                                       \
+    {"length", "degrees of view from the light to a ray's end, to which it "   \
+     "fades: a half is seen of a bright lamp", length, 0.01, 180, NULL,        \
+     false},                                                       \
     {"core", "distance at which it has fallen to a half, degrees", core,      \
      0.001, 180, NULL, false},                                                \
     {"width", "thickness at the light (one sigma), degrees", width, 0.002,    \
@@ -567,13 +570,13 @@ out:
     {0}
 
 static const struct gp_model_key star_keys[] = {
-    KEYS(0.1, 6, 7, 1.6, 5.0, 0.35, 0.02, 90.0, 1.0, 1.0, 1.0, 1.0, 1.0),
+    KEYS(0.1, 6, 7, 1.6, 10.0, 0.35, 0.02, 90.0, 1.0, 1.0, 1.0, 1.0, 1.0),
 };
 static const struct gp_model_key cross_keys[] = {
-    KEYS(0.1, 4, 5, 0.7, 6.0, 0.6, 0.022, 45.0, 0.4, 1.0, 1.0, 1.0, 1.0),
+    KEYS(0.1, 4, 5, 0.7, 12.0, 0.6, 0.022, 45.0, 0.4, 1.0, 1.0, 1.0, 1.0),
 };
 static const struct gp_model_key streak_keys[] = {
-    KEYS(0.06, 2, 9, 0.3, 22.0, 1.6, 0.03, 0.0, 0.3, 1.0, 0.3, 0.6, 1.0),
+    KEYS(0.06, 2, 9, 0.3, 44.0, 1.6, 0.03, 0.0, 0.3, 1.0, 0.3, 0.6, 1.0),
 };
 
 const struct gp_model gp_model_star = {

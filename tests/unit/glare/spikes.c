@@ -262,5 +262,36 @@ static void spikes_are_needles(void **state)
     }
 }
 
+/* Drawn rays and rings fade before they end, also those of a lamp of +23 EV:
+ * from 1e-6 of the light half a degree away to 1/500 of that, which is from
+ * white to nothing in a picture, they take a sixth of the distance. Where the
+ * window falls by its square at the end it is a hundredth. */
+static void drawn_light_fades(void **state)
+{
+    (void) state;
+    static const char *const rows[] = {
+        "star", "star:points=5,strands=1", "cross:length=10",
+        "streak:length=10,core=0.4",
+    };
+    const struct gp_field f = scene_field(OFFSETS, OFFSETS, pixel, 1.0);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel k;
+        double first = 0.0, white = 0.0, none = 0.0;
+        model_make(rows[i], &f, &k);
+        for (double t = 0.5; t < 8.9 && none == 0.0; t += pixel) {
+            const double v = brightest(&k, t);
+            first = fmax(first, v);
+            if (white == 0.0 && v < 1e-6 * first)
+                white = t;
+            if (v < 1e-6 / 500.0 * first)
+                none = t;
+        }
+        if (!(none > 1.16 * white && white > 0.0))
+            fail_msg("%s: fades from %g to %g degrees", rows[i], white, none);
+        gp_kernel_free(&k);
+    }
+}
+
 SUITE_OF(spikes, NULL, NULL, edges_send_out_their_light,
-    spikes_keep_their_width, spikes_have_no_rim, spikes_are_needles)
+    spikes_keep_their_width, spikes_have_no_rim, spikes_are_needles,
+    drawn_light_fades)

@@ -107,7 +107,7 @@ static void sharp_shapes_stay_in_the_core(void **state)
         int reach;    // of the core, at most
         bool turned;  // the same when halved by a line through the centre
     } rows[] = {
-        {"cie+star", 185, true}, {"moffat+eye+cross:length=3", 130, true},
+        {"cie+star:length=5", 185, true}, {"moffat+eye+cross:length=3", 130, true},
         {"spencer:light=scotopic", 197, true}, {"eye-night", 210, false},
         {"spencer:needles=40+circle", 200, false},
         {"cie+streak:length=3.9", 150, false},
