@@ -337,7 +337,8 @@ const struct gp_model gp_model_circle = {
  * folded into the primaries where a channel of the sum is under 0: an aureole
  * and rings, blue inside and red outside. `radius` is the first
  * ring's at 550 nm, x = 5.1356; drops are `spread` apart, and all
- * fades between 2 and 3 radii. */
+ * fades by (1 - (t / end)^2)^6, an end that no brightness shows, with five radii
+ * to it, 90 degrees at most. */
 enum { BANDS = 24, DROPS = 5 };
 struct halo {
     double size, spread, end; // of a drop: x is size sin t at 550 nm
@@ -345,25 +346,46 @@ struct halo {
     const float *luminance;   // of the primaries; borrowed
 };
 
+/* One wavelength's light t degrees away. */
+static double halo_band(const struct halo *h, double nm, double t)
+{
+    const double place = t / h->end;
+    double sum = 0.0;
+    for (int k = 0; k < DROPS; k++) {
+        const double at = 2.0 * k / (DROPS - 1) - 1.0;
+        const double size = h->size * (1.0 + h->spread * at) * 550.0 / nm;
+        const double x = size * sin(t * M_PI / 180.0);
+        const double airy = x > 1e-4 ? 2.0 * j1(x) / x : 1.0;
+        sum += (1.0 - 0.75 * at * at) * size * size * airy * airy;
+    }
+    return sum * pow(fmax(1.0 - place * place, 0.0), 6.0);
+}
+
 static void halo_value(const void *ctx, double t, double out[3])
 {
     const struct halo *const h = ctx;
-    const double fade = gp_smoothstep(3.0 * (h->end - t) / h->end);
     out[0] = out[1] = out[2] = 0.0;
     for (int i = 0; i < BANDS; i++) {
-        double v = 0.0;
-        for (int k = 0; k < DROPS; k++) {
-            const double at = 2.0 * k / (DROPS - 1) - 1.0;
-            const double size = h->size * (1.0 + h->spread * at) * 550.0 /
-                                h->nm[i];
-            const double x = size * sin(t * M_PI / 180.0);
-            const double airy = x > 1e-4 ? 2.0 * j1(x) / x : 1.0;
-            v += (1.0 - 0.75 * at * at) * size * size * airy * airy;
-        }
+        const double v = halo_band(h, h->nm[i], t);
         for (int c = 0; c < 3; c++)
-            out[c] += h->rgb[i][c] * fade * v;
+            out[c] += h->rgb[i][c] * v;
     }
     gp_gamut_fold(h->luminance, out);
+}
+
+/* Scales each wavelength to the same light, of which the longest lose the most
+ * where all fade: then their sum is white in all primaries. */
+static void even_bands(struct halo *h)
+{
+    enum { STEPS = 2000 };
+    for (int i = 0; i < BANDS; i++) {
+        double light = 0.0;
+        for (int k = 0; k < STEPS; k++)
+            light += (double) k / STEPS *
+                     halo_band(h, h->nm[i], h->end * k / STEPS);
+        for (int c = 0; c < 3; c++)
+            h->rgb[i][c] /= light;
+    }
 }
 
 static const struct gp_model_key ring_keys[] = {
@@ -381,10 +403,11 @@ static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
     const double first = 5.1356;
     const double radius = gp_recipe_value(r, "radius");
     struct halo h = {
-        .size = first / sin(radius * M_PI / 180.0), .end = 3.0 * radius,
+        .size = first / sin(radius * M_PI / 180.0), .end = fmin(5.0 * radius, 90.0),
         .spread = gp_recipe_value(r, "spread"), .luminance = f->luminance,
     };
     gp_spectrum_colours(f->chromaticities, BANDS, h.nm, h.rgb);
+    even_bands(&h);
     return make_radial(log, f, h.end, radius / first, false, halo_value, &h,
                        out);
 }

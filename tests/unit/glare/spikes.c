@@ -271,7 +271,7 @@ static void drawn_light_fades(void **state)
     (void) state;
     static const char *const rows[] = {
         "star", "star:points=5,strands=1", "cross:length=10",
-        "streak:length=10,core=0.4",
+        "streak:length=10,core=0.4", "ring:radius=1.5",
     };
     const struct gp_field f = scene_field(OFFSETS, OFFSETS, pixel, 1.0);
     for (size_t i = 0; i < COUNT(rows); i++) {
