@@ -25,7 +25,7 @@ const struct gp_model_preset gp_model_presets[] = {
     {"cross", "cross", "four rays of a cross screen filter"},
     {"streak", "streak", "the blue horizontal streak of an anamorphic lens"},
     {"ring", "ring", "a corona of small drops: an aureole and rings"},
-    {"circle", "circle", "a point out of focus: a disc with a rim"},
+    {"circle", "circle", "a lamp and a faint disc around it, as out of focus"},
     {0},
 };
 
