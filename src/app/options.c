@@ -231,7 +231,8 @@ const struct gp_option gp_options[] = {
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL,
         .arg = "NAME", .list = gp_style_name,
         .help = "Set kernels, threshold, mix, flare and lens together, but for "
-                "those that are given"),
+                "those that are given",
+        .usual = "Look like this: glarepp styles lists them"),
     OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,
         .help = "Treat pixels over this luminance as light sources: a number, "
@@ -447,7 +448,7 @@ const struct gp_option gp_options[] = {
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .needs = GP_NEED_NO_CONFIG, .list = gp_curve_name,
         .help = "Map tones with this operator",
-        .usual = "Map tones of -o: reinhard, agx, aces, linear"),
+        .usual = "Map tones of -o: neutral, agx, aces, linear"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .needs = GP_NEED_CURVE, .hi = 32,
         .help = "Scale the light by 2^EV before the operator",

@@ -20,7 +20,7 @@ struct gp_tone_params {
                          // out, in scaled units; 0 takes the frame's maximum;
                          // FLT_MIN where it is under that
 };
-#define GP_TONE_DEFAULTS { .curve = "reinhard", .key = 0.18f }
+#define GP_TONE_DEFAULTS { .curve = "neutral", .key = 0.18f }
 
 /* Light that counts as this where it is more: every operator has reached its
  * end far below, and squares of it stay finite. */
