@@ -106,7 +106,7 @@ static double error_of(struct frame *w)
     struct gp_glare_error e = {.rel_l2 = INFINITY};
     double *const exact =
         malloc(3 * gp_frame_pixels(&w->f) * sizeof *exact);
-    if (exact && gp_glare_reference(&auto_log, &w->src, w->k, exact) == GP_OK)
+    if (exact && gp_glare_reference(&auto_log, NULL, &w->src, w->k, exact) == GP_OK)
         gp_glare_measure(&w->f, &w->f.layer, exact, 1.0f, NULL, &e);
     free(exact);
     return e.rel_l2;

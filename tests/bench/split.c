@@ -344,7 +344,7 @@ int main(int argc, char **argv)
     must(gp_alloc(&split_log, "exact", 3 * n, sizeof *t.exact, &t.exact));
     must(gp_alloc(&split_log, "rows", h, sizeof *t.every, &t.every));
     memset(t.every, true, h * sizeof *t.every);
-    must(gp_glare_reference(&split_log, &t.src, &t.k, t.exact));
+    must(gp_glare_reference(&split_log, NULL, &t.src, &t.k, t.exact));
     t.nx = period(t.src.w, t.k.w, t.k.cx);
     t.ny = period(t.src.h, t.k.h, t.k.cy);
     compare_engine(&t);

@@ -79,7 +79,7 @@ static gp_status compare(const struct gp_recipe *r, int runs, const char *path)
     }
     GP_TRY(gp_alloc(&tail_log, "exact", 3 * gp_frame_pixels(&f),
                     sizeof *exact, &exact));
-    GP_TRY(gp_glare_reference(&tail_log, &src, &k[0], exact));
+    GP_TRY(gp_glare_reference(&tail_log, NULL, &src, &k[0], exact));
     gp_glare_measure(&f, &f.layer, exact, 1.0f, NULL, &error);
     printf("%s %dx%d, %zu sources: made in %.2f ms; fft %dx%d core %d %d hot %zu "
            "%.2f ms; 511 pixels %.2f ms, ratio %.3f "

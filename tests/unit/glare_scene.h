@@ -345,7 +345,7 @@ static inline struct scene scene_sense(struct gp_frame f, struct gp_kernel k,
 static inline void scene_find_exact(struct scene *s)
 {
     s->exact = scene_alloc(3 * gp_frame_pixels(&s->f), sizeof *s->exact);
-    if (gp_glare_reference(NULL, &s->src, &s->k, s->exact))
+    if (gp_glare_reference(NULL, NULL, &s->src, &s->k, s->exact))
         abort();
 }
 

@@ -150,7 +150,7 @@ static void *open_fft(const struct pair *pair, struct gp_frame f)
 static void spread_in_double(void *ctx, double *out)
 {
     const struct spreading *const p = ctx;
-    assert_ok(gp_glare_reference(NULL, &p->s.src, &p->s.k, out));
+    assert_ok(gp_glare_reference(NULL, NULL, &p->s.src, &p->s.k, out));
 }
 
 static void spread_by_fft(void *ctx, float *out)

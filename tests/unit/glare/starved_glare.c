@@ -172,7 +172,7 @@ static gp_status run_reference(void)
     const size_t n = 3 * gp_frame_pixels(&scene.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     memset(layer, 0xff, n * sizeof *layer); // every sample must be written
-    const gp_status st = gp_glare_reference(&kept_log, &scene.src, &scene.k,
+    const gp_status st = gp_glare_reference(&kept_log, NULL, &scene.src, &scene.k,
                                             layer);
     hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
     free(layer);

@@ -145,7 +145,7 @@ static void fftw_makes_no_plan(void **state)
             plans = 0;
             kept_clear();
             const gp_status st =
-                i == 2 ? gp_glare_reference(&kept_log, &s.src, &s.k, layer)
+                i == 2 ? gp_glare_reference(&kept_log, NULL, &s.src, &s.k, layer)
                        : scene_run("fft", &s, &g, &stats);
             assert_true(st != GP_OK || i == 2 || stats.fft_double == i);
             assert_int_equal(st, plans >= refused ? GP_ERR_BUG : GP_OK);
