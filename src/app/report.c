@@ -608,13 +608,15 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
 }
 
 /* Adds the style, and the command that makes the picture again. */
-static void put_style(json_t *o, const struct gp_facts *f)
+static gp_status put_style(const struct gp_log *log, const struct gp_facts *f,
+                           json_t *o)
 {
     char *command;
+    gp_status st = gp_command_text(log, f->settings, &f->input, 1, &command);
     put_name(o, "style", f->settings->style);
-    if (gp_command_text(NULL, f->settings, &f->input, 1, &command) == GP_OK)
-        put_name(o, "command", command);
+    put_name(o, "command", command);
     free(command);
+    return st;
 }
 
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
@@ -625,8 +627,11 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     put_frame(o, facts);
     put_list(o, "outputs", (const char *const *) facts->outputs,
              facts->n_outputs);
-    if (facts->settings)
-        put_style(o, facts);
+    const gp_status st = facts->settings ? put_style(log, facts, o) : GP_OK;
+    if (st) {
+        json_decref(o);
+        return st;
+    }
     json_object_set_new(o, "width", json_integer(facts->width));
     json_object_set_new(o, "height", json_integer(facts->height));
     put_window(o, "window", facts->window);

@@ -196,10 +196,13 @@ static void say_kernel(struct words *w, const struct gp_facts *f)
     };
     const struct gp_settings *const s = f->settings;
     const struct gp_glare_stats *const g = &f->glare;
-    add(w, "kernel ");
-    for (int i = 0; i < s->kernels.n; i++)
+    const bool given = gp_option_given(s, "kernel");
+    add(w, given ? "kernel " : "kernel of style %s", s->style);
+    for (int i = 0; given && i < s->kernels.n; i++)
         add(w, "%s%s", i ? " and " : "", s->kernels.at[i]);
-    add(w, "%s", s->kernels.n ? " (--kernel)" : "builtin:eye (the default)");
+    add(w, "%s", given                         ? " (--kernel)"
+                 : gp_option_given(s, "style") ? " (--style)"
+                                               : " (the default)");
     for (int i = 0; i < f->kernel.recipes; i++) {
         if (f->kernel.pupil[i] > 0.0)
             add(w, ", pupil of %.1f mm", f->kernel.pupil[i]);

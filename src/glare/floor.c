@@ -81,9 +81,10 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
             return st;
         least = fmax(least, other);
     }
-    // (adding the tail rounds the sum once)
+    // (adding the tail rounds the sum once, light from beyond the border four
+    // times)
     *floor = least > 0.0 ? (lost + wrong + beyond) / least : INFINITY;
-    *floor += req->tail ? 0x1p-24 : 0.0;
+    *floor += (req->tail ? 0x1p-24 : 0.0) + (req->beyond ? 0x1p-22 : 0.0);
     return GP_OK;
 }
 
@@ -192,6 +193,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
         o.lit = fmin(o.lit, m.least[i] + more);
         o.most = fmax(o.most, m.most[i] + more);
     }
+    o.rounded = req->beyond ? 0x1p-22 : 0.0;
     *out = o;
 out:
     gp_free(m.least);
@@ -213,5 +215,5 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
     }
     const double own =
         f->less > 0.0 ? 0.0 : e->share * (1.0 + fmax(-f->least, 0.0) / peak);
-    return sum / dark + own;
+    return sum / dark + own + f->rounded;
 }

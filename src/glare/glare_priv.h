@@ -67,6 +67,8 @@ struct gp_pixel_floor {
     double weight[3];      // of luminance
     double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
     double tail[3];        // most error of a sample by the kernel's tail
+    double rounded;        // share of a sample that rounding light from beyond
+                           // the border is wrong by
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
     const struct gp_frame *f, struct gp_pixel_floor *out);

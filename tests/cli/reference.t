@@ -19,7 +19,7 @@ while read -r name kernel threshold engines; do
     "$python" "$reference" "$data/$name" $kernel ref.$base.exr "$threshold" ||
         note 'reference.py failed'
     for engine in $engines; do
-        run -q -k $kernel -t "$threshold" --threshold-mode whole \
+        run -q -k $kernel -t "$threshold" --threshold-mode whole --edges black \
             --engine $engine --type float --compression none \
             --layer $base.$engine.exr "$data/$name"
         quiet_success "$engine $name"

@@ -67,7 +67,7 @@ frame k.exr kind=kernel size=9x9
 run -t 2.5 -g 0.3 -k k.exr --kernel-center 3,4 --no-provenance --threads 1 -o out.png \
     --report r.json in.exr
 is "$(field r.json '[o["settings"][k] for k in ("threshold", "gain", "kernel", "kernel_center", "engine", "tolerance", "depth_bits", "tonemap")]')" \
-    "[2.5, 0.3, ['k.exr'], [3.0, 4.0], 'auto', 0.001, 8, 'reinhard']" \
+    "[2.5, 0.3, ['k.exr'], [3.0, 4.0], 'auto', 0.001, 8, 'neutral']" \
     'settings: given and default'
 is "$(field r.json '{"knee", "mix", "rotate"} - set(o["settings"])')" 'set()' \
     'settings: all of light'
@@ -213,13 +213,13 @@ status_is 0 -v
 is "$(sed 's/[0-9][0-9]* sources/N sources/; s/[0-9.]* % of/P % of/; s/of [0-9.]* mm/of M mm/; s/engine [a-z]*/engine E/' err)" \
     "glarepp: in.exr: read 64x48 pixels
 glarepp: in.exr: N sources: pixels over the threshold of 1 (the default), P % of the light moved
-glarepp: in.exr: kernel builtin:eye (the default), pupil of M mm, view of 30 degrees (assumed; --fov sets it), engine E (chosen by auto)
-glarepp: in.exr: wrote out.png: tone-mapped by reinhard (the default)" \
+glarepp: in.exr: kernel of style camera (the default), view of 30 degrees (assumed; --fov sets it), engine E (chosen by auto)
+glarepp: in.exr: wrote out.png: tone-mapped by neutral (the default)" \
     '-v: what was used, and why'
 run -v --verify --engine fft -o out.png in.exr
 like "$(cat err)" '*measured rel_l2*' '-v --verify: how wrong it is'
 run -v -o x.exr --hdr h.exr in.exr
-like "$(cat err)" '*h.exr: linear light; x.exr: tone-mapped by reinhard (use --hdr*' \
+like "$(cat err)" '*h.exr: linear light; x.exr: tone-mapped by neutral (use --hdr*' \
     '-v: which EXR is tone-mapped'
 run -o out.png in.exr
 quiet_success 'nothing is said without -v'
@@ -338,22 +338,22 @@ terminal()
 }
 frame seven.exr kind=zeros size=9x9 type=float hot=8
 terminal -o out.png seven.exr
-is "$(sed 's/[0-9]*\.[0-9]* s$/T s/' err)" 'out.png: 1 source, 88 % of the light moved, view of 30 degrees (assumed), reinhard, T s' \
+is "$(sed 's/[0-9]*\.[0-9]* s$/T s/' err)" 'out.png: 1 source, 8.8 % of the light moved, view of 30 degrees (assumed), neutral, T s' \
     'on a terminal: one line says what happened'
 terminal --fov 40 -g 0.5 --tonemap agx -o out.png --hdr h.exr seven.exr
-like "$(cat err)" 'out.png and 1 more: 1 source, 44 % of the light moved, view of 40 degrees (given), agx, *' \
+like "$(cat err)" 'out.png and 1 more: 1 source, 4.4 % of the light moved, view of 40 degrees (given), agx, *' \
     'with what was given'
 terminal -o x.exr seven.exr
-like "$(cat err)" '*, tone-mapped by reinhard (use --hdr for linear light), *' \
+like "$(cat err)" '*, tone-mapped by neutral (use --hdr for linear light), *' \
     'an EXR that is tone-mapped is no linear one'
 terminal -o - seven.exr
-like "$(cat err)" 'stdout: *, tone-mapped by reinhard (use --hdr *' 'one on stdout neither'
+like "$(cat err)" 'stdout: *, tone-mapped by neutral (use --hdr *' 'one on stdout neither'
 terminal --hdr h.exr seven.exr
 like "$(cat err)" 'h.exr: *, linear, *' 'a linear one is'
 terminal --mix add -o out.png seven.exr
-like "$(cat err)" '*, 88 % of the light added, *' '--mix add moves none'
+like "$(cat err)" '*, 8.8 % of the light added, *' '--mix add moves none'
 terminal -k k.exr -o out.png seven.exr
-like "$(cat err)" '*moved, reinhard, *' 'an image of a kernel has no angle'
+like "$(cat err)" '*moved, neutral, *' 'an image of a kernel has no angle'
 terminal -o out.png dark.exr
 like "$(cat err)" 'out.png: 0 sources: nothing glares, *warning: dark.exr: no pixel is over *' \
     'without a source nothing glares'

@@ -20,7 +20,7 @@ static void defaults_hold(void **state)
     assert_true(s.compose.gain == 1.0f && s.glare.gain == 1.0f);
     assert_int_equal(s.sensor.mode, GP_THRESHOLD_EXCESS);
     assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
-    assert_string_equal(s.tone.curve, "reinhard");
+    assert_string_equal(s.tone.curve, "neutral");
     assert_int_equal(s.write.compression, GP_COMPRESSION_AUTO);
     assert_int_equal(s.level, GP_LEVEL_WARN);
     gp_settings_free(&s);

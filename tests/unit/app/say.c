@@ -66,13 +66,13 @@ static void lines_say_what_happened(void **state)
         {"--tonemap agx", 3, 1, 1, 12.0, "out.png and 1 more: 1 source, 3.1 % "
          "of the light moved, view of 30 degrees (assumed), agx, 12 s"},
         {"-g 1", 2, 1, 0, 1.0, "out.png: 0 sources: nothing glares, view of 30 "
-         "degrees (assumed), reinhard, 1.00 s"},
+         "degrees (assumed), neutral, 1.00 s"},
         {"-g 1", 2, 3, 1234567, 200.0, "out.####.png: 3 frames, 1,234,567 to "
          "1,234,574 sources, 3.1 % of the light moved, view of 30 to 45 "
-         "degrees (assumed), reinhard, 3 min 20 s"},
+         "degrees (assumed), neutral, 3 min 20 s"},
         {"-g 1", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 sources, 3.1 % "
          "of the light moved, view of 30 to 45 degrees (assumed), tone-mapped "
-         "by reinhard (use --hdr for linear light), 1.00 s"},
+         "by neutral (use --hdr for linear light), 1.00 s"},
         {"--tonemap none", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 "
          "sources, 3.1 % of the light moved, view of 30 to 45 degrees "
          "(assumed), linear, 1.00 s"},
@@ -80,11 +80,11 @@ static void lines_say_what_happened(void **state)
          "3.1 % of the light spread, view of 30 to 45 degrees (assumed), "
          "linear, 1.00 s"},
         {"--mix add", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light "
-         "added, view of 30 degrees (assumed), reinhard, 1.00 s"},
+         "added, view of 30 degrees (assumed), neutral, 1.00 s"},
         {"-g 0.02", 2, 1, 2, 1.0, "out.png: 2 sources, under 0.1 % of the "
-         "light moved, view of 30 degrees (assumed), reinhard, 1.00 s"},
+         "light moved, view of 30 degrees (assumed), neutral, 1.00 s"},
         {"-g 10", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light moved, "
-         "28 % added, view of 30 degrees (assumed), reinhard, 1.00 s"},
+         "28 % added, view of 30 degrees (assumed), neutral, 1.00 s"},
         {"-g 0", 1, 1, 2, 1.0, "lit.exr: 2 sources, 0 % of the light moved, "
          "view of 30 degrees (assumed), linear, 1.00 s"},
     };
@@ -160,9 +160,9 @@ static void notes_say_what_and_why(void **state)
         "in.exr: read 64x48 pixels\n"
         "in.exr: 1,183 sources: pixels over the threshold of 1 (the default), "
         "3.1 % of the light moved\n"
-        "in.exr: kernel builtin:eye (the default), view of 30 degrees "
+        "in.exr: kernel of style camera (the default), view of 30 degrees "
         "(assumed; --fov sets it), engine fft (chosen by auto)\n"
-        "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by reinhard "
+        "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
     f.view = "left";
     f.fov_from = "camera";

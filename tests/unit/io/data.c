@@ -82,9 +82,11 @@ static void every_frame_as_openimageio_reads_it(void **state)
         struct gp_frame f;
         struct gp_image image;
         if (read_file(data_frame[i], &f)) {
-            assert_kept("deep data");
+            // (a Cryptomatte of its own has ids alone)
+            const bool ids = strstr(data_frame[i], "sidecar_manifest") != NULL;
+            assert_kept(ids ? "no colour channels" : "deep data");
             assert_int_equal(kept_errors, 1);
-            deep++;
+            deep += !ids;
             continue;
         }
         if (f.model == GP_COLOUR_YC) {
