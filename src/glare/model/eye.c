@@ -17,7 +17,8 @@
  *   f0 = 2.61e6 exp(-(t / 0.02)^2)                    unscattered light
  *   f1 = 20.91 / (t + 0.02)^3                         ciliary corona
  *   f2 = 72.37 / (t + 0.02)^2                         ciliary corona, far out
- *   f3 = 436.9 (568 / l) exp(-19.75 (t - 3 l / 568)^2) lenticular halo, l in nm
+ *   f3 = (180 / pi)^2 / (2 pi r sqrt(2 pi) w) exp(-((t - r) / w)^2 / 2)
+ *        r = 3 l / 568, l in nm                       lenticular halo
  *
  *   photopic  0.384 f0 + 0.478 f1 + 0.138 f2
  *   mesopic   0.368 f0 + 0.478 f1 + 0.138 f2 + 0.016 f3
@@ -26,9 +27,27 @@
  * Between them weights change evenly with the pupil's diameter, which the
  * paper gives as 3 mm by day and 7 by night; mesopic in the middle. Each f is 1
  * over the hemisphere to the digits of its constants; the sum is divided by
- * what the hemisphere holds. */
+ * what the hemisphere holds.
+ *
+ * The paper's halo is 0.159 degrees wide (one sigma), as of fibres that are all
+ * as wide: a rainbow. Those of a lens are not. Their cross-sections in the
+ * cortex are 24 +- 9 square microns (Taylor et al., Morphology of the normal
+ * human lens, IOVS 37, 1996), so their widths, as roots of these, are 19 % apart,
+ * and so are the rings that they make: w^2 = 0.159^2 + (0.19 r)^2. Rings of
+ * colours that lie over each other are pale, red outside. r is that of fibres
+ * 10.9 microns wide; Brown et al. (An estimate of the size and shape of the
+ * human lens fibre in vivo, BJO 71, 1987) found 10.2 at the lens' side.
+ *
+ * The key `halo` scales its weight; what is not in the halo is not scattered:
+ * with 0, f0 of mesopic is that of photopic. The paper has it strong, while the
+ * CIE's mean of many eyes (135/1) has none: so by itself it is as far over the
+ * corona as one eye is over the mean of its age, whose standard deviation is a
+ * factor of 10^0.1 (van den Berg et al., Straylight effects with aging and lens
+ * extraction, AJO 144, 2007). That is 1.26 times the corona for HALO of 0.18. */
 enum { BANDS = 20 };
 static const double CORONA = 20.91, CORONA_FAR = 72.37;
+static const double HALO_WIDE = 0.159, FIBRES = 0.19; // sigma; of r
+#define HALO 0.18
 struct spencer {
     double weight[4];
     int channels;
@@ -39,11 +58,15 @@ struct spencer {
 
 double gp_spencer_term(int i, double t, double nm)
 {
-    const double a = t + 0.02, z = t / 0.02, off = t - 3.0 * nm / 568.0;
+    const double a = t + 0.02, z = t / 0.02, r = 3.0 * nm / 568.0;
+    const double wide = hypot(HALO_WIDE, FIBRES * r), off = (t - r) / wide;
+    static const double degree = M_PI / 180.0;
     return i == 0   ? 2.61e6 * exp(-z * z)
            : i == 1 ? CORONA / (a * a * a)
            : i == 2 ? CORONA_FAR / (a * a)
-                    : 436.9 * 568.0 / nm * exp(-19.75 * off * off);
+                    : exp(-0.5 * off * off) / (2.0 * M_PI * r * wide *
+                                               sqrt(2.0 * M_PI) * degree *
+                                               degree);
 }
 
 /* f0 to f2, and in three channels f3, per steradian. The sum of all is folded
@@ -100,6 +123,8 @@ static const struct gp_model_key spencer_keys[] = {
     GP_MODEL_ADAPTATION(0),
     {"pupil", "diameter in mm, 3 by day to 7 by night, in place of light; 0: "
      "by light", 0.0, 0.0, 9.0, NULL, false},
+    {"halo", "strength of the lenticular halo, 0 none to 1 as Spencer et al. "
+     "have it", HALO, 0.0, 1.0, NULL, false},
     {"needles", "rays into which the ciliary corona breaks up; 0: none, it is "
      "even", 0.0, 0.0, 1000.0, NULL, false},
     {"seed", "which needles", 1.0, 0.0, 1e9, NULL, false},
@@ -135,7 +160,10 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
         s.weight[k] = spencer_weights[i][k] +
                       (at - i) * (spencer_weights[i + 1][k] -
                                   spencer_weights[i][k]);
-    s.channels = s.weight[3] > 0.0 ? 3 : 1;
+    const double halo = gp_recipe_value(r, "halo") * s.weight[3];
+    s.weight[0] += s.weight[3] - halo; // it is not scattered
+    s.weight[3] = halo;
+    s.channels = halo > 0.0 ? 3 : 1;
     gp_spectrum_colours(f->chromaticities, BANDS, s.nm, s.rgb);
     double sum[3], y = 0.0;
     gp_profile_integral(spencer_profile, &s, s.channels, 0.0, 90.0, sum);
@@ -149,9 +177,9 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     return GP_OK;
 }
 
-/* Degrees beyond which there is no halo: that of 780 nm is around 4.1 and falls
+/* Degrees beyond which there is no halo: that of 700 nm is around 3.7 and falls
  * to 1e-7 of its height by then. */
-static const double HALO_END = 5.0;
+static const double HALO_END = 7.8;
 
 /* An eye that is more than even and grey: the part that is so, which goes on
  * over the whole field, and what halo and needles add near the light. */

@@ -121,8 +121,8 @@ static const struct {
 } endless[] = {
     {"eye", {2, 2, 2, 2, 2, 2}, {2, 2, 2, 2, 2, 2}},
     {"eye-old", {2, 2, 2, 2, 2, 2}, {2, 2, 2, 2, 2, 2}},
-    // its halo: eq. 8
-    {"eye-night", {2, 2.5, 5, 2, 2, 2}, {4, 2, 2, 15, 8, 2}},
+    // its halo: eq. 8, as pale as fibres of many widths make it
+    {"eye-night", {2, 2.6, 2.5, 2, 2, 2}, {2, 2, 2, 4, 2, 2}},
     {"cie:equation=general", {2, 2, 2, 2, 2, 2}, {2, 2, 2, 2, 2, 2}},
     {"moffat", {2.3, 2.3, 2.3, 2.3, 2.3, 2.3}, {2, 2, 2, 2, 2, 2}},
     {"moffat:beta=3", {4, 4, 4, 4, 4, 4}, {2, 2, 2, 2, 2, 2}},
