@@ -77,8 +77,7 @@ struct gp_kernel {
     double left_out;      // of a model: light that falls where nothing is
                           // computed, in luminance, most of it outside of the
                           // frame; else 0
-    double beyond[3];     // of a model: each channel's light where nothing is
-                          // computed, so that sum + beyond = 1; else 0
+    double beyond[3];     // the same of each channel; white
     struct gp_kernel_origin *origin; // recipes and field of a model's kernel
     void (*free_origin)(struct gp_kernel_origin *); // (model/make.c); owned
 };

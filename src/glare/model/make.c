@@ -1,4 +1,5 @@
 /* Kernels of recipes: shapes added up over a field. */
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -15,6 +16,7 @@ struct gp_kernel_origin {
     int n;
     struct gp_field field;
     float chromaticities[8], luminance[3]; // the field's
+    double untinted[3];  // as struct mixture's
 };
 
 static void free_origin(struct gp_kernel_origin *o)
@@ -62,6 +64,9 @@ struct mixture {
     struct gp_shape shape[GP_RECIPES];
     double share[GP_RECIPES];
     double stays;        // light that stays in its pixel: delta's
+    double untinted[3];  // more of it, by channel: what shapes with a tint take
+                         // less of than of the luminance
+    bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
     int reach;           // of the widest shape
@@ -171,6 +176,7 @@ static gp_status open_mixture(const struct gp_log *log,
         m->n++;
         m->share[i] = gp_recipe_value(&r[i], "share");
         sum += m->share[i];
+        m->image |= r[i].model == &gp_model_image;
         add_facts(m, &m->shape[i]);
     }
     for (int i = 0; i < n && sum > 1.0; i++)
@@ -298,10 +304,34 @@ static void make_row(void *ctx, int i, int thread)
         memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
 }
 
-/* Makes the samples of a mixture at up to those offsets. */
-static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
-                             const struct gp_tail_split *split, int rx, int ry,
-                             struct gp_kernel *out)
+/* Finds m->untinted: a shape with a tint takes more of some channels. The rest
+ * of each stays in its pixel, so that no channel has more or less light in sum;
+ * light that is left out counts as white. Where a channel would need more than
+ * all of its pixel nothing is changed. */
+static void find_untinted(struct mixture *m, const struct gp_planes *k,
+    size_t n, size_t centre, const struct gp_tail *tail, const float weight[3])
+{
+    double sum[3], squares, all = 0.0;
+    if (m->grey || m->image)
+        return;
+    gp_planes_sum(k, n, sum, &squares);
+    for (int c = 0; c < 3; c++) {
+        sum[c] += tail ? tail->sum[c] : 0.0;
+        all += (double) weight[c] * sum[c];
+    }
+    for (int c = 0; c < 3; c++) {
+        if ((double) k->c[c][centre] + all - sum[c] < 0.0)
+            return;
+    }
+    for (int c = 0; c < 3; c++)
+        m->untinted[c] = all - sum[c];
+}
+
+/* Makes the samples of a mixture at up to those offsets; the tail, or NULL, has
+ * the rest. `weight` is of luminance; NULL: m->untinted is known. */
+static gp_status make_planes(const struct gp_log *log, struct mixture *m,
+    const struct gp_tail_split *split, const struct gp_tail *tail,
+    const float *weight, int rx, int ry, struct gp_kernel *out)
 {
     struct filling f = {.m = m, .split = split, .rx = rx, .ry = ry};
     const int w = 2 * rx + 1, h = 2 * ry + 1;
@@ -309,6 +339,11 @@ static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
     if (st)
         return st;
     gp_parallel_do(m->even ? ry + 1 : h, make_row, &f);
+    const size_t centre = (size_t) ry * (size_t) w + (size_t) rx;
+    if (weight)
+        find_untinted(m, &f.k, (size_t) w * (size_t) h, centre, tail, weight);
+    for (int c = 0; c < 3; c++)
+        f.k.c[c][centre] = (float) ((double) f.k.c[c][centre] + m->untinted[c]);
     return gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
 }
 
@@ -353,14 +388,15 @@ static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
 }
 
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
- * gives to the tail, if its step is not 0. */
-static gp_status make_core(const struct gp_log *log, const struct mixture *m,
-    const struct gp_tail_split *split, int w, int h, struct gp_kernel *out)
+ * gives to the tail, if its step is not 0; `weight` as make_planes(). */
+static gp_status make_core(const struct gp_log *log, struct mixture *m,
+    const struct gp_tail_split *split, const struct gp_tail *tail,
+    const float *weight, int w, int h, struct gp_kernel *out)
 {
     const int far = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
                                 : m->reach;
-    return make_planes(log, m, split, gp_min(w - 1, far), gp_min(h - 1, far),
-                       out);
+    return make_planes(log, m, split, tail, weight, gp_min(w - 1, far),
+                       gp_min(h - 1, far), out);
 }
 
 /* Joins a tail, which the kernel then owns, to its core; NULL: there is none.
@@ -376,9 +412,10 @@ static void join_tail(struct gp_tail *t, const struct gp_field *field,
             k->norm1[c] += t->norm1[c];
             k->norm2[c] += t->norm2[c];
         }
-        k->beyond[c] = 1.0 - k->sum[c];
         k->left_out -= (double) field->luminance[c] * k->sum[c];
     }
+    for (int c = 0; c < 3; c++)
+        k->beyond[c] = k->left_out;
 }
 
 struct gp_field gp_field_of(const struct gp_frame *f, double fov)
@@ -467,25 +504,29 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     GP_TRY(open_mixture(log, r, n, field, own->m.n == n ? &own->m : NULL,
                         &own->field, &own->opened, &m));
     const struct gp_tail_split split = choose_split(&m, field->w, field->h);
-    GP_TRY(make_core(log, &m, &split, field->w, field->h, &k));
     if (split.step && tail_fits(own, r, &m, field, &split))
         tail = gp_tail_hold(own->tail);
     else if (split.step)
         GP_TRY(gp_tail_make(log, &split, field->w, field->h, m.tail_grey,
                             m.tail_even, mix_pixel, &m, &tail));
+    GP_TRY(make_core(log, &m, &split, tail, field->luminance, field->w,
+                     field->h, &k));
     join_tail(tail, field, &k);
+    tail = NULL;
     GP_TRY(copy_origin(log, r, n, field, &k.origin));
+    memcpy(k.origin->untinted, m.untinted, sizeof m.untinted);
     k.free_origin = free_origin;
     close_mixture(&own->m);
     gp_tail_free(own->tail);
     own->m = m;
     m = (struct mixture) {0};
-    own->tail = tail ? gp_tail_hold(tail) : NULL;
+    own->tail = k.tail ? gp_tail_hold(k.tail) : NULL;
     keep_field(own, field);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
     close_mixture(&m);
+    gp_tail_free(tail);
     gp_kernel_free(&k);
     return st;
 }
@@ -510,7 +551,8 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                                 &opened, &m);
     if (st)
         return st;
-    st = make_core(log, &m, &whole, w, h, out);
+    memcpy(m.untinted, o->untinted, sizeof m.untinted);
+    st = make_core(log, &m, &whole, NULL, NULL, w, h, out);
     if (!st)
         join_tail(NULL, &o->field, out);
     close_mixture(&m);

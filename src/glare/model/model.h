@@ -10,15 +10,16 @@
  * where delta is the light that stays in its pixel, shape_i the model's light
  * over the field, 1 in luminance over the hemisphere, and s_i its `share`: how
  * much of a pixel's light it takes. Where the shares add up to more than 1,
- * each is divided by their sum. So all light is kept, but for what falls
+ * each is divided by their sum. A shape with a tint takes more of one channel
+ * than of another: the rest of each stays in its pixel, but for an image's, whose
+ * tint is its own. So all light of each channel is kept, but for what falls
  * outside of what is computed: gp_kernel.left_out.
  *
  * Colours are sums over wavelengths in the frame's primaries. Where such a sum
  * has a negative channel it is moved towards grey of its luminance until that is
  * 0: by the pixel in `aperture` and `temporal`, by the angle in `spencer`,
  * `ring`, `star`, `cross` and `streak`, so that colours which the primaries hold
- * are the same in all of them. The light that this adds to a channel is not
- * taken from another pixel: a model is white in sum to 1 %.
+ * are the same in all of them.
  *
  * Angles are taken as proportional to pixels over the whole field, as in
  * Spencer et al. 1995 section 3.2: pixel (dx, dy) away from a light lies
