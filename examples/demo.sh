@@ -20,9 +20,9 @@ render()
     rm "$out/$name.json"
 }
 
-render night night.1001.exr --exposure 2
-render brightsky brightsky.1001.exr -t 4 --tonemap aces --exposure -2
-render foliage foliage.1004.exr -t 4 --tonemap agx
+render street street.exr --style anamorphic
+render hall hall.exr --style mist
+render lamp lamp.exr --style vintage
 
 # field NAME: a number or a word of the JSON line on stdin
 awk -v out="$out" '

@@ -564,10 +564,10 @@ def write(source, output, air, mist, frames, quiet):
     spec.attribute("worldToNDC", oiio.TypeDesc("matrix"), tuple(to_ndc))
     if frames:
         spec.attribute("framesPerSecond", oiio.TypeDesc("rational"), (24, 1))
-    # 16 bits of Z's mantissa do for hiding lamps, and compress
+    # 13 bits of Z's mantissa do for hiding lamps, and compress
     z = depth.astype(np.float32)
     bits = z.view(np.uint32)
-    bits[z < 1e9] &= np.uint32(0xFFFFFF80)
+    bits[z < 1e9] &= np.uint32(0xFFFFFC00)
     file = oiio.ImageOutput.create(output)
     if not file or not file.open(output, spec) or not file.write_image(
             np.concatenate([rgba.astype(np.float32), z], -1)):

@@ -51,11 +51,11 @@ share/doc/glarepp/examples/street.glb
 share/doc/glarepp/man/dependencies.md
 share/doc/glarepp/man/engines.md
 share/doc/glarepp/man/files.md
+share/doc/glarepp/man/first.md
 share/doc/glarepp/man/flares.md
-share/doc/glarepp/man/hardcases.md
+share/doc/glarepp/man/gallery.md
 share/doc/glarepp/man/kernels.md
 share/doc/glarepp/man/lenses.md
-share/doc/glarepp/man/promises.md
 share/doc/glarepp/man/scenes.md
 share/doc/glarepp/man/sequences.md
 share/doc/glarepp/man/sun.md
@@ -142,11 +142,11 @@ usr/share/doc/glarepp/examples/street.glb
 usr/share/doc/glarepp/man/dependencies.md
 usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
+usr/share/doc/glarepp/man/first.md
 usr/share/doc/glarepp/man/flares.md
-usr/share/doc/glarepp/man/hardcases.md
+usr/share/doc/glarepp/man/gallery.md
 usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md
-usr/share/doc/glarepp/man/promises.md
 usr/share/doc/glarepp/man/scenes.md
 usr/share/doc/glarepp/man/sequences.md
 usr/share/doc/glarepp/man/sun.md

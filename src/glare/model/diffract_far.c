@@ -166,7 +166,7 @@ static void take_over(const struct joined *s, int x, int y, int n,
                       double *const out[3])
 {
     const int channels = s->near.grey ? 1 : 3;
-    double strip[GP_SHAPE_STRIP];
+    double strip[GP_SHAPE_STRIP] = {0};
     double *const far[3] = {strip, NULL, NULL};
     const int last = gp_max(abs(x), abs(x + n - 1));
     if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > s->from))
@@ -194,7 +194,7 @@ static void joined_far(const void *state, int x, int y, int n,
                        double *const out[3])
 {
     const struct joined *const s = state;
-    double strip[GP_SHAPE_STRIP];
+    double strip[GP_SHAPE_STRIP] = {0};
     double *const far[3] = {strip, NULL, NULL};
     s->far.row(s->far.state, x, y, n, far);
     for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
@@ -303,7 +303,7 @@ static void share_out(struct joined *s, const struct directions *d)
     // of the mean: without dust there is hardly light for spikes to end in
     static const double DARKEST = 0.1;
     for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
-        double light[TURN / SIDE], mean = 0.0;
+        double light[TURN / SIDE] = {0}, mean = 0.0;
         int n = 0;
         for (int i = 0; i < TURN; i += SIDE) {
             double sum = 0.0, shape = 0.0;
