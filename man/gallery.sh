@@ -52,7 +52,6 @@ for frame in street hall leaves.1003; do
 done
 sheet curves 6x 240 $(cd $to && ls curve.*.jpg)
 rm $to/curve.*
-"$glarepp" lens --check heliar --draw man/lens.svg >/dev/null
 
 # -- the gallery ----------------------------------------------------------------
 
@@ -91,6 +90,18 @@ chapter Kernels 'A kernel is the shape of the light around one bright pixel.' "$
 frame=examples/leaves.1001.exr more='--sun=381.3,72.5,3.1 --sun-color=2e6,1.8e6,1.5e6'
 set -- $("$glarepp" --flare preset:list | sed -n 's/^ *\([a-z]*\).*/--flare=preset:\1/p')
 chapter Flares 'A flare draws the ghosts of a lens for each light.' "$@"
+more='--sun=381.3,72.5,3.1 --sun-color=2e7,1.8e7,1.5e7'
 set -- $("$glarepp" lens | sed -n 's/^\([a-z][a-z-]*\) .*/--lens=\1/p')
 chapter Lenses 'A lens draws its own ghosts, traced through the glass of its patent.' "$@"
+
+# -- pictures that need those before ----------------------------------------------
+
+sheet kernels 3x 320 kernel-aperture.jpg kernel-streak.jpg kernel-cross.jpg \
+    kernel-ring.jpg kernel-eye.jpg kernel-halation.jpg
+"$glarepp" -q --gain 0 -o "$tmp/a.png" examples/street.exr
+"$glarepp" -q --style eye -o "$tmp/b.png" examples/street.exr
+"$glarepp" compare -q --heatmap "$tmp/c.png" --fail-flip 1 "$tmp/a.png" "$tmp/b.png"
+convert "$tmp/c.png" -resize 640 -quality 84 -strip $to/compare.jpg
+"$glarepp" -q --layer "$tmp/l.exr" examples/street.exr
+shot speed 640 --gain 0 --exposure 4 "$tmp/l.exr"
 du -sh $to

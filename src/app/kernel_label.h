@@ -1,5 +1,5 @@
 /* The attributes of a kernel's file: what glarepp kernel made it of, for --from
- * and for runs that use the file. man/kernels.md documents their names. */
+ * and for runs that use the file. glare/model/README.md documents their names. */
 #ifndef GP_APP_KERNEL_LABEL_H
 #define GP_APP_KERNEL_LABEL_H
 

@@ -48,17 +48,17 @@ share/doc/glarepp/examples/openjd.yaml
 share/doc/glarepp/examples/parallel.sh
 share/doc/glarepp/examples/slurm.sh
 share/doc/glarepp/examples/street.glb
+share/doc/glarepp/man/compare.md
 share/doc/glarepp/man/dependencies.md
-share/doc/glarepp/man/engines.md
 share/doc/glarepp/man/files.md
 share/doc/glarepp/man/first.md
-share/doc/glarepp/man/flares.md
 share/doc/glarepp/man/gallery.md
 share/doc/glarepp/man/kernels.md
 share/doc/glarepp/man/lenses.md
+share/doc/glarepp/man/lights.md
 share/doc/glarepp/man/scenes.md
 share/doc/glarepp/man/sequences.md
-share/doc/glarepp/man/sun.md
+share/doc/glarepp/man/speed.md
 share/fish/vendor_completions.d/glarepp.fish
 share/man/man1/glarepp.1
 share/zsh/site-functions/_glarepp' 'what make install puts in place'
@@ -139,17 +139,17 @@ usr/share/doc/glarepp/examples/openjd.yaml
 usr/share/doc/glarepp/examples/parallel.sh
 usr/share/doc/glarepp/examples/slurm.sh
 usr/share/doc/glarepp/examples/street.glb
+usr/share/doc/glarepp/man/compare.md
 usr/share/doc/glarepp/man/dependencies.md
-usr/share/doc/glarepp/man/engines.md
 usr/share/doc/glarepp/man/files.md
 usr/share/doc/glarepp/man/first.md
-usr/share/doc/glarepp/man/flares.md
 usr/share/doc/glarepp/man/gallery.md
 usr/share/doc/glarepp/man/kernels.md
 usr/share/doc/glarepp/man/lenses.md
+usr/share/doc/glarepp/man/lights.md
 usr/share/doc/glarepp/man/scenes.md
 usr/share/doc/glarepp/man/sequences.md
-usr/share/doc/glarepp/man/sun.md
+usr/share/doc/glarepp/man/speed.md
 usr/share/fish/vendor_completions.d/glarepp.fish
 usr/share/man/man1/glarepp.1.gz
 usr/share/zsh/vendor-completions/_glarepp' 'what the package holds'
