@@ -283,11 +283,14 @@ static bool find_all(const char *const *name, int n, int i, size_t len,
                 break;
             continue;
         }
+        const char *const last = name[i] + len;
+        const bool one = last[0] && !last[1];
         for (int c = 0; c < 3; c++) {
-            if (letter[c] < 0 && strcmp(name[i] + len, letters[c]) == 0)
-                letter[c] = i;
-            if (word[c] < 0 && strcasecmp(name[i] + len, words[c]) == 0)
-                word[c] = i;
+            int *const at = one ? &letter[c] : &word[c];
+            if (*at < 0 && (one ? last[0] == letters[c][0]
+                                : (last[0] | 32) == words[c][0] &&
+                                  strcasecmp(last, words[c]) == 0))
+                *at = i;
         }
     }
     const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;

@@ -108,7 +108,7 @@ static void sharp_shapes_stay_in_the_core(void **state)
         bool turned;  // the same when halved by a line through the centre
     } rows[] = {
         {"cie+star:length=5", 185, true}, {"moffat+eye+cross:length=3", 130, true},
-        {"spencer:light=scotopic", 197, true}, {"eye-night", 210, false},
+        {"spencer:light=scotopic", 282, true}, {"eye-night", 282, false},
         {"spencer:needles=40+circle", 200, false},
         {"cie+streak:length=3.9", 150, false},
         // reaches of 144 pixels; the mean far out takes over before its end
