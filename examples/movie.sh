@@ -3,8 +3,8 @@
 # Pipes frames into ffmpeg as 16-bit pixels. A MOVIE that ends in .mp4 plays in
 # browsers and QuickTime: H.264 in 4:2:0, an even size, BT.709 matrix and tags. Any
 # other is FFV1, which is lossless.
-glarepp=${1:-glarepp} movie=${2:-foliage.mkv}
-frames=${3:-$(dirname "$0")/foliage.####.exr} size=${4:-640x360}
+glarepp=${1:-glarepp} movie=${2:-leaves.mkv}
+frames=${3:-$(dirname "$0")/leaves.####.exr} size=${4:-640x360}
 case $movie in
 *.mp4)
     even='pad=ceil(iw/2)*2:ceil(ih/2)*2'

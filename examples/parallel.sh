@@ -6,8 +6,8 @@
 # as auto's choice depends on the frame before, which another job may make.
 set -eu
 glarepp=${1:-glarepp} folder=${2:-lit}
-frames=${3:-$(dirname "$0")/foliage.####.exr}
-if [ $# -gt 3 ]; then shift 3; else set -- 1004 1007; fi
+frames=${3:-$(dirname "$0")/leaves.####.exr}
+if [ $# -gt 3 ]; then shift 3; else set -- 1001-1002 1003-1004; fi
 parallel -q --will-cite --halt now,fail=1 "$glarepp" --threads 1 --engine fft \
     -t 4 --no-clobber --create-dir -f {} \
     --hdr "$folder/lit.####.exr" -o "$folder/lit.####.png" "$frames" ::: "$@"

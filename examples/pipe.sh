@@ -2,4 +2,4 @@
 # Usage: pipe.sh [GLAREPP]
 # In a pipe: EXR in on stdin, EXR out on stdout.
 here=$(dirname "$0")
-cat "$here/brightsky.1001.exr" | "${1:-glarepp}" -t 4 --hdr - - > sky.lit.exr
+cat "$here/hall.exr" | "${1:-glarepp}" -t 4 --hdr - - > hall.lit.exr

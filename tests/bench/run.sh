@@ -110,9 +110,9 @@ for frame in w1 w2 w3; do
 done
 
 echo "# sun and flare at 1920x1080: times_ms.sun, median beyond the first frame"
-examples=$here/../../examples
+rendered=$here/../frames
 for i in 1 2 3 4 5 6; do
-    oiiotool "$examples/foliage.1004.exr" --resize:filter=box 1920x1080 \
+    oiiotool "$rendered/foliage.1004.exr" --resize:filter=box 1920x1080 \
         -o "$tmp/sun.$i.exr"
 done
 # lamps N FLUX: a lights file
@@ -134,7 +134,7 @@ sun_ms()
         awk -v name="$name" '{ v[NR] = $1 }
             END { printf "%-42s %6.1f ms\n", name, v[int((NR + 1) / 2)] }'
 }
-sun="--sun 849.7,387.2,7.44 --sun-color 1e6,9e5,7e5 --flare $examples/flare.json"
+sun="--sun 849.7,387.2,7.44 --sun-color 1e6,9e5,7e5 --flare $rendered/flare.json"
 for way in exact readback mask 'mask --sun-draw gl'; do
     sun_ms "one sun, eight elements, $way" $sun --sun-method $way
 done

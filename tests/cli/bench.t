@@ -161,7 +161,7 @@ verdict(len(exact) == 2 and all(0 < r["rel_l2"] <= r["bound"] for r in exact),
 PY
 verdicts verdicts
 
-cp "$root/examples/foliage.1004.exr" camera.exr
+cp "$root/tests/frames/foliage.1004.exr" camera.exr
 "$glarepp" -q -t 8 -k spencer -e fft --report c.report --layer c.exr camera.exr
 GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
     "$glarepp" bench -t 8 --runs 1 -k spencer --json c.json camera.exr >out 2>err

@@ -42,7 +42,7 @@ like "$? $(cat err)" '2 slurm.sh: 2 arguments; *' 'slurm.sh with too few words'
 # -- the camera of a scene --------------------------------------------------------
 
 # A bpy of one scene, whose camera and sun are those that Blender wrote beside
-# examples/foliage.####.exr: what the script makes of it is that file again.
+# tests/frames/foliage.####.exr: what the script makes of it is that file again.
 if "$python" -c 'import numpy' 2>/dev/null; then
     mkdir fake
     cat >fake/bpy.py <<'E_PY'
@@ -87,7 +87,7 @@ scene = S(camera=camera, objects=[S(type="MESH", data=S()), sun], frame_set=fram
                    resolution_percentage=50, pixel_aspect_x=1.0, pixel_aspect_y=1.0))
 context = S(scene=scene, evaluated_depsgraph_get=lambda: graph)
 E_PY
-    export TRUTH="$root/examples/foliage.camera.json"
+    export TRUTH="$root/tests/frames/foliage.camera.json"
     ok 'blender_camera.py runs' env PYTHONPATH=fake "$python" \
         "$root/examples/blender_camera.py" -b shot.blend -- made.json
     "$python" - "$TRUTH" made.json >out 2>&1 <<'E_PY'
@@ -104,7 +104,7 @@ for f, g in zip(a["frames"], b["frames"]):
 E_PY
     is "$(cat out)" '' 'blender_camera.py: the matrices and the sun that Blender gave'
     for camera in made.json "$TRUTH"; do
-        run -e fft --camera "$camera" --report - "$root/examples/foliage.1004.exr"
+        run -e fft --camera "$camera" --report - "$root/tests/frames/foliage.1004.exr"
         sed 's/.*"lights":\[{[^}]*"x":\([0-9.]*\),"y":\([0-9.]*\).*/\1 \2/' out
     done >places
     is "$(awk '{ printf "%d,%d ", $1, $2 }' places)" '283,129 283,129 ' \

@@ -32,7 +32,7 @@ cat >lamp.gltf <<'JSON'
  {"lights": [{"type": "point"}]}}, "nodes": [{"camera": 0}, {"translation":
  [0, 0, -9], "extensions": {"KHR_lights_punctual": {"light": 0}}}]}
 JSON
-cp "$root/examples/flare.json" .
+cp "$root/tests/frames/flare.json" .
 cp "$cli/c.ocio" . || exit 1
 
 "$python" "$root/tests/faults/drive.py" "$glarepp" "$shim" all >drive.log 2>&1

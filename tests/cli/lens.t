@@ -170,25 +170,6 @@ printf '{"name": "veil", "surfaces": [%s,%s,%s]}' \
     --layer b.exr veil.exr
 result $? 'a sun beside the frame'"'"'s own light, in a lens of a file'
 
-# -- the examples ------------------------------------------------------------------
-
-if [ -n "$quick" ] || ! command -v oiiotool >oiio.log; then
-    skip 2 'contact sheets: in the whole check, with oiiotool'
-elif [ ! -f "$root/examples/night.1001.exr" ]; then
-    skip 2 'no example frames'
-else
-    # (the quickest lenses, and small frames)
-    for sheet in 'lenses heliar tessar' flares; do
-        # shellcheck disable=SC2086
-        set -- $sheet
-        sheet=$1
-        shift
-        HEIGHTS='54 108' sh "$root/examples/$sheet.sh" "$glarepp" "$@" >out 2>err
-        is "$? $(wc -l <err) $(head -c 2 $sheet.jpg | od -An -tx1)" '0 0  ff d8' \
-            "examples/$sheet.sh makes its sheet"
-    done
-fi
-
 # -- the starburst -----------------------------------------------------------------
 
 recipe()

@@ -203,14 +203,11 @@ cat >"$movie"
 SH
 chmod +x bin/ffmpeg
 "$glarepp" -t 4 --tonemap agx --raw rgb48le -o - \
-    "$examples/foliage.####.exr" >want.raw
-is "$(wc -c <want.raw)" $((2 * 640 * 360 * 6)) 'two example frames as pixels'
+    "$examples/leaves.####.exr" >want.raw
+is "$(wc -c <want.raw)" $((4 * 640 * 360 * 6)) 'four example frames as pixels'
 (PATH=$tmp/bin:$PATH && export PATH && sh "$examples/movie.sh" "$glarepp" movie.raw)
 same movie.raw want.raw 'examples/movie.sh gives every byte'
 
-# manual: the command of man/sequences.md for a movie, for frames of this size
-sed -n '/^    glarepp --raw/,/[^\\]$/p' "$root/man/sequences.md" |
-    sed "s/glarepp/\"\$glarepp\"/; s/1920x1080/300x200/; s/shot\.####/big.####/" >manual.sh
 # played FILE: H.264 in 4:2:0 with an index first, BT.709 in all tags
 played()
 {
@@ -221,20 +218,19 @@ played()
         head -n 1)" moov "$1: the index comes first"
 }
 wanted='bt709 -color_trc bt709 -colorspace bt709 -color_range tv -movflags +faststart'
-for way in 'sh manual.sh' "sh $examples/movie.sh $glarepp shot.mp4 big.####.exr 300x200"; do
-    rm -f shot.mp4*
-    (PATH=$tmp/bin:$PATH && export PATH glarepp && $way)
-    like "$(cat shot.mp4.words | xargs)" \
-        "*scale=out_color_matrix=bt709:out_range=tv -pix_fmt yuv420p*-color_primaries $wanted shot.mp4" \
-        "${way%% /*}: the words that make it play"
-    is "$(($(wc -c <shot.mp4) % (300 * 200 * 6)))" 0 "${way%% /*}: whole frames"
-done
+rm -f shot.mp4*
+(PATH=$tmp/bin:$PATH && export PATH && \
+    sh "$examples/movie.sh" "$glarepp" shot.mp4 big.####.exr 300x200)
+like "$(cat shot.mp4.words | xargs)" \
+    "*scale=out_color_matrix=bt709:out_range=tv -pix_fmt yuv420p*-color_primaries $wanted shot.mp4" \
+    'examples/movie.sh: the words that make it play'
+is "$(($(wc -c <shot.mp4) % (300 * 200 * 6)))" 0 'examples/movie.sh: whole frames'
 if command -v ffmpeg >ffmpeg.path; then
     ok 'examples/movie.sh with ffmpeg' sh "$examples/movie.sh" "$glarepp" movie.mkv
     ffmpeg -v error -i movie.mkv -f rawvideo -pix_fmt rgb48le movie.back </dev/null
     same movie.back want.raw 'examples/movie.sh with ffmpeg: every code is back'
     rm -f shot.mp4*
-    (export glarepp && sh manual.sh 2>ffmpeg.log)
+    sh "$examples/movie.sh" "$glarepp" shot.mp4 big.####.exr 300x200 2>ffmpeg.log
     played shot.mp4
     # BT.709's luma of red, and not BT.601's: 63, not 81
     "$python" -c 'import sys
@@ -260,8 +256,8 @@ fi
 if command -v parallel >parallel.path; then
     ok 'examples/parallel.sh' sh "$examples/parallel.sh" "$glarepp" lit
     "$glarepp" -e fft -t 4 --hdr whole.####.exr -o whole.####.png \
-        "$examples/foliage.####.exr"
-    same lit/lit.1007.exr whole.1007.exr 'examples/parallel.sh: the bytes of one run'
+        "$examples/leaves.####.exr"
+    same lit/lit.1003.exr whole.1003.exr 'examples/parallel.sh: the bytes of one run'
     same lit/lit.1004.png whole.1004.png 'examples/parallel.sh: its picture'
     mkdir 'two words'
     cp s.*.exr 'two words'

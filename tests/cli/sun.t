@@ -392,18 +392,6 @@ like "$(cat out)" '*in flight*' 'bench --sun: a table'
 run bench --sun 30,12,5 --plot p.svg in.exr
 fails_with 2 --plot 'bench --sun has no plot'
 
-# -- the example ---------------------------------------------------------------
-
-if [ -f "$root/examples/foliage.1007.exr" ]; then
-    ok 'examples/flare.sh renders its frames' "$root/examples/flare.sh" "$glarepp"
-    is "$(ls flare)" 'foliage.1004.png
-foliage.1007.png' 'examples/flare.sh: the pictures'
-    is "$(field flare.json 'o["lights"][0]["visibility"]')" 1.0 \
-        'examples/flare.sh: a clear sun'
-else
-    skip 3 'no example frames'
-fi
-
 # -- real frames ---------------------------------------------------------------
 
 # truth METHOD LIMIT: the mean error over all frames that have a truth

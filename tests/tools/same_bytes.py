@@ -29,9 +29,10 @@ PATTERN = sys.argv[4] if len(sys.argv) > 4 else ""
 # fields of the report that differ from run to run or build to build
 VARIES = {"times_ms", "cpu_ms", "peak_rss_mib", "version", "threads", "engine_why"}
 EXAMPLES = os.path.join(ROOT, "examples")
+FRAMES = os.path.join(ROOT, "tests/frames")
 
-# Options and outputs for examples/foliage.1004.exr (colour, depth) and
-# night.1001.exr
+# Options and outputs for tests/frames/foliage.1004.exr (colour, depth) and
+# examples/night.1001.exr
 SUN = ["--sun", "415,93,2.5", "--sun-color", "2e6,1.9e6,1.6e6"]
 MANY = [
     *(["-e", e, "--layer", "l.exr", "--hdr", "h.exr"]
@@ -42,7 +43,7 @@ MANY = [
      "--layer", "l.exr"],
     ["-k", "builtin:star", "--rotate", "15", "--layer", "l.exr"],
     ["--threshold-mode", "whole", "--knee", "0.5", "-g", "0.4", "--hdr", "h.exr"],
-    *(SUN + ["--sun-method", m, "--flare", EXAMPLES + "/flare.json",
+    *(SUN + ["--sun-method", m, "--flare", FRAMES + "/flare.json",
              "--hdr", "h.exr", "-o", "p.png"]
       for m in ("exact", "mask", "readback")),
     *(["--tonemap", t, "--exposure", "1", "-o", "p.png", "-o", "p.exr"]
@@ -131,9 +132,9 @@ def main():
     work = tempfile.mkdtemp(prefix="same_bytes.")
     frames = sorted(os.path.join(d, n) for d, _, names in os.walk(DATA)
                     for n in names if not n.endswith((".json", ".md", ".txt")))
-    frames += sorted(os.path.join(EXAMPLES, n) for n in os.listdir(EXAMPLES)
-                     if n.endswith(".exr"))
-    foliage = os.path.join(EXAMPLES, "foliage.1004.exr")
+    frames += sorted(os.path.join(d, n) for d in (EXAMPLES, FRAMES)
+                     for n in os.listdir(d) if n.endswith(".exr"))
+    foliage = os.path.join(FRAMES, "foliage.1004.exr")
     night = os.path.join(EXAMPLES, "night.1001.exr")
     tasks = [["--hdr", "h.exr", "--layer", "l.exr", "-o", "p.png",
               "--report", "r.json", f] for f in frames]

@@ -100,7 +100,7 @@ static void example_is_faint(void **state)
 {
     struct gp_flare f = {0};
     double share[3] = {0};
-    assert_ok(gp_flare_read(&kept_log, "examples/flare.json", &f));
+    assert_ok(gp_flare_read(&kept_log, "tests/frames/flare.json", &f));
     assert_int_equal(f.n, 8);
     for (int i = 0; i < f.n; i++) {
         for (int c = 0; c < 3; c++)
