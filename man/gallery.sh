@@ -85,7 +85,8 @@ set -- $("$glarepp" styles | sed 's/ .*//;s/^/--style=/')
 chapter Styles 'A style sets everything at once; any option beside it rules.' "$@"
 set -- $("$glarepp" kernel --list | sed -n \
     -e '/^image:/d;s/^\([a-z]*\): .*/--kernel=\1/p' \
-    -e '/^Presets/,$s/^  \([a-z][a-z-]*\) .*/--kernel=\1/p' | sort -u)
+    -e '/^Presets/,$s/^  \([a-z][a-z-]*\) .*/--kernel=\1/p' |
+    sed 's/=circle$/=circle:share=.02/' | sort -u)
 chapter Kernels 'A kernel is the shape of the light around one bright pixel.' "$@"
 frame=examples/leaves.1001.exr more='--sun=381.3,72.5,3.1 --sun-color=2e6,1.8e6,1.5e6'
 set -- $("$glarepp" --flare preset:list | sed -n 's/^ *\([a-z]*\).*/--flare=preset:\1/p')
