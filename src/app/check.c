@@ -357,8 +357,9 @@ static gp_status check_scaling(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Says that no output is given. Where the last input is the name of a file that
- * is not there and can be written, it was meant as the output. */
+/* Says that no output is given. Where the last input has a name that can be
+ * written, and is not there or of another format than the first, it was meant as
+ * the output. */
 static gp_status no_output(const struct gp_log *log,
                            const struct gp_settings *s)
 {
@@ -366,14 +367,15 @@ static gp_status no_output(const struct gp_log *log,
     const char *const *const in = (const char *const *) s->inputs.at;
     const char *const first = in[0], *const last = in[n - 1];
     const char *const slash = strrchr(last, '/'); // (or the folder is missing)
-    const bool meant = n > 1 && access(last, F_OK) != 0 &&
-                       gp_write_check(NULL, &s->write, slash ? slash + 1 : last)
-                           == GP_OK;
+    char ending[16], other[16];
+    gp_file_ending(first, other, sizeof other);
+    gp_file_ending(last, ending, sizeof ending);
+    const bool meant = n > 1 &&
+        (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
+        gp_write_check(NULL, &s->write, slash ? slash + 1 : last) == GP_OK;
     const bool one = n - meant == 1 && !strpbrk(first, "#@%");
     const char *const out = meant ? last : one ? "out.png" : "out.####.png";
-    char ending[16];
-    gp_file_ending(out, ending, sizeof ending);
-    if (strcmp(ending, "exr") == 0)
+    if (meant && strcmp(ending, "exr") == 0)
         return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
                        "give --hdr %s for linear light, or -o %s for a "
                        "tone-mapped picture", first, n > 2 ? " ... " : " ",

@@ -244,6 +244,9 @@ refuses 2 --quiet 'a value that is not wanted' --quiet=yes in.exr
 refuses 2 'no input' 'no input'
 run in.exr
 fails_with 2 'give -o out.png' 'no output given'
+: >old.png
+run in.exr old.png
+fails_with 2 'give -o old.png' 'no output given, but a picture that exists'
 refuses 2 --csv 'an option of glarepp bench' --csv x in.exr
 run bench -o there/x.png in.exr
 fails_with 2 --output 'glarepp bench with an option of pictures'
