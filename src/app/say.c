@@ -152,9 +152,9 @@ static void say_input(struct words *w, const struct gp_facts *f)
     if (memcmp(&f->read, &f->window, sizeof f->read) != 0)
         add(w, ", grown to %dx%d", f->width, f->height);
     if (f->nonfinite)
-        add(w, ", %s were NaN or Inf", count_text(f->nonfinite).text);
+        add(w, ", %s NaN or Inf", count_text(f->nonfinite).text);
     if (f->clamped)
-        add(w, ", %s were over --max-value", count_text(f->clamped).text);
+        add(w, ", %s over --max-value", count_text(f->clamped).text);
 }
 
 static bool is_lit(const struct gp_facts *f)
@@ -170,7 +170,8 @@ static void say_light(struct words *w, const struct gp_facts *f)
 {
     const struct gp_settings *const s = f->settings;
     if (f->sources)
-        add(w, "%s sources: pixels over", count_text(f->sources).text);
+        add(w, f->sources == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
+            count_text(f->sources).text);
     else
         add(w, "no pixel is over");
     add(w, " the threshold of %.3g", (double) f->threshold);

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Commands of README and manual run as they are printed: those in blocks marked sh,
-# each in a folder that holds only examples.
+# Commands of README and manual run as they are printed, each in a folder that holds
+# only examples: blocks marked sh, and lines and words in quotes that name a file of
+# examples. Options that pages name are there.
 . "$(dirname "$0")/lib.sh"
 
 mkdir bin
@@ -8,14 +9,35 @@ ln -s "$glarepp" bin/glarepp
 PATH=$PWD/bin:$PATH
 for page in "$root/README.md" "$root"/man/*.md; do
     name=$(basename "$page" .md)
-    awk -v to="$PWD/$name" '/^```sh$/ { n++; on = 1; next } /^```$/ { on = 0 }
-        on { print > (to "." n ".block") }' "$page"
-done
+    awk -v to="$PWD/$name" '
+        function block(text) { print text > (sprintf("%s.%02d.block", to, ++n)) }
+        /^```sh$/ { on = 1; n++; next }
+        /^```$/ { on = 0 }
+        on { print > (sprintf("%s.%02d.block", to, n)); next }
+        /^    glarepp .*examples\// { block(substr($0, 5)); next }
+        { while (match($0, /`glarepp [^`]*examples\/[^`]*`/)) {
+            block(substr($0, RSTART + 1, RLENGTH - 2))
+            $0 = substr($0, RSTART + RLENGTH) } }' "$page"
+    grep -oE '`--?[a-z][^`]*`' "$page" | grep -oE -- '(^`-[a-z]\>|--[a-z][a-z-]+)' |
+        tr -d '`' | sed "s/\$/ $name/"
+done | sort -u >options
+ok 'there are blocks' [ "$(ls ./*.block | wc -l)" -gt 50 ]
+[ -z "$quick" ] || rm gallery.*.block # half of them
 for block in *.block; do
     rm -rf made && mkdir made && ln -s "$root/examples" made/examples
     (cd made && bash -e "../$block") >out 2>err
     result $? "$block: $(head -n 1 "$block")" || note "$(head -c 500 err)"
     ok "$block: makes a file" [ "$(ls made | wc -l)" -gt 1 ]
 done
-ok 'there are blocks' [ "$(ls ./*.block | wc -l)" -gt 5 ]
+
+{
+    "$glarepp" --help all
+    for command in bench compare kernel lens sets styles; do
+        "$glarepp" $command --help
+    done
+} >help
+while read -r option page; do
+    grep -qE -- "(^|[ ,])$option([ ,=]|\$)" help || echo "$option ($page)"
+done <options >unknown
+is "$(cat unknown)" '' "options of pages: $(wc -l <options)"
 done_testing

@@ -173,7 +173,7 @@ static void notes_say_what_and_why(void **state)
     snprintf(f.taken.layer, sizeof f.taken.layer, "beauty");
     notes_of("-t 99% -k star -k cie -e fft -o a i", &f);
     assert_string_equal(notes,
-        "in.exr (left): read 64x48 pixels, layer beauty, 1,000 were NaN or "
+        "in.exr (left): read 64x48 pixels, layer beauty, 1,000 NaN or "
         "Inf\n"
         "in.exr (left): 1,183 sources: pixels over the threshold of 2.5 "
         "(--threshold 99%), 3.1 % of the light spread\n"
