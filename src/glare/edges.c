@@ -10,6 +10,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,8 +44,33 @@ double gp_beyond_most(const struct gp_beyond *b)
     return b ? b->most : 0.0;
 }
 
-/* Adds the light in columns [x0, x1) of rows [y0, y1), by cube roots too where
- * `root` is not NULL, over their number. */
+/* The cube root of a normal float or 0, within 3e-7: a third of the exponent, then
+ * two of Halley's steps. Faint light counts as none. */
+static inline float cube_root(float v)
+{
+    uint32_t bits;
+    float r;
+    memcpy(&bits, &v, sizeof bits);
+    bits = bits / 3 + 0x2a5119f2;
+    memcpy(&r, &bits, sizeof r);
+    for (int i = 0; i < 2; i++) {
+        const float cube = r / v * r * r; // over v
+        r *= (cube + 2.0f) / (2.0f * cube + 1.0f);
+    }
+    return v >= FLT_MIN ? r : 0.0f;
+}
+
+GP_CLONES static void find_roots(const float *restrict light, int n,
+                                 float *restrict root)
+{
+    for (int i = 0; i < n; i++)
+        root[i] = cube_root(light[i]);
+}
+
+enum { RUN = 256 }; // sources of a task's line
+
+/* Sets the means of the light in a box, by cube roots too where `root` is not
+ * NULL. */
 static void sum_box(const struct gp_sources *s, struct gp_rect box,
                     float light[3], float *root)
 {
@@ -59,10 +85,18 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
             else
                 high = mid;
         }
-        for (uint32_t i = low; i < s->row[y + 1] && s->x[i] < box.x1; i++) {
-            for (int c = 0; c < 3; c++) {
+        uint32_t end = low;
+        while (end < s->row[y + 1] && s->x[end] < box.x1)
+            end++;
+        for (int c = 0; c < 3; c++) {
+            float line[RUN];
+            for (uint32_t i = low; i < end; i++)
                 sum[c] += (double) s->rgb[c][i];
-                roots[c] += root ? (double) cbrtf(s->rgb[c][i]) : 0.0;
+            for (uint32_t i = low; root && i < end; i += RUN) {
+                const int run = end - i < RUN ? (int) (end - i) : RUN;
+                find_roots(s->rgb[c] + i, run, line);
+                for (int k = 0; k < run; k++)
+                    roots[c] += (double) line[k];
             }
         }
     }
@@ -236,7 +270,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
                             "picture of %dx%d", own->w, own->h, s->w, s->h);
     const int side = (gp_max(s->w, s->h) + GP_EDGE_CELLS - 1) / GP_EDGE_CELLS;
     struct border border = {
-        .picture = s, .own = own, .side = side, .depth = (side + 3) / 4,
+        .picture = s, .own = own, .side = side, .depth = (side + 7) / 8,
         .across = (s->w + side - 1) / side, .down = (s->h + side - 1) / side,
     };
     const int cells = 2 * (border.across + border.down);
@@ -262,9 +296,12 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
         .part = own != s, .sums = sums,
     };
     gp_parallel_do(b->rows, see_row, &seeing);
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < n; i++)
-            b->most = fmax(b->most, (double) b->b[c][i]);
+    for (int i = 0; i < 3 * b->rows; i++) {
+        const float *const row = b->b[i % 3] + (size_t) (i / 3) * (size_t) b->w;
+        float most = row[b->w - 1];
+        for (int x = 0; x < b->w; x += side) // linear between corners
+            most = gp_maxf(most, row[x]);
+        b->most = fmax(b->most, (double) most);
     }
     *out = b;
     b = NULL;
@@ -352,14 +389,17 @@ static int kernel_from(long long p, int c, int n)
     return gp_clamp_wide(p + c, 0, n);
 }
 
-struct adding {
-    const struct gp_beyond *b;
-    const struct box_sums *sums;
-    const struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail
-    double *box;                     // w + 1 of the kernel for each thread
-    float *share;                    // 2 w of the picture: w; the tail inside
-    struct gp_planes *layer;
-    double *exact;
+/* What is kept of a kernel for pictures of one size. */
+struct gp_outside {
+    struct box_sums sums;
+    struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail
+    int w, h, threads;
+    unsigned long serial;              // of the kernel
+    const struct gp_tail_state *state; // what `tail` is of
+    double *box;   // pitch of the kernel for each thread
+    float *share;  // 2 w of the picture for each thread: w; the tail inside
+    float *inner;  // w of each channel: of rows that all of the kernel's meet
+    int clear[2];  // where that is 0 in all channels: [from, to)
 };
 
 /* Fills share[x] with w in row y, but for the tail's. */
@@ -389,13 +429,6 @@ GP_CLONES static void find_shares(const struct gp_kernel *k,
         share[x] += (float) all;
 }
 
-GP_CLONES static void take_tail(float *restrict share,
-    const float *restrict inside, float all, int n)
-{
-    for (int x = 0; x < n; x++)
-        share[x] += all - inside[x];
-}
-
 /* Adds w b; b lies between those of two rows of corners. */
 GP_CLONES static void add_light(float *restrict layer,
     const float *restrict share, const float *restrict above,
@@ -408,42 +441,75 @@ GP_CLONES static void add_light(float *restrict layer,
     }
 }
 
-static void add_row(void *ctx, int y, int thread)
+/* The same with the share of a tail: all of it but what is inside. */
+GP_CLONES static void add_tails_light(float *restrict layer,
+    const float *restrict share, const float *restrict inside, float all,
+    const float *restrict above, const float *restrict below, float down, int n)
 {
-    const struct adding *const a = ctx;
-    const struct gp_beyond *const b = a->b;
-    const struct gp_kernel *const k = a->sums->k;
-    const size_t w = (size_t) b->w;
-    float *const share = a->share + (size_t) thread * 2 * w;
-    double *const box = a->box + (size_t) thread * a->sums->pitch;
-    const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
-    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
-    for (int c = 0; c < 3; c++) {
-        if (c < a->sums->channels) {
-            const double *const low = box_row(a->sums, c, y0);
-            const double *const high = box_row(a->sums, c, y1);
-            const double all = box_row(a->sums, c, k->h)[k->w];
-            find_shares(k, low, high,
-                        k->beyond[c] + (all - (high[k->w] - low[k->w])), b->w,
-                        box, share);
-        }
-        if (a->tail && (c == 0 || !k->tail->grey)) {
-            memset(share + w, 0, w * sizeof *share);
-            gp_tail_add_to(a->tail, c, y, thread, share + w);
-        }
-        if (a->tail && c < a->sums->channels)
-            take_tail(share, share + w, (float) k->tail->sum[c], b->w);
-        const float *const above =
-            b->b[c] + (size_t) (y / b->side) * w;
-        add_light(a->layer->c[c] + (size_t) y * w, share, above, above + w,
-                  (float) (y % b->side) / (float) b->side, b->w);
+    for (int x = 0; x < n; x++) {
+        const float b = above[x] + down * (below[x] - above[x]);
+        const float w = share[x] + (all - inside[x]);
+        layer[x] = gp_maxf(gp_minf(layer[x] + w * b, FLT_MAX), -FLT_MAX);
     }
 }
 
-/* The plain form of add_row(), in double, of a kernel without a tail. */
+/* Returns the share in row y of channel c but the tail's, made in `thread`'s
+ * line unless it is one of the inner rows'. */
+static const float *share_of(const struct gp_outside *o, int c, int y, int thread)
+{
+    const struct gp_kernel *const k = o->sums.k;
+    const size_t w = (size_t) o->w;
+    const int y0 = kernel_from((long long) y - o->h + 1, k->cy, k->h);
+    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
+    if (thread >= 0 && y0 == 0 && y1 == k->h)
+        return o->inner + (size_t) c * w;
+    float *const share = thread >= 0 ? o->share + (size_t) thread * 2 * w
+                                     : o->inner + (size_t) c * w;
+    const double *const low = box_row(&o->sums, c, y0);
+    const double *const high = box_row(&o->sums, c, y1);
+    const double all = box_row(&o->sums, c, k->h)[k->w];
+    find_shares(k, low, high, k->beyond[c] + (all - (high[k->w] - low[k->w])),
+                o->w, o->box + (size_t) gp_max(thread, 0) * o->sums.pitch, share);
+    return share;
+}
+
+void gp_beyond_add_row(void *ctx, int i, int thread)
+{
+    const struct gp_beyond_adding *const a = ctx;
+    const struct gp_beyond *const b = a->b;
+    const struct gp_outside *const o = a->outside;
+    const struct gp_kernel *const k = o->sums.k;
+    const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
+    const float *const share = share_of(o, from, y, thread);
+    const size_t w = (size_t) b->w;
+    const float *const above = b->b[c] + (size_t) (y / b->side) * w;
+    const float down = (float) (y % b->side) / (float) b->side;
+    float *const row = a->layer->c[c] + (size_t) y * w;
+    if (o->tail) {
+        float *const inside = o->share + ((size_t) thread * 2 + 1) * w;
+        gp_tail_row(o->tail, from, y, thread, inside);
+        add_tails_light(row, share, inside, (float) k->tail->sum[from], above,
+                        above + w, down, b->w);
+    } else if (share == o->inner + (size_t) from * w) {
+        const int to = o->clear[1];
+        add_light(row, share, above, above + w, down, o->clear[0]);
+        add_light(row + to, share + to, above + to, above + w + to, down,
+                  b->w - to);
+    } else {
+        add_light(row, share, above, above + w, down, b->w);
+    }
+}
+
+struct adding_exactly {
+    const struct gp_beyond *b;
+    const struct box_sums *sums;
+    double *layer;
+};
+
+/* The plain form of gp_beyond_add_row(), in double, of a kernel without a tail. */
 static void add_exact_row(void *ctx, int y, int thread)
 {
-    const struct adding *const a = ctx;
+    const struct adding_exactly *const a = ctx;
     const struct gp_beyond *const b = a->b;
     const struct gp_kernel *const k = a->sums->k;
     const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
@@ -457,7 +523,7 @@ static void add_exact_row(void *ctx, int y, int thread)
         const double all = box_row(a->sums, from, k->h)[k->w];
         const float *const above = b->b[c] + (size_t) (y / b->side) *
                                                  (size_t) b->w;
-        double *const out = a->exact + ((size_t) c * (size_t) b->h +
+        double *const out = a->layer + ((size_t) c * (size_t) b->h +
                                         (size_t) y) * (size_t) b->w;
         for (int x = 0; x < b->w; x++) {
             const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
@@ -469,30 +535,67 @@ static void add_exact_row(void *ctx, int y, int thread)
     }
 }
 
-gp_status gp_beyond_add(const struct gp_log *log, const struct gp_beyond *b,
-    const struct gp_kernel *k, const struct gp_tail_state *tail,
-    struct gp_planes *layer)
+void gp_outside_free(struct gp_outside **outside)
+{
+    struct gp_outside *const o = *outside;
+    if (o) {
+        gp_tail_rows_free(&o->tail);
+        gp_free(o->sums.at);
+        gp_free(o->box);
+        gp_free(o->share);
+        gp_free(o->inner);
+    }
+    GP_FREE(*outside);
+}
+
+/* Finds the shares of rows that all of the kernel meets. */
+static void find_inner(struct gp_outside *o)
+{
+    const struct gp_kernel *const k = o->sums.k;
+    const int y = gp_min(gp_max(k->h - 1 - k->cy, 0), o->h - 1);
+    o->clear[0] = 0;
+    o->clear[1] = o->w;
+    for (int c = 0; c < o->sums.channels; c++) {
+        const float *const share = share_of(o, c, y, -1);
+        int from = 0, to;
+        while (from < o->clear[1] && share[from] != 0.0f)
+            from++;
+        for (to = from; to < o->clear[1] && share[to] == 0.0f;)
+            to++;
+        o->clear[0] = gp_max(o->clear[0], from);
+        o->clear[1] = gp_max(to, o->clear[0]);
+    }
+}
+
+gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
+    const struct gp_tail_state *tail, int w, int h, struct gp_outside **outside)
 {
     gp_status st;
-    struct box_sums sums = {0};
-    struct gp_tail_rows *rows = NULL;
-    struct adding a = {.b = b, .sums = &sums, .layer = layer};
-    if (!b)
+    struct gp_outside *o = *outside;
+    const size_t threads = (size_t) gp_threads(), wide = (size_t) w;
+    if (o && k->serial && o->serial == k->serial && o->w == w && o->h == h &&
+        o->threads == gp_threads() && o->state == tail) {
+        o->sums.k = k;
         return GP_OK;
-    const size_t threads = (size_t) gp_threads();
-    GP_TRY(sum_boxes(log, k, &sums));
-    GP_TRY(gp_alloc(log, "edges", threads * sums.pitch, sizeof *a.box, &a.box));
-    GP_TRY(gp_alloc(log, "edges", threads * 2 * (size_t) b->w, sizeof *a.share,
-                    &a.share));
+    }
+    gp_outside_free(outside);
+    GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *o, &o));
+    *o = (struct gp_outside) {.w = w, .h = h, .threads = gp_threads(),
+                              .serial = k->serial, .state = tail};
+    GP_TRY(sum_boxes(log, k, &o->sums));
+    GP_TRY(gp_alloc(log, "edges", threads * o->sums.pitch, sizeof *o->box,
+                    &o->box));
+    GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->share,
+                    &o->share));
+    GP_TRY(gp_alloc(log, "edges", (size_t) o->sums.channels * wide,
+                    sizeof *o->inner, &o->inner));
+    find_inner(o);
     if (k->tail)
-        GP_TRY(gp_tail_flat(log, k->tail, tail, b->w, b->h, &rows));
-    a.tail = rows;
-    gp_parallel_do(b->h, add_row, &a);
+        GP_TRY(gp_tail_flat(log, k->tail, tail, w, h, &o->tail));
+    *outside = o;
+    o = NULL;
 out:
-    gp_tail_rows_free(&rows);
-    gp_free(sums.at);
-    gp_free(a.box);
-    gp_free(a.share);
+    gp_outside_free(&o);
     return st;
 }
 
@@ -503,7 +606,7 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
     if (!b || st)
         return st;
-    struct adding a = {.b = b, .sums = &sums, .exact = layer};
+    struct adding_exactly a = {.b = b, .sums = &sums, .layer = layer};
     gp_parallel_do(b->h, add_exact_row, &a);
     gp_free(sums.at);
     return GP_OK;

@@ -12,7 +12,7 @@
  *   w(p) = all of the kernel - sum over q in the picture of kernel(p - q)
  *
  * and b the broad light of the border as seen from p. For that the border is
- * cut into cells, GP_EDGE_CELLS along the longer side and a quarter as deep.
+ * cut into cells, GP_EDGE_CELLS along the longer side and an eighth as deep.
  * Each has the mean r of the cube roots of its light, and
  *
  *   b(p) = (sum over cells j of v_j(p) r_j / sum of v_j(p))^3
@@ -33,7 +33,7 @@
 #include "glare/sources.h"
 
 enum {
-    GP_EDGE_CELLS = 64, // along the longer side: no finer, as a cell is the
+    GP_EDGE_CELLS = 48, // along the longer side: no finer, as a cell is the
                         // least that a lamp is told from the sky by
     GP_EDGE_LAMP = 4,   // two stops: more than clouds differ, less than lamps
 };
@@ -68,12 +68,26 @@ void gp_beyond_free(struct gp_beyond **b);
 /* The largest value of b; 0 where b is NULL. */
 double gp_beyond_most(const struct gp_beyond *b);
 
-/* Adds w b to a layer of the picture's size.
- *   tail  open for k's tail, where it has one
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_beyond_add(const struct gp_log *log,
-    const struct gp_beyond *b, const struct gp_kernel *k,
-    const struct gp_tail_state *tail, struct gp_planes *layer);
+/* What w needs of a kernel, for pictures of one size: kept from frame to frame. */
+struct gp_outside;
+
+/* Finds it unless *outside is of that kernel and size.
+ *   tail  open for k's tail, where it has one; like k it is borrowed
+ * Free with gp_outside_free(). Errors: GP_ERR_BUG out of memory; *outside is NULL
+ * then. */
+GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
+    const struct gp_kernel *k, const struct gp_tail_state *tail, int w, int h,
+    struct gp_outside **outside);
+void gp_outside_free(struct gp_outside **outside);
+
+/* Adds w b to row i % h of channel i / h of a layer of the picture's size, i in
+ * [0, 3 h); a task of gp_parallel_do(). */
+struct gp_beyond_adding {
+    const struct gp_beyond *b;
+    const struct gp_outside *outside;
+    struct gp_planes *layer;
+};
+void gp_beyond_add_row(void *ctx, int i, int thread);
 
 /* The same in double, for the truth: k has no tail, layer 3 w h doubles. */
 GP_MUST_CHECK gp_status gp_beyond_add_exact(const struct gp_log *log,

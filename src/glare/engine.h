@@ -194,14 +194,16 @@ struct gp_glare {
     struct gp_plan_past past;
     struct gp_floor *floor; // NULL at first
     struct gp_tail_state *tail;
+    struct gp_outside *outside; // NULL at first
     struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size
     unsigned long whole_of;
     int whole_w, whole_h;
 };
 
 /* Computes f->layer from sources, with the light from beyond the border that
- * p->edges has. No source: the layer is zero, no engine is opened. Of a kernel with a tail engines draw the core, and the tail is added
- * to it; but `direct`, when named, sums the whole kernel sample by sample.
+ * p->edges has. No source: the layer is zero, no engine is opened. Of a kernel with
+ * a tail engines draw the core, and the tail is added to it; but `direct`, when
+ * named, sums the whole kernel sample by sample.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
  * whose bounds are within the tolerances, and warns when no engine's is. The

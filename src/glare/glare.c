@@ -160,6 +160,21 @@ static int find_engine(const char *name)
     return gp_engines[i] ? i : -1;
 }
 
+/* What is added to the rows that an engine draws. */
+struct rest {
+    struct gp_tail_rows *tail;       // or NULL
+    struct gp_beyond_adding *beyond; // or NULL
+};
+
+static void add_rest(void *ctx, int i, int thread)
+{
+    const struct rest *const r = ctx;
+    if (r->tail)
+        gp_tail_add_row(r->tail, i, thread);
+    if (r->beyond)
+        gp_beyond_add_row(r->beyond, i, thread);
+}
+
 /* gp_glare_run() but for the mirror image. */
 static gp_status run_picture(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
@@ -199,7 +214,8 @@ static gp_status run_picture(const struct gp_log *log,
     struct gp_kernel small = {0};
     struct gp_tail_rows *rows = NULL;
     struct gp_beyond *beyond = NULL;
-    struct gp_layer_rest rest = {.add = gp_tail_add_row};
+    struct rest parts = {0};
+    struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
     if (kernel_times)
         GP_TRY(halve_kernel(log, kernel, kernel_times, &small));
     if (light_times)
@@ -243,19 +259,29 @@ static gp_status run_picture(const struct gp_log *log,
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
     const struct gp_tail *const tail = req.tail ? kernel->tail : NULL;
+    struct gp_beyond_adding adding = {.b = beyond, .layer = &f->layer};
     if (tail) {
         GP_TRY(gp_tail_find(log, tail, g->tail, req.src, &f->layer, &rows));
-        rest.ctx = rows;
-        req.rest = &rest;
+        parts.tail = rows;
         stats->tail_step = tail->split.step;
     }
+    if (beyond) {
+        GP_TRY(gp_outside_find(log, drawn, drawn->tail ? g->tail : NULL, src->w,
+                               src->h, &g->outside));
+        adding.outside = g->outside;
+        parts.beyond = times ? NULL : &adding; // as bright as the frame is
+    }
+    if (parts.tail || parts.beyond)
+        req.rest = &rest;
     GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
-    if (tail && !rest.added)
-        gp_parallel_do(3 * req.src->h, rest.add, rest.ctx);
+    if (req.rest && !rest.added)
+        gp_parallel_do(3 * req.src->h, add_rest, &parts);
     stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
-    if (times)
+    if (times) {
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
-    GP_TRY(gp_beyond_add(log, beyond, drawn, g->tail, &f->layer));
+        if (beyond)
+            gp_parallel_do(3 * src->h, gp_beyond_add_row, &adding);
+    }
 out:
     gp_beyond_free(&beyond);
     gp_tail_rows_free(&rows);
@@ -312,6 +338,7 @@ void gp_glare_close(struct gp_glare *g)
     for (int i = 0; gp_engines[i]; i++)
         gp_engines[i]->close(&g->state[i]);
     gp_floor_free(&g->floor);
+    gp_outside_free(&g->outside);
     gp_tail_close(&g->tail);
     gp_kernel_free(&g->whole);
     g->whole_of = 0;

@@ -42,7 +42,7 @@ def jobs():
     if not os.path.exists(tif):
         subprocess.run([OLD, "-g", "0", "--tonemap", "none", "--type", "half",
                         "-o", tif, w2], check=True)
-    yield "w2 1920 TIFF in", [tif]
+    yield "w2 1920 TIFF in", ["-k", "builtin:eye", tif]
 
 
 def run(program, options, folder):

@@ -426,8 +426,30 @@ GP_CLONES static void add_line(float *restrict row, int w,
     }
 }
 
-void gp_tail_add_to(const struct gp_tail_rows *a, int c, int y, int thread,
-                    float *row)
+/* Sets a row of w pixels to a line of nodes, `at` the weights of each tap. */
+GP_CLONES static void set_line(float *restrict row, int w,
+    const float *restrict line, int step, const float at[TAPS][MOST_STEP])
+{
+    const int whole = w / step * step;
+    for (int x = 0; x < whole; x += step, line++) {
+        for (int i = 0; i < step; i += LANES) {
+            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
+            v += line[1] * *(const v8_loose *) (at[1] + i);
+            v += line[2] * *(const v8_loose *) (at[2] + i);
+            v += line[3] * *(const v8_loose *) (at[3] + i);
+            *(v8_loose *) (row + x + i) = v;
+        }
+    }
+    for (int x = whole; x < w; x++) {
+        float v = 0.0f;
+        for (int k = 0; k < TAPS; k++)
+            v += line[k] * at[k][x - whole];
+        row[x] = v;
+    }
+}
+
+/* Returns the nodes of row y of channel c, in `thread`'s line. */
+static const float *line_of(const struct gp_tail_rows *a, int c, int y, int thread)
 {
     const int step = a->t->split.step;
     const float *const down = a->s->weight[y % step];
@@ -437,15 +459,20 @@ void gp_tail_add_to(const struct gp_tail_rows *a, int c, int y, int thread,
     for (size_t x = 0; x < a->pitch; x++)
         line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
                   down[2] * g[x + 2 * a->pitch] + down[3] * g[x + 3 * a->pitch];
-    add_line(row, a->w, line, step, a->at);
+    return line;
+}
+
+void gp_tail_row(const struct gp_tail_rows *a, int c, int y, int thread, float *row)
+{
+    set_line(row, a->w, line_of(a, c, y, thread), a->t->split.step, a->at);
 }
 
 void gp_tail_add_row(void *ctx, int i, int thread)
 {
     const struct gp_tail_rows *const a = ctx;
     const int c = i / a->h, y = i % a->h;
-    gp_tail_add_to(a, c, y, thread,
-                   a->layer->c[c] + (size_t) y * (size_t) a->w);
+    add_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w,
+             line_of(a, c, y, thread), a->t->split.step, a->at);
 }
 
 void gp_tail_rows_free(struct gp_tail_rows **rows)

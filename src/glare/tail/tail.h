@@ -138,9 +138,8 @@ void gp_tail_rows_free(struct gp_tail_rows **rows);
 GP_MUST_CHECK gp_status gp_tail_flat(const struct gp_log *log,
     const struct gp_tail *t, const struct gp_tail_state *state, int w, int h,
     struct gp_tail_rows **out);
-/* Adds it in row y of channel c to `row`, which has that many samples; as
- * gp_tail_add_row(). */
-void gp_tail_add_to(const struct gp_tail_rows *rows, int c, int y, int thread,
+/* Sets `row` to it in row y of channel c. */
+void gp_tail_row(const struct gp_tail_rows *rows, int c, int y, int thread,
                     float *row);
 
 /* Milliseconds on one core, of finding and adding it; and of gp_tail_open()
