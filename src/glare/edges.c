@@ -323,22 +323,36 @@ struct box_sums {
     double *at;
 };
 
-enum { STRIP = 256 }; // columns of a task
+enum {
+    ROWS = 4,    // of a task: sums that do not wait for each other
+    STRIP = 256, // columns of a task
+};
+
+/* The row of sums before row y of channel c. */
+static double *box_row(const struct box_sums *s, int c, int y)
+{
+    return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
+}
 
 static void sum_along(void *ctx, int i, int thread)
 {
     const struct box_sums *const s = ctx;
     const struct gp_kernel *const k = s->k;
-    const int c = i / (k->h + 1), y = i % (k->h + 1);
-    double *const row = s->at + (size_t) i * s->pitch;
-    double sum = 0.0;
+    const int groups = (k->h + ROWS - 1) / ROWS, c = i / groups;
+    const float *from[ROWS];
+    double *to[ROWS], sum[ROWS] = {0};
     (void) thread;
-    row[0] = 0.0;
+    for (int r = 0; r < ROWS; r++) { // the last may be summed again
+        const int y = gp_min(i % groups * ROWS + r, k->h - 1);
+        from[r] = k->k.c[c] + (size_t) y * (size_t) k->w;
+        to[r] = box_row(s, c, y + 1);
+        to[r][0] = 0.0;
+    }
     for (int x = 0; x < k->w; x++) {
-        if (y > 0)
-            sum += (double) k->k.c[c][(size_t) (y - 1) * (size_t) k->w +
-                                      (size_t) x];
-        row[x + 1] = sum;
+        for (int r = 0; r < ROWS; r++) {
+            sum[r] += (double) from[r][x];
+            to[r][x + 1] = sum[r];
+        }
     }
 }
 
@@ -348,9 +362,9 @@ static void sum_down(void *ctx, int i, int thread)
     const size_t strips = (s->pitch + STRIP - 1) / STRIP;
     const size_t from = (size_t) i % strips * STRIP;
     const size_t n = s->pitch - from < STRIP ? s->pitch - from : STRIP;
-    double *row = s->at + (size_t) i / strips * ((size_t) s->k->h + 1) *
-                              s->pitch + from;
+    double *row = box_row(s, (int) ((size_t) i / strips), 0) + from;
     (void) thread;
+    memset(row, 0, n * sizeof *row);
     for (int y = 0; y < s->k->h; y++, row += s->pitch) {
         for (size_t x = 0; x < n; x++)
             row[x + s->pitch] += row[x];
@@ -364,21 +378,14 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
         .k = k, .channels = k->grey && (!k->tail || k->tail->grey) ? 1 : 3,
         .pitch = (size_t) k->w + 1,
     };
-    const int rows = s->channels * (k->h + 1);
-    gp_status st = gp_alloc(log, "edges", (size_t) rows * s->pitch,
-                            sizeof *s->at, &s->at);
+    gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
+                            (size_t) (k->h + 1) * s->pitch, sizeof *s->at, &s->at);
     if (st)
         return st;
-    gp_parallel_do(rows, sum_along, s);
+    gp_parallel_do(s->channels * ((k->h + ROWS - 1) / ROWS), sum_along, s);
     gp_parallel_do(s->channels * (int) ((s->pitch + STRIP - 1) / STRIP),
                    sum_down, s);
     return GP_OK;
-}
-
-/* The row of sums before row y of channel c. */
-static const double *box_row(const struct box_sums *s, int c, int y)
-{
-    return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
 }
 
 /* The first row or column i of n of a kernel, centre c, that meets light at or
