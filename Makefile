@@ -399,7 +399,7 @@ FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
 # Documents, and templates for farms
 DOC_PLACE := share/doc/glarepp
 TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py \
-    street.glb)
+    alley.glb)
 LENSES := $(wildcard examples/lenses/*.json)
 FLARES := $(wildcard examples/flares/*.json)
 

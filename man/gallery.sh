@@ -39,7 +39,16 @@ shot hall-after 480 --style mist examples/hall.exr
 shot lamp-before 480 --gain 0 examples/lamp.exr
 shot lamp-after 480 --style vintage examples/lamp.exr
 shot first 640 examples/street.exr
-shot sun 640 --style star examples/leaves.1001.exr
+shot sun 640 --sun 381.3,72.5,3.1 --sun-color 4e6,3e6,2e6 --sun-in-frame \
+    --flare preset:zoom --exposure -1 examples/leaves.1001.exr
+cat >"$tmp/lights.json" <<'END'
+[{"name": "left", "pixel": [243, 346], "radius": 12, "depth": 8,
+  "flux": [2e5, 1.8e5, 1.3e5]},
+ {"name": "right", "pixel": [377, 346], "radius": 12, "depth": 8,
+  "flux": [2e5, 1.8e5, 1.3e5]}]
+END
+shot headlights 640 --lights "$tmp/lights.json" --sun-in-frame --flare preset:zoom \
+    examples/headlights.exr
 "$glarepp" styles -q -o "$tmp/styles.png" examples/street.exr
 convert "$tmp/styles.png" -resize 1200 -quality 82 -strip $to/styles.jpg
 for frame in street hall leaves.1003; do
@@ -53,12 +62,40 @@ done
 sheet curves 6x 240 $(cd $to && ls curve.*.jpg)
 rm $to/curve.*
 
+for n in 1001 1002 1003 1004; do
+    shot shot.$n 300 --style star --flare preset:anamorphic --sun 381.3,72.5,3.1 \
+        --sun-in-frame --sun-color 3e6,2.4e6,1.8e6 --exposure -1 examples/leaves.$n.exr
+done
+sheet sequences 4x 300 shot.1001.jpg shot.1002.jpg shot.1003.jpg shot.1004.jpg
+"$glarepp" -q --style eye-night --layer "$tmp/l.exr" --hdr "$tmp/h.exr" \
+    examples/street.exr
+shot shot.frame 400 --gain 0 "$tmp/h.exr"
+shot shot.layer 400 --gain 0 "$tmp/l.exr"
+shot shot.dark 400 --gain 0 --exposure -4 "$tmp/h.exr"
+sheet files 3x 400 shot.frame.jpg shot.layer.jpg shot.dark.jpg
+set -- --exposure 2 examples/alley.1003.exr
+shot shot.1 480 --gain 0 "$@"
+shot shot.2 480 --scene examples/alley.glb --light-scale 0.00146413 --sun-in-frame \
+    --flare preset:zoom "$@"
+sheet scenes 2x 480 shot.1.jpg shot.2.jpg
+cat >"$tmp/lights.json" <<'END'
+[{"pixel": [244, 346], "radius": 12, "depth": 8, "flux": [3e6, 2.7e6, 2.1e6]},
+ {"pixel": [377, 347], "radius": 12, "depth": 8, "flux": [3e6, 2.7e6, 2.1e6]}]
+END
+set -- --lights "$tmp/lights.json" --sun-in-frame examples/headlights.exr
+shot shot.3 480 --lens zoom-wide "$@"
+shot shot.4 480 --lens zoom-wide --f-number 16 "$@"
+shot shot.5 480 --lens double-gauss "$@"
+shot shot.6 480 --lens tessar "$@"
+sheet lenses 2x 480 shot.3.jpg shot.4.jpg shot.5.jpg shot.6.jpg
+rm $to/shot.*
+
 # -- the gallery ----------------------------------------------------------------
 
 # entry OPTIONS: the frame with them, and its command
 entry()
 {
-    name=$(echo "$1" | tr -c 'a-z0-9\n' - | sed 's/^-*//')
+    name=$(echo "${1%% *}" | tr -c 'a-z0-9\n' - | sed 's/^-*//;s/-share.*//')
     # shellcheck disable=SC2086
     shot "$name" 400 $1 $more "$frame"
     printf '\n![%s](pictures/%s.jpg)\n\n    %s\n' "$name" "$name" \
@@ -91,9 +128,20 @@ chapter Kernels 'A kernel is the shape of the light around one bright pixel.' "$
 frame=examples/leaves.1001.exr more='--sun=381.3,72.5,3.1 --sun-color=2e6,1.8e6,1.5e6'
 set -- $("$glarepp" --flare preset:list | sed -n 's/^ *\([a-z]*\).*/--flare=preset:\1/p')
 chapter Flares 'A flare draws the ghosts of a lens for each light.' "$@"
-more='--sun=381.3,72.5,3.1 --sun-color=2e7,1.8e7,1.5e7'
-set -- $("$glarepp" lens | sed -n 's/^\([a-z][a-z-]*\) .*/--lens=\1/p')
-chapter Lenses 'A lens draws its own ghosts, traced through the glass of its patent.' "$@"
+more=
+# (coated glass hides its ghosts: each lens gets the sun that shows them)
+sun='--sun=381.3,72.5,3.1 --sun-in-frame --sun-color='
+set --
+for lens in $("$glarepp" lens | sed -n 's/^\([a-z][a-z-]*\) .*/\1/p'); do
+    case $lens in
+    tessar) flux=1e7,9e6,7.7e6 ;;
+    zoom-*) flux=5e7,4.5e7,3.8e7 ;;
+    *) flux=4e8,3.6e8,3e8 ;;
+    esac
+    set -- "$@" "--lens=$lens --exposure=-2 $sun$flux"
+done
+chapter Lenses 'A lens draws its own ghosts, traced through the glass of its patent. Coats
+hide them: each sun is as bright as it takes to see them.' "$@"
 
 # -- pictures that need those before ----------------------------------------------
 

@@ -7,7 +7,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 glarepp=${1:-glarepp}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-oiiotool "$root/examples/night.1001.exr" --resize 1920x1080 \
+oiiotool "$root/tests/frames/night.1001.exr" --resize 1920x1080 \
     -o "$work/night.exr" || exit 1
 for flux in 2e3 2e5 2e7; do
     awk -v flux=$flux 'BEGIN {

@@ -31,6 +31,7 @@ lib/glarepp/glarepp-oiio
 share/bash-completion/completions/glarepp
 share/doc/glarepp/LICENSE
 share/doc/glarepp/README.md
+share/doc/glarepp/examples/alley.glb
 share/doc/glarepp/examples/blender_camera.py
 share/doc/glarepp/examples/flares/anamorphic.json
 share/doc/glarepp/examples/flares/lamps.json
@@ -47,7 +48,6 @@ share/doc/glarepp/examples/lenses/zoom-wide.json
 share/doc/glarepp/examples/openjd.yaml
 share/doc/glarepp/examples/parallel.sh
 share/doc/glarepp/examples/slurm.sh
-share/doc/glarepp/examples/street.glb
 share/doc/glarepp/man/compare.md
 share/doc/glarepp/man/dependencies.md
 share/doc/glarepp/man/files.md
@@ -122,6 +122,7 @@ usr/share/doc/glarepp/LICENSE
 usr/share/doc/glarepp/README.md
 usr/share/doc/glarepp/changelog.gz
 usr/share/doc/glarepp/copyright
+usr/share/doc/glarepp/examples/alley.glb
 usr/share/doc/glarepp/examples/blender_camera.py
 usr/share/doc/glarepp/examples/flares/anamorphic.json
 usr/share/doc/glarepp/examples/flares/lamps.json
@@ -138,7 +139,6 @@ usr/share/doc/glarepp/examples/lenses/zoom-wide.json
 usr/share/doc/glarepp/examples/openjd.yaml
 usr/share/doc/glarepp/examples/parallel.sh
 usr/share/doc/glarepp/examples/slurm.sh
-usr/share/doc/glarepp/examples/street.glb
 usr/share/doc/glarepp/man/compare.md
 usr/share/doc/glarepp/man/dependencies.md
 usr/share/doc/glarepp/man/files.md

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 
-street=$root/examples/street.glb
+street=$root/examples/alley.glb
 frame in.exr channels=R,G,B,Z:float kind=dark size=64x36
 frame n.exr channels=R,G,B,Z:float,N.X,N.Y,N.Z kind=dark size=64x36
 frame flat.exr channels=R,G,B kind=dark size=64x36

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 
-street=$root/examples/street.glb
+street=$root/examples/alley.glb
 
 # lights EXPRESSION: of o["lights"] of r.json, L by name
 lights()

@@ -78,7 +78,7 @@ cmp 1e5.pfm 1e6.pfm
 result $? 'and what is near the eye beside something far away'
 # three lamps of the street reach all of this picture
 "$glarepp" sets --size 64x36 --repeat 1 --time 41.7083 \
-    --debug scissor=scissor.pfm "$root/examples/street.glb" >/dev/null 2>err
+    --debug scissor=scissor.pfm "$root/examples/alley.glb" >/dev/null 2>err
 is "$(tail -c $((64 * 36 * 12)) scissor.pfm | tail -c +$((64 * 18 * 12 + 1)) |
     head -c $((7 * 12)) | od -An -v -f -w12 | grep -cv '\.')" 3 \
     'outlines of equal scissors are one inside the other'
@@ -122,7 +122,7 @@ wrong 2 'square.gltf' 'the scene as an output' \
 
 for time in 41.7083 41.75 41.7917 41.8333; do # its four frames
     "$glarepp" sets --size 640x360 --repeat 1 --time $time \
-        "$root/examples/street.glb" >out 2>err
+        "$root/examples/alley.glb" >out 2>err
     result $? "the street at $time s: every row draws the same picture"
     for column in '2 0.31 batches' '1 0.56 fragments'; do
         set -- $column

@@ -37,7 +37,7 @@ fi
 
 # -- a scene for what the frame does not show ----------------------------------
 
-street=$root/examples/street.glb
+street=$root/examples/alley.glb
 gl=yes
 frame plain.exr channels=R,G,B kind=dark
 "$glarepp" --sun 30,12 --sun-method mask --report r.json plain.exr 2>err || gl=

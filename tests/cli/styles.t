@@ -3,7 +3,7 @@
 # night, and the sheet of them.
 . "$(dirname "$0")/lib.sh"
 need_python
-night=$root/examples/night.1001.exr
+night=$root/tests/frames/night.1001.exr
 
 # -- the command -----------------------------------------------------------------
 

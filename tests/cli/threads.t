@@ -55,13 +55,13 @@ done
 same_for odd.exr fft '16 bits' --depth-bits 16 --alpha keep
 
 # rendered frames; the threshold leaves GL a few hundred sources
-for name in examples/night.1001 tests/frames/brightsky.1001 tests/frames/foliage.1004; do
+for name in tests/frames/night.1001 tests/frames/brightsky.1001 tests/frames/foliage.1004; do
     input=$root/$name.exr
     same_for "$input" fft "$name"
     same_for "$input" auto "$name, high threshold" -t 50
 done
 if [ -n "$gl" ] && [ -z "$quick" ]; then
-    same_for "$root/examples/night.1001.exr" splat night.1001 -t 300 -k kernel.exr
+    same_for "$root/tests/frames/night.1001.exr" splat night.1001 -t 300 -k kernel.exr
 else
     skip 3 'no GL, or quick'
 fi

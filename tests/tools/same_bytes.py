@@ -32,7 +32,7 @@ EXAMPLES = os.path.join(ROOT, "examples")
 FRAMES = os.path.join(ROOT, "tests/frames")
 
 # Options and outputs for tests/frames/foliage.1004.exr (colour, depth) and
-# examples/night.1001.exr
+# tests/frames/night.1001.exr
 SUN = ["--sun", "415,93,2.5", "--sun-color", "2e6,1.9e6,1.6e6"]
 MANY = [
     *(["-e", e, "--layer", "l.exr", "--hdr", "h.exr"]
@@ -135,7 +135,7 @@ def main():
     frames += sorted(os.path.join(d, n) for d in (EXAMPLES, FRAMES)
                      for n in os.listdir(d) if n.endswith(".exr"))
     foliage = os.path.join(FRAMES, "foliage.1004.exr")
-    night = os.path.join(EXAMPLES, "night.1001.exr")
+    night = os.path.join(FRAMES, "night.1001.exr")
     tasks = [["--hdr", "h.exr", "--layer", "l.exr", "-o", "p.png",
               "--report", "r.json", f] for f in frames]
     made = os.path.join(work, "made")
