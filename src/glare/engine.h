@@ -227,7 +227,7 @@ GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
     const struct gp_surround *edges, const struct gp_sources *src,
     const struct gp_kernel *kernel, double *layer);
 
-/* Errors of a layer against the truth; design.md section 6. The composite is
+/* Errors of a layer against the truth. The composite is
  * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:
  * sources whose light leaves their pixels. */
 struct gp_glare_error {

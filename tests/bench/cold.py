@@ -30,11 +30,11 @@ def jobs(folder, k512):
         for frame in ("w1", "w2", "w3"):
             path = f"{folder}/{frame}_{size}.exr"
             name = f"{frame} {size}"
-            yield name + " PNG", 0.75, [*png, path]
-            yield name + " EXR", 0.92, [*exr, path]
+            yield name + " PNG", 0.75, ["-k", "builtin:eye", *png, path]
+            yield name + " EXR", 0.92, ["-k", "builtin:eye", *exr, path]
             yield name + " both, k512", 0.80, ["-k", k512, *exr, *png, path]
     yield f"sequence of {COUNT}, EXR", 0.97, [
-        "--hdr", folder + "/o.####.exr", folder + "/s.####.exr"]
+        "-k", "builtin:eye", "--hdr", folder + "/o.####.exr", folder + "/s.####.exr"]
 
 
 def run(command):

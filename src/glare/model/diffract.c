@@ -12,13 +12,12 @@
  * sample outside of the primaries' gamut comes out negative, and is folded in at
  * constant luminance.
  *
- * A is linear between lags, as that of a pupil of square cells; I is divided by
- * the falloff of cells, and of means over them, in its far parts. Pixels wider
- * than the finest light alias frequencies: two sparse matrices map A's rows and
+ * A is linear between lags, as that of a pupil of square cells. Pixels wider than
+ * the finest light alias frequencies: two sparse matrices map A's rows and
  * columns to frequencies, and a row of a matrix holds all the lags that fall on
  * one frequency.
  *
-* The kernel is periodic: light from beyond N / 2 pixels wraps to the other
+ * The kernel is periodic: light from beyond N / 2 pixels wraps to the other
  * side. OTFs are means over steps of frequency by a hat, which multiplies
  * the unbounded kernel by sinc(x / N)^2 in x and y, and the result is divided
  * by it: light that wraps to x from x - N is down to (x / (N - x))^2, a quarter

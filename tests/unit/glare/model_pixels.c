@@ -5,7 +5,7 @@
 
 /* The models in forms that take little time, and the light that each leaves out
  * of a field as large as the sky: the eye's goes on in the plane, as 83 to 90
- * degrees from the light have it, and diffraction fades out at its reach. */
+ * degrees from the light have it. */
 static const struct {
     const char *text;
     double out, within; // relative error of a share
@@ -116,9 +116,8 @@ static void pixels_grow_to_a_point(void **state)
 
 /* Every model with its default keys, over a plane to 190 degrees on each side,
  * which is 84.4 in the sky (gp_sky_in_plane()): its rows add up to 1, less what
- * the eye's models have beyond (1.4e-3) and diffraction fades out at its reach
- * (1.9e-3). They are summed here, as gp_kernel.left_out is 1 less the kernel's
- * own sum. */
+ * goes on beyond (1.4e-3 of the eye's). They are summed here, as
+ * gp_kernel.left_out is 1 less the kernel's own sum. */
 static void every_model_is_one(void **state)
 {
     (void) state;

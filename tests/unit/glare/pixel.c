@@ -1,4 +1,4 @@
-/* glare/pixel.c, fft/reach.c: what every single pixel of a layer keeps. */
+/* glare/floor.c, fft/reach.c: what every single pixel of a layer keeps. */
 #include "unit.h"
 #include "glare/fft/fft_priv.h"
 #include "glare/glare_priv.h"

@@ -50,7 +50,7 @@ static double spike(const struct gp_kernel *k, double at, double t0,
 /* Each of a polygon's n edges, L long, sends out on both sides
  *   L l / (4 pi^2 A) / t^2
  * at t radians, A being the polygon's area: as far as the recipe says, not the
- * transform, which ends at 3.8 degrees. */
+ * transform, which ends at 4.9 degrees. */
 static void edges_send_out_their_light(void **state)
 {
     (void) state;
