@@ -71,7 +71,7 @@ FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 CHECKS := check-headers check-house check-symbols check-man
 
 .PHONY: all help demo check check-built check-all check-alone check-asan check-ubsan check-tsan tsan check-valgrind \
-        coverage coverage-run $(CHECKS) lint lint-clang hardcases gallery bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) lint lint-clang hardcases mutants gallery bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -251,6 +251,9 @@ check-alone: check-built ## runs the quick tests that read files in a clone with
 check-built: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build compile_commands.json
 check-all: check-built
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
+
+mutants: check-built ## checks that tests notice 120 changes that would break a promise
+	@tests/mutants/run.py $(B) $(ONLY)
 
 hardcases: $(B)/tests/hardcases $(BRIDGES) ## writes the largest error of each hard case to build/hardcases.md
 	@$(B)/tests/hardcases >$(B)/hardcases.txt
