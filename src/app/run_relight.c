@@ -220,7 +220,6 @@ static void list_light(const struct gp_run *r, struct gp_frame_state *fs,
 static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
                             const struct surfaces *surfaces, struct batch *b)
 {
-    const double start = gp_now_ms();
     struct gp_relit facts[GP_RELIGHT_PASSES];
     const gp_status st =
         gp_relight(fs->log, &r->scene.scene, &r->scene.meshes, &surfaces->f,
@@ -235,8 +234,6 @@ static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
                "may cast shadows, %lld rays", fs->job->input, f->name,
                f->pixels, f->casters, f->rays);
     }
-    gp_say(fs->log, GP_LEVEL_INFO, "%s: %d lights in %.1f ms", fs->job->input,
-           b->n, gp_now_ms() - start);
     b->n = 0;
     return GP_OK;
 }

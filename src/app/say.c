@@ -253,8 +253,9 @@ static void say_ghosts(struct words *w, const struct gp_facts *f)
     if (f->flare.runs)
         add(w, "flare of bright pixels, %d elements", f->flare.elements);
     if (f->lens.name)
-        add(w, "%slens %s: %d ghosts of %d lights", f->flare.runs ? ", " : "",
-            f->lens.name, f->lens.stats.drawn, f->lens.stats.lights);
+        add(w, "%slens %s: %d ghosts of %d light%s", f->flare.runs ? ", " : "",
+            f->lens.name, f->lens.stats.drawn, f->lens.stats.lights,
+            f->lens.stats.lights == 1 ? "" : "s");
 }
 
 static void say_outputs(struct words *w, const struct gp_facts *f)
