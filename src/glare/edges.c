@@ -143,41 +143,50 @@ static void find_cell(void *ctx, int i, int thread)
         sum_box(a->own, box, out->own, NULL);
 }
 
-static int ascending(const void *a, const void *b)
+/* The cell i of n around the picture: along the upper side, down the right, back
+ * along the lower and up the left. */
+static struct cell *cell_around(const struct border *a, int i)
 {
-    const float x = *(const float *) a, y = *(const float *) b;
-    return (x > y) - (x < y);
+    const int n = 2 * (a->across + a->down);
+    i = (i + n) % n;
+    const int right = i - a->across, lower = right - a->down,
+              left = lower - a->across;
+    return &a->cell[right < 0   ? i
+                    : lower < 0 ? 2 * a->across + a->down + right
+                    : left < 0  ? 2 * a->across - 1 - lower
+                                : 2 * a->across + a->down - 1 - left];
 }
 
-/* Limits lamps: cells over GP_EDGE_LAMP times the median of the lit ones.
- * Returns the number of lit cells. */
-static gp_status limit_lamps(const struct gp_log *log, const float weight[3],
-                             struct cell *cell, int n, int *lit)
+/* Takes lamps out: opens the luminance of roots along the border (Serra, Image
+ * Analysis and Mathematical Morphology, 1982), which lowers what is shorter than
+ * 2 GP_EDGE_LAMP + 1 cells to what is beside it. */
+static gp_status take_lamps_out(const struct gp_log *log, const float weight[3],
+                                const struct border *a)
 {
-    float *sorted;
-    gp_status st = gp_alloc(log, "edges", (size_t) n, sizeof *sorted, &sorted);
+    const int n = 2 * (a->across + a->down);
+    float *y, *least;
+    gp_status st = gp_alloc(log, "edges", 2 * (size_t) n, sizeof *y, &y);
     if (st)
         return st;
-    *lit = 0;
+    least = y + n;
     for (int i = 0; i < n; i++) {
-        const float *const r = cell[i].root;
-        const float y = weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2];
-        if (y > 0.0f)
-            sorted[(*lit)++] = y;
+        const float *const r = cell_around(a, i)->root;
+        y[i] = weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2];
     }
-    if (*lit) {
-        qsort(sorted, (size_t) *lit, sizeof *sorted, ascending);
-        const float most =
-            cbrtf((float) GP_EDGE_LAMP) * sorted[*lit / 2];
-        for (int i = 0; i < n; i++) {
-            float *const r = cell[i].root;
-            const float y =
-                weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2];
-            for (int c = 0; c < 3 && y > most; c++)
-                r[c] *= most / y;
-        }
+    for (int i = 0; i < n; i++) {
+        least[i] = y[i];
+        for (int k = -GP_EDGE_LAMP; k <= GP_EDGE_LAMP; k++)
+            least[i] = gp_minf(least[i], y[((i + k) % n + n) % n]);
     }
-    gp_free(sorted);
+    for (int i = 0; i < n; i++) {
+        float open = 0.0f;
+        for (int k = -GP_EDGE_LAMP; k <= GP_EDGE_LAMP; k++)
+            open = gp_maxf(open, least[((i + k) % n + n) % n]);
+        float *const r = cell_around(a, i)->root;
+        for (int c = 0; c < 3 && y[i] > open; c++)
+            r[c] *= open / y[i];
+    }
+    gp_free(y);
     return GP_OK;
 }
 
@@ -261,7 +270,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     struct gp_beyond *b = NULL;
     float *sums = NULL;
     gp_status st = GP_OK;
-    int lit;
+    bool lit = false;
     *out = NULL;
     if (edges->how == GP_SURROUND_BLACK || !s || !s->n || !own->n)
         return GP_OK;
@@ -277,7 +286,10 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
     GP_TRY(gp_alloc(log, "edges", (size_t) cells, sizeof *border.cell,
                     &border.cell));
     gp_parallel_do(cells, find_cell, &border);
-    GP_TRY(limit_lamps(log, s->luminance, border.cell, cells, &lit));
+    GP_TRY(take_lamps_out(log, s->luminance, &border));
+    for (int i = 0; i < cells; i++)
+        lit = lit || border.cell[i].root[0] > 0.0f ||
+              border.cell[i].root[1] > 0.0f || border.cell[i].root[2] > 0.0f;
     if (!lit)
         goto out;
     GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *b, &b));

@@ -20,9 +20,13 @@
  *
  * q_j being the middle of the cell's outer side: at depth d under the border
  * that looks at some d to each side. A flat border of light s has b = s, so a
- * flat picture stays flat. The cube root takes lamps out: a lamp on a share f of
- * what is looked at counts f^3 of its light, and a cell over GP_EDGE_LAMP times
- * the median of the lit cells counts no more than that.
+ * flat picture stays flat.
+ *
+ * Lamps are taken out twice. By the cube root, small ones: a lamp on a share f of a
+ * cell counts f^3 of its light. And by an opening of the cells along the border: a
+ * stretch that is shorter than 2 GP_EDGE_LAMP + 1 cells, a seventh of the longer
+ * side, counts as what is beside it. So a lamp that the border cuts adds nothing,
+ * while a sky or a window front goes on.
  *
  * b is found at the corners of the cells and linear between them. */
 #ifndef GP_GLARE_EDGES_H
@@ -35,7 +39,7 @@
 enum {
     GP_EDGE_CELLS = 48, // along the longer side: no finer, as a cell is the
                         // least that a lamp is told from the sky by
-    GP_EDGE_LAMP = 4,   // two stops: more than clouds differ, less than lamps
+    GP_EDGE_LAMP = 3,   // cells to each side that broad light has at least
 };
 
 /* How the picture goes on.

@@ -310,6 +310,55 @@ static void leaving_lamps_fade(void **state)
     }
 }
 
+/* A frame of `sky`, w wide, with a lamp of 1000 at x. */
+static struct scene lamp_at(int w, int h, double x, double radius, float sky)
+{
+    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 0);
+    for (int p = 0; p < w * h; p++) {
+        const double r = hypot(p % w + 0.5 - x, p / w + 0.5 - 0.5 * h);
+        const double in = fmin(fmax(radius + 0.5 - r, 0.0), 1.0);
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][p] = sky + (float) (1000.0 * in);
+    }
+    return scene_sense(f, (struct gp_kernel) {0}, &usual);
+}
+
+/* A lamp that the border cuts adds nothing beyond it, by night and before a sky:
+ * no pixel gets more light than of the whole picture, by 2 %. */
+static void cut_lamps_add_nothing(void **state)
+{
+    static const char *const models[] = {
+        "moffat:share=.06,fwhm=.1,beta=2.5", "star", "streak", "aperture", "eye",
+    };
+    const int w = 320, h = 180, more = 160;
+    (void) state;
+    for (size_t i = 0; i < 4 * COUNT(models); i++) {
+        const float sky = i % 2 ? 3.0f : 0.02f;
+        const double radius = i % 4 < 2 ? 8.0 : 14.0;
+        struct gp_kernel k = kernel_for(models[i / 4], w + more, h);
+        struct scene cut = lamp_at(w, h, w + 3.0, radius, sky);
+        struct scene whole = lamp_at(w + more, h, w + 3.0, radius, sky);
+        const struct gp_surround ends = {GP_SURROUND_EXTEND, &cut.src, NULL};
+        const struct gp_surround far = {GP_SURROUND_EXTEND, &whole.src, NULL};
+        struct gp_planes got = layer_of(&cut.src, &ends, &k, "fft", NULL);
+        struct gp_planes want = layer_of(&whole.src, &far, &k, "fft", NULL);
+        for (int p = 0; p < w * h; p++) {
+            for (int c = 0; c < 3; c++) {
+                const float a = got.c[c][p];
+                const float b = want.c[c][p / w * (w + more) + p % w];
+                if (a > 1.02f * b + 1e-3f)
+                    fail_msg("%s, sky %g, %d %d: %g, not %g", models[i / 4],
+                             (double) sky, p % w, p / w, (double) a, (double) b);
+            }
+        }
+        gp_planes_free(&got);
+        gp_planes_free(&want);
+        gp_kernel_free(&k);
+        scene_free(&cut);
+        scene_free(&whole);
+    }
+}
+
 SUITE_OF(edges, NULL, NULL,
     flat_pictures_stay_flat,
     layers_are_the_plain_sum,
@@ -317,4 +366,5 @@ SUITE_OF(edges, NULL, NULL,
     overscan_makes_no_difference,
     mirrors_are_plain,
     parts_add_up,
-    leaving_lamps_fade)
+    leaving_lamps_fade,
+    cut_lamps_add_nothing)
