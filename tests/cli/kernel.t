@@ -173,6 +173,9 @@ no 'and it is not there' test -e big.exr
 run -k star --kernel-normalize luminance -o o.png in.exr
 status_is 2 'a model is not normalised: usage'
 like "$(cat err)" '*--kernel-normalize*leave it out*' 'and a line says so'
+run -k halation:share=1 -o o.png wide.exr
+status_is 2 'a channel that would spread more than all of its light'
+like "$(cat err)" '*multiply share= by 0.3* or less' 'a tint too strong: says by how much'
 
 # -- several -------------------------------------------------------------------
 

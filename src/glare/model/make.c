@@ -10,13 +10,21 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* What keeps each channel's light where shapes have a tint. */
+struct tint {
+    bool known;
+    double faded;    // share of it that is taken away
+    double stays[3]; // light that stays in its pixel, by channel: what shapes take
+                     // less of than of the luminance
+};
+
 /* The recipes and the field of a kernel, for gp_kernel_whole(). */
 struct gp_kernel_origin {
     struct gp_recipe recipe[GP_RECIPES];
     int n;
     struct gp_field field;
     float chromaticities[8], luminance[3]; // the field's
-    double untinted[3];  // as struct mixture's
+    struct tint tint;    // as struct mixture's
 };
 
 static void free_origin(struct gp_kernel_origin *o)
@@ -64,8 +72,7 @@ struct mixture {
     struct gp_shape shape[GP_RECIPES];
     double share[GP_RECIPES];
     double stays;        // light that stays in its pixel: delta's
-    double untinted[3];  // more of it, by channel: what shapes with a tint take
-                         // less of than of the luminance
+    struct tint tint;
     bool image;          // a shape is of an image, whose tint is its own
     int n;
     bool grey, even, negative;
@@ -304,46 +311,76 @@ static void make_row(void *ctx, int i, int thread)
         memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
 }
 
-/* Finds m->untinted: a shape with a tint takes more of some channels. The rest
- * of each stays in its pixel, so that no channel has more or less light in sum;
- * light that is left out counts as white. Where a channel would need more than
- * all of its pixel nothing is changed. */
-static void find_untinted(struct mixture *m, const struct gp_planes *k,
-    size_t n, size_t centre, const struct gp_tail *tail, const float weight[3])
+/* Finds m->tint: a shape with a tint takes more of some channels. The rest of each
+ * stays in its pixel, so that no channel has more or less light in sum; light that
+ * is left out counts as white. No channel has more to give than all of its pixel:
+ * where the tint needs that, it is faded until it does not.
+ * Errors: GP_ERR_USAGE the tail has that tint. */
+static gp_status find_tint(const struct gp_log *log, struct mixture *m,
+    const struct gp_planes *k, size_t n, size_t centre,
+    const struct gp_tail *tail, const float weight[3])
 {
-    double sum[3], squares, all = 0.0;
+    double sum[3], squares, all = 0.0, middle = 0.0, least = 0.0;
+    m->tint = (struct tint) {.known = true};
     if (m->grey || m->image)
-        return;
+        return GP_OK;
     gp_planes_sum(k, n, sum, &squares);
     for (int c = 0; c < 3; c++) {
         sum[c] += tail ? tail->sum[c] : 0.0;
         all += (double) weight[c] * sum[c];
-    }
-    for (int c = 0; c < 3; c++) {
-        if ((double) k->c[c][centre] + all - sum[c] < 0.0)
-            return;
+        middle += (double) weight[c] * (double) k->c[c][centre];
     }
     for (int c = 0; c < 3; c++)
-        m->untinted[c] = all - sum[c];
+        least = fmin(least, (double) k->c[c][centre] + all - sum[c]);
+    if (least < 0.0 && tail && !tail->grey) // what is left falls with the share
+        return gp_fail(log, GP_ERR_USAGE, "kernel: a channel would spread more "
+                       "than all of its light; multiply share= by %.2g or less",
+                       0.99 * all / (all - least));
+    if (least < 0.0) // of a grey kernel `middle` is left
+        m->tint.faded = least / (least - middle);
+    for (int c = 0; c < 3; c++)
+        m->tint.stays[c] = (1.0 - m->tint.faded) * (all - sum[c]);
+    return GP_OK;
+}
+
+/* Fades the planes of a kernel towards their luminance, and adds what stays. */
+static void use_tint(const struct tint *t, const float weight[3], size_t n,
+                     size_t centre, struct gp_planes *k)
+{
+    const float faded = (float) t->faded;
+    for (size_t i = 0; i < n && faded > 0.0f; i++) {
+        float y = 0.0f;
+        for (int c = 0; c < 3; c++)
+            y += weight[c] * k->c[c][i];
+        for (int c = 0; c < 3; c++)
+            k->c[c][i] += faded * (y - k->c[c][i]);
+    }
+    for (int c = 0; c < 3; c++)
+        k->c[c][centre] =
+            (float) fmax((double) k->c[c][centre] + t->stays[c], 0.0);
 }
 
 /* Makes the samples of a mixture at up to those offsets; the tail, or NULL, has
- * the rest. `weight` is of luminance; NULL: m->untinted is known. */
+ * the rest. `weight` is of luminance. */
 static gp_status make_planes(const struct gp_log *log, struct mixture *m,
     const struct gp_tail_split *split, const struct gp_tail *tail,
-    const float *weight, int rx, int ry, struct gp_kernel *out)
+    const float weight[3], int rx, int ry, struct gp_kernel *out)
 {
     struct filling f = {.m = m, .split = split, .rx = rx, .ry = ry};
     const int w = 2 * rx + 1, h = 2 * ry + 1;
-    gp_status st = gp_planes_make(log, "kernel", (size_t) w * (size_t) h, &f.k);
+    const size_t n = (size_t) w * (size_t) h;
+    gp_status st = gp_planes_make(log, "kernel", n, &f.k);
     if (st)
         return st;
     gp_parallel_do(m->even ? ry + 1 : h, make_row, &f);
     const size_t centre = (size_t) ry * (size_t) w + (size_t) rx;
-    if (weight)
-        find_untinted(m, &f.k, (size_t) w * (size_t) h, centre, tail, weight);
-    for (int c = 0; c < 3; c++)
-        f.k.c[c][centre] = (float) ((double) f.k.c[c][centre] + m->untinted[c]);
+    if (!m->tint.known)
+        st = find_tint(log, m, &f.k, n, centre, tail, weight);
+    if (st) {
+        gp_planes_free(&f.k);
+        return st;
+    }
+    use_tint(&m->tint, weight, n, centre, &f.k);
     return gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
 }
 
@@ -514,7 +551,7 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     join_tail(tail, field, &k);
     tail = NULL;
     GP_TRY(copy_origin(log, r, n, field, &k.origin));
-    memcpy(k.origin->untinted, m.untinted, sizeof m.untinted);
+    k.origin->tint = m.tint;
     k.free_origin = free_origin;
     close_mixture(&own->m);
     gp_tail_free(own->tail);
@@ -551,8 +588,8 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                                 &opened, &m);
     if (st)
         return st;
-    memcpy(m.untinted, o->untinted, sizeof m.untinted);
-    st = make_core(log, &m, &whole, NULL, NULL, w, h, out);
+    m.tint = o->tint;
+    st = make_core(log, &m, &whole, NULL, o->luminance, w, h, out);
     if (!st)
         join_tail(NULL, &o->field, out);
     close_mixture(&m);

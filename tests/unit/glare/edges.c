@@ -71,9 +71,16 @@ static void flat_pictures_stay_flat(void **state)
         {640, 360},
     };
     static const float values[] = {0.5f, 10.0f, 1000.0f};
+    static const char *const tinted[] = { // as far as their light goes
+        "streak:share=1", "halation:share=.3", "star:share=1", NULL,
+    };
     const char *text, *word;
+    int words = 0;
     (void) state;
-    for (int i = 0; (word = gp_kernel_word(i, &text)); i++) {
+    while (gp_kernel_word(words, &text))
+        words++;
+    for (int i = 0; (word = i < words ? gp_kernel_word(i, &text)
+                                      : tinted[i - words]); i++) {
         struct gp_recipe r;
         const bool whole = gp_recipe_parse(NULL, word, &r) == GP_OK;
         if (whole)
