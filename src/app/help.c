@@ -374,35 +374,56 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
                    "them", topic);
 }
 
-/* Replaces this program by man(1) at a section of the manual. Returns only on
- * failure: GP_ERR_IO, with the place of the page. */
-static gp_status show_section(const struct gp_log *log, const char *title)
+/* True for a heading of the page: a line that begins with no blank, or with three. */
+static bool is_heading(const char *line)
+{
+    const size_t blanks = strspn(line, " ");
+    return (blanks == 0 || blanks == 3) && line[blanks] != '\n' && line[blanks];
+}
+
+/* Prints a section of the manual, as man(1) formats it; returns its lines. */
+static int print_section(FILE *f, const char *page, const char *title)
+{
+    const size_t n = strlen(title);
+    int lines = 0;
+    char line[1024];
+    bool in = false;
+    setenv("GLAREPP_PAGE", page, 1);
+    FILE *const man = popen("man \"$GLAREPP_PAGE\" 2>/dev/null", "r");
+    while (man && fgets(line, sizeof line, man)) {
+        if (is_heading(line)) {
+            const char *const text = line + strspn(line, " ");
+            in = lines == 0 && strncmp(text, title, n) == 0 && text[n] == '\n';
+        }
+        if (in) {
+            fputs(line, f);
+            lines++;
+        }
+    }
+    if (man)
+        pclose(man);
+    return lines;
+}
+
+/* Finds the page, and prints its section. */
+static gp_status show_section(const struct gp_log *log, FILE *f, const char *title)
 {
     // of an installed program, then of its source tree
     static const char *const places[] = {
         "../share/man/man1/glarepp.1", "../share/man/man1/glarepp.1.gz",
         "../man/glarepp.1",
     };
-    char page[4096 + 40], pager[256];
+    char page[4096 + 40];
     const ssize_t n = readlink("/proc/self/exe", page, 4096);
     char *const slash = n > 0 ? memrchr(page, '/', (size_t) n) : NULL;
     for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
         strcpy(slash + 1, places[i]);
         if (access(page, R_OK) != 0)
             continue;
-        // the pager starts at the heading; some man(1) split its command at
-        // blanks, so the pattern has none
-        snprintf(pager, sizeof pager, "less -R +/^[[:blank:]]*%s$", title);
-        for (char *c = pager + strlen("less -R "); *c; c++)
-            *c = *c == ' ' ? '.' : *c;
-        if (isatty(STDOUT_FILENO))
-            setenv("MANPAGER", pager, 0);
-        signal(SIGPIPE, SIG_DFL);
-        fflush(stdout);
-        execlp("man", "man", page, (char *) NULL);
-        return gp_fail(log, GP_ERR_IO,
-                       "help: cannot run man (%s); see section \"%s\" in %s",
-                       strerror(errno), title, page);
+        if (print_section(f, page, title))
+            return GP_OK;
+        return gp_fail(log, GP_ERR_IO, "help: man shows no section \"%s\"; see it "
+                       "in %s", title, page);
     }
     return gp_fail(log, GP_ERR_IO,
                    "help: no man page beside the program; see section \"%s\" "
@@ -459,7 +480,7 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         for (int g = 0; g < GP_GROUPS; g++)
             fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
                     gp_option_groups[g].title);
-        fprintf(f, "\na section of the manual, shown by man:\n");
+        fprintf(f, "\na section of the manual:\n");
         for (const struct section *s = sections; s < sections + SECTIONS; s++) {
             if (!is_group(s))
                 fprintf(f, "  %-14.*s%s\n", (int) strcspn(s->words, " "),
@@ -491,7 +512,7 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         found = print_options_of(f, bare, LOOSE) > 0 ||
                 print_options_of(f, bare, VALUE) > 0;
     if (!found)
-        return section ? show_section(log, section->title)
+        return section ? show_section(log, f, section->title)
                        : unknown_topic(log, topic);
     if (section)
         fprintf(f, "\nman glarepp has more in its section \"%s\".\n",

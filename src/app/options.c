@@ -200,8 +200,7 @@ const struct gp_option gp_options[] = {
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .aside = true,
         .help = "Read these frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
-                "3,4,10-20x2 or 5-1; without it, all that exist on disk",
-        .usual = "Read these frames of a sequence: 1-100"),
+                "3,4,10-20x2 or 5-1; without it, all that exist on disk"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Make these stereo views: by %V or %v (first letter) in input "
                 "names, where the default is left,right; else views inside "

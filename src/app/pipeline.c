@@ -384,7 +384,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
-    if (person && jobs->targets && p.tally.made) {
+    if (person && jobs->targets && p.tally.made && !jobs->taker) {
         gp_tally_text(&p.tally, s, jobs, (gp_now_ms() - start) * 1e-3, line,
                       sizeof line);
         gp_make_printable(line);

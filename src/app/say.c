@@ -2,6 +2,7 @@
 
 #include "app/options.h"
 #include "app/progress.h"
+#include "app/styles.h"
 #include "io/file.h"
 
 #include <math.h>
@@ -125,12 +126,14 @@ static const char *shown_name(const char *path)
     return gp_is_dash(path) ? "stdout" : path;
 }
 
-/* "(the default)", or the option. */
+/* "(the default)", or the option, or the style that sets it. */
 static void add_reason(struct words *w, const struct gp_settings *s,
                        const char *option)
 {
     if (gp_option_given(s, option))
         add(w, " (--%s)", option);
+    else if (gp_style_sets(s->style, option))
+        add(w, " (of style %s)", s->style);
     else
         add(w, " (the default)");
 }

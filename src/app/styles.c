@@ -94,6 +94,14 @@ const struct gp_style *gp_style_of(const char *name)
     return s;
 }
 
+bool gp_style_sets(const char *style, const char *option)
+{
+    const char *const *word = gp_style_of(style)->word;
+    while (*word && strcmp(*word, option) != 0)
+        word += 2;
+    return *word != NULL;
+}
+
 const char *gp_style_name(int i, const char **text)
 {
     *text = gp_styles[i].text;

@@ -2,6 +2,8 @@
 #ifndef GP_APP_STYLES_H
 #define GP_APP_STYLES_H
 
+#include <stdbool.h>
+
 #define GP_STYLE_USUAL "camera" // of a run without --style
 
 enum { GP_STYLE_WORDS = 16 };   // most of one style, with the NULL
@@ -16,6 +18,9 @@ extern const struct gp_style gp_styles[]; // ends with name NULL
 
 /* The style of that name, which must be one. */
 const struct gp_style *gp_style_of(const char *name);
+
+/* True when a style has a value for an option, by its long name. */
+bool gp_style_sets(const char *style, const char *option);
 
 /* The i-th name and its line, for the option table; NULL after the last. */
 const char *gp_style_name(int i, const char **text);

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // -- a tile -------------------------------------------------------------------
 
@@ -126,6 +127,13 @@ gp_status gp_styles_command(const struct gp_log *log,
         GP_TRY(make_tile(log, s, word, &t));
     }
     st = write_sheet(log, s, &sheet);
+    if (!st && s->level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {
+        char line[GP_LINE_BYTES];
+        snprintf(line, sizeof line, "%s: %d pictures of %s, the first without "
+                 "glare", s->outputs.at[0], sheet.tiles, s->inputs.at[0]);
+        gp_make_printable(line);
+        fprintf(stderr, "%s\n", line);
+    }
 out:
     gp_planes_free(&sheet.planes);
     return st;

@@ -316,7 +316,9 @@ run help sequences
 if [ ! -r "${glarepp%/*}/../man/glarepp.1" ]; then
     fails_with 3 man/glarepp.1 'help sequences without the page'
 elif command -v man >/dev/null; then
-    quiet_success 'help sequences: man shows the manual'
+    quiet_success 'help sequences prints that section'
+    is "$(head -n 1 out | tr -d ' ')" Sequences 'it begins with its heading'
+    no 'and ends before the next' grep -q '^   Views' out
 else
     fails_with 3 Sequences 'help sequences without man'
 fi
