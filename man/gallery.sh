@@ -51,15 +51,15 @@ shot headlights 640 --lights "$tmp/lights.json" --sun-in-frame --flare preset:zo
     examples/headlights.exr
 "$glarepp" styles -q -o "$tmp/styles.png" examples/street.exr
 convert "$tmp/styles.png" -resize 1200 -quality 82 -strip $to/styles.jpg
-for frame in street hall leaves.1003; do
-    for curve in neutral reinhard reinhard-extended aces hable agx; do
-        shot curve.$frame.$curve 240 --tonemap $curve examples/$frame.exr
+for frame in street hall leaves.1003 headlights lamp; do
+    for curve in neutral agx aces hable reinhard reinhard-extended linear; do
+        shot curve.$frame.$curve 200 --tonemap $curve examples/$frame.exr
         convert $to/curve.$frame.$curve.jpg -gravity south -fill white \
             -undercolor '#0008' -pointsize 13 -annotate +0+4 " $curve " \
             $to/curve.$frame.$curve.jpg
     done
 done
-sheet curves 6x 240 $(cd $to && ls curve.*.jpg)
+sheet curves 7x 200 $(cd $to && ls curve.*.jpg)
 rm $to/curve.*
 
 for n in 1001 1002 1003 1004; do

@@ -65,8 +65,13 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
     if (n > GP_RECIPES)
         return gp_fail(log, GP_ERR_USAGE, "--kernel: too many (found %d); give "
                        "up to %d", n, GP_RECIPES);
-    for (int i = 0; i < n; i++)
-        files |= !gp_recipe_is(at[i]);
+    for (int i = 0; i < n; i++) {
+        const bool file = !gp_recipe_is(at[i]);
+        files |= file;
+        if (file && !strpbrk(at[i], "./-") && !gp_file_exists(at[i]))
+            return gp_fail(log, GP_ERR_IO, "%s: neither a model of kernels nor a "
+                           "file; glarepp kernel --list shows the models", at[i]);
+    }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
     gp_status st = check_image_options(log, s, files, one);
     if (st)
