@@ -3,12 +3,12 @@
 #include "glare/model/model.h"
 
 #include <ctype.h>
-#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum {
@@ -381,6 +381,28 @@ static bool is_heading(const char *line)
     return (blanks == 0 || blanks == 3) && line[blanks] != '\n' && line[blanks];
 }
 
+/* Starts man(1) on a page; *out is what it prints. Returns its process, or -1. */
+static pid_t start_man(const char *page, FILE **out)
+{
+    int end[2];
+    if (pipe(end))
+        return -1;
+    const pid_t man = fork();
+    if (man == 0) {
+        const int none = open("/dev/null", O_WRONLY);
+        dup2(end[1], STDOUT_FILENO);
+        dup2(none, STDERR_FILENO);
+        close(end[0]);
+        execlp("man", "man", page, (char *) NULL);
+        _exit(127);
+    }
+    close(end[1]);
+    *out = man > 0 ? fdopen(end[0], "r") : NULL;
+    if (!*out)
+        close(end[0]);
+    return man;
+}
+
 /* Prints a section of the manual, as man(1) formats it; returns its lines. */
 static int print_section(FILE *f, const char *page, const char *title)
 {
@@ -388,9 +410,10 @@ static int print_section(FILE *f, const char *page, const char *title)
     int lines = 0;
     char line[1024];
     bool in = false;
-    setenv("GLAREPP_PAGE", page, 1);
-    FILE *const man = popen("man \"$GLAREPP_PAGE\" 2>/dev/null", "r");
-    while (man && fgets(line, sizeof line, man)) {
+    FILE *out = NULL;
+    fflush(f);
+    const pid_t man = start_man(page, &out);
+    while (out && fgets(line, sizeof line, out)) {
         if (is_heading(line)) {
             const char *const text = line + strspn(line, " ");
             in = lines == 0 && strncmp(text, title, n) == 0 && text[n] == '\n';
@@ -400,8 +423,10 @@ static int print_section(FILE *f, const char *page, const char *title)
             lines++;
         }
     }
-    if (man)
-        pclose(man);
+    if (out)
+        fclose(out);
+    if (man > 0)
+        waitpid(man, NULL, 0);
     return lines;
 }
 

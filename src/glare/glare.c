@@ -294,7 +294,7 @@ out:
 static void cut_planes(const struct gp_planes *from, int reach, int w, int h,
                        struct gp_planes *to)
 {
-    const size_t wide = (size_t) (w + 2 * reach);
+    const size_t wide = (size_t) w + 2 * (size_t) reach;
     for (int c = 0; c < 3; c++) {
         for (int y = 0; y < h; y++)
             memcpy(to->c[c] + (size_t) y * (size_t) w,

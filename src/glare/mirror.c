@@ -64,9 +64,9 @@ static gp_status mirror_sources(const struct gp_log *log,
 static gp_status mirror_planes(const struct gp_log *log,
     const struct gp_planes *p, int w, int h, int reach, struct gp_planes *out)
 {
-    const size_t wide = (size_t) (w + 2 * reach);
+    const size_t wide = (size_t) w + 2 * (size_t) reach;
     gp_status st = gp_planes_make(log, "mirror image",
-                                  wide * (size_t) (h + 2 * reach), out);
+                                  wide * ((size_t) h + 2 * (size_t) reach), out);
     for (int c = 0; !st && c < 3; c++) {
         for (int y = -reach; y < h + reach; y++) {
             const float *const from =
