@@ -21,8 +21,8 @@
 struct cell {
     float x, y, length;
     float root[3]; // mean of cube roots of the picture's light
-    float all[3];  // mean of it
-    float own[3];  // ... of the part that is wanted
+    float all[3];  // mean of it, where only a part is wanted
+    float own[3];  // ... of that part
 };
 
 struct gp_beyond {
@@ -69,10 +69,9 @@ GP_CLONES static void find_roots(const float *restrict light, int n,
 
 enum { RUN = 256 }; // sources of a task's line
 
-/* Sets the means of the light in a box, by cube roots too where `root` is not
- * NULL. */
+/* Sets the means of the light in a box, and of its cube roots; NULL: not wanted. */
 static void sum_box(const struct gp_sources *s, struct gp_rect box,
-                    float light[3], float *root)
+                    float *light, float *root)
 {
     const double n = (double) gp_rect_w(box) * (double) gp_rect_h(box);
     double sum[3] = {0}, roots[3] = {0};
@@ -90,7 +89,7 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
             end++;
         for (int c = 0; c < 3; c++) {
             float line[RUN];
-            for (uint32_t i = low; i < end; i++)
+            for (uint32_t i = low; light && i < end; i++)
                 sum[c] += (double) s->rgb[c][i];
             for (uint32_t i = low; root && i < end; i += RUN) {
                 const int run = end - i < RUN ? (int) (end - i) : RUN;
@@ -101,7 +100,8 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
         }
     }
     for (int c = 0; c < 3; c++) {
-        light[c] = (float) (sum[c] / n);
+        if (light)
+            light[c] = (float) (sum[c] / n);
         if (root)
             root[c] = (float) (roots[c] / n);
     }
@@ -136,10 +136,9 @@ static void find_cell(void *ctx, int i, int thread)
     out->x = flat ? middle : line;
     out->y = flat ? line : middle;
     out->length = (float) (to - from);
-    sum_box(a->picture, box, out->all, out->root);
-    if (a->own == a->picture)
-        memcpy(out->own, out->all, sizeof out->own);
-    else
+    const bool part = a->own != a->picture;
+    sum_box(a->picture, box, part ? out->all : NULL, out->root);
+    if (part)
         sum_box(a->own, box, out->own, NULL);
 }
 
@@ -408,7 +407,7 @@ static int kernel_from(long long p, int c, int n)
     return gp_clamp_wide(p + c, 0, n);
 }
 
-/* What is kept of a kernel for pictures of one size. */
+/* Facts of a kernel for pictures of one size. */
 struct gp_outside {
     struct box_sums sums;
     struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail

@@ -72,7 +72,8 @@ void gp_beyond_free(struct gp_beyond **b);
 /* The largest value of b; 0 where b is NULL. */
 double gp_beyond_most(const struct gp_beyond *b);
 
-/* What w needs of a kernel, for pictures of one size: kept from frame to frame. */
+/* Facts of a kernel that w needs, for pictures of one size: kept from frame to
+ * frame. */
 struct gp_outside;
 
 /* Finds it unless *outside is of that kernel and size.

@@ -160,7 +160,7 @@ static int find_engine(const char *name)
     return gp_engines[i] ? i : -1;
 }
 
-/* What is added to the rows that an engine draws. */
+/* Light that is added to the rows that an engine draws. */
 struct rest {
     struct gp_tail_rows *tail;       // or NULL
     struct gp_beyond_adding *beyond; // or NULL

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What keeps each channel's light where shapes have a tint. */
+/* Keeps each channel's light where shapes have a tint. */
 struct tint {
     bool known;
     double faded;    // share of it that is taken away

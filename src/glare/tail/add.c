@@ -399,8 +399,9 @@ static void store_nodes(const void *ctx, int c, int j, int thread,
 enum { AHEAD = 1024 }; // floats that are fetched before they are needed: a CPU
                        // does not foresee beyond a page
 
-/* Adds a line of nodes to a row of w pixels, `at` the weights of each tap. */
-GP_CLONES static void add_line(float *restrict row, int w,
+/* Adds a line of nodes to a row of w pixels, or sets it to that, `at` the weights
+ * of each tap. */
+GP_CLONES static void put_line(float *restrict row, int w, bool add,
     const float *restrict line, int step, const float at[TAPS][MOST_STEP])
 {
     const v8 dark = {0};
@@ -413,7 +414,8 @@ GP_CLONES static void add_line(float *restrict row, int w,
             v += line[1] * *(const v8_loose *) (at[1] + i);
             v += line[2] * *(const v8_loose *) (at[2] + i);
             v += line[3] * *(const v8_loose *) (at[3] + i);
-            v += *to;
+            if (add)
+                v += *to;
             *to = (v8) ((vi) v & (vi) (v > dark));
         }
     }
@@ -421,30 +423,8 @@ GP_CLONES static void add_line(float *restrict row, int w,
         float v = line[0] * at[0][x - whole];
         for (int k = 1; k < TAPS; k++)
             v += line[k] * at[k][x - whole];
-        v += row[x];
+        v += add ? row[x] : 0.0f;
         row[x] = v > 0.0f ? v : 0.0f;
-    }
-}
-
-/* Sets a row of w pixels to a line of nodes, `at` the weights of each tap. */
-GP_CLONES static void set_line(float *restrict row, int w,
-    const float *restrict line, int step, const float at[TAPS][MOST_STEP])
-{
-    const int whole = w / step * step;
-    for (int x = 0; x < whole; x += step, line++) {
-        for (int i = 0; i < step; i += LANES) {
-            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
-            v += line[1] * *(const v8_loose *) (at[1] + i);
-            v += line[2] * *(const v8_loose *) (at[2] + i);
-            v += line[3] * *(const v8_loose *) (at[3] + i);
-            *(v8_loose *) (row + x + i) = v;
-        }
-    }
-    for (int x = whole; x < w; x++) {
-        float v = 0.0f;
-        for (int k = 0; k < TAPS; k++)
-            v += line[k] * at[k][x - whole];
-        row[x] = v;
     }
 }
 
@@ -464,14 +444,14 @@ static const float *line_of(const struct gp_tail_rows *a, int c, int y, int thre
 
 void gp_tail_row(const struct gp_tail_rows *a, int c, int y, int thread, float *row)
 {
-    set_line(row, a->w, line_of(a, c, y, thread), a->t->split.step, a->at);
+    put_line(row, a->w, false, line_of(a, c, y, thread), a->t->split.step, a->at);
 }
 
 void gp_tail_add_row(void *ctx, int i, int thread)
 {
     const struct gp_tail_rows *const a = ctx;
     const int c = i / a->h, y = i % a->h;
-    add_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w,
+    put_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w, true,
              line_of(a, c, y, thread), a->t->split.step, a->at);
 }
 
