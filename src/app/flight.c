@@ -1,5 +1,6 @@
 #include "app/flight.h"
 
+#include "core/env.h"
 #include "core/parallel.h"
 
 #include <limits.h>
@@ -31,6 +32,7 @@ struct scheduler {
     int next_compute;
     int next_read;
     int limit;         // units from here on get no further steps
+    const struct gp_env *env; // of the threads
     gp_status result;  // of work->end() that ended the flight
 };
 
@@ -131,6 +133,7 @@ static void run_steps(struct scheduler *s, bool first_thread)
 
 static void *run_thread(void *arg)
 {
+    gp_env_use(((struct scheduler *) arg)->env);
     gp_parallel_enter();
     run_steps(arg, false);
     gp_parallel_leave();
@@ -142,7 +145,7 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
 {
     pthread_t id[GP_FLIGHT_MOST];
     struct scheduler s = {
-        .p = p, .work = work, .f = f, .limit = INT_MAX,
+        .p = p, .work = work, .f = f, .limit = INT_MAX, .env = gp_env(),
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
     const int most = p->slots < p->units ? p->slots : p->units;

@@ -1,5 +1,6 @@
 #include "app/clobber.h"
 #include "app/commands.h"
+#include "app/environment.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/progress.h"
@@ -94,7 +95,7 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_gl_prepare(); // while there is one thread
+    gp_environment_set_gl(gp_threads()); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
         gp_progress_open(&progress, stderr, s->progress,
@@ -180,7 +181,7 @@ static gp_status run_bench(const struct gp_log *log,
         .layers = layers.rows,
     };
     st = gp_clobber_check(log, s, "input", input);
-    gp_gl_prepare(); // while there is one thread
+    gp_environment_set_gl(gp_threads()); // while there is one thread
     if (!st)
         st = gp_bench_run(log, &req);
     gp_bench_layers_end(&layers);
@@ -285,6 +286,7 @@ static char *cache_file(const char *name)
 
 int main(int argc, char *argv[])
 {
+    static struct gp_env env;
     struct gp_settings s;
     char *wisdom = NULL;
     int status = 0;
@@ -297,6 +299,8 @@ int main(int argc, char *argv[])
         if (fcntl(fd, F_GETFD) < 0)
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
+    gp_environment_read(&env);
+    gp_env_use(&env);
     gp_keep_memory();
     gp_write_keep_memory();
     gp_temp_cleanup_on_signal();
@@ -321,7 +325,7 @@ int main(int argc, char *argv[])
     } else if (!st && s.command == GP_COMMAND_KERNEL) {
         st = gp_kernel_command(&log, &s, &differs);
     } else if (!st && s.command == GP_COMMAND_SETS) {
-        gp_gl_prepare(); // while there is one thread
+        gp_environment_set_gl(gp_threads()); // while there is one thread
         st = gp_sets_command(&log, &s, &differs);
     } else if (!st && s.command == GP_COMMAND_STYLES) {
         st = gp_styles_command(&log, &s);

@@ -1,5 +1,7 @@
 #include "core/bridge.h"
 
+#include "core/env.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -41,7 +43,7 @@ bool gp_bridge_find(const char *name, char *path, size_t size)
     char program[PATH_MAX];
     find_program(program);
     const char *const place[][2] = {
-        {getenv("GLAREPP_BRIDGES"), ""}, {program, ""},
+        {gp_env()->bridges, ""}, {program, ""},
         {program, "/../lib/glarepp"}, {GP_BRIDGE_DIR, ""},
     };
     return find_in(place, sizeof place / sizeof *place, name, path, size);
@@ -52,7 +54,7 @@ bool gp_example_find(const char *name, char *path, size_t size)
     char program[PATH_MAX];
     find_program(program);
     const char *const place[][2] = {
-        {getenv("GLAREPP_EXAMPLES"), ""},
+        {gp_env()->data, ""},
         {program, "/../share/doc/glarepp/examples"},
         {program, "/../examples"}, {program, "/../../examples"},
         {GP_BRIDGE_DIR, "/../../share/doc/glarepp/examples"},

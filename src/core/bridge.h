@@ -9,13 +9,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Finds a file of this program: the first that exists of $GLAREPP_BRIDGES, the
+/* Finds a file of this program: the first that exists in gp_env()->bridges, the
  * program's folder, ../lib/glarepp from there, and the installed folder. False
  * when there is none. */
 bool gp_bridge_find(const char *name, char *path, size_t size);
 
 /* Finds an installed example, e.g. "lenses/heliar.json": the first that exists
- * in $GLAREPP_EXAMPLES, ../share/doc/glarepp/examples from the program's
+ * in gp_env()->data, ../share/doc/glarepp/examples from the program's
  * folder, the examples of the source tree that it was built in, and the
  * installed folder. False when there is none. */
 bool gp_example_find(const char *name, char *path, size_t size);

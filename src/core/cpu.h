@@ -29,8 +29,8 @@
 #define GP_CLONES
 #endif
 
-/* True when the CPU and the system have AVX2, FMA and F16C. GLAREPP_CPU=base
- * in the environment makes it false, so that tests can run both paths. */
+/* True when the CPU and the system have AVX2, FMA and F16C. False with
+ * gp_env()->base_cpu, so that tests can run both paths. */
 bool gp_cpu_has_avx2(void);
 
 #endif

@@ -1,6 +1,8 @@
 #include "core/parallel.h"
 
 #include "core/cpu.h"
+#include "core/env.h"
+#include "core/memory.h"
 
 #include <limits.h>
 #include <pthread.h>
@@ -31,17 +33,25 @@ struct loop {
     int team;                 // most threads in it, the caller's too
     int busy;                 // workers in it
     bool taken[MOST_THREADS]; // numbers of these, from 1
+    const struct gp_env *env; // of its caller
     struct loop *younger;     // next open one
 };
 
-static struct pool {
+struct gp_pool {
     pthread_mutex_t lock;
     pthread_cond_t wake, rest, turn;
+    atomic_int wanted;   // threads; 0: one a processor
     int workers;         // threads there are besides the callers'
+    pthread_t worker[MOST_THREADS];
+    bool ends;           // the workers shall
     int active;          // threads at work: callers and workers
     atomic_int waiting;  // threads in gp_parallel_enter()
     struct loop *open;   // loops that may have something left, oldest first
-} pool = {
+};
+
+/* The pool of threads that use no other. Its callers do not enter: the first
+ * counts as at work. */
+static struct gp_pool usual = {
     .lock = PTHREAD_MUTEX_INITIALIZER,
     .wake = PTHREAD_COND_INITIALIZER,
     .rest = PTHREAD_COND_INITIALIZER,
@@ -49,18 +59,73 @@ static struct pool {
     .active = 1,
 };
 
-static atomic_int threads_wanted; // workers ask while a caller sets it
 static atomic_int processors; // that the process may use; 0 not asked yet
 static _Thread_local bool inside; // this thread runs a body
 
-void gp_set_threads(int threads)
+// -- the environment of a thread ----------------------------------------------
+
+static const struct gp_env nothing;
+static _Thread_local const struct gp_env *own;
+
+const struct gp_env *gp_env(void)
 {
-    atomic_store(&threads_wanted, threads);
+    return own ? own : &nothing;
 }
 
-int gp_threads(void)
+const struct gp_env *gp_env_use(const struct gp_env *env)
 {
-    const int wanted = atomic_load(&threads_wanted);
+    const struct gp_env *const before = own;
+    own = env;
+    return before;
+}
+
+// -- pools --------------------------------------------------------------------
+
+static struct gp_pool *pool_of(const struct gp_env *env)
+{
+    return env->pool ? env->pool : &usual;
+}
+
+gp_status gp_pool_make(const struct gp_log *log, int threads,
+                       struct gp_pool **out)
+{
+    gp_status st = gp_alloc_zero(log, "threads", 1, sizeof **out, out);
+    if (st)
+        return st;
+    pthread_mutex_init(&(*out)->lock, NULL);
+    pthread_cond_init(&(*out)->wake, NULL);
+    pthread_cond_init(&(*out)->rest, NULL);
+    pthread_cond_init(&(*out)->turn, NULL);
+    atomic_init(&(*out)->wanted, threads);
+    return GP_OK;
+}
+
+void gp_pool_free(struct gp_pool **pool)
+{
+    struct gp_pool *const p = *pool;
+    if (!p)
+        return;
+    pthread_mutex_lock(&p->lock);
+    p->ends = true;
+    pthread_cond_broadcast(&p->wake);
+    pthread_mutex_unlock(&p->lock);
+    for (int i = 0; i < p->workers; i++)
+        pthread_join(p->worker[i], NULL);
+    pthread_cond_destroy(&p->turn);
+    pthread_cond_destroy(&p->rest);
+    pthread_cond_destroy(&p->wake);
+    pthread_mutex_destroy(&p->lock);
+    GP_FREE(*pool);
+}
+
+void gp_set_threads(int threads)
+{
+    atomic_store(&pool_of(gp_env())->wanted, threads);
+}
+
+static int threads_of(struct gp_pool *pool)
+{
+    const int wanted = atomic_load(&pool->wanted);
     int n = wanted > 0 ? wanted : atomic_load(&processors);
     if (n == 0) { // not asked yet
         cpu_set_t set;
@@ -70,12 +135,19 @@ int gp_threads(void)
     return n > MOST_THREADS ? MOST_THREADS : n;
 }
 
+int gp_threads(void)
+{
+    return threads_of(pool_of(gp_env()));
+}
+
+// -- loops --------------------------------------------------------------------
+
 /* Takes one i after another until none is left, or, as a helper, until some
  * thread waits for its place. */
-static void run_share(struct loop *l, int thread)
+static void run_share(struct gp_pool *pool, struct loop *l, int thread)
 {
     inside = true;
-    while (!thread || !atomic_load(&pool.waiting)) {
+    while (!thread || !atomic_load(&pool->waiting)) {
         const int i = atomic_fetch_add(&l->next, 1);
         if (i >= l->n)
             break;
@@ -84,22 +156,22 @@ static void run_share(struct loop *l, int thread)
         const gp_status st = l->body(l->ctx, i, thread);
         if (!st)
             continue;
-        pthread_mutex_lock(&pool.lock);
+        pthread_mutex_lock(&pool->lock);
         if (i < atomic_load(&l->first)) {
             atomic_store(&l->first, i);
             l->result = st;
         }
-        pthread_mutex_unlock(&pool.lock);
+        pthread_mutex_unlock(&pool->lock);
     }
     inside = false;
 }
 
 /* The oldest loop that one more thread can help, or NULL. Locked. */
-static struct loop *find_loop(void)
+static struct loop *find_loop(struct gp_pool *pool)
 {
-    if (pool.active >= gp_threads() || atomic_load(&pool.waiting))
+    if (pool->active >= threads_of(pool) || atomic_load(&pool->waiting))
         return NULL;
-    for (struct loop *l = pool.open; l; l = l->younger) {
+    for (struct loop *l = pool->open; l; l = l->younger) {
         if (l->busy + 1 < l->team && atomic_load(&l->next) < l->n)
             return l;
     }
@@ -107,59 +179,69 @@ static struct loop *find_loop(void)
 }
 
 /* One thread less at work. Locked. */
-static void retire(void)
+static void retire(struct gp_pool *pool)
 {
-    pool.active--;
-    if (atomic_load(&pool.waiting))
-        pthread_cond_signal(&pool.turn);
+    pool->active--;
+    if (atomic_load(&pool->waiting))
+        pthread_cond_signal(&pool->turn);
 }
 
 /* Wakes a worker when there is something for it; it wakes the next. Locked. */
-static void call_help(void)
+static void call_help(struct gp_pool *pool)
 {
-    if (find_loop())
-        pthread_cond_signal(&pool.wake);
+    if (find_loop(pool))
+        pthread_cond_signal(&pool->wake);
 }
 
 /* Works for one loop after another, as its next free number. */
 static void *worker(void *arg)
 {
-    pthread_mutex_lock(&pool.lock);
-    for (;;) {
-        struct loop *const l = find_loop();
+    struct gp_pool *const pool = arg;
+    pthread_mutex_lock(&pool->lock);
+    while (!pool->ends) {
+        struct loop *const l = find_loop(pool);
         int thread = 1;
         if (!l) {
-            pthread_cond_wait(&pool.wake, &pool.lock);
+            pthread_cond_wait(&pool->wake, &pool->lock);
             continue;
         }
         while (l->taken[thread])
             thread++;
         l->taken[thread] = true;
         l->busy++;
-        pool.active++;
-        call_help();
-        pthread_mutex_unlock(&pool.lock);
-        run_share(l, thread);
-        pthread_mutex_lock(&pool.lock);
+        pool->active++;
+        call_help(pool);
+        pthread_mutex_unlock(&pool->lock);
+        gp_env_use(l->env);
+        run_share(pool, l, thread);
+        pthread_mutex_lock(&pool->lock);
         l->taken[thread] = false;
         if (--l->busy == 0)
-            pthread_cond_broadcast(&pool.rest);
-        retire();
+            pthread_cond_broadcast(&pool->rest);
+        retire(pool);
     }
-    return arg;
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
 }
 
-/* In the child, which has none of the parent's workers. */
-static void after_fork(void)
+/* Starts the missing threads; fewer are no error. They block signals: the
+ * caller's threads handle them. Locked. */
+static void start_workers(struct gp_pool *pool, int n)
 {
-    pthread_mutex_init(&pool.lock, NULL);
-    pthread_cond_init(&pool.wake, NULL);
-    pthread_cond_init(&pool.rest, NULL);
-    pthread_cond_init(&pool.turn, NULL);
-    pool.workers = 0;
-    pool.active = 1;
-    atomic_store(&pool.waiting, 0);
-    pool.open = NULL;
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_attr_t own;
+    const bool sized = pthread_attr_init(&own) == 0;
+    if (sized)
+        pthread_attr_setstacksize(&own, STACK_BYTES);
+    while (pool->workers < n &&
+           pthread_create(&pool->worker[pool->workers], sized ? &own : NULL,
+                          worker, pool) == 0)
+        pool->workers++;
+    if (sized)
+        pthread_attr_destroy(&own);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
@@ -175,48 +257,28 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
         }
         return GP_OK;
     }
-    struct loop l = {.body = body, .ctx = ctx, .n = n, .team = team};
+    struct loop l = {.body = body, .ctx = ctx, .n = n, .team = team,
+                     .env = gp_env()};
+    struct gp_pool *const pool = pool_of(l.env);
     atomic_init(&l.next, 0);
     atomic_init(&l.first, INT_MAX);
-    pthread_mutex_lock(&pool.lock);
-    if (pool.workers < team - 1) {
-        // starts the missing threads; fewer are no error. They block signals,
-        // the first thread handles them
-        static bool registered;
-        sigset_t all, before;
-        sigfillset(&all);
-        pthread_sigmask(SIG_SETMASK, &all, &before);
-        if (!registered)
-            registered = pthread_atfork(NULL, NULL, after_fork) == 0;
-        pthread_t id;
-        pthread_attr_t own;
-        const bool sized = pthread_attr_init(&own) == 0;
-        if (sized)
-            pthread_attr_setstacksize(&own, STACK_BYTES);
-        while (pool.workers < team - 1 &&
-               pthread_create(&id, sized ? &own : NULL, worker, NULL) == 0) {
-            pthread_detach(id);
-            pool.workers++;
-        }
-        if (sized)
-            pthread_attr_destroy(&own);
-        pthread_sigmask(SIG_SETMASK, &before, NULL);
-    }
-    struct loop **at = &pool.open; // after the others
+    pthread_mutex_lock(&pool->lock);
+    start_workers(pool, team - 1);
+    struct loop **at = &pool->open; // after the others
     while (*at)
         at = &(*at)->younger;
     *at = &l;
-    call_help();
-    pthread_mutex_unlock(&pool.lock);
-    run_share(&l, 0);
-    pthread_mutex_lock(&pool.lock);
-    at = &pool.open; // earlier loops may have ended
+    call_help(pool);
+    pthread_mutex_unlock(&pool->lock);
+    run_share(pool, &l, 0);
+    pthread_mutex_lock(&pool->lock);
+    at = &pool->open; // earlier loops may have ended
     while (*at != &l)
         at = &(*at)->younger;
     *at = l.younger;
     while (l.busy > 0)
-        pthread_cond_wait(&pool.rest, &pool.lock);
-    pthread_mutex_unlock(&pool.lock);
+        pthread_cond_wait(&pool->rest, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
     if (l.result && failed)
         *failed = atomic_load(&l.first);
     return l.result;
@@ -224,22 +286,24 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
 
 void gp_parallel_enter(void)
 {
-    pthread_mutex_lock(&pool.lock);
-    atomic_fetch_add(&pool.waiting, 1);
-    while (pool.active >= gp_threads())
-        pthread_cond_wait(&pool.turn, &pool.lock);
-    atomic_fetch_sub(&pool.waiting, 1);
-    pool.active++;
-    call_help();
-    pthread_mutex_unlock(&pool.lock);
+    struct gp_pool *const pool = pool_of(gp_env());
+    pthread_mutex_lock(&pool->lock);
+    atomic_fetch_add(&pool->waiting, 1);
+    while (pool->active >= threads_of(pool))
+        pthread_cond_wait(&pool->turn, &pool->lock);
+    atomic_fetch_sub(&pool->waiting, 1);
+    pool->active++;
+    call_help(pool);
+    pthread_mutex_unlock(&pool->lock);
 }
 
 void gp_parallel_leave(void)
 {
-    pthread_mutex_lock(&pool.lock);
-    retire();
-    call_help();
-    pthread_mutex_unlock(&pool.lock);
+    struct gp_pool *const pool = pool_of(gp_env());
+    pthread_mutex_lock(&pool->lock);
+    retire(pool);
+    call_help(pool);
+    pthread_mutex_unlock(&pool->lock);
 }
 
 /* A task as a body. */
@@ -275,8 +339,7 @@ bool gp_cpu_has_avx2(void)
     // a virtual machine each cpuid traps, which takes microseconds
     enum { UNKNOWN, MISSING, THERE };
     static atomic_int f16c;
-    const char *cpu = getenv("GLAREPP_CPU");
-    if (cpu && strcmp(cpu, "base") == 0)
+    if (gp_env()->base_cpu)
         return false;
     if (atomic_load(&f16c) == UNKNOWN) {
         unsigned a, b, c, d;

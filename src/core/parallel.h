@@ -1,14 +1,22 @@
 /* Parallel loops whose result does not depend on the number of threads.
  *
- * Any number of threads may run loops at once; they share one pool, and never
- * do more than gp_threads() threads work at a time. A loop inside a body runs
- * in that thread. After fork() the child starts threads of its own. */
+ * Any number of threads may run loops at once; those of one environment
+ * (core/env.h) share its pool, and never do more than gp_threads() threads work
+ * at a time. A loop inside a body runs in that thread. A child of fork() must
+ * not run loops on a pool that its parent used. */
 #ifndef GP_CORE_PARALLEL_H
 #define GP_CORE_PARALLEL_H
 
 #include "core/status.h"
 
-/* Sets the number of threads of every later loop; 0 takes all processors
+/* Makes a pool for environments; `threads` as in gp_set_threads(). No thread
+ * starts before a loop needs it. Ends all of them when it is freed. */
+struct gp_pool;
+GP_MUST_CHECK gp_status gp_pool_make(const struct gp_log *log, int threads,
+                                     struct gp_pool **out);
+void gp_pool_free(struct gp_pool **pool);
+
+/* Sets the number of threads of every later loop of this thread's pool; 0 takes all processors
  * that the process may use. */
 void gp_set_threads(int threads);
 
@@ -33,8 +41,8 @@ void gp_parallel_do(int n, gp_task task, void *ctx);
 
 /* For threads that the program starts itself: enter() before work, which waits
  * until fewer than gp_threads() threads work; leave() before any wait and at
- * the end. Threads that help a loop give way to one that waits. The first
- * thread counts as entered. */
+ * the end. Threads that help a loop give way to one that waits. In the process's
+ * own pool the first thread counts as entered. */
 void gp_parallel_enter(void);
 void gp_parallel_leave(void);
 

@@ -1,9 +1,9 @@
 /* Contexts of OSMesa, Mesa's off-screen library, a rasterizer on the CPU that
  * needs no display, no device and no driver; and of EGL without a window, on a
  * GPU through the device platform, or on Mesa's surfaceless platform. */
+#include "core/env.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "gl/gl_priv.h"
 
 #include <EGL/egl.h>
@@ -104,7 +104,6 @@ static void (*osmesa_proc(void *window, const char *name))(void)
 
 const struct gp_gl_system gp_gl_osmesa = {
     .name = "OSMesa",
-    .env = "GLAREPP_OSMESA",
     .package = "libosmesa6",
     .file = (const char *const[]) {"libOSMesa.so.8", "libOSMesa.so.6",
                                    "libOSMesa.so", NULL},
@@ -284,7 +283,6 @@ static void (*egl_proc(void *window, const char *name))(void)
 
 const struct gp_gl_system gp_gl_egl = {
     .name = "EGL",
-    .env = "GLAREPP_EGL",
     .package = "libegl1 (and libegl-mesa0)",
     .file = (const char *const[]) {"libEGL.so.1", "libEGL.so", NULL},
     .open = open_egl,
@@ -302,13 +300,15 @@ enum {
 static _Thread_local const struct gp_gl *current;
 
 /* Opens the system's library: the first of its names that opens, or only the
- * file that its environment variable names. */
+ * file that the environment names. */
 static gp_status open_library(const struct gp_log *log,
                               const struct gp_gl_system *system, void **out)
 {
-    const char *forced = getenv(system->env);
+    const struct gp_env *const env = gp_env();
+    const char *const forced =
+        system == &gp_gl_osmesa ? env->osmesa : env->egl;
     const char *const only[] = {forced, NULL};
-    const char *const *list = forced && *forced ? only : system->file;
+    const char *const *list = forced ? only : system->file;
     char why[256] = "no reason given";
     for (const char *const *n = list; *n; n++) {
         *out = dlopen(*n, RTLD_NOW | RTLD_LOCAL);
@@ -410,17 +410,6 @@ static void find_extras(struct gp_gl *gl)
         gl->f.GenQueries(1, &gl->query);
 }
 
-static bool threads_are_ours; // LP_NUM_THREADS is not the user's
-
-void gp_gl_prepare(void)
-{
-    char threads[16];
-    snprintf(threads, sizeof threads, "%d", gp_threads());
-    if (!getenv("LP_NUM_THREADS"))
-        threads_are_ours = setenv("LP_NUM_THREADS", threads, 1) == 0;
-    setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's warnings go to stderr
-}
-
 static gp_status open_system(const struct gp_log *log,
     const struct gp_gl_system *system, struct gp_gl **out)
 {
@@ -429,13 +418,7 @@ static gp_status open_system(const struct gp_log *log,
     if (st)
         return st;
     void *library;
-    char threads[16];
     gl->system = system;
-    // the CPU rasterizer starts as many threads as the machine has processors;
-    // --threads, and a process that may use only some, count here too
-    snprintf(threads, sizeof threads, "%d", gp_threads());
-    if (threads_are_ours)
-        setenv("LP_NUM_THREADS", threads, 1); // in its place: nothing moves
     GP_TRY(open_library(log, system, &library));
     GP_TRY(system->open(log, library, &gl->window));
     GP_TRY(gp_gl_use(log, gl));
@@ -453,10 +436,9 @@ static gp_status open_system(const struct gp_log *log,
     GLint texture = 0, viewport[2] = {0};
     f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
     f->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    const char *lower = getenv("GLAREPP_GL_MAX_SIZE");
-    const long asked = lower ? strtol(lower, NULL, 10) : 0;
+    const int asked = gp_env()->gl_size;
     const int least = gp_min(texture, gp_min(viewport[0], viewport[1]));
-    gl->info.max_size = asked > 0 && asked < least ? (int) asked : least;
+    gl->info.max_size = asked > 0 && asked < least ? asked : least;
     GLfloat point[2] = {0};
     f->GetFloatv(GL_POINT_SIZE_RANGE, point);
     gl->info.max_point = point[1];

@@ -8,13 +8,7 @@
  *
  * A context belongs to the thread that opened it. Several may live at once;
  * gp_gl_use() selects the one for the calls that follow.
- *
- * Environment:
- *   GLAREPP_OSMESA, GLAREPP_EGL  file to open in place of libOSMesa / libEGL
- *   GLAREPP_GL_MAX_SIZE          lowers info's max_size, for tests of tiling
- *   LP_NUM_THREADS               Mesa's own: threads of its CPU rasterizer;
- *                                gp_threads() when it is not set
- *   EGL_LOG_LEVEL                Mesa's own: "fatal" when it is not set */
+ * Files and the largest size are those of gp_env() (core/env.h). */
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
 
@@ -32,12 +26,6 @@ struct gp_gl; // a context with its function table
  * same bytes on every machine of a farm, with or without a GPU. A GPU is used
  * when EGL is selected. */
 enum gp_gl_api { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
-
-/* Sets the variables that Mesa reads, where the user did not: after
- * gp_set_threads() and before any other thread, since one that asks for a
- * variable while another is added may read freed memory. Without it Mesa starts
- * a thread for each processor, and warns on stderr. */
-void gp_gl_prepare(void);
 
 /* Makes a context and makes it current on the calling thread.
  * EGL takes the device platform when a device that is no software
@@ -65,7 +53,7 @@ struct gp_gl_info {
     bool software;        // rasterizes on the CPU: llvmpipe, softpipe, swrast
     int max_size;         // of textures and targets, in pixels: the least of
                           // GL_MAX_TEXTURE_SIZE, GL_MAX_VIEWPORT_DIMS and
-                          // GLAREPP_GL_MAX_SIZE
+                          // gp_env()->gl_size
     float max_point;      // of gl_PointSize, in pixels, >= 1: larger points
                           // are drawn smaller; GL_POINT_SIZE_RANGE
     int max_block;        // of a uniform block, in bytes, >= 16384;

@@ -7,9 +7,9 @@
 #include <GL/glcorearb.h>
 
 /* A library that gives headless contexts. `file` lists its names, NULL ends;
- * the environment variable `env` names another, and `package` is Debian's. */
+ * gp_env() names another, and `package` is Debian's. */
 struct gp_gl_system {
-    const char *name, *env, *package;
+    const char *name, *package;
     const char *const *file;
 
     /* Makes a context, 4.5 core where that can be had, else of any version

@@ -7,7 +7,8 @@
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
 
-#include "gl/gl.h"
+#include "core/parallel.h"
+#include "set_env.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,7 +56,7 @@ static void find_bridge(void)
         hard_die("/proc/self/exe", "cannot be read");
     *strrchr(self, '/') = '\0';
     snprintf(folder, sizeof folder, "%s/..", self);
-    if (setenv("GLAREPP_BRIDGES", folder, 0))
+    if (set_env(getenv("GLAREPP_BRIDGES") ? NULL : "GLAREPP_BRIDGES", folder))
         hard_die("setenv", "no memory");
 }
 
@@ -69,7 +70,7 @@ int main(int argc, char *argv[])
         {"tone", hard_tone}, {"sun", hard_sun}, {"files", hard_files},
         {"formats", hard_other_files}, {"scenes", hard_scenes},
     };
-    gp_gl_prepare();
+    gp_environment_set_gl(gp_threads());
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
     if (argc > 1 && strcmp(argv[1], "names") == 0) {
         for (int i = 0; i < HARD_CASES; i++)

@@ -2,6 +2,9 @@
 #ifndef BRIDGE_HERE_H
 #define BRIDGE_HERE_H
 
+#include "set_env.h"
+
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +18,8 @@ static inline int find_bridges(void **state)
         return -1;
     *strrchr(self, '/') = '\0';
     snprintf(beside, sizeof beside, "%s/..", self);
-    return setenv("GLAREPP_BRIDGES", beside, 0);
+    const bool named = getenv("GLAREPP_BRIDGES") != NULL;
+    return set_env(named ? NULL : "GLAREPP_BRIDGES", beside);
 }
 
 #endif

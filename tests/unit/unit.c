@@ -1,6 +1,8 @@
 /* Runs the suites of a room; see unit.h. */
 #include "unit.h"
 
+
+
 #include <fnmatch.h>
 #include <stdio.h>
 #include <string.h>
@@ -61,6 +63,7 @@ static int run_apart(const struct suite *s)
 
 int main(int argc, char **argv)
 {
+    set_env(NULL, NULL);
     const char *const pattern = argc > 1 ? argv[1] : "*";
     int failed = 0, matched = 0;
     for (const struct suite *s = suites; s->name; s++) {

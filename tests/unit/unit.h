@@ -25,6 +25,8 @@
 
 #include <cmocka.h>
 
+#include "set_env.h"
+
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define assert_ok(call) assert_int_equal(call, GP_OK)
 

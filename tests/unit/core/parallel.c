@@ -1,13 +1,13 @@
 /* Parallel loops: each i once, the lowest failure, loops of several threads at
  * once, and never more threads at work than there may be. */
 #include "unit.h"
+#include "core/env.h"
 #include "core/parallel.h"
 #include "fail.h"
 
 #include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 enum { MOST = 5000, CALLERS = 5 };
@@ -167,24 +167,44 @@ static void callers_share(void **state)
     }
 }
 
-static void child_has_its_own(void **state)
+/* A thread whose environment has a pool of its own. */
+struct apart {
+    int threads, seen;
+    struct seen s;
+    gp_status st;
+};
+
+static void *run_apart(void *arg)
 {
-    static struct seen s;
-    gp_set_threads(4);
-    assert_ok(gp_parallel(100, body, &s, NULL));
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        memset(&s, 0, sizeof s);
-        const gp_status st = gp_parallel(1000, body, &s, NULL);
-        int wrong = st != GP_OK || s.wrong;
-        for (int i = 0; i < 1000; i++)
-            wrong |= s.count[i] != 1;
-        _exit(wrong ? 1 : 0);
+    struct apart *const a = arg;
+    struct gp_pool *pool;
+    a->st = gp_pool_make(NULL, a->threads, &pool);
+    if (a->st)
+        return NULL;
+    const struct gp_env env = {.pool = pool};
+    gp_env_use(&env);
+    a->seen = gp_threads();
+    for (int k = 0; k < 20 && !a->st; k++)
+        a->st = gp_parallel(500, body, &a->s, NULL);
+    gp_pool_free(&pool);
+    return NULL;
+}
+
+static void pools_stand_apart(void **state)
+{
+    static struct apart a[2] = {{.threads = 2}, {.threads = 5}};
+    pthread_t id[2];
+    gp_set_threads(3);
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(pthread_create(&id[k], NULL, run_apart, &a[k]), 0);
+    for (int k = 0; k < 2; k++) {
+        pthread_join(id[k], NULL);
+        assert_ok(a[k].st);
+        assert_int_equal(a[k].seen, a[k].threads);
+        for (int i = 0; i < 500; i++)
+            assert_int_equal(a[k].s.count[i], 20);
     }
-    int how;
-    assert_int_equal(waitpid(child, &how, 0), child);
-    assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
+    assert_int_equal(gp_threads(), 3);
 }
 
 // -- threads that the system refuses --------------------------------------------
@@ -242,4 +262,4 @@ static void threads_do_not_start(void **state)
 
 // threads_do_not_start before any loop has left workers that would help
 SUITE_OF(parallel, NULL, NULL, processors_unknown, threads_do_not_start,
-         each_i_once, lowest_failure, callers_share, child_has_its_own)
+         each_i_once, lowest_failure, callers_share, pools_stand_apart)

@@ -194,9 +194,9 @@ static void bridges_are_looked_for(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         if (rows[i].folder)
-            setenv("GLAREPP_BRIDGES", rows[i].folder, 1);
+            set_env("GLAREPP_BRIDGES", rows[i].folder);
         else
-            unsetenv("GLAREPP_BRIDGES");
+            set_env("GLAREPP_BRIDGES", NULL);
         for (int lost = 0; lost < 2; lost++) {
             fail_always.links = lost; // the program does not know where it is
             assert_null(gp_bridge_open(rows[i].name, "none", why, sizeof why));
@@ -207,21 +207,21 @@ static void bridges_are_looked_for(void **state)
     fail_always.links = false;
     unlink(path);
     rmdir(folder);
-    unsetenv("GLAREPP_BRIDGES");
+    set_env("GLAREPP_BRIDGES", NULL);
 }
 
 static void cpu_can_be_told(void **state)
 {
     static const char *const others[] = {"", "bas", "basement", "avx2"};
-    unsetenv("GLAREPP_CPU");
+    set_env("GLAREPP_CPU", NULL);
     const bool there = gp_cpu_has_avx2();
-    setenv("GLAREPP_CPU", "base", 1);
+    set_env("GLAREPP_CPU", "base");
     assert_false(gp_cpu_has_avx2());
     for (int i = 0; i < 4; i++) {
-        setenv("GLAREPP_CPU", others[i], 1);
+        set_env("GLAREPP_CPU", others[i]);
         assert_true(gp_cpu_has_avx2() == there);
     }
-    unsetenv("GLAREPP_CPU");
+    set_env("GLAREPP_CPU", NULL);
 }
 
 /* Only the samples asked for become 0, in few as in many. */

@@ -40,12 +40,12 @@ static void bad_libraries_are_named(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
-        setenv(rows[i].env, rows[i].library, 1);
+        set_env(rows[i].env, rows[i].library);
         assert_int_equal(gp_gl_open(&kept_log, rows[i].api, &gl), GP_ERR_GL);
         assert_null(gl);
         assert_kept(rows[i].text[0]);
         assert_kept(rows[i].text[1]);
-        unsetenv(rows[i].env);
+        set_env(rows[i].env, NULL);
     }
 }
 
@@ -53,17 +53,17 @@ static void auto_falls_back(void **state)
 {
     struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
-    setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
+    set_env("GLAREPP_OSMESA", "/nonexistent/lib.so");
     assert_ok(gp_gl_open(&kept_log, GP_GL_AUTO, &gl));
     assert_ptr_equal(strstr(gp_gl_info(gl)->name, "EGL: "),
                      gp_gl_info(gl)->name);
     gp_gl_close(&gl);
-    setenv("GLAREPP_EGL", "/nonexistent/lib.so", 1);
+    set_env("GLAREPP_EGL", "/nonexistent/lib.so");
     assert_int_equal(gp_gl_open(&kept_log, GP_GL_AUTO, &gl), GP_ERR_GL);
     assert_kept("libosmesa6");
     assert_kept("libegl1");
-    unsetenv("GLAREPP_OSMESA");
-    unsetenv("GLAREPP_EGL");
+    set_env("GLAREPP_OSMESA", NULL);
+    set_env("GLAREPP_EGL", NULL);
 }
 
 /* Exit status of a child: 0 the line names 3.x, 1 it does not, 77 the driver
@@ -99,9 +99,9 @@ static void old_version_is_named(void **state)
 
 static void limit_can_only_be_lowered(void **state)
 {
-    setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
+    set_env("GLAREPP_GL_MAX_SIZE", "16");
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    unsetenv("GLAREPP_GL_MAX_SIZE");
+    set_env("GLAREPP_GL_MAX_SIZE", NULL);
     assert_int_equal(gp_gl_info(gl)->max_size, 16);
     static const struct {
         int w, h;
@@ -131,9 +131,9 @@ static void limit_can_only_be_lowered(void **state)
     const int most = gp_gl_info(gl)->max_size;
     gp_gl_close(&gl);
     for (size_t i = 0; i < COUNT(others); i++) { // no number, or over it
-        setenv("GLAREPP_GL_MAX_SIZE", others[i], 1);
+        set_env("GLAREPP_GL_MAX_SIZE", others[i]);
         gl = open_or_skip(GP_GL_AUTO);
-        unsetenv("GLAREPP_GL_MAX_SIZE");
+        set_env("GLAREPP_GL_MAX_SIZE", NULL);
         assert_int_equal(gp_gl_info(gl)->max_size, most);
         gp_gl_close(&gl);
     }

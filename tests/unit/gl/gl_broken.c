@@ -40,10 +40,10 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
     assert_true(slash && (size_t) (slash - path) + strlen(file) + 2 <
                              sizeof path);
     strcpy(slash + 1, file);
-    setenv(env, path, 1);
+    set_env(env, path);
     if (try_open(api) != GP_OK) {
         print_message("%s\n", kept_line);
-        unsetenv(env);
+        set_env(env, NULL);
         skip_for("no GL");
     }
 }
@@ -83,7 +83,7 @@ static void osmesa_refuses(void **state)
     };
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     refuse(GP_GL_OSMESA, "BROKEN_GL", rows, COUNT(rows));
-    unsetenv("GLAREPP_OSMESA");
+    set_env("GLAREPP_OSMESA", NULL);
 }
 
 static void missing_functions_are_named(void **state)
@@ -100,7 +100,7 @@ static void missing_functions_are_named(void **state)
         assert_line(names[i], text);
     }
     unsetenv("BROKEN_GL_MISSING");
-    unsetenv("GLAREPP_OSMESA");
+    set_env("GLAREPP_OSMESA", NULL);
 }
 
 static void egl_refuses(void **state)
@@ -117,7 +117,7 @@ static void egl_refuses(void **state)
     };
     use_broken(GP_GL_EGL, "GLAREPP_EGL", "broken_egl.so");
     refuse(GP_GL_EGL, "BROKEN_EGL", rows, COUNT(rows));
-    unsetenv("GLAREPP_EGL");
+    set_env("GLAREPP_EGL", NULL);
 }
 
 // -- a driver's answers -------------------------------------------------------

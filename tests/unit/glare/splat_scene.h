@@ -63,9 +63,9 @@ static inline void *open_or_skip(enum gp_gl_api gl)
 /* The same with a driver that draws no side over this many pixels. */
 static inline void *open_small_or_skip(const char *side)
 {
-    setenv("GLAREPP_GL_MAX_SIZE", side, 1);
+    set_env("GLAREPP_GL_MAX_SIZE", side);
     void *const state = open_or_skip(GP_GL_AUTO);
-    unsetenv("GLAREPP_GL_MAX_SIZE");
+    set_env("GLAREPP_GL_MAX_SIZE", NULL);
     return state;
 }
 

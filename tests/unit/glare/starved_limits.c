@@ -225,9 +225,9 @@ static void cpus_agree(void **state)
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
             if (base)
-                setenv("GLAREPP_CPU", "base", 1);
+                set_env("GLAREPP_CPU", "base");
             assert_ok(scene_run(names[i % 2], &s, &g, &stats));
-            unsetenv("GLAREPP_CPU");
+            set_env("GLAREPP_CPU", NULL);
             hash[base] = scene_hash(&s);
             gp_glare_close(&g);
         }

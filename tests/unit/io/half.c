@@ -143,12 +143,12 @@ static void round_equals_there_and_back_but_overflows(void **state)
 
 static int use_plain_form(void **state)
 {
-    return setenv("GLAREPP_CPU", "base", 1);
+    return set_env("GLAREPP_CPU", "base");
 }
 
 static int use_any_form(void **state)
 {
-    return unsetenv("GLAREPP_CPU");
+    return set_env("GLAREPP_CPU", NULL);
 }
 
 #define TWICE(test)                                                           \

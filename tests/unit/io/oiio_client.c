@@ -159,7 +159,7 @@ __attribute__((constructor)) static void play(void)
 static void cast(const char *part)
 {
     setenv("MADE_UP", part, 1);
-    setenv("GLAREPP_BRIDGES", folder, 1);
+    set_env("GLAREPP_BRIDGES", folder);
     setenv("GLAREPP_HELPER_SECONDS", "1", 1);
 }
 
@@ -348,7 +348,7 @@ static void real_one(void)
     for (pid_t old; (old = helper_of(getpid()));) // an idle one may end
         kill(old, SIGKILL);
     unsetenv("MADE_UP");
-    unsetenv("GLAREPP_BRIDGES");
+    set_env("GLAREPP_BRIDGES", NULL);
     unsetenv("GLAREPP_HELPER_SECONDS");
     // one that was killed may not be seen to end at once
     for (int i = 0; i < 2000 && !helper_of(getpid()); i++) {

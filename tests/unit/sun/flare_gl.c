@@ -102,12 +102,12 @@ static void tiles_agree(void **state)
     struct stage s;
     const struct gp_light l[2] = {lamp_at(60.3, 41.7), lamp_at(-20, 180)};
     const struct gp_rect frame = {-3, 2, 450, 321};
-    setenv("GLAREPP_GL_MAX_SIZE", "128", 1);
+    set_env("GLAREPP_GL_MAX_SIZE", "128");
     open_stage(&s);
     assert_int_equal(gp_gl_info(s.gl)->max_size, 128);
     check_pair(&s, &s.all, l, 2, frame, frame, 0);
     close_stage(&s);
-    unsetenv("GLAREPP_GL_MAX_SIZE");
+    set_env("GLAREPP_GL_MAX_SIZE", NULL);
 }
 
 static void hidden_lights_stay_shut(void **state)

@@ -1,0 +1,34 @@
+#include "app/environment.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Returns a variable; NULL where it is empty or not set. */
+static const char *variable(const char *name)
+{
+    const char *const v = getenv(name);
+    return v && *v ? v : NULL;
+}
+
+void gp_environment_read(struct gp_env *env)
+{
+    const char *const size = variable("GLAREPP_GL_MAX_SIZE");
+    const long side = size ? strtol(size, NULL, 10) : 0;
+    const char *const cpu = variable("GLAREPP_CPU");
+    env->bridges = variable("GLAREPP_BRIDGES");
+    env->data = variable("GLAREPP_EXAMPLES");
+    env->osmesa = variable("GLAREPP_OSMESA");
+    env->egl = variable("GLAREPP_EGL");
+    env->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
+    env->base_cpu = cpu && strcmp(cpu, "base") == 0;
+}
+
+void gp_environment_set_gl(int threads)
+{
+    char text[16];
+    snprintf(text, sizeof text, "%d", threads);
+    setenv("LP_NUM_THREADS", text, 0);
+    setenv("EGL_LOG_LEVEL", "fatal", 0);
+}
