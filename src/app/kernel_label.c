@@ -143,12 +143,12 @@ struct place {
     const char *path, *attribute;
 };
 
-static void put_place_first(void *user, enum gp_level level, const char *line)
+static void put_place_first(void *user, const struct gp_line *line)
 {
     const struct place *const p = user;
-    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
+    if (line->level == GP_LEVEL_ERROR || line->level == GP_LEVEL_BARE)
         (void) gp_fail(p->log, GP_ERR_DATA, "%s: %s: %s", p->path, p->attribute,
-                       line);
+                       line->text);
 }
 
 gp_status gp_label_recipes(const struct gp_log *log, const struct gp_frame *f,

@@ -34,14 +34,14 @@ struct voice {
 
 /* Prints a message as one line on stderr, not in the middle of the progress
  * line. */
-static void print_line(void *user, enum gp_level level, const char *line)
+static void print_line(void *user, const struct gp_line *line)
 {
     const struct voice *const voice = user;
-    const bool names = level == GP_LEVEL_BARE && voice->file;
+    const bool names = line->level == GP_LEVEL_BARE && voice->file;
     char whole[2 * GP_LINE_BYTES];
     snprintf(whole, sizeof whole, "glarepp: %s%s%s%s",
-             level == GP_LEVEL_WARN ? "warning: " : "",
-             names ? voice->file : "", names ? ": " : "", line);
+             line->level == GP_LEVEL_WARN ? "warning: " : "",
+             names ? voice->file : "", names ? ": " : "", line->text);
     gp_make_printable(whole);
     if (voice->progress)
         gp_progress_say(voice->progress, stderr, whole);

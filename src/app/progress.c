@@ -244,14 +244,16 @@ static void print_message(const struct gp_frame_log *l, enum gp_level level,
                           const char *line)
 {
     if (l->to && l->to->sink && level <= l->to->level)
-        l->to->sink(l->to->user, level, line);
+        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", line});
 }
 
 /* Prints a message of the unit that is ended next, and keeps others, which it
  * prints too when memory is full. */
-static void log_message(void *user, enum gp_level level, const char *line)
+static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
+    enum gp_level level = message->level;
+    const char *line = message->text;
     char named[GP_LINE_BYTES];
     if (level == GP_LEVEL_BARE) {
         snprintf(named, sizeof named, "%s: %s", l->name, line);

@@ -162,6 +162,6 @@ GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
                                      const struct gp_bench_request *req);
 
 /* Sink of a log: keeps errors in `why`, char[GP_BENCH_WHY]. */
-void gp_bench_keep_why(void *why, enum gp_level level, const char *line);
+void gp_bench_keep_why(void *why, const struct gp_line *line);
 
 #endif

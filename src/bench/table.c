@@ -94,10 +94,10 @@ void gp_bench_table_free(struct gp_bench_table *t)
     t->frames = 0;
 }
 
-void gp_bench_keep_why(void *why, enum gp_level level, const char *line)
+void gp_bench_keep_why(void *why, const struct gp_line *line)
 {
-    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
-        snprintf(why, GP_BENCH_WHY, "%s", line);
+    if (line->level == GP_LEVEL_ERROR || line->level == GP_LEVEL_BARE)
+        snprintf(why, GP_BENCH_WHY, "%s", line->text);
 }
 
 static int by_value(const void *a, const void *b)

@@ -73,34 +73,45 @@ struct gp_printable gp_printable(const char *text)
 
 // -- messages ----------------------------------------------------------------
 
-static void send_line(const struct gp_log *log, enum gp_level level,
+static void send_line(const struct gp_log *log, struct gp_line line,
                       const char *fmt, va_list args)
 {
-    if (!log || !log->sink || (level > log->level && level != GP_LEVEL_BARE))
+    if (!log || !log->sink ||
+        (line.level > log->level && line.level != GP_LEVEL_BARE))
         return;
-    char line[GP_LINE_BYTES];
-    vsnprintf(line, sizeof line, fmt, args);
-    gp_make_printable(line);
-    log->sink(log->user, level, line);
+    char text[GP_LINE_BYTES];
+    vsnprintf(text, sizeof text, fmt, args);
+    gp_make_printable(text);
+    line.text = text;
+    log->sink(log->user, &line);
 }
+
+#define SEND(log, ...)                                                        \
+    do {                                                                      \
+        va_list args;                                                         \
+        va_start(args, fmt);                                                  \
+        send_line(log, (struct gp_line) {__VA_ARGS__}, fmt, args);            \
+        va_end(args);                                                         \
+    } while (0)
 
 gp_status (gp_fail)(const struct gp_log *log, gp_status status,
                     const char *fmt, ...)
 {
-    va_list args;
-    va_start(args, fmt);
-    send_line(log, GP_LEVEL_ERROR, fmt, args);
-    va_end(args);
+    SEND(log, GP_LEVEL_ERROR, status, "", NULL);
     return status;
 }
 
 gp_status (gp_fail_bare)(const struct gp_log *log, gp_status status,
                          const char *fmt, ...)
 {
-    va_list args;
-    va_start(args, fmt);
-    send_line(log, GP_LEVEL_BARE, fmt, args);
-    va_end(args);
+    SEND(log, GP_LEVEL_BARE, status, "", NULL);
+    return status;
+}
+
+gp_status (gp_fail_at)(const struct gp_log *log, gp_status status,
+                       const char *parameter, const char *fmt, ...)
+{
+    SEND(log, GP_LEVEL_ERROR, status, parameter, NULL);
     return status;
 }
 
@@ -118,10 +129,13 @@ gp_status (gp_no_memory_bare)(const struct gp_log *log, const char *what)
 
 void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt, ...)
 {
-    va_list args;
-    va_start(args, fmt);
-    send_line(log, level, fmt, args);
-    va_end(args);
+    SEND(log, level, GP_OK, "", NULL);
+}
+
+void gp_say_at(const struct gp_log *log, enum gp_level level,
+               const char *parameter, const char *fmt, ...)
+{
+    SEND(log, level, GP_OK, parameter, NULL);
 }
 
 const char *gp_status_text(gp_status status)

@@ -35,10 +35,19 @@ enum gp_level {
 
 enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 
-/* Receiver of messages. `sink` gets one line without its newline. A NULL log
- * is silent. Messages over `level` are dropped, errors never. */
+/* A message, valid until its receiver returns. */
+struct gp_line {
+    enum gp_level level;
+    gp_status status;      // of an error
+    const char *parameter; // of the library's caller that it is about, as its
+                           // field in glarepp.h; "": none
+    const char *text;      // one line, without its newline
+};
+
+/* Receiver of messages. A NULL log is silent. Messages over `level` are dropped,
+ * errors never. */
 struct gp_log {
-    void (*sink)(void *user, enum gp_level level, const char *line);
+    void (*sink)(void *user, const struct gp_line *line);
     void *user;
     enum gp_level level;
 };
@@ -56,6 +65,12 @@ gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
 gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
                        const char *fmt, ...) GP_PRINTF(3, 4);
 
+/* The same for what is wrong with a parameter: the line does not say what to do,
+ * as only the caller's caller knows where the parameter comes from. */
+gp_status gp_fail_at(const struct gp_log *log, gp_status status,
+                     const char *parameter, const char *fmt, ...)
+    GP_PRINTF(4, 5);
+
 /* The one line for a full memory: "FILE: out of memory; close other programs".
  * Returns GP_ERR_BUG. gp_no_memory_bare() is for a `what` that names no file:
  * "frame list". */
@@ -67,6 +82,8 @@ gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
     ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
 #define gp_fail_bare(log, status, ...)                                        \
     ((void) (gp_fail_bare)(log, status, __VA_ARGS__), (status))
+#define gp_fail_at(log, status, parameter, ...)                               \
+    ((void) (gp_fail_at)(log, status, parameter, __VA_ARGS__), (status))
 #define gp_no_memory(log, file) ((void) (gp_no_memory)(log, file), GP_ERR_BUG)
 #define gp_no_memory_bare(log, what)                                          \
     ((void) (gp_no_memory_bare)(log, what), GP_ERR_BUG)
@@ -75,6 +92,10 @@ gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
 /* Prints a warning or a note; same form, never ends the run. */
 void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
             ...) GP_PRINTF(3, 4);
+
+/* The same about a parameter, as gp_fail_at(). */
+void gp_say_at(const struct gp_log *log, enum gp_level level,
+               const char *parameter, const char *fmt, ...) GP_PRINTF(4, 5);
 
 /* The text of a status; "unknown status" for a number not in the list. */
 const char *gp_status_text(gp_status status);

@@ -464,10 +464,9 @@ out:
     return st;
 }
 
-static void keep_line(void *user, enum gp_level level, const char *line)
+static void keep_line(void *user, const struct gp_line *line)
 {
-    (void) level;
-    snprintf(user, LINE_BYTES, "%s", line);
+    snprintf(user, LINE_BYTES, "%s", line->text);
 }
 
 gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,

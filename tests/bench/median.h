@@ -21,11 +21,9 @@ static inline double median(double *v, int n)
 }
 
 /* `user` is the program's name. */
-static inline void print_line(void *user, enum gp_level level,
-                              const char *line)
+static inline void print_line(void *user, const struct gp_line *line)
 {
-    (void) level;
-    fprintf(stderr, "%s: %s\n", (const char *) user, line);
+    fprintf(stderr, "%s: %s\n", (const char *) user, line->text);
 }
 #define BENCH_LOG(name) {print_line, (void *) (name), GP_LEVEL_WARN}
 

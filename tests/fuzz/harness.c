@@ -44,13 +44,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 static int errors;
 static char last[4200];
 
-static void sink(void *user, enum gp_level level, const char *line)
+static void sink(void *user, const struct gp_line *line)
 {
     (void) user;
-    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
+    if (line->level != GP_LEVEL_ERROR && line->level != GP_LEVEL_BARE)
         return;
     errors++;
-    snprintf(last, sizeof last, "%s", line);
+    snprintf(last, sizeof last, "%s", line->text);
 }
 
 const struct gp_log fuzz_log = {sink, NULL, GP_LEVEL_INFO};

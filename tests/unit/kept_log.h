@@ -9,8 +9,10 @@
 static char kept_line[4096], kept_warning[1024];
 static int kept_errors, kept_lines;
 
-static inline void kept_sink(void *user, enum gp_level level, const char *line)
+static inline void kept_sink(void *user, const struct gp_line *message)
 {
+    const enum gp_level level = message->level;
+    const char *const line = message->text;
     const int error = level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE;
     kept_lines++;
     kept_errors += error;

@@ -112,12 +112,11 @@ static gp_status end(void *user, int slot, int unit, gp_status st)
     return st && !s->skip ? st : GP_OK;
 }
 
-static void note(void *user, enum gp_level level, const char *line)
+static void note(void *user, const struct gp_line *line)
 {
     struct seen *const s = user;
     const size_t at = strlen(s->text);
-    (void) level;
-    snprintf(s->text + at, sizeof s->text - at, "%s ", line);
+    snprintf(s->text + at, sizeof s->text - at, "%s ", line->text);
 }
 
 static struct seen seen;

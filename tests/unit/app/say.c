@@ -134,11 +134,11 @@ static void angles_say_where_they_are_from(void **state)
 
 static char notes[8192];
 
-static void keep_note(void *user, enum gp_level level, const char *line)
+static void keep_note(void *user, const struct gp_line *line)
 {
     const size_t at = strlen(notes);
-    assert_int_equal(level, GP_LEVEL_INFO);
-    snprintf(notes + at, sizeof notes - at, "%s\n", line);
+    assert_int_equal(line->level, GP_LEVEL_INFO);
+    snprintf(notes + at, sizeof notes - at, "%s\n", line->text);
 }
 static const struct gp_log notebook = {keep_note, NULL, GP_LEVEL_INFO};
 

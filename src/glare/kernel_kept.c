@@ -1,0 +1,245 @@
+#include "glare/kernel_kept.h"
+
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "glare/tail/tail.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+/* Kernels that are kept besides the last one, and their bytes in all. */
+enum { OLDER = 4, OLDER_BYTES = 128 << 20 };
+
+struct gp_kernels {
+    const struct gp_kernel_request *request;
+    pthread_mutex_t lock;
+    struct gp_made_kernel *last, *older[OLDER]; // held, last used first
+    struct gp_model_kept *kept;                 // of the last one
+};
+
+// -- the request --------------------------------------------------------------
+
+void gp_kernel_request_free(struct gp_kernel_request *r)
+{
+    for (int i = 0; i < GP_RECIPES; i++) {
+        if (i < r->recipes)
+            gp_recipe_free(&r->recipe[i]);
+        gp_frame_free(&r->image[i]);
+    }
+    *r = (struct gp_kernel_request) {0};
+}
+
+double gp_kernel_request_share(const struct gp_kernel_request *r)
+{
+    double all = 0.0, taken = 0.0;
+    for (int i = 0; i < gp_max(r->recipes, 1); i++) {
+        const double share = r->recipes ? r->recipe[i].value[0] : 1.0;
+        all += share;
+        taken += share * (r->label[i].present ? r->label[i].share : 1.0);
+    }
+    return taken / fmax(all, 1.0);
+}
+
+bool gp_kernel_request_moves(const struct gp_kernel_request *r)
+{
+    bool moves = false;
+    for (int i = 0; i < r->recipes; i++)
+        moves |= gp_recipe_moves(&r->recipe[i]);
+    return moves;
+}
+
+double gp_kernel_request_scale(const struct gp_kernel_request *r,
+                               const struct gp_field *field)
+{
+    return r->degrees > 0.0 && field->degrees > 0.0
+               ? r->degrees / (field->degrees * gp_frame_h(&r->image[0]))
+               : r->percent / 100.0;
+}
+
+// -- kernels that are kept ----------------------------------------------------
+
+void gp_made_kernel_free(struct gp_made_kernel **k)
+{
+    if (*k && atomic_fetch_sub(&(*k)->holders, 1) == 1) {
+        gp_kernel_free(&(*k)->k);
+        gp_free(*k);
+    }
+    *k = NULL;
+}
+
+gp_status gp_kernels_make(const struct gp_log *log,
+                          const struct gp_kernel_request *r,
+                          struct gp_kernels **out)
+{
+    gp_status st = gp_alloc_zero(log, "kernels", 1, sizeof **out, out);
+    if (st)
+        return st;
+    (*out)->request = r;
+    pthread_mutex_init(&(*out)->lock, NULL);
+    return GP_OK;
+}
+
+void gp_kernels_free(struct gp_kernels **k)
+{
+    if (!*k)
+        return;
+    gp_made_kernel_free(&(*k)->last);
+    for (int i = 0; i < OLDER; i++)
+        gp_made_kernel_free(&(*k)->older[i]);
+    gp_model_kept_free(&(*k)->kept);
+    pthread_mutex_destroy(&(*k)->lock);
+    GP_FREE(*k);
+}
+
+/* True where the recipes of two kernels of the request have the same values. */
+static bool has_values(const struct gp_kernel_request *r,
+                       const struct gp_recipe *a, const struct gp_recipe *b)
+{
+    bool same = true;
+    for (int i = 0; i < r->recipes; i++)
+        same = same && memcmp(a[i].value, b[i].value, sizeof a->value) == 0;
+    return same;
+}
+
+/* True where kernel `k` is that of `recipe` for field `b`. */
+static bool is_same(const struct gp_kernel_request *r,
+                    const struct gp_made_kernel *k,
+                    const struct gp_recipe *recipe, const struct gp_field *b)
+{
+    const struct gp_field *const a = &k->field;
+    const bool coloured = r->recipes || r->image[0].names_chromaticities;
+    if (!has_values(r, k->recipe, recipe) || a->aspect != b->aspect ||
+        (coloured && memcmp(a->chromaticities, b->chromaticities,
+                            8 * sizeof *a->chromaticities) != 0))
+        return false;
+    if (!r->recipes)
+        return a->degrees == b->degrees || !(r->degrees > 0.0);
+    return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
+           (!gp_kernel_request_moves(r) ||
+            (a->frame == b->frame && a->fps == b->fps));
+}
+
+static size_t bytes_of(const struct gp_kernel *k)
+{
+    const struct gp_tail *const t = k->tail;
+    const size_t nodes =
+        t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1) : 0;
+    return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + nodes);
+}
+
+/* Moves the last kernel to the older ones, the last used of which are kept. One
+ * that depends on the frame's number is not: no other frame will want it. */
+static void put_aside(struct gp_kernels *k)
+{
+    size_t bytes = 0;
+    if (!k->last || gp_kernel_request_moves(k->request)) {
+        gp_made_kernel_free(&k->last);
+        return;
+    }
+    gp_made_kernel_free(&k->older[OLDER - 1]);
+    memmove(&k->older[1], &k->older[0], (OLDER - 1) * sizeof *k->older);
+    k->older[0] = k->last;
+    k->last = NULL;
+    for (int i = 0; i < OLDER && k->older[i]; i++) {
+        bytes += bytes_of(&k->older[i]->k);
+        if (bytes > OLDER_BYTES)
+            gp_made_kernel_free(&k->older[i]);
+    }
+}
+
+/* Makes the kernel of `recipe` for a field that is kept the last one; false: none
+ * is that. */
+static bool find_kept(struct gp_kernels *k, const struct gp_recipe *recipe,
+                      const struct gp_field *field)
+{
+    if (k->last && is_same(k->request, k->last, recipe, field))
+        return true;
+    for (int i = 0; i < OLDER; i++) {
+        struct gp_made_kernel *const found = k->older[i];
+        if (!found || !is_same(k->request, found, recipe, field))
+            continue;
+        memmove(&k->older[i], &k->older[i + 1],
+                (size_t) (OLDER - 1 - i) * sizeof *k->older);
+        k->older[OLDER - 1] = NULL;
+        put_aside(k);
+        k->last = found;
+        return true;
+    }
+    return false;
+}
+
+/* Makes a kernel, and keeps it as the last one. */
+static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
+                             const struct gp_recipe *recipe,
+                             const struct gp_field *field)
+{
+    const struct gp_kernel_request *const r = k->request;
+    struct gp_made_kernel *m;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *m, &m);
+    if (st)
+        return st;
+    memcpy(m->recipe, recipe, sizeof m->recipe);
+    // shapes are kept from kernel to kernel of the same recipes
+    if (k->last && !has_values(r, k->last->recipe, recipe))
+        gp_model_kept_free(&k->kept);
+    struct gp_kernel_params p = r->params;
+    p.aspect = field->aspect;
+    p.scale = gp_kernel_request_scale(r, field);
+    p.chromaticities = field->chromaticities;
+    st = r->recipes ? gp_model_kernel_next(log, m->recipe, r->recipes, field,
+                                           &k->kept, &m->k)
+                    : gp_kernel_from_frame(log, &p, &r->image[0], &m->k);
+    if (st) {
+        gp_free(m);
+        return st;
+    }
+    if (r->recipes)
+        gp_kernel_glance(&m->k, field->luminance, &m->figures);
+    else
+        gp_kernel_measure(&m->k, r->image[0].names_chromaticities
+                                     ? field->luminance : r->image[0].luminance,
+                          &m->figures);
+    m->field = *field;
+    memcpy(m->chromaticities, field->chromaticities, sizeof m->chromaticities);
+    memcpy(m->luminance, field->luminance, sizeof m->luminance);
+    m->field.chromaticities = m->chromaticities;
+    m->field.luminance = m->luminance;
+    atomic_init(&m->holders, 1);
+    put_aside(k);
+    k->last = m;
+    return GP_OK;
+}
+
+gp_status gp_kernels_take(const struct gp_log *log, struct gp_kernels *k,
+    const struct gp_recipe *recipe, const struct gp_field *field, bool *made,
+    struct gp_made_kernel **out)
+{
+    gp_status st = GP_OK;
+    if (!recipe)
+        recipe = k->request->recipe;
+    pthread_mutex_lock(&k->lock);
+    *made = !find_kept(k, recipe, field);
+    if (*made)
+        st = make_kernel(log, k, recipe, field);
+    *out = st ? NULL : k->last;
+    if (*out)
+        atomic_fetch_add(&(*out)->holders, 1);
+    pthread_mutex_unlock(&k->lock);
+    return st;
+}
+
+// -- labels -------------------------------------------------------------------
+
+void gp_kernel_label_use(const struct gp_kernel_label *l, double scale,
+                         const struct gp_kernel *k, int w, int h,
+                         struct gp_kernel_use *use)
+{
+    const bool covers = k->w >= 2LL * w - 1 && k->h >= 2LL * h - 1;
+    const bool fits = w <= ceil(l->w * scale) && h <= ceil(l->h * scale);
+    use->as_it_is = l->present;
+    use->missed = l->present && !covers
+                      ? fmax(l->left_out - (fits ? l->beyond : 0.0), 0.0)
+                      : 0.0;
+    use->ends = l->present ? use->missed > 1e-5 : !covers;
+}

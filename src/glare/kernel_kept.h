@@ -1,0 +1,87 @@
+/* Kernels of one request, made for the fields of frames and kept: frames change
+ * size or angle and change back, and several are in flight. */
+#ifndef GP_GLARE_KERNEL_KEPT_H
+#define GP_GLARE_KERNEL_KEPT_H
+
+#include "glare/kernel.h"
+#include "glare/kernel_check.h"
+#include "glare/model/model.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+/* Facts that a kernel's file says of it. */
+struct gp_kernel_label {
+    bool present;        // false: an image of any other origin
+    int w, h;            // pixels of the frame that it was made for
+    double fov;          // degrees, of that frame's height
+    double left_out;     // the model's light outside of the file
+    double beyond;       // of which falls outside of the frame too
+    double share;        // of a pixel's light, that its recipes take
+};
+
+/* Recipes, or one image. */
+struct gp_kernel_request {
+    struct gp_recipe recipe[GP_RECIPES];
+    struct gp_frame image[GP_RECIPES]; // of the recipe's file, or of the kernel
+    struct gp_kernel_label label[GP_RECIPES]; // of image[i] as a kernel
+    int recipes;                       // 0: image[0] is the kernel
+    struct gp_kernel_params params;    // of image[0]; its aspect, scale and
+                                       // chromaticities are each field's
+    double percent;                    // frame pixels for 100 of image[0]
+    double degrees;                    // height of image[0] in the field; 0: by
+                                       // percent
+};
+
+/* Frees its recipes and images, and clears it. */
+void gp_kernel_request_free(struct gp_kernel_request *r);
+
+/* Returns the share of a pixel's light that the kernel takes and spreads. */
+double gp_kernel_request_share(const struct gp_kernel_request *r);
+
+/* Returns true where the kernel depends on the frame's number. */
+bool gp_kernel_request_moves(const struct gp_kernel_request *r);
+
+/* Returns frame pixels for one of image[0], in the field's height. */
+double gp_kernel_request_scale(const struct gp_kernel_request *r,
+                               const struct gp_field *field);
+
+/* A kernel, and the frames that it was made for. */
+struct gp_made_kernel {
+    struct gp_kernel k;
+    struct gp_recipe recipe[GP_RECIPES]; // values of its own; files and images
+                                         // are the request's
+    struct gp_kernel_figures figures;
+    struct gp_field field;               // chromaticities point to the copy
+    float chromaticities[8], luminance[3];
+    atomic_int holders;
+};
+
+/* Ends a hold. */
+void gp_made_kernel_free(struct gp_made_kernel **k);
+
+/* Kernels that are kept; any thread may ask. */
+struct gp_kernels;
+GP_MUST_CHECK gp_status gp_kernels_make(const struct gp_log *log,
+    const struct gp_kernel_request *r, struct gp_kernels **out);
+void gp_kernels_free(struct gp_kernels **k);
+
+/* Takes hold of the kernel of a field, which is made unless it is kept.
+ *   recipe  those of the request, maybe with other values; NULL: as they are
+ *   made    true where it was
+ *   out     end with gp_made_kernel_free(); NULL on failure
+ * Errors: those of gp_model_kernel() and gp_kernel_from_frame(). */
+GP_MUST_CHECK gp_status gp_kernels_take(const struct gp_log *log,
+    struct gp_kernels *k, const struct gp_recipe *recipe,
+    const struct gp_field *field, bool *made, struct gp_made_kernel **out);
+
+/* Finds how a frame of w x h pixels uses a kernel of a label, where a pixel of
+ * the file is `scale` of the frame's: use->missed, the light that the file
+ * leaves out less what falls outside of the frame that it was made for (if these
+ * are no larger); use->ends, true for an image that does not say how it was made
+ * and is smaller than the frames' offsets; use->as_it_is. */
+void gp_kernel_label_use(const struct gp_kernel_label *l, double scale,
+                         const struct gp_kernel *k, int w, int h,
+                         struct gp_kernel_use *use);
+
+#endif
