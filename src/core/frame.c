@@ -94,7 +94,8 @@ const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
 
 void gp_plane_free(struct gp_plane *p)
 {
-    gp_free(p->v);
+    if (!p->borrowed)
+        gp_free(p->v);
     gp_free(p->name);
     *p = (struct gp_plane) {0};
 }

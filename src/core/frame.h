@@ -82,6 +82,7 @@ struct gp_plane {
     struct gp_rect window; // EXR pixel space
     float *v;              // owned
     char *name;            // channel it came from, for the report; owned
+    bool borrowed;         // v is not its own
 };
 
 enum gp_pixel_type { GP_UINT, GP_HALF, GP_FLOAT };

@@ -16,6 +16,7 @@
     X(GP_ERR_DATA, 4, "a file holds bad data")                                \
     X(GP_ERR_GL, 5, "no GL context could be made")                            \
     X(GP_ERR_FRAMES, 6, "some frames of a sequence failed")                   \
+    X(GP_ERR_CANCELLED, 7, "cancelled by the library's caller")               \
     X(GP_ERR_BUG, 70, "a bug, or out of memory")
 
 #define GP_STATUS_ENUM(name, code, text) name = (code),

@@ -1,7 +1,7 @@
 #include "io/channels.h"
 
 #include "core/parallel.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <stdio.h>
 #include <stdlib.h>

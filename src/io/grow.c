@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <limits.h>
 #include <string.h>

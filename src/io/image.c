@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <limits.h>
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "core/colour.h"
 #include "core/frame.h"
 #include "core/memory.h"
-#include "io/half.h"
+#include "core/half.h"
 #include "io/oiio/oiio.h"
 #include "io/read.h"
 #include "io/write.h"

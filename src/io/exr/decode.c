@@ -5,7 +5,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/half.h"
+#include "core/half.h"
 #include "io/image.h"
 #include "io/oiio/oiio.h"
 

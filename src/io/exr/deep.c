@@ -9,7 +9,7 @@
 
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <libdeflate.h>
 #include <string.h>

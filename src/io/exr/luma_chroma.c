@@ -4,7 +4,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <float.h>
 #include <math.h>

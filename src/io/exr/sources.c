@@ -6,7 +6,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"
-#include "io/half.h"
+#include "core/half.h"
 
 #include <libdeflate.h>
 #include <string.h>

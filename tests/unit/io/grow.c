@@ -4,7 +4,7 @@
 #include "exr_fixture.h"
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/half.h"
+#include "core/half.h"
 #include "io/plane.h"
 #include "reading.h"
 #include "starved.h"

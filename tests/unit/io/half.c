@@ -1,7 +1,7 @@
-/* io/half: every half, and every place where rounding could go wrong. */
+/* core/half: every half, and every place where rounding could go wrong. */
 #include "unit.h"
 #include "core/bytes.h"
-#include "io/half.h"
+#include "core/half.h"
 
 enum { HALFS = 65536 };
 

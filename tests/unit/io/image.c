@@ -2,7 +2,7 @@
  * maps, which io reads itself. */
 #include "unit.h"
 #include "core/colour.h"
-#include "io/half.h"
+#include "core/half.h"
 #include "io/image.h"
 #include "io/io_priv.h"
 #include "exr_fixture.h"

@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "core/parallel.h"
-#include "io/half.h"
+#include "core/half.h"
 #include "io/exr/exr_priv.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The plain forms are branch-free integer arithmetic, which the compiler turns
  * into SSE2 or NEON; the AVX2 forms use the CPU's own conversion
  * (F16C). Both give the same bits. */
-#include "io/half.h"
+#include "core/half.h"
 
 #include "core/bytes.h"
 #include "core/cpu.h"

@@ -1,6 +1,6 @@
 /* IEEE 754 binary16 rows to float and back. */
-#ifndef GP_IO_HALF_H
-#define GP_IO_HALF_H
+#ifndef GP_CORE_HALF_H
+#define GP_CORE_HALF_H
 
 #include <stddef.h>
 #include <stdint.h>

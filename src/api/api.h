@@ -1,0 +1,87 @@
+/* The library's handles, and steps that every call takes.
+ *
+ *   context.c  contexts, messages, lists of names
+ *   image.c    views of a caller's pixels
+ *   kernel.c   kernels: words and images, drawing, checks
+ *   plan.c     plans: parameters of the rooms, and what frames share
+ *   frame.c    frames: the steps, views and facts
+ *   light.c    suns and lamps of a frame, their shares and flare
+ *   lens.c     ghosts of a lens
+ *   scene.c    the scene of a frame, and its light
+ *   sets.c     O'Rorke's table
+ *   compare.c  errors between two images */
+#ifndef GP_API_API_H
+#define GP_API_API_H
+
+#include "glarepp.h"
+
+#include "core/env.h"
+#include "core/frame.h"
+#include "core/status.h"
+
+/* The receiver of a log: a context's messages, of a frame or of none. */
+struct gp_api_sink {
+    const struct glarepp *gp;
+    void *user;              // of the frame
+    const char *name;        // of its image, for lines that name no file; or
+                             // NULL
+};
+
+struct glarepp {
+    struct gp_env env;
+    struct gp_log log;
+    struct gp_api_sink sink;
+    struct glarepp_params params;
+    char *data, *bridges, *osmesa, *egl; // owned copies of `params`
+    char *list[2];           // names in folders, null bytes between; owned
+};
+
+/* Begins a call: the thread works in the context. End with gp_api_end(). */
+struct gp_api_call {
+    const struct gp_env *before;
+    bool entered;            // here: it was not in this context before
+    struct glarepp *outer;   // context that it was in, or NULL
+};
+struct gp_api_call gp_api_begin(struct glarepp *gp);
+int gp_api_end(const struct gp_api_call *call, gp_status st); // returns st
+
+/* Returns a log to a sink, which it borrows. */
+struct gp_log gp_api_log(struct gp_api_sink *sink);
+
+/* Tells the caller how far a call is. Errors: GP_ERR_CANCELLED it shall end. */
+GP_MUST_CHECK gp_status gp_api_progress(const struct glarepp *gp,
+                                        const char *step, double done);
+
+/* Copies a caller's parameters, of whatever size, over the defaults in *to.
+ * `from` may be NULL. Errors: GP_ERR_USAGE a size that no version has. */
+GP_MUST_CHECK gp_status gp_api_params(const struct gp_log *log,
+    const char *name, void *to, size_t size, const void *from);
+
+/* Asks the caller to decode a picture; *out has planes of its own.
+ * Errors: GP_ERR_USAGE no picture callback; its own. */
+GP_MUST_CHECK gp_status gp_api_picture(struct glarepp *gp,
+    const struct gp_log *log, const char *path, struct gp_frame *out,
+    struct glarepp_label *label);
+
+/* Makes a frame of a view.
+ *   borrow  the planes are taken as they are where they are float without gaps
+ *   out     gp_frame_free() unless it borrows
+ * Errors: GP_ERR_USAGE a view that is none; GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_api_import(const struct gp_log *log,
+    const struct glarepp_image *view, bool borrow, struct gp_frame *out);
+
+/* Takes one plane of a view, borrowed where it is float without gaps. */
+GP_MUST_CHECK gp_status gp_api_plane(const struct gp_log *log,
+    const struct glarepp_image *view, int which, struct gp_plane *out);
+
+/* Copies planes of `data` to a view of the same window. Errors: GP_ERR_USAGE it
+ * is not. */
+GP_MUST_CHECK gp_status gp_api_export(const struct gp_log *log,
+    const struct gp_planes *planes, struct gp_rect data,
+    const struct glarepp_image *view);
+
+/* Returns a view of planes of `data`, of a frame or (NULL) of none. */
+struct glarepp_image gp_api_view(const struct gp_planes *planes,
+                                 struct gp_rect data, const struct gp_frame *f);
+
+#endif

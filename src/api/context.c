@@ -1,0 +1,304 @@
+#include "api/api.h"
+
+#include "core/bridge.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/engine.h"
+#include "glare/model/model.h"
+#include "tone/tone.h"
+
+#include <dirent.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *glarepp_version(void)
+{
+    return GP_VERSION;
+}
+
+// -- messages -----------------------------------------------------------------
+
+/* The last error of a thread. */
+static _Thread_local struct {
+    char parameter[64], text[GP_LINE_BYTES];
+    int status;
+} last;
+
+const struct glarepp_message *glarepp_error(void)
+{
+    static _Thread_local struct glarepp_message m;
+    m = (struct glarepp_message) {
+        .level = GLAREPP_ERROR, .status = last.status,
+        .parameter = last.parameter, .text = last.text,
+    };
+    return &m;
+}
+
+static void receive(void *user, const struct gp_line *line)
+{
+    const struct gp_api_sink *const sink = user;
+    const struct glarepp_params *const p = &sink->gp->params;
+    const bool bare = line->level == GP_LEVEL_BARE;
+    char named[GP_LINE_BYTES];
+    struct glarepp_message m = {
+        .level = bare ? GLAREPP_ERROR : (enum glarepp_level) line->level,
+        .status = line->status, .parameter = line->parameter,
+        .text = line->text, .user = sink->user,
+    };
+    if (bare && sink->name) {
+        snprintf(named, sizeof named, "%s: %s", sink->name, line->text);
+        m.text = named;
+    }
+    if (m.level == GLAREPP_ERROR) {
+        last.status = m.status;
+        snprintf(last.parameter, sizeof last.parameter, "%s", m.parameter);
+        snprintf(last.text, sizeof last.text, "%s", m.text);
+    }
+    if (p->message)
+        p->message(p->user, &m);
+}
+
+struct gp_log gp_api_log(struct gp_api_sink *sink)
+{
+    return (struct gp_log) {
+        receive, sink, (enum gp_level) sink->gp->params.level};
+}
+
+gp_status gp_api_progress(const struct glarepp *gp, const char *step,
+                          double done)
+{
+    const struct glarepp_params *const p = &gp->params;
+    return p->progress && p->progress(p->user, step, done)
+               ? gp_fail(&gp->log, GP_ERR_CANCELLED, "%s: cancelled", step)
+               : GP_OK;
+}
+
+gp_status gp_api_params(const struct gp_log *log, const char *name, void *to,
+                        size_t size, const void *from)
+{
+    size_t given = size;
+    if (!from)
+        return GP_OK;
+    memcpy(&given, from, sizeof given);
+    if (given < sizeof given || given > size)
+        return gp_fail_at(log, GP_ERR_USAGE, name, "%s: its size is that of no "
+                          "version up to " GP_VERSION " (found %zu)", name,
+                          given);
+    memcpy(to, from, given);
+    memcpy(to, &size, sizeof size);
+    return GP_OK;
+}
+
+// -- calls --------------------------------------------------------------------
+
+/* Contexts that this thread has entered, the last one first: only calls of
+ * another context within a callback make it more than one. */
+static _Thread_local struct glarepp *inside;
+
+struct gp_api_call gp_api_begin(struct glarepp *gp)
+{
+    const struct gp_api_call call = {
+        .before = gp_env_use(&gp->env), .entered = inside != gp,
+        .outer = inside,
+    };
+    if (call.entered)
+        gp_parallel_enter();
+    inside = gp;
+    return call;
+}
+
+int gp_api_end(const struct gp_api_call *call, gp_status st)
+{
+    if (call->entered)
+        gp_parallel_leave();
+    inside = call->outer;
+    gp_env_use(call->before);
+    return (int) st;
+}
+
+void glarepp_enter(struct glarepp *gp)
+{
+    (void) gp_api_begin(gp);
+}
+
+void glarepp_leave(struct glarepp *gp)
+{
+    (void) gp;
+    struct gp_api_call call = {.entered = true};
+    (void) gp_api_end(&call, GP_OK);
+}
+
+// -- contexts -----------------------------------------------------------------
+
+/* Replaces a parameter by a copy that the context owns. */
+static gp_status keep_text(const struct gp_log *log, const char **text,
+                           char **owned)
+{
+    if (!*text)
+        return GP_OK;
+    *text = *owned = gp_strdup(*text);
+    return *owned ? GP_OK : gp_no_memory_bare(log, "context");
+}
+
+int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
+{
+    struct glarepp_params own = GLAREPP_PARAMS;
+    struct glarepp *gp;
+    gp_status st = gp_alloc_zero(NULL, "context", 1, sizeof *gp, &gp);
+    *out = NULL;
+    if (st)
+        return (int) st;
+    gp->sink.gp = gp;
+    gp->params = own;
+    gp->log = gp_api_log(&gp->sink);
+    GP_TRY(gp_api_params(&gp->log, "params", &own, sizeof own, p));
+    gp->params = own;
+    gp->log = gp_api_log(&gp->sink);
+    if (own.threads < 0)
+        GP_TRY(gp_fail_at(&gp->log, GP_ERR_USAGE, "params.threads", "threads: "
+                          "a negative number (found %d)", own.threads));
+    GP_TRY(keep_text(&gp->log, &gp->params.data, &gp->data));
+    GP_TRY(keep_text(&gp->log, &gp->params.bridges, &gp->bridges));
+    GP_TRY(keep_text(&gp->log, &gp->params.osmesa, &gp->osmesa));
+    GP_TRY(keep_text(&gp->log, &gp->params.egl, &gp->egl));
+    gp->env = (struct gp_env) {
+        .bridges = gp->bridges, .data = gp->data, .osmesa = gp->osmesa,
+        .egl = gp->egl, .gl_size = own.gl_size, .base_cpu = own.base_cpu,
+    };
+    GP_TRY(gp_pool_make(&gp->log, own.threads, &gp->env.pool));
+    if (own.keep_memory)
+        gp_keep_memory();
+    *out = gp;
+    gp = NULL;
+out:
+    glarepp_close(&gp);
+    return (int) st;
+}
+
+void glarepp_close(struct glarepp **context)
+{
+    struct glarepp *const gp = *context;
+    if (!gp)
+        return;
+    gp_pool_free(&gp->env.pool);
+    free(gp->data);
+    free(gp->bridges);
+    free(gp->osmesa);
+    free(gp->egl);
+    for (int i = 0; i < 2; i++)
+        free(gp->list[i]);
+    GP_FREE(*context);
+}
+
+// -- lists --------------------------------------------------------------------
+
+static int is_json(const struct dirent *d)
+{
+    const char *const end = strrchr(d->d_name, '.');
+    return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
+}
+
+/* Lists the files of an installed folder, without their ending; "" none. */
+static char *list_folder(const char *name)
+{
+    char folder[PATH_MAX], *text = NULL;
+    struct dirent **entry = NULL;
+    size_t size = 0;
+    const int n = gp_example_find(name, folder, sizeof folder)
+                      ? scandir(folder, &entry, is_json, alphasort) : 0;
+    FILE *const f = open_memstream(&text, &size);
+    for (int i = 0; i < n; i++) {
+        const char *const word = entry[i]->d_name;
+        if (f)
+            fwrite(word, 1, (size_t) (strrchr(word, '.') - word), f);
+        if (f)
+            fputc('\0', f);
+        free(entry[i]);
+    }
+    free(entry);
+    if (f)
+        fclose(f);
+    return text;
+}
+
+/* Returns the i-th name of a folder; the context keeps the list. */
+static const char *installed(struct glarepp *gp, const char *name, int which,
+                             int i)
+{
+    if (!gp->list[which]) {
+        const struct gp_env *const before = gp_env_use(&gp->env);
+        gp->list[which] = list_folder(name);
+        gp_env_use(before);
+    }
+    const char *at = gp->list[which];
+    while (at && *at && i-- > 0)
+        at += strlen(at) + 1;
+    return at && *at ? at : NULL;
+}
+
+const char *glarepp_name(struct glarepp *gp, enum glarepp_list list, int i,
+                         const char **text)
+{
+    const char *name = NULL, *line = NULL;
+    int n = 0;
+    switch (list) {
+    case GLAREPP_ENGINES:
+        while (n < i && gp_engines[n])
+            n++;
+        name = gp_engines[n] ? gp_engines[n]->name : NULL;
+        line = name ? gp_engines[n]->text : NULL;
+        break;
+    case GLAREPP_CURVES:
+        while (n < i && gp_tone_curves[n])
+            n++;
+        name = gp_tone_curves[n] ? gp_tone_curves[n]->name : NULL;
+        line = name ? gp_tone_curves[n]->text : NULL;
+        break;
+    case GLAREPP_MODELS:
+    case GLAREPP_MODEL_SOURCES:
+        while (n < i && gp_models[n])
+            n++;
+        name = gp_models[n] ? gp_model_name(gp_models[n]) : NULL;
+        if (name)
+            line = list == GLAREPP_MODELS ? gp_model_text(gp_models[n])
+                                          : gp_model_source(gp_models[n]);
+        break;
+    case GLAREPP_PRESETS:
+    case GLAREPP_PRESET_RECIPES:
+        while (n < i && gp_model_presets[n].name)
+            n++;
+        name = gp_model_presets[n].name;
+        if (name)
+            line = list == GLAREPP_PRESETS ? gp_model_presets[n].text
+                                           : gp_model_presets[n].recipe;
+        break;
+    case GLAREPP_FLARES:
+        name = gp ? installed(gp, "flares", 0, i) : NULL;
+        break;
+    case GLAREPP_LENSES:
+        name = gp ? installed(gp, "lenses", 1, i) : NULL;
+        break;
+    }
+    if (text)
+        *text = line;
+    return name;
+}
+
+bool glarepp_key(int model, int k, struct glarepp_key *out)
+{
+    int n = 0;
+    while (n < model && gp_models[n])
+        n++;
+    if (model < 0 || !gp_models[n])
+        return false;
+    const struct gp_model_key *key = gp_model_keys(gp_models[n]);
+    for (; k > 0 && key->name; k--)
+        key++;
+    *out = (struct glarepp_key) {
+        .name = key->name, .text = key->text, .preset = key->preset,
+        .lo = key->lo, .hi = key->hi, .words = key->words, .file = key->file,
+    };
+    return key->name != NULL;
+}
