@@ -195,12 +195,14 @@ struct glarepp_kernel_params {
                              // (floor(w / 2), floor(h / 2))
     bool as_it_is;           // false: each channel's sum keeps its ratio and
                              // the luminance sums up to 1
+    bool normalized;         // ... of a file with a label too, which else is
+                             // taken as it is
     double percent;          // frame pixels for 100 of the image, > 0
     double degrees;          // height of the image in the field; 0: by percent
 };
 #define GLAREPP_KERNEL_PARAMS                                                 \
     { sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                    \
-      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, 100.0, 0.0 }
+      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false, 100.0, 0.0 }
 
 struct glarepp_kernel;
 
@@ -242,32 +244,38 @@ GLAREPP_API int glarepp_kernel_draw(const struct glarepp_kernel *k,
     const struct glarepp_field *field, struct glarepp_image *out,
     struct glarepp_label *label);
 
+/* Frames and settings that a kernel is checked for. */
+struct glarepp_kernel_use {
+    struct glarepp_label label; // of the kernel's file
+    int w, h;              // pixels of the frame; 0: the label's, or larger than
+                           // the kernel
+    double brightest;      // luminance of its brightest source; 0: not known
+    double rotate, percent; // of the kernel, as in a plan
+    bool add;              // light is added, not scattered
+};
+
 /* Position and symmetry of a kernel's light; offsets in pixels. */
 struct glarepp_kernel_figures {
     int w, h, centre[2];   // without zero borders
     double sum[3], light;  // of each channel; luminance
     double own;            // share that stays in its pixel
-    double left_out;
+    double left_out, missed; // outside of the samples; of which in the frame
     double peak, centroid[2];
     int peak_at[2];
-    double rim;            // the largest edge, over the light
+    double rim;            // the largest edge
     double border;         // share in the outermost rows and columns
     double asymmetry;      // share without a counterpart opposite
     long long negatives, nonfinite;
-    const char *const *fault; // `faults` lines that say what to do
+    bool lit;              // a sample is not 0
+    const char *const *fault; // `faults` lines
     int faults;
 };
 
-/* Measures a kernel's image, and judges it for a frame.
- *   kernel   its samples, or
- *   label    of its file
- *   sources  luminance of the brightest pixel of the frame; w, h its size, 0:
- *            not known; add: light is added, not scattered
- *   out      its lines stay until the next call of this thread
- * Errors: DATA an image without samples; BUG. */
+/* Measures the samples of a kernel, and judges them for a use.
+ *   out  its lines stay until the thread's next call
+ * Errors: USAGE no image; BUG. */
 GLAREPP_API int glarepp_kernel_check(struct glarepp *gp,
-    const struct glarepp_image *kernel, const struct glarepp_label *label,
-    double sources, int w, int h, bool add,
+    const struct glarepp_image *kernel, const struct glarepp_kernel_use *use,
     struct glarepp_kernel_figures *out);
 
 /* A key of a model. */
