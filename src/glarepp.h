@@ -387,6 +387,7 @@ struct glarepp_light_params {
     int lights;
     const char *file;      // JSON of more; NULL: none. Its form: man/sun.md
     const char *cameras;   // JSON of a camera, maybe a sun, for each frame
+    struct glarepp_light sun; // of that sun all but its place
     const char *flare;     // elements drawn for lights or bright pixels: JSON,
                            // or preset:NAME
     float degrees;         // across, of suns that do not say
@@ -401,7 +402,8 @@ struct glarepp_light_params {
     bool square, bytes;    // of a mask: pattern; summed in 8 bits
 };
 #define GLAREPP_LIGHT_PARAMS                                                  \
-    { sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL, NULL, 0.533f, \
+    { sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,               \
+      GLAREPP_LIGHT, NULL, 0.533f,                                            \
       GLAREPP_EXACT, GLAREPP_IGNORE, GLAREPP_Z, GLAREPP_NDC_AUTO, false,      \
       false, 0.0f, 16, false, false }
 
@@ -521,6 +523,8 @@ GLAREPP_API int glarepp_execute(struct glarepp_plan *plan,
 struct glarepp_frame_params {
     size_t size;
     struct glarepp_image image;  // borrowed until the frame ends
+    struct glarepp_rect file;    // of its data, pixels that were not added to it;
+                                 // empty: all
     bool in_place;               // planes of float without gaps may be written:
                                  // nothing is copied
     const struct glarepp_image *group; // `groups` layers of its light, which
@@ -535,12 +539,18 @@ struct glarepp_frame_params {
     double focus, aperture;      // m, f-number
     double sensor;               // mm, width
     double white;                // cd/m2 of scene value 1
+    bool last;                   // no frame of this size follows soon: nothing is
+                                 // kept for it
+    bool layer_ends;             // GLARE is not looked at after COMPOSE
+    bool details;                // facts that cost time are wanted: of sense the
+                                 // luminances, of lights low and high
     void *user;                  // of messages about it
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
-    { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, false, NULL, 0,     \
+    { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0}, false, \
+      NULL, 0,                                                                \
       false, 0, 0.0, false, false, {0.0}, {0.0}, GLAREPP_NDC_AUTO, 0.0, 0.0,  \
-      0.0, 0.0, NULL }
+      0.0, 0.0, false, false, false, NULL }
 
 struct glarepp_frame;
 
@@ -552,7 +562,7 @@ GLAREPP_API void glarepp_frame_end(struct glarepp_frame **frame);
 /* Pixels that the kernel of a frame reaches left, up, right and down, to grow a
  * frame by: of models, which have no end, as far as their core. */
 GLAREPP_API struct glarepp_rect glarepp_frame_reach(
-    const struct glarepp_frame *frame);
+    struct glarepp_frame *frame);
 
 /* Steps, in their order. One that the plan has nothing to do for is free. */
 enum glarepp_step {
@@ -568,6 +578,8 @@ enum glarepp_step {
     GLAREPP_LENS,
     GLAREPP_COMPOSE,
     GLAREPP_TONE,
+    GLAREPP_DONE,     // gives engines and GL back to the plan, for another frame;
+                      // the end of a frame does too
     GLAREPP_STEPS,
 };
 
@@ -627,6 +639,7 @@ struct glarepp_sense_facts {
 struct glarepp_kernel_facts {
     int recipes;             // 0: an image
     double pupil[8];         // of each, mm; 0: none
+    const char *recipe[8];   // each, as it was made for the frame
     int w, h, grid;          // samples at full rate; pixels between the others,
                              // 0: no others. w 0: no kernel was needed
     bool modelled;           // the next two are known
@@ -721,6 +734,7 @@ struct glarepp_facts {
     struct glarepp_scene_facts scene;
     const struct glarepp_relit *relit;
     int relits;
+    double engines_ms, engines_cpu_ms; // of the last step, by engines
 };
 GLAREPP_API const struct glarepp_facts *
 glarepp_frame_facts(const struct glarepp_frame *frame);

@@ -63,6 +63,8 @@ void gp_made_kernel_free(struct gp_made_kernel **k)
 {
     if (*k && atomic_fetch_sub(&(*k)->holders, 1) == 1) {
         gp_kernel_free(&(*k)->k);
+        for (int i = 0; i < GP_RECIPES; i++)
+            gp_free((*k)->text[i]);
         gp_free(*k);
     }
     *k = NULL;
@@ -190,8 +192,14 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
     st = r->recipes ? gp_model_kernel_next(log, m->recipe, r->recipes, field,
                                            &k->kept, &m->k)
                     : gp_kernel_from_frame(log, &p, &r->image[0], &m->k);
+    atomic_init(&m->holders, 1);
+    for (int i = 0; i < r->recipes && !st; i++) {
+        m->text[i] = gp_recipe_text(&m->recipe[i]);
+        if (!m->text[i])
+            st = gp_no_memory_bare(log, "kernel");
+    }
     if (st) {
-        gp_free(m);
+        gp_made_kernel_free(&m);
         return st;
     }
     if (r->recipes)
@@ -205,7 +213,6 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
     memcpy(m->luminance, field->luminance, sizeof m->luminance);
     m->field.chromaticities = m->chromaticities;
     m->field.luminance = m->luminance;
-    atomic_init(&m->holders, 1);
     put_aside(k);
     k->last = m;
     return GP_OK;

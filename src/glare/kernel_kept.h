@@ -51,6 +51,7 @@ struct gp_made_kernel {
     struct gp_kernel k;
     struct gp_recipe recipe[GP_RECIPES]; // values of its own; files and images
                                          // are the request's
+    char *text[GP_RECIPES];              // of each recipe; owned
     struct gp_kernel_figures figures;
     struct gp_field field;               // chromaticities point to the copy
     float chromaticities[8], luminance[3];

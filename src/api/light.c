@@ -1,0 +1,291 @@
+/* Suns and lamps of a frame: their places, shares and flare. */
+#include "api/frame.h"
+
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- shares outside of the frame, by the scene --------------------------------
+
+enum { FINER = 4 }; // texels of a scene's sun map for one of the mask
+
+/* Returns true when a light's circle in the picture leaves the rectangle: that
+ * of its cone, an ellipse, may differ. */
+static bool leaves(const struct gp_light *l, struct gp_rect r)
+{
+    return l->x - l->radius < r.x0 || l->x + l->radius > r.x1 ||
+           l->y - l->radius < r.y0 || l->y + l->radius > r.y1;
+}
+
+/* Returns a light's disc; that of a lamp is its ball. */
+static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
+{
+    const struct gp_light_sight *const s = &l->sight;
+    const struct gp_v3 at = {s->at[0], s->at[1], s->at[2]};
+    return s->lamp
+               ? gp_eye_lamp(eye, at, sin(s->half) *
+                                          gp_v3_length(gp_v3_sub(at, eye)))
+               : gp_eye_sun(eye, at, s->half);
+}
+
+/* Measures a disc's part outside the window. With the other methods a context
+ * is open already, or is opened here for them too. */
+static gp_status measure_disc(struct glarepp_frame *f,
+                              const struct gp_eye_disc *disc,
+                              const struct gp_eye_window *window,
+                              struct gp_eye_share *out)
+{
+    const struct gp_sun_params *const p = &f->plan->sun;
+    struct gp_api_work *const w = f->work;
+    const struct gp_scene *const s = &w->scene.scene;
+    if (p->method == GP_SUN_EXACT)
+        return gp_eye_rays(&f->log, s, &w->scene.meshes, disc, window, out);
+    gp_status st = w->suns.gl ? gp_gl_use(&f->log, w->suns.gl)
+                              : gp_gl_open(&f->log, w->suns.api, &w->suns.gl);
+    return st ? st
+              : gp_eye_map_draw(&f->log, w->suns.gl, s, &w->scene.meshes, disc,
+                                window, FINER * p->map.side, &w->eye_map, out);
+}
+
+/* Sets the clear share outside the frame of each light, where the scene decides:
+ * by rays with the exact method, else by a sun map from geometry. */
+static gp_status measure_outside(struct glarepp_frame *f)
+{
+    const struct gp_api_scene *const scene = &f->work->scene;
+    struct gp_suns *const suns = &f->work->suns;
+    const struct gp_rect known = suns->occluders.frame;
+    if (f->plan->sun.map.outside != GP_OUTSIDE_SCENE || suns->n == 0)
+        return GP_OK;
+    if (!scene->has_camera)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.outside", "%s: shares "
+                          "outside of the frame by a scene need a camera (the "
+                          "frame has no worldToNDC, %s no camera)",
+                          f->sink.name, f->plan->scene.path);
+    const struct gp_eye_window window = {&scene->frame_camera,
+                                         f->image.display, known};
+    const struct gp_v3 eye = gp_camera_eye(&scene->frame_camera);
+    for (int i = 0; i < suns->n; i++) {
+        struct gp_light *const l = &suns->light[i];
+        const struct gp_eye_disc disc = disc_of(l, eye);
+        struct gp_eye_share share;
+        gp_status st = measure_disc(f, &disc, &window, &share);
+        if (!st && share.outside == 0.0 && leaves(l, known))
+            st = measure_disc(f, &disc, NULL, &share);
+        if (st)
+            return st;
+        l->outside = share.clear;
+        l->outside_error = 3.0 * share.error;
+    }
+    return GP_OK;
+}
+
+// -- steps --------------------------------------------------------------------
+
+gp_status gp_api_place(struct glarepp_frame *f)
+{
+    const gp_status st = gp_suns_place(&f->log, &f->about, &f->image,
+                                       &f->work->suns);
+    f->facts.lights = st ? 0 : f->work->suns.n;
+    return st;
+}
+
+gp_status gp_api_shares(struct glarepp_frame *f)
+{
+    struct gp_suns *const suns = &f->work->suns;
+    gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
+                 f->mask.v ? &f->mask : NULL, suns);
+    gp_status st = measure_outside(f);
+    if (!st)
+        st = gp_suns_measure(&f->log, suns);
+    if (!st && suns->gl)
+        f->facts.shares_gl = gp_gl_info(suns->gl)->name;
+    return st;
+}
+
+gp_status gp_api_join(struct glarepp_frame *f)
+{
+    bool joined;
+    return gp_suns_join(&f->log, &f->work->suns, &f->image, &f->sources,
+                        &f->joined, &joined);
+}
+
+/* Copies the facts about lights, whose state the next frame reuses. */
+static gp_status note_shares(struct glarepp_frame *f)
+{
+    struct gp_suns *const suns = &f->work->suns;
+    const struct gp_occluders *const o = &suns->occluders;
+    const gp_status st = gp_alloc_zero(&f->log, "lights", (size_t) suns->n + 1,
+                                       sizeof *f->share, &f->share);
+    if (st)
+        return st;
+    if (f->p.details)
+        gp_sun_interval(o, suns->p->map.outside, suns->light, suns->n);
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        struct glarepp_share *const s = &f->share[i];
+        *s = (struct glarepp_share) {
+            .x = l->x, .y = l->y, .radius = l->radius, .depth = l->depth,
+            .flux = {l->flux[0], l->flux[1], l->flux[2]}, .behind = l->behind,
+            .in_frame = l->in_frame, .visibility = l->visibility,
+            .low = l->low, .high = l->high,
+        };
+        memcpy(s->name, l->name, sizeof s->name);
+    }
+    f->facts.light = f->share;
+    f->facts.lights = suns->n;
+    if (o->depth) {
+        memcpy(f->facts.depth_empty, o->facts.empty, sizeof o->facts.empty);
+        f->facts.depth_reversed = o->facts.reversed;
+    }
+    return GP_OK;
+}
+
+gp_status gp_api_flare(struct glarepp_frame *f)
+{
+    struct gp_suns *const suns = &f->work->suns;
+    struct glarepp_flare_facts *const facts = &f->facts.flare;
+    gp_status st = GP_OK;
+    suns->flare.frame = f->p.numbered ? f->p.number : 0;
+    if (gp_suns_add_light(suns) && !f->image.layer.c[0])
+        st = gp_api_dark_layer(f);
+    if (!st)
+        st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);
+    const double cpu = gp_cpu_ms();
+    if (!st)
+        st = gp_api_ghosts_add(f, &f->sources, &f->work->ghosts, &f->image,
+                               facts);
+    f->facts.engines_ms = facts->ms;
+    f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
+    return st || !f->plan->facts.lights ? st : note_shares(f);
+}
+
+// -- flare of bright pixels ---------------------------------------------------
+
+/* A run's layer, to be added to the frame's, row by row. */
+struct adding {
+    const struct gp_frame *from; // of the run's window
+    struct gp_frame *to;
+    double *sum;                 // of squares, for each row of `from`: of all
+                                 // pixels, then of those of the frame
+};
+
+static void add_row(void *ctx, int y, int thread)
+{
+    const struct adding *const a = ctx;
+    const struct gp_rect in = a->from->data, to = a->to->data;
+    const size_t w = (size_t) gp_rect_w(in);
+    const int row = in.y0 + y - to.y0;
+    const int first = to.x0 - in.x0, end = to.x1 - in.x0;
+    double all = 0.0, own = 0.0;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const float *const v = a->from->layer.c[c] + (size_t) y * w;
+        for (size_t x = 0; x < w; x++)
+            all += (double) v[x] * (double) v[x];
+        if (row < 0 || row >= gp_rect_h(to))
+            continue;
+        float *const out = a->to->layer.c[c] +
+                           (size_t) row * (size_t) gp_rect_w(to);
+        for (int x = first; x < end; x++) {
+            own += (double) v[x] * (double) v[x];
+            out[x - first] += v[x];
+        }
+    }
+    a->sum[2 * y] = all;
+    a->sum[2 * y + 1] = own;
+}
+
+/* Adds the layer of a run to that of an image. Returns the squared norms of the
+ * whole and of the image's part in norm2[0] and [1]. */
+static gp_status add_layer(const struct gp_log *log,
+    const struct gp_frame *from, struct gp_frame *image, double norm2[2])
+{
+    const int h = gp_frame_h(from);
+    struct adding a = {from, image, NULL};
+    const gp_status st = gp_alloc(log, "flare of bright pixels",
+                                  2 * (size_t) h, sizeof *a.sum, &a.sum);
+    if (st)
+        return st;
+    gp_parallel_do(h, add_row, &a);
+    for (int y = 0; y < h; y++) {
+        norm2[0] += a.sum[2 * y];
+        norm2[1] += a.sum[2 * y + 1];
+    }
+    gp_free(a.sum);
+    return GP_OK;
+}
+
+/* Adds one run's layer; norm2 and *stats stay 0 where it has no light. */
+static gp_status add_run(struct glarepp_frame *f, const struct gp_sources *src,
+    struct gp_api_ghosts *ghosts, int i, struct gp_frame *image,
+    double norm2[2], struct gp_glare_stats *stats)
+{
+    const struct gp_ghost *const run = &ghosts->set.run[i];
+    struct gp_frame window = {.path = image->path, .display = image->display};
+    struct gp_glare_params p = f->plan->glare;
+    struct gp_sources moved = {0};
+    gp_status st = gp_ghost_move(&f->log, &ghosts->set, run, src, &moved);
+    p.tolerance_pixel = 0.0f; // a window has no picture to be relative to
+    window.data = (struct gp_rect) {moved.x0, moved.y0, moved.x0 + moved.w,
+                                    moved.y0 + moved.h};
+    if (!st && moved.n)
+        st = gp_glare_run(&f->log, &p, &ghosts->engine[i], &moved, &run->kernel,
+                          &window, stats);
+    if (!st && moved.n)
+        st = add_layer(&f->log, &window, image, norm2);
+    gp_planes_free(&window.layer);
+    gp_sources_free(&moved);
+    return st;
+}
+
+gp_status gp_api_ghosts_add(struct glarepp_frame *f,
+    const struct gp_sources *src, struct gp_api_ghosts *ghosts,
+    struct gp_frame *image, struct glarepp_flare_facts *facts)
+{
+    const struct gp_flare *const flare = &f->work->suns.flare;
+    const double start = gp_now_ms();
+    double error = 0.0; // norm of the errors
+    double light = 0.0; // squared norms of the layers
+    gp_status st = GP_OK;
+    if (!src->n || !gp_flare_has(flare, GP_FLARE_BRIGHT))
+        return GP_OK;
+    GP_TRY(gp_ghosts_make(&f->log, flare, image->data, image->display,
+                          &ghosts->set));
+    if (!ghosts->engine)
+        GP_TRY(gp_alloc_zero(&f->log, "engines", (size_t) ghosts->set.n,
+                             sizeof *ghosts->engine, &ghosts->engine));
+    ghosts->engines = ghosts->set.n;
+    if (!image->layer.c[0]) {
+        GP_TRY(gp_planes_make(&f->log, "layer", gp_frame_pixels(image),
+                              &image->layer));
+        gp_planes_clear(&image->layer, 0, gp_frame_pixels(image));
+    }
+    for (int i = 0; i < ghosts->set.n; i++) {
+        const struct gp_ghost *const run = &ghosts->set.run[i];
+        struct gp_glare_stats stats = {0};
+        double norm2[2] = {0};
+        if (!run->kernel.w)
+            continue;
+        GP_TRY(add_run(f, src, ghosts, i, image, norm2, &stats));
+        if (!stats.engine)
+            continue;
+        facts->engine = !facts->runs || facts->engine == stats.engine
+                            ? stats.engine : "several";
+        facts->elements += run->elements;
+        facts->runs++;
+        // the exact layer's norm is at most that of the run / (1 - bound)
+        error += stats.bound < 1.0
+                     ? stats.bound * sqrt(norm2[0]) / (1.0 - stats.bound)
+                     : INFINITY;
+        error += run->split * sqrt(norm2[0]);
+        light += norm2[1]; // no layer is negative: their sum has no less
+    }
+    facts->bound = error < sqrt(light) ? error / (sqrt(light) - error)
+                                       : INFINITY;
+    facts->ms = gp_now_ms() - start;
+out:
+    return st;
+}

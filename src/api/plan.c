@@ -1,0 +1,429 @@
+#include "api/plan.h"
+
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "glare/tail/tail.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// -- parameters ---------------------------------------------------------------
+
+enum { MOST_TEXTS = 64 };
+
+/* Replaces a string by a copy that the plan owns. */
+static gp_status keep(struct glarepp_plan *plan, const char **text)
+{
+    if (!*text)
+        return GP_OK;
+    char *const copy = gp_strdup(*text);
+    if (!copy || plan->texts == MOST_TEXTS) {
+        free(copy);
+        return gp_no_memory_bare(&plan->log, "plan");
+    }
+    *text = plan->text[plan->texts++] = copy;
+    return GP_OK;
+}
+
+/* Replaces a list of strings by a copy: the list and its strings are one
+ * block. */
+static gp_status keep_list(struct glarepp_plan *plan,
+                           const char *const **list, int n)
+{
+    size_t bytes = (size_t) n * sizeof **list;
+    if (n < 1)
+        return GP_OK;
+    for (int i = 0; i < n; i++)
+        bytes += strlen((*list)[i]) + 1;
+    const char **const copy = malloc(bytes);
+    if (!copy || plan->texts == MOST_TEXTS) {
+        free(copy);
+        return gp_no_memory_bare(&plan->log, "plan");
+    }
+    char *at = (char *) &copy[n];
+    for (int i = 0; i < n; i++) {
+        copy[i] = strcpy(at, (*list)[i]);
+        at += strlen(at) + 1;
+    }
+    *list = copy;
+    plan->text[plan->texts++] = (char *) copy;
+    return GP_OK;
+}
+
+static gp_status take_sense(struct glarepp_plan *plan,
+                            const struct glarepp_sense_params *from)
+{
+    struct glarepp_sense_params p = GLAREPP_SENSE_PARAMS;
+    const gp_status st = gp_api_params(&plan->log, "sense", &p, sizeof p, from);
+    plan->sense = (struct gp_sensor_params) {
+        .threshold = p.threshold, .unit = (enum gp_threshold_unit) p.unit,
+        .mode = p.whole ? GP_THRESHOLD_WHOLE : GP_THRESHOLD_EXCESS,
+        .knee = p.knee, .max_value = p.max_value,
+    };
+    return st;
+}
+
+static gp_status take_layer(struct glarepp_plan *plan,
+                            const struct glarepp_layer_params *from)
+{
+    struct glarepp_layer_params p = GLAREPP_LAYER_PARAMS;
+    const gp_status st = gp_api_params(&plan->log, "layer", &p, sizeof p, from);
+    if (st)
+        return st;
+    plan->glare = (struct gp_glare_params) GP_GLARE_DEFAULTS;
+    plan->glare.engine = p.engine;
+    plan->glare.gain = p.gain;
+    plan->glare.tolerance = p.tolerance;
+    plan->glare.tolerance_pixel = p.tolerance_pixel;
+    plan->glare.fft_double = p.in_double;
+    plan->glare.gl = (enum gp_gl_api) p.gl;
+    plan->glare.splat.group = p.group;
+    plan->glare.splat.cluster = p.cluster;
+    plan->glare.splat.cluster_fill = p.cluster_fill;
+    plan->glare.splat.shrink = p.shrink;
+    plan->compose = (struct gp_compose_params) {
+        .gain = p.gain,
+        .mix = p.mix == GLAREPP_ADD ? GP_MIX_ADD : GP_MIX_SCATTER,
+    };
+    plan->edges = (enum gp_surround_how) p.edges;
+    return keep(plan, &plan->glare.engine);
+}
+
+static struct gp_light_spec spec_of(const struct glarepp_light *l)
+{
+    const struct gp_light usual = GP_LIGHT_DEFAULTS;
+    struct gp_light_spec spec = {
+        .place = (enum gp_light_place) l->place,
+        .at = {l->at[0], l->at[1], l->at[2]},
+        .radius = l->radius >= 0.0 ? l->radius
+                  : l->place == GLAREPP_PIXEL ? usual.radius : -1.0,
+        .degrees = l->degrees, .ball = l->ball, .depth = l->depth,
+        .bias = l->bias, .flux = {l->flux[0], l->flux[1], l->flux[2]},
+    };
+    memcpy(spec.name, l->name, sizeof spec.name);
+    spec.name[sizeof spec.name - 1] = '\0';
+    return spec;
+}
+
+static gp_status take_lights(struct glarepp_plan *plan,
+                             const struct glarepp_light_params *from)
+{
+    struct glarepp_light_params p = GLAREPP_LIGHT_PARAMS;
+    struct gp_light_spec *spec = NULL;
+    gp_status st = gp_api_params(&plan->log, "lights", &p, sizeof p, from);
+    if (st)
+        return st;
+    if (p.lights < 0 || p.lights > GP_LIGHTS_MAX)
+        return gp_fail_at(&plan->log, GP_ERR_USAGE, "lights.lights", "lights: "
+                          "too many (found %d); the limit is %d", p.lights,
+                          GP_LIGHTS_MAX);
+    spec = calloc((size_t) p.lights + 1, sizeof *spec);
+    if (!spec)
+        return gp_no_memory_bare(&plan->log, "lights");
+    plan->text[plan->texts++] = (char *) spec;
+    for (int i = 0; i < p.lights; i++)
+        spec[i] = spec_of(&p.light[i]);
+    plan->sun = (struct gp_sun_params) {
+        .spec = spec, .specs = p.lights, .sun = spec_of(&p.sun),
+        .lights = p.file, .camera = p.cameras, .flare = p.flare,
+        .size = p.degrees, .method = (enum gp_sun_method) p.method,
+        .map = {.outside = (enum gp_sun_outside) p.outside, .side = p.side,
+                .pattern = p.square ? GP_PATTERN_SQUARE : GP_PATTERN_DISC,
+                .sum = p.bytes ? GP_SUM_BYTE : GP_SUM_FLOAT},
+        .depth_type = (enum gp_depth_type) p.depth,
+        .ndc = (enum gp_ndc) p.ndc, .in_frame = p.in_frame,
+        .needed = p.needed, .adapt = p.adapt,
+    };
+    plan->lit = from != NULL;
+    GP_TRY(keep(plan, &plan->sun.lights));
+    GP_TRY(keep(plan, &plan->sun.camera));
+    GP_TRY(keep(plan, &plan->sun.flare));
+out:
+    return st;
+}
+
+static gp_status take_scene(struct glarepp_plan *plan,
+                            const struct glarepp_scene_params *from)
+{
+    struct glarepp_scene_params p = GLAREPP_SCENE_PARAMS;
+    gp_status st;
+    GP_TRY(gp_api_params(&plan->log, "scene", &p, sizeof p, from));
+    GP_TRY(keep(plan, &p.path));
+    GP_TRY(keep(plan, &p.camera));
+    GP_TRY(keep_list(plan, &p.relight, p.relights));
+    plan->scene = p;
+    plan->sun.more_flux = p.path && p.light_scale > 0.0;
+out:
+    return st;
+}
+
+static gp_status take_lens(struct glarepp_plan *plan,
+                           const struct glarepp_lens_params *from)
+{
+    struct glarepp_lens_params p = GLAREPP_LENS_PARAMS;
+    gp_status st;
+    GP_TRY(gp_api_params(&plan->log, "lens", &p, sizeof p, from));
+    GP_TRY(keep(plan, &p.lens));
+    plan->lens_params = p;
+out:
+    return st;
+}
+
+static gp_status take_tone(struct glarepp_plan *plan,
+                           const struct glarepp_tone_params *from)
+{
+    struct glarepp_tone_params p = GLAREPP_TONE_PARAMS;
+    gp_status st;
+    GP_TRY(gp_api_params(&plan->log, "tone", &p, sizeof p, from));
+    GP_TRY(keep(plan, &p.curve));
+    plan->tone = (struct gp_tone_params) {
+        .curve = p.curve, .exposure = p.exposure,
+        .auto_exposure = p.auto_exposure, .key = p.key, .white = p.white,
+    };
+    if (!p.config)
+        return GP_OK;
+    plan->converts = p.output != NULL;
+    const struct gp_ocio_params ocio = {
+        .config = p.config, .input = p.input, .display = p.display,
+        .view = p.view, .look = p.look, .output = p.output,
+        .context = p.context, .contexts = p.contexts,
+        .any_primaries = p.any_primaries, .shows = p.shows,
+    };
+    st = gp_ocio_open(&plan->log, &ocio, &plan->ocio);
+out:
+    return st;
+}
+
+// -- what frames share --------------------------------------------------------
+
+/* Pixels that kernels of models, which have no end, grow a frame by: farther out
+ * only their smooth part is left. */
+enum { MODEL_REACH = 2 * GP_TAIL_CORE + 1 };
+
+/* Takes the kernel; of an image makes the first one, as a bad one is an error
+ * whatever the frames hold. */
+static gp_status take_kernel(struct glarepp_plan *plan,
+                             const struct glarepp_plan_params *p)
+{
+    static const struct gp_frame square = {.data = {0, 0, 1, 1}};
+    struct gp_made_kernel *first;
+    gp_status st = GP_OK;
+    bool made;
+    if (!p->kernel)
+        st = (gp_status) glarepp_kernel(plan->gp, NULL, &plan->own);
+    if (st)
+        return st;
+    plan->request = &(p->kernel ? p->kernel : plan->own)->request;
+    GP_TRY(gp_kernels_make(&plan->log, plan->request, &plan->kernels));
+    plan->reach = (struct gp_rect) {MODEL_REACH, MODEL_REACH, MODEL_REACH,
+                                    MODEL_REACH};
+    if (plan->request->recipes)
+        return GP_OK;
+    struct gp_field field = gp_field_of(&square, 0.0);
+    field.chromaticities = gp_rec709_chromaticities;
+    field.luminance = gp_rec709_luminance;
+    GP_TRY(gp_kernels_take(&plan->log, plan->kernels, NULL, &field, &made,
+                           &first));
+    const struct gp_kernel *const k = &first->k;
+    plan->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
+                                    k->h - 1 - k->cy};
+    gp_made_kernel_free(&first);
+out:
+    return st;
+}
+
+/* Reads the lens, and checks what the parameters ask of it: attributes are each
+ * frame's own. */
+static gp_status open_lens(struct glarepp_plan *plan)
+{
+    const struct glarepp_lens_params *const p = &plan->lens_params;
+    gp_status st;
+    if (!p->lens)
+        return GP_OK;
+    st = gp_lens_read(&plan->log, p->lens, &plan->lens);
+    if (st)
+        return st;
+    struct gp_lens lens = plan->lens;
+    return gp_lens_focus(&plan->log, &lens,
+                         p->distance > 0.0 ? 1e3 * p->distance : INFINITY,
+                         p->f_number);
+}
+
+static void free_work(struct gp_api_work **work)
+{
+    struct gp_api_work *const w = *work;
+    gp_glare_close(&w->engines);
+    gp_glare_close(&w->group_engines);
+    struct gp_api_ghosts *const ghosts[] = {&w->ghosts, &w->group_ghosts};
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < ghosts[k]->engines; i++)
+            gp_glare_close(&ghosts[k]->engine[i]);
+        gp_free(ghosts[k]->engine);
+        gp_ghosts_free(&ghosts[k]->set);
+    }
+    if (w->suns.gl)
+        gp_eye_map_close(w->suns.gl, &w->eye_map);
+    gp_suns_close(&w->suns);
+    gp_api_scene_end(&w->scene);
+    GP_FREE(*work);
+}
+
+static gp_status read_picture(void *user, const struct gp_log *log,
+                              const char *path, struct gp_frame *out)
+{
+    const struct glarepp_plan *const plan = user;
+    return gp_api_picture(plan->gp, log, path, out, NULL);
+}
+
+gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
+{
+    const struct gp_sun_reader reader = {.user = plan,
+                                         .picture = read_picture};
+    struct gp_api_work *w;
+    gp_status st;
+    pthread_mutex_lock(&plan->lock);
+    w = plan->work;
+    if (w)
+        plan->work = w->next;
+    pthread_mutex_unlock(&plan->lock);
+    *out = w;
+    if (w)
+        return GP_OK;
+    GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
+    GP_TRY(gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl, &reader,
+                         &w->suns));
+    GP_TRY(gp_api_scene_begin(plan, w));
+    *out = w;
+    w = NULL;
+out:
+    if (w)
+        free_work(&w);
+    return st;
+}
+
+void gp_api_give_back(struct glarepp_plan *plan, struct gp_api_work **work)
+{
+    if (!*work)
+        return;
+    gp_suns_end_frame(&(*work)->suns);
+    pthread_mutex_lock(&plan->lock);
+    (*work)->next = plan->work;
+    plan->work = *work;
+    pthread_mutex_unlock(&plan->lock);
+    *work = NULL;
+}
+
+bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
+{
+    return !(atomic_fetch_or(&plan->said, bit) & bit);
+}
+
+/* Lists the files that a plan was read from, and the names of OpenColorIO. */
+static gp_status fill_facts(struct glarepp_plan *plan,
+                            const struct gp_api_work *w)
+{
+    struct glarepp_plan_facts *const f = &plan->facts;
+    const struct gp_flare *const flare = &w->suns.flare;
+    const struct gp_ocio_names *const names =
+        plan->ocio ? gp_ocio_names(plan->ocio) : NULL;
+    const int most = 5 + flare->n + (names ? names->files : 0);
+    const char *const own[] = {plan->sun.lights, plan->sun.camera, flare->path,
+                               plan->lens_params.lens, plan->scene.path};
+    const gp_status st = gp_alloc(&plan->log, "file names", (size_t) most,
+                                  sizeof *plan->file, &plan->file);
+    if (st)
+        return st;
+    for (int i = 0; i < 5; i++) {
+        if (own[i])
+            plan->file[f->files++] = own[i];
+    }
+    for (int i = 0; i < flare->n; i++) {
+        if (flare->element[i].path)
+            plan->file[f->files++] = flare->element[i].path;
+    }
+    for (int i = 0; names && i < names->files; i++)
+        plan->file[f->files++] = names->file[i];
+    f->file = plan->file;
+    f->lights = plan->lit || plan->scene.path;
+    if (!names)
+        return GP_OK;
+    f->config = names->config;
+    f->input = names->input;
+    f->display = names->display;
+    f->view = names->view;
+    f->look = names->look;
+    f->output = names->output;
+    f->output_primaries = gp_ocio_output_primaries(plan->ocio);
+    memcpy(f->cicp, gp_ocio_code_points(plan->ocio), sizeof f->cicp);
+    return GP_OK;
+}
+
+// -- the handle ---------------------------------------------------------------
+
+int glarepp_plan(struct glarepp *gp, const struct glarepp_plan_params *from,
+                 struct glarepp_plan **out)
+{
+    const struct gp_api_call call = gp_api_begin(gp);
+    struct glarepp_plan_params p = GLAREPP_PLAN_PARAMS;
+    struct glarepp_plan *plan = NULL;
+    struct gp_api_work *work = NULL;
+    gp_status st;
+    *out = NULL;
+    GP_TRY(gp_api_params(&gp->log, "plan", &p, sizeof p, from));
+    GP_TRY(gp_alloc_zero(&gp->log, "plan", 1, sizeof *plan, &plan));
+    pthread_mutex_init(&plan->lock, NULL);
+    plan->gp = gp;
+    plan->log = gp->log;
+    plan->fov = p.fov;
+    plan->rotate = p.rotate;
+    GP_TRY(gp_alloc_zero(&gp->log, "plan", MOST_TEXTS + 1, sizeof *plan->text,
+                         &plan->text));
+    GP_TRY(take_sense(plan, p.sense));
+    GP_TRY(take_layer(plan, p.layer));
+    GP_TRY(take_lights(plan, p.lights));
+    GP_TRY(take_lens(plan, p.lens));
+    GP_TRY(take_scene(plan, p.scene));
+    GP_TRY(take_kernel(plan, &p));
+    GP_TRY(take_tone(plan, p.tone));
+    GP_TRY(gp_api_lend(plan, &work)); // so that errors of it come first
+    GP_TRY(open_lens(plan));
+    GP_TRY(fill_facts(plan, work));
+    *out = plan;
+out:
+    if (work)
+        gp_api_give_back(plan, &work);
+    if (st)
+        glarepp_plan_end(&plan);
+    return gp_api_end(&call, st);
+}
+
+void glarepp_plan_end(struct glarepp_plan **handle)
+{
+    struct glarepp_plan *const plan = *handle;
+    if (!plan)
+        return;
+    const struct gp_api_call call = gp_api_begin(plan->gp);
+    while (plan->work) {
+        struct gp_api_work *w = plan->work;
+        plan->work = w->next;
+        free_work(&w);
+    }
+    gp_kernels_free(&plan->kernels);
+    glarepp_kernel_end(&plan->own);
+    gp_ocio_close(&plan->ocio);
+    for (int i = 0; i < plan->texts; i++)
+        free(plan->text[i]);
+    gp_free(plan->text);
+    gp_free(plan->file);
+    pthread_mutex_destroy(&plan->lock);
+    GP_FREE(*handle);
+    (void) gp_api_end(&call, GP_OK);
+}
+
+const struct glarepp_plan_facts *
+glarepp_plan_facts(const struct glarepp_plan *plan)
+{
+    return &plan->facts;
+}

@@ -1,0 +1,313 @@
+/* The scene of a frame: read once, posed for each, its lights and camera handed to
+ * the lights' steps. */
+#include "api/frame.h"
+
+#include "core/depth.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "scene/relit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double USUAL_RATE = 24.0; // frames a second, without an attribute
+static const double MOST_APART = 0.5;  // pixels between two cameras
+static const double PI = 3.14159265358979323846;
+
+// -- reading ------------------------------------------------------------------
+
+/* Has the caller decode a texture's alpha; one texel that is opaque where the
+ * picture has none. */
+static gp_status read_alpha(void *user, const struct gp_log *log,
+                            const char *name, const void *bytes, size_t n,
+                            long long most, int *w, int *h, uint16_t **alpha)
+{
+    const struct glarepp_params *const p = &((struct glarepp *) user)->params;
+    const struct glarepp_picture what = {name, bytes, n, true, most};
+    struct glarepp_image image = GLAREPP_IMAGE;
+    struct glarepp_label label = {0};
+    struct gp_plane plane = {0};
+    gp_status st = (gp_status) p->picture(p->user, &what, &image, &label);
+    if (st)
+        return st;
+    GP_TRY(gp_api_plane(log, &image, 0, &plane));
+    *w = gp_rect_w(plane.window);
+    *h = gp_rect_h(plane.window);
+    const size_t texels = (size_t) *w * (size_t) *h;
+    GP_TRY(gp_alloc(log, "texture", texels, sizeof **alpha, alpha));
+    for (size_t i = 0; i < texels; i++) {
+        const float v = plane.v[i];
+        (*alpha)[i] = (uint16_t) (v >= 1.0f ? 65535.0f
+                                  : v > 0.0f ? v * 65535.0f + 0.5f : 0.0f);
+    }
+out:
+    gp_plane_free(&plane);
+    if (p->release)
+        p->release(p->user, &image);
+    return st;
+}
+
+/* Lists the names of a scene's cameras, cut to fit. */
+static void camera_names(const struct gp_scene *s, char *text, size_t size)
+{
+    size_t at = 0;
+    text[0] = '\0';
+    for (int i = 0; i < s->cameras && at < size; i++)
+        at += (size_t) snprintf(text + at, size - at, "%s%s", i ? ", " : "",
+                                s->camera[i].name);
+}
+
+gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
+                             struct gp_api_work *work)
+{
+    const struct glarepp_scene_params *const p = &plan->scene;
+    const struct gp_log *const log = &plan->log;
+    const struct gp_scene_images images = {plan->gp, read_alpha};
+    struct gp_api_scene *const own = &work->scene;
+    gp_status st;
+    if (!p->path)
+        return GP_OK;
+    GP_TRY(gp_scene_read(log, p->path, (enum gp_up) p->up,
+                         plan->gp->params.picture ? &images : NULL,
+                         &own->scene));
+    const struct gp_scene *const s = &own->scene;
+    const struct gp_scene_camera *const camera =
+        gp_scene_find_camera(s, p->camera);
+    own->camera = camera ? (int) (camera - s->camera) : -1;
+    own->settled = p->up != GLAREPP_UP_AUTO;
+    if (p->camera && !camera)
+        GP_TRY(gp_scene_no_camera(log, s, p->camera));
+    if (s->lights > GP_LIGHTS_MAX)
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too many lights (found %d); the "
+                       "limit is %d", p->path, s->lights, GP_LIGHTS_MAX));
+    if (camera)
+        work->suns.more_fov = camera->yfov * (180.0 / PI);
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1,
+                         sizeof *own->spec, &own->spec));
+out:
+    return st;
+}
+
+void gp_api_scene_end(struct gp_api_scene *s)
+{
+    gp_meshes_free(&s->meshes);
+    gp_scene_free(&s->scene);
+    gp_free(s->spec);
+    *s = (struct gp_api_scene) {0};
+}
+
+// -- a frame's lights ---------------------------------------------------------
+
+/* Light of the scene as one of the frame. Its flux is that of a disc as bright
+ * as the light: a lamp's intensity over pi r^2, a sun's illuminance over the
+ * disc's solid angle, times the disc's pixels. */
+static struct gp_light_spec spec_of(const struct glarepp_plan *plan,
+    const struct gp_scene_light *l, const struct gp_camera *c,
+    struct gp_rect display)
+{
+    const struct gp_light usual = GP_LIGHT_DEFAULTS;
+    struct gp_light_spec spec = {
+        .place = GP_PLACE_WORLD, .at = {l->at.x, l->at.y, l->at.z},
+        .depth = NAN, .bias = usual.bias,
+        .ball = l->ball > 0.0 ? l->ball : plan->scene.lamp_size,
+    };
+    struct gp_v3 to = gp_v3_scale(l->along, -1.0); // the light, from the eye
+    double sine = 1.0; // of half the angle that the disc is seen under
+    memcpy(spec.name, l->name, sizeof spec.name);
+    if (l->kind == GP_LIGHT_DIRECTIONAL) {
+        spec.place = GP_PLACE_DIRECTION;
+        spec.at[0] = to.x;
+        spec.at[1] = to.y;
+        spec.at[2] = to.z;
+        spec.degrees = (double) plan->sun.size;
+        spec.radius = -1.0;
+        sine = sin(spec.degrees * (PI / 360.0));
+    } else {
+        spec.radius = spec.ball > 0.0 ? -1.0 : usual.radius;
+    }
+    if (!c || !(plan->scene.light_scale > 0.0))
+        return spec;
+    // a disc of a small angle has as many pixels as its sine's square says
+    double power = l->intensity;
+    if (l->kind != GP_LIGHT_DIRECTIONAL) {
+        to = gp_v3_sub(l->at, gp_camera_eye(c));
+        const double distance = fmax(gp_v3_length(to), 1e-9);
+        const double size = spec.ball > 0.0 ? spec.ball : 1e-4 * distance;
+        to = gp_v3_scale(to, 1.0 / distance);
+        power *= gp_spot_share(l, gp_v3_scale(to, -1.0)) /
+                 (distance * distance);
+        sine = fmin(size / distance, 1.0);
+    }
+    const double dir[3] = {to.x, to.y, to.z};
+    const double radius =
+        gp_camera_disc(c, display, dir, asin(sine) * (360.0 / PI));
+    const double flux = plan->scene.light_scale * power * radius *
+                        radius / fmax(sine * sine, 1e-18);
+    for (int i = 0; i < 3; i++)
+        spec.flux[i] = (float) fmin(flux * l->color[i], 1e12);
+    return spec;
+}
+
+// -- a frame's camera ---------------------------------------------------------
+
+/* Returns the scene's time of a frame; a frame alone is the scene's first. */
+static double time_of(const struct glarepp_frame *f)
+{
+    return f->p.numbered
+               ? ((double) f->p.number - f->plan->scene.start) /
+                     (f->p.fps > 0.0 ? f->p.fps : USUAL_RATE)
+               : f->work->scene.scene.start;
+}
+
+/* Warns once where a sequence runs beside the scene's keys. */
+static void warn_of_time(const struct glarepp_frame *f, double seconds)
+{
+    const struct gp_scene *const s = &f->work->scene.scene;
+    if (s->start == s->end ||
+        (seconds >= s->start - 0.5 / USUAL_RATE &&
+         seconds <= s->end + 0.5 / USUAL_RATE) ||
+        !gp_api_says(f->plan, GP_SAID_TIME))
+        return;
+    gp_say_at(&f->log, GP_LEVEL_WARN, "scene.start", "%s: %s is at %g s, its "
+              "keys run from %g to %g s", f->plan->scene.path, f->sink.name,
+              seconds, s->start, s->end);
+}
+
+/* Compares the frame's camera with the scene's own. */
+static void compare_cameras(struct glarepp_frame *f, const char *name,
+                            const struct gp_camera *theirs)
+{
+    const struct gp_api_scene *const own = &f->work->scene;
+    struct glarepp_scene_facts *const facts = &f->facts.scene;
+    char apart[64] = "see nothing in common";
+    facts->apart = gp_scene_apart(&own->scene, &own->frame_camera, theirs,
+                                  f->image.display);
+    facts->compared = true;
+    if (!(facts->apart > MOST_APART) || !gp_api_says(f->plan, GP_SAID_CAMERA))
+        return;
+    if (isfinite(facts->apart))
+        snprintf(apart, sizeof apart, "are %.3g pixels apart", facts->apart);
+    gp_say_at(&f->log, GP_LEVEL_WARN, "scene.up", "%s: its camera and \"%s\" "
+              "of %s %s; the frame's counts", f->sink.name, name,
+              f->plan->scene.path, apart);
+}
+
+/* Finds the frame's camera, turns the scene to its world, and compares it with
+ * the scene's own. */
+static gp_status find_camera(struct glarepp_frame *f)
+{
+    struct gp_api_scene *const own = &f->work->scene;
+    struct gp_scene *const s = &own->scene;
+    const struct gp_rect display = f->image.display;
+    struct gp_camera theirs;
+    char names[512];
+    gp_status st;
+    GP_TRY(gp_suns_camera(&f->log, &f->work->suns, &f->about, &f->image,
+                          &own->frame_camera, &own->has_camera));
+    if (!own->settled && own->has_camera)
+        gp_scene_turn(s, gp_scene_find_up(s, &own->frame_camera));
+    own->settled = own->settled || own->has_camera;
+    if (own->camera < 0 && !own->has_camera && s->cameras) {
+        camera_names(s, names, sizeof names);
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.camera", "%s: the frame "
+                          "has no camera (worldToNDC), %s has %d: %s",
+                          f->sink.name, f->plan->scene.path, s->cameras, names);
+    }
+    if (own->camera < 0)
+        return GP_OK;
+    const struct gp_scene_camera *const c = &s->camera[own->camera];
+    const double aspect = (double) gp_rect_w(display) *
+                          (double) f->image.pixel_aspect /
+                          (double) gp_max(gp_rect_h(display), 1);
+    GP_TRY(gp_scene_camera_make(&f->log, s, c, aspect, &theirs));
+    if (own->has_camera) {
+        compare_cameras(f, c->name, &theirs);
+    } else {
+        own->frame_camera = theirs;
+        own->has_camera = true;
+        f->facts.scene.camera = c->name;
+    }
+out:
+    return st;
+}
+
+gp_status gp_api_pose(struct glarepp_frame *f)
+{
+    struct gp_api_scene *const own = &f->work->scene;
+    if (!f->plan->scene.path)
+        return GP_OK;
+    const double seconds = time_of(f);
+    warn_of_time(f, seconds);
+    gp_scene_pose(&own->scene, seconds);
+    f->facts.scene.path = f->plan->scene.path;
+    f->facts.scene.seconds = seconds;
+    const gp_status st = find_camera(f);
+    if (st)
+        return st;
+    const struct gp_camera *const c =
+        own->has_camera ? &own->frame_camera : NULL;
+    for (int i = 0; i < own->scene.lights; i++)
+        own->spec[i] = spec_of(f->plan, &own->scene.light[i], c,
+                               f->image.display);
+    f->work->suns.more = (struct gp_suns_more) {
+        .spec = own->spec, .specs = own->scene.lights, .camera = c,
+    };
+    return GP_OK;
+}
+
+// -- relighting ---------------------------------------------------------------
+
+/* Checks that the planes are there that relighting needs. */
+static gp_status check_planes(const struct glarepp_frame *f)
+{
+    const struct gp_plane *const plane[] = {&f->depth, f->normal, f->albedo};
+    static const char *const name[] = {"depth", "normals", "albedo"};
+    if (!f->work->scene.has_camera)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.relight", "%s: "
+                          "relighting needs a camera, and neither the frame nor "
+                          "the scene has one", f->sink.name);
+    if (f->plan->sun.depth_type != GP_DEPTH_Z)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
+                          "needs distances along the view axis, and depth of "
+                          "that kind");
+    for (int i = 0; i < 3; i++) {
+        if (!plane[i]->v)
+            return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.relight", "%s: "
+                              "relighting needs %s", f->sink.name, name[i]);
+    }
+    return GP_OK;
+}
+
+gp_status gp_api_relight(struct glarepp_frame *f)
+{
+    const struct glarepp_scene_params *const p = &f->plan->scene;
+    struct gp_api_scene *const own = &f->work->scene;
+    struct gp_relit_light *lit = NULL;
+    gp_status st;
+    int n = 0;
+    if (!p->relights)
+        return GP_OK;
+    GP_TRY(check_planes(f));
+    const struct gp_relit_frame frame = {
+        .path = f->sink.name, .camera = own->frame_camera,
+        .display = f->image.display, .data = f->image.data,
+        .depth = &f->depth, .normal = f->normal, .albedo = f->albedo,
+        .normal_of_camera = p->camera_normals, .up_unknown = !own->settled,
+        .light_scale = p->light_scale,
+    };
+    GP_TRY(gp_relit_add(&f->log, &own->scene, &own->meshes, &frame, p->relight,
+                        p->relights, &f->image.rgb, &lit, &n));
+    GP_TRY(gp_alloc(&f->log, "lights", (size_t) n + 1, sizeof *f->relit,
+                    &f->relit));
+    for (int i = 0; i < n; i++)
+        f->relit[i] = (struct glarepp_relit) {
+            .name = lit[i].name, .pixels = lit[i].pixels, .rays = lit[i].rays,
+            .casters = lit[i].casters,
+        };
+    f->facts.relit = f->relit;
+    f->facts.relits = n;
+out:
+    gp_free(lit);
+    return st;
+}
