@@ -72,6 +72,12 @@ static gp_status take_layer(struct glarepp_plan *plan,
     const gp_status st = gp_api_params(&plan->log, "layer", &p, sizeof p, from);
     if (st)
         return st;
+    bool known = strcmp(p.engine, "auto") == 0;
+    for (int i = 0; gp_engines[i]; i++)
+        known |= strcmp(p.engine, gp_engines[i]->name) == 0;
+    if (!known)
+        return gp_fail_at(&plan->log, GP_ERR_USAGE, "layer.engine", "engine: "
+                          "none has this name (found %s)", p.engine);
     plan->glare = (struct gp_glare_params) GP_GLARE_DEFAULTS;
     plan->glare.engine = p.engine;
     plan->glare.gain = p.gain;
