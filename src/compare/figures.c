@@ -367,10 +367,9 @@ gp_status gp_compare_flip(
         out->exposures = *e;
     else if (out->hdr)
         GP_TRY(gp_flip_exposures_find(log, pixels, &a, &out->exposures));
-    GP_TRY(out->hdr ? gp_flip_hdr(log, w, h, &a, &b, GP_FLIP_PPD,
-                                  &out->exposures, out->map, &out->mean)
-                    : gp_flip_ldr(log, w, h, &a, &b, GP_FLIP_PPD, out->map,
-                                  &out->mean));
+    GP_TRY(out->hdr ? gp_flip_hdr(log, w, h, &a, &b, &out->exposures,
+                                  out->map, &out->mean)
+                    : gp_flip_ldr(log, w, h, &a, &b, out->map, &out->mean));
     out->known = true;
 out:
     gp_planes_free(&a);
