@@ -6,6 +6,7 @@
 #include "app/styles.h"
 #include "core/memory.h"
 #include "gl/gl.h"
+#include "io/file.h"
 #include "io/write.h"
 
 #include <stdio.h>
