@@ -3,7 +3,6 @@
  * messages. */
 #include "app/options.h"
 
-#include "compare/compare.h"
 #include "glare/model/model.h"
 #include "io/file.h"
 #include "tone/tone.h"
@@ -441,6 +440,46 @@ static gp_status check_lights(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Checks what is compared. */
+static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_compare_settings *const p = &s->compare;
+    const char *const *const input = s->inputs.at;
+    const double *const e = p->flip_exposures.v;
+    // a limit of our own takes the place of idiff's default ones
+    const bool own = gp_option_given(s, "fail-rel") ||
+                     gp_option_given(s, "fail-flip");
+    if (own && !gp_option_given(s, "fail"))
+        p->limits.fail = INFINITY;
+    if (own && !gp_option_given(s, "warn"))
+        p->limits.warn = INFINITY;
+    if (s->inputs.n != 2)
+        return gp_fail(log, GP_ERR_USAGE, "%s: needs two images (found %d); "
+                       "write glarepp compare A B",
+                       s->inputs.n > 2 ? input[2] : "compare", s->inputs.n);
+    if (gp_is_dash(input[0]) && gp_is_dash(input[1]))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "-: stdin holds only one image; give a file as the "
+                       "other");
+    if (p->flip_exposures.n &&
+        !(e[2] >= 1.0 && e[2] <= GP_FLIP_EXPOSURES_MAX && e[2] == floor(e[2])))
+        return gp_fail(log, GP_ERR_USAGE, "--flip-exposures: not a number of "
+                       "exposures (found %g); give START,STOP,COUNT with a "
+                       "count of 1 to %d", e[2], GP_FLIP_EXPOSURES_MAX);
+    const char *const needs = p->heatmap ? "--heatmap"
+                              : p->flip_exposures.n ? "--flip-exposures"
+                              : isfinite(p->limits.fail_flip) ? "--fail-flip"
+                                                              : NULL;
+    if (p->no_flip && needs)
+        return gp_fail(log, GP_ERR_USAGE, "--no-flip: %s needs FLIP; leave one "
+                       "of the two out", needs);
+    if (gp_is_dash(p->heatmap) || gp_is_dash(p->difference))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: stdout is for the figures "
+                       "(found -); give a file",
+                       gp_is_dash(p->heatmap) ? "heatmap" : "difference");
+    return GP_OK;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
@@ -455,16 +494,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (s->command != GP_COMMAND_BENCH && s->threads.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers are for "
                        "glarepp bench (found %d); give one", s->threads.n);
-    if (s->command == GP_COMMAND_COMPARE) {
-        // a limit of our own takes the place of idiff's default ones
-        const bool own = gp_option_given(s, "fail-rel") ||
-                         gp_option_given(s, "fail-flip");
-        if (own && !gp_option_given(s, "fail"))
-            s->compare.fail = INFINITY;
-        if (own && !gp_option_given(s, "warn"))
-            s->compare.warn = INFINITY;
-        return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
-    }
+    if (s->command == GP_COMMAND_COMPARE)
+        return check_compare(log, s);
     GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
         s->sun.map.outside = GP_OUTSIDE_SCENE;

@@ -32,6 +32,18 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
+/* glarepp compare: compares the two inputs, part by part with --all, and frame by
+ * frame where one of them is a pattern: those of --frames, else all that either
+ * has on disk. Prints idiff's lines and more to stdout, the last of them PASS,
+ * WARNING or FAILURE, or JSON in its place, and writes the pictures. With
+ * --quiet it prints only FAILURE, to stderr as idiff -q does; with --verbose the
+ * figures of a sequence's frames in full.
+ *
+ * Returns the program's exit status: the worst of all pairs (a frame that cannot
+ * be read is a file error, and the next frame is compared); GP_COMPARE_USAGE;
+ * GP_ERR_BUG when memory is full. */
+int gp_compare_command(const struct gp_log *log, const struct gp_settings *s);
+
 /* glarepp kernel: writes kernels with the recipe that made them, makes them
  * again, lists models and checks kernels, as s->making and s->outputs ask.
  * *faulty is true where --check finds a fault.

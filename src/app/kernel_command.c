@@ -8,6 +8,7 @@
 #include "core/minmax.h"
 #include "glare/kernel_check.h"
 #include "glare/sensors.h"
+#include "io/file.h"
 #include "io/read.h"
 #include "io/write.h"
 

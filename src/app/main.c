@@ -1,12 +1,12 @@
 #include "app/clobber.h"
 #include "app/commands.h"
+#include "app/compare_report.h"
 #include "app/environment.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/progress.h"
 #include "app/stages.h"
 #include "bench/bench.h"
-#include "compare/compare.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "gl/gl.h"
@@ -189,74 +189,6 @@ static gp_status run_bench(const struct gp_log *log,
     return st;
 }
 
-/* Returns a pattern's name for item, an index into the list of frames; from
- * malloc. */
-static char *frame_name(const struct gp_compare_names *n,
-                        const struct gp_pattern *p, int item)
-{
-    return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
-}
-
-/* Checks that no picture replaces a compared file or another output. */
-static gp_status check_compare_names(const struct gp_log *log, const void *user,
-                                     const struct gp_compare_names *names)
-{
-    const struct gp_settings *const s = user;
-    gp_status st;
-    struct gp_clobber c;
-    char *name = NULL;
-    const int n = names->frames.n ? names->frames.n : 1;
-    GP_TRY(gp_clobber_begin(log, s, &c));
-    for (int i = 0; i < 2 * n; i++) {
-        const struct gp_pattern *const p = i % 2 ? &names->difference
-                                                 : &names->heatmap;
-        if (!(i % 2 ? s->compare.difference : s->compare.heatmap))
-            continue;
-        name = frame_name(names, p, i / 2);
-        if (!name)
-            GP_TRY(gp_no_memory(log, p->path));
-        GP_TRY(gp_clobber_add(&c, &(struct gp_clobber_output) {
-            .name = name, .what = i % 2 ? "--difference" : "--heatmap",
-            .as = p->path, .order = i}));
-        GP_FREE(name);
-    }
-    GP_TRY(gp_clobber_settle(&c));
-    for (int i = 0; i < 2 * n && c.exists; i++) {
-        const struct gp_pattern *const p = &names->in[i % 2];
-        name = frame_name(names, p, i / 2);
-        GP_TRY(name ? gp_clobber_input(&c, "input", name)
-                    : gp_no_memory(log, p->path));
-        GP_FREE(name);
-    }
-out:
-    gp_free(name);
-    gp_clobber_end(&c);
-    return st;
-}
-
-static int run_compare(const struct gp_log *log, const struct gp_settings *s)
-{
-    char *command = NULL; // of the pictures
-    if (!s->no_provenance && (s->compare.heatmap || s->compare.difference) &&
-        gp_command_text(log, s, s->inputs.at, s->inputs.n, &command))
-        return GP_ERR_BUG;
-    struct gp_write_params write = s->write;
-    write.command = command;
-    const struct gp_compare_request req = {
-        .params = &s->compare,
-        .input = {s->inputs.at[0], s->inputs.at[1]},
-        .frames = s->frames,
-        .json = s->bench.json,
-        .read = &s->read,
-        .write = &write,
-        .check_names = check_compare_names,
-        .user = s,
-    };
-    const int status = gp_compare_run(log, &req);
-    free(command);
-    return status;
-}
-
 /* Returns the path of `name` in $XDG_CACHE_HOME/glarepp, or in ~/.cache/glarepp
  * where that variable is unset or not an absolute path (XDG Base Directory
  * Specification 0.8); from malloc. Makes the folders with mode 0700. NULL when
@@ -321,7 +253,7 @@ int main(int argc, char *argv[])
     } else if (!st && s.command == GP_COMMAND_BENCH) {
         st = run_bench(&log, &s);
     } else if (!st && s.command == GP_COMMAND_COMPARE) {
-        status = run_compare(&log, &s);
+        status = gp_compare_command(&log, &s);
     } else if (!st && s.command == GP_COMMAND_KERNEL) {
         st = gp_kernel_command(&log, &s, &differs);
     } else if (!st && s.command == GP_COMMAND_SETS) {

@@ -15,7 +15,7 @@ const struct gp_settings gp_defaults = {
     .tone = GP_TONE_DEFAULTS,
     .write = GP_WRITE_DEFAULTS,
     .bench = GP_BENCH_DEFAULTS,
-    .compare = GP_COMPARE_DEFAULTS,
+    .compare = {.limits = GP_COMPARE_DEFAULTS, .scale = 1.0f},
     .table = GP_TABLE_DEFAULTS,
     .sun = GP_SUN_DEFAULTS,
     .command = GP_COMMAND_MAIN,
@@ -594,29 +594,29 @@ const struct gp_option gp_options[] = {
         .help = "Time each row N times; the table has the median"),
 
     // idiff's, which may be written with one dash
-    OPT(compare.fail, .name = "fail", COMPARE, .arg = "E", .hi = INFINITY,
+    OPT(compare.limits.fail, .name = "fail", COMPARE, .arg = "E", .hi = INFINITY,
         .help = "Fail pixels with a value whose error is over E"),
-    OPT(compare.fail_relative, .name = "failrelative", COMPARE, .arg = "F",
+    OPT(compare.limits.fail_relative, .name = "failrelative", COMPARE, .arg = "F",
         .hi = INFINITY, .help = "Fail only values whose error is also over F "
         "times the mean of both magnitudes"),
-    OPT(compare.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
+    OPT(compare.limits.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
         .hi = INFINITY, .help = "Allow this percentage of pixels to fail"),
-    OPT(compare.allow_failures, .name = "allowfailures", COMPARE, .arg = "N",
+    OPT(compare.limits.allow_failures, .name = "allowfailures", COMPARE, .arg = "N",
         .lo = -1, .hi = INT32_MAX,
         .help = "Allow N pixels to fail by any amount, -1: any number"),
-    OPT(compare.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
+    OPT(compare.limits.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Fail if any error is over E, whatever "
         "--failpercent allows"),
-    OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = INFINITY,
+    OPT(compare.limits.warn, .name = "warn", COMPARE, .arg = "E", .hi = INFINITY,
         .help = "Warn of pixels with a value whose error is over E, where "
                 "pixels fail but not too many"),
-    OPT(compare.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
+    OPT(compare.limits.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
         .hi = INFINITY, .help = "Warn only of values whose error is also over "
         "F times the mean of both magnitudes"),
-    OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
+    OPT(compare.limits.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
         .hi = INFINITY,
         .help = "Allow this percentage of pixels to be over --warn"),
-    OPT(compare.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
+    OPT(compare.limits.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Warn if any error is over E, whatever "
         "--warnpercent allows"),
     OPT(compare.perceptual, .name = "perceptual", .letter = 'p', COMPARE,
@@ -633,10 +633,10 @@ const struct gp_option gp_options[] = {
         .help = "Write |A - B| to --difference"),
     OPT(compare.scale, .name = "scale", COMPARE, .arg = "F", .lo = -FLT_MAX,
         .hi = FLT_MAX, .help = "Multiply --difference by F"),
-    OPT(compare.fail_rel, .name = "fail-rel", COMPARE, .arg = "E",
+    OPT(compare.limits.fail_rel, .name = "fail-rel", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Fail where rel_l2, the norm of A - B over "
         "that of A, is over E; --fail has no default then"),
-    OPT(compare.fail_flip, .name = "fail-flip", COMPARE, .arg = "F", .hi = 1,
+    OPT(compare.limits.fail_flip, .name = "fail-flip", COMPARE, .arg = "F", .hi = 1,
         .help = "Fail where the mean FLIP is over F; --fail has no default "
                 "then"),
     OPT(compare.flip_exposures, .name = "flip-exposures", COMPARE,

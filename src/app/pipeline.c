@@ -1,6 +1,7 @@
 #include "app/commands.h"
 
 #include "app/flight.h"
+#include "app/machine.h"
 #include "app/say.h"
 #include "app/stages.h"
 #include "core/clock.h"
@@ -358,7 +359,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs,
                 .says = person || s->level >= GP_LEVEL_INFO},
-        .memory = gp_memory_limit(),
+        .memory = gp_memory_limit(""),
         .most = 1,
         .slots = most < units ? most : units > 0 ? units : 1,
     };

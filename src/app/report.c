@@ -1,5 +1,6 @@
 #include "app/report.h"
 
+#include "app/machine.h"
 #include "app/options.h"
 #include "core/json.h"
 #include "core/memory.h"

@@ -6,6 +6,7 @@
 #include "bench/bench.h"
 #include "core/json.h"
 #include "gl/gl.h"
+#include "io/file.h"
 #include "io/write.h"
 #include "scene/gltf/gltf.h"
 

@@ -79,6 +79,18 @@ struct gp_lens_settings {
     float f_number;
 };
 
+/* Limits of glarepp compare, and pictures to write. */
+struct gp_compare_settings {
+    struct gp_compare_params limits;
+    bool perceptual;                  // failing: what an eye sees (Yee)
+    bool all_parts;                   // else the first
+    bool no_flip;
+    struct gp_numbers flip_exposures; // start, stop, count; n 0: automatic
+    const char *heatmap, *difference; // pictures of FLIP, of a - b; NULL: none
+    bool only_different, absolute;    // only of pairs that differ; |a - b|
+    float scale;                      // times this
+};
+
 /* A scene, whose lights join the frame's. */
 struct gp_scene_settings {
     const char *path;    // NULL: none
@@ -114,7 +126,7 @@ struct gp_settings {
     struct gp_ocio_params ocio;        // config NULL: tone maps
     struct gp_write_params write;
     struct gp_bench_params bench;      // json: of compare too
-    struct gp_compare_params compare;
+    struct gp_compare_settings compare;
     struct gp_table_params table;      // its size is making's
     struct gp_sun_params sun;
     struct gp_lens_settings lens;

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "gl/gl.h"
+#include "io/file.h"
 #include "io/write.h"
 
 #include <stdio.h>

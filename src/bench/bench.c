@@ -208,7 +208,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
             st = show_layer(b);
         if (!st && b->shown.c[0])
             st = gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
-                &b->shown, &b->f->shown, GP_FLIP_PPD, NULL, &row->flip);
+                &b->shown, &b->f->shown, NULL, &row->flip);
     }
     // the renderer's name goes with its context
     snprintf(row->gl, sizeof row->gl, "%s", row->stats.gl ? row->stats.gl : "");

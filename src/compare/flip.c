@@ -16,13 +16,15 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* The filters of FLIP: the eye's resolution at some distance, and its detectors
- * of edges and points. All are separable; of one dimension they have
- * at most 2 * RADIUS_MAX + 1 taps, from the left. */
-enum { RADIUS_MAX = 136 };
-struct taps {
-    float at[2 * RADIUS_MAX + 1];
-};
+/* Pixels a degree: flip.h. */
+static const double PPD = (double) 67.0206f;
+
+/* The filters of FLIP: the eye's resolution, and its detectors of edges and
+ * points. All are separable. They reach three standard deviations of the widest
+ * Gaussian, sqrt(0.04 / (2 pi^2)) degrees, and of the detectors, which are
+ * narrower. */
+enum { RADIUS = 10, TAPS = 2 * RADIUS + 1 };
+enum { NARROW = 9, NARROW_TAPS = 2 * NARROW + 1 };
 
 /* Contrast sensitivity of the opponent channels (section 4.1.1): Gaussians,
  * for blue-yellow the sum of two. Each sums to 1. */
@@ -33,11 +35,9 @@ enum { ACHROMATIC, RED_GREEN, BLUE_YELLOW, BLUE_YELLOW_2, COLOURS };
 enum { BLUR, EDGES, POINTS, FEATURES };
 
 struct filters {
-    int radius;          // of the colour filters, 2 * radius + 1 taps
-    int feature_radius;  // of the detectors, <= radius
-    struct taps colour[COLOURS];
-    struct taps feature[FEATURES];
-    float share[2];      // of the two blue-yellow Gaussians; sum 1
+    float colour[COLOURS][TAPS];
+    float feature[FEATURES][NARROW_TAPS];
+    float share[2]; // of the two blue-yellow Gaussians; sum 1
 };
 
 /* Table 1 of the paper: a * sqrt(pi / b) * exp(-pi^2 x^2 / b), x in degrees. */
@@ -64,41 +64,30 @@ static double normalise(const double *tap, int n, float *out)
     return above;
 }
 
-/* Makes them for `ppd` pixels a degree, in the range of flip.h. */
-static void make_filters(double ppd, struct filters *f)
+static void make_filters(struct filters *f)
 {
     // section 4.2: degrees from peak to trough, two standard deviations
-    static const double FEATURE_WIDTH = 0.082;
-    const double feature_sigma = 0.5 * FEATURE_WIDTH * ppd;
-    // of the widest, whose standard deviation is sqrt(b / (2 pi^2)) degrees
-    const double widest = gaussian[BLUE_YELLOW].b;
-    const double sigma = sqrt(widest / (2.0 * PI * PI)) * ppd;
-    const int r = (int) ceil(3.0 * sigma);
-    const int fr = (int) ceil(3.0 * feature_sigma);
-    double tap[FEATURES][2 * RADIUS_MAX + 1] = {{0}}, volume[COLOURS];
-    memset(f, 0, sizeof *f);
-    f->radius = r;
-    f->feature_radius = fr;
+    const double sigma = 0.5 * 0.082 * PPD, s2 = sigma * sigma;
+    double tap[FEATURES][TAPS], volume[COLOURS];
     for (int c = 0; c < COLOURS; c++) {
-        for (int i = -r; i <= r; i++) {
-            const double x = i / ppd;
-            tap[0][i + r] = exp(-PI * PI * x * x / gaussian[c].b);
+        for (int i = -RADIUS; i <= RADIUS; i++) {
+            const double x = i / PPD;
+            tap[0][i + RADIUS] = exp(-PI * PI * x * x / gaussian[c].b);
         }
-        const double sum = normalise(tap[0], 2 * r + 1, f->colour[c].at);
+        const double sum = normalise(tap[0], TAPS, f->colour[c]);
         volume[c] = gaussian[c].a * sqrt(PI / gaussian[c].b) * sum * sum;
     }
     const double both = volume[BLUE_YELLOW] + volume[BLUE_YELLOW_2];
     f->share[0] = (float) (volume[BLUE_YELLOW] / both);
     f->share[1] = (float) (volume[BLUE_YELLOW_2] / both);
-    for (int i = -fr; i <= fr; i++) {
-        const double s2 = feature_sigma * feature_sigma;
+    for (int i = -NARROW; i <= NARROW; i++) {
         const double g = exp(-(double) i * i / (2.0 * s2));
-        tap[BLUR][i + fr] = g;
-        tap[EDGES][i + fr] = -i * g;
-        tap[POINTS][i + fr] = ((double) i * i / s2 - 1.0) * g;
+        tap[BLUR][i + NARROW] = g;
+        tap[EDGES][i + NARROW] = -i * g;
+        tap[POINTS][i + NARROW] = ((double) i * i / s2 - 1.0) * g;
     }
     for (int k = 0; k < FEATURES; k++)
-        (void) normalise(tap[k], 2 * fr + 1, f->feature[k].at);
+        (void) normalise(tap[k], NARROW_TAPS, f->feature[k]);
 }
 
 /* out[i] = sum over t of tap[t] * in[i + t]; n values from n + taps - 1. */
@@ -143,18 +132,17 @@ struct metric {
     struct filters filter;
     float to_xyz[9], to_rgb[9];    // BT.709 and XYZ over that of white
     float most;                    // largest colour difference, raised
-    size_t scratch;                // floats a thread
-    float *scratches;
+    struct tile *tile;             // of each thread
     float *map;                    // or NULL
     double *sum;                   // one a tile
 };
 
-/* A tile under way. */
+/* A tile under way; rows of TILE_W. */
 struct tile {
     int x0, y0, w, h;
-    float *row[3];     // opponent colours of a row, padded on both sides
-    float *line[LINES]; // h + 2 * radius rows of TILE_W
-    float *seen[2][SEEN]; // h rows of TILE_W, of each picture
+    float row[3][TILE_W + 2 * RADIUS]; // opponent colours of a row, padded
+    float line[LINES][(TILE_H + 2 * RADIUS) * TILE_W];
+    float seen[2][SEEN][TILE];         // of each picture
 };
 
 // Section 4.1.3 of the paper: q_c, p_c and p_t
@@ -202,13 +190,12 @@ static float distance(const float a[3], const float b[3])
  * YCxCz without their factors, which the way back would take away again: Y,
  * X - Y, Y - Z over white's; beyond the border the outermost pixels are
  * repeated. */
-static void resolve(const struct metric *m, const struct tile *t, int picture)
+static void resolve(const struct metric *m, struct tile *t, int picture)
 {
     static const int plane[COLOURS] = {0, 1, 2, 2};
     const struct gp_planes *const p = m->picture[picture];
     const struct filters *const f = &m->filter;
-    const int r = f->radius, inset = r - f->feature_radius;
-    const int taps = 2 * r + 1, feature_taps = 2 * f->feature_radius + 1;
+    const int r = RADIUS, inset = RADIUS - NARROW;
     for (int j = 0; j < t->h + 2 * r; j++) {
         const size_t row = (size_t) gp_clamp(t->y0 - r + j, 0, m->h - 1);
         for (int i = 0; i < t->w + 2 * r; i++) {
@@ -224,20 +211,20 @@ static void resolve(const struct metric *m, const struct tile *t, int picture)
             t->row[2][i] = xyz[1] - xyz[2];
         }
         for (int c = 0; c < COLOURS; c++)
-            filter_row(t->row[plane[c]], f->colour[c].at, taps, t->w,
+            filter_row(t->row[plane[c]], f->colour[c], TAPS, t->w,
                        t->line[c] + j * TILE_W);
         for (int k = 0; k < FEATURES; k++)
-            filter_row(t->row[0] + inset, f->feature[k].at, feature_taps, t->w,
+            filter_row(t->row[0] + inset, f->feature[k], NARROW_TAPS, t->w,
                        t->line[COLOURS + k] + j * TILE_W);
     }
     const float weight[COLOURS] = {1.0f, 1.0f, f->share[0], f->share[1]};
     for (int j = 0; j < t->h; j++) {
-        float *const *const seen = t->seen[picture];
+        float(*const seen)[TILE] = t->seen[picture];
         const int at = j * TILE_W, top = at + inset * TILE_W;
         float sum[3][TILE_W] = {0};
         // colours as the eye resolves them
         for (int c = 0; c < COLOURS; c++)
-            filter_column(t->line[c] + at, TILE_W, f->colour[c].at, taps,
+            filter_column(t->line[c] + at, TILE_W, f->colour[c], TAPS,
                           weight[c], t->w, sum[plane[c]]);
         for (int i = 0; i < t->w; i++) {
             const float y = sum[0][i];
@@ -254,9 +241,9 @@ static void resolve(const struct metric *m, const struct tile *t, int picture)
         for (int k = EDGES; k <= POINTS; k++) {
             float x[TILE_W] = {0}, y[TILE_W] = {0};
             filter_column(t->line[COLOURS + k] + top, TILE_W,
-                          f->feature[BLUR].at, feature_taps, 1.0f, t->w, x);
+                          f->feature[BLUR], NARROW_TAPS, 1.0f, t->w, x);
             filter_column(t->line[COLOURS + BLUR] + top, TILE_W,
-                          f->feature[k].at, feature_taps, 1.0f, t->w, y);
+                          f->feature[k], NARROW_TAPS, 1.0f, t->w, y);
             for (int i = 0; i < t->w; i++)
                 seen[EDGE + k - EDGES][at + i] =
                     sqrtf(x[i] * x[i] + y[i] * y[i]);
@@ -269,7 +256,7 @@ static void resolve(const struct metric *m, const struct tile *t, int picture)
 /* Sections 4.1.3 (colour), 4.2 (features) and 4.3 (both). */
 static float difference(const struct metric *m, const struct tile *t, int at)
 {
-    float *const *a = t->seen[0], *const *b = t->seen[1];
+    const float(*const a)[TILE] = t->seen[0], (*const b)[TILE] = t->seen[1];
     const float lab_a[3] = {a[L][at], a[A][at], a[B][at]};
     const float lab_b[3] = {b[L][at], b[A][at], b[B][at]};
     const float e = powf(distance(lab_a, lab_b), COLOUR_POWER);
@@ -287,27 +274,19 @@ static float difference(const struct metric *m, const struct tile *t, int at)
 static void compare_tile(void *ctx, int i, int thread)
 {
     const struct metric *m = ctx;
-    const int r = m->filter.radius;
-    float *scratch = m->scratches + (size_t) thread * m->scratch;
-    struct tile t = {
-        .x0 = i % m->across * TILE_W, .y0 = i / m->across * TILE_H,
-    };
-    t.w = m->w - t.x0 < TILE_W ? m->w - t.x0 : TILE_W;
-    t.h = m->h - t.y0 < TILE_H ? m->h - t.y0 : TILE_H;
-    for (int c = 0; c < 3; c++, scratch += TILE_W + 2 * r)
-        t.row[c] = scratch;
-    for (int k = 0; k < LINES; k++, scratch += (TILE_H + 2 * r) * TILE_W)
-        t.line[k] = scratch;
-    for (int k = 0; k < 2 * SEEN; k++, scratch += TILE)
-        t.seen[k / SEEN][k % SEEN] = scratch;
+    struct tile *const t = &m->tile[thread];
+    t->x0 = i % m->across * TILE_W;
+    t->y0 = i / m->across * TILE_H;
+    t->w = gp_min(m->w - t->x0, TILE_W);
+    t->h = gp_min(m->h - t->y0, TILE_H);
     double sum = 0.0;
-    resolve(m, &t, 0);
-    resolve(m, &t, 1);
-    for (int y = 0; y < t.h; y++) {
-        const size_t at = (size_t) (t.y0 + y) * (size_t) m->w + (size_t) t.x0;
+    resolve(m, t, 0);
+    resolve(m, t, 1);
+    for (int y = 0; y < t->h; y++) {
+        const size_t at = (size_t) (t->y0 + y) * (size_t) m->w + (size_t) t->x0;
         float *const to = m->map ? m->map + at : NULL;
-        for (int x = 0; x < t.w; x++) {
-            const float d = difference(m, &t, y * TILE_W + x);
+        for (int x = 0; x < t->w; x++) {
+            const float d = difference(m, t, y * TILE_W + x);
             sum += (double) d;
             if (to)
                 to[x] = d;
@@ -318,15 +297,11 @@ static void compare_tile(void *ctx, int i, int thread)
 
 gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
                       const struct gp_planes *a, const struct gp_planes *b,
-                      float ppd, float *map, double *mean)
+                      float *map, double *mean)
 {
     if (w < 1 || h < 1)
         return gp_fail(log, GP_ERR_USAGE,
                        "flip: no pixels (found %d x %d); give pictures", w, h);
-    if (!(ppd >= GP_FLIP_PPD_MIN && ppd <= GP_FLIP_PPD_MAX))
-        return gp_fail(log, GP_ERR_USAGE, "flip: pixels per degree out of "
-                       "range (found %g); give %g to %g", (double) ppd,
-                       (double) GP_FLIP_PPD_MIN, (double) GP_FLIP_PPD_MAX);
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
@@ -349,12 +324,9 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     to_hunt_lab(&m, green, lab[0]);
     to_hunt_lab(&m, blue, lab[1]);
     m.most = powf(distance(lab[0], lab[1]), COLOUR_POWER);
-    make_filters((double) ppd, &m.filter);
-    const size_t r = (size_t) m.filter.radius;
-    m.scratch = 3 * (TILE_W + 2 * r) + LINES * (TILE_H + 2 * r) * TILE_W +
-                2 * SEEN * TILE;
-    gp_status st = gp_alloc(log, "flip", (size_t) gp_threads() * m.scratch,
-                            sizeof *m.scratches, &m.scratches);
+    make_filters(&m.filter);
+    gp_status st = gp_alloc(log, "flip", (size_t) gp_threads(), sizeof *m.tile,
+                            &m.tile);
     if (!st)
         st = gp_alloc(log, "flip", (size_t) tiles, sizeof *m.sum, &m.sum);
     if (!st) {
@@ -365,7 +337,7 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
         if (mean)
             *mean = sum / ((double) w * (double) h);
     }
-    gp_free(m.scratches);
+    gp_free(m.tile);
     gp_free(m.sum);
     return st;
 }
@@ -493,7 +465,7 @@ static void tone_block(void *ctx, int block, int thread)
 }
 
 gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-    const struct gp_planes *reference, const struct gp_planes *test, float ppd,
+    const struct gp_planes *reference, const struct gp_planes *test,
     const struct gp_flip_exposures *e, float *map, double *mean)
 {
     gp_status st;
@@ -525,7 +497,7 @@ gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
             struct toning t = {in[k], scale, n, &shown[k]};
             gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
         }
-        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], ppd, one, NULL));
+        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], one, NULL));
         for (size_t j = 0; j < n; j++)
             most[j] = gp_maxf(one[j], most[j]);
     }

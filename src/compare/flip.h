@@ -6,6 +6,9 @@
  * HDR-FLIP: Andersson, Nilsson, Shirley, Akenine-Moeller, Visualizing Errors in
  *   Rendered High Dynamic Range Images, Eurographics 2021 short papers.
  *
+ * A degree of view has 67.02 pixels, as the papers take it: 3840 pixels on a
+ * display 0.7 m wide, seen from 0.7 m.
+ *
  * Planes are w * h samples, rows from the top. Every result is the same for any
  * number of threads, and the same for (a, b) and (b, a) at equal exposures.
  */
@@ -15,28 +18,20 @@
 #include "core/frame.h"
 #include "core/status.h"
 
-/* Pixels a degree of view: 3840 pixels on a display 0.7 m wide, seen from
- * 0.7 m: (3840 / 0.7) * 0.7 * pi / 180. */
-#define GP_FLIP_PPD 67.0206f
-#define GP_FLIP_PPD_MIN 1.0f
-#define GP_FLIP_PPD_MAX 1000.0f
-
 enum { GP_FLIP_EXPOSURES_MAX = 64 };
 
 /* LDR-FLIP of two pictures.
  *
  *   a, b   display-linear BT.709 (the sRGB curve undone); values outside [0,1]
  *          are clamped, NaN counts as 0
- *   ppd    pixels a degree, GP_FLIP_PPD_MIN to GP_FLIP_PPD_MAX
  *   map    w * h values in [0,1], or NULL
  *   mean   of the map; NULL where it is not wanted
  *
  * Beyond the border the outermost pixels are repeated. Both are written only on
- * GP_OK. Errors: GP_ERR_USAGE no pixels, ppd out of range; GP_ERR_BUG out of
- * memory. */
+ * GP_OK. Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_flip_ldr(
     const struct gp_log *log, int w, int h, const struct gp_planes *a,
-    const struct gp_planes *b, float ppd, float *map, double *mean);
+    const struct gp_planes *b, float *map, double *mean);
 
 /* The exposures at which two frames are compared: `count` of them, in equal
  * steps from start to stop, in EV. */
@@ -67,7 +62,7 @@ GP_MUST_CHECK gp_status gp_flip_exposures_find(
  * The rest, and the errors, as in gp_flip_ldr(); GP_ERR_USAGE also for
  * exposures that are not finite, or a count out of range. */
 GP_MUST_CHECK gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-    const struct gp_planes *reference, const struct gp_planes *test, float ppd,
+    const struct gp_planes *reference, const struct gp_planes *test,
     const struct gp_flip_exposures *e, float *map, double *mean);
 
 #endif

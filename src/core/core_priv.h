@@ -18,10 +18,6 @@ void gp_arena_give(void *block);
 /* Bytes that the arena has mapped, in use or not. */
 size_t gp_arena_mapped(void);
 
-/* Returns the least limit of the control groups that `root`/proc/self/cgroup
- * names, under `root`/sys/fs/cgroup; `most` where there is none below. */
-size_t gp_cgroup_limit(const char *root, size_t most);
-
 /* XYZ of light of one wavelength, nm. */
 void gp_spectrum_xyz(double nm, double xyz[3]);
 

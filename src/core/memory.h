@@ -50,16 +50,4 @@ unsigned long gp_serial_next(void);
 /* A copy of a string, or NULL when memory is full. */
 char *gp_strdup(const char *s);
 
-/* Returns the bytes of the machine's memory, or the least limit of the control
- * groups that this process is in and their parents, as batch systems (Slurm)
- * and containers set it: memory.max of cgroup v2, memory.limit_in_bytes of v1;
- * or the limit of address space, where that is less.
- * 0 when unknown. Memory that other processes use is not subtracted. */
-size_t gp_memory_limit(void);
-
-/* Returns the most bytes that this process had in memory so far: VmHWM of
- * proc(5), else ru_maxrss of getrusage(2), which starts at the memory of the
- * process that started this one. 0 when unknown. */
-size_t gp_peak_memory(void);
-
 #endif

@@ -2,12 +2,9 @@
 
 #include "core/minmax.h"
 
-#include <errno.h>
-#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 // -- text of files and libraries ---------------------------------------------
 
@@ -189,22 +186,4 @@ void gp_nearest_try(struct gp_nearest *search, const char *name)
         search->most = edits;
         search->name = name;
     }
-}
-
-gp_status gp_flush_stdout(const struct gp_log *log)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return GP_OK;
-    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
-                   "program that reads it", strerror(errno));
-}
-
-gp_status gp_flush_text(const struct gp_log *log)
-{
-    // poll(2): POLLERR is set for the end of a pipe that nobody reads
-    struct pollfd to = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    (void) fflush(stdout);
-    if (poll(&to, 1, 0) > 0 && (to.revents & POLLERR))
-        return GP_OK;
-    return gp_flush_stdout(log);
 }

@@ -150,11 +150,4 @@ void gp_nearest_try(struct gp_nearest *search, const char *name);
             goto out;                                                         \
     } while (0)
 
-/* Ends what was printed to stdout. Errors: GP_ERR_IO it cannot be written. */
-GP_MUST_CHECK gp_status gp_flush_stdout(const struct gp_log *log);
-
-/* The same for help and lists, which a reader such as head(1) may leave before
- * their end: that is no error. */
-GP_MUST_CHECK gp_status gp_flush_text(const struct gp_log *log);
-
 #endif

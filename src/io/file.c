@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -541,4 +542,24 @@ gp_status gp_file_save(const struct gp_log *log, const char *path,
         st = gp_file_commit(&file);
     gp_file_discard(&file);
     return st;
+}
+
+// -- stdout ------------------------------------------------------------------
+
+gp_status gp_flush_stdout(const struct gp_log *log)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return GP_OK;
+    return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check the "
+                   "program that reads it", strerror(errno));
+}
+
+gp_status gp_flush_text(const struct gp_log *log)
+{
+    // poll(2): POLLERR is set for the end of a pipe that nobody reads
+    struct pollfd to = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    (void) fflush(stdout);
+    if (poll(&to, 1, 0) > 0 && (to.revents & POLLERR))
+        return GP_OK;
+    return gp_flush_stdout(log);
 }

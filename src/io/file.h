@@ -121,4 +121,13 @@ void gp_file_ending(const char *path, char *ending, int room);
  * and not a silent end. Call once at start. */
 void gp_temp_cleanup_on_signal(void);
 
+/* -- stdout ---------------------------------------------------------------- */
+
+/* Ends what was printed to stdout. Errors: GP_ERR_IO it cannot be written. */
+GP_MUST_CHECK gp_status gp_flush_stdout(const struct gp_log *log);
+
+/* The same for help and lists, which a reader such as head(1) may leave before
+ * their end: that is no error. */
+GP_MUST_CHECK gp_status gp_flush_text(const struct gp_log *log);
+
 #endif

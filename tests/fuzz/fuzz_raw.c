@@ -1,6 +1,6 @@
 /* Every part of a file as `compare` reads it, and each compared with the part
  * before and with itself. */
-#include "compare/compare_priv.h"
+#include "compare/compare.h"
 #include "harness.h"
 #include "io/read.h"
 

@@ -16,7 +16,7 @@ SRC = os.path.join(ROOT, "src")
 
 # A room may include its own headers, those of the rooms named here, and the
 # single headers named here.
-MIDDLE = ["glare", "sun", "scene", "tone", "io"]
+MIDDLE = ["glare", "sun", "scene", "tone", "compare", "io"]
 ROOMS = {
     "core": [],
     "gl": ["core"],
@@ -25,9 +25,9 @@ ROOMS = {
     "scene": ["gl", "core"],
     "tone": ["gl", "core"],
     "io": ["gl", "core"],
-    "compare": MIDDLE + ["gl", "core"],
-    "bench": MIDDLE + ["gl", "core", "compare/flip.h"],
-    "app": ["bench", "compare"] + MIDDLE + ["gl", "core"],
+    "compare": ["core"],
+    "bench": MIDDLE + ["gl", "core"],
+    "app": ["bench"] + MIDDLE + ["gl", "core"],
 }
 # Only one room may include a library's headers.
 LIBRARIES = [

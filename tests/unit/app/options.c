@@ -301,7 +301,7 @@ static void commands(void **state)
         assert_int_equal(s.command, rows[i].command);
         assert_int_equal(s.inputs.n, rows[i].inputs);
         assert_int_equal(s.help != NULL, rows[i].help);
-        assert_true(s.bench.runs == 9 && isinf(s.compare.hard_warn));
+        assert_true(s.bench.runs == 9 && isinf(s.compare.limits.hard_warn));
         gp_settings_free(&s);
     }
 }
