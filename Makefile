@@ -12,7 +12,7 @@ CXX ?= c++
 AR ?= ar
 PKG_CONFIG ?= pkg-config
 
-PACKAGES := OpenEXR libpng libdeflate zlib jansson fftw3f fftw3
+PACKAGES := OpenEXR libpng libdeflate jansson fftw3f fftw3
 pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror
@@ -27,7 +27,7 @@ CFLAGS ?= -g1
 ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # only OpenEXRCore: OpenEXR.pc would link the C++ library too
-LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate zlib jansson) -lm -ldl $(SAN_LIBS)
+LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
 LINK = -pthread -Wl,--as-needed $(SAN) $(HARDEN_LINK)
 
 # -- hardening ----------------------------------------------------------------
@@ -446,7 +446,7 @@ deb: all ## makes a Debian package in build/
 	.ci/deb.sh $(B)/deb $(VERSION) $(B)
 
 # Packages that a fresh Debian 12 lacks, to build, run and test
-DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev \
+DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
           libopencolorio-dev \
           libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
