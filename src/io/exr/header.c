@@ -21,10 +21,9 @@ enum {
 
 /* -- values that OpenEXRCore 3.1.5 does not check ---------------------------
  *
- * It stops at the null of a channel list, reads strings past the end of their
- * list, takes any film code, and knows two types not at all. OpenEXR's C++
- * library would refuse an output that such a value is carried to. Once
- * OpenEXRCore checks them too (not at 3.4), these go. */
+ * It stops at the null of a channel list, takes any film code, and does not know
+ * two types. OpenEXR's C++ library would refuse an output that such a value is
+ * carried to. Once OpenEXRCore checks them too (not at 3.4), these go. */
 
 /* Walks a list of channels, as far as `most` of them; returns how many there
  * are.
@@ -70,19 +69,9 @@ static bool is_keycode(const uint8_t *b, size_t size)
     return fits;
 }
 
-/* Strings, each after its length. */
-static bool is_stringvector(const uint8_t *b, size_t size)
-{
-    size_t at = 0;
-    while (at + 4 <= size && gp_le32(b + at) <= size - at - 4)
-        at += 4 + gp_le32(b + at);
-    return at == size;
-}
-
 static bool is_value(const uint8_t *b, size_t size, const char *type)
 {
     return strcmp(type, "keycode") == 0          ? is_keycode(b, size)
-           : strcmp(type, "stringvector") == 0   ? is_stringvector(b, size)
            : strcmp(type, "deepImageState") == 0 ? size == 1
            : strcmp(type, "idmanifest") == 0     ? size >= 8
                                                  : true;

@@ -133,6 +133,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     init.error_handler_fn = keep_reason;
     init.user_data = in;
     init.alloc_fn = gp_exr_allocate;
+    init.free_fn = free;
     init.read_fn = read_for_library;
     init.size_fn = query_size;
     // offsets outside of the file are an error; the library would guess
