@@ -316,13 +316,13 @@ coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
 	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill -harden -determinism; ran=$$?; \
 	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
-# io/data and the hard cases would take many minutes
+# the hard cases would take many minutes
 VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite --show-leak-kinds=definite \
            --suppressions=$(CURDIR)/tests/valgrind.supp
 VALGRIND_CLI := errors layers report stream
 check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## runs the tests under valgrind
-	@GLAREPP_TEST_QUICK=1 GLAREPP_TEST_SKIP=io/data GLAREPP_RUN="$(VALGRIND)" \
+	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="$(VALGRIND)" \
 	    GLAREPP_PROGRAM=$(abspath $(B))/valgrind/glarepp tests/run.sh $(B) \
 	    "$(filter-out %/hardcases,$(UNIT_BIN))" \
 	    "" $(VALGRIND_CLI)

@@ -5,8 +5,9 @@
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 
-#include <stdio.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* -- the parts of a file -------------------------------------------------- */
@@ -516,7 +517,6 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
     struct gp_plane plane = {0};
-    float *block = NULL;
     bool exr;
     GP_TRY(gp_read_open(log, p, path, &stream, &exr));
     if (exr) {
@@ -532,29 +532,79 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     GP_TRY(make_name(log, &list, &at, &plane));
     if (exr) {
         GP_TRY(from_part(log, p, path, in, &at, &plane));
-    } else { // a block of rows at a time
-        const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
-        const size_t step = (size_t) image.channels;
+    } else {
         GP_TRY(make_samples(log, image.data, &plane));
-        GP_TRY(gp_alloc(log, "rows", (size_t) image.block * (size_t) w,
-                        step * sizeof *block, &block));
-        const float *const from = block + at.channel;
-        float *to = plane.v;
-        for (int y = 0; y < h; y += image.block) {
-            const int rows = h - y < image.block ? h - y : image.block;
-            GP_TRY(image.rows(log, &image, y, block));
-            for (size_t i = 0; i < (size_t) rows * (size_t) w; i++)
-                *to++ = from[i * step];
-        }
+        GP_TRY(gp_image_channel(log, &image, at.channel, plane.v));
     }
     *out = plane;
     plane = (struct gp_plane) {0};
 out:
     gp_plane_free(&plane);
-    gp_free(block);
     gp_plane_list_free(&list);
     gp_image_close(&image);
     gp_input_free(in);
+    gp_stream_close(&stream);
+    return st;
+}
+
+/* -- the alpha of a picture ------------------------------------------------ */
+
+/* Reads an open picture. */
+static gp_status read_alpha(const struct gp_log *log, struct gp_image *image,
+                            long long most, struct gp_coverage *out)
+{
+    struct gp_coverage a = {1, 1, NULL};
+    float *v = NULL;
+    gp_status st;
+    int channel = image->channels - 1;
+    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
+        channel--;
+    if (channel >= 0) {
+        a.w = gp_rect_w(image->data);
+        a.h = gp_rect_h(image->data);
+    }
+    const long long texels = (long long) a.w * a.h;
+    if (texels > most)
+        return gp_fail(log, GP_ERR_DATA, "%s: too large for a cut-out (%d x %d "
+                       "texels, at most %lld); make the texture smaller",
+                       image->path, a.w, a.h, most);
+    GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *a.code,
+                    &a.code));
+    a.code[0] = GP_COVERED;
+    if (channel >= 0) {
+        GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *v, &v));
+        GP_TRY(gp_image_channel(log, image, channel, v));
+        for (long long i = 0; i < texels; i++) { // NaN is 0
+            const float covered = v[i] > 0.0f ? v[i] < 1.0f ? v[i] : 1.0f : 0.0f;
+            a.code[i] = (uint16_t) (covered * (float) GP_COVERED + 0.5f);
+        }
+    }
+    *out = a;
+    a.code = NULL;
+out:
+    gp_free(v);
+    gp_free(a.code);
+    return st;
+}
+
+gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out)
+{
+    struct gp_read_params limits = gp_read_limits(p);
+    struct gp_stream stream = gp_stream_of(bytes, n);
+    struct gp_image image = {0};
+    gp_status st;
+    if (!bytes)
+        GP_TRY(gp_stream_open_regular(log, path, &stream));
+    // a larger picture than `most` has a line of its own, which does not
+    // advise --max-pixels
+    if (limits.max_pixels >= most)
+        limits.max_pixels = LLONG_MAX / 64;
+    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
+    st = read_alpha(log, &image, most, out);
+out:
+    gp_image_close(&image);
     gp_stream_close(&stream);
     return st;
 }

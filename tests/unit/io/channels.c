@@ -403,6 +403,6 @@ static void other_layers_are_converted(void **state)
     }
 }
 
-SUITE_OF(channels, NULL, NULL, depth_by_search, samples_of_every_type, subsampled_channels,
-         colour_of_names, alpha_of_the_colour, layers_of_ids,
-         other_layers_are_converted)
+SUITE_OF(channels, NULL, NULL, depth_by_search, samples_of_every_type,
+         subsampled_channels, colour_of_names, alpha_of_the_colour,
+         layers_of_ids, other_layers_are_converted)

@@ -483,5 +483,5 @@ static void primaries(void **state)
 }
 
 SUITE_OF_EACH(exr_hdr, wf_start, remove_folder, attributes_of_other_formats,
-              attributes_of_another_exr,
-              other_parts, damaged_parts, attributes, primaries)
+              attributes_of_another_exr, other_parts, damaged_parts, attributes,
+              primaries)

@@ -368,6 +368,7 @@ static void lossy_ids(void **state)
     }
 }
 
-SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, noise, automatic_type_and_compression, colour_models, half_overflow_is_counted,
-              half_overflow_keeps_hue,
+SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, noise,
+              automatic_type_and_compression, colour_models,
+              half_overflow_is_counted, half_overflow_keeps_hue,
               b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids, lossy_ids)

@@ -557,5 +557,6 @@ static void files_under_way_are_removed(void **state)
 SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay,
               no_mode_is_wider, folders, descriptors, names, taken_names,
-              full_disk, a_close_that_fails, pipes, signals, checks, folders_are_made_or_not,
-              without_permission, patches_stay_inside, files_under_way_are_removed)
+              full_disk, a_close_that_fails, pipes, signals, checks,
+              folders_are_made_or_not, without_permission, patches_stay_inside,
+              files_under_way_are_removed)

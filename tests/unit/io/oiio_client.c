@@ -219,6 +219,14 @@ static gp_status open_ppm(struct gp_image *image)
     return gp_oiio_open(&kept_log, "a.ppm", &s, "pnm", 0, MOST, image);
 }
 
+static void assert_sound(struct gp_image *image)
+{
+    assert_ok(gp_image_load(&kept_log, image));
+    for (int y = 0; y < H; y++)
+        assert_true(image->pixels[y * W] == image->pixels[0] +
+                                                (float) (y / BLOCK * BLOCK));
+}
+
 /* Whatever a helper does: one line about the file, nothing left, and the next
  * helper is asked as if nothing had been. */
 static void helpers_that_fail(void **state)
@@ -269,6 +277,66 @@ static void helpers_that_write_nothing(void **state)
                          GP_ERR_IO);
         assert_int_equal(kept_errors, 1);
         await_end();
+    }
+}
+
+/* One for each caller at once; then they are used again. */
+static void one_helper_each(void **state)
+{
+    enum { N = 3 };
+    struct gp_image image[N];
+    float process[N];
+    cast("is sound");
+    for (int i = 0; i < N; i++)
+        assert_ok(open_ppm(&image[i]));
+    for (int i = 0; i < N; i++) {
+        assert_sound(&image[i]);
+        assert_int_equal(image[i].attributes, 1);
+        assert_string_equal(image[i].attribute[0].name, "a");
+        assert_int_equal(image[i].attribute[0].number, 1);
+        process[i] = image[i].pixels[0];
+        for (int k = 0; k < i; k++)
+            assert_true(process[k] != process[i]);
+    }
+    for (int i = 0; i < N; i++)
+        gp_image_close(&image[i]);
+    for (int i = 0; i < 2 * N; i++) {
+        assert_ok(open_ppm(&image[0]));
+        if (i % 2) // else closed before its rows, or amid them
+            assert_sound(&image[0]);
+        float rows[W * BLOCK];
+        if (i % 3 == 0 && i % 2 == 0)
+            assert_ok(image[0].rows(&kept_log, &image[0], 0, rows));
+        bool known = i % 2 == 0;
+        for (int k = 0; k < N && !known; k++)
+            known = process[k] == image[0].pixels[0];
+        assert_true(known);
+        gp_image_close(&image[0]);
+    }
+}
+
+/* Each call of the client that can fail, one after another. */
+static void calls_that_fail(void **state)
+{
+    static const enum fail_class class[] = {FAIL_ALLOC, FAIL_IO};
+    cast("is sound");
+    for (int c = 0; c < 2; c++) {
+        bool came = true;
+        for (long n = 1; came; n++) {
+            struct gp_image image;
+            const long blocks = fail_blocks();
+            fail_at(class[c], n);
+            gp_status st = open_ppm(&image);
+            if (!st)
+                st = gp_image_load(&kept_log, &image);
+            came = fail_end();
+            gp_image_close(&image);
+            assert_int_equal(kept_errors, st != GP_OK);
+            if (st && st != GP_ERR_BUG && st != GP_ERR_IO)
+                fail_msg("call %ld: %s", n, kept_line);
+            assert_int_equal(fail_blocks(), blocks);
+            assert_true(n < 100);
+        }
     }
 }
 
@@ -363,6 +431,7 @@ SUITE(oiio_client)
     const struct CMUnitTest made_up[] = {
         cmocka_unit_test(helpers_that_fail),
         cmocka_unit_test(helpers_that_write_nothing),
+        cmocka_unit_test(one_helper_each), cmocka_unit_test(calls_that_fail),
     };
     if (argc > 1 && strcmp(argv[1], "--wait") == 0) {
         real_one();

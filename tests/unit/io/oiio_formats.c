@@ -320,6 +320,6 @@ static int setup(void **state)
     return open_oiio(state) || make_folder(state);
 }
 
-SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back, claims, cut_off, formats_that_are_not_read,
-         readers_that_are_never_asked,
+SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back, claims,
+         cut_off, formats_that_are_not_read, readers_that_are_never_asked,
          pictures_that_do_not_fit, endings)

@@ -240,5 +240,5 @@ static void colour_chunks(void **state)
     gp_frame_free(&f);
 }
 
-SUITE_OF_EACH(png, wf_start, remove_folder, pixels_and_windows, alpha_keeps_light,
-              colour_chunks, bytes_hold_no_time_and_no_memory)
+SUITE_OF_EACH(png, wf_start, remove_folder, pixels_and_windows,
+              alpha_keeps_light, colour_chunks, bytes_hold_no_time_and_no_memory)

@@ -382,5 +382,7 @@ static int set_up(void **state)
     return open_oiio(state) || make_folder(state);
 }
 
-SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file, planes_of_other_formats, deep_files, damaged_files, depth_of_any_part, channels_by_name,
-         names_that_are_not_there, samples_are_those_of_the_file, matrices)
+SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file,
+         planes_of_other_formats, deep_files, damaged_files, depth_of_any_part,
+         channels_by_name, names_that_are_not_there,
+         samples_are_those_of_the_file, matrices)
