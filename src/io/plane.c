@@ -355,37 +355,17 @@ static gp_status from_part(const struct gp_log *log,
     const struct gp_plane_place *at, struct gp_plane *out)
 {
     gp_status st;
-    float *samples = NULL;
-    struct gp_exr_sink *sink = NULL;
+    float **to = NULL;
     struct gp_exr_chunks l;
     GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels, &l));
-    const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
-    const struct gp_rect window = {l.x0, l.y0, l.x0 + l.w, l.y0 + l.h};
-    struct gp_channel c = {
-        .type = GP_FLOAT, .xs = e->x_sampling, .ys = e->y_sampling,
-        .w = l.w / e->x_sampling, .h = l.h / e->y_sampling, .colour = -1,
-    };
-    GP_TRY(gp_alloc(log, "depth or coverage", (size_t) c.w * (size_t) c.h,
-                    sizeof *samples, &samples));
+    GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
+                                               l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
-                         sizeof *sink, &sink));
-    sink[at->channel] = (struct gp_exr_sink) {samples, true};
-    GP_TRY(gp_exr_decode(log, &l, sink));
-    c.data = samples;
-    if (c.xs == 1 && c.ys == 1) {
-        out->window = window;
-        out->v = samples;
-        samples = NULL;
-    } else { // subsampled: repeated to full resolution
-        const struct gp_frame one = {
-            .data = window, .channel = &c, .channels = 1,
-        };
-        GP_TRY(make_samples(log, window, out));
-        gp_channel_floats(&one, 0, out->v);
-    }
+                         sizeof *to, &to));
+    to[at->channel] = out->v;
+    GP_TRY(gp_exr_decode_full(log, &l, false, to));
 out:
-    gp_free(sink);
-    gp_free(samples);
+    gp_free(to);
     gp_exr_chunks_free(&l);
     return st;
 }
