@@ -12,7 +12,7 @@ CXX ?= c++
 AR ?= ar
 PKG_CONFIG ?= pkg-config
 
-PACKAGES := OpenEXR libpng libdeflate zlib jansson fftw3f fftw3
+PACKAGES := OpenEXR libpng libdeflate jansson fftw3f fftw3
 pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror
@@ -27,7 +27,7 @@ CFLAGS ?= -g1
 ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # only OpenEXRCore: OpenEXR.pc would link the C++ library too
-LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate zlib jansson) -lm -ldl $(SAN_LIBS)
+LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
 LINK = -pthread -Wl,--as-needed $(SAN) $(HARDEN_LINK)
 
 # -- hardening ----------------------------------------------------------------
@@ -316,13 +316,13 @@ coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
 	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill -harden -determinism; ran=$$?; \
 	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
-# io/data and the hard cases would take many minutes
+# the hard cases would take many minutes
 VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite --show-leak-kinds=definite \
            --suppressions=$(CURDIR)/tests/valgrind.supp
 VALGRIND_CLI := errors layers report stream
 check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## runs the tests under valgrind
-	@GLAREPP_TEST_QUICK=1 GLAREPP_TEST_SKIP=io/data GLAREPP_RUN="$(VALGRIND)" \
+	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="$(VALGRIND)" \
 	    GLAREPP_PROGRAM=$(abspath $(B))/valgrind/glarepp tests/run.sh $(B) \
 	    "$(filter-out %/hardcases,$(UNIT_BIN))" \
 	    "" $(VALGRIND_CLI)
@@ -446,7 +446,7 @@ deb: all ## makes a Debian package in build/
 	.ci/deb.sh $(B)/deb $(VERSION) $(B)
 
 # Packages that a fresh Debian 12 lacks, to build, run and test
-DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev \
+DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
           libopencolorio-dev \
           libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \

@@ -167,6 +167,24 @@ gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
     return st;
 }
 
+gp_status gp_image_channel(const struct gp_log *log, struct gp_image *image,
+                           int channel, float *to)
+{
+    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
+    const size_t n = (size_t) image->channels;
+    float *block;
+    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
+                            n * sizeof *block, &block);
+    for (int y = 0; y < h && !st; y += image->block) {
+        const int rows = h - y < image->block ? h - y : image->block;
+        st = image->rows(log, image, y, block);
+        for (size_t i = 0; i < (size_t) rows * (size_t) w && !st; i++)
+            *to++ = block[i * n + (size_t) channel];
+    }
+    gp_free(block);
+    return st;
+}
+
 void gp_image_close(struct gp_image *image)
 {
     gp_free(image->pixels);

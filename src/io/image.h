@@ -44,6 +44,11 @@ void gp_image_close(struct gp_image *image);
 GP_MUST_CHECK gp_status gp_image_load(const struct gp_log *log,
                                       struct gp_image *image);
 
+/* Reads the samples of one channel of a picture that is not loaded to `to`, w * h
+ * of them, a block of rows at a time. Errors: those of rows(). */
+GP_MUST_CHECK gp_status gp_image_channel(const struct gp_log *log,
+    struct gp_image *image, int channel, float *to);
+
 /* Makes a frame from a picture, which stays the caller's. Chooses colour and
  * makes it linear as io/read.h says.
  *

@@ -165,40 +165,6 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* A zlib stream in pieces that follow each other. */
-struct gp_zlib_stream {
-    struct gp_bytes {
-        uint8_t *data; // owned
-        size_t size;
-        uint32_t crc;  // CRC-32 of the data, as chunks of PNG have it
-    } *piece;          // owned
-    int pieces;        // at least 1
-};
-
-/* Packs n bytes, in parallel: the same stream for any number of threads, and
- * at most about 1 % larger than libdeflate's of one piece.
- *
- *   stride  bytes of a row; rows that repeat need larger pieces
- *   out    empty on failure; free with gp_zlib_stream_free()
- *
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_zlib_pack(const struct gp_log *log,
-    const uint8_t *raw, size_t n, size_t stride, struct gp_zlib_stream *out);
-void gp_zlib_stream_free(struct gp_zlib_stream *s);
-
-/* Finds the last block of a deflate stream.
- *
- *   data        n bytes, which end with the stream
- *   begin, end  written on true: its first bit, and the bit after its last,
- *               counted from the lowest bit of the first byte
- *
- * Returns false where the stream is damaged or truncated, as far as that is
- * seen without unpacking it: distances and the last block's symbols are not
- * checked. Takes a tenth of the time of zlib's inflate().
- * Source: RFC 1951, section 3.2. */
-bool gp_deflate_last_block(const uint8_t *data, size_t n, size_t *begin,
-                           size_t *end);
-
 /* -- PFM ------------------------------------------------------------------- */
 
 /* For gp_reader and gp_writer. Writes unclamped values over black, in the

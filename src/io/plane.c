@@ -5,8 +5,9 @@
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 
-#include <stdio.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* -- the parts of a file -------------------------------------------------- */
@@ -354,37 +355,17 @@ static gp_status from_part(const struct gp_log *log,
     const struct gp_plane_place *at, struct gp_plane *out)
 {
     gp_status st;
-    float *samples = NULL;
-    struct gp_exr_sink *sink = NULL;
+    float **to = NULL;
     struct gp_exr_chunks l;
     GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels, &l));
-    const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
-    const struct gp_rect window = {l.x0, l.y0, l.x0 + l.w, l.y0 + l.h};
-    struct gp_channel c = {
-        .type = GP_FLOAT, .xs = e->x_sampling, .ys = e->y_sampling,
-        .w = l.w / e->x_sampling, .h = l.h / e->y_sampling, .colour = -1,
-    };
-    GP_TRY(gp_alloc(log, "depth or coverage", (size_t) c.w * (size_t) c.h,
-                    sizeof *samples, &samples));
+    GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
+                                               l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
-                         sizeof *sink, &sink));
-    sink[at->channel] = (struct gp_exr_sink) {samples, true};
-    GP_TRY(gp_exr_decode(log, &l, sink));
-    c.data = samples;
-    if (c.xs == 1 && c.ys == 1) {
-        out->window = window;
-        out->v = samples;
-        samples = NULL;
-    } else { // subsampled: repeated to full resolution
-        const struct gp_frame one = {
-            .data = window, .channel = &c, .channels = 1,
-        };
-        GP_TRY(make_samples(log, window, out));
-        gp_channel_floats(&one, 0, out->v);
-    }
+                         sizeof *to, &to));
+    to[at->channel] = out->v;
+    GP_TRY(gp_exr_decode_full(log, &l, false, to));
 out:
-    gp_free(sink);
-    gp_free(samples);
+    gp_free(to);
     gp_exr_chunks_free(&l);
     return st;
 }
@@ -516,7 +497,6 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
     struct gp_plane plane = {0};
-    float *block = NULL;
     bool exr;
     GP_TRY(gp_read_open(log, p, path, &stream, &exr));
     if (exr) {
@@ -532,29 +512,79 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     GP_TRY(make_name(log, &list, &at, &plane));
     if (exr) {
         GP_TRY(from_part(log, p, path, in, &at, &plane));
-    } else { // a block of rows at a time
-        const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
-        const size_t step = (size_t) image.channels;
+    } else {
         GP_TRY(make_samples(log, image.data, &plane));
-        GP_TRY(gp_alloc(log, "rows", (size_t) image.block * (size_t) w,
-                        step * sizeof *block, &block));
-        const float *const from = block + at.channel;
-        float *to = plane.v;
-        for (int y = 0; y < h; y += image.block) {
-            const int rows = h - y < image.block ? h - y : image.block;
-            GP_TRY(image.rows(log, &image, y, block));
-            for (size_t i = 0; i < (size_t) rows * (size_t) w; i++)
-                *to++ = from[i * step];
-        }
+        GP_TRY(gp_image_channel(log, &image, at.channel, plane.v));
     }
     *out = plane;
     plane = (struct gp_plane) {0};
 out:
     gp_plane_free(&plane);
-    gp_free(block);
     gp_plane_list_free(&list);
     gp_image_close(&image);
     gp_input_free(in);
+    gp_stream_close(&stream);
+    return st;
+}
+
+/* -- the alpha of a picture ------------------------------------------------ */
+
+/* Reads an open picture. */
+static gp_status read_alpha(const struct gp_log *log, struct gp_image *image,
+                            long long most, struct gp_coverage *out)
+{
+    struct gp_coverage a = {1, 1, NULL};
+    float *v = NULL;
+    gp_status st;
+    int channel = image->channels - 1;
+    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
+        channel--;
+    if (channel >= 0) {
+        a.w = gp_rect_w(image->data);
+        a.h = gp_rect_h(image->data);
+    }
+    const long long texels = (long long) a.w * a.h;
+    if (texels > most)
+        return gp_fail(log, GP_ERR_DATA, "%s: too large for a cut-out (%d x %d "
+                       "texels, at most %lld); make the texture smaller",
+                       image->path, a.w, a.h, most);
+    GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *a.code,
+                    &a.code));
+    a.code[0] = GP_COVERED;
+    if (channel >= 0) {
+        GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *v, &v));
+        GP_TRY(gp_image_channel(log, image, channel, v));
+        for (long long i = 0; i < texels; i++) { // NaN is 0
+            const float covered = v[i] > 0.0f ? v[i] < 1.0f ? v[i] : 1.0f : 0.0f;
+            a.code[i] = (uint16_t) (covered * (float) GP_COVERED + 0.5f);
+        }
+    }
+    *out = a;
+    a.code = NULL;
+out:
+    gp_free(v);
+    gp_free(a.code);
+    return st;
+}
+
+gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out)
+{
+    struct gp_read_params limits = gp_read_limits(p);
+    struct gp_stream stream = gp_stream_of(bytes, n);
+    struct gp_image image = {0};
+    gp_status st;
+    if (!bytes)
+        GP_TRY(gp_stream_open_regular(log, path, &stream));
+    // a larger picture than `most` has a line of its own, which does not
+    // advise --max-pixels
+    if (limits.max_pixels >= most)
+        limits.max_pixels = LLONG_MAX / 64;
+    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
+    st = read_alpha(log, &image, most, out);
+out:
+    gp_image_close(&image);
     gp_stream_close(&stream);
     return st;
 }

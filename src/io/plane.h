@@ -91,9 +91,9 @@ struct gp_coverage {
 };
 enum { GP_COVERED = 65535 };
 
-/* Reads the alpha of a picture of any format (an EXR by glarepp-oiio) at two
- * bytes a pixel, and never its colour as a whole: other memory is bounded by
- * blocks of rows, but for interlaced PNG, whose bytes are all held.
+/* Reads the alpha of a picture of any format (an EXR by glarepp-oiio), and never
+ * its colour as a whole: keeps two bytes a pixel and takes four more meanwhile;
+ * the rest is bounded by blocks of rows, but for interlaced PNG.
  *
  *   path   of the file; with `bytes` its name for messages
  *   bytes  the file's, n of them; NULL: `path` is opened, a regular file

@@ -100,7 +100,7 @@ static gp_status read_exr(const struct gp_log *log,
     gp_status st;
     struct gp_exr_chunks l = {0};
     struct gp_frame f;
-    struct gp_exr_sink *sink = NULL;
+    float **to = NULL;
     out->deep = gp_exr_is_deep(file->input, part);
     if (out->deep)
         return read_deep(log, p, file, part, out);
@@ -109,40 +109,20 @@ static gp_status read_exr(const struct gp_log *log,
     gp_exr_frame_header(&l, &f);
     copy_header(&f, out);
     const int n = l.channel->num_channels;
-    const exr_attr_chlist_entry_t *const entry = l.channel->entries;
     GP_TRY(make_list(log, n, out));
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n, sizeof *sink, &sink));
+    GP_TRY(gp_alloc(log, "channels", (size_t) n, sizeof *to, &to));
     for (int i = 0; i < n; i++) {
+        const exr_attr_chlist_entry_t *const e = &l.channel->entries[i];
         struct gp_stored_channel *const c = &out->channel[i];
-        c->is_uint = entry[i].pixel_type == EXR_PIXEL_UINT;
-        GP_TRY(make_channel(log, entry[i].name.str,
-                            (size_t) l.w * (size_t) l.h, c));
-        sink[i] = (struct gp_exr_sink) {c->v, !c->is_uint};
+        c->is_uint = e->pixel_type == EXR_PIXEL_UINT && e->x_sampling == 1 &&
+                     e->y_sampling == 1;
+        GP_TRY(make_channel(log, e->name.str, (size_t) l.w * (size_t) l.h, c));
+        to[i] = c->v;
     }
-    GP_TRY(gp_exr_decode(log, &l, sink));
-    for (int i = 0; i < n; i++) { // subsampled ones at full resolution
-        struct gp_stored_channel *const c = &out->channel[i];
-        const int xs = entry[i].x_sampling, ys = entry[i].y_sampling;
-        if (xs == 1 && ys == 1)
-            continue;
-        struct gp_channel small = {
-            .type = c->is_uint ? GP_UINT : GP_FLOAT, .xs = xs, .ys = ys,
-            .w = l.w / xs, .h = l.h / ys, .colour = -1, .data = c->v,
-        };
-        const struct gp_frame one = {
-            .data = out->data, .channel = &small, .channels = 1,
-        };
-        float *wide;
-        GP_TRY(gp_alloc_zero(log, c->name, gp_frame_pixels(&one), sizeof *wide,
-                             &wide));
-        gp_channel_floats(&one, 0, wide);
-        gp_free(c->v);
-        c->v = wide;
-        c->is_uint = false;
-    }
+    GP_TRY(gp_exr_decode_full(log, &l, true, to));
     GP_TRY(find_light(log, file->parts == 1, out));
 out:
-    gp_free(sink);
+    gp_free(to);
     gp_exr_chunks_free(&l);
     return st;
 }

@@ -134,29 +134,29 @@ echo "shown.exr shown8.png srgb:4e-3 8-bit PNG is EXR with the sRGB curve" >>lis
 echo "smooth.shown.exr shown.jpg srgb:5e-2 JPEG is EXR with the sRGB curve" >>list
 echo "shown.exr shown.dpx 1e9 DPX can be read" >>list
 
-# a PNG of several pieces, each packed by itself: one stream for every reader
-run --threads 1 --no-dither --tonemap linear --type float -o pieces.exr -o pieces.png large.exr
-run --threads 2 --no-dither --tonemap linear -o pieces2.png large.exr
-ok 'PNG of pieces: the same bytes for any threads' cmp pieces.png pieces2.png
-echo "pieces.exr pieces.png srgb:4e-3 PNG of pieces, by OpenImageIO" >>list
-run -t 1e9 -g 0 --type float --hdr pieces.libpng.exr pieces.png
-echo "pieces.libpng.exr pieces.png srgb:1e-6 PNG of pieces, by libpng" >>list
+# a larger PNG, by every reader
+run --threads 1 --no-dither --tonemap linear --type float -o png.exr -o png.png large.exr
+run --threads 2 --no-dither --tonemap linear -o png2.png large.exr
+ok 'large PNG: the same bytes for any threads' cmp png.png png2.png
+echo "png.exr png.png srgb:4e-3 large PNG, by OpenImageIO" >>list
+run -t 1e9 -g 0 --type float --hdr png.libpng.exr png.png
+echo "png.libpng.exr png.png srgb:1e-6 large PNG, by libpng" >>list
 if "$python" -c 'import PIL' 2>/dev/null; then
-    ok 'PNG of pieces, by Pillow' "$python" -c 'from PIL import Image
-Image.open("pieces.png").save("pieces.tif")'
-    echo "pieces.tif pieces.png equal PNG of pieces, by Pillow: pixels" >>list
+    ok 'large PNG, by Pillow' "$python" -c 'from PIL import Image
+Image.open("png.png").save("png.tif")'
+    echo "png.tif png.png equal large PNG, by Pillow: pixels" >>list
 else
     skip 2 'no Pillow (python3-pil)'
 fi
 if convert -version 2>/dev/null | grep -q '^Version: ImageMagick'; then
-    ok 'PNG of pieces, by ImageMagick' convert pieces.png -depth 8 pieces.ppm
-    echo "pieces.ppm pieces.png equal PNG of pieces, by ImageMagick: pixels" >>list
+    ok 'large PNG, by ImageMagick' convert png.png -depth 8 png.ppm
+    echo "png.ppm png.png equal large PNG, by ImageMagick: pixels" >>list
 else
     skip 2 'no ImageMagick'
 fi
 if command -v ffmpeg >/dev/null; then
-    ok 'PNG of pieces, by ffmpeg' ffmpeg -v error -xerror -y -i pieces.png -c:v targa pieces.tga
-    echo "pieces.tga pieces.png equal PNG of pieces, by ffmpeg: pixels" >>list
+    ok 'large PNG, by ffmpeg' ffmpeg -v error -xerror -y -i png.png -c:v targa png.tga
+    echo "png.tga png.png equal large PNG, by ffmpeg: pixels" >>list
 else
     skip 2 'no ffmpeg'
 fi

@@ -14,7 +14,7 @@ CLANG ?= $(firstword $(foreach c,clang clang-14,$(shell command -v $(c))))
 # (for the corpora alone, optimised code would take longer to compile than it saves)
 FUZZ_DIR ?= $(B)/fuzz
 FUZZ_OPT ?= -O0
-fuzz: ## runs each fuzz target TIME seconds (needs clang), two at a time
+fuzz: $(B)/glarepp $(BRIDGES) ## runs each fuzz target TIME seconds (needs clang), two at a time
 	@$(MAKE) --no-print-directory FUZZ_DIR=$(B)/fuzz-fast FUZZ_OPT=-O1 fuzz-build
 	@tests/fuzz/run.sh $(B)/fuzz-fast $(TIME)
 

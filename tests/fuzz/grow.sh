@@ -1,22 +1,18 @@
 #!/bin/bash
-# Usage: grow.sh BUILD GLAREPP SECONDS
-# Grows the corpora: makes seeds with the program, fuzzes each target from
-# them and from what tests/fuzz/corpus has, and keeps there what reaches most.
+# Usage: grow.sh BUILD SECONDS
+# Grows the corpora: fuzzes each target from its seeds and from what
+# tests/fuzz/corpus has, and keeps there the ten files that reach most.
 # No file of another origin takes part. found-* are inputs that once failed;
 # they stay.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "$1" && pwd)
 grow=$build/grow
-"$root/tests/fuzz/seeds.sh" "$2" "$grow"
 GLAREPP_DATA=/nonexistent GLAREPP_FUZZ_WORK=$grow \
-    "$root/tests/fuzz/run.sh" "$build" "$3"
+    "$root/tests/fuzz/run.sh" "$build" "$2"
 for folder in "$root"/tests/fuzz/corpus/*; do
     name=${folder##*/}
-    if [ "$name" = other ]; then # what its files reach is not seen
-        cp "$grow/other/"* "$folder"
-        continue
-    fi
+    [ "$name" != other ] || continue # what its files reach is not seen
     merged=$grow/$name.merged
     rm -rf "$merged" "$merged.control"
     mkdir "$merged"

@@ -12,7 +12,7 @@ import os
 import shutil
 import sys
 
-MOST_FILES, MOST_BYTES, MOST_EACH = 90, 36 << 10, 6 << 10
+MOST_FILES, MOST_BYTES, MOST_EACH = 10, 36 << 10, 6 << 10
 
 
 def read_control(path):

@@ -1,8 +1,9 @@
 #!/bin/bash
 # Usage: run.sh BUILD SECONDS [TARGET...]
-# Runs each target of BUILD over the corpora, and fuzzes it that long when
-# SECONDS is over 0 and it can, two at a time. What is found stays in
-# WORK/TARGET, and a failing input beside it. Prints TAP.
+# Runs each target of BUILD over its corpus and over what seeds.sh makes with
+# the program beside BUILD, and fuzzes it that long when SECONDS is over 0 and it
+# can, two at a time. What is found stays in WORK/TARGET, and a failing input
+# beside it. Prints TAP.
 #
 #   GLAREPP_DATA          its damaged/ is read in place; default ../shared/data
 #   GLAREPP_FUZZ_WORK     WORK; default BUILD/work
@@ -19,6 +20,8 @@ limits="-timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=512"
 [ $# != 0 ] || set -- $(cd "$build" && ls | sed -n 's/^fuzz_\([a-z]*\)$/\1/p')
 work=${GLAREPP_FUZZ_WORK:-$build/work}
 mkdir -p "$work"
+[ ! -x "$build/../glarepp" ] ||
+    "$root/tests/fuzz/seeds.sh" "$build/../glarepp" "$work" || exit 1
 
 # run_target NAME: writes NAME.log and NAME.status
 run_target()

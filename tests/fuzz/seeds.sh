@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: seeds.sh GLAREPP FOLDER
 # Makes the first inputs of each target, FOLDER/NAME/*: small frames that
-# the program wrote, and texts that its readers know. What fuzzers grow from
-# them is kept in tests/fuzz/corpus (tests/fuzz/grow.sh).
+# the program wrote, and texts that its readers know. Ten of those that fuzzers
+# grew from them are in tests/fuzz/corpus (tests/fuzz/grow.sh).
 set -eu
 cd "$(dirname "$0")/../.."
 case $1 in /*) glarepp=$1 ;; *) glarepp=$PWD/$1 ;; esac

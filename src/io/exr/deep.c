@@ -4,7 +4,10 @@
  * table, for each row the samples up to and with each pixel, then the samples,
  * row by row, channel by channel, pixel by pixel. Each of both is compressed by
  * itself, or stored where that does not shrink it. Deep parts are compressed
- * by RLE, ZIPS or not at all. */
+ * by RLE, ZIPS or not at all.
+ *
+ * Not by OpenEXRCore: damaged counts make 3.1.5 write out of its buffers
+ * (CVE-2023-5841). From 3.1.12 and 3.2.2 on it can have this file's place. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"

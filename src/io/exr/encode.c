@@ -10,6 +10,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Chunks that are compressed before the batch is written. More a thread
@@ -294,6 +295,7 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
     int part;
     init.error_handler_fn = print_nothing;
     init.alloc_fn = gp_exr_allocate;
+    init.free_fn = free;
     init.write_fn = write_nowhere;
     l->img = img;
     gp_exr_fault_clear();

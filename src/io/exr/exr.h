@@ -168,6 +168,12 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
     const struct gp_exr_chunks *chunks, const struct gp_exr_sink *sink);
 
+/* The same at full resolution: w * h samples for each channel of the file, in its
+ * order; NULL: not wanted. Samples are floats; those of UINT are uint32_t with
+ * `numbers`, but for subsampled ones, which are repeated. */
+GP_MUST_CHECK gp_status gp_exr_decode_full(const struct gp_log *log,
+    const struct gp_exr_chunks *chunks, bool numbers, float *const *to);
+
 /* Deep data: any number of samples a pixel. */
 struct gp_exr_deep {
     struct gp_exr_chunks part; // without its list of chunks

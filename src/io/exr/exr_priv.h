@@ -41,10 +41,8 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 
 /* -- the header's bytes (header.c) -----------------------------------------
  *
- * Checked before the library parses them: bounds the lists, checks every value
- * against its type, and keeps all places. OpenEXRCore 3.1.5 silently omits
- * values that it cannot parse; OpenEXR's C++ library refuses such a file, and
- * would refuse an output that they were carried to. */
+ * Listed before the library parses them. OpenEXRCore gives no attribute's bytes,
+ * nor their places. */
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
@@ -80,16 +78,15 @@ struct gp_exr_index {
  *
  *   out  written always; free with gp_exr_index_free()
  *
- * Errors: GP_ERR_DATA a value does not fit its type, which the library may
- * silently omit, or there are more channels, attributes or parts than it could
+ * Errors: GP_ERR_DATA a value does not fit its type, and the library would not
+ * see it, or there are more channels, attributes or parts than it could
  * sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Returns true when the bytes are a value of that type, and for types that
- * OpenEXR does not know. */
-bool gp_exr_value_is(const uint8_t *b, size_t size, const char *type);
+/* Puts ? in the place of what a line cannot show. */
+void gp_exr_plain(char *text);
 
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */

@@ -68,6 +68,8 @@ static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     (void) ctxt;
     (void) error; // the error is kept above
     const struct gp_input *in = user;
+    if (!in->exr && in->reason[0]) // it would go on amid a value
+        return -1;
     const uint64_t hidden = in->index->type;
     const int64_t got = gp_exr_read_bytes(&in->stream, to, n, offset);
     if (got > 0 && hidden && hidden >= offset &&
@@ -83,17 +85,43 @@ static int64_t query_size(exr_const_context_t ctxt, void *user)
     return (int64_t) in->stream.size;
 }
 
-/* Only while the header is parsed, by one thread. */
+void gp_exr_plain(char *text)
+{
+    for (; *text; text++)
+        *text = *text >= ' ' && *text <= '~' ? *text : '?';
+}
+
+/* True for what the library reports and OpenEXR reads all the same: a preview
+ * without pixels, a wrong number of chunks, and in a file of one flat part
+ * attributes of those names that mean something only in others. */
+static bool is_harmless(const struct gp_input *in, const char *message)
+{
+    static const char *const words[] = {
+        "for preview 0 x 0", "Invalid chunk count", // of all files
+        "'version'", "Invalid version", "'name'", "'chunkCount'", "'tiles'",
+    };
+    const size_t n = in->index->flat ? sizeof words / sizeof *words : 2;
+    for (size_t i = 0; i < n; i++) {
+        if (strstr(message, words[i]))
+            return true;
+    }
+    return false;
+}
+
+/* Keeps the first error while the header is parsed, by one thread: the library
+ * itself leaves out an attribute that it cannot parse, and goes on. */
 static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
                         const char *message)
 {
-    (void) code;
     void *user;
+    (void) code;
     if (!ctxt || exr_get_user_data(ctxt, &user))
         return;
-    struct gp_input *in = user;
-    if (!in->exr)
-        snprintf(in->reason, sizeof in->reason, "%s", message);
+    struct gp_input *const in = user;
+    if (in->exr || in->reason[0] || is_harmless(in, message))
+        return;
+    snprintf(in->reason, sizeof in->reason, "%s", message);
+    gp_exr_plain(in->reason);
 }
 
 /* Parses the header with the library, and finds the offset tables. */
@@ -105,6 +133,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     init.error_handler_fn = keep_reason;
     init.user_data = in;
     init.alloc_fn = gp_exr_allocate;
+    init.free_fn = free;
     init.read_fn = read_for_library;
     init.size_fn = query_size;
     // offsets outside of the file are an error; the library would guess
@@ -116,7 +145,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     if (gp_exr_fault())
         return gp_exr_fault_print(log, path, gp_exr_fault());
     const char *why = NULL;
-    if (r || in->parts < 1)
+    if (r || in->parts < 1 || in->reason[0])
         why = in->reason[0] ? in->reason : exr_get_default_error_message(r);
     else if (!index->tables || index->parts != in->parts)
         why = "its parts do not end";

@@ -91,55 +91,6 @@ static void depth_by_search(void **state)
     }
 }
 
-static void channels_by_name(void **state)
-{
-    static const char *const name[NAMES] = {"A", "R", "normals.Z", "Z"};
-    static const struct {
-        const char *name;
-        int found; // -1: a usage error
-    } row[] = {
-        // a name of the user is taken, also one that a search would not find
-        {"normals.Z", 2}, {"A", 0}, {"a", -1}, {"Y", -1}, {"", -1},
-    };
-    struct gp_channel channel[NAMES];
-    struct gp_frame f = frame_of(name, channel);
-    for (size_t i = 0; i < COUNT(row); i++) {
-        int found = -1;
-        assert_int_equal(gp_find_depth(&kept_log, &f, row[i].name, NULL,
-                                       &found),
-                         row[i].found < 0 ? GP_ERR_USAGE : GP_OK);
-        assert_int_equal(found, row[i].found);
-    }
-    assert_kept("A, R, normals.Z, Z");
-    // no other channel can have the name that would make this one a vector's
-    char longest[400];
-    int found = -2;
-    memset(longest, 'n', sizeof longest);
-    strcpy(longest + sizeof longest - 3, ".Z");
-    f = frame_of((const char *const[NAMES]) {"X", "Y", longest}, channel);
-    assert_ok(gp_find_depth(&kept_log, &f, NULL, NULL, &found));
-    assert_int_equal(found, 2);
-}
-
-/* A line that lists the channels of a huge file stays a line. */
-static void long_lists_are_cut(void **state)
-{
-    enum { MANY = 500 };
-    static char name[MANY][24];
-    static struct gp_channel channel[MANY];
-    for (int i = 0; i < MANY; i++) {
-        snprintf(name[i], sizeof name[i], "channel%d", i);
-        channel[i] = (struct gp_channel) {.name = name[i]};
-    }
-    struct gp_frame f = {.path = name[0], .channel = channel,
-                         .channels = MANY};
-    int found;
-    assert_int_equal(gp_find_depth(&kept_log, &f, "Z", NULL, &found),
-                     GP_ERR_USAGE);
-    assert_true(strlen(kept_line) < 2000);
-    assert_kept(", ...");
-}
-
 static void samples_of_every_type(void **state)
 {
     static uint16_t half[6] = {0x3c00, 0xc000, 0x0001, 0x7c00, 0x7e00, 0x7bff};
@@ -452,7 +403,6 @@ static void other_layers_are_converted(void **state)
     }
 }
 
-SUITE_OF(channels, NULL, NULL, depth_by_search, channels_by_name,
-         long_lists_are_cut, samples_of_every_type, subsampled_channels,
-         colour_of_names, alpha_of_the_colour, layers_of_ids,
-         other_layers_are_converted)
+SUITE_OF(channels, NULL, NULL, depth_by_search, samples_of_every_type,
+         subsampled_channels, colour_of_names, alpha_of_the_colour,
+         layers_of_ids, other_layers_are_converted)

@@ -20,11 +20,6 @@ static gp_status index_of(uint8_t *bytes, size_t size,
     return gp_exr_index_make(&kept_log, "a.exr", &s, index);
 }
 
-static bool is(const char *type, const void *bytes, size_t size)
-{
-    return gp_exr_value_is(bytes, size, type);
-}
-
 /* Types of one size, as OpenEXR's sources have them. */
 static const struct {
     const char *type;
@@ -36,101 +31,6 @@ static const struct {
     {"m44f", 64}, {"rational", 8}, {"tiledesc", 9}, {"timecode", 8},
     {"v2d", 16}, {"v2f", 8}, {"v2i", 8}, {"v3d", 24}, {"v3f", 12}, {"v3i", 12},
 };
-
-static void one_size(void **state)
-{
-    uint8_t bytes[300];
-    for (int fill = 0; fill < 256; fill += 85) {
-        memset(bytes, fill, sizeof bytes);
-        for (size_t n = 0; n <= sizeof bytes; n++) {
-            for (size_t i = 0; i < COUNT(fixed); i++)
-                assert_int_equal(is(fixed[i].type, bytes, n),
-                                 n == fixed[i].size);
-            assert_int_equal(is("floatvector", bytes, n), n % 4 == 0);
-            assert_int_equal(is("idmanifest", bytes, n), n >= 8);
-            assert_true(is("string", bytes, n));
-            assert_true(is("bytes", bytes, n));
-            assert_true(is("mine", bytes, n));
-        }
-    }
-}
-
-static void previews(void **state)
-{
-    static const struct {
-        uint32_t w, h;
-        size_t size;
-        bool good;
-    } row[] = {
-        {0, 0, 8, true},            {0, 5, 8, true},
-        {2, 3, 32, true},           {2, 3, 31, false},
-        {2, 3, 33, false},          {0, 0, 12, false},
-        {65535, 65535, 8, false},   {0x10000, 0x10000, 8, false},
-        {0x80000000u, 1, 8, false}, {0x80000000u, 0, 8, false},
-        {0xffffffffu, 0, 8, false}, {0x40000000, 4, 8, false},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        uint8_t bytes[64] = {0};
-        memcpy(bytes, &row[i].w, 4);
-        memcpy(bytes + 4, &row[i].h, 4);
-        assert_int_equal(is("preview", bytes, row[i].size), row[i].good);
-    }
-    for (size_t n = 0; n < 8; n++)
-        assert_false(is("preview", "\0\0\0\0\0\0\0", n));
-}
-
-static void keycodes(void **state)
-{
-    static const int32_t lo[7] = {0, 0, 0, 0, 0, 1, 20};
-    static const int32_t hi[7] = {99, 99, 999999, 9999, 119, 15, 120};
-    assert_true(is("keycode", lo, sizeof lo));
-    assert_true(is("keycode", hi, sizeof hi));
-    assert_false(is("keycode", lo, sizeof lo - 1));
-    assert_false(is("keycode", lo, 0));
-    for (int i = 0; i < 7; i++) {
-        int32_t code[8];
-        memcpy(code, lo, sizeof lo);
-        code[i] = lo[i] - 1;
-        assert_false(is("keycode", code, sizeof lo));
-        code[i] = hi[i] + 1;
-        assert_false(is("keycode", code, sizeof lo));
-    }
-}
-
-#define LIST(text) text, sizeof text - 1
-#define CHANNEL "\1\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0"
-
-static void lists(void **state)
-{
-    assert_true(is("stringvector", "", 0));
-    assert_true(is("stringvector", LIST("\0\0\0\0")));
-    assert_true(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0d")));
-    assert_false(is("stringvector", LIST("\3\0\0\0ab")));
-    assert_false(is("stringvector", LIST("\3\0\0\0abcd")));
-    assert_false(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0")));
-    assert_false(is("stringvector", LIST("\xff\xff\xff\xff")));
-    assert_true(is("chlist", LIST("\0")));
-    assert_true(is("chlist", LIST("R\0" CHANNEL "\0")));
-    assert_true(is("chlist", LIST("B\0" CHANNEL "R\0" CHANNEL "\0")));
-    assert_false(is("chlist", "", 0));
-    assert_false(is("chlist", LIST("\0\0")));
-    assert_false(is("chlist", LIST("R\0" CHANNEL)));
-    assert_false(is("chlist", LIST("R\0" CHANNEL "\0\0")));
-    assert_false(is("chlist", LIST("R\0" CHANNEL "G")));
-    assert_false(is("chlist", LIST("R\0abc")));
-
-    // more than the walks look at in one go
-    enum { N = 3000 };
-    static uint8_t list[N * 19 + 1], strings[N * 5];
-    for (int i = 0; i < N; i++) {
-        memcpy(list + i * 19, "ab\0" CHANNEL, 19);
-        memcpy(strings + i * 5, "\1\0\0\0x", 5);
-    }
-    assert_true(is("chlist", list, sizeof list));
-    assert_false(is("chlist", list, sizeof list - 1));
-    assert_true(is("stringvector", strings, sizeof strings));
-    assert_false(is("stringvector", strings, sizeof strings - 1));
-}
 
 static const struct fixture two_parts = {
     .parts = 2, .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
@@ -170,12 +70,44 @@ static void assert_read_or_not(bool good)
 {
     struct gp_frame frame;
     if (!good) {
-        assert_refused(path, GP_ERR_DATA, "attribute shot is damaged (");
+        assert_refused(path, GP_ERR_DATA, "shot");
         return;
     }
     assert_ok(read_file(path, &frame));
     gp_frame_free(&frame);
 }
+
+#define LIST(text) text, sizeof text - 1
+#define CHANNEL "\1\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0"
+static const struct {
+    const char *type, *bytes;
+    uint32_t size;
+    bool good;
+} lists[] = {
+    {"preview", LIST("\0\0\0\0\0\0\0\0"), true},
+    {"preview", LIST("\1\0\0\0\1\0\0\0abcd"), true},
+    {"preview", LIST("\1\0\0\0\1\0\0\0abc"), false},
+    {"preview", LIST("\1\0\0\0\1\0\0\0abcde"), false},
+    {"preview", LIST("\xff\xff\0\0\xff\xff\0\0"), false},
+    {"preview", LIST("\0\0\1\0\0\0\1\0"), false},
+    {"preview", LIST("\0\0\0"), false},
+    {"stringvector", "", 0, true},
+    {"stringvector", LIST("\3\0\0\0abc\1\0\0\0d"), true},
+    {"stringvector", LIST("\3\0\0\0ab"), false},
+    {"stringvector", LIST("\3\0\0\0abcd"), false},
+    {"stringvector", LIST("\xff\xff\xff\xff"), false},
+    {"chlist", LIST("R\0" CHANNEL "\0"), true},
+    {"chlist", "", 0, false},
+    {"chlist", LIST("\0\0"), false},
+    {"chlist", LIST("R\0" CHANNEL "\0\0"), false},
+    {"chlist", LIST("R\0" CHANNEL "G"), false},
+    {"chlist", LIST("R\0abc"), false},
+    {"floatvector", LIST("abcd"), true},
+    {"floatvector", LIST("abcde"), false},
+    {"idmanifest", LIST("12345678"), true},
+    {"idmanifest", LIST("1234567"), false},
+    {"mine", LIST("\5\0\0\0abc"), true},
+};
 
 static void files(void **state)
 {
@@ -197,16 +129,25 @@ static void files(void **state)
             }
         }
     }
-    write_with(&one, 0, "shot", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
-    assert_read_or_not(false);
+    for (size_t i = 0; i < COUNT(lists); i++) {
+        write_with(&two_parts, 1, "shot", lists[i].type, lists[i].bytes,
+                   lists[i].size);
+        assert_read_or_not(lists[i].good);
+    }
+    for (int i = 0; i < 14; i++) { // film codes one out of their range
+        int32_t code[7] = {0, 0, 0, 0, 0, 1, 20};
+        static const int32_t most[7] = {99, 99, 999999, 9999, 119, 15, 120};
+        code[i / 2] = i % 2 ? most[i / 2] + 1 : code[i / 2] - 1;
+        write_with(&one, 0, "shot", "keycode", code, sizeof code);
+        assert_read_or_not(false);
+        code[i / 2] = most[i / 2];
+        write_with(&one, 0, "shot", "keycode", code, sizeof code);
+        assert_read_or_not(true);
+    }
     write_with(&one, 0, "\xff\x80 t", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
-    assert_refused(path, GP_ERR_DATA, "attribute ???t is damaged (");
+    assert_refused(path, GP_ERR_DATA, "'?? t'");
     write_with(&two_parts, 1, "name", "v2f", bytes, 8); // the second of it
-    assert_refused(path, GP_ERR_DATA, "attribute name is damaged (");
-    write_with(&two_parts, 1, "shot", "stringvector", "\5\0\0\0abc", 7);
-    assert_read_or_not(false);
-    write_with(&two_parts, 1, "shot", "mine", "\5\0\0\0abc", 7);
-    assert_read_or_not(true);
+    assert_refused(path, GP_ERR_DATA, "'name'");
 }
 
 /* Every attribute is found, and of a header that is cut anywhere no end. */
@@ -331,5 +272,5 @@ static void deep_ends(void **state)
     assert_int_equal(deep_end(UINT64_MAX - 39, 39, true, &whole), 0);
 }
 
-SUITE_OF(exr_bytes, make_folder, remove_folder, one_size, previews, keycodes,
-         lists, files, cut_headers, ends, deep_ends)
+SUITE_OF(exr_bytes, make_folder, remove_folder, files, cut_headers, ends,
+         deep_ends)

@@ -147,27 +147,6 @@ static void attributes_of_another_exr(void **state)
     }
 }
 
-/* Readers may believe a channel's flag, which DWA's chunks are not made for. */
-static void linear_flag(void **state)
-{
-    static const struct {
-        enum gp_compression compression;
-        int linear;
-    } row[] = {
-        {GP_COMPRESSION_B44, 1}, {GP_COMPRESSION_ZIP, 1},
-        {GP_COMPRESSION_DWAA, 0}, {GP_COMPRESSION_DWAB, 0},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        int count;
-        struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL, 0,
-                                             row[i].compression);
-        const struct gp_exr_attr list = attr_of(&h, "channels", &count);
-        assert_int_equal(list.size, 2 + 4 + 4 + 8 + 1);
-        assert_int_equal(list.data[6], row[i].linear);
-        gp_exr_header_free(&h);
-    }
-}
-
 static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
     const int *chunks, int parts, struct gp_exr_out *out)
 {
@@ -178,25 +157,6 @@ static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
                                parts, out));
     gp_exr_header_free(h);
     return file;
-}
-
-static void chunks_that_nobody_wrote(void **state)
-{
-    static const int chunks[2] = {1, 3};
-    struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL,
-                                         GP_EXR_MULTIPART, GP_COMPRESSION_ZIP);
-    struct gp_exr_out out;
-    struct gp_file *file = begin_file(wf_path("o"), &h, chunks, 2, &out);
-    assert_ok(gp_exr_out_scanlines(&out, 0, 0, 0, "abc", 3));
-    assert_ok(gp_exr_out_scanlines(&out, 1, 0, 0, "abc", 3));
-    assert_ok(gp_exr_out_scanlines(&out, 1, 2, 0, "abc", 3));
-    assert_int_equal(gp_exr_out_end(&out), GP_ERR_BUG);
-    assert_kept("chunk 1 of part 1");
-    assert_ok(gp_exr_out_scanlines(&out, 1, 1, 0, "abc", 3));
-    assert_ok(gp_exr_out_end(&out));
-    gp_exr_out_free(&out);
-    gp_exr_out_free(&out); // one that is empty
-    gp_file_discard(&file);
 }
 
 // -- making inputs ------------------------------------------------------------
@@ -523,5 +483,5 @@ static void primaries(void **state)
 }
 
 SUITE_OF_EACH(exr_hdr, wf_start, remove_folder, attributes_of_other_formats,
-              attributes_of_another_exr, linear_flag, chunks_that_nobody_wrote,
-              other_parts, damaged_parts, attributes, primaries)
+              attributes_of_another_exr, other_parts, damaged_parts, attributes,
+              primaries)

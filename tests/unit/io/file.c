@@ -457,22 +457,6 @@ static void assert_refused(const struct refused_row *row)
     assert_int_equal(wf_names(), had); // no temporary file stays
 }
 
-static void folders_that_are_none(void **state)
-{
-    static const struct refused_row row[] = {
-        {"plain/x", false, true, ENOTDIR}, {"plain/x", true, true, ENOTDIR},
-        {"plain/y/x", false, true, ENOTDIR}, {"plain/y/x", true, true, ENOTDIR},
-        {"dangling/x", false, true, ENOENT},
-        {"dangling/x", true, false, EEXIST}, {"round/x", false, true, ELOOP},
-        {"round/x", true, true, ELOOP}, {"round", false, false, ELOOP},
-    };
-    wf_write_text(wf_path("plain"), "text");
-    assert_int_equal(symlink("nowhere", wf_path("dangling")), 0);
-    assert_int_equal(symlink("round", wf_path("round")), 0);
-    for (size_t i = 0; i < COUNT(row); i++)
-        assert_refused(&row[i]);
-}
-
 static void folders_are_made_or_not(void **state)
 {
     struct stat s;
@@ -540,28 +524,6 @@ static void patches_stay_inside(void **state)
     assert_text(wf_path("p"), "ABCDEA");
 }
 
-/* All names of one target that this process may use are taken. */
-static void no_name_is_left(void **state)
-{
-    enum { TRIES = 1000 };
-    const char *const path = wf_path("many");
-    for (int i = 0; i < TRIES; i++) {
-        char *name = gp_file_temp_name(path, i);
-        wf_write_text(name, "");
-        free(name);
-    }
-    assert_refused(&(struct refused_row) {"many", false, false, EEXIST});
-    assert_int_equal(wf_names(), TRIES);
-    // the last of them is as good as the first
-    char *last = gp_file_temp_name(path, TRIES - 1);
-    struct gp_file *f;
-    assert_int_equal(remove(last), 0);
-    assert_ok(gp_file_open(&kept_all, path, false, &f));
-    assert_int_equal(access(last, F_OK), 0);
-    assert_ok(gp_file_commit(&f));
-    free(last);
-}
-
 enum { LIVE = 64, OPEN = LIVE + 3 }; // a signal removes so many of them
 
 static void open_many(struct gp_file *f[OPEN])
@@ -571,19 +533,6 @@ static void open_many(struct gp_file *f[OPEN])
         snprintf(name, sizeof name, "f%d", i);
         assert_ok(gp_file_open(&kept_all, wf_path(name), false, &f[i]));
         assert_ok(gp_file_write(f[i], name, strlen(name)));
-    }
-    assert_int_equal(wf_names(), OPEN);
-}
-
-static void more_files_than_a_signal_removes(void **state)
-{
-    static struct gp_file *f[OPEN];
-    open_many(f);
-    for (int i = OPEN - 1; i >= 0; i--) {
-        char name[16];
-        snprintf(name, sizeof name, "f%d", i);
-        assert_ok(gp_file_commit(&f[i]));
-        assert_text(wf_path(name), name);
     }
     assert_int_equal(wf_names(), OPEN);
 }
@@ -609,6 +558,5 @@ SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay,
               no_mode_is_wider, folders, descriptors, names, taken_names,
               full_disk, a_close_that_fails, pipes, signals, checks,
-              folders_that_are_none, folders_are_made_or_not,
-              without_permission, patches_stay_inside, no_name_is_left,
-              more_files_than_a_signal_removes, files_under_way_are_removed)
+              folders_are_made_or_not, without_permission, patches_stay_inside,
+              files_under_way_are_removed)

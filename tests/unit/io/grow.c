@@ -7,7 +7,6 @@
 #include "core/half.h"
 #include "io/plane.h"
 #include "reading.h"
-#include "starved.h"
 
 #include <limits.h>
 

@@ -74,67 +74,6 @@ static void curves(void **state)
     }
 }
 
-/* Beyond the codes of the table the curve goes on; NaN stays one. */
-static void values_outside(void **state)
-{
-    float pixels[] = {-0.1f, 2.0f, NAN, 0.0f, 1.0f, INFINITY};
-    struct gp_image image = row_of(rgba, 3, pixels, 2);
-    struct gp_frame f;
-    image.colour_space = "Rec709";
-    image.bits = 16;
-    assert_ok(make_frame_of(NULL, &image, &f));
-    assert_true(fabsf(f.rgb.c[0][0] + 0.1f / 4.5f) < 1e-7f);
-    assert_true(fabsf(f.rgb.c[1][0] - 4.211892f) < 1e-3f);
-    assert_true(isnan(f.rgb.c[2][0]));
-    assert_true(f.rgb.c[0][1] == 0.0f && f.rgb.c[1][1] == 1.0f);
-    assert_true(isinf(f.rgb.c[2][1]));
-    gp_frame_free(&f);
-}
-
-/* Channels that are the colour. */
-static void names(void **state)
-{
-    static const struct {
-        const char *name[4];
-        int channels;
-        const char *layer;
-        enum gp_colour_model model;
-        int from[3]; // -1: black
-    } row[] = {
-        {{"R", "G", "B"}, 3, NULL, GP_COLOUR_RGB, {0, 1, 2}},
-        {{"A", "B", "G", "R"}, 4, NULL, GP_COLOUR_RGB, {3, 2, 1}},
-        {{"Y"}, 1, NULL, GP_COLOUR_GREY, {0, 0, 0}},
-        {{"Y", "A"}, 2, NULL, GP_COLOUR_GREY, {0, 0, 0}},
-        // without a name that means colour
-        {{"one", "two", "three", "four"}, 4, NULL, GP_COLOUR_RGB, {0, 1, 2}},
-        {{"one", "two"}, 2, NULL, GP_COLOUR_GREY, {0, 0, 0}},
-        // luminance and chroma are EXR's alone
-        {{"BY", "RY", "Y"}, 3, NULL, GP_COLOUR_RGB, {0, 1, 2}},
-        {{"R", "B"}, 2, NULL, GP_COLOUR_RGB, {0, -1, 1}},
-        {{"sky.G", "Y"}, 2, "sky", GP_COLOUR_RGB, {-1, 0, -1}},
-        {{"R", "sky.R", "sky.G", "sky.B"}, 4, "sky", GP_COLOUR_RGB, {1, 2, 3}},
-        {{"R", "G", "B", "fog.Y"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
-        {{"R", "G", "B", "fog"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        float pixels[] = {1.0f, 2.0f, 3.0f, 4.0f};
-        struct gp_image image = row_of(row[i].name, row[i].channels, pixels, 1);
-        struct gp_frame f;
-        if (make_frame_of(row[i].layer, &image, &f))
-            fail_msg("row %d: %s", (int) i, kept_line);
-        assert_int_equal(f.model, row[i].model);
-        assert_int_equal(f.channels, row[i].channels);
-        for (int c = 0; c < 3; c++) {
-            const float want = row[i].from[c] < 0 ? 0.0f
-                                                  : pixels[row[i].from[c]];
-            if (f.rgb.c[c][0] != want)
-                fail_msg("row %d, colour %d: %g", (int) i, c,
-                         (double) f.rgb.c[c][0]);
-        }
-        gp_frame_free(&f);
-    }
-}
-
 /* Luminance and chroma are EXR's alone. */
 static void no_such_layer(void **state)
 {
@@ -315,30 +254,6 @@ static void damaged_headers(void **state)
                      GP_ERR_DATA); // it has no part 1
 }
 
-/* Grey, and more rows than a block has. */
-static void large_and_grey(void **state)
-{
-    enum { W = 1100, H = 2000 };
-    struct gp_frame f;
-    float *const v = malloc(sizeof *v * W * H);
-    assert_non_null(v);
-    for (int i = 0; i < W * H; i++)
-        v[i] = (float) i;
-    in_folder("grey.pfm");
-    FILE *const file = fopen(path, "wb");
-    assert_non_null(file);
-    fprintf(file, "Pf\n%d %d\n-1\n", W, H);
-    assert_int_equal(fwrite(v, sizeof *v, W * H, file), W * H);
-    assert_int_equal(fclose(file), 0);
-    assert_ok(read_file(path, &f));
-    assert_int_equal(f.model, GP_COLOUR_GREY);
-    for (int y = 0; y < H; y++)
-        assert_memory_equal(f.rgb.c[2] + (size_t) y * W,
-                            v + (size_t) (H - 1 - y) * W, W * sizeof *v);
-    gp_frame_free(&f);
-    free(v);
-}
-
-SUITE_OF(image, make_folder, remove_folder, curves, values_outside, names,
+SUITE_OF(image, make_folder, remove_folder, curves,
          no_such_layer, windows_and_attributes, parts_and_views, headers,
-         damaged_headers, large_and_grey)
+         damaged_headers)

@@ -26,12 +26,6 @@ static void add_manifest(exr_context_t exr, int part)
     assert_ok(exr_attr_set_string(exr, part, "cryptomatte/1/hash", "light"));
 }
 
-static void allow_long(exr_context_t exr, int part)
-{
-    (void) part;
-    assert_ok(exr_set_longname_support(exr, 1));
-}
-
 #define PART(label, ...)                                                      \
     {.name = label, .data = FIXTURE_WINDOW(-2, 3, W, H),                      \
      .compression = EXR_COMPRESSION_ZIP, .channel = {__VA_ARGS__}}
@@ -255,34 +249,6 @@ static void not_found(void **state)
     }
 }
 
-/* Many and long names: the line stays one that can be read, and has a hint. */
-static void long_lists(void **state)
-{
-    static char name[FIXTURE_CHANNELS][256];
-    struct fixture many = {.part = {PART(NULL)}, .more = allow_long};
-    for (int i = 0; i < FIXTURE_CHANNELS; i++) {
-        memset(name[i], 'a' + i, 253);
-        strcpy(name[i] + 253, ".R");
-        many.part[0].channel[i] =
-            (struct fixture_channel) {name[i], HALVES, 0, 0};
-    }
-    struct gp_frame f;
-    char layer[600];
-    memset(layer, 'x', sizeof layer - 1);
-    layer[sizeof layer - 1] = '\0';
-    assert_int_equal(read_as(&many, layer, NULL, NULL, &f), GP_ERR_USAGE);
-    assert_int_equal(kept_errors, 1);
-    assert_kept(", ...; ");
-    assert_true(strlen(kept_line) < 1500);
-    // the longest name that a channel can have is found
-    name[3][253] = '\0';
-    char own[256];
-    strcpy(own, name[3]);
-    strcpy(name[3] + 253, ".R");
-    assert_ok(read_as(&many, own, NULL, NULL, &f));
-    gp_frame_free(&f);
-}
-
 static void further_refused(void **state)
 {
     static const struct {
@@ -311,35 +277,5 @@ static void further_refused(void **state)
                      GP_ERR_USAGE);
 }
 
-static void names(void **state)
-{
-    static const struct {
-        const char *name[4], *layer;
-        bool lone, found;
-        int index[3];
-    } rows[] = {
-        {{"a.R", "a.G", "a.B"}, "a", false, true, {0, 1, 2}},
-        {{"a.Red", "a.GREEN", "a.blue"}, "a", false, true, {0, 1, 2}},
-        {{"a.r", "a.g", "a.b"}, "a", false, false, {0}},
-        {{"a.b.R", "b.R"}, "a.b", false, true, {0, -1, -1}},
-        {{"ab.R", "a"}, "a", false, false, {0}},
-        {{"ab.R", "a"}, "a", true, true, {1, -1, -1}},
-        {{"a.Y", "a.RY", "a.BY"}, "a", false, true, {1, 0, 2}},
-        {{"R", "", "G"}, "", false, true, {0, 2, -1}},
-        {{"", "x"}, "", true, false, {0}},
-    };
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_colour_choice c;
-        int n = 0;
-        while (n < 4 && rows[i].name[n])
-            n++;
-        const bool found = gp_find_layer_colour(rows[i].name, n, rows[i].layer,
-                                                rows[i].lone, &c);
-        if (found != rows[i].found ||
-            (found && memcmp(c.index, rows[i].index, sizeof c.index) != 0))
-            fail_msg("row %zu", i);
-    }
-}
-
-SUITE_OF(layers, make_folder, remove_folder, found, not_found, long_lists,
-         further_refused, names)
+SUITE_OF(layers, make_folder, remove_folder, found, not_found,
+         further_refused)

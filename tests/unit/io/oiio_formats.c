@@ -90,113 +90,6 @@ static void written_formats_come_back(void **state)
     }
 }
 
-/* Coverage is stored as it is; in integers it has not been multiplied into
- * the colour, which a reader does. */
-static void alpha_of_every_type(void **state)
-{
-    static const struct {
-        const char *format, *type;
-        bool associated;
-        float error;
-    } row[] = {
-        {"tif", "float", true, 0.0f},   {"tif", "half", true, 5e-4f},
-        {"tif", "uint8", false, 4e-3f}, {"tif", "uint16", false, 2e-5f},
-        {"tga", "uint8", false, 4e-3f},
-    };
-    static float pixels[] = {1.0f, 0.5f, 0.0f, 1.0f, 0.8f, 0.4f, 0.2f, 0.5f};
-    need_oiio();
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_image back, image = image_of(pixels, 2, 1, rgba, 4, "");
-        in_folder("alpha");
-        image.colour_space = i % 2 ? "" : "Linear";
-        assert_ok(write_image(path, row[i].format, &image, row[i].type, ""));
-        assert_ok(read_image(path, 2, &back));
-        assert_int_equal(back.channels, 4);
-        for (int k = 0; k < 8; k++) {
-            const float alpha = pixels[k / 4 * 4 + 3];
-            const float want = row[i].associated || k % 4 == 3
-                                   ? pixels[k] : pixels[k] * alpha;
-            if (!(fabsf(back.pixels[k] - want) <= row[i].error))
-                fail_msg("%s %s: sample %d is %g, not %g", row[i].format,
-                    row[i].type, k, (double) back.pixels[k], (double) want);
-        }
-        gp_image_close(&back);
-    }
-}
-
-/* Blocks of rows are the rows of the whole; each four channels count. */
-static void blocks_and_channels(void **state)
-{
-    enum { BW = 700, BH = 2500 };
-    struct gp_frame f;
-    need_oiio();
-    float *const pixels = malloc(sizeof(float) * 3 * BW * BH);
-    assert_non_null(pixels);
-    struct gp_image image = picture(pixels, 3, "Linear");
-    for (int i = 0; i < 3 * BW * BH; i++)
-        pixels[i] = (float) i;
-    image.data = image.display = (struct gp_rect) {0, 0, BW, BH};
-    in_folder("blocks.tif");
-    assert_ok(write_image(path, "tif", &image, "float", ""));
-    assert_ok(read_file(path, &f));
-    for (int i = 0; i < 3 * BW * BH; i++)
-        assert_true(f.rgb.c[i % 3][i / 3] == pixels[i]);
-    gp_frame_free(&f);
-    image = image_of(pixels, 10, 10, rgba, 9, "Linear");
-    assert_ok(write_image(path, "tif", &image, "float", ""));
-    assert_int_equal(read_image(path, 299, &image), GP_ERR_DATA);
-    assert_kept("9 channels");
-    assert_ok(read_image(path, 300, &image));
-    gp_image_close(&image);
-    gp_image_close(&image); // again is nothing
-    free(pixels);
-}
-
-/* Alpha is carried, not bent by the curve, and attributes are kept. */
-static void alpha_and_attributes(void **state)
-{
-    float pixels[4 * PIXELS];
-    struct gp_frame f;
-    need_oiio();
-    for (int i = 0; i < 4 * PIXELS; i++)
-        pixels[i] = i % 4 == 3 ? 1.0f - (float) (i / 4) / 400.0f : 0.25f;
-    const struct gp_image image = image_of(pixels, W, H, rgba, 4, "Linear");
-    in_folder("alpha.tif");
-    assert_ok(write_image(path, "tif", &image, "float", ""));
-    assert_ok(read_file(path, &f));
-    assert_int_equal(f.channels, 4);
-    const struct gp_channel *a = gp_frame_channel(&f, "A");
-    assert_non_null(a);
-    assert_int_equal(a->colour, -1);
-    assert_int_equal(a->type, GP_FLOAT);
-    for (int i = 0; i < PIXELS; i++)
-        assert_true(((const float *) a->data)[i] == pixels[4 * i + 3]);
-    assert_null(f.input);
-    assert_true(f.attributes > 0);
-    gp_frame_free(&f);
-}
-
-/* As in an EXR, what a picture would show counts. */
-static void display_window_that_lies(void **state)
-{
-    const struct gp_read_params p = {.max_pixels = 1000};
-    float pixels[3 * PIXELS];
-    struct gp_image image = picture(pixels, 3, "Linear");
-    need_oiio();
-    in_folder("shown.tif");
-    for (int h = 25; h < 27; h++) {
-        struct gp_frame f = {0};
-        image.display = (struct gp_rect) {0, 0, 40, h};
-        assert_ok(write_image(path, "tif", &image, "half", ""));
-        kept_clear();
-        assert_int_equal(gp_read_frame(&kept_log, &p, path, &f),
-                         h == 25 ? GP_OK : GP_ERR_DATA);
-        assert_int_equal(kept_errors, h - 25);
-        gp_frame_free(&f);
-    }
-    assert_kept("shown.tif: ");
-}
-
 /* A header that claims more than the bytes behind it hold, or no pixels. */
 static void claims(void **state)
 {
@@ -240,36 +133,6 @@ struct tiff_field {
 #define TIFF_SHORT(tag, value) {tag, 3, 1, value}
 #define TIFF_LONG(tag, value) {tag, 4, 1, value}
 
-static size_t tiff_put(uint8_t *to, uint64_t v, int n)
-{
-    for (int i = 0; i < n; i++)
-        to[i] = (uint8_t) (v >> 8 * i);
-    return (size_t) n;
-}
-
-/* `pixels` of `size` bytes at TIFF_PIXELS; returns the bytes of it all. */
-static size_t tiff_make(const struct tiff_field *field, const void *pixels,
-                        size_t size, uint8_t to[TIFF_ROOM])
-{
-    int n = 0;
-    while (field[n].tag)
-        n++;
-    assert_true(n <= TIFF_FIELDS && size < TIFF_ROOM - 256);
-    size_t at = TIFF_PIXELS + (size + 1) / 2 * 2;
-    memset(to, 0, TIFF_ROOM);
-    memcpy(to, "II*\0", 4);
-    tiff_put(to + 4, at, 4);
-    memcpy(to + TIFF_PIXELS, pixels, size);
-    at += tiff_put(to + at, (uint64_t) n, 2);
-    for (int i = 0; i < n; i++) {
-        at += tiff_put(to + at, (uint64_t) field[i].tag, 2);
-        at += tiff_put(to + at, (uint64_t) field[i].type, 2);
-        at += tiff_put(to + at, (uint64_t) field[i].count, 4);
-        at += tiff_put(to + at, field[i].value, 4);
-    }
-    return at + tiff_put(to + at, 0, 4);
-}
-
 #define GREY(w, h, bits)                                                      \
     TIFF_LONG(256, w), TIFF_LONG(257, h), TIFF_SHORT(258, bits),              \
     TIFF_SHORT(259, 1), TIFF_SHORT(262, 1)
@@ -280,110 +143,7 @@ static size_t tiff_make(const struct tiff_field *field, const void *pixels,
     TIFF_SHORT(277, 1), TIFF_LONG(322, w), TIFF_LONG(323, h),                 \
     TIFF_LONG(324, TIFF_PIXELS), TIFF_LONG(325, bytes)
 
-static void odd_tiffs(void **state)
-{
-    static const struct {
-        const char *name;
-        struct tiff_field field[TIFF_FIELDS];
-    } row[] = {
-        {"large tiles", {GREY(4, 4, 8), TILE(8192, 8192, 4096)}},
-        {"doubles",
-         {GREY(16, 16, 64), TILE(16, 16, 2048), TIFF_SHORT(339, 3)}},
-        {"deep tiles",
-         {GREY(16, 16, 8), TILE(16, 16, 512), TIFF_LONG(32998, 2)}},
-        // LZW that begins with a code of no string, which libtiff reads past
-        {"damaged",
-         {TIFF_LONG(256, 4), TIFF_LONG(257, 4), TIFF_SHORT(258, 8),
-          TIFF_SHORT(259, 5), TIFF_SHORT(262, 1), STRIP(4, 16)}},
-        {"many", {GREY(1024, 1025, 8), STRIP(1025, 16)}},
-    };
-    static const double none[512];
-    uint8_t bytes[TIFF_ROOM];
-    need_oiio();
-    for (size_t i = 0; i < COUNT(row); i++)
-        refused(row[i].name, bytes, tiff_make(row[i].field, none, 2048, bytes));
-}
-
-/* Neighbours of what is refused. */
-static void tiffs_that_are_read(void **state)
-{
-    static const struct {
-        const char *name;
-        int size;     // bytes of a sample: 1, or 8 for doubles
-        int w, h;     // of the stored rows
-        struct tiff_field field[TIFF_FIELDS];
-    } row[] = {
-        {"bytes", 1, 4, 4, {GREY(4, 4, 8), STRIP(4, 16)}},
-        // "all rows", as many writers put it
-        {"one strip", 1, 4, 4, {GREY(4, 4, 8), STRIP(0xffffffffu, 16)}},
-        {"double strips", 8, 4, 4,
-         {GREY(4, 4, 64), STRIP(4, 128), TIFF_SHORT(339, 3)}},
-        {"tile", 1, 16, 16, {GREY(4, 4, 8), TILE(16, 16, 256)}},
-    };
-    uint8_t bytes[TIFF_ROOM], pixels[2048];
-    need_oiio();
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_image a;
-        const int n = row[i].w * row[i].h;
-        for (int k = 0; k < n; k++) {
-            const double v = k / 255.0;
-            if (row[i].size == 8)
-                memcpy(pixels + 8 * k, &v, 8);
-            else
-                pixels[k] = (uint8_t) k;
-        }
-        const size_t size = tiff_make(row[i].field, pixels,
-                                      (size_t) (n * row[i].size), bytes);
-        if (read_bytes(bytes, size, 16, &a))
-            fail_msg("%s: %s", row[i].name, kept_line);
-        for (int k = 0; k < 16; k++) {
-            const int stored = k / 4 * row[i].w + k % 4;
-            assert_true(fabs((double) a.pixels[k] - stored / 255.0) < 1e-7);
-        }
-        gp_image_close(&a);
-    }
-}
-
 #define FAR (1 << 29)
-
-static void odd_exrs(void **state)
-{
-    static const struct {
-        const char *name;
-        bool bad;
-        exr_attr_box2i_t data, display;
-    } row[] = {
-        {"far right", true, FIXTURE_WINDOW(FAR, 0, 2, 2), W(2)},
-        {"far left", true, FIXTURE_WINDOW(-FAR, 0, 2, 2), W(2)},
-        {"display", true, W(2), FIXTURE_WINDOW(0, 0, 2, FAR)},
-        {"near", false, FIXTURE_WINDOW(1 - FAR, FAR - 2, 2, 2),
-         FIXTURE_WINDOW(0, 0, FAR - 1, 2)},
-    };
-    need_oiio();
-    for (size_t i = 0; i < COUNT(row); i++) {
-        const struct fixture f = {
-            .display = row[i].display,
-            .part = {{.channel = {RGB(HALVES)}, .data = row[i].data,
-                      .compression = EXR_COMPRESSION_ZIPS}},
-        };
-        struct gp_image a;
-        size_t n;
-        uint8_t *const bytes = fixture_make(&f, &n);
-        if (row[i].bad) {
-            refused(row[i].name, bytes, n);
-        } else {
-            if (read_bytes(bytes, n, 4, &a))
-                fail_msg("%s: %s", row[i].name, kept_line);
-            assert_int_equal(a.data.x0, 1 - FAR);
-            assert_int_equal(a.data.y0, FAR - 2);
-            assert_int_equal(gp_rect_w(a.display), FAR - 1);
-            assert_true(a.pixels[0] ==
-                        fixture_value("R", a.data.x0, a.data.y0));
-            gp_image_close(&a);
-        }
-        free(bytes);
-    }
-}
 
 /* Each format cut off, by little and by much, in its file and in memory. */
 static void cut_off(void **state)
@@ -481,71 +241,6 @@ static void readers_that_are_never_asked(void **state)
 
 // -- pictures of frames -------------------------------------------------------
 
-/* The first value of a field of a TIFF of Intel's order. */
-static unsigned tiff_field(const char *name, int tag)
-{
-    size_t size;
-    uint32_t at, v = 0, count;
-    uint8_t *const b = wf_read(wf_path(name), &size);
-    memcpy(&at, b + 4, 4);
-    const int n = b[at] | b[at + 1] << 8;
-    for (const uint8_t *e = b + at + 2; e < b + at + 2 + 12 * n; e += 12) {
-        if ((e[0] | e[1] << 8) != tag)
-            continue;
-        memcpy(&count, e + 4, 4);
-        memcpy(&v, e + 8, 4);
-        if (count * (e[2] == 3 ? 2 : 4) > 4)
-            memcpy(&v, b + v, 4);
-        v &= e[2] == 3 ? 0xffff : 0xffffffff;
-    }
-    free(b);
-    return v;
-}
-
-/* Compression is TIFF 6.0's field 259; sizes of samples are field 258. */
-static void tiffs_of_every_kind(void **state)
-{
-    static const struct {
-        enum gp_compression compression;
-        enum gp_picture_kind kind;
-        int depth_bits;
-        unsigned packing, bits; // 0: refused
-    } row[] = {
-        {GP_COMPRESSION_NONE, GP_PICTURE_SHOWN, 8, 1, 8},
-        {GP_COMPRESSION_RLE, GP_PICTURE_SHOWN, 8, 32773, 8},
-        {GP_COMPRESSION_ZIPS, GP_PICTURE_SHOWN, 16, 8, 16},
-        {GP_COMPRESSION_ZIP, GP_PICTURE_ENCODED, 16, 8, 16},
-        {GP_COMPRESSION_NONE, GP_PICTURE_SCENE, 8, 1, 32},
-        {GP_COMPRESSION_ZIP, GP_PICTURE_SCENE, 16, 8, 32},
-        {GP_COMPRESSION_PIZ, GP_PICTURE_SHOWN, 8, 0, 0},
-        {GP_COMPRESSION_DWAB, GP_PICTURE_SCENE, 8, 0, 0},
-    };
-    struct gp_frame f = wf_sized(40, 30, wf_rgb);
-    need_oiio();
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_write_params p = GP_WRITE_DEFAULTS;
-        p.compression = row[i].compression;
-        p.depth_bits = row[i].depth_bits;
-        const gp_status st = wf_write(&p, "a.tif", &f, row[i].kind);
-        if (st != (row[i].packing ? GP_OK : GP_ERR_USAGE))
-            fail_msg("row %d: %s", (int) i, kept_line);
-        if (st) {
-            assert_kept("a.tif: ");
-            assert_int_equal(access(wf_path("a.tif"), F_OK), -1);
-            continue;
-        }
-        assert_int_equal(tiff_field("a.tif", 259), row[i].packing);
-        assert_int_equal(tiff_field("a.tif", 258), row[i].bits);
-        remove(wf_path("a.tif"));
-    }
-    gp_frame_free(&f);
-    f = wf_sized(16384, 1, wf_rgb); // more than WebP has
-    assert_int_equal(wf_write(NULL, "a.webp", &f, GP_PICTURE_SHOWN), GP_ERR_IO);
-    assert_kept("a.webp: ");
-    assert_int_equal(access(wf_path("a.webp"), F_OK), -1);
-    gp_frame_free(&f);
-}
-
 /* Under a limit in the midst of the pixels: one line, and no file. */
 static void pictures_that_do_not_fit(void **state)
 {
@@ -625,9 +320,6 @@ static int setup(void **state)
     return open_oiio(state) || make_folder(state);
 }
 
-SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back,
-         alpha_of_every_type, blocks_and_channels, alpha_and_attributes,
-         display_window_that_lies, claims, odd_tiffs, tiffs_that_are_read,
-         odd_exrs, cut_off, formats_that_are_not_read,
-         readers_that_are_never_asked, tiffs_of_every_kind,
+SUITE_OF(oiio_formats, setup, remove_folder, written_formats_come_back, claims,
+         cut_off, formats_that_are_not_read, readers_that_are_never_asked,
          pictures_that_do_not_fit, endings)

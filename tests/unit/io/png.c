@@ -3,12 +3,9 @@
 #include "write_fixture.h"
 #include "core/bytes.h"
 #include "core/colour.h"
-#include "core/parallel.h"
 #include "io/io_priv.h"
 
-#include <libdeflate.h>
 #include <png.h>
-#include <zlib.h>
 
 /* A PNG read back by libpng, and its bytes. */
 struct png {
@@ -243,144 +240,5 @@ static void colour_chunks(void **state)
     gp_frame_free(&f);
 }
 
-/* Bytes whose blocks libdeflate stores, gives a fixed or its own code, or
- * splits often; of kind 3, few that differ from 0. */
-static uint8_t byte_of(int kind, size_t i)
-{
-    const uint32_t noise = (uint32_t) (i * 2654435761u) ^ (uint32_t) (i >> 7);
-    const uint8_t mixed = i / 20000 % 2 ? (uint8_t) (noise >> 13)
-                                        : (uint8_t) (i * i >> 9);
-    if (kind == 3)
-        return i % 4096 < 3 ? (uint8_t) noise : 0;
-    return kind == 0 ? 0 : kind == 1 ? (uint8_t) (noise * noise >> 11) : mixed;
-}
-
-/* Returns the number of pieces: zlib unpacks the stream to the same bytes, it
- * is the same for any number of threads, and it is not larger by 1 % and 64
- * bytes than libdeflate's own of one piece. */
-static int check_stream(const uint8_t *raw, size_t n, size_t stride)
-{
-    struct libdeflate_compressor *const c = libdeflate_alloc_compressor(3);
-    const size_t room = n + n / 8 + 1000;
-    uint8_t *const back = malloc(n);
-    uint8_t *packed[2];
-    size_t length[2] = {0};
-    int pieces = 0;
-    for (int t = 0; t < 2; t++) {
-        struct gp_zlib_stream s;
-        gp_set_threads(t ? 3 : 1);
-        assert_ok(gp_zlib_pack(NULL, raw, n, stride, &s));
-        pieces = s.pieces;
-        packed[t] = malloc(room);
-        for (int k = 0; k < s.pieces; k++) {
-            memcpy(packed[t] + length[t], s.piece[k].data, s.piece[k].size);
-            length[t] += s.piece[k].size;
-        }
-        gp_zlib_stream_free(&s);
-    }
-    gp_set_threads(0);
-    assert_int_equal(length[0], length[1]);
-    assert_memory_equal(packed[0], packed[1], length[0]);
-    uLongf got = n;
-    uLong taken = length[0];
-    assert_int_equal(uncompress2(back, &got, packed[0], &taken), Z_OK);
-    assert_int_equal(got, n);
-    assert_int_equal(taken, length[0]);
-    assert_memory_equal(back, raw, n);
-    const size_t whole = libdeflate_zlib_compress(c, raw, n, packed[1], room);
-    assert_true(length[0] <= whole + whole / 100 + 64);
-    if (pieces == 1)
-        assert_memory_equal(packed[0], packed[1], whole);
-    libdeflate_free_compressor(c);
-    free(packed[0]);
-    free(packed[1]);
-    free(back);
-    return pieces;
-}
-
-/* Any number of pieces; data that are flat have fewer. */
-static void pieces_are_one_stream(void **state)
-{
-    static const size_t piece = 1 << 19;
-    const size_t size[] = {1, 2, 9999, piece - 1, piece, piece + 1,
-                           2 * piece + 7, 7 * piece - 3, 35 * piece + 1};
-    for (size_t i = 0; i < 4 * COUNT(size); i++) {
-        const size_t n = size[i / 4], cuts = (n + piece - 1) / piece;
-        uint8_t *const raw = malloc(n);
-        for (size_t k = 0; k < n; k++)
-            raw[k] = byte_of((int) (i % 4), k);
-        const int pieces = check_stream(raw, n, n);
-        if (i % 4 == 1 || i % 4 == 2)
-            assert_int_equal(pieces, (int) cuts);
-        else
-            assert_true(pieces <= 1 + (int) cuts / 8);
-        free(raw);
-    }
-}
-
-enum { PATCHES, BARS, RAMP, VERTICAL_RAMP, STRIPES, ROWS, BLACK, DITHERED,
-       HALF_NOISE, NOISE, DRAWN };
-
-/* A code of 16 bits of a picture that is flat or repeats. */
-static unsigned code_of(int drawn, unsigned x, unsigned y, unsigned c,
-                        unsigned w, unsigned h)
-{
-    const unsigned bar[] = {7, 6, 3, 2, 5, 4, 1};
-    const bool noisy = drawn == NOISE || (drawn == HALF_NOISE && y > h / 2);
-    const unsigned at = drawn == PATCHES ? x / 60 + y / 60 * 997
-                        : drawn == ROWS  ? y
-                        : noisy          ? x + y * w : x;
-    uint32_t r = (at * 3 + c) * 2654435761u;
-    r = (r ^ r >> 15) * 2246822519u;
-    r = (r ^ r >> 13) * 3266489917u;
-    r = (r ^ r >> 16) & 0xffff;
-    return drawn == BARS            ? (bar[x * 7 / w] >> c & 1) * 0xbfff
-           : drawn == RAMP          ? x * 65535 / w
-           : drawn == VERTICAL_RAMP ? y * 65535 / h
-           : drawn == BLACK         ? 0
-           : drawn == DITHERED      ? r / 2 + (x * 37 + y % 4 * 73) % 256 : r;
-}
-
-/* Rows as png.c filters them. */
-static uint8_t *draw(int drawn, unsigned w, unsigned h, unsigned bytes)
-{
-    const size_t stride = 1 + (size_t) w * 3 * bytes;
-    uint8_t *const rows = malloc(h * stride);
-    for (unsigned y = 0; y < h; y++) {
-        uint8_t *to = rows + y * stride;
-        unsigned before[3] = {0};
-        *to++ = 1;
-        for (unsigned i = 0; i < 3 * w; i++) {
-            const unsigned v = code_of(drawn, i / 3, y, i % 3, w, h);
-            *to++ = (uint8_t) ((v >> 8) - (before[i % 3] >> 8));
-            if (bytes == 2)
-                *to++ = (uint8_t) (v - before[i % 3]);
-            before[i % 3] = v;
-        }
-    }
-    return rows;
-}
-
-/* Pieces are fewer where they would lose over 1 %, and only there. */
-static void drawn_pictures_lose_little(void **state)
-{
-    static const struct { unsigned w, h, bytes; } row[] = {
-        {3840, 540, 2}, {1920, 1080, 1}, {5461, 160, 2}, {640, 480, 2},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        for (int drawn = 0; drawn < DRAWN; drawn++) {
-            const size_t stride = 1 + (size_t) row[i].w * 3 * row[i].bytes;
-            const size_t n = stride * row[i].h;
-            uint8_t *const raw =
-                draw(drawn, row[i].w, row[i].h, row[i].bytes);
-            const int pieces = check_stream(raw, n, stride);
-            if (drawn == NOISE)
-                assert_int_equal(pieces, (int) ((n - 1) >> 19) + 1);
-            free(raw);
-        }
-    }
-}
-
-SUITE_OF_EACH(png, wf_start, remove_folder, pixels_and_windows, alpha_keeps_light,
-              colour_chunks, bytes_hold_no_time_and_no_memory, pieces_are_one_stream,
-              drawn_pictures_lose_little)
+SUITE_OF_EACH(png, wf_start, remove_folder, pixels_and_windows,
+              alpha_keeps_light, colour_chunks, bytes_hold_no_time_and_no_memory)

@@ -350,43 +350,6 @@ static void rows_and_sizes(void **state)
     }
 }
 
-/* A few texts are ordinary; a length that the file has no room for, or many
- * texts that unpack to a thousand times their size, take no memory. XMP is
- * not parsed, however deep it nests. */
-static void texts_are_bounded(void **state)
-{
-    enum { TEXT = 7000000, DEPTH = 2000000 };
-    static struct made m;
-    char *const raw = malloc(TEXT);
-    assert_non_null(raw);
-    memset(raw, 'a', TEXT);
-    for (int texts = 3; texts <= 9; texts += 6) {
-        put_head(&m, 1, 1, 8, 0, false);
-        for (int i = 0; i < texts; i++)
-            put_packed(&m, "zTXt", "key\0", 5, raw, TEXT, 100);
-        put_pixels(&m, "\0\0", 2, 100);
-        assert_int_equal(check_png(m.bytes, m.n), texts == 3 ? GP_OK
-                         : GP_ERR_DATA);
-    }
-    put_head(&m, 1, 1, 8, 0, false);
-    const size_t head = m.n;
-    put_pixels(&m, "\0\0", 2, 100);
-    memmove(m.bytes + head + 12, m.bytes + head, m.n - head);
-    memcpy(m.bytes + head, "\4\0\0\0zTXtabcd", 12);
-    assert_int_equal(check_png(m.bytes, m.n + 12), GP_ERR_DATA);
-    for (int i = 0; i < DEPTH; i++)
-        memcpy(raw + 3 * i, "<x>", 3);
-    static const char from[] = "<rdf:Description>", to[] = "</rdf:Description>";
-    memcpy(raw, from, sizeof from - 1);
-    memcpy(raw + 3 * DEPTH - sizeof to, to, sizeof to - 1);
-    static const char xmp[] = "XML:com.adobe.xmp\0\1\0\0";
-    put_head(&m, 1, 1, 8, 0, false);
-    put_packed(&m, "iTXt", xmp, sizeof xmp, raw, 3 * DEPTH, 100);
-    put_pixels(&m, "\0\0", 2, 100);
-    assert_ok(check_png(m.bytes, m.n));
-    free(raw);
-}
-
 /* Alpha of every kind of picture, at two bytes a pixel. */
 static void alpha_only(void **state)
 {
@@ -430,4 +393,4 @@ static void alpha_only(void **state)
 }
 
 SUITE_OF_EACH(png_read, wf_start, remove_folder, kinds, chunks, damaged_bytes,
-              rows_and_sizes, texts_are_bounded, alpha_only)
+              rows_and_sizes, alpha_only)

@@ -206,35 +206,6 @@ static void samples_are_those_of_the_file(void **state)
     }
 }
 
-/* A frame of channels only, as formats other than EXR give one. */
-static void frames_without_a_file(void **state)
-{
-    static float z[2] = {NAN, INFINITY}, red[2] = {-1.0f, 5.0f};
-    static char z_name[] = "Z", red_name[] = "R", name[] = "made";
-    struct gp_channel channel[2] = {
-        {.name = red_name, .type = GP_FLOAT, .xs = 1, .ys = 1, .w = 2, .h = 1,
-         .colour = 0},
-        {.name = z_name, .type = GP_FLOAT, .xs = 1, .ys = 1, .w = 2, .h = 1,
-         .colour = -1, .data = z},
-    };
-    struct gp_frame f = {.path = name, .data = {-3, 7, -1, 8},
-                         .channel = channel, .channels = 2,
-                         .rgb = {{red, NULL, NULL}}};
-    struct gp_plane p;
-    double m[16] = {42.0};
-    assert_ok(beside(&f, NULL, true, &p));
-    assert_true(isnan(p.v[0]) && isinf(p.v[1]));
-    assert_memory_equal(&p.window, &f.data, sizeof f.data);
-    gp_plane_free(&p);
-    assert_ok(beside(&f, "R", false, &p));
-    assert_memory_equal(p.v, red, sizeof red);
-    gp_plane_free(&p);
-    assert_int_equal(beside(&f, "A", false, &p), GP_ERR_USAGE);
-    assert_kept("(it has R, Z)");
-    assert_false(gp_frame_matrix(&f, "worldToCamera", m));
-    assert_true(m[0] == 42.0);
-}
-
 /* Part 0: m44f; part 1: m44d and another; both in bits that floats hold. */
 static void put_matrices(exr_context_t exr, int part)
 {
@@ -274,83 +245,6 @@ static void matrices(void **state)
         f.part[0] = f.part[1];
         f.part[1] = first;
     }
-}
-
-static bool in_data(const char *name)
-{
-    snprintf(path, sizeof path, "%s", data_path(name));
-    return access(path, R_OK) == 0;
-}
-
-/* Facts by OpenImageIO 2.4. */
-static void depth_of_real_files(void **state)
-{
-    static const struct {
-        const char *file, *name;
-        struct gp_rect window;
-        float first, middle; // samples at [0, 0] and [h/2, w/2]
-    } row[] = {
-        {"depth/Beachball_multipart.0001.exr", "depth_right.Z",
-         {654, 245, 1531, 1121}, 0.0f, 9.0f},
-        {"depth/Beachball_singlepart.0001.exr", "Z", {654, 245, 1565, 1121},
-         0.0f, 9.0078125f},
-        {"depth/gaffer_multipart_customDepth.exr", "customDepth.Z",
-         {20, 20, 80, 80}, 0.0f, 0.25f},
-        {"depth/rgbaz_38x38.exr", "Z", {0, 0, 38, 38}, 0.5f, 1.0f},
-        {"depth/v1.7.test.1_RGBZ.exr", "Z", {20, 20, 198, 175}, 0.10199069f,
-         0.49493554f},
-        {"depth/weta_trees_aristea_RGBAZ.exr", "Z", {0, 0, 1024, 576},
-         80.514984f, 276.25644f},
-        {"channels/channelTestNukePartPerLayer.exr", "depth.main.Z",
-         {0, 0, 16, 16}, 0.099975586f, 0.099975586f},
-        {"channels/channelTestNukeSinglePart.exr", "depth.Z", {0, 0, 16, 16},
-         0.099975586f, 0.099975586f},
-        {"channels/channelTestPartPerLayer.exr", "Z", {0, 0, 16, 16}, 0.1f,
-         0.1f},
-        {"channels/channelTestSinglePart.exr", "Z", {0, 0, 16, 16}, 0.1f, 0.1f},
-        {"seq_foliage/foliage.1004.exr", "Z", {0, 0, 640, 360}, 1e10f,
-         17.670004f},
-        {"seq_foliage/foliage_blender_multilayer.1004.exr",
-         "ViewLayer.Depth.Z", {0, 0, 640, 360}, 1e10f, 17.670004f},
-        {"camera/arnold_reference_worldToScreen.exr", NULL, {0}, 0, 0},
-    };
-    bool some = false;
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_frame frame;
-        struct gp_plane p;
-        if (!in_data(row[i].file))
-            continue;
-        some = true;
-        assert_ok(read_file(path, &frame));
-        assert_ok(beside(&frame, NULL, true, &p));
-        if (row[i].name) {
-            const int w = gp_rect_w(p.window), h = gp_rect_h(p.window);
-            assert_string_equal(p.name, row[i].name);
-            assert_memory_equal(&p.window, &row[i].window, sizeof p.window);
-            assert_true(p.v[0] == row[i].first);
-            assert_true(p.v[h / 2 * w + w / 2] == row[i].middle);
-        } else {
-            assert_null(p.v);
-        }
-        gp_plane_free(&p);
-        gp_frame_free(&frame);
-    }
-    if (!some)
-        skip_for(NO_DATA);
-}
-
-static void matrices_of_real_files(void **state)
-{
-    struct gp_frame frame;
-    double m[16];
-    if (!in_data("seq_foliage/foliage.1004.exr"))
-        skip_for(NO_DATA);
-    assert_ok(read_file(path, &frame));
-    assert_true(gp_frame_matrix(&frame, "worldToCamera", m));
-    assert_true(m[15] == 1.0 && m[3] == 0.0); // rows: translation is last
-    assert_true(gp_frame_matrix(&frame, "worldToNDC", m));
-    assert_false(gp_frame_matrix(&frame, "cameraToWorld", m));
-    gp_frame_free(&frame);
 }
 
 /* -- files of their own --------------------------------------------------- */
@@ -393,31 +287,6 @@ static void channels_of_a_plane_file(void **state)
             assert_kept(row[i].line);
             assert_null(p.v);
         }
-        gp_plane_free(&p);
-    }
-}
-
-/* One sample of a subsampled channel covers what is left of the window. */
-static void small_windows(void **state)
-{
-    static const struct {
-        int w, h, xs, ys;
-        exr_compression_t compression;
-    } row[] = {
-        {1, 1, 1, 1, EXR_COMPRESSION_ZIP}, {1, 7, 1, 1, EXR_COMPRESSION_PIZ},
-        {2, 2, 2, 2, EXR_COMPRESSION_ZIP}, {4, 2, 4, 1, EXR_COMPRESSION_NONE},
-        {2, 6, 1, 2, EXR_COMPRESSION_ZIPS},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        const struct fixture f = {.part = {{
-            .channel = {{"Z", FLOATS, row[i].xs, row[i].ys}},
-            .data = FIXTURE_WINDOW(-8, -16, row[i].w, row[i].h),
-            .compression = row[i].compression}}};
-        struct gp_plane p;
-        fixture_write_file(in_folder("small.exr"), &f);
-        assert_ok(read_plane(NULL, true, &p));
-        assert_string_equal(p.name, "Z");
-        assert_plane(&p, &f.part[0], "Z");
         gp_plane_free(&p);
     }
 }
@@ -514,7 +383,6 @@ static int set_up(void **state)
 }
 
 SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file,
-         small_windows, planes_of_other_formats, deep_files, damaged_files, depth_of_any_part, channels_by_name,
-         names_that_are_not_there, samples_are_those_of_the_file,
-         frames_without_a_file, matrices, depth_of_real_files,
-         matrices_of_real_files)
+         planes_of_other_formats, deep_files, damaged_files, depth_of_any_part,
+         channels_by_name, names_that_are_not_there,
+         samples_are_those_of_the_file, matrices)
