@@ -73,7 +73,7 @@ run_one()
         fi
         ;;
     unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" $4 ;;
-    cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
+    cli) GLAREPP=${GLAREPP_PROGRAM:-$(realpath "$build")/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
     times >"$log/$3.times"
