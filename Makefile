@@ -6,7 +6,7 @@
 
 VERSION := 0.1.0
 PREFIX ?= /usr/local
-LIBDIR ?= $(PREFIX)/lib
+LIB ?= lib# below PREFIX
 DESTDIR ?=
 B ?= build
 CC ?= cc
@@ -26,8 +26,10 @@ DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 # (lines for traces, but no variables: CFLAGS=-g has these, and takes longer)
 CFLAGS ?= -g1
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
-             $(call pc,--cflags,$(PACKAGES)) $(SAN)
+# (hidden code that may lie anywhere serves programs, archive and shared library: a
+# default run takes as long as with -fPIE)
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi -fPIC -fvisibility=hidden $(WARN) $(CFLAGS) $(HERE) \
+             $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) $(call pc,--cflags,$(PACKAGES)) $(SAN)
 CXX_FLAGS = -std=c++17 $(OPT) -Wall -Wextra -Werror $(HERE) $(HARDEN_CXX) -Isrc
 # only OpenEXRCore: OpenEXR.pc would link the C++ library too
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate zlib jansson) -lm -ldl $(SAN_LIBS)
@@ -56,7 +58,7 @@ FORTIFY = $(if $(filter -O0,$(OPT) $(CFLAGS)),,-U_FORTIFY_SOURCE \
     $(lastword -D_FORTIFY_SOURCE=2 $(call takes,$(1),$(2),-D_FORTIFY_SOURCE=3)))
 harden = $(if $(SAN),,$(call takes,$(1),$(2),$(HARDEN_FLAGS)) $(FORTIFY))
 # (the compiler is asked once, by the first recipe)
-HARDEN_CC = $(eval HARDEN_CC := $$(call harden,$$(CC),c) $(if $(SAN),,-fPIE))$(HARDEN_CC)
+HARDEN_CC = $(eval HARDEN_CC := $$(call harden,$$(CC),c))$(HARDEN_CC)
 HARDEN_CXX = $(eval HARDEN_CXX := $$(call harden,$$(CXX),c++))$(HARDEN_CXX)
 HARDEN_SO := $(if $(SAN),,-Wl,-z,relro,-z,now,-z,noexecstack)
 HARDEN_LINK = $(if $(SAN),,-pie $(HARDEN_SO))
@@ -72,9 +74,13 @@ BRIDGES := $(B)/glarepp-oiio $(B)/glarepp-ocio.so
 
 OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o
 ROOM_OBJ := $(filter-out %/main.o,$(OBJ))
+LIB_ROOMS := $(if $(wildcard src/glarepp.h),api compare core gl glare scene sun tone)
+LIB_OBJ := $(filter $(LIB_ROOMS:%=$(B)/%/%),$(OBJ))
+ARCHIVE := $(if $(LIB_ROOMS),$(B)/libglarepp.a)
+LIBRARY := $(if $(LIB_ROOMS),$(ARCHIVE) $(B)/libglarepp.so.0)
 
 .PHONY: all help demo man install uninstall deb deps clean
-all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## first: builds the program, its bridges and the man page
+all: $(B)/glarepp $(LIBRARY) $(BRIDGES) man compile_commands.json ## first: builds the program, its bridges and the man page
 
 # `## GROUP: what` after a target's name is its line here
 help: ## first: lists the targets; make TARGET V=1 prints whole commands
@@ -86,7 +92,7 @@ help: ## first: lists the targets; make TARGET V=1 prints whole commands
 
 # -- build --------------------------------------------------------------------
 
-$(B)/glarepp: $(OBJ)
+$(B)/glarepp: $(filter-out $(LIB_OBJ),$(OBJ)) $(ARCHIVE)
 	$(call say,LD,$@)$(CC) $(LINK) -o $@ $^ $(LIBS)
 
 $(B)/%.o: src/%.c
@@ -106,6 +112,23 @@ $(B)/gl/shaders.o: $(B)/gl/shaders.c
 	$(compile)
 
 -include $(OBJ:.o=.d)
+
+# The library is all rooms that its header opens; without the header there is none.
+# What glarepp.h declares between `#pragma GCC visibility push(default)` and pop is
+# what the shared library shows: src/api/symbols lists it. (The map hides what gcc
+# shows of functions in copies for several processors.)
+$(B)/libglarepp.a: $(LIB_OBJ)
+	@rm -f $@
+	$(call say,AR,$@)$(AR) rcs $@ $^
+
+$(B)/libglarepp.so.0: $(LIB_OBJ)
+	$(call say,LD,$@)$(CC) -shared -Wl,-soname,$(@F) $(if $(SAN),,-Wl,-z,defs) \
+	    -Wl,--version-script=src/api/libglarepp.map -pthread -Wl,--as-needed $(SAN) $(HARDEN_SO) \
+	    -o $@ $^ $(call pc,--libs,jansson) -lm -ldl
+
+# (made at each install, whose PREFIX it holds)
+$(B)/glarepp.pc: src/api/glarepp.pc.in all
+	@sed 's|@PREFIX@|$(PREFIX)|; s|@LIB@|$(LIB)|; s|@VERSION@|$(VERSION)|' $< >$@
 
 # C++ is in a helper program and a shared object, which are started and opened only
 # when needed. The helper is built without sanitizers: it exists to contain
@@ -156,25 +179,30 @@ DOCUMENTS := README.md LICENSE $(wildcard man/*.md) \
     $(wildcard examples/lenses/*.json examples/flares/*.json)
 INSTALLED = $(B)/glarepp=bin/glarepp $(foreach f,$(BRIDGES),$(f)=lib/glarepp/$(notdir $(f))) \
     $(COMPLETIONS:%=$(B)/completions.%) man/glarepp.1=share/man/man1/glarepp.1 \
-    $(foreach f,$(DOCUMENTS),$(f)=$(DOC)/$(f))
+    $(foreach f,$(DOCUMENTS),$(f)=$(DOC)/$(f)) \
+    $(if $(LIBRARY),src/glarepp.h=include/glarepp.h $(B)/glarepp.pc=$(LIB)/pkgconfig/glarepp.pc) \
+    $(foreach f,$(LIBRARY),$(f)=$(LIB)/$(notdir $(f)))
+SO_LINK = $(if $(LIBRARY),'$(DESTDIR)$(PREFIX)/$(LIB)/libglarepp.so')
 
 $(B)/completions.%: $(B)/glarepp
 	@$(B)/glarepp help --completion $* > $@.tmp
 	@mv $@.tmp $@
 
-install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) ## first: installs program, manual, templates and completions under DESTDIR and PREFIX
+install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) $(if $(LIBRARY),$(B)/glarepp.pc) ## first: installs program, manual, templates and completions under DESTDIR and PREFIX
 	@set -e; for f in $(INSTALLED); do case $${f#*=} in \
 	    bin/* | lib/glarepp/*) mode=755 ;; *) mode=644 ;; esac; \
-	    install -D -m $$mode "$${f%%=*}" '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done
+	    install -D -m $$mode "$${f%%=*}" '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; \
+	    $(if $(LIBRARY),ln -sf libglarepp.so.0 $(SO_LINK))
 
 uninstall: ## install: removes the files of install
-	@for f in $(INSTALLED); do rm -f '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done
+	@for f in $(INSTALLED); do rm -f '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; rm -f $(SO_LINK)
 	@-cd '$(DESTDIR)$(PREFIX)' 2>/dev/null && rmdir lib/glarepp \
 	    $(DOC)/man $(DOC)/examples/lenses $(DOC)/examples/flares $(DOC)/examples $(DOC) 2>/dev/null
 
-deb: all ## install: makes a Debian package in build/
+deb: all ## install: makes the Debian packages in build/
 	@rm -rf $(B)/deb
-	$(again) B=$(B) PREFIX=/usr DESTDIR=$(abspath $(B))/deb install
+	$(again) B=$(B) PREFIX=/usr DESTDIR=$(abspath $(B))/deb install \
+	    LIB=lib/$$(dpkg-architecture -qDEB_HOST_MULTIARCH)
 	@.ci/deb.sh $(B)/deb $(VERSION) $(B)
 
 # Packages that a fresh Debian 12 lacks, to build, run and test
