@@ -17,6 +17,11 @@ python=/usr/bin/python3
 GLAREPP_TEST_OIIO=no
 ! "$python" -c 'import numpy, OpenImageIO' 2>/dev/null || GLAREPP_TEST_OIIO=yes
 export GLAREPP_TEST_OIIO
+# a program that does not lie in the repository is told where the lenses are
+case $(realpath "$build") in
+"$PWD"/*) ;;
+*) export GLAREPP_EXAMPLES="${GLAREPP_EXAMPLES-$PWD/examples}" ;;
+esac
 
 # count NAME LOG STATUS SECONDS TENTHS: adds up a TAP log; a death without a word is a
 # failure
@@ -73,7 +78,7 @@ run_one()
         fi
         ;;
     unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" $4 ;;
-    cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
+    cli) GLAREPP=${GLAREPP_PROGRAM:-$(realpath "$build")/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
     times >"$log/$3.times"

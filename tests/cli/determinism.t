@@ -166,8 +166,6 @@ same here.tif copy.tif 'and its bridges'
 source_of()
 {
     mkdir -p "$1/src" && cp "$root/Makefile" "$1" && cp -r "$root/src/core" "$1/src" &&
-        mkdir -p "$1/tests/fuzz" && cp "$root"/tests/fuzz/fuzz.mk "$1/tests/fuzz" &&
-        mkdir -p "$1/tests/soak" && cp "$root"/tests/soak/soak.mk "$1/tests/soak" &&
         (cd "$1" && make -s B="$2" "$2/core/memory.o" "$2/core/parallel.o") >make.log 2>&1
 }
 if command -v make >/dev/null && command -v cc >/dev/null; then

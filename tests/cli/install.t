@@ -20,48 +20,40 @@ files()
     (cd "$1" && find . ! -type d | LC_ALL=C sort | sed 's|^\./||')
 }
 
+# own: files that install and package have under the same names
+own()
+{
+    echo 'bin/glarepp
+lib/glarepp/glarepp-oiio
+share/bash-completion/completions/glarepp
+share/fish/vendor_completions.d/glarepp.fish'
+    [ -f "$root/src/glarepp.h" ] && [ "$1" = deb ] ||
+        echo lib/glarepp/glarepp-ocio.so
+    (cd "$root" && ls README.md LICENSE man/*.md examples/lenses/*.json \
+        examples/flares/*.json) | sed 's|^|share/doc/glarepp/|'
+    for file in alley.glb blender_camera.py openjd.yaml parallel.sh slurm.sh; do
+        echo share/doc/glarepp/examples/$file
+    done
+}
+
+# library: what it installs, once it has a header
+library()
+{
+    [ ! -f "$root/src/glarepp.h" ] || echo 'include/glarepp.h
+lib/libglarepp.a
+lib/libglarepp.so
+lib/libglarepp.so.0
+lib/pkgconfig/glarepp.pc'
+}
+
 # -- install and uninstall -----------------------------------------------------
 
 prefix=/opt/a\ place
 mk install DESTDIR="$tmp/root" PREFIX="$prefix"
 at=$tmp/root$prefix
-is "$(files "$at")" 'bin/glarepp
-lib/glarepp/glarepp-ocio.so
-lib/glarepp/glarepp-oiio
-share/bash-completion/completions/glarepp
-share/doc/glarepp/LICENSE
-share/doc/glarepp/README.md
-share/doc/glarepp/examples/alley.glb
-share/doc/glarepp/examples/blender_camera.py
-share/doc/glarepp/examples/flares/anamorphic.json
-share/doc/glarepp/examples/flares/lamps.json
-share/doc/glarepp/examples/flares/oval.json
-share/doc/glarepp/examples/flares/veil.json
-share/doc/glarepp/examples/flares/vintage.json
-share/doc/glarepp/examples/flares/zoom.json
-share/doc/glarepp/examples/lenses/double-gauss.json
-share/doc/glarepp/examples/lenses/heliar.json
-share/doc/glarepp/examples/lenses/telephoto.json
-share/doc/glarepp/examples/lenses/tessar.json
-share/doc/glarepp/examples/lenses/zoom-tele.json
-share/doc/glarepp/examples/lenses/zoom-wide.json
-share/doc/glarepp/examples/openjd.yaml
-share/doc/glarepp/examples/parallel.sh
-share/doc/glarepp/examples/slurm.sh
-share/doc/glarepp/man/compare.md
-share/doc/glarepp/man/dependencies.md
-share/doc/glarepp/man/files.md
-share/doc/glarepp/man/first.md
-share/doc/glarepp/man/gallery.md
-share/doc/glarepp/man/kernels.md
-share/doc/glarepp/man/lenses.md
-share/doc/glarepp/man/lights.md
-share/doc/glarepp/man/scenes.md
-share/doc/glarepp/man/sequences.md
-share/doc/glarepp/man/speed.md
-share/fish/vendor_completions.d/glarepp.fish
-share/man/man1/glarepp.1
-share/zsh/site-functions/_glarepp' 'what make install puts in place'
+is "$(files "$at")" "$( (own; library; echo share/man/man1/glarepp.1
+    echo share/zsh/site-functions/_glarepp) | LC_ALL=C sort)" \
+    'what make install puts in place'
 is "$(files "$tmp/root" | grep -vc '^opt/a place/')" 0 'and nothing elsewhere'
 is "$(find "$at" -type f -perm /022)" '' 'no file that others can write to'
 is "$("$at/bin/glarepp" --version | head -n 1)" "glarepp $version" \
@@ -114,45 +106,11 @@ package()
     same first.deb "$deb" 'the package has the same bytes again'
 
     dpkg-deb -x first.deb tree
-    is "$(files tree)" 'usr/bin/glarepp
-usr/lib/glarepp/glarepp-ocio.so
-usr/lib/glarepp/glarepp-oiio
-usr/share/bash-completion/completions/glarepp
-usr/share/doc/glarepp/LICENSE
-usr/share/doc/glarepp/README.md
-usr/share/doc/glarepp/changelog.gz
-usr/share/doc/glarepp/copyright
-usr/share/doc/glarepp/examples/alley.glb
-usr/share/doc/glarepp/examples/blender_camera.py
-usr/share/doc/glarepp/examples/flares/anamorphic.json
-usr/share/doc/glarepp/examples/flares/lamps.json
-usr/share/doc/glarepp/examples/flares/oval.json
-usr/share/doc/glarepp/examples/flares/veil.json
-usr/share/doc/glarepp/examples/flares/vintage.json
-usr/share/doc/glarepp/examples/flares/zoom.json
-usr/share/doc/glarepp/examples/lenses/double-gauss.json
-usr/share/doc/glarepp/examples/lenses/heliar.json
-usr/share/doc/glarepp/examples/lenses/telephoto.json
-usr/share/doc/glarepp/examples/lenses/tessar.json
-usr/share/doc/glarepp/examples/lenses/zoom-tele.json
-usr/share/doc/glarepp/examples/lenses/zoom-wide.json
-usr/share/doc/glarepp/examples/openjd.yaml
-usr/share/doc/glarepp/examples/parallel.sh
-usr/share/doc/glarepp/examples/slurm.sh
-usr/share/doc/glarepp/man/compare.md
-usr/share/doc/glarepp/man/dependencies.md
-usr/share/doc/glarepp/man/files.md
-usr/share/doc/glarepp/man/first.md
-usr/share/doc/glarepp/man/gallery.md
-usr/share/doc/glarepp/man/kernels.md
-usr/share/doc/glarepp/man/lenses.md
-usr/share/doc/glarepp/man/lights.md
-usr/share/doc/glarepp/man/scenes.md
-usr/share/doc/glarepp/man/sequences.md
-usr/share/doc/glarepp/man/speed.md
-usr/share/fish/vendor_completions.d/glarepp.fish
-usr/share/man/man1/glarepp.1.gz
-usr/share/zsh/vendor-completions/_glarepp' 'what the package holds'
+    is "$(cd tree/usr && files .)" "$( (own deb
+        echo share/doc/glarepp/changelog.gz; echo share/doc/glarepp/copyright
+        echo share/man/man1/glarepp.1.gz
+        echo share/zsh/vendor-completions/_glarepp) | LC_ALL=C sort)" \
+        'what the package holds'
     is "$(dpkg-deb -f first.deb Version)" "$version" 'its version'
     depends=$(dpkg-deb -f first.deb Depends)
     for library in libc6 libopenexr libpng16 libopenimageio libopencolorio \

@@ -1,7 +1,7 @@
 /* Makes calls of the system, of malloc and of GL fail. One source, built twice:
  *
  *   shim.o   with FAIL_WRAPPED, linked into the unit tests with --wrap of these
- *            calls (FAIL_WRAP in the Makefile): fail.h says which call fails.
+ *            calls (FAIL_WRAP in tests/Makefile): fail.h says which call fails.
  *            Only the program's own calls count.
  *   shim.so  for a whole program, by LD_PRELOAD; the environment says which:
  *

@@ -6,10 +6,8 @@ set -eu
 differ=0
 twin=$1/twin
 rm -rf "$twin"
-mkdir -p "$twin/a/tests/fuzz" "$twin/a/tests/soak"
+mkdir -p "$twin/a"
 cp -r Makefile src man "$twin/a"
-cp tests/fuzz/fuzz.mk "$twin/a/tests/fuzz"
-cp tests/soak/soak.mk "$twin/a/tests/soak"
 (cd "$twin/a" && make -s B=elsewhere elsewhere/glarepp \
     elsewhere/glarepp-oiio elsewhere/glarepp-ocio.so) >"$twin/log" 2>&1
 for f in glarepp glarepp-oiio glarepp-ocio.so; do

@@ -1,5 +1,5 @@
 /* Makes one call of the program's own code fail: tests/faults/shim.c, linked
- * into the unit tests with --wrap of these calls (FAIL_WRAP in the Makefile),
+ * into the unit tests with --wrap of these calls (FAIL_WRAP in tests/Makefile),
  * so that calls made by libraries do not count. */
 #ifndef GP_TESTS_FAIL_H
 #define GP_TESTS_FAIL_H

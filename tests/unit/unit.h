@@ -8,7 +8,7 @@
  * tests/unit/ROOM/NAME.c ends with SUITE_OF(NAME, setup, teardown, tests...),
  * with SUITE_OF_EACH where each test has its own setup and teardown, or defines
  * SUITE(NAME) { ... }, which runs its tests and returns how many failed. The
- * Makefile lists the files.
+ * tests/Makefile lists the files.
  */
 #ifndef GP_TESTS_UNIT_H
 #define GP_TESTS_UNIT_H
