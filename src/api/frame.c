@@ -374,7 +374,7 @@ static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
 static void warn_of(const struct glarepp_frame *f, int first, int last,
                     const char *line)
 {
-    char parameter[32];
+    char parameter[64];
     snprintf(parameter, sizeof parameter, "kernel.word %d %d", first, last);
     gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", line);
 }
