@@ -181,8 +181,11 @@ include tests/soak/soak.mk
 
 # -- the man page ---------------------------------------------------------------
 
-$(B)/glarepp.1: man/glarepp.1.in man/splice.awk $(B)/glarepp
-	$(B)/glarepp --help-man | awk -f man/splice.awk - $< > $@.tmp
+$(B)/table: $(B)/glarepp
+	$< --help-table >$@
+
+$(B)/glarepp.1: man/glarepp.1.in man/page.awk $(B)/table
+	LC_ALL=C awk -f man/page.awk $(B)/table $< >$@.tmp
 	mv $@.tmp $@
 
 man: $(B)/glarepp.1 ## makes man/glarepp.1 from the option table and the .in file
@@ -406,9 +409,8 @@ TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_came
 LENSES := $(wildcard examples/lenses/*.json)
 FLARES := $(wildcard examples/flares/*.json)
 
-$(B)/completions.%: $(B)/glarepp
-	$(B)/glarepp help --completion $* > $@.tmp
-	mv $@.tmp $@
+$(B)/completions.%: man/completions.awk $(B)/table
+	LC_ALL=C awk -v shell=$* -f $^ >$@
 
 install: all $(SHELLS:%=$(B)/completions.%) ## installs program, bridges, manual, templates and completions under DESTDIR and PREFIX
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \

@@ -445,11 +445,10 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
     const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
-    const int words = s->completion ? 0 : 1;
     const struct gp_sun_params *const sun = &s->sun;
-    if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
+    if (s->command == GP_COMMAND_HELP && s->inputs.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
-                       "give one topic", s->inputs.at[words]);
+                       "give one topic", s->inputs.at[1]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
     if (s->command != GP_COMMAND_BENCH && s->threads.n > 1)

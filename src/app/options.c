@@ -119,10 +119,6 @@ static const struct gp_option_choice gp_plans[] = {
      "kept in the cache folder; last bits may differ from run to run"},
     {0},
 };
-static const struct gp_option_choice gp_shells[] = {
-    {"bash", GP_SHELL_BASH, NULL}, {"zsh", GP_SHELL_ZSH, NULL},
-    {"fish", GP_SHELL_FISH, NULL}, {0},
-};
 
 // -- the table ---------------------------------------------------------------
 
@@ -656,11 +652,8 @@ const struct gp_option gp_options[] = {
         .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
-    OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
-        .help = "Print the man page's generated parts"),
-    CHOICE(completion, .name = "completion", .group = GP_GROUP_GENERAL,
-        .commands = GP_COMMAND_HELP, .arg = "SHELL", .choices = gp_shells,
-        .hidden = true, .help = "Print the shell's completions"),
+    OPT(help_table, .name = "help-table", IN(GENERAL), .hidden = true,
+        .help = "Print this table for the man page and completions"),
     {0},
 };
 

@@ -450,7 +450,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->list_flares = out->command == GP_COMMAND_MAIN && out->inputs.n == 0 &&
                        out->options.n == 2 && out->sun.flare &&
                        strcmp(out->sun.flare, "preset:list") == 0;
-    if (st || out->help || out->help_man || out->version || out->list_flares)
+    if (st || out->help || out->help_table || out->version || out->list_flares)
         return st;
     st = apply_style(log, out);
     return st ? st : gp_settings_check(log, out);

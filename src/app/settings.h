@@ -63,14 +63,6 @@ enum gp_grow_how {
     GP_GROW_NONE,    // outputs keep the data window
 };
 
-/* Shells with completions. */
-enum gp_shell {
-    GP_SHELL_NONE,
-    GP_SHELL_BASH,
-    GP_SHELL_ZSH,
-    GP_SHELL_FISH,
-};
-
 /* A real lens, whose ghosts the layer gets. 0: by the frame. */
 struct gp_lens_settings {
     const char *name;  // file or installed lens; NULL: none
@@ -162,9 +154,8 @@ struct gp_settings {
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     const char *help;                  // topic, "" without one; NULL: no --help
-    bool help_man, version;
+    bool help_table, version;
     bool list_flares;                  // print their names, nothing else
-    enum gp_shell completion;          // help --completion
 
     uint64_t given[4];                 // a bit for each option of the table
 };

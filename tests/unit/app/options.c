@@ -96,7 +96,7 @@ static void check_stored(const struct gp_option *o, const char *value,
                                      : strcmp(word[choice], "f") == 0;
     if (!stored || !gp_option_given(&s, o->name))
         fail_msg("%s: not stored", line);
-    assert_false(gp_option_given(&s, "help-man"));
+    assert_false(gp_option_given(&s, "help-table"));
     gp_settings_free(&s);
 }
 
