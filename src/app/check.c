@@ -81,8 +81,6 @@ static const struct {
     {GP_NEED_AUTO, "does nothing with --engine ", "; use --engine auto"},
     {GP_NEED_STREAM, "does nothing without an output to stdout; write -o -",
      NULL},
-    {GP_NEED_REPORT_FILE, "does nothing without a report; give --report FILE",
-     NULL},
     {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
 };
 
@@ -118,7 +116,6 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
                                                               : 0;
     met |= chosen ? GP_NEED_AUTO : 0;
     met |= stream ? GP_NEED_STREAM : 0;
-    met |= s->report ? GP_NEED_REPORT_FILE : 0;
     met |= s->lens.name ? GP_NEED_LENS : 0;
     met |= s->relight.n ? GP_NEED_RELIGHT : 0;
     met |= s->scene.path ? GP_NEED_SCENE : 0;
@@ -241,13 +238,6 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
                        gp_option_given(s, "frame");
     const bool kernel = gp_option_given(s, "kernel");
-    if (m->from && (kernel || sized || s->kernel_size ||
-                    gp_option_given(s, "rotate")))
-        return gp_fail(log, GP_ERR_USAGE, "--from: %s says how it was made; "
-                       "leave the kernel's other options out", m->from);
-    if (m->from && m->check)
-        return gp_fail(log, GP_ERR_USAGE, "--from: --check makes no file "
-                       "(found %s); write --check %s", m->from, m->from);
     if (m->check && kernel)
         return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
                        "and -k %s); write only --check %s", m->check,
@@ -272,6 +262,8 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
             return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
                            "sets; give scissor or sets", gp_debugs[i].name);
     }
+    if (gp_option_given(s, "runs"))
+        s->table.runs = s->bench.runs;
     return check_size(log, &s->making, 960, 540);
 }
 

@@ -58,8 +58,8 @@ struct gp_option_choice {
 
 // Values of options, in option_lists.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
-    gp_methods[], gp_primitives[], gp_types[], gp_compressions[], gp_bits[],
-    gp_alphas[], gp_stdout_formats[], gp_raws[];
+    gp_types[], gp_compressions[], gp_bits[], gp_alphas[], gp_stdout_formats[],
+    gp_raws[];
 
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
@@ -87,7 +87,6 @@ enum gp_need {
     GP_NEED_AUTO = 1 << 20,       // --engine auto
     GP_NEED_STREAM = 1 << 21,     // an output without an ending
     GP_NEED_FILES = 1 << 22,      // an output file
-    GP_NEED_REPORT_FILE = 1 << 23, // --report
 };
 
 struct gp_option {

@@ -130,7 +130,7 @@ struct gp_settings {
     double kernel_degrees;             // 0: by percent
     struct gp_making {                 // glarepp kernel, glarepp lens
         bool list;
-        const char *from, *check;      // NULL: not given
+        const char *check;             // NULL: not given
         const char *size;              // of the frame, as given
         int w, h;                      // ... as checked
         int radius;                    // most of an offset; 0: the frame's
@@ -141,7 +141,7 @@ struct gp_settings {
     enum gp_normal_space normal_space;
     float scene_time;                  // seconds, where --time is given
     const char *report;
-    bool report_append;
+    bool report_append;                // by glarepp styles
     const char *frames;                // list as given
     const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel
