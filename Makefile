@@ -146,8 +146,11 @@ $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 
 # -- the man page ---------------------------------------------------------------
 
-$(B)/glarepp.1: man/glarepp.1.in man/splice.awk $(B)/glarepp
-	@$(B)/glarepp --help-man | awk -f man/splice.awk - $< > $@.tmp
+$(B)/table: $(B)/glarepp
+	@$< --help-table >$@
+
+$(B)/glarepp.1: man/glarepp.1.in man/page.awk $(B)/table
+	@LC_ALL=C awk -f man/page.awk $(B)/table $< >$@.tmp
 	@mv $@.tmp $@
 
 man: $(B)/glarepp.1 ## install: makes man/glarepp.1 from the option table and the .in file
@@ -184,9 +187,8 @@ INSTALLED = $(B)/glarepp=bin/glarepp $(foreach f,$(BRIDGES),$(f)=lib/glarepp/$(n
     $(foreach f,$(LIBRARY),$(f)=$(LIB)/$(notdir $(f)))
 SO_LINK = $(if $(LIBRARY),'$(DESTDIR)$(PREFIX)/$(LIB)/libglarepp.so')
 
-$(B)/completions.%: $(B)/glarepp
-	@$(B)/glarepp help --completion $* > $@.tmp
-	@mv $@.tmp $@
+$(B)/completions.%: man/completions.awk $(B)/table
+	@LC_ALL=C awk -v shell=$* -f $^ >$@
 
 install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) $(if $(LIBRARY),$(B)/glarepp.pc) ## first: installs program, manual, templates and completions under DESTDIR and PREFIX
 	@set -e; for f in $(INSTALLED); do case $${f#*=} in \

@@ -80,8 +80,6 @@ static const struct {
     {GP_NEED_AUTO, "does nothing with --engine ", "; use --engine auto"},
     {GP_NEED_STREAM, "does nothing without an output to stdout; write -o -",
      NULL},
-    {GP_NEED_REPORT_FILE, "does nothing without a report; give --report FILE",
-     NULL},
     {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
 };
 
@@ -117,7 +115,6 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
                                                               : 0;
     met |= chosen ? GP_NEED_AUTO : 0;
     met |= stream ? GP_NEED_STREAM : 0;
-    met |= s->report ? GP_NEED_REPORT_FILE : 0;
     met |= s->lens.name ? GP_NEED_LENS : 0;
     met |= s->relight.n ? GP_NEED_RELIGHT : 0;
     met |= s->scene.path ? GP_NEED_SCENE : 0;
@@ -240,13 +237,6 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
                        gp_option_given(s, "frame");
     const bool kernel = gp_option_given(s, "kernel");
-    if (m->from && (kernel || sized || s->kernel_size ||
-                    gp_option_given(s, "rotate")))
-        return gp_fail(log, GP_ERR_USAGE, "--from: %s says how it was made; "
-                       "leave the kernel's other options out", m->from);
-    if (m->from && m->check)
-        return gp_fail(log, GP_ERR_USAGE, "--from: --check makes no file "
-                       "(found %s); write --check %s", m->from, m->from);
     if (m->check && kernel)
         return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
                        "and -k %s); write only --check %s", m->check,
@@ -271,6 +261,8 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
             return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
                            "sets; give scissor or sets", gp_debugs[i].name);
     }
+    if (gp_option_given(s, "runs"))
+        s->table.runs = s->bench.runs;
     return check_size(log, &s->making, 960, 540);
 }
 
@@ -484,11 +476,10 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
     const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
-    const int words = s->completion ? 0 : 1;
     const struct gp_sun_params *const sun = &s->sun;
-    if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
+    if (s->command == GP_COMMAND_HELP && s->inputs.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
-                       "give one topic", s->inputs.at[words]);
+                       "give one topic", s->inputs.at[1]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
     if (s->command != GP_COMMAND_BENCH && s->threads.n > 1)

@@ -23,7 +23,6 @@ static const struct single {
     SINGLE(bench.csv, "--csv", true),
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
-    SINGLE(making.from, "--from", false),
     SINGLE(making.draw, "--draw", true),
     SINGLE(sun.camera, "--camera", false),
     SINGLE(sun.lights, "--lights", false),

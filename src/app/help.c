@@ -2,7 +2,6 @@
 #include "core/minmax.h"
 #include "glare/model/model.h"
 
-#include <ctype.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
@@ -161,114 +160,61 @@ void gp_help(FILE *f, enum gp_command command)
             "commands.\n");
 }
 
-// -- the man page ------------------------------------------------------------
+// -- the table, for the man page and completions ------------------------------
 
-/* Prints text as roff lines of at most 80 characters, without commands. */
-static void print_roff(FILE *f, const char *text)
-{
-    for (int column = 0; *text;) {
-        int n = (int) strcspn(text, " ");
-        if (column && column + n > 70) { // room for escapes
-            putc('\n', f);
-            column = 0;
-        } else if (column) {
-            putc(' ', f);
-        }
-        if (*text == '.' || *text == '\'')
-            fputs("\\&", f);
-        for (int i = 0; i < n; i++) {
-            if (text[i] == '\\')
-                fputs("\\e", f);
-            else if (text[i] == '-' && isdigit((unsigned char) text[i + 1]))
-                fputs("\\-", f);
-            else
-                putc(text[i], f);
-        }
-        column += n + 1;
-        text += n;
-        text += strspn(text, " ");
-    }
-    putc('\n', f);
-}
-
-/* A model of glare and its keys, as an item. */
+/* Prints a model of glare and its keys. */
 static void print_model(FILE *f, const struct gp_model *m)
 {
-    const struct gp_model_key *k = gp_model_keys(m);
-    char text[512];
-    fprintf(f, ".It Cm %s\n", gp_model_name(m));
-    snprintf(text, sizeof text, "%s; %s.", gp_model_text(m),
-             gp_model_source(m));
-    print_roff(f, text);
-    fprintf(f, ".Bl -tag -width Ds -compact\n");
-    for (; k->name; k++) {
-        int used = snprintf(text, sizeof text, "%s ", k->text);
-        if (k->file)
-            snprintf(text + used, sizeof text - (size_t) used, "(a path)");
-        else if (!k->words)
-            snprintf(text + used, sizeof text - (size_t) used,
-                     "(%g to %g; default %g)", k->lo, k->hi, k->preset);
+    fprintf(f, "model\t%s\t%s; %s.\n", gp_model_name(m), gp_model_text(m),
+            gp_model_source(m));
+    for (const struct gp_model_key *k = gp_model_keys(m); k->name; k++) {
+        fprintf(f, "key\t%s\t", k->name);
         for (int i = 0; k->words && k->words[i]; i++)
-            used += snprintf(text + used, sizeof text - (size_t) used, "%s%s%s",
-                             i ? ", " : "(", k->words[i],
-                             k->words[i + 1] ? "" : ")");
-        fprintf(f, ".It Cm %s\n", k->name);
-        print_roff(f, text);
+            fprintf(f, "%s%s", i ? " " : "", k->words[i]);
+        if (k->file)
+            fprintf(f, "\t%s (a path)\n", k->text);
+        else if (k->words)
+            fprintf(f, "\t%s\n", k->text);
+        else
+            fprintf(f, "\t%s (%g to %g; default %g)\n", k->text, k->lo, k->hi,
+                    k->preset);
     }
-    fprintf(f, ".El\n");
 }
 
-void gp_help_man(FILE *f)
+void gp_help_table(FILE *f)
 {
-    const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
-    const char *before = NULL;
-    fprintf(f, "@OPTIONS@\n");
+    char text[1024], word[GP_TOPIC_BYTES];
+    const char *name, *line;
+    for (const struct gp_command_row *c = gp_commands; c->word; c++)
+        fprintf(f, "command\t%s\n", *c->word ? c->word : "main");
+    for (int i = 0; (name = gp_help_topic_at(i, word)); i++)
+        fprintf(f, "topic\t%s\n", name);
     for (int g = 0; g < GP_GROUPS; g++) {
-        fprintf(f, ".Ss %s\n.Dl %s\n.Bl -tag -width Ds\n",
-                gp_option_groups[g].title, gp_option_groups[g].example);
+        fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
+                gp_option_groups[g].example);
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            char text[1024];
-            const char *name, *line;
             if ((int) o->group != g || o->hidden)
                 continue;
-            fprintf(f, ".It ");
-            if (o->letter)
-                fprintf(f, "Fl %c , ", o->letter);
-            fprintf(f, "Fl \\-%s", o->name);
-            if (o->arg)
-                fprintf(f, " Ar %s", o->arg);
-            putc('\n', f);
-            option_text(o, false, text, sizeof text - 1);
-            print_roff(f, strcat(text, "."));
-            if (!gp_option_value(o, 0, &line))
-                continue;
-            fprintf(f, ".Bl -tag -width Ds -compact\n");
-            for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
-                fprintf(f, ".It Cm ");
-                print_roff(f, name);
-                if (line)
-                    print_roff(f, line);
+            const bool many = o->kind == GP_KIND_TEXTS ||
+                              o->kind == GP_KIND_NAMED;
+            option_text(o, false, text, sizeof text);
+            fprintf(f, "option\t%s\t%.1s\t%s\t%s\t%s\t", o->name, &o->letter,
+                    o->arg ? o->arg : "", many ? "many" : o->open ? "open" : "",
+                    text);
+            for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+                if (o->commands & c->bit)
+                    fprintf(f, " %s", *c->word ? c->word : "main");
             }
-            fprintf(f, ".El\n");
+            fprintf(f, " \n");
+            for (int i = 0; (name = gp_option_value(o, i, &line)); i++)
+                fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
         }
-        fprintf(f, ".El\n");
     }
-    // options that pictures and bench share
-    fprintf(f, "@BENCH@\n");
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (o->hidden || (o->commands & both) != both)
-            continue;
-        if (before)
-            fprintf(f, ".Fl \\-%s ,\n", before);
-        before = o->name;
-    }
-    if (before)
-        fprintf(f, "and\n.Fl \\-%s .\n", before);
-    fprintf(f, "@MODELS@\n");
     for (int i = 0; gp_models[i]; i++)
         print_model(f, gp_models[i]);
-    fprintf(f, "@EXIT@\n");
-#define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
+    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
+        fprintf(f, "preset\t%s\t%s\n", p->name, p->recipe);
+#define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
     GP_STATUS_LIST(ITEM)
 #undef ITEM
 }

@@ -49,30 +49,6 @@ static gp_status making_of_settings(const struct gp_log *log,
     return gp_wanted_kernel_read(log, s, &m->wanted);
 }
 
-/* Reads the attributes of a kernel's file, and the images of its recipes. */
-static gp_status making_of_file(const struct gp_log *log,
-    const struct gp_settings *s, const char *path, struct making *m)
-{
-    const struct gp_read_params limits = gp_read_limits(&s->read);
-    struct gp_wanted_kernel *const wanted = &m->wanted;
-    struct gp_frame f;
-    gp_status st = gp_read_frame(log, &limits, path, &f);
-    if (st)
-        return st;
-    st = gp_label_recipes(log, &f, wanted->recipe, &wanted->recipes);
-    if (!st)
-        st = gp_label_read(log, &f, &m->label);
-    gp_frame_free(&f);
-    if (!st && !m->label.present)
-        st = gp_fail(log, GP_ERR_DATA, "%s: does not say how it was made (no "
-                     "whole glarepp:size, fov, rotate, frame, compression, "
-                     "left_out and beyond); use a file of glarepp kernel",
-                     path);
-    if (gp_option_given(s, "compression"))
-        m->label.compression = s->write.compression;
-    return st ? st : gp_wanted_images_read(log, &limits, path, wanted);
-}
-
 /* Makes the kernel at full rate, as far as it was asked for, of `most` pixels;
  * sets the label's left_out and beyond. `name` for messages. */
 static gp_status make_kernel(const struct gp_log *log, const char *name,
@@ -150,10 +126,8 @@ static gp_status write_kernel(const struct gp_log *log,
             .name = path, .what = "-o", .as = path, .order = i}));
     }
     GP_TRY(gp_clobber_settle(&clobber));
-    GP_TRY(s->making.from
-               ? making_of_file(log, s, s->making.from, &m)
-               : making_of_settings(log, s, &m));
-    for (int i = 0; i < m.wanted.recipes; i++) { // those that --from names
+    GP_TRY(making_of_settings(log, s, &m));
+    for (int i = 0; i < m.wanted.recipes; i++) {
         if (m.wanted.recipe[i].image)
             GP_TRY(gp_clobber_input(&clobber, "image of the kernel",
                                     m.wanted.recipe[i].image->path));

@@ -39,12 +39,6 @@ static gp_status add_number(const struct gp_log *log, struct gp_label_texts *l,
     return add_text(log, l, name, text);
 }
 
-/* The names of --compression. */
-static const struct gp_option_choice *compressions(void)
-{
-    return gp_option_find("compression", strlen("compression"))->choices;
-}
-
 gp_status gp_label_write(const struct gp_log *log,
     const struct gp_kernel_label *l, const struct gp_recipe *r, int n,
     struct gp_label_texts *out)
@@ -57,7 +51,7 @@ gp_status gp_label_write(const struct gp_log *log,
         st = add_text(log, out, text, recipe);
         gp_free(recipe);
     }
-    const struct gp_option_choice *c = compressions();
+    const struct gp_option_choice *c = gp_compressions;
     while (c->name && c->value != (int) l->compression)
         c++;
     GP_TRY(st);
@@ -126,15 +120,7 @@ static struct gp_kernel_label read_label(const struct gp_frame *f)
         !read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond))
         return (struct gp_kernel_label) {.present = false};
     l.frame = (int) frame;
-    char *const name = gp_frame_text(f, "glarepp:compression");
-    const struct gp_option_choice *c = compressions();
-    while (name && c->name && strcmp(c->name, name) != 0)
-        c++;
-    l.present = name && c->name;
-    l.compression = c->name ? (enum gp_compression) c->value
-                            : GP_COMPRESSION_AUTO;
-    gp_free(name);
-    return l.present ? l : (struct gp_kernel_label) {.present = false};
+    return l;
 }
 
 /* The file and attribute that a message is about. */
@@ -151,8 +137,9 @@ static void put_place_first(void *user, const struct gp_line *line)
                        line->text);
 }
 
-gp_status gp_label_recipes(const struct gp_log *log, const struct gp_frame *f,
-                           struct gp_recipe *r, int *n)
+/* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure. */
+static gp_status read_recipes(const struct gp_log *log,
+    const struct gp_frame *f, struct gp_recipe *r, int *n)
 {
     gp_status st = GP_OK;
     for (*n = 0; *n < GP_RECIPES && !st;) {
@@ -167,10 +154,6 @@ gp_status gp_label_recipes(const struct gp_log *log, const struct gp_frame *f,
         *n += !st;
         gp_free(text);
     }
-    if (!st && !*n)
-        st = gp_fail(log, GP_ERR_DATA, "%s: does not say how it was made (it "
-                     "has no glarepp:recipe); use a file of glarepp kernel",
-                     f->path);
     return st == GP_ERR_USAGE ? GP_ERR_DATA : st;
 }
 
@@ -183,7 +166,7 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
     char *const first = gp_frame_text(f, "glarepp:recipe");
     *out = first ? read_label(f) : (struct gp_kernel_label) {.present = false};
     if (first)
-        st = gp_label_recipes(log, f, r, &n);
+        st = read_recipes(log, f, r, &n);
     gp_free(first);
     while (n > 0) {
         out->share = fmin(out->share + r[--n].value[0], 1.0);

@@ -1,5 +1,5 @@
-/* The attributes of a kernel's file: what glarepp kernel made it of, for --from
- * and for runs that use the file. glare/model/README.md documents their names. */
+/* The attributes of a kernel's file: what glarepp kernel made it of, for
+ * runs that use the file. glare/model/README.md documents their names. */
 #ifndef GP_APP_KERNEL_LABEL_H
 #define GP_APP_KERNEL_LABEL_H
 
@@ -19,7 +19,7 @@ struct gp_kernel_label {
     double fov;          // degrees, of the frame's height
     double rotate;       // degrees
     int frame;           // number, for models that move
-    enum gp_compression compression; // of the file
+    enum gp_compression compression; // of the file; written only
     double left_out;     // the model's light outside of the file
     double beyond;       // of which falls outside of the frame too
     double share;        // of a pixel's light, that the recipes read take
@@ -40,17 +40,11 @@ GP_MUST_CHECK gp_status gp_label_write(const struct gp_log *log,
 void gp_label_texts_free(struct gp_label_texts *t);
 
 /* Reads the attributes but the recipes. All 0 where they are not whole, or out
- * of their options' ranges. Errors: those of gp_label_recipes(), where the frame
- * has any. */
+ * of their options' ranges.
+ * Errors: GP_ERR_DATA a recipe that this program does not know, with the file's
+ * and the attribute's name; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
     const struct gp_frame *f, struct gp_kernel_label *out);
-
-/* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure:
- * free them with gp_recipe_free().
- * Errors: GP_ERR_DATA no recipe, or none that this program knows, with the
- * file's and the attribute's name; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_label_recipes(const struct gp_log *log,
-    const struct gp_frame *f, struct gp_recipe *r, int *n);
 
 /* Sets how a kernel from the file is used for frames of w x h pixels, where a
  * pixel of the file is `scale` of the frame's: use->missed, what the file leaves

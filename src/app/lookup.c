@@ -37,7 +37,6 @@ const struct gp_command_row gp_commands[] = {
     {"kernel", GP_COMMAND_KERNEL,
      "Makes a glare kernel, or checks one.\n\n"
      "  glarepp kernel [options] -o FILE\n"
-     "  glarepp kernel --from FILE -o FILE\n"
      "  glarepp kernel [options] --check FILE|MODEL [FRAME]\n"
      "  glarepp kernel --list\n\n"
      "-k names the model; FILE is an EXR, with the recipe in its attributes.\n"

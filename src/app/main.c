@@ -59,15 +59,13 @@ static gp_status list_flares(const struct gp_log *log)
     return st;
 }
 
-/* Prints help, versions, completions or flares to stdout. */
+/* Prints help, versions, the table or flares to stdout. */
 static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
     gp_status st = GP_OK;
     char io[256];
-    if (s->command == GP_COMMAND_HELP && s->completion)
-        gp_complete(stdout, s->completion);
-    else if (s->command == GP_COMMAND_HELP)
+    if (s->command == GP_COMMAND_HELP)
         st = gp_help_topic(log, stdout, s->inputs.n ? s->inputs.at[0] : NULL);
     else if (s->help && s->help[0] && strcmp(s->help, "all") != 0)
         st = gp_help_topic(log, stdout, s->help);
@@ -75,8 +73,8 @@ static gp_status print_text(const struct gp_log *log,
         gp_help_screen(stdout);
     else if (s->help)
         gp_help(stdout, s->command);
-    else if (s->help_man)
-        gp_help_man(stdout);
+    else if (s->help_table)
+        gp_help_table(stdout);
     else if (s->list_flares)
         st = list_flares(log);
     else {
@@ -245,7 +243,7 @@ int main(int argc, char *argv[])
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
-    if (!st && (s.help || s.help_man || s.version || s.list_flares ||
+    if (!st && (s.help || s.help_table || s.version || s.list_flares ||
                 s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH && s.threads.n > 1) {

@@ -94,23 +94,10 @@ static const struct gp_option_choice gp_ups[] = {
     {"y", GP_UP_Y, "y, as in glTF"},
     {"z", GP_UP_Z, "z, as in Blender"}, {0},
 };
-static const struct gp_option_choice gp_sun_draws[] = {
-    {"auto", GP_DRAW_AUTO, "on GL with a GPU; on the CPU with a software "
-     "context, where that takes a quarter of the time"},
-    {"gl", GP_DRAW_GL, "on GL: sprites fetch the share, nothing is read back "
-     "before they are drawn"},
-    {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
-};
 static const struct gp_option_choice gp_spaces[] = {
     {"world", GP_NORMALS_WORLD, "those of the frame's world"},
     {"camera", GP_NORMALS_CAMERA, "x right, y up, z to the eye, whatever "
      "worldToCamera has"}, {0},
-};
-static const struct gp_option_choice gp_ndcs[] = {
-    {"auto", GP_NDC_AUTO, "spec or clip, by the point that the view axis maps "
-     "to"},
-    {"spec", GP_NDC_SPEC, "0 to 1, y down, as OpenEXR defines it"},
-    {"clip", GP_NDC_CLIP, "-1 to 1, y up, as Arnold and Gaffer write it"}, {0},
 };
 static const struct gp_option_choice gp_plans[] = {
     {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
@@ -118,10 +105,6 @@ static const struct gp_option_choice gp_plans[] = {
     {"measure", GP_FFT_PLAN_MEASURE, "the fastest of a few measured plans, "
      "kept in the cache folder; last bits may differ from run to run"},
     {0},
-};
-static const struct gp_option_choice gp_shells[] = {
-    {"bash", GP_SHELL_BASH, NULL}, {"zsh", GP_SHELL_ZSH, NULL},
-    {"fish", GP_SHELL_FISH, NULL}, {0},
 };
 
 // -- the table ---------------------------------------------------------------
@@ -313,9 +296,6 @@ const struct gp_option gp_options[] = {
     CHOICE(sun.map.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sums,
         .help = "mask: sum texels this way"),
-    CHOICE(sun.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
-        .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sun_draws,
-        .help = "mask: draw the glare of the lights here"),
     CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),
@@ -325,8 +305,6 @@ const struct gp_option gp_options[] = {
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
         .help = "Read each frame's camera, and the sun's direction where it is "
                 "there, from a JSON file"),
-    CHOICE(sun.ndc, .name = "ndc", BOTH(SUN), .arg = "HOW", .choices = gp_ndcs,
-        .help = "Read the frame's worldToNDC matrix with this range"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
     OPT(sun.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
@@ -411,9 +389,6 @@ const struct gp_option gp_options[] = {
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
         "one polygon; a power of two, 1 for none"),
-    CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
-        .needs = GP_NEED_SPLAT, .arg = "HOW", .choices = gp_methods,
-        .help = "splat: how a group represents its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw filled areas of "
         "NxN pixels as one polygon; a power of two larger than --group, 0 for "
@@ -425,9 +400,6 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_SPLAT, .hi = 0.99, .help = "splat: crop polygons "
         "where the kernel's edge is dim, by at most this share of the light; "
         "0 for none"),
-    CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
-        .needs = GP_NEED_SPLAT, .arg = "WHAT", .choices = gp_primitives,
-        .help = "splat: draw polygons as this"),
     CHOICE(glare.gl, .name = "gl", .group = GP_GROUP_ENGINE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_SETS,
         .arg = "API", .choices = gp_gls,
@@ -524,9 +496,6 @@ const struct gp_option gp_options[] = {
 
     OPT(report, .name = "report", DRAWS(REPORT), .arg = "FILE", .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
-    OPT(report_append, .name = "report-append", DRAWS(REPORT),
-        .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
-        "resumed run should; without it, replace it"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
@@ -547,8 +516,6 @@ const struct gp_option gp_options[] = {
         .help = "Make only offsets up to N pixels, 0 for all"),
     OPT(making.frame, .name = "frame", KERNEL, .arg = "N", .lo = -1e9,
         .hi = 1e9, .help = "Make models that change in time for this frame"),
-    OPT(making.from, .name = "from", KERNEL, .arg = "FILE",
-        .help = "Make a kernel again that glarepp kernel wrote, byte by byte"),
     OPT(making.check, .name = "check", .group = GP_GROUP_KERNEL,
         .commands = GP_COMMAND_KERNEL | GP_COMMAND_LENS, .arg = "FILE|NAME",
         .help = "Print the figures and faults of a kernel, or of a lens "
@@ -573,8 +540,6 @@ const struct gp_option gp_options[] = {
     OPT(table.occluders, .name = "occluders", SETS, .arg = "N", .hi = 1000000,
         .help = "Draw the N objects that look largest first, to find by their "
         "depth which others are hidden"),
-    OPT(table.runs, .name = "repeat", SETS, .arg = "N", .lo = 1, .hi = 1000,
-        .help = "Time each row N times; the table has the fastest"),
 
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),
@@ -590,8 +555,10 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
         .help = "Measure three generated frames like the paper's: few points, "
                 "windows, and a sky that fills the frame"),
-    OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
-        .help = "Time each row N times; the table has the median"),
+    OPT(bench.runs, .name = "runs", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_BENCH | GP_COMMAND_SETS, .arg = "N", .lo = 1,
+        .hi = 1000, .help = "bench: time each row N times; the table has the "
+        "median; sets: the fastest, of 3 without it"),
 
     // idiff's, which may be written with one dash
     OPT(compare.limits.fail, .name = "fail", COMPARE, .arg = "E", .hi = INFINITY,
@@ -656,11 +623,8 @@ const struct gp_option gp_options[] = {
         .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
-    OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
-        .help = "Print the man page's generated parts"),
-    CHOICE(completion, .name = "completion", .group = GP_GROUP_GENERAL,
-        .commands = GP_COMMAND_HELP, .arg = "SHELL", .choices = gp_shells,
-        .hidden = true, .help = "Print the shell's completions"),
+    OPT(help_table, .name = "help-table", IN(GENERAL), .hidden = true,
+        .help = "Print this table for the man page and completions"),
     {0},
 };
 

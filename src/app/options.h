@@ -2,7 +2,7 @@
  *
  * app/ as a room: argv in, exit status out.
  *   options   the one table of options: lookup.c, parse.c, check.c, help.c,
- *             report.c, complete.c read it
+ *             report.c read it
  *   jobs      the frames of a run and the names of its files
  *   pipeline  frame after frame through the stages
  *   report    JSON lines; progress: the line on the terminal */
@@ -58,8 +58,8 @@ struct gp_option_choice {
 
 // Values of options, in option_lists.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
-    gp_methods[], gp_primitives[], gp_types[], gp_compressions[], gp_bits[],
-    gp_alphas[], gp_stdout_formats[], gp_raws[];
+    gp_types[], gp_compressions[], gp_bits[], gp_alphas[], gp_stdout_formats[],
+    gp_raws[];
 
 /* Settings that an option needs; check.c has the messages. */
 enum gp_need {
@@ -87,7 +87,6 @@ enum gp_need {
     GP_NEED_AUTO = 1 << 20,       // --engine auto
     GP_NEED_STREAM = 1 << 21,     // an output without an ending
     GP_NEED_FILES = 1 << 22,      // an output file
-    GP_NEED_REPORT_FILE = 1 << 23, // --report
 };
 
 struct gp_option {
@@ -217,9 +216,9 @@ void gp_help(FILE *f, enum gp_command command);
  * 80 columns, the 29th its first. */
 void gp_help_text(FILE *f, int column, const char *text);
 
-/* Prints the parts of the man page that come from the table and the status
- * list: mdoc items, each part after a line @NAME@ that names its place. */
-void gp_help_man(FILE *f);
+/* Prints the table of options, models and statuses, a row a line, its fields
+ * separated by tabs: man/page.awk and man/completions.awk read it. */
+void gp_help_table(FILE *f);
 
 /* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
  * topic is a command, the word of a group, all (as --help all), an option's
@@ -234,9 +233,5 @@ GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
  * other names; NULL after the last. */
 enum { GP_TOPIC_BYTES = 32 };
 const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES]);
-
-/* Prints `glarepp help --completion SHELL` to `f`: a script for the shell that
- * completes commands, options, their values and topics. */
-void gp_complete(FILE *f, enum gp_shell shell);
 
 #endif

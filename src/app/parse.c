@@ -300,6 +300,19 @@ static gp_status set_value(const struct use *u, void *field)
 
 // -- words -------------------------------------------------------------------
 
+/* Options that are gone, and what to use. */
+static const char *const gone[][2] = {
+    {"completion", "make install puts completions in place"},
+    {"from", "make the file again by -k with its glarepp:recipe, and by --size, "
+     "--fov, --rotate and --frame"},
+    {"group-method", "leave it out: splat groups pixels in one way"},
+    {"ndc", "leave it out, or give the camera by --camera FILE"},
+    {"primitive", "leave it out: splat draws what the GL context draws fastest"},
+    {"repeat", "use --runs"},
+    {"report-append", "append by the shell: --report - >>FILE"},
+    {"sun-draw", "leave it out: engines draw the glare of lights"},
+};
+
 /* Finds the option that `word` names. *value is the rest of the word
  * ("--gain=2", "-g2"), or NULL. Options of compare may have one dash, as
  * idiff's: "-fail"; "-foo" is then unknown, not -f with a value. A letter means
@@ -339,6 +352,12 @@ static gp_status read_option(const struct gp_log *log, int argc,
         const size_t length = strcspn(bare, "=");
         const int shown = (int) (bare - word + (ptrdiff_t) length);
         struct gp_nearest near = gp_nearest_to(bare, length, 3);
+        for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) {
+            if (strlen(gone[k][0]) == length &&
+                strncmp(gone[k][0], bare, length) == 0)
+                return gp_fail(log, GP_ERR_USAGE, "--%s: no option any more; %s",
+                               gone[k][0], gone[k][1]);
+        }
         for (const struct gp_option *o = gp_options; o->name; o++) {
             if (!o->hidden && (o->commands & s->command))
                 gp_nearest_try(&near, o->name);
@@ -450,7 +469,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     out->list_flares = out->command == GP_COMMAND_MAIN && out->inputs.n == 0 &&
                        out->options.n == 2 && out->sun.flare &&
                        strcmp(out->sun.flare, "preset:list") == 0;
-    if (st || out->help || out->help_man || out->version || out->list_flares)
+    if (st || out->help || out->help_table || out->version || out->list_flares)
         return st;
     st = apply_style(log, out);
     return st ? st : gp_settings_check(log, out);

@@ -63,14 +63,6 @@ enum gp_grow_how {
     GP_GROW_NONE,    // outputs keep the data window
 };
 
-/* Shells with completions. */
-enum gp_shell {
-    GP_SHELL_NONE,
-    GP_SHELL_BASH,
-    GP_SHELL_ZSH,
-    GP_SHELL_FISH,
-};
-
 /* A real lens, whose ghosts the layer gets. 0: by the frame. */
 struct gp_lens_settings {
     const char *name;  // file or installed lens; NULL: none
@@ -150,7 +142,7 @@ struct gp_settings {
     double kernel_degrees;             // 0: by percent
     struct gp_making {                 // glarepp kernel, glarepp lens
         bool list;
-        const char *from, *check;      // NULL: not given
+        const char *check;             // NULL: not given
         const char *size;              // of the frame, as given
         int w, h;                      // ... as checked
         int radius;                    // most of an offset; 0: the frame's
@@ -161,7 +153,7 @@ struct gp_settings {
     enum gp_normal_space normal_space;
     float scene_time;                  // seconds, where --time is given
     const char *report;
-    bool report_append;
+    bool report_append;                // by glarepp styles
     const char *frames;                // list as given
     const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel
@@ -174,9 +166,8 @@ struct gp_settings {
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     const char *help;                  // topic, "" without one; NULL: no --help
-    bool help_man, version;
+    bool help_table, version;
     bool list_flares;                  // print their names, nothing else
-    enum gp_shell completion;          // help --completion
 
     uint64_t given[4];                 // a bit for each option of the table
 };

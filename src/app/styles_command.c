@@ -45,27 +45,22 @@ static gp_status make_tile(const struct gp_log *log,
     struct gp_progress none;
     char **word = NULL;
     int words = 1;
-    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->options.n / 2 + 5,
+    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->options.n / 2 + 4,
                          sizeof *word, &word));
     for (int i = 0; i < s->options.n; i += 2) {
         const char *const value = s->options.at[i + 1];
-        if (strcmp(s->options.at[i], "report-append") == 0)
-            continue;
         if (asprintf(&word[words], value ? "--%s=%s" : "--%s",
                      s->options.at[i], value) < 0)
             GP_TRY(gp_no_memory(log, s->inputs.at[0]));
         words++;
     }
-    const char *const last[] = {
-        first, s->report && (t->i || s->report_append) ? "--report-append"
-                                                       : NULL,
-        "--", s->inputs.at[0],
-    };
+    const char *const last[] = {first, "--", s->inputs.at[0]};
     for (size_t i = 0; i < sizeof last / sizeof *last; i++) {
-        if (last[i] && !(word[words++] = strdup(last[i])))
+        if (!(word[words++] = strdup(last[i])))
             GP_TRY(gp_no_memory(log, s->inputs.at[0]));
     }
     GP_TRY(gp_options_parse(log, words, word, &one));
+    one.report_append = t->i > 0;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "

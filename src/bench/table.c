@@ -52,23 +52,14 @@ _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                       char *line, size_t size)
 {
-    static const char *const methods[] = {
-        [GP_GROUP_CENTROID] = "centroid", [GP_GROUP_MOMENTS] = "moments",
-        [GP_GROUP_CORE] = "core",
-    };
-    static const char *const primitives[] = {
-        [GP_PRIMITIVE_AUTO] = "auto", [GP_PRIMITIVE_QUAD] = "quad",
-        [GP_PRIMITIVE_POINT] = "point", [GP_PRIMITIVE_TILE] = "tile",
-    };
     const struct gp_splat_params *p = &t->splat;
     if (strcmp(t->engine, "auto") == 0)
         snprintf(line, size, "-e auto --tolerance %g", (double) tolerance);
     else if (strcmp(t->engine, "splat") != 0)
         snprintf(line, size, "-e %s", t->engine);
     else
-        snprintf(line, size, "-e splat --group %d --group-method %s --cluster "
-                 "%d --shrink %g --primitive %s", p->group, methods[p->method],
-                 p->cluster, (double) p->shrink, primitives[p->primitive]);
+        snprintf(line, size, "-e splat --group %d --cluster %d --shrink %g",
+                 p->group, p->cluster, (double) p->shrink);
 }
 
 void gp_bench_mark_pareto(struct gp_bench_frame *f)

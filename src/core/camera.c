@@ -100,7 +100,7 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                 log, GP_ERR_DATA,
                 "%s: worldToNDC follows neither convention (it maps the view "
                 "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0); "
-                "give --ndc spec or --ndc clip",
+                "give --camera",
                 path, x, y));
         ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
     }

@@ -91,8 +91,7 @@ for gl in osmesa egl; do
         continue
     fi
     ten "splat, $gl" --engine splat --gl $gl
-    ten "blended quads, $gl" --engine splat --primitive quad --group 2 --gl $gl
-    ten "sun masks, $gl" --engine fft --sun-method mask --sun-draw gl --gl $gl $lights
+    ten "sun masks, $gl" --engine fft --sun-method mask --gl $gl $lights
 done
 
 # -- OSMesa and EGL --------------------------------------------------------------------
@@ -100,12 +99,11 @@ done
 if can osmesa && can egl &&
     "$glarepp" -v --engine splat --gl egl --layer can.exr in.0001.exr 2>&1 |
     grep -q llvmpipe; then
-    for row in '--engine splat' '--engine splat --primitive quad --group 1' \
-        '--engine splat --primitive point --group-method moments' \
-        "--engine fft --sun-method mask --sun-draw gl $lights" \
+    for row in '--engine splat' '--engine splat --group 1' \
+        "--engine fft --sun-method mask $lights" \
         "--engine fft --sun-method mask --sun-sum 8bit --sun-pattern square $lights" \
         "--engine fft --sun-method readback $lights" \
-        "--engine splat --sun-method mask --sun-draw gl $lights"; do
+        "--engine splat --sun-method mask $lights"; do
         rm -rf first
         make_all first --no-provenance --gl osmesa $row
         as_first "EGL as OSMesa: ${row%% --sun 70*}" make_all new \

@@ -86,11 +86,6 @@ if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
         breaks $kind -e direct --sun 12,8,3 --sun-color 9,8,7 \
             --sun-method readback
     done
-    for n in 1 2; do
-        export BROKEN_GL_AFTER=$n
-        breaks lost -e splat --primitive quad
-    done
-    unset BROKEN_GL_AFTER
     # other engines run on
     for kind in context compile lost; do
         BROKEN_GL=$kind GLAREPP_OSMESA=$broken "$glarepp" --gl osmesa \
@@ -127,7 +122,7 @@ fi
 # A variable that is added moves the environment under threads that read it:
 # the variables for GL are set before there are any. (MESA_DEBUG
 # has GL tell of calls without a context: two are open here, or one.)
-lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask --sun-draw gl'
+lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask'
 while read -r gl what; do
     case $gl in
     none) ;;

@@ -63,7 +63,9 @@ for file in LICENSE README.md examples/slurm.sh examples/openjd.yaml; do
     same "$at/share/doc/glarepp/$file" "$root/$file" "the installed $file"
 done
 for shell in bash zsh fish; do
-    "$glarepp" help --completion $shell >completion.$shell
+    cp "$build/completions.$shell" completion.$shell
+    is "$(grep -c -e --help-table -e '-l help-table' completion.$shell)" 0 \
+        "no hidden option is completed by $shell"
 done
 same "$at/share/bash-completion/completions/glarepp" completion.bash \
     'completions of bash'

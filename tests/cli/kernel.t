@@ -226,25 +226,11 @@ ok 'degrees and percent of one size' "$glarepp" compare --fail-rel 1e-6 \
 run kernel -k cie:age=70 -k star:share=.05 -k image:file=k.exr,share=.1 \
     --size 96x54 --fov 20 --rotate 10 -o a.exr
 quiet_success 'kernel -o'
-run kernel --from a.exr -o b.exr
-same a.exr b.exr '--from: the same bytes'
-run kernel -k eye --size 64x48 --compression piz -o a.exr
-run kernel --from a.exr -o b.exr
-same a.exr b.exr '--from: the same bytes, of another compression'
-run kernel --from a.exr --compression zip -o b.exr
-no '--from: a compression that is given' cmp -s a.exr b.exr
 mkdir -p away
 cp k.exr away/own.exr
-(cd away && "$glarepp" kernel -k image:file=own.exr,share=.1 --size 64x48 \
-    -o a.exr)
-run kernel --from away/a.exr -o b.exr
-same away/a.exr b.exr '--from: an image beside the file'
-cp away/own.exr own.kept
-run kernel --from away/a.exr -o away/own.exr
-fails_with 2 away/own.exr '--from: an output that its recipe reads'
-same own.kept away/own.exr 'and that stays as it was'
-run kernel --from k.exr -o b.exr
-fails_with 4 k.exr '--from a file without a recipe'
+run kernel -k image:file=away/own.exr,share=.1 --size 64x48 -o away/own.exr
+fails_with 2 away/own.exr 'kernel: an output that its recipe reads'
+same k.exr away/own.exr 'and that stays as it was'
 # hostile attributes
 long=$(printf '%050000d' 0 | tr 0 9)
 labelled() # RECIPE [NAME=VALUE...]
@@ -262,24 +248,21 @@ labelled() # RECIPE [NAME=VALUE...]
 }
 for recipe in nosuch "star:ponits=3" "star:share=$long" "$long" ''; do
     labelled "$recipe"
-    run kernel --from odd.exr -o b.exr
-    fails_with 4 odd.exr "--from: a recipe of ${#recipe} bytes that is none"
-    ok 'in a short line' test "$(wc -c <err)" -lt 500
     run kernel --check odd.exr
-    fails_with 4 odd.exr '--check: such a recipe'
+    [ -z "$recipe" ] ||
+        fails_with 4 odd.exr "--check: a recipe of ${#recipe} bytes that is none"
+    ok 'in a short line' test "$(wc -c <err)" -lt 500
     run -k odd.exr --layer l.exr in.exr
     fails_with 4 odd.exr 'a run: such a recipe'
 done
 for value in fov=1e9 fov=nan fov=0 fov= size=0x0,0 size=99999x9,0 size=64x48 \
-    size=64x48,99999 rotate=inf frame=1e30 compression=lzw left_out=7 \
+    size=64x48,99999 rotate=inf frame=1e30 left_out=7 \
     left_out=1e999 beyond=x; do
     labelled star $value
-    run kernel --from odd.exr -o b.exr
-    fails_with 4 odd.exr "--from: $value"
+    run kernel --check odd.exr
+    no "attributes that are not whole are none: $value" grep -q '^left out' out
 done
 labelled star
-run kernel --from odd.exr -o b.exr
-quiet_success '--from: the attributes decide'
 run kernel --check odd.exr
 like "$status $(cat out)" '1 *its light sums to *' \
     '--check: samples that are not those of its attributes'
@@ -288,8 +271,6 @@ like "$status $(cat err)" '0 *warning: odd.exr: its light sums to *' \
     'a run warns of them'
 run -k odd.exr --kernel-normalize luminance --layer l.exr in.exr
 no 'but not where they are scaled' grep 'its light sums' err
-run kernel --from a.exr -o a.exr
-fails_with 2 a.exr '--from a file that would be replaced'
 run kernel -k eye --size 64x48 --threads 1 -o a.exr
 run kernel -k eye --size 64x48 --threads 2 -o b.exr
 same a.exr b.exr 'the same bytes for any number of threads'

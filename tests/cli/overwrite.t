@@ -259,8 +259,6 @@ ln -s /proc/thread-self/fd descriptors
 names="ln ln.exr descriptors/1 /proc/thread-self/fd/1 /dev/../dev/stdout"
 for to in $names /proc/self/task/../fd/1; do
     appended "--report $to" -q -o one.png --report $to w/i.exr
-    appended "--report $to --report-append" -q -o one.png --report $to \
-        --report-append w/i.exr
     appended "-o $to" -q -o $to --stdout-format png w/i.exr
     appended "--json $to" compare -q --json $to w/i.exr w/i.exr
 done
@@ -286,7 +284,6 @@ ln -s "$other" w/other.exr
 cp log w/log
 for name in /proc/self/cwd/w/log "$other" w/other.exr; do
     for option in "-o $name --stdout-format png" "-o o.png --report $name" \
-        "-o o.png --report $name --report-append" \
         "--hdr $name --stdout-format exr"; do
         # shellcheck disable=SC2086
         run -q $option w/i.exr

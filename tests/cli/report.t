@@ -268,17 +268,13 @@ is "$(grep '^{' err | tail -n 1 | cut -d, -f1-4)" \
 
 # a resumed run
 mkdir resumed
-run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' shot.0001.exr
-quiet_success '--report-append: a report that is not there'
-run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' 'shot.####.exr'
+for frames in shot.0001.exr 'shot.####.exr' 'shot.####.exr'; do
+    "$glarepp" -q --no-clobber --report - -o 'resumed/####.png' "$frames" >>resumed.json
+done
 is "$(sed 's/.*"frame":\([0-9]*\).*/\1/' resumed.json | xargs)" '1 2' \
-    '--report-append: the lines of both runs'
-run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' 'shot.####.exr'
-is "$(wc -l <resumed.json)" 2 '--report-append: all is made, all is reported'
+    '--report - >>FILE: the lines of all runs'
 run --report r.json -o 'o.####.png' 'shot.####.exr'
-is "$(wc -l <r.json)" 2 'without it the report is made anew'
-run --report-append -o out.png in.exr
-like "$(cat err)" 'glarepp: warning: --report-append*' '--report-append without a report: a warning'
+is "$(wc -l <r.json)" 2 '--report FILE: the report is made anew'
 run --progress always -o out.png nowhere.exr
 is "$(grep -c '^glarepp: nowhere.exr' err)" 1 'progress: the error has a line of its own'
 

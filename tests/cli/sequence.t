@@ -260,7 +260,6 @@ done
 
 run --help all
 like "$(cat out)" '*--views LIST*' '--views is in --help'
-like "$("$glarepp" help --completion bash)" '*--views*' '--views is completed'
 grep -qF -- '\-views' "$root/man/glarepp.1"
 result $? '--views is in the man page'
 for row in 'bench 2' 'compare 64'; do

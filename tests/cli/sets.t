@@ -36,7 +36,7 @@ cat >square.gltf <<'JSON'
  "buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,AAAAvwAAAL8AAAAAAAAAPwAAAL8AAAAAAAAAPwAAAD8AAAAAAAAAvwAAAD8AAAAAAAABAAIAAAACAAMA"}]}
 JSON
 
-if ! "$glarepp" sets --size 64x36 --repeat 1 square.gltf >out 2>err; then
+if ! "$glarepp" sets --size 64x36 --runs 1 square.gltf >out 2>err; then
     grep -q 'no GL context' err && skip_all 'no GL'
 fi
 is "$(wc -l <out)" 7 'a line about the scene, a heading, five rows'
@@ -47,14 +47,14 @@ no 'every row draws the same picture' grep -q another out
 is "$(awk 'NR > 2 { print $(NF - 8) }' out | tr '\n' ' ')" '4 3 3 3 3 ' \
     'the square behind the wall is hidden'
 
-"$glarepp" sets --size 64x36 --repeat 1 --json - square.gltf >json 2>err
+"$glarepp" sets --size 64x36 --runs 1 --json - square.gltf >json 2>err
 result $? '--json -'
 is "$(grep -c '"same_picture": true' json)" 5 'has five rows, and no table'
 is "$(grep -c '"name"' json)" 2 'and two lights'
 is "$(grep -c '"cpu_ms": 0*[.1-9]' json)" 5 'and the CPU time of each row'
 is "$(tail -c 1 json | wc -l)" 1 'and ends with a line feed'
 
-"$glarepp" sets --size 64x36 --repeat 1 -o a.exr --debug sets=sets.png \
+"$glarepp" sets --size 64x36 --runs 1 -o a.exr --debug sets=sets.png \
     --debug scissor=scissor.png square.gltf >/dev/null 2>err
 result $? 'pictures'
 for f in a.exr sets.png scissor.png; do
@@ -63,7 +63,7 @@ done
 # a ground that leaves the map, and something far away, do not make the rest small
 for wide in 400 40000; do
     sed "s/\[40, 40, 1\]/[$wide, $wide, 1]/" square.gltf >ground.gltf
-    "$glarepp" sets --size 64x36 --repeat 1 --debug sets=$wide.pfm ground.gltf \
+    "$glarepp" sets --size 64x36 --runs 1 --debug sets=$wide.pfm ground.gltf \
         >/dev/null 2>err
 done
 cmp 400.pfm 40000.pfm
@@ -71,22 +71,22 @@ result $? 'the map of sets shows what stands on a large ground'
 for far in 1e5 1e6; do
     sed "s/\"translation\": \[0, 0, 9\]/\"translation\": [0, 0, $far]/" \
         square.gltf >far.gltf
-    "$glarepp" sets --size 64x36 --repeat 1 --debug sets=$far.pfm far.gltf \
+    "$glarepp" sets --size 64x36 --runs 1 --debug sets=$far.pfm far.gltf \
         >/dev/null 2>err
 done
 cmp 1e5.pfm 1e6.pfm
 result $? 'and what is near the eye beside something far away'
 # three lamps of the street reach all of this picture
-"$glarepp" sets --size 64x36 --repeat 1 --time 41.7083 \
+"$glarepp" sets --size 64x36 --runs 1 --time 41.7083 \
     --debug scissor=scissor.pfm "$root/examples/alley.glb" >/dev/null 2>err
 is "$(tail -c $((64 * 36 * 12)) scissor.pfm | tail -c +$((64 * 18 * 12 + 1)) |
     head -c $((7 * 12)) | od -An -v -f -w12 | grep -cv '\.')" 3 \
     'outlines of equal scissors are one inside the other'
-"$glarepp" sets --size 64x36 --repeat 1 --threads 1 -o b.exr square.gltf \
+"$glarepp" sets --size 64x36 --runs 1 --threads 1 -o b.exr square.gltf \
     >/dev/null 2>err
 cmp a.exr b.exr
 result $? 'the same bytes with one thread'
-"$glarepp" sets --size 64x36 --repeat 1 --gl egl -o c.exr square.gltf >/dev/null \
+"$glarepp" sets --size 64x36 --runs 1 --gl egl -o c.exr square.gltf >/dev/null \
     2>err
 result "$([ $? -eq 0 ] || grep -q 'no GL context\|cannot be loaded' err; echo $?)" \
     'with EGL'
@@ -121,7 +121,7 @@ wrong 2 'square.gltf' 'the scene as an output' \
 # -- the street ------------------------------------------------------------------
 
 for time in 41.7083 41.75 41.7917 41.8333; do # its four frames
-    "$glarepp" sets --size 640x360 --repeat 1 --time $time \
+    "$glarepp" sets --size 640x360 --runs 1 --time $time \
         "$root/examples/alley.glb" >out 2>err
     result $? "the street at $time s: every row draws the same picture"
     for column in '2 0.31 batches' '1 0.56 fragments'; do

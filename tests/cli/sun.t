@@ -191,48 +191,35 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
             --flare flare.json --sun-method $method --layer $method.exr in.exr
         quiet_success "$method draws light and flare"
     done
-    for place in gl cpu; do
-        run -k kernel.exr --sun 30.3,6.6,2.2 --sun-color 900,500,200 \
-            --flare flare.json --sun-method mask --sun-draw $place \
-            --layer $place.exr --report r.json in.exr
-        like "$(field r.json 'o["sun_method"].lower()')" "mask, drawn on*$place" \
-            "--sun-draw $place: the report names it"
-    done
-    for place in gl cpu; do
-        run -k kernel.exr --sun=-1,6,5 --sun-color 900,500,200 \
-            --flare flare.json --sun-method mask --sun-draw $place \
-            --layer edge_$place.exr in.exr
-    done
+    run -k kernel.exr --sun=-1,6,5 --sun-color 900,500,200 --flare flare.json \
+        --sun-method mask --layer edge_mask.exr in.exr
+    run -k kernel.exr --sun=-1,6,5 --sun-color 900,500,200 --flare flare.json \
+        --layer edge.exr in.exr
     frame wide.exr channels=R,G,B kind=zeros size=500x300
-    for place in gl cpu; do
-        run --sun 90.3,150.6,12.2 --sun-color 900,500,200 --sun-method mask \
-            --sun-draw $place --layer wide_$place.exr wide.exr
-    done
+    run --sun 90.3,150.6,12.2 --sun-color 900,500,200 --sun-method mask \
+        --layer wide_mask.exr wide.exr
     run --sun 90.3,150.6,12.2 --sun-color 900,500,200 -e direct \
         --layer wide_direct.exr wide.exr
     run -k kernel.exr --lights many.json --flare flare.json --layer many.exr \
         in.exr
     run -k kernel.exr --lights many.json --flare flare.json --sun-method mask \
-        --sun-draw gl --layer manygl.exr in.exr
+        --layer many_mask.exr in.exr
     {
         echo 'fft.exr direct.exr 1e-6 fft lays the same light as direct'
         echo 'mask.exr direct.exr 1e-5 mask lays the same'
-        echo 'gl.exr direct.exr 1e-5 sprites on GL, the same'
-        echo 'cpu.exr direct.exr 1e-5 engines and CPU, the same'
-        echo 'edge_gl.exr edge_cpu.exr 1e-5 partly outside, the same'
-        echo 'manygl.exr many.exr 1e-5 five lights of three sizes, the same'
-        echo 'wide_gl.exr wide_direct.exr 1e-4 a sprite over the whole field'
-        echo 'wide_cpu.exr wide_direct.exr 1e-4 and by the engines'
+        echo 'edge_mask.exr edge.exr 1e-5 partly outside, the same'
+        echo 'many_mask.exr many.exr 1e-5 five lights of three sizes, the same'
+        echo 'wide_mask.exr wide_direct.exr 1e-4 over the whole field'
         echo 'readback.exr direct.exr 1e-5 readback, the same'
     } | "$python" "$cli/compare.py" >verdicts
     verdicts verdicts
 else
-    skip 13 'no GL, or nothing to compare with'
+    skip 8 'no GL, or nothing to compare with'
 fi
 
 # -- the same bytes ------------------------------------------------------------
 
-for method in exact 'mask --sun-draw gl' mask; do
+for method in exact mask; do
     [ -n "$gl" ] || [ "$method" = exact ] || {
         skip 2 'no GL'
         continue
@@ -262,19 +249,15 @@ run --sun-dir 0,0,-1 --report r.json spec.exr
 is "$(field r.json 'o["lights"]')" \
     "[{'name': 'sun', 'behind': True, 'visibility': 0.0, 'interval': [0.0, 1.0]}]" \
     'behind the camera'
-run --sun-dir 0,0.5,1 --ndc clip --report r.json spec.exr
-is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" '[48.0, 18.0]' \
-    '--ndc is believed'
 # a lens shift so large that the axis falls where the other one's centre is
 shifted=m44f:1,0,0,0,0,1,0,0,0.5,0.5,1,1,0,0,-1,0
 frame shifted.exr channels=R,G,B,Z:float kind=dark attr=worldToNDC:$shifted
 frame named.exr channels=R,G,B,Z:float kind=dark attr=worldToScreen:$shifted
-for row in 'shifted auto 32.0 24.0' 'shifted spec 32.0 24.0' \
-    'shifted clip 48.0 12.0' 'named auto 48.0 12.0' 'named spec 32.0 24.0'; do
+for row in 'shifted 32.0 24.0' 'named 48.0 12.0'; do
     set -- $row
-    run --sun-dir 0,0,1 --ndc $2 --report r.json $1.exr
-    is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" "[$3, $4]" \
-        "--ndc $2, $1.exr: the convention"
+    run --sun-dir 0,0,1 --report r.json $1.exr
+    is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" "[$2, $3]" \
+        "$1.exr: the convention"
 done
 run --sun-dir 0,0.5,1 --report r.json in.exr
 fails_with 2 worldToNDC 'a direction without a camera'

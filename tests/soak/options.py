@@ -57,7 +57,6 @@ def sun(rng, folder, frame, form, gl):
     words += some(rng, 0.3, "--sun-map", rng.choice([2, 16, 64]))
     words += some(rng, 0.2, "--sun-pattern", "square")
     words += some(rng, 0.3, "--sun-sum", rng.choice(["8bit", "bilinear"]))
-    words += some(rng, 0.3, "--sun-draw", rng.choice(["gl", "cpu"])) if gl else []
     words += some(rng, 0.3, "--sun-outside", rng.choice(["visible", "hidden"]))
     words += some(rng, 0.2, "--sun-adapt", "0.5")
     words += some(rng, 0.2, "--sun-in-frame")
@@ -116,18 +115,14 @@ def engine(rng, gl):
         words += ["--tolerance", rng.choice([0, 1e-6, 1e-4, 1e-3, 0.05, 1])]
     if name not in ("auto", "splat"):
         return words
-    kind = rng.choice(["exact", "plain", "default", "any"])
+    kind = rng.choice(["exact", "default", "any"])
     if kind == "exact":
         words += ["--group", 1, "--cluster", 0, "--shrink", 0]
-    elif kind == "plain":
-        words += ["--group-method", "centroid"]
     elif kind == "any":
         group = rng.choice([1, 2, 8])
         words += ["--group", group, "--cluster", rng.choice([0, group * 2]),
                   "--cluster-fill", rng.choice([0.1, 0.5, 1]), "--shrink",
-                  rng.choice([0, 1e-5, 0.1]), "--group-method",
-                  rng.choice(["centroid", "moments", "core"])]
-    words += some(rng, 0.4, "--primitive", rng.choice(["quad", "point", "tile"]))
+                  rng.choice([0, 1e-5, 0.1])]
     return [str(w) for w in words]
 
 

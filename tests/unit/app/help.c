@@ -1,5 +1,4 @@
-/* app/options, app/help, app/complete: the one table, and the help and
- * completions made from it. */
+/* app/options, app/help: the one table, and the help made from it. */
 #include "unit.h"
 #include "app/option_line.h"
 
@@ -28,14 +27,14 @@ static void the_table_is_sound(void **state)
     assert_null(gp_option_find("", 0));
 }
 
-/* Returns what --help or the man page's part prints; the caller frees it. */
-static char *printed(enum gp_command command, bool man)
+/* Returns what --help or --help-table prints; the caller frees it. */
+static char *printed(enum gp_command command, bool table)
 {
     char *text = NULL;
     size_t size;
     FILE *f = open_memstream(&text, &size);
-    if (man)
-        gp_help_man(f);
+    if (table)
+        gp_help_table(f);
     else
         gp_help(f, command);
     fclose(f);
@@ -64,7 +63,7 @@ static void lists(const char *text, const char *pattern,
 
 static void help_is_complete(void **state)
 {
-    char *man = printed(GP_COMMAND_MAIN, true);
+    char *table = printed(GP_COMMAND_MAIN, true);
     for (const struct gp_command_row *r = gp_commands; r->word; r++) {
         const enum gp_command c = r->bit;
         if (c == GP_COMMAND_HELP) // prints topics
@@ -73,7 +72,7 @@ static void help_is_complete(void **state)
         for (const struct gp_option *o = gp_options; o->name; o++) {
             const bool takes = o->commands & c;
             lists(help, " --%s%s%s", o, takes && !o->hidden);
-            lists(man, "Fl \\-%s", o, !o->hidden);
+            lists(table, "option\t%s\t", o, !o->hidden);
         }
         assert_true(widest(help) < 80);
         assert_null(strstr(help, "default inf")); // of options not given
@@ -86,9 +85,8 @@ static void help_is_complete(void **state)
         }
         free(help);
     }
-    assert_non_null(strstr(man, ".It 70\n"));
-    assert_non_null(strstr(man, "@BENCH@\n.Fl \\-"));
-    free(man);
+    assert_non_null(strstr(table, "status\t70\t"));
+    free(table);
 }
 
 /* A screen of 24 lines by 80 columns, with at least ten options. */
@@ -175,9 +173,6 @@ static void slips_of_commands(void **state)
         {"he -o a", NULL},          // too short to say
         {"tests -o a", NULL},       // far from all
         {"help a b", "too many words (found b)"},
-        {"help --completion tcsh", "give one of bash, zsh, fish"},
-        {"help --completion bash a", "too many words (found a)"},
-        {"--completion bash", "glarepp help --completion"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
@@ -310,7 +305,7 @@ static void unknown_topics_suggest(void **state)
         {"--sequences", "no such topic"}, {"benhc", "glarepp help bench?"},
         {"xyzzyquux", "glarepp help lists them"}, {"", "lists them"},
         {"-", "lists them"}, {"--", "lists them"}, {"NAME", "no such topic"},
-        {"help-man", "no such topic"}, {"sun-dri", "help sun-dir?"},
+        {"help-table", "no such topic"}, {"sun-dri", "help sun-dir?"},
         {"%s%n", "(found \"%s%n\")"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -320,37 +315,8 @@ static void unknown_topics_suggest(void **state)
     }
 }
 
-static void completions_are_complete(void **state)
-{
-    for (int shell = GP_SHELL_BASH; shell <= GP_SHELL_FISH; shell++) {
-        char *text = NULL;
-        size_t size;
-        FILE *f = open_memstream(&text, &size);
-        gp_complete(f, (enum gp_shell) shell);
-        fclose(f);
-        for (const struct gp_option *o = gp_options; o->name; o++) {
-            const char *name, *line;
-            char word[64];
-            snprintf(word, sizeof word,
-                     shell == GP_SHELL_FISH ? " -l %s" : "--%s", o->name);
-            if (!o->hidden && !strstr(text, word))
-                fail_msg("shell %d: no %s", shell, word);
-            for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
-                const char *colon = strchr(name, ':');
-                if (!o->hidden && !strstr(text, colon ? colon + 1 : name))
-                    fail_msg("shell %d: no %s", shell, name);
-            }
-        }
-        assert_null(strstr(text, "help-man"));
-        assert_non_null(strstr(text, "bench"));
-        assert_non_null(strstr(text, "sequences"));
-        assert_non_null(strstr(text, " all "));
-        free(text);
-    }
-}
-
 SUITE_OF(help, NULL, NULL,
     the_table_is_sound, help_is_complete, one_screen_is_one_screen,
     examples_are_right,
     slips_of_commands, edits_are_counted, topics_print_their_part,
-    every_topic_is_known, unknown_topics_suggest, completions_are_complete)
+    every_topic_is_known, unknown_topics_suggest)

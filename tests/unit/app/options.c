@@ -96,7 +96,7 @@ static void check_stored(const struct gp_option *o, const char *value,
                                      : strcmp(word[choice], "f") == 0;
     if (!stored || !gp_option_given(&s, o->name))
         fail_msg("%s: not stored", line);
-    assert_false(gp_option_given(&s, "help-man"));
+    assert_false(gp_option_given(&s, "help-table"));
     gp_settings_free(&s);
 }
 
@@ -344,7 +344,8 @@ static const char *const wrong[][2] = {
     {"kernel --list -o k", ""},
     {"kernel -o k i", "i: "},
     {"kernel --check k i j", "j: "},
-    {"kernel -o k --from a --fov 3", "--from: "},
+    {"kernel -o k --from a", "--from: no option any more; make the file"},
+    {"-o a i --report-append", "--report - >>FILE"},
     {"kernel -o k --size 3", "--size: "},
     {"kernel -o k --size 3x3x", "--size: "},
     {"kernel -o k --size 0x3", "--size: "},
