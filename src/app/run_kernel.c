@@ -329,11 +329,11 @@ static struct gp_field find_field(const struct gp_run *r,
 {
     const struct gp_settings *const s = r->s;
     double fov = gp_run_fov(r, fs);
-    fs->facts.fov_from = s->fov > 0.0f ? "option" : "camera";
+    fs->facts.kernel.fov_from = s->fov > 0.0f ? "option" : "camera";
     if (!(fov > 0.0)) {
         struct gp_lens_stop stop = {.fov = GP_USUAL_FOV};
-        fs->facts.fov_from = gp_run_lens_stop(r, fs, &stop) ? "lens"
-                                                            : "default";
+        fs->facts.kernel.fov_from =
+            gp_run_lens_stop(r, fs, &stop) ? "lens" : "default";
         fov = stop.fov;
     }
     struct gp_field field = gp_field_of(&fs->frame, fov);
@@ -342,8 +342,8 @@ static struct gp_field find_field(const struct gp_run *r,
     field.fps = rate > 0.0 ? rate : field.fps;
     (void) gp_job_number(fs->job, &field.frame);
     const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
-    fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;
-    fs->facts.fov = fov;
+    fs->facts.kernel.deg_per_pixel = angled ? field.degrees : 0.0;
+    fs->facts.kernel.fov = fov;
     return field;
 }
 
@@ -478,7 +478,7 @@ static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
     const unsigned bit = 1u << GP_KERNEL_RULES;
     const struct gp_kernel_label *const l = &r->wanted.label[0];
     if (r->wanted.recipes || !l->present || r->faults_said & bit ||
-        strcmp(fs->facts.fov_from, "default") == 0)
+        strcmp(fs->facts.kernel.fov_from, "default") == 0)
         return;
     const double made = l->fov / l->h;
     const double used = field->degrees * scale_of(r, field);
@@ -493,17 +493,21 @@ static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
 
 /* The facts about the frame's kernel. */
 static void note_kernel(const struct gp_run *r,
-                        const struct gp_kernel_use *use, struct gp_facts *facts)
+                        const struct gp_kernel_use *use,
+                        struct gp_kernel_facts *facts)
 {
     const struct gp_kernel *const k = &r->kernel->k;
-    facts->kernel = (struct gp_kernel_facts) {
-        .recipe = r->kernel->recipe, .recipes = r->wanted.recipes,
-        .modelled = r->wanted.recipes || r->wanted.label[0].present,
-        .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
-        .left_out = fmax(k->left_out, 0.0), .missed = use->missed,
-    };
+    facts->recipe = r->kernel->recipe;
+    facts->recipes = r->wanted.recipes;
+    facts->modelled = r->wanted.recipes || r->wanted.label[0].present;
+    facts->w = k->w;
+    facts->h = k->h;
+    facts->grid = k->tail ? k->tail->split.step : 0;
+    facts->left_out = fmax(k->left_out, 0.0);
+    facts->missed = use->missed;
+    memcpy(facts->faint, k->faint, sizeof facts->faint);
     for (int i = 0; i < r->wanted.recipes; i++)
-        facts->kernel.pupil[i] =
+        facts->pupil[i] =
             gp_recipe_pupil(&r->kernel->recipe[i], &r->kernel->field);
 }
 
@@ -582,16 +586,14 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         if (!st)
             warn_of_angle(r, fs, &field);
     }
-    if (made) {
-        fs->facts.ms[GP_TIME_KERNEL] = gp_now_ms() - from;
-        fs->facts.cpu_ms[GP_TIME_KERNEL] = gp_cpu_ms() - cpu;
-        fs->facts.total_ms += fs->facts.ms[GP_TIME_KERNEL];
-    }
+    if (made)
+        gp_cost_add(&fs->facts.cost, GP_TIME_KERNEL, gp_now_ms() - from,
+                    gp_cpu_ms() - cpu);
     if (!st && r->kernel) {
         int worst;
         const struct gp_kernel_use use = use_of(r, fs, &worst);
         warn_of_faults(r, fs, &use, worst);
-        note_kernel(r, &use, &fs->facts);
+        note_kernel(r, &use, &fs->facts.kernel);
         fs->kernel = r->kernel;
         atomic_fetch_add(&fs->kernel->holders, 1);
     }

@@ -30,14 +30,14 @@ enum {
     GP_HAS_SOURCES = 1 << 1,   // sources
     GP_HAS_KERNEL = 1 << 2,    // kernel; stays for the next frame
     GP_HAS_LAYER = 1 << 3,     // frame.layer; empty when there is no source
-    GP_HAS_FLUX = 1 << 4,      // facts.flux_out
-    GP_HAS_MEASURED = 1 << 5,  // facts.error
+    GP_HAS_FLUX = 1 << 4,      // facts.layer.flux, bound
+    GP_HAS_MEASURED = 1 << 5,  // facts.layer.error
     GP_HAS_LIT = 1 << 6,       // frame.lit
     GP_HAS_SHOWN = 1 << 7,     // frame.shown
     GP_HAS_FILES = 1 << 8,     // the outputs
     GP_HAS_SUNS = 1 << 9,      // suns placed, and measured or being measured
     GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
-    GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
+    GP_HAS_SHARES = 1 << 11,   // facts.sun.light, and maps of --debug
     GP_HAS_LENS = 1 << 12,     // frame.layer with ghosts of --lens
     GP_HAS_SCENE = 1 << 13,    // run.scene, posed; suns.more
     GP_HAS_RELIT = 1 << 14,    // frame.rgb with the light of --relight
@@ -107,7 +107,7 @@ void gp_run_kernel_free(struct gp_run_kernel **k);
 enum { GP_OLDER_KERNELS = 4, GP_OLDER_KERNEL_BYTES = 128 << 20 };
 
 /* One frame in flight and the facts about it. Zeroed is none. It owns its
- * planes and lists. */
+ * planes, its lists and what the facts own. */
 struct gp_frame_state {
     const struct gp_log *log;      // for messages about this frame; borrowed
     const struct gp_job *job;      // borrowed
@@ -124,20 +124,14 @@ struct gp_frame_state {
     bool converted;                // its layers are in --output-space
     double engine_ms, engine_cpu_ms; // of engines within the stage that
                                    // runs: count as glare
-    char **names;                  // files written: facts.n_outputs, then
-                                   // the one being written, then NULL
-    enum gp_target_kind *kinds;    // owned facts.kinds
-    int targets;
-    struct gp_light *light;        // owned facts.light
-    struct gp_relit_facts *relit;  // owned facts.relit
-    char *depth, *mask;            // owned facts.depth, facts.mask
     struct gp_facts facts;
 };
 
-/* Starts with the facts that jobs->job[index] gives. End with
- * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG memory. */
+/* Starts with the facts that job `index` gives. End with gp_frame_state_end(),
+ * also after a failure. Errors: GP_ERR_BUG memory. */
+struct gp_run;
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
-    const struct gp_jobs *jobs, int index, struct gp_frame_state *out);
+    const struct gp_run *r, int index, struct gp_frame_state *out);
 void gp_frame_state_end(struct gp_frame_state *fs);
 
 /* Frees data that no later stage needs; bits GP_HAS_*. */
@@ -153,7 +147,6 @@ struct gp_run_ghosts {
 /* Adds them for `src`, the sources of f, to f->layer, which is made where there
  * is a run to do. Adds to *facts. Errors: those of gp_ghosts_make() and
  * gp_glare_run(). */
-struct gp_run;
 GP_MUST_CHECK gp_status gp_run_ghosts_add(const struct gp_log *log,
     const struct gp_run *r, const struct gp_sources *src,
     struct gp_run_ghosts *ghosts, struct gp_frame *f,
@@ -201,7 +194,7 @@ struct gp_run {
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
     bool layer_ends;               // no stage after compose reads frame.layer
-    bool says;                     // words need facts.spread
+    bool says;                     // words need facts.sensor.spread
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 
