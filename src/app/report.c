@@ -434,7 +434,7 @@ static const struct row made_rows[] = {
 /* The last of every line. */
 static const struct row end_rows[] = {
     {.name = "warnings", .kind = WARNINGS},
-    FACT("status", job.status),
+    AS(INT, gp_facts, "status", job.status),
     {.name = "version", .kind = VERSION},
     {.name = "schema", .kind = SCHEMA},
     SOME("error", job.error),

@@ -46,7 +46,7 @@ struct gp_job_facts {
     const char *views;           // line about the views of the run, or NULL
     const char *warned;          // `warned_bytes` of lines, each with its null
     size_t warned_bytes;         // byte
-    int status;                  // gp_status
+    gp_status status;
     const char *error;           // the message of a frame that failed
 };
 
