@@ -398,15 +398,14 @@ out:;
     }
     gp_free(p.unit);
     gp_failures_free(&p.failures);
-    gp_glare_close(&p.run.engines);
-    gp_glare_close(&p.run.group_engines);
-    gp_run_ghosts_free(&p.run.ghosts);
-    gp_run_ghosts_free(&p.run.group_ghosts);
+    gp_glare_close(&p.run.glare.engines);
+    gp_glare_close(&p.run.groups.engines);
+    gp_run_ghosts_free(&p.run.glare.ghosts);
+    gp_run_ghosts_free(&p.run.groups.ghosts);
     gp_run_suns_close(&p.run);
     gp_suns_close(&p.run.suns);
     gp_run_scene_free(&p.run.scene);
     gp_ocio_close(&p.run.ocio);
-    gp_run_kernels_free(&p.run);
-    gp_wanted_kernel_free(&p.run.wanted);
+    gp_run_kernels_free(&p.run.kernel);
     return st ? st : closed;
 }

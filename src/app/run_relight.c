@@ -281,7 +281,8 @@ static void warn_of_dark(const struct gp_run *r,
         if (dark)
             gp_say(fs->log, GP_LEVEL_WARN, "%s: --relight %s lights no pixel: "
                    "out of reach, hidden, or on albedo of 0; leave it out, or "
-                   "check --scene-start", fs->job->input, gp_printable(name).text);
+                   "check --scene-start", fs->job->input,
+                   gp_printable(name).text);
     }
 }
 

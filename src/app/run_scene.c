@@ -207,7 +207,8 @@ static gp_status find_camera(struct gp_run *r, struct gp_frame_state *fs,
     if (facts->apart > MOST_APART && !own->warned_camera) {
         char apart[64] = "see nothing in common";
         if (isfinite(facts->apart))
-            snprintf(apart, sizeof apart, "are %.3g pixels apart", facts->apart);
+            snprintf(apart, sizeof apart, "are %.3g pixels apart",
+                     facts->apart);
         own->warned_camera = true;
         gp_say(fs->log, GP_LEVEL_WARN, "%s: its camera and \"%s\" of %s %s; "
                "the frame's counts; check --scene-start and --scene-up",

@@ -56,7 +56,8 @@ static gp_status measure_disc(const struct gp_log *log, struct gp_run *r,
                               : gp_gl_open(log, r->suns.api, &r->suns.gl);
     return st ? st
               : gp_eye_map_draw(log, r->suns.gl, s, &r->scene.meshes, disc,
-                                window, FINER * p->map.side, &r->eye_map, out);
+                                window, FINER * p->map.side, &r->scene.eye_map,
+                                out);
 }
 
 /* Sets the clear share outside the frame of each light that is placed, where
@@ -96,7 +97,7 @@ static gp_status measure_outside(struct gp_run *r, struct gp_frame_state *fs)
 void gp_run_suns_close(struct gp_run *r)
 {
     if (r->suns.gl)
-        gp_eye_map_close(r->suns.gl, &r->eye_map);
+        gp_eye_map_close(r->suns.gl, &r->scene.eye_map);
 }
 
 // -- the stages ---------------------------------------------------------------
@@ -132,8 +133,8 @@ gp_status gp_run_flare(struct gp_run *r, struct gp_frame_state *fs)
         st = gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
     cpu = gp_cpu_ms();
     if (!st)
-        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->ghosts, &fs->frame,
-                               facts);
+        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->glare.ghosts,
+                               &fs->frame, facts);
     fs->engine_ms = facts->ms;
     fs->engine_cpu_ms = gp_cpu_ms() - cpu;
     return st;

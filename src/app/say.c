@@ -143,7 +143,8 @@ static void add_reason(struct words *w, const struct gp_settings *s,
 static void say_input(struct words *w, const struct gp_facts *f)
 {
     const struct gp_read_facts *const r = &f->read;
-    const long long nonfinite = f->sensor.nonfinite, clamped = f->clamp.n.pixels;
+    const long long nonfinite = f->sensor.nonfinite;
+    const long long clamped = f->clamp.n.pixels;
     add(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
     if (r->taken.layer[0])
         add(w, ", layer %s", r->taken.layer);

@@ -268,7 +268,7 @@ static void measure_spread(const struct gp_run *r, struct gp_frame_state *fs)
     struct gp_spread *const spread = &fs->facts.sensor.spread;
     gp_planes_sum(&fs->frame.rgb, gp_frame_pixels(&fs->frame), sum, &squares);
     spread->light = luminance_of(&fs->frame, sum);
-    spread->bright = gp_wanted_share(&r->wanted) *
+    spread->bright = gp_wanted_share(&r->kernel.wanted) *
                      luminance_of(&fs->frame, fs->sources.flux);
 }
 
@@ -341,7 +341,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     note_light(fs, light);
     struct gp_spread *const spread = &fs->facts.sensor.spread;
     if (r->says)
-        spread->lamps = gp_wanted_share(&r->wanted) *
+        spread->lamps = gp_wanted_share(&r->kernel.wanted) *
                             luminance_of(&fs->frame, light->flux) -
                         spread->bright;
     struct gp_glare_params p = r->s->glare;
@@ -349,7 +349,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     p.edges = edges_of(r, fs, &fs->sources);
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     if (light->n > 0)
-        return gp_glare_run(fs->log, &p, &r->engines, light,
+        return gp_glare_run(fs->log, &p, &r->glare.engines, light,
                             gp_run_kernel_of(fs), &fs->frame, &fs->facts.glare);
     fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
@@ -429,10 +429,10 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_glare_params glare = r->s->glare;
         glare.edges = edges_of(r, fs, &g->sources);
         if (g->sources.n > 0)
-            st = gp_glare_run(fs->log, &glare, &r->group_engines, &g->sources,
+            st = gp_glare_run(fs->log, &glare, &r->groups.engines, &g->sources,
                               gp_run_kernel_of(fs), &g->frame, &stats);
         if (!st)
-            st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->group_ghosts,
+            st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->groups.ghosts,
                                    &g->frame, &flare);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         fs->engine_cpu_ms += g->sources.n > 0 ? gp_cpu_ms() - cpu : 0.0;

@@ -102,9 +102,17 @@ struct gp_run_kernel {
 };
 void gp_run_kernel_free(struct gp_run_kernel **k);
 
-/* Kernels of models that a run keeps besides that of the frame before, for
- * frames that change size or angle and change back; and their bytes in all. */
-enum { GP_OLDER_KERNELS = 4, GP_OLDER_KERNEL_BYTES = 128 << 20 };
+/* The kernels of a run: that of the frame before, then older ones for frames
+ * that change size or angle and change back, the last used first. */
+enum { GP_MADE_KERNELS = 5 };
+struct gp_run_kernels {
+    struct gp_wanted_kernel wanted;
+    struct gp_run_kernel *made[GP_MADE_KERNELS]; // held; NULL: none
+    struct gp_model_kept *kept;    // of made[0]; NULL: none
+    unsigned faults_said;          // bits of faults of kernels
+    struct gp_rect reach;          // of the first kernel, as
+                                   // gp_run_kernel_reach() has it
+};
 
 /* One frame in flight and the facts about it. Zeroed is none. It owns its
  * planes, its lists and what the facts own. */
@@ -144,6 +152,12 @@ struct gp_run_ghosts {
     int engines;             // engine keeps of a kernel
 };
 
+/* The engines of a run, which keep what frames share. */
+struct gp_run_glare {
+    struct gp_glare engines;
+    struct gp_run_ghosts ghosts;
+};
+
 /* Adds them for `src`, the sources of f, to f->layer, which is made where there
  * is a run to do. Adds to *facts. Errors: those of gp_ghosts_make() and
  * gp_glare_run(). */
@@ -158,6 +172,7 @@ void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
 struct gp_run_scene {
     struct gp_scene scene;
     struct gp_meshes meshes;       // that rays have met
+    struct gp_eye_map *eye_map;    // on suns.gl
     int camera;                    // of the scene; -1: none is chosen
     bool settled;                  // the axis that points up is
     bool warned_time, warned_camera;
@@ -174,21 +189,13 @@ struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
-    struct gp_wanted_kernel wanted;
-    struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
-    struct gp_run_kernel *older[GP_OLDER_KERNELS]; // held, last used first
-    struct gp_model_kept *kept;    // of that kernel; NULL: none
-    unsigned faults_said;          // bits of faults of kernels
-    struct gp_rect reach;          // of the first kernel, as
-                                   // gp_run_kernel_reach() has it
-    struct gp_glare engines;
-    struct gp_glare group_engines; // of light groups: auto's choice depends on
+    struct gp_run_kernels kernel;
+    struct gp_run_glare glare;
+    struct gp_run_glare groups;    // of light groups: auto's choice depends on
                                    // the frames before
     struct gp_suns suns;
     struct gp_run_scene scene;     // zero without --scene
-    struct gp_eye_map *eye_map;    // of the scene, on suns.gl
     struct gp_lens lens;           // of --lens, not focused
-    struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
     bool ordered;                  // frames are written in order: some output
@@ -198,11 +205,11 @@ struct gp_run {
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 
-/* Frees all kernels of a run, and what they are made from. */
-void gp_run_kernels_free(struct gp_run *r);
+/* Frees all of them, and what they are made from. */
+void gp_run_kernels_free(struct gp_run_kernels *k);
 
 /* Reads what --kernel asks for; of an image makes the first kernel. Sets
- * r->reach. Errors: those of reading and making it. */
+ * r->kernel.reach. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
 
