@@ -11,7 +11,7 @@ static gp_status draw_flare(void *user, const struct gp_log *log,
 {
     struct gp_bench_layers *const b = user;
     struct gp_flare_facts facts = {0};
-    const gp_status st = gp_run_ghosts_add(log, &b->run, src, &b->run.ghosts, f,
+    const gp_status st = gp_run_ghosts_add(log, &b->run, src, &b->run.glare.ghosts, f,
                                            &facts);
     *bound = facts.bound;
     return st;
@@ -37,7 +37,7 @@ static gp_status sum_flare(void *user, const struct gp_log *log,
     const struct gp_sources *src, const struct gp_frame *f, double *out)
 {
     struct gp_bench_layers *const b = user;
-    struct gp_ghosts *const set = &b->run.ghosts.set;
+    struct gp_ghosts *const set = &b->run.glare.ghosts.set;
     gp_status st = gp_ghosts_make(log, &b->run.suns.flare, f->data, f->display,
                                   set);
     for (int i = 0; i < set->n && !st; i++) {
@@ -140,7 +140,7 @@ out:
 
 void gp_bench_layers_end(struct gp_bench_layers *b)
 {
-    gp_run_ghosts_free(&b->run.ghosts);
+    gp_run_ghosts_free(&b->run.glare.ghosts);
     gp_suns_close(&b->run.suns);
     b->rows = 0;
 }

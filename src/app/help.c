@@ -1,4 +1,5 @@
 #include "app/options.h"
+#include "app/report.h"
 #include "core/minmax.h"
 #include "glare/model/model.h"
 
@@ -217,6 +218,9 @@ void gp_help_table(FILE *f)
 #define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
     GP_STATUS_LIST(ITEM)
 #undef ITEM
+    fprintf(f, "@FIELDS@\n");
+    for (int i = 0; gp_report_field(i); i++)
+        fprintf(f, "field\t%s\n", gp_report_field(i));
 }
 
 // -- topics ------------------------------------------------------------------

@@ -9,7 +9,6 @@
 #include "core/parallel.h"
 #include "io/file.h"
 
-#include <math.h>
 #include <string.h>
 
 struct schedule {
@@ -113,15 +112,6 @@ static gp_status make_schedule(const struct gp_log *log,
 
 // -- steps of a unit ---------------------------------------------------------
 
-static void add_time(struct gp_frame_state *fs, int time, double ms, double cpu)
-{
-    if (time < 0)
-        return;
-    fs->facts.ms[time] = fmax(fs->facts.ms[time], 0.0) + ms;
-    fs->facts.cpu_ms[time] += cpu;
-    fs->facts.total_ms += ms;
-}
-
 /* Counts the bytes of a frame's channels other than its colour. */
 static size_t carried_bytes(const struct gp_frame *f)
 {
@@ -173,12 +163,12 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
-            st = gp_frame_state_begin(&u->log.log, p->jobs, first + u->begun,
+            st = gp_frame_state_begin(&u->log.log, &p->run, first + u->begun,
                                       &u->view[u->begun]);
     }
     for (int v = 0; v < u->begun && !st; v++) {
         struct gp_frame_state *const fs = &u->view[v];
-        fs->facts.has_cpu = p->slots == 1; // CPU time is the process's
+        fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
         for (int i = 0; i < GP_STAGES; i++) {
             const struct gp_stage *const stage = &gp_stages[i];
             if (!p->schedule.on[i] || stage->phase != phase)
@@ -192,16 +182,18 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
             st = stage->run(&p->run, fs);
             if (st)
                 break;
-            add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms,
-                     gp_cpu_ms() - cpu - fs->engine_cpu_ms);
+            gp_cost_add(&fs->facts.cost, stage->time,
+                        gp_now_ms() - start - fs->engine_ms,
+                        gp_cpu_ms() - cpu - fs->engine_cpu_ms);
             if (fs->engine_ms > 0.0)
-                add_time(fs, GP_TIME_GLARE, fs->engine_ms, fs->engine_cpu_ms);
+                gp_cost_add(&fs->facts.cost, GP_TIME_GLARE, fs->engine_ms,
+                            fs->engine_cpu_ms);
             fs->engine_ms = fs->engine_cpu_ms = 0.0;
             gp_frame_state_release(fs, p->schedule.dead[i]);
         }
         if (phase == GP_PHASE_READ) {
-            fs->facts.bytes = frame_bytes(p, fs);
-            bytes += fs->facts.bytes;
+            fs->facts.cost.bytes = frame_bytes(p, fs);
+            bytes += fs->facts.cost.bytes;
         }
         if (phase == GP_PHASE_COMPUTE) {
             gp_suns_end_frame(&p->run.suns);
@@ -234,7 +226,7 @@ static bool can_skip(void *user, int slot, gp_status st)
     const struct unit *const u = &p->unit[slot];
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
         const struct gp_frame_state *const fs = &u->view[v];
-        const char *const writing = fs->names[fs->facts.n_outputs];
+        const char *const writing = fs->facts.write.name[fs->facts.write.n];
         if (writing && gp_is_dash(writing))
             return false;
     }
@@ -255,12 +247,16 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         gp_progress_fail(p->progress, p->jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
         struct gp_facts *const facts = &u->view[v].facts;
-        facts->warned = u->log.warned;
-        facts->warned_bytes = u->log.warned_bytes;
+        struct gp_sensor_facts *const sensor = &facts->sensor;
+        facts->job.warned = u->log.warned;
+        facts->job.warned_bytes = u->log.warned_bytes;
+        facts->job.status = st;
+        facts->job.error = st ? u->log.last : NULL;
         if (!st) {
-            if (facts->dark && (!p->dark || facts->peak > p->brightest.peak))
+            if (sensor->dark &&
+                (!p->dark || sensor->peak > p->brightest.sensor.peak))
                 p->brightest = *facts;
-            p->dark += facts->dark;
+            p->dark += sensor->dark;
             gp_tally_add(&p->tally, facts);
             p->frames++;
         }
@@ -269,9 +265,7 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
         if (p->s.report)
-            reported = st ? gp_report_failed(p->log, &p->run.report, facts, st,
-                                             u->log.last)
-                          : gp_report_frame(p->log, &p->run.report, facts);
+            reported = gp_report_frame(p->log, &p->run.report, facts);
     }
     free_unit(u);
     return st && !skipped ? st : reported;
@@ -405,15 +399,14 @@ out:;
     }
     gp_free(p.unit);
     gp_failures_free(&p.failures);
-    gp_glare_close(&p.run.engines);
-    gp_glare_close(&p.run.group_engines);
-    gp_run_ghosts_free(&p.run.ghosts);
-    gp_run_ghosts_free(&p.run.group_ghosts);
+    gp_glare_close(&p.run.glare.engines);
+    gp_glare_close(&p.run.groups.engines);
+    gp_run_ghosts_free(&p.run.glare.ghosts);
+    gp_run_ghosts_free(&p.run.groups.ghosts);
     gp_run_suns_close(&p.run);
     gp_suns_close(&p.run.suns);
     gp_run_scene_free(&p.run.scene);
     gp_ocio_close(&p.run.ocio);
-    gp_run_kernels_free(&p.run);
-    gp_wanted_kernel_free(&p.run.wanted);
+    gp_run_kernels_free(&p.run.kernel);
     return st ? st : closed;
 }

@@ -17,52 +17,30 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// -- facts ---------------------------------------------------------------------
-
-/* Keys of times_ms. */
-static const char *const time_names[GP_TIMES] = {
-    [GP_TIME_READ] = "read",
-    [GP_TIME_SCENE] = "scene", [GP_TIME_RELIGHT] = "relight",
-    [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
-    [GP_TIME_KERNEL] = "kernel",
-    [GP_TIME_GLARE] = "glare", [GP_TIME_LENS] = "lens",
-    [GP_TIME_COMPOSE] = "compose", [GP_TIME_TONEMAP] = "tonemap",
-    [GP_TIME_WRITE] = "write",
-};
-
-static const char *pixel_type_name(enum gp_pixel_type type)
+void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu)
 {
-    static const char *const names[] = {
-        [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
-    };
-    return names[type];
+    if (time < 0)
+        return;
+    c->ms[time] = fmax(c->ms[time], 0.0) + ms;
+    c->cpu_ms[time] = fmax(c->cpu_ms[time], 0.0) + cpu;
+    c->ms[GP_TIME_TOTAL] = fmax(c->ms[GP_TIME_TOTAL], 0.0) + ms;
 }
 
 void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
                    size_t size)
 {
     char of[40] = "";
-    const double t = (double) f->threshold;
+    const struct gp_sensor_facts *const s = &f->sensor;
+    const double t = (double) s->threshold;
     if (frames > 1)
         snprintf(of, sizeof of, " of %d frames", frames);
-    if (f->peak > 0.0f)
+    if (s->peak > 0.0f)
         snprintf(line, size, "%s: no pixel%s is over the threshold %.3g "
-                 "(brightest %.3g at %d,%d); lower --threshold", f->input, of,
-                 t, (double) f->peak, f->peak_at[0], f->peak_at[1]);
+                 "(brightest %.3g at %d,%d); lower --threshold", f->job.input,
+                 of, t, (double) s->peak, s->peak_at[0], s->peak_at[1]);
     else
         snprintf(line, size, "%s: no pixel%s is over the threshold %.3g (all "
-                 "are black); check the frame", f->input, of, t);
-}
-
-enum gp_edges gp_facts_edges(const struct gp_facts *f)
-{
-    bool seen = false;
-    for (int i = 0; i < f->lights; i++)
-        seen = seen || f->light[i].in_frame;
-    return !seen ? GP_EDGES_NONE
-           : f->mask ? f->depth ? GP_EDGES_COVERAGE : GP_EDGES_MASK
-           : f->depth ? GP_EDGES_DEPTH
-                      : GP_EDGES_NONE;
+                 "are black); check the frame", f->job.input, of, t);
 }
 
 // -- the settings that made a picture -----------------------------------------
@@ -242,238 +220,343 @@ static json_t *rounded(double v, double step)
     return json_real(step > 0.0 ? round(v / step) * step : v);
 }
 
-/* Raised when the meaning of a field changes or a field is removed. */
-enum { SCHEMA = 2 };
+// -- the fields --------------------------------------------------------------
+
+enum kind {
+    TEXT,     // const char *
+    CHARS,    // char[]
+    TRUE,
+    INT,
+    LONG,
+    COUNT,    // size_t
+    FLOAT,
+    REAL,     // double, rounded to `step`
+    MS,       // double; under 0: the stage did not run
+    MIB,      // size_t, bytes
+    PUPIL,    // double; 0 is null
+    INTERVAL, // two doubles, rounded outward
+    RECIPE,   // struct gp_recipe
+    WORD,     // enum, index into `words`
+    OBJECT,   // of `rows`
+    SETTINGS, // const struct gp_settings *
+    WARNINGS, // of all facts
+    PEAK, THREADS, VERSION, SCHEMA, // no fact
+};
+
+/* A field: its name, after that of the object that holds it and a dot; where its
+ * value is among the facts, or in the item whose fields they are; when it is
+ * there. */
+struct row {
+    const char *name;
+    enum kind kind;
+    size_t at;
+    size_t if_at, if_bytes;   // left out where these bytes are all 0
+    bool unless;              // left out where they are not
+    bool pointed;             // a pointer to the value or list
+    size_t size;              // of an item of a list; 0: no list
+    int n;                    // items; 0: the int at `count` says how many
+    size_t count;
+    double step;
+    const struct row *rows;   // those of an object
+    const char *const *words;
+};
+
+#define AT(type, m) offsetof(struct type, m)
+#define BYTES(type, m)                                                        \
+    .if_at = AT(type, m), .if_bytes = sizeof ((struct type *) 0)->m
+#define AS(k, type, label, m, ...)                                            \
+    {.name = label, .kind = k, .at = AT(type, m), __VA_ARGS__}
+#define OF(type, label, m, ...)                                               \
+    AS(_Generic(&((struct type *) 0)->m, const char **: TEXT, char **: TEXT,  \
+                char *: CHARS, bool *: TRUE, int *: INT, long long *: LONG,   \
+                size_t *: COUNT, float *: FLOAT, double *: REAL,              \
+                double (*)[3]: REAL, const struct gp_settings **: SETTINGS),  \
+       type, label, m, __VA_ARGS__)
+/* A fact; one that is left out where it is 0. */
+#define FACT(label, m, ...) OF(gp_facts, label, m, __VA_ARGS__)
+#define SOME(label, m, ...) FACT(label, m, IF(m), __VA_ARGS__)
+#define IF(m) BYTES(gp_facts, m)
+#define INTS(many) .size = sizeof(int), .n = many
+#define RGB .size = sizeof(double), .n = 3
+#define LIST(label, k, m, many, ...)                                          \
+    AS(k, gp_facts, label, m, .pointed = true, .count = AT(gp_facts, many),   \
+       .size = sizeof *((struct gp_facts *) 0)->m, __VA_ARGS__)
+#define TIME(label, i)                                                        \
+    AS(MS, gp_facts, "times_ms." label, cost.ms[i]),                          \
+    AS(MS, gp_facts, "cpu_ms." label, cost.cpu_ms[i], IF(cost.has_cpu))
+
+static const struct row relit_rows[] = {
+    OF(gp_relit_facts, "relit.name", name),
+    OF(gp_relit_facts, "relit.pixels", pixels),
+    OF(gp_relit_facts, "relit.rays", rays),
+    OF(gp_relit_facts, "relit.casters", casters),
+    {0},
+};
+
+#define PLACED BYTES(gp_light, behind), .unless = true
+static const struct row light_rows[] = {
+    OF(gp_light, "lights.name", name[0], BYTES(gp_light, name[0])),
+    OF(gp_light, "lights.behind", behind, BYTES(gp_light, behind)),
+    OF(gp_light, "lights.x", x, PLACED, .step = 1e-4),
+    OF(gp_light, "lights.y", y, PLACED, .step = 1e-4),
+    OF(gp_light, "lights.radius", radius, PLACED, .step = 1e-4),
+    OF(gp_light, "lights.visibility", visibility, .step = 1e-6),
+    AS(INTERVAL, gp_light, "lights.interval", low),
+    {0},
+};
+
+#define OCIO(m) OF(gp_ocio_names, "ocio." #m, m, BYTES(gp_ocio_names, m))
+static const struct row ocio_rows[] = {
+    OCIO(config), OCIO(input), OCIO(display), OCIO(view), OCIO(look),
+    OCIO(output), {0},
+};
+
+static const char *const edges[] = {
+    [GP_EDGES_DEPTH] = "depth alone: within 0.06 of the truth for a sun of 2.5 "
+                       "pixels; coverage (--mask) is nearer",
+    [GP_EDGES_COVERAGE] = "coverage: within 0.02 of the truth for a sun of 2.5 "
+                          "pixels",
+    [GP_EDGES_MASK] = "coverage without depth: surfaces beyond a light hide it "
+                      "too, and the error is not known; add depth (--depth)",
+};
+
+/* Fields of every line. Of two with one name the latter counts. */
+static const struct row job_rows[] = {
+    FACT("frame", job.frame, IF(job.numbered)),
+    SOME("view", read.taken.view[0]),
+    SOME("view", job.view),
+    FACT("input", job.input),
+    SOME("part", read.taken.part[0]),
+    SOME("layer", read.taken.layer[0]),
+    {0},
+};
+
+/* Those of a frame that was made. */
+static const struct row made_rows[] = {
+    LIST("outputs", TEXT, write.name, write.n),
+    SOME("style", job.style),
+    SOME("command", job.command),
+    FACT("width", read.width),
+    FACT("height", read.height),
+    FACT("window", read.window.x0, INTS(4)),
+    FACT("window_read", read.file.x0, IF(read.grown), INTS(4)),
+    LIST("light_groups", TEXT, read.group, read.groups, IF(read.groups)),
+    SOME("engine", glare.engine),
+    FACT("engine_why", glare.why[0], IF(glare.engine)),
+    FACT("threshold", sensor.threshold),
+    FACT("sources", sensor.sources),
+    SOME("groups", glare.groups),
+    SOME("clusters", glare.clusters),
+    SOME("polygons", glare.polygons),
+    SOME("cores", glare.cores),
+    FACT("polygon_pixels", glare.polygon_pixels, IF(glare.polygons)),
+    SOME("form", glare.form),
+    SOME("fft_size", glare.fft_w, INTS(2)),
+    SOME("fft_double", glare.fft_double),
+    FACT("flux_in", sensor.flux, RGB),
+    SOME("flux_faint", sensor.faint, RGB),
+    SOME("kernel_faint", kernel.faint, RGB),
+    SOME("deg_per_pixel", kernel.deg_per_pixel),
+    FACT("fov_from", kernel.fov_from, IF(kernel.deg_per_pixel)),
+    LIST("kernel.recipes", RECIPE, kernel.recipe, kernel.recipes,
+         IF(kernel.recipes)),
+    AS(PUPIL, gp_facts, "kernel.pupil_mm", kernel.pupil, IF(kernel.pupil),
+       .size = sizeof(double), .count = AT(gp_facts, kernel.recipes)),
+    SOME("kernel.width", kernel.w),
+    SOME("kernel.height", kernel.h),
+    SOME("kernel.grid", kernel.grid),
+    FACT("kernel.missed", kernel.missed, IF(kernel.modelled), .step = 1e-9),
+    FACT("kernel_left_out", kernel.left_out, IF(kernel.modelled)),
+    FACT("flux_out", layer.flux, RGB),
+    FACT("bound", layer.bound, IF(layer.bounded)),
+    SOME("bound_pixel", glare.bound_pixel),
+    FACT("flare.elements", flare.elements, IF(flare.runs)),
+    SOME("flare.runs", flare.runs),
+    SOME("flare.engine", flare.engine),
+    FACT("flare.bound", flare.bound, IF(flare.runs)),
+    FACT("flare.ms", flare.ms, IF(flare.runs), .step = 1e-3),
+    FACT("measured.rel_l2", layer.error.rel_l2, IF(layer.verified)),
+    FACT("measured.max_rel", layer.error.max_rel, IF(layer.verified)),
+    FACT("measured.max_abs", layer.error.max_abs, IF(layer.verified)),
+    FACT("measured.flux_error", layer.error.flux_error, IF(layer.verified)),
+    FACT("nonfinite", sensor.nonfinite),
+    FACT("clamped", clamp.n.pixels),
+    FACT("flux_clamped", clamp.flux, IF(clamp.n), RGB),
+    SOME("clamped_out", clamp.n.values),
+    SOME("lens.name", lens.name),
+    FACT("lens.sensor_mm", lens.sensor, IF(lens.name), .step = 1e-3),
+    FACT("lens.sensor_from", lens.sensor_from, IF(lens.name)),
+    FACT("lens.lights", lens.stats.lights, IF(lens.name)),
+    FACT("lens.ghosts", lens.stats.drawn, IF(lens.name)),
+    FACT("lens.ghosts_left_out", lens.stats.left_out, IF(lens.name)),
+    FACT("lens.left_out", lens.stats.dark, IF(lens.name)),
+    FACT("lens.sources_left_out", lens.rest, IF(lens.name)),
+    FACT("lens.flux", lens.stats.light, IF(lens.name), RGB),
+    FACT("lens.lost", lens.stats.lost, IF(lens.name)),
+    FACT("lens.bound", lens.bound, IF(lens.name)),
+    SOME("scene.file", scene.path),
+    FACT("scene.seconds", scene.seconds, IF(scene.path), .step = 1e-6),
+    SOME("scene.camera", scene.camera),
+    FACT("scene.camera_apart", scene.apart, IF(scene.compared), .step = 1e-6),
+    LIST("relit", OBJECT, scene.relit, scene.relits, IF(scene.relits),
+         .rows = relit_rows),
+    SOME("depth.channel", sun.depth),
+    SOME("depth.type", sun.depth_type),
+    SOME("depth.empty", sun.empty[0]),
+    SOME("depth.reversed", sun.reversed),
+    SOME("mask", sun.mask),
+    LIST("lights", OBJECT, sun.light, sun.lights, IF(sun.light),
+         .rows = light_rows),
+    SOME("sun_method", sun.way),
+    AS(WORD, gp_facts, "sun_edges", sun.edges, IF(sun.edges), .words = edges),
+    AS(OBJECT, gp_facts, "ocio", ocio, IF(ocio), .pointed = true,
+       .rows = ocio_rows),
+    TIME("read", GP_TIME_READ),
+    TIME("scene", GP_TIME_SCENE),
+    TIME("relight", GP_TIME_RELIGHT),
+    TIME("sun", GP_TIME_SUN),
+    TIME("sensors", GP_TIME_SENSORS),
+    TIME("kernel", GP_TIME_KERNEL),
+    TIME("glare", GP_TIME_GLARE),
+    TIME("lens", GP_TIME_LENS),
+    TIME("compose", GP_TIME_COMPOSE),
+    TIME("tonemap", GP_TIME_TONEMAP),
+    TIME("write", GP_TIME_WRITE),
+    TIME("total", GP_TIME_TOTAL),
+    AS(MIB, gp_facts, "frame_mib", cost.bytes),
+    {.name = "peak_rss_mib", .kind = PEAK},
+    {.name = "threads", .kind = THREADS},
+    SOME("gl", sun.gl),
+    SOME("gl", glare.gl),
+    SOME("settings", job.settings),
+    {0},
+};
+
+/* The last of every line. */
+static const struct row end_rows[] = {
+    {.name = "warnings", .kind = WARNINGS},
+    AS(INT, gp_facts, "status", job.status),
+    {.name = "version", .kind = VERSION},
+    {.name = "schema", .kind = SCHEMA},
+    SOME("error", job.error),
+    {0},
+};
+
+const char *gp_report_field(int i)
+{
+    static const struct row *const all[] = {
+        job_rows, made_rows, relit_rows, light_rows, ocio_rows, end_rows,
+    };
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        for (const struct row *r = all[k]; r->name; r++) {
+            if (i-- == 0)
+                return r->name;
+        }
+    }
+    return NULL;
+}
 
 // -- one frame ---------------------------------------------------------------
 
 // (No call is checked here: when memory is full, gp_json_print() returns NULL.)
 
-/* Adds a count unless it is 0. */
-static void put_count(json_t *o, const char *key, size_t n)
+static json_t *warnings_json(const struct gp_facts *f)
 {
-    if (n)
-        json_object_set_new(o, key, json_integer((json_int_t) n));
-}
-
-static void put_number(json_t *o, const char *key, double v, double step)
-{
-    json_object_set_new(o, key, rounded(v, step));
-}
-
-static void put_name(json_t *o, const char *key, const char *name)
-{
-    json_object_set_new(o, key, gp_json_name(name));
-}
-
-static json_t *name_or_none(const char *name)
-{
-    return name ? gp_json_name(name) : NULL;
-}
-
-static void put_list(json_t *o, const char *key, const char *const *name, int n)
-{
-    json_t *const list = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(list, gp_json_name(name[i]));
-    json_object_set_new(o, key, list);
-}
-
-static void put_rgb(json_t *o, const char *key, const double v[3])
-{
-    json_t *const list = json_array();
-    for (int c = 0; c < 3; c++)
-        json_array_append_new(list, rounded(v[c], 0.0));
-    json_object_set_new(o, key, list);
-}
-
-static void put_frame(json_t *o, const struct gp_facts *f)
-{
-    if (f->numbered)
-        json_object_set_new(o, "frame", json_integer(f->frame));
-    if (f->view || f->taken.view[0])
-        put_name(o, "view", f->view ? f->view : f->taken.view);
-    put_name(o, "input", f->input);
-    if (f->taken.part[0])
-        put_name(o, "part", f->taken.part);
-    if (f->taken.layer[0])
-        put_name(o, "layer", f->taken.layer);
-}
-
-/* Adds the fields that end every line. */
-static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
-{
+    const struct gp_job_facts *const j = &f->job;
     json_t *const list = json_array();
     char line[GP_LINE_BYTES];
-    if (f->views)
-        json_array_append_new(list, gp_json_name(f->views));
-    if (f->dark) {
+    if (j->views)
+        json_array_append_new(list, gp_json_name(j->views));
+    if (f->sensor.dark) {
         gp_facts_dark(f, 1, line, sizeof line);
         json_array_append_new(list, gp_json_name(line));
     }
-    for (size_t at = 0; at < f->warned_bytes; at += strlen(f->warned + at) + 1)
-        json_array_append_new(list, gp_json_name(f->warned + at));
-    json_object_set_new(o, "warnings", list);
-    json_object_set_new(o, "status", json_integer(status));
-    json_object_set_new(o, "version", gp_json_name(GP_VERSION));
-    json_object_set_new(o, "schema", json_integer(SCHEMA));
+    for (size_t at = 0; at < j->warned_bytes; at += strlen(j->warned + at) + 1)
+        json_array_append_new(list, gp_json_name(j->warned + at));
+    return list;
 }
 
-/* Adds what the kernel is and what it leaves out. */
-static void put_kernel(json_t *o, const struct gp_kernel_facts *k)
+static void put_rows(json_t *line, const struct row *r, const void *from,
+                     bool nested);
+
+static json_t *value_at(const struct row *r, const void *at)
 {
-    if (!k->w)
-        return;
-    json_t *const list = k->recipes ? json_array() : NULL;
-    json_t *const pupils = json_array();
-    bool eyes = false;
-    for (int i = 0; i < k->recipes; i++) {
-        char *const recipe = gp_recipe_text(&k->recipe[i]);
-        json_array_append_new(list, gp_json_name(recipe));
-        gp_free(recipe);
-        eyes |= k->pupil[i] > 0.0;
-        json_array_append_new(pupils, k->pupil[i] > 0.0
-                                          ? rounded(k->pupil[i], 1e-4)
-                                          : json_null());
+    const double *const v = at;
+    char *text;
+    json_t *o;
+    switch (r->kind) {
+    case TEXT: return gp_json_name(*(const char *const *) at);
+    case CHARS: return gp_json_name(at);
+    case TRUE: return json_true();
+    case INT: return json_integer(*(const int *) at);
+    case LONG: return json_integer(*(const long long *) at);
+    case COUNT: return json_integer((json_int_t) * (const size_t *) at);
+    case FLOAT: return rounded((double) *(const float *) at, 0.0);
+    case REAL: return rounded(*v, r->step);
+    case MS: return rounded(*v, 1e-3);
+    case MIB: return rounded((double) *(const size_t *) at / (1 << 20), 0.1);
+    case PUPIL: return *v > 0.0 ? rounded(*v, 1e-4) : json_null();
+    case INTERVAL:
+        return json_pack("[f,f]", floor(v[0] * 1e6) * 1e-6,
+                         ceil(v[1] * 1e6) * 1e-6);
+    case RECIPE:
+        text = gp_recipe_text(at);
+        o = gp_json_name(text);
+        gp_free(text);
+        return o;
+    case WORD: return gp_json_name(r->words[*(const int *) at]);
+    case OBJECT:
+        o = json_object();
+        put_rows(o, r->rows, at, true);
+        return o;
+    case SETTINGS: return settings_json(*(struct gp_settings *const *) at);
+    case WARNINGS: return warnings_json(at);
+    case PEAK: return rounded((double) gp_peak_memory() / (1 << 20), 0.1);
+    case THREADS: return json_integer(gp_threads());
+    case VERSION: return gp_json_name(GP_VERSION);
+    case SCHEMA: return json_integer(2); // raised when the meaning of a field
+                                         // changes or a field is removed
     }
-    json_object_set_new(o, "kernel", json_pack("{so* so* si si so* so*}",
-        "recipes", list, "pupil_mm", eyes ? json_incref(pupils) : NULL,
-        "width", k->w, "height", k->h,
-        "grid", k->grid ? json_integer(k->grid) : NULL,
-        "missed", k->modelled ? rounded(k->missed, 1e-9) : NULL));
-    json_decref(pupils);
-    if (k->modelled)
-        put_number(o, "kernel_left_out", k->left_out, 0.0);
+    return NULL;
 }
 
-/* Adds the engine, its work and its result. */
-static void put_glare(json_t *o, const struct gp_facts *f)
+/* True where the row has a value among facts or in an item. */
+static bool is_there(const struct row *r, const char *from)
 {
-    const struct gp_glare_stats *g = &f->glare;
-    if (g->engine) {
-        put_name(o, "engine", g->engine);
-        put_name(o, "engine_why", g->why);
-    }
-    put_number(o, "threshold", (double) f->threshold, 0.0);
-    json_object_set_new(o, "sources", json_integer(f->sources));
-    put_count(o, "groups", g->groups);
-    put_count(o, "clusters", g->clusters);
-    put_count(o, "polygons", g->polygons);
-    put_count(o, "cores", g->cores);
-    if (g->polygons)
-        put_number(o, "polygon_pixels", g->polygon_pixels, 0.0);
-    if (g->form)
-        put_name(o, "form", g->form);
-    if (g->fft_w)
-        json_object_set_new(o, "fft_size",
-                            json_pack("[ii]", g->fft_w, g->fft_h));
-    if (g->fft_double)
-        json_object_set_new(o, "fft_double", json_true());
-    put_rgb(o, "flux_in", f->flux_in);
-    if (f->flux_faint[0] + f->flux_faint[1] + f->flux_faint[2] > 0.0)
-        put_rgb(o, "flux_faint", f->flux_faint);
-    if (f->kernel_faint[0] + f->kernel_faint[1] + f->kernel_faint[2] > 0.0)
-        put_rgb(o, "kernel_faint", f->kernel_faint);
-    if (f->deg_per_pixel > 0.0) {
-        put_number(o, "deg_per_pixel", f->deg_per_pixel, 0.0);
-        put_name(o, "fov_from", f->fov_from);
-    }
-    put_kernel(o, &f->kernel);
-    if (f->has_flux_out)
-        put_rgb(o, "flux_out", f->flux_out);
-    // of the layer with ghosts too, which is no darker than without them
-    if ((g->engine && f->sources) || f->lens.name)
-        put_number(o, "bound", (g->engine && f->sources ? g->bound : 0.0) +
-                                   f->lens.bound, 0.0);
-    if (g->engine && f->sources && g->bound_pixel > 0.0)
-        put_number(o, "bound_pixel", g->bound_pixel, 0.0);
-    if (f->flare.runs)
-        json_object_set_new(o, "flare", json_pack("{si si ss so so}",
-            "elements", f->flare.elements, "runs", f->flare.runs,
-            "engine", f->flare.engine, "bound", rounded(f->flare.bound, 0.0),
-            "ms", rounded(f->flare.ms, 1e-3)));
-    if (f->verified)
-        json_object_set_new(o, "measured", json_pack("{so so so so}",
-            "rel_l2", rounded(f->error.rel_l2, 0.0),
-            "max_rel", rounded(f->error.max_rel, 0.0),
-            "max_abs", rounded(f->error.max_abs, 0.0),
-            "flux_error", rounded(f->error.flux_error, 0.0)));
-    json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
-    json_object_set_new(o, "clamped", json_integer(f->clamped));
-    if (f->clamped || f->clamped_out)
-        put_rgb(o, "flux_clamped", f->flux_clamped);
-    if (f->clamped_out)
-        json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
+    bool set = false;
+    if (r->kind == MS && *(const double *) (const void *) (from + r->at) < 0.0)
+        return false;
+    for (size_t i = 0; i < r->if_bytes; i++)
+        set |= from[r->if_at + i] != 0;
+    return !r->if_bytes || set != r->unless;
 }
 
-/* Adds the scene, its time, and how far apart two cameras are. */
-static void put_scene(json_t *o, const struct gp_scene_facts *f)
+/* Adds the fields of rows to an object. `nested`: it is the one that their names
+ * begin with. */
+static void put_rows(json_t *line, const struct row *r, const void *from,
+                     bool nested)
 {
-    if (f->path)
-        json_object_set_new(o, "scene", json_pack("{so so so* so*}",
-            "file", gp_json_name(f->path),
-            "seconds", rounded(f->seconds, 1e-6),
-            "camera", name_or_none(f->camera),
-            "camera_apart", f->compared ? rounded(f->apart, 1e-6) : NULL));
-}
-
-/* Adds the lights of --relight. */
-static void put_relit(json_t *o, const struct gp_facts *f)
-{
-    if (!f->relits)
-        return;
-    json_t *const list = json_array();
-    for (int i = 0; i < f->relits; i++) {
-        const struct gp_relit_facts *const l = &f->relit[i];
-        json_array_append_new(list, json_pack("{so sI sI si}",
-            "name", gp_json_name(l->name), "pixels", (json_int_t) l->pixels,
-            "rays", (json_int_t) l->rays, "casters", l->casters));
+    for (const char *const base = from; r->name; r++) {
+        const char *const dot = strchr(r->name, '.');
+        const char *const key = dot ? dot + 1 : r->name;
+        const size_t length = dot ? (size_t) (dot - r->name) : 0;
+        const char *at = base + r->at;
+        json_t *o = line;
+        if (!is_there(r, base))
+            continue;
+        if (r->pointed)
+            at = *(const char *const *) (const void *) at;
+        json_t *const v = r->size ? json_array() : value_at(r, at);
+        const int n = !r->size ? 0 : r->n ? r->n
+                      : *(const int *) (const void *) (base + r->count);
+        for (int i = 0; i < n; i++)
+            json_array_append_new(v, value_at(r, at + (size_t) i * r->size));
+        if (dot && !nested && !(o = json_object_getn(line, r->name, length))) {
+            o = json_object();
+            json_object_setn_new(line, r->name, length, o);
+        }
+        json_object_set_new(o, key, v);
     }
-    json_object_set_new(o, "relit", list);
-}
-
-/* Adds the depth channel, its values that are no surface, and the lights. */
-static void put_lights(json_t *o, const struct gp_facts *f)
-{
-    const bool filled = f->depth_empty[0] != '\0';
-    if (f->depth)
-        json_object_set_new(o, "depth", json_pack("{so ss so*}",
-            "channel", gp_json_name(f->depth), filled ? "empty" : "type",
-            filled ? f->depth_empty : pixel_type_name(f->depth_type),
-            "reversed", f->depth_reversed ? json_true() : NULL));
-    if (f->mask)
-        put_name(o, "mask", f->mask);
-    if (!f->light)
-        return;
-    json_t *const list = json_array();
-    for (int i = 0; i < f->lights; i++) {
-        const struct gp_light *const l = &f->light[i];
-        json_array_append_new(list, json_pack(
-            "{so* so* so* so* so* so so}",
-            "name", l->name[0] ? gp_json_name(l->name) : NULL,
-            "behind", l->behind ? json_true() : NULL,
-            "x", l->behind ? NULL : rounded(l->x, 1e-4),
-            "y", l->behind ? NULL : rounded(l->y, 1e-4),
-            "radius", l->behind ? NULL : rounded(l->radius, 1e-4),
-            "visibility", rounded(l->visibility, 1e-6),
-            "interval", json_pack("[f,f]", floor(l->low * 1e6) * 1e-6,
-                                  ceil(l->high * 1e6) * 1e-6)));
-    }
-    json_object_set_new(o, "lights", list);
-    if (f->sun_way)
-        put_name(o, "sun_method", f->sun_way);
-    static const char *const edges[] = {
-        [GP_EDGES_DEPTH] = "depth alone: within 0.06 of the truth for a sun of "
-                           "2.5 pixels; coverage (--mask) is nearer",
-        [GP_EDGES_COVERAGE] = "coverage: within 0.02 of the truth for a sun of "
-                              "2.5 pixels",
-        [GP_EDGES_MASK] = "coverage without depth: surfaces beyond a light "
-                          "hide it too, and the error is not known; add depth "
-                          "(--depth)",
-    };
-    const enum gp_edges by = gp_facts_edges(f);
-    if (by)
-        put_name(o, "sun_edges", edges[by]);
 }
 
 // -- the file ----------------------------------------------------------------
@@ -591,88 +674,14 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     return GP_OK;
 }
 
-/* Adds a window by its edges: left, top, right, bottom. */
-static void put_window(json_t *o, const char *name, struct gp_rect r)
-{
-    json_object_set_new(o, name, json_pack("[iiii]", r.x0, r.y0, r.x1, r.y1));
-}
-
-gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
-                           const struct gp_facts *facts, gp_status status,
-                           const char *error)
-{
-    json_t *const o = json_object();
-    put_frame(o, facts);
-    put_end(o, facts, status);
-    put_name(o, "error", error);
-    return write_object(log, r, o);
-}
-
-/* Adds the style, and the command that makes the picture again. */
-static gp_status put_style(const struct gp_log *log, const struct gp_facts *f,
-                           json_t *o)
-{
-    char *command;
-    gp_status st = gp_command_text(log, f->settings, &f->input, 1, &command);
-    put_name(o, "style", f->settings->style);
-    put_name(o, "command", command);
-    free(command);
-    return st;
-}
-
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
-    const struct gp_ocio_names *const n = facts->ocio;
     json_t *const o = json_object();
-    put_frame(o, facts);
-    put_list(o, "outputs", (const char *const *) facts->outputs,
-             facts->n_outputs);
-    const gp_status st = facts->settings ? put_style(log, facts, o) : GP_OK;
-    if (st) {
-        json_decref(o);
-        return st;
-    }
-    json_object_set_new(o, "width", json_integer(facts->width));
-    json_object_set_new(o, "height", json_integer(facts->height));
-    put_window(o, "window", facts->window);
-    if (memcmp(&facts->read, &facts->window, sizeof facts->read) != 0)
-        put_window(o, "window_read", facts->read);
-    if (facts->light_groups)
-        put_list(o, "light_groups", facts->light_group, facts->light_groups);
-    put_glare(o, facts);
-    if (facts->lens.name)
-        json_object_set_new(o, "lens", gp_lens_facts_json(&facts->lens));
-    put_scene(o, &facts->scene);
-    put_relit(o, facts);
-    put_lights(o, facts);
-    if (n)
-        json_object_set_new(o, "ocio", json_pack("{so* so* so* so* so* so*}",
-            "config", name_or_none(n->config), "input", name_or_none(n->input),
-            "display", name_or_none(n->display), "view", name_or_none(n->view),
-            "look", name_or_none(n->look), "output", name_or_none(n->output)));
-    json_t *const times = json_object(), *const cpu = json_object();
-    for (int i = 0; i < GP_TIMES; i++) {
-        if (facts->ms[i] >= 0.0) {
-            put_number(times, time_names[i], facts->ms[i], 1e-3);
-            put_number(cpu, time_names[i], facts->cpu_ms[i], 1e-3);
-        }
-    }
-    put_number(times, "total", facts->total_ms, 1e-3);
-    json_object_set_new(o, "times_ms", times);
-    if (facts->has_cpu)
-        json_object_set(o, "cpu_ms", cpu);
-    json_decref(cpu);
-    put_number(o, "frame_mib", (double) facts->bytes / (1 << 20), 0.1);
-    put_number(o, "peak_rss_mib", (double) gp_peak_memory() / (1 << 20), 0.1);
-    json_object_set_new(o, "threads", json_integer(gp_threads()));
-    if (facts->glare.gl || facts->sun_gl)
-        put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);
-    if (facts->settings && !r->settings)
-        r->settings = settings_json(facts->settings);
-    if (facts->settings)
-        json_object_set(o, "settings", r->settings);
-    put_end(o, facts, GP_OK);
+    put_rows(o, job_rows, facts, false);
+    if (!facts->job.status)
+        put_rows(o, made_rows, facts, false);
+    put_rows(o, end_rows, facts, false);
     return write_object(log, r, o);
 }
 
@@ -685,7 +694,6 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
     if (r->lines == 0)
         remove_created(r);
     gp_free(r->created);
-    json_decref(r->settings);
     *r = (struct gp_report) {0};
     return st;
 }

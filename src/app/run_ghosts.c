@@ -3,62 +3,36 @@
 
 #include "core/clock.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 
 #include <math.h>
 
-/* A run's layer, to be added to the frame's, row by row. */
-struct adding {
-    const struct gp_frame *from; // of the run's window
-    struct gp_frame *to;
-    double *sum;                 // of squares, for each row of `from`: of all
-                                 // pixels, then of those of the frame
-};
-
-static void add_row(void *ctx, int y, int thread)
+/* Adds the layer of a run to that of f. Adds the squared norms of the whole and of
+ * the frame's part to norm2[0] and [1]. */
+static void add_layer(const struct gp_frame *from, struct gp_frame *f,
+                      double norm2[2])
 {
-    const struct adding *const a = ctx;
-    const struct gp_rect in = a->from->data, to = a->to->data;
+    const struct gp_rect in = from->data, to = f->data;
     const size_t w = (size_t) gp_rect_w(in);
-    const int row = in.y0 + y - to.y0;
     const int first = to.x0 - in.x0, end = to.x1 - in.x0;
-    double all = 0.0, own = 0.0;
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        const float *const v = a->from->layer.c[c] + (size_t) y * w;
-        for (size_t x = 0; x < w; x++)
-            all += (double) v[x] * (double) v[x];
-        if (row < 0 || row >= gp_rect_h(to))
-            continue;
-        float *const out = a->to->layer.c[c] +
-                           (size_t) row * (size_t) gp_rect_w(to);
-        for (int x = first; x < end; x++) {
-            own += (double) v[x] * (double) v[x];
-            out[x - first] += v[x];
+    for (int y = 0; y < gp_rect_h(in); y++) {
+        const int row = in.y0 + y - to.y0;
+        double all = 0.0, own = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const float *const v = from->layer.c[c] + (size_t) y * w;
+            for (size_t x = 0; x < w; x++)
+                all += (double) v[x] * (double) v[x];
+            if (row < 0 || row >= gp_rect_h(to))
+                continue;
+            float *const out = f->layer.c[c] +
+                               (size_t) row * (size_t) gp_rect_w(to);
+            for (int x = first; x < end; x++) {
+                own += (double) v[x] * (double) v[x];
+                out[x - first] += v[x];
+            }
         }
+        norm2[0] += all;
+        norm2[1] += own;
     }
-    a->sum[2 * y] = all;
-    a->sum[2 * y + 1] = own;
-}
-
-/* Adds the layer of a run to that of f. Returns the squared norms of the whole
- * and of the frame's part in norm2[0] and [1]. */
-static gp_status add_layer(const struct gp_log *log,
-    const struct gp_frame *from, struct gp_frame *f, double norm2[2])
-{
-    const int h = gp_frame_h(from);
-    struct adding a = {from, f, NULL};
-    gp_status st = gp_alloc(log, "flare of bright pixels", 2 * (size_t) h,
-                            sizeof *a.sum, &a.sum);
-    if (st)
-        return st;
-    gp_parallel_do(h, add_row, &a);
-    for (int y = 0; y < h; y++) {
-        norm2[0] += a.sum[2 * y];
-        norm2[1] += a.sum[2 * y + 1];
-    }
-    gp_free(a.sum);
-    return GP_OK;
 }
 
 gp_status gp_run_ghosts_add(const struct gp_log *log, const struct gp_run *r,
@@ -99,7 +73,7 @@ gp_status gp_run_ghosts_add(const struct gp_log *log, const struct gp_run *r,
             st = gp_glare_run(log, &p, &ghosts->engine[i], &moved, &run->kernel,
                               &window, &stats);
         if (!st && moved.n)
-            st = add_layer(log, &window, f, norm2);
+            add_layer(&window, f, norm2);
         gp_planes_free(&window.layer);
         gp_sources_free(&moved);
         GP_TRY(st);

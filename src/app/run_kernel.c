@@ -177,8 +177,8 @@ void gp_run_kernel_free(struct gp_run_kernel **k)
 static bool moves_in_time(const struct gp_run *r)
 {
     bool moves = false;
-    for (int i = 0; i < r->wanted.recipes; i++)
-        moves |= gp_recipe_moves(&r->wanted.recipe[i]);
+    for (int i = 0; i < r->kernel.wanted.recipes; i++)
+        moves |= gp_recipe_moves(&r->kernel.wanted.recipe[i]);
     return moves;
 }
 
@@ -187,7 +187,7 @@ static bool has_values(const struct gp_run *r, const struct gp_recipe *a,
                        const struct gp_recipe *b)
 {
     bool same = true;
-    for (int i = 0; i < r->wanted.recipes; i++)
+    for (int i = 0; i < r->kernel.wanted.recipes; i++)
         same = same && memcmp(a[i].value, b[i].value, sizeof a->value) == 0;
     return same;
 }
@@ -200,12 +200,13 @@ static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
     if (!has_values(r, k->recipe, recipe))
         return false;
     const bool coloured =
-        r->wanted.recipes || r->wanted.image[0].names_chromaticities;
+        r->kernel.wanted.recipes ||
+        r->kernel.wanted.image[0].names_chromaticities;
     if (a->aspect != b->aspect ||
         (coloured && memcmp(a->chromaticities, b->chromaticities,
                             8 * sizeof *a->chromaticities) != 0))
         return false;
-    if (!r->wanted.recipes)
+    if (!r->kernel.wanted.recipes)
         return a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
            (!moves_in_time(r) || (a->frame == b->frame && a->fps == b->fps));
@@ -214,7 +215,7 @@ static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
 /* Frame pixels for one of the kernel image, in the field's height. */
 static double scale_of(const struct gp_run *r, const struct gp_field *field)
 {
-    const struct gp_frame *const image = &r->wanted.image[0];
+    const struct gp_frame *const image = &r->kernel.wanted.image[0];
     return r->s->kernel_degrees > 0.0 && field->degrees > 0.0
                ? r->s->kernel_degrees / (field->degrees * gp_frame_h(image))
                : r->s->kernel_percent / 100.0;
@@ -228,78 +229,57 @@ static size_t bytes_of(const struct gp_kernel *k)
     return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + nodes);
 }
 
-/* Moves r->kernel to the older ones, the last used of which are kept. One that
- * depends on the frame's number is not: no other frame will want it. */
-static void put_aside(struct gp_run *r)
+/* Puts a kernel in the place of made[i], before the others. The older ones may
+ * take 128 MiB. */
+static void put_first(struct gp_run_kernels *own, int i,
+                      struct gp_run_kernel *k)
 {
     size_t bytes = 0;
-    if (!r->kernel || moves_in_time(r)) {
-        gp_run_kernel_free(&r->kernel);
-        return;
+    memmove(&own->made[1], &own->made[0], (size_t) i * sizeof *own->made);
+    own->made[0] = k;
+    for (i = 1; i < GP_MADE_KERNELS && own->made[i]; i++) {
+        bytes += bytes_of(&own->made[i]->k);
+        if (bytes > (size_t) 128 << 20)
+            gp_run_kernel_free(&own->made[i]);
     }
-    gp_run_kernel_free(&r->older[GP_OLDER_KERNELS - 1]);
-    memmove(&r->older[1], &r->older[0],
-            (GP_OLDER_KERNELS - 1) * sizeof *r->older);
-    r->older[0] = r->kernel;
-    r->kernel = NULL;
-    for (int i = 0; i < GP_OLDER_KERNELS && r->older[i]; i++) {
-        bytes += bytes_of(&r->older[i]->k);
-        if (bytes > GP_OLDER_KERNEL_BYTES)
-            gp_run_kernel_free(&r->older[i]);
-    }
-}
-
-/* Takes the kernel of `recipe` for a field from the older ones; false: none is
- * that. */
-static bool take_older(struct gp_run *r, const struct gp_recipe *recipe,
-                       const struct gp_field *field)
-{
-    for (int i = 0; i < GP_OLDER_KERNELS; i++) {
-        struct gp_run_kernel *const k = r->older[i];
-        if (!k || !is_same(r, k, recipe, field))
-            continue;
-        memmove(&r->older[i], &r->older[i + 1],
-                (size_t) (GP_OLDER_KERNELS - 1 - i) * sizeof *r->older);
-        r->older[GP_OLDER_KERNELS - 1] = NULL;
-        put_aside(r);
-        r->kernel = k;
-        return true;
-    }
-    return false;
 }
 
 /* Makes the kernel of recipes for a field, unless one that is kept is that;
  * then *made is false.
- *   recipe  those of r->wanted, with other values */
+ *   recipe  those of r->kernel.wanted, with other values */
 static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     const struct gp_recipe *recipe, const struct gp_field *field, bool *made)
 {
+    struct gp_run_kernels *const own = &r->kernel;
     struct gp_run_kernel *k;
     *made = false;
-    if ((r->kernel && is_same(r, r->kernel, recipe, field)) ||
-        take_older(r, recipe, field))
-        return GP_OK;
+    for (int i = 0; i < GP_MADE_KERNELS; i++) {
+        if (own->made[i] && is_same(r, own->made[i], recipe, field)) {
+            put_first(own, i, own->made[i]);
+            return GP_OK;
+        }
+    }
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
     if (st)
         return st;
     memcpy(k->recipe, recipe, sizeof k->recipe);
     // shapes are kept from kernel to kernel of the same recipes
-    if (r->kernel && !has_values(r, r->kernel->recipe, recipe))
-        gp_model_kept_free(&r->kept);
-    struct gp_kernel_params p = gp_wanted_params(r->s, &r->wanted);
+    if (r->kernel.made[0] && !has_values(r, r->kernel.made[0]->recipe, recipe))
+        gp_model_kept_free(&r->kernel.kept);
+    struct gp_kernel_params p = gp_wanted_params(r->s, &r->kernel.wanted);
     p.aspect = field->aspect;
     p.scale = scale_of(r, field);
     p.chromaticities = field->chromaticities;
-    st = r->wanted.recipes
-             ? gp_model_kernel_next(log, k->recipe, r->wanted.recipes, field,
-                                    &r->kept, &k->k)
-             : gp_kernel_from_frame(log, &p, &r->wanted.image[0], &k->k);
+    st = r->kernel.wanted.recipes
+             ? gp_model_kernel_next(log, k->recipe, own->wanted.recipes, field,
+                                    &own->kept, &k->k)
+             : gp_kernel_from_frame(log, &p, &own->wanted.image[0], &k->k);
     if (st) {
         gp_free(k);
         return st;
     }
-    const struct gp_frame *const image = &r->wanted.image[0];
-    if (r->wanted.recipes)
+    const struct gp_frame *const image = &r->kernel.wanted.image[0];
+    if (r->kernel.wanted.recipes)
         gp_kernel_glance(&k->k, field->luminance, &k->figures);
     else
         gp_kernel_measure(&k->k, image->names_chromaticities ? field->luminance
@@ -309,18 +289,20 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
     memcpy(k->chromaticities, field->chromaticities, sizeof k->chromaticities);
     k->field.chromaticities = k->chromaticities;
     atomic_init(&k->holders, 1);
-    put_aside(r);
-    r->kernel = k;
+    // no other frame will want a kernel of this one's number
+    const int last = moves_in_time(r) ? 0 : GP_MADE_KERNELS - 1;
+    gp_run_kernel_free(&own->made[last]);
+    put_first(own, last, k);
     *made = true;
     return GP_OK;
 }
 
-void gp_run_kernels_free(struct gp_run *r)
+void gp_run_kernels_free(struct gp_run_kernels *k)
 {
-    gp_run_kernel_free(&r->kernel);
-    for (int i = 0; i < GP_OLDER_KERNELS; i++)
-        gp_run_kernel_free(&r->older[i]);
-    gp_model_kept_free(&r->kept);
+    for (int i = 0; i < GP_MADE_KERNELS; i++)
+        gp_run_kernel_free(&k->made[i]);
+    gp_model_kept_free(&k->kept);
+    gp_wanted_kernel_free(&k->wanted);
 }
 
 /* The field of a frame, and where its angle comes from. */
@@ -329,11 +311,11 @@ static struct gp_field find_field(const struct gp_run *r,
 {
     const struct gp_settings *const s = r->s;
     double fov = gp_run_fov(r, fs);
-    fs->facts.fov_from = s->fov > 0.0f ? "option" : "camera";
+    fs->facts.kernel.fov_from = s->fov > 0.0f ? "option" : "camera";
     if (!(fov > 0.0)) {
         struct gp_lens_stop stop = {.fov = GP_USUAL_FOV};
-        fs->facts.fov_from = gp_run_lens_stop(r, fs, &stop) ? "lens"
-                                                            : "default";
+        fs->facts.kernel.fov_from =
+            gp_run_lens_stop(r, fs, &stop) ? "lens" : "default";
         fov = stop.fov;
     }
     struct gp_field field = gp_field_of(&fs->frame, fov);
@@ -341,9 +323,9 @@ static struct gp_field find_field(const struct gp_run *r,
     const double rate = gp_frame_rate(&fs->frame);
     field.fps = rate > 0.0 ? rate : field.fps;
     (void) gp_job_number(fs->job, &field.frame);
-    const bool angled = r->wanted.recipes || s->kernel_degrees > 0.0;
-    fs->facts.deg_per_pixel = angled ? field.degrees : 0.0;
-    fs->facts.fov = fov;
+    const bool angled = r->kernel.wanted.recipes || s->kernel_degrees > 0.0;
+    fs->facts.kernel.deg_per_pixel = angled ? field.degrees : 0.0;
+    fs->facts.kernel.fov = fov;
     return field;
 }
 
@@ -352,9 +334,9 @@ static struct gp_field find_field(const struct gp_run *r,
 static struct gp_kernel_use use_of(const struct gp_run *r,
     const struct gp_frame_state *fs, int *worst)
 {
-    const struct gp_wanted_kernel *const wanted = &r->wanted;
+    const struct gp_wanted_kernel *const wanted = &r->kernel.wanted;
     const struct gp_frame *const f = &fs->frame;
-    const struct gp_field *const field = &r->kernel->field;
+    const struct gp_field *const field = &r->kernel.made[0]->field;
     struct gp_kernel_use use = {0};
     double shares = 0.0, missed = 0.0, most = 0.0;
     *worst = 0;
@@ -362,8 +344,8 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
         const double share =
             wanted->recipes ? wanted->recipe[i].value[0] : 1.0;
         const double scale = wanted->recipes ? 1.0 : scale_of(r, field);
-        gp_label_use(&wanted->label[i], scale, &r->kernel->k, gp_frame_w(f),
-                     gp_frame_h(f), &use);
+        gp_label_use(&wanted->label[i], scale, &r->kernel.made[0]->k,
+                     gp_frame_w(f), gp_frame_h(f), &use);
         missed += share * use.missed;
         *worst = share * use.missed > most ? i : *worst;
         most = fmax(most, share * use.missed);
@@ -376,7 +358,7 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
         const struct gp_kernel_params p = gp_wanted_params(r->s, wanted);
         use.as_it_is = use.as_it_is && p.normalize == GP_NORMALIZE_NONE;
         use.centred = p.centered;
-        use.resampled = r->kernel->k.unturned || field->aspect != 1.0 ||
+        use.resampled = r->kernel.made[0]->k.unturned || field->aspect != 1.0 ||
                         scale_of(r, field) != 1.0;
     }
     use.add = r->s->compose.mix == GP_MIX_ADD;
@@ -410,13 +392,13 @@ static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
     const struct kernel_words one = words_of(r->s, worst, worst + 1);
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         char line[GP_FAULT_BYTES];
-        if (r->faults_said >> i & 1 ||
-            !gp_kernel_fault(&r->kernel->figures, use, (enum gp_kernel_rule) i,
-                             line))
+        if (r->kernel.faults_said >> i & 1 ||
+            !gp_kernel_fault(&r->kernel.made[0]->figures, use,
+                             (enum gp_kernel_rule) i, line))
             continue;
         gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
                i == GP_RULE_LEFT_OUT ? one.text : all.text, line);
-        r->faults_said |= 1u << i;
+        r->kernel.faults_said |= 1u << i;
     }
 }
 
@@ -442,11 +424,12 @@ static gp_status warn_of_images(struct gp_run *r,
                                 const struct gp_frame_state *fs)
 {
     const unsigned bit = 2u << GP_KERNEL_RULES;
-    for (int i = 0; i < r->wanted.recipes && !(r->faults_said & bit); i++) {
-        const struct gp_recipe *const recipe = &r->wanted.recipe[i];
+    const bool said = r->kernel.faults_said & bit;
+    for (int i = 0; i < r->kernel.wanted.recipes && !said; i++) {
+        const struct gp_recipe *const recipe = &r->kernel.wanted.recipe[i];
         const struct gp_kernel_params p = {
             .normalize = GP_NORMALIZE_NONE,
-            .left_out = r->wanted.label[i].left_out,
+            .left_out = r->kernel.wanted.label[i].left_out,
         };
         const struct gp_kernel_use use = use_of_image(recipe);
         struct gp_kernel_figures f;
@@ -466,7 +449,7 @@ static gp_status warn_of_images(struct gp_run *r,
                        words_of(r->s, i, i + 1).text, line);
         }
     }
-    r->faults_said |= bit;
+    r->kernel.faults_said |= bit;
     return GP_OK;
 }
 
@@ -476,9 +459,9 @@ static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
                           const struct gp_field *field)
 {
     const unsigned bit = 1u << GP_KERNEL_RULES;
-    const struct gp_kernel_label *const l = &r->wanted.label[0];
-    if (r->wanted.recipes || !l->present || r->faults_said & bit ||
-        strcmp(fs->facts.fov_from, "default") == 0)
+    const struct gp_kernel_label *const l = &r->kernel.wanted.label[0];
+    if (r->kernel.wanted.recipes || !l->present ||
+        r->kernel.faults_said & bit || strcmp(fs->facts.kernel.fov_from, "default") == 0)
         return;
     const double made = l->fov / l->h;
     const double used = field->degrees * scale_of(r, field);
@@ -488,23 +471,28 @@ static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
            "%.4g; make it again (glarepp kernel with this --fov and --size), "
            "or set --kernel-size %.4g%%", r->s->kernels.at[0], made, used,
            100.0 * made / field->degrees);
-    r->faults_said |= bit;
+    r->kernel.faults_said |= bit;
 }
 
 /* The facts about the frame's kernel. */
 static void note_kernel(const struct gp_run *r,
-                        const struct gp_kernel_use *use, struct gp_facts *facts)
+                        const struct gp_kernel_use *use,
+                        struct gp_kernel_facts *facts)
 {
-    const struct gp_kernel *const k = &r->kernel->k;
-    facts->kernel = (struct gp_kernel_facts) {
-        .recipe = r->kernel->recipe, .recipes = r->wanted.recipes,
-        .modelled = r->wanted.recipes || r->wanted.label[0].present,
-        .w = k->w, .h = k->h, .grid = k->tail ? k->tail->split.step : 0,
-        .left_out = fmax(k->left_out, 0.0), .missed = use->missed,
-    };
-    for (int i = 0; i < r->wanted.recipes; i++)
-        facts->kernel.pupil[i] =
-            gp_recipe_pupil(&r->kernel->recipe[i], &r->kernel->field);
+    const struct gp_wanted_kernel *const wanted = &r->kernel.wanted;
+    const struct gp_run_kernel *const own = r->kernel.made[0];
+    const struct gp_kernel *const k = &own->k;
+    facts->recipe = own->recipe;
+    facts->recipes = wanted->recipes;
+    facts->modelled = wanted->recipes || wanted->label[0].present;
+    facts->w = k->w;
+    facts->h = k->h;
+    facts->grid = k->tail ? k->tail->split.step : 0;
+    facts->left_out = fmax(k->left_out, 0.0);
+    facts->missed = use->missed;
+    memcpy(facts->faint, k->faint, sizeof facts->faint);
+    for (int i = 0; i < wanted->recipes; i++)
+        facts->pupil[i] = gp_recipe_pupil(&own->recipe[i], &own->field);
 }
 
 /* Widens the field so that lights outside of the frame light all of it, up to
@@ -529,7 +517,7 @@ static void reach_lights(const struct gp_run *r,
 static void fit_lens(const struct gp_run *r, const struct gp_lens_stop *stop,
                      struct gp_recipe recipe[GP_RECIPES])
 {
-    for (int i = 0; i < r->wanted.recipes; i++) {
+    for (int i = 0; i < r->kernel.wanted.recipes; i++) {
         struct gp_recipe *const k = &recipe[i];
         if (strcmp(gp_model_name(k->model), "aperture") != 0)
             continue;
@@ -544,8 +532,8 @@ static void fit_lens(const struct gp_run *r, const struct gp_lens_stop *stop,
 void gp_run_kernel_adapt(const struct gp_run *r, struct gp_frame_state *fs)
 {
     bool adapts = false;
-    for (int i = 0; i < r->wanted.recipes; i++)
-        adapts |= gp_recipe_adapts(&r->wanted.recipe[i]);
+    for (int i = 0; i < r->kernel.wanted.recipes; i++)
+        adapts |= gp_recipe_adapts(&r->kernel.wanted.recipe[i]);
     if (!adapts)
         return;
     fs->white = GP_USUAL_WHITE;
@@ -564,10 +552,10 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_field field = find_field(r, fs);
         struct gp_recipe recipe[GP_RECIPES];
         struct gp_lens_stop stop;
-        memcpy(recipe, r->wanted.recipe, sizeof recipe);
+        memcpy(recipe, r->kernel.wanted.recipe, sizeof recipe);
         if (gp_run_lens_stop(r, fs, &stop))
             fit_lens(r, &stop, recipe);
-        for (int i = 0; i < r->wanted.recipes; i++)
+        for (int i = 0; i < r->kernel.wanted.recipes; i++)
             gp_recipe_adapt(&recipe[i], fs->mean, fs->white);
         reach_lights(r, fs, &field);
         if (r->s->edges == GP_SURROUND_MIRROR) {
@@ -582,17 +570,15 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         if (!st)
             warn_of_angle(r, fs, &field);
     }
-    if (made) {
-        fs->facts.ms[GP_TIME_KERNEL] = gp_now_ms() - from;
-        fs->facts.cpu_ms[GP_TIME_KERNEL] = gp_cpu_ms() - cpu;
-        fs->facts.total_ms += fs->facts.ms[GP_TIME_KERNEL];
-    }
-    if (!st && r->kernel) {
+    if (made)
+        gp_cost_add(&fs->facts.cost, GP_TIME_KERNEL, gp_now_ms() - from,
+                    gp_cpu_ms() - cpu);
+    if (!st && r->kernel.made[0]) {
         int worst;
         const struct gp_kernel_use use = use_of(r, fs, &worst);
         warn_of_faults(r, fs, &use, worst);
-        note_kernel(r, &use, &fs->facts);
-        fs->kernel = r->kernel;
+        note_kernel(r, &use, &fs->facts.kernel);
+        fs->kernel = r->kernel.made[0];
         atomic_fetch_add(&fs->kernel->holders, 1);
     }
     return st;
@@ -607,22 +593,22 @@ const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs)
 gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
 {
     static const struct gp_frame square = {.data = {0, 0, 1, 1}};
-    gp_status st = gp_wanted_kernel_read(log, r->s, &r->wanted);
+    gp_status st = gp_wanted_kernel_read(log, r->s, &r->kernel.wanted);
     if (st)
         return st;
-    r->reach = (struct gp_rect) {MODEL_REACH, MODEL_REACH, MODEL_REACH,
+    r->kernel.reach = (struct gp_rect) {MODEL_REACH, MODEL_REACH, MODEL_REACH,
                                  MODEL_REACH};
-    if (r->wanted.recipes)
+    if (r->kernel.wanted.recipes)
         return GP_OK; // made for the first frame with light
     struct gp_field field = gp_field_of(&square, 0.0);
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
     bool made;
-    st = make_kernel(log, r, r->wanted.recipe, &field, &made);
+    st = make_kernel(log, r, r->kernel.wanted.recipe, &field, &made);
     if (st)
         return st;
-    const struct gp_kernel *const k = &r->kernel->k;
-    r->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
+    const struct gp_kernel *const k = &r->kernel.made[0]->k;
+    r->kernel.reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
                                  k->h - 1 - k->cy};
     return GP_OK;
 }
@@ -632,15 +618,15 @@ struct gp_rect gp_run_kernel_reach(const struct gp_run *r,
 {
     const struct gp_field field = find_field(r, fs);
     // in degrees, the first kernel is of the image's own size
-    const bool sized = !r->wanted.recipes && r->s->kernel_degrees > 0.0;
+    const bool sized = !r->kernel.wanted.recipes && r->s->kernel_degrees > 0.0;
     const double down = sized ? scale_of(r, &field) : 1.0;
     const double across = down / field.aspect;
     const double high = down == 1.0 ? 0.0 : 1.0;  // resampling reaches into
     const double wide = across == 1.0 ? 0.0 : 1.0; // one pixel more
     return (struct gp_rect) {
-        gp_max((int) (r->reach.x0 * across + wide), 0),
-        gp_max((int) (r->reach.y0 * down + high), 0),
-        gp_max((int) (r->reach.x1 * across + wide), 0),
-        gp_max((int) (r->reach.y1 * down + high), 0),
+        gp_max((int) (r->kernel.reach.x0 * across + wide), 0),
+        gp_max((int) (r->kernel.reach.y0 * down + high), 0),
+        gp_max((int) (r->kernel.reach.x1 * across + wide), 0),
+        gp_max((int) (r->kernel.reach.y1 * down + high), 0),
     };
 }

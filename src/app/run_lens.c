@@ -3,7 +3,6 @@
 #include "app/stages.h"
 
 #include "core/colour.h"
-#include "core/json.h"
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -229,20 +228,4 @@ gp_status gp_run_lens(struct gp_run *r, struct gp_frame_state *fs,
 out:
     gp_free(light);
     return st;
-}
-
-// -- the report ---------------------------------------------------------------
-
-json_t *gp_lens_facts_json(const struct gp_lens_facts *l)
-{
-    const struct gp_lens_stats *const s = &l->stats;
-    return json_pack(
-        "{so, sf, ss, si, si, si, sf, sf, s[fff], sf, so}",
-        "name", gp_json_name(l->name),
-        "sensor_mm", round(1e3 * l->sensor) / 1e3,
-        "sensor_from", l->sensor_from, "lights", s->lights,
-        "ghosts", s->drawn, "ghosts_left_out", s->left_out,
-        "left_out", s->dark, "sources_left_out", l->rest,
-        "flux", s->light[0], s->light[1], s->light[2], "lost", s->lost,
-        "bound", isfinite(l->bound) ? json_real(l->bound) : json_null());
 }

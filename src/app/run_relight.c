@@ -183,7 +183,7 @@ static void turn_normals(const struct gp_frame_state *fs, struct surfaces *s)
 /* Lights that are added together. */
 struct batch {
     struct gp_relight_pass pass[GP_RELIGHT_PASSES];
-    int fact[GP_RELIGHT_PASSES]; // of each pass, in fs->relit
+    int fact[GP_RELIGHT_PASSES]; // of each pass, in facts.scene.relit
     int *list;                   // of casters: s->objects for each pass; owned
     int n;
 };
@@ -193,8 +193,9 @@ static void list_light(const struct gp_run *r, struct gp_frame_state *fs,
                        struct gp_sets *sets, int light, struct batch *b)
 {
     const struct gp_scene *const s = &r->scene.scene;
-    const int fact = fs->facts.relits++;
-    fs->relit[fact] = (struct gp_relit_facts) {.name = s->light[light].name};
+    const int fact = fs->facts.scene.relits++;
+    struct gp_relit_facts *const facts = &fs->facts.scene.relit[fact];
+    *facts = (struct gp_relit_facts) {.name = s->light[light].name};
     if (!gp_sets_light(sets, light))
         return;
     const uint8_t *const flag = gp_sets_flags(sets);
@@ -213,7 +214,7 @@ static void list_light(const struct gp_run *r, struct gp_frame_state *fs,
         .far = cut.far * (1.0 + 1e-6),
     };
     b->fact[b->n++] = fact;
-    fs->relit[fact].casters = casters;
+    facts->casters = casters;
 }
 
 /* Adds the lights of a batch to the frame's colour, and empties it. */
@@ -227,7 +228,7 @@ static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
     if (st)
         return st;
     for (int i = 0; i < b->n; i++) {
-        struct gp_relit_facts *const f = &fs->relit[b->fact[i]];
+        struct gp_relit_facts *const f = &fs->facts.scene.relit[b->fact[i]];
         f->pixels = facts[i].pixels;
         f->rays = facts[i].rays;
         gp_say(fs->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects "
@@ -266,7 +267,7 @@ static gp_status find_lights(const struct gp_log *log, const struct gp_run *r,
 static void warn_of_dark(const struct gp_run *r,
                          const struct gp_frame_state *fs)
 {
-    const struct gp_facts *const f = &fs->facts;
+    const struct gp_scene_facts *const f = &fs->facts.scene;
     const struct gp_texts *const names = &r->s->relight;
     long long lit = 0;
     for (int i = 0; i < f->relits; i++)
@@ -280,7 +281,8 @@ static void warn_of_dark(const struct gp_run *r,
         if (dark)
             gp_say(fs->log, GP_LEVEL_WARN, "%s: --relight %s lights no pixel: "
                    "out of reach, hidden, or on albedo of 0; leave it out, or "
-                   "check --scene-start", f->input, gp_printable(name).text);
+                   "check --scene-start", fs->job->input,
+                   gp_printable(name).text);
     }
 }
 
@@ -300,8 +302,7 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     GP_TRY(gp_alloc(fs->log, "objects", (size_t) s->objects + 1,
                     GP_RELIGHT_PASSES * sizeof *batch.list, &batch.list));
     GP_TRY(gp_alloc(fs->log, "lights", (size_t) s->lights + 1,
-                    sizeof *fs->relit, &fs->relit));
-    fs->facts.relit = fs->relit;
+                    sizeof *fs->facts.scene.relit, &fs->facts.scene.relit));
     GP_TRY(find_lights(fs->log, r, asked));
     GP_TRY(read_surfaces(r, fs, &surfaces));
     if (!r->scene.settled && !surfaces.f.normal_of_camera)

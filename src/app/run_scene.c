@@ -173,7 +173,7 @@ static gp_status find_camera(struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_scene_settings *const p = &r->s->scene;
     struct gp_run_scene *const own = &r->scene;
     struct gp_scene *const s = &own->scene;
-    struct gp_facts *const facts = &fs->facts;
+    struct gp_scene_facts *const facts = &fs->facts.scene;
     const struct gp_rect display = fs->frame.display;
     struct gp_camera theirs;
     char names[512];
@@ -199,17 +199,16 @@ static gp_status find_camera(struct gp_run *r, struct gp_frame_state *fs,
     if (!own->has_camera) {
         own->frame_camera = theirs;
         own->has_camera = true;
-        facts->scene.camera = c->name;
+        facts->camera = c->name;
         return GP_OK;
     }
-    facts->scene.apart =
-        gp_scene_apart(s, &own->frame_camera, &theirs, display);
-    facts->scene.compared = true;
-    if (facts->scene.apart > MOST_APART && !own->warned_camera) {
+    facts->apart = gp_scene_apart(s, &own->frame_camera, &theirs, display);
+    facts->compared = true;
+    if (facts->apart > MOST_APART && !own->warned_camera) {
         char apart[64] = "see nothing in common";
-        if (isfinite(facts->scene.apart))
+        if (isfinite(facts->apart))
             snprintf(apart, sizeof apart, "are %.3g pixels apart",
-                     facts->scene.apart);
+                     facts->apart);
         own->warned_camera = true;
         gp_say(fs->log, GP_LEVEL_WARN, "%s: its camera and \"%s\" of %s %s; "
                "the frame's counts; check --scene-start and --scene-up",

@@ -56,7 +56,8 @@ static gp_status measure_disc(const struct gp_log *log, struct gp_run *r,
                               : gp_gl_open(log, r->suns.api, &r->suns.gl);
     return st ? st
               : gp_eye_map_draw(log, r->suns.gl, s, &r->scene.meshes, disc,
-                                window, FINER * p->map.side, &r->eye_map, out);
+                                window, FINER * p->map.side, &r->scene.eye_map,
+                                out);
 }
 
 /* Sets the clear share outside the frame of each light that is placed, where
@@ -96,7 +97,7 @@ static gp_status measure_outside(struct gp_run *r, struct gp_frame_state *fs)
 void gp_run_suns_close(struct gp_run *r)
 {
     if (r->suns.gl)
-        gp_eye_map_close(r->suns.gl, &r->eye_map);
+        gp_eye_map_close(r->suns.gl, &r->scene.eye_map);
 }
 
 // -- the stages ---------------------------------------------------------------
@@ -112,9 +113,9 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
         st = gp_suns_measure(fs->log, &r->suns);
     if (st)
         return st;
-    fs->facts.sun_way = gp_suns_way(&r->suns);
+    fs->facts.sun.way = gp_suns_way(&r->suns);
     if (r->suns.gl)
-        fs->facts.sun_gl = gp_gl_info(r->suns.gl)->name;
+        fs->facts.sun.gl = gp_gl_info(r->suns.gl)->name;
     return GP_OK;
 }
 
@@ -132,8 +133,8 @@ gp_status gp_run_flare(struct gp_run *r, struct gp_frame_state *fs)
         st = gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
     cpu = gp_cpu_ms();
     if (!st)
-        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->ghosts, &fs->frame,
-                               facts);
+        st = gp_run_ghosts_add(fs->log, r, &fs->sources, &r->glare.ghosts,
+                               &fs->frame, facts);
     fs->engine_ms = facts->ms;
     fs->engine_cpu_ms = gp_cpu_ms() - cpu;
     return st;
@@ -143,23 +144,29 @@ gp_status gp_run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_suns *const suns = &r->suns;
     const struct gp_occluders *const o = &suns->occluders;
-    struct gp_facts *const facts = &fs->facts;
+    struct gp_sun_facts *const facts = &fs->facts.sun;
     gp_status st = gp_alloc(fs->log, "lights", (size_t) suns->n,
-                            sizeof *fs->light, &fs->light);
+                            sizeof *facts->light, &facts->light);
     if (st)
         return st;
-    facts->light = fs->light;
     facts->lights = suns->n;
     if (suns->n)
-        memcpy(fs->light, suns->light, (size_t) suns->n * sizeof *fs->light);
-    gp_sun_interval(o, suns->p->map.outside, fs->light, suns->n);
-    facts->depth = fs->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
-    facts->mask = fs->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
-    if ((o->depth && !fs->depth) || (o->mask && !fs->mask))
+        memcpy(facts->light, suns->light,
+               (size_t) suns->n * sizeof *facts->light);
+    gp_sun_interval(o, suns->p->map.outside, facts->light, suns->n);
+    facts->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
+    facts->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
+    if ((o->depth && !facts->depth) || (o->mask && !facts->mask))
         return gp_no_memory_bare(fs->log, "lights");
     if (o->depth) {
-        memcpy(facts->depth_empty, o->facts.empty, sizeof o->facts.empty);
-        facts->depth_reversed = o->facts.reversed;
+        memcpy(facts->empty, o->facts.empty, sizeof o->facts.empty);
+        facts->reversed = o->facts.reversed;
+    }
+    for (int i = 0; i < suns->n && !facts->edges; i++) {
+        if (facts->light[i].in_frame)
+            facts->edges = facts->mask ? facts->depth ? GP_EDGES_COVERAGE
+                                                      : GP_EDGES_MASK
+                           : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
     }
     if (r->s->debug[GP_DEBUG_SUNMAP])
         st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,

@@ -142,28 +142,30 @@ static void add_reason(struct words *w, const struct gp_settings *s,
 
 static void say_input(struct words *w, const struct gp_facts *f)
 {
-    add(w, "read %dx%d pixels", f->read.x1 - f->read.x0,
-        f->read.y1 - f->read.y0);
-    if (f->taken.layer[0])
-        add(w, ", layer %s", f->taken.layer);
-    if (f->taken.part[0])
-        add(w, ", part %s", f->taken.part);
-    if (f->taken.view[0])
-        add(w, ", view %s", f->taken.view);
-    for (int i = 0; i < f->light_groups; i++)
-        add(w, "%s%s", i ? " and " : ", light of ", f->light_group[i]);
-    if (memcmp(&f->read, &f->window, sizeof f->read) != 0)
-        add(w, ", grown to %dx%d", f->width, f->height);
-    if (f->nonfinite)
-        add(w, ", %s NaN or Inf", count_text(f->nonfinite).text);
-    if (f->clamped)
-        add(w, ", %s over --max-value", count_text(f->clamped).text);
+    const struct gp_read_facts *const r = &f->read;
+    const long long nonfinite = f->sensor.nonfinite;
+    const long long clamped = f->clamp.n.pixels;
+    add(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
+    if (r->taken.layer[0])
+        add(w, ", layer %s", r->taken.layer);
+    if (r->taken.part[0])
+        add(w, ", part %s", r->taken.part);
+    if (r->taken.view[0])
+        add(w, ", view %s", r->taken.view);
+    for (int i = 0; i < r->groups; i++)
+        add(w, "%s%s", i ? " and " : ", light of ", r->group[i]);
+    if (r->grown)
+        add(w, ", grown to %dx%d", r->width, r->height);
+    if (nonfinite)
+        add(w, ", %s NaN or Inf", count_text(nonfinite).text);
+    if (clamped)
+        add(w, ", %s over --max-value", count_text(clamped).text);
 }
 
-static bool is_lit(const struct gp_facts *f)
+static bool is_lit(const struct gp_write_facts *f)
 {
-    for (int i = 0; i < f->n_outputs; i++) {
-        if (f->kinds[i] == GP_TARGET_HDR || f->kinds[i] == GP_TARGET_PICTURE)
+    for (int i = 0; i < f->n; i++) {
+        if (f->kind[i] == GP_TARGET_HDR || f->kind[i] == GP_TARGET_PICTURE)
             return true;
     }
     return false;
@@ -171,34 +173,51 @@ static bool is_lit(const struct gp_facts *f)
 
 static void say_light(struct words *w, const struct gp_facts *f)
 {
-    const struct gp_settings *const s = f->settings;
-    if (f->sources)
-        add(w, f->sources == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
-            count_text(f->sources).text);
+    const struct gp_settings *const s = f->job.settings;
+    const long long n = f->sensor.sources;
+    if (n)
+        add(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
+            count_text(n).text);
     else
         add(w, "no pixel is over");
-    add(w, " the threshold of %.3g", (double) f->threshold);
+    add(w, " the threshold of %.3g", (double) f->sensor.threshold);
     if (s->sensor.unit == GP_THRESHOLD_LUMINANCE)
         add_reason(w, s, "threshold");
     else
         add(w, s->sensor.unit == GP_THRESHOLD_EV ? " (--threshold %+gev)"
                                                  : " (--threshold %g%%)",
             (double) s->sensor.threshold);
-    if (f->spread.lamps > 0.0)
+    if (f->sensor.spread.lamps > 0.0)
         add(w, " and lights");
-    if (f->sources)
-        add_light(w, s, is_lit(f), &f->spread);
+    if (n)
+        add_light(w, s, is_lit(&f->write), &f->sensor.spread);
     else
         add(w, ": nothing glares");
 }
 
+/* Words for what says the angle of view, in notes and in the line of a run. */
+struct origin {
+    const char *from, *note, *text;
+};
+
+static const struct origin *origin(const char *from)
+{
+    static const struct origin all[] = {
+        {"option", "--fov", "given"},
+        {"camera", "of its camera", "of its camera"},
+        {"lens", "of the lens", "of the lens"},
+        {"default", "assumed; --fov sets it", "assumed"},
+    };
+    const struct origin *o = all;
+    while (strcmp(o->from, from) != 0)
+        o++;
+    return o;
+}
+
 static void say_kernel(struct words *w, const struct gp_facts *f)
 {
-    static const struct { const char *from, *text; } fovs[] = {
-        {"option", "--fov"}, {"camera", "of its camera"},
-        {"lens", "of the lens"}, {"default", "assumed; --fov sets it"},
-    };
-    const struct gp_settings *const s = f->settings;
+    const struct gp_settings *const s = f->job.settings;
+    const struct gp_kernel_facts *const k = &f->kernel;
     const struct gp_glare_stats *const g = &f->glare;
     const bool given = gp_option_given(s, "kernel");
     add(w, given ? "kernel " : "kernel of style %s", s->style);
@@ -207,16 +226,13 @@ static void say_kernel(struct words *w, const struct gp_facts *f)
     add(w, "%s", given                         ? " (--kernel)"
                  : gp_option_given(s, "style") ? " (--style)"
                                                : " (the default)");
-    for (int i = 0; i < f->kernel.recipes; i++) {
-        if (f->kernel.pupil[i] > 0.0)
-            add(w, ", pupil of %.1f mm", f->kernel.pupil[i]);
+    for (int i = 0; i < k->recipes; i++) {
+        if (k->pupil[i] > 0.0)
+            add(w, ", pupil of %.1f mm", k->pupil[i]);
     }
-    if (f->deg_per_pixel > 0.0)
-        add(w, ", view of %.3g degrees", f->fov);
-    for (size_t i = 0; i < sizeof fovs / sizeof *fovs; i++) {
-        if (f->deg_per_pixel > 0.0 && strcmp(f->fov_from, fovs[i].from) == 0)
-            add(w, " (%s)", fovs[i].text);
-    }
+    if (k->deg_per_pixel > 0.0)
+        add(w, ", view of %.3g degrees (%s)", k->fov,
+            origin(k->fov_from)->note);
     if (g->engine)
         add(w, ", engine %s (%s)", g->engine,
             strcmp(s->glare.engine, "auto") == 0 ? "chosen by auto"
@@ -234,21 +250,21 @@ static void say_lights(struct words *w, const struct gp_facts *f)
         [GP_EDGES_COVERAGE] = "edges by coverage",
         [GP_EDGES_MASK] = "edges by coverage without depth",
     };
-    for (int i = 0; i < f->lights && i < MOST; i++) {
-        const struct gp_light *const l = &f->light[i];
+    const struct gp_sun_facts *const s = &f->sun;
+    for (int i = 0; i < s->lights && i < MOST; i++) {
+        const struct gp_light *const l = &s->light[i];
         add(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
         if (l->behind)
             add(w, "behind the camera");
         else
             add(w, "%s visible", percent_text(l->visibility, 1.0).text);
     }
-    if (f->lights > MOST)
-        add(w, " and %d lights more", f->lights - MOST);
-    if (f->depth && !f->depth_empty[0])
-        add(w, ", depth of %s", f->depth);
-    const enum gp_edges by = gp_facts_edges(f);
-    if (by)
-        add(w, ", %s", edges[by]);
+    if (s->lights > MOST)
+        add(w, " and %d lights more", s->lights - MOST);
+    if (s->depth && !s->empty[0])
+        add(w, ", depth of %s", s->depth);
+    if (s->edges)
+        add(w, ", %s", edges[s->edges]);
 }
 
 static void say_ghosts(struct words *w, const struct gp_facts *f)
@@ -272,12 +288,12 @@ static void say_outputs(struct words *w, const struct gp_facts *f)
         [GP_TARGET_SUNMAP] = "sun maps",
         [GP_TARGET_INTENSITY] = "intensity map",
     };
-    const struct gp_settings *const s = f->settings;
-    for (int i = 0; i < f->n_outputs; i++) {
-        const char *const path = f->outputs[i];
+    const struct gp_settings *const s = f->job.settings;
+    for (int i = 0; i < f->write.n; i++) {
+        const char *const path = f->write.name[i];
         add(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
-            texts[f->kinds[i]]);
-        if (f->kinds[i] != GP_TARGET_PICTURE)
+            texts[f->write.kind[i]]);
+        if (f->write.kind[i] != GP_TARGET_PICTURE)
             continue;
         add_tones(w, s, f->ocio, true);
         if (looks_linear(s, path))
@@ -289,16 +305,18 @@ static void say_outputs(struct words *w, const struct gp_facts *f)
 
 void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
 {
+    const struct gp_glare_error *const e = &f->layer.error;
+    const char *const view = f->job.view;
     const struct {
         bool said;
         void (*say)(struct words *w, const struct gp_facts *f);
     } notes[] = {
         {true, say_input},
-        {f->ms[GP_TIME_SENSORS] >= 0.0, say_light},
+        {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
         {f->kernel.w > 0, say_kernel},
-        {f->lights > 0, say_lights},
+        {f->sun.lights > 0, say_lights},
         {f->flare.runs || f->lens.name, say_ghosts},
-        {f->n_outputs > 0, say_outputs},
+        {f->write.n > 0, say_outputs},
     };
     for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
         char line[GP_LINE_BYTES] = "";
@@ -306,56 +324,41 @@ void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
         if (!notes[i].said)
             continue;
         notes[i].say(&w, f);
-        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->input,
-               f->view ? " (" : "", f->view ? f->view : "",
-               f->view ? ")" : "", line);
+        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->job.input,
+               view ? " (" : "", view ? view : "", view ? ")" : "", line);
     }
-    if (f->verified)
+    if (f->layer.verified)
         gp_say(log, GP_LEVEL_INFO, "%s: measured rel_l2 %.3g, max_rel %.3g, "
-               "max_abs %.3g, flux_error %.3g", f->input, f->error.rel_l2,
-               f->error.max_rel, f->error.max_abs, f->error.flux_error);
+               "max_abs %.3g, flux_error %.3g", f->job.input, e->rel_l2,
+               e->max_rel, e->max_abs, e->flux_error);
 }
 
 // -- the line on a terminal --------------------------------------------------
 
 void gp_tally_add(struct gp_tally *t, const struct gp_facts *f)
 {
+    const struct gp_write_facts *const w = &f->write;
+    const struct gp_spread *const spread = &f->sensor.spread;
+    const struct gp_kernel_facts *const k = &f->kernel;
+    const long long n = f->sensor.sources;
     int shown = 0;
-    while (shown < f->n_outputs && f->kinds[shown] != GP_TARGET_PICTURE)
+    while (shown < w->n && w->kind[shown] != GP_TARGET_PICTURE)
         shown++;
-    if (!t->name[0] && f->n_outputs > 0)
+    if (!t->name[0] && w->n > 0)
         snprintf(t->name, sizeof t->name, "%s",
-                 shown_name(f->outputs[shown < f->n_outputs ? shown : 0]));
-    t->fewest = t->made && t->fewest < f->sources ? t->fewest : f->sources;
-    t->most = t->most > f->sources ? t->most : f->sources;
-    t->spread.light += f->spread.light;
-    t->spread.bright += f->spread.bright;
-    t->spread.lamps += f->spread.lamps;
-    if (f->deg_per_pixel > 0.0) {
-        t->narrow = t->wide > 0.0 ? fmin(t->narrow, f->fov) : f->fov;
-        t->wide = fmax(t->wide, f->fov);
-        t->fov_from = f->fov_from;
+                 shown_name(w->name[shown < w->n ? shown : 0]));
+    t->fewest = t->made && t->fewest < n ? t->fewest : n;
+    t->most = t->most > n ? t->most : n;
+    t->spread.light += spread->light;
+    t->spread.bright += spread->bright;
+    t->spread.lamps += spread->lamps;
+    if (k->deg_per_pixel > 0.0) {
+        t->narrow = t->wide > 0.0 ? fmin(t->narrow, k->fov) : k->fov;
+        t->wide = fmax(t->wide, k->fov);
+        t->fov_from = k->fov_from;
     }
     t->ocio = f->ocio;
     t->made++;
-}
-
-static void add_view(struct words *w, const struct gp_tally *t)
-{
-    static const struct { const char *from, *text; } froms[] = {
-        {"option", "given"}, {"camera", "of its camera"},
-        {"lens", "of the lens"}, {"default", "assumed"},
-    };
-    if (!(t->wide > 0.0))
-        return;
-    add(w, ", view of %.3g", t->narrow);
-    if (t->wide > t->narrow)
-        add(w, " to %.3g", t->wide);
-    add(w, " degrees");
-    for (size_t i = 0; i < sizeof froms / sizeof *froms; i++) {
-        if (strcmp(t->fov_from, froms[i].from) == 0)
-            add(w, " (%s)", froms[i].text);
-    }
 }
 
 void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
@@ -389,7 +392,12 @@ void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
         add(&w, ": nothing glares");
     else
         add_light(&w, s, lit, &t->spread);
-    add_view(&w, t);
+    if (t->wide > 0.0)
+        add(&w, ", view of %.3g", t->narrow);
+    if (t->wide > t->narrow)
+        add(&w, " to %.3g", t->wide);
+    if (t->wide > 0.0)
+        add(&w, " degrees (%s)", origin(t->fov_from)->text);
     add(&w, ", ");
     if (pictures)
         add_tones(&w, s, t->ocio, linear);

@@ -17,26 +17,30 @@
 // -- the state of a frame ----------------------------------------------------
 
 gp_status gp_frame_state_begin(const struct gp_log *log,
-    const struct gp_jobs *jobs, int index, struct gp_frame_state *out)
+    const struct gp_run *r, int index, struct gp_frame_state *out)
 {
-    const struct gp_job *const job = &jobs->job[index];
+    const struct gp_job *const job = &r->jobs->job[index];
+    const size_t names = (size_t) r->jobs->targets + 1;
+    const char *const input = job->input;
     *out = (struct gp_frame_state) {
-        .log = log, .job = job, .view = index % jobs->views,
-        .targets = jobs->targets,
+        .log = log, .job = job, .view = index % r->jobs->views,
+        .facts.job = {
+            .numbered = job->numbered, .frame = job->frame, .view = job->view,
+            .input = input, .style = r->s->style, .settings = r->s,
+            .views = r->jobs->views_line,
+        },
     };
-    gp_status st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
-                                 sizeof *out->names, &out->names);
-    if (!st)
-        st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
-                           sizeof *out->kinds, &out->kinds);
-    out->facts = (struct gp_facts) {
-        .numbered = job->numbered, .frame = job->frame, .view = job->view,
-        .input = job->input, .outputs = out->names,
-        .kinds = out->kinds, .views = jobs->views_line,
-    };
+    struct gp_write_facts *const w = &out->facts.write;
+    struct gp_cost_facts *const cost = &out->facts.cost;
     for (int i = 0; i < GP_TIMES; i++)
-        out->facts.ms[i] = -1.0;
-    return st;
+        cost->ms[i] = cost->cpu_ms[i] = -1.0;
+    gp_status st = gp_alloc_zero(log, "output list", names, sizeof *w->name,
+                                 &w->name);
+    if (!st)
+        st = gp_alloc_zero(log, "output list", names, sizeof *w->kind,
+                           &w->kind);
+    return st ? st : gp_command_text(log, r->s, &input, 1,
+                                     &out->facts.job.command);
 }
 
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead)
@@ -67,14 +71,16 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     gp_run_kernel_free(&fs->kernel);
     gp_planes_free(&fs->sunmap.planes);
     gp_planes_free(&fs->intensity.planes);
-    for (int i = 0; fs->names && i < fs->targets; i++)
-        free(fs->names[i]);
-    gp_free(fs->names);
-    gp_free(fs->kinds);
-    gp_free(fs->light);
-    gp_free(fs->relit);
-    gp_free(fs->depth);
-    gp_free(fs->mask);
+    struct gp_facts *const f = &fs->facts;
+    for (int i = 0; f->write.name && f->write.name[i]; i++)
+        free(f->write.name[i]);
+    gp_free(f->write.name);
+    gp_free(f->write.kind);
+    free(f->job.command);
+    gp_free(f->scene.relit);
+    gp_free(f->sun.light);
+    gp_free(f->sun.depth);
+    gp_free(f->sun.mask);
     *fs = (struct gp_frame_state) {0};
 }
 
@@ -136,8 +142,13 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_members *const m = &r->jobs->members;
     const struct gp_texts *const groups = &r->s->light_groups;
+    static const char *const types[] = {
+        [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
+    };
     const char *const asked = r->s->depth;
+    struct gp_read_facts *const facts = &fs->facts.read;
     struct gp_read_params p = r->s->read;
+    enum gp_pixel_type type;
     gp_status st;
     if (r->jobs->views_inside)
         p.view = fs->job->view;
@@ -150,27 +161,28 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     if (groups->n) {
         GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
                              sizeof *fs->group, &fs->group));
-        fs->facts.light_group = groups->at;
-        fs->facts.light_groups = groups->n;
+        facts->group = groups->at;
+        facts->groups = groups->n;
     }
     for (; fs->groups < groups->n; fs->groups++)
         GP_TRY(gp_read_layer(fs->log, &p, &fs->frame, groups->at[fs->groups],
                              &fs->group[fs->groups].frame));
     GP_TRY(grow_frames(r, fs));
-    fs->facts.window = fs->frame.data;
-    fs->facts.read = gp_frame_read(&fs->frame);
-    fs->facts.width = gp_frame_w(&fs->frame);
-    fs->facts.height = gp_frame_h(&fs->frame);
-    fs->facts.settings = r->s;
-    gp_read_taken(&fs->frame, &fs->facts.taken);
+    facts->window = fs->frame.data;
+    facts->file = gp_frame_read(&fs->frame);
+    facts->grown = memcmp(&facts->file, &facts->window, sizeof facts->file);
+    facts->width = gp_frame_w(&fs->frame);
+    facts->height = gp_frame_h(&fs->frame);
+    gp_read_taken(&fs->frame, &facts->taken);
     fs->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
     if (suns_asked(r->s))
         return GP_OK;
     // without lights nothing reads depth, but the report names the channel;
     // only one that --depth asked for may not be missing
-    st = gp_name_depth(asked ? fs->log : NULL, &fs->frame, asked, &fs->depth,
-                       &fs->facts.depth_type);
-    fs->facts.depth = fs->depth;
+    st = gp_name_depth(asked ? fs->log : NULL, &fs->frame, asked,
+                       &fs->facts.sun.depth, &type);
+    if (!st && fs->facts.sun.depth)
+        fs->facts.sun.depth_type = types[type];
     if (st == GP_ERR_BUG && !asked)
         return gp_no_memory(fs->log, fs->job->input);
     return asked ? st : GP_OK;
@@ -253,39 +265,47 @@ static double luminance_of(const struct gp_frame *f, const double sum[3])
 static void measure_spread(const struct gp_run *r, struct gp_frame_state *fs)
 {
     double sum[3], squares;
+    struct gp_spread *const spread = &fs->facts.sensor.spread;
     gp_planes_sum(&fs->frame.rgb, gp_frame_pixels(&fs->frame), sum, &squares);
-    fs->facts.spread.light = luminance_of(&fs->frame, sum);
-    fs->facts.spread.bright = gp_wanted_share(&r->wanted) *
-                              luminance_of(&fs->frame, fs->sources.flux);
+    spread->light = luminance_of(&fs->frame, sum);
+    spread->bright = gp_wanted_share(&r->kernel.wanted) *
+                     luminance_of(&fs->frame, fs->sources.flux);
+}
+
+static void note_light(struct gp_frame_state *fs, const struct gp_sources *s)
+{
+    struct gp_sensor_facts *const facts = &fs->facts.sensor;
+    facts->sources = (long long) s->n;
+    memcpy(facts->flux, s->flux, sizeof facts->flux);
+    memcpy(facts->faint, s->faint, sizeof facts->faint);
 }
 
 static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
+    struct gp_sensor_facts *const facts = &fs->facts.sensor;
+    struct gp_clamp_facts *const clamp = &fs->facts.clamp;
     gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
     if (!st && fs->groups)
         st = sense_light_groups(r, fs);
     if (st)
         return st;
     gp_run_kernel_adapt(r, fs);
-    fs->facts.sources = (long long) fs->sources.n;
-    fs->facts.nonfinite = fs->sources.nonfinite;
-    fs->facts.clamped = fs->sources.clamped;
-    memcpy(fs->facts.flux_clamped, fs->sources.flux_clamped,
-           sizeof fs->facts.flux_clamped);
-    fs->facts.threshold = fs->sources.threshold;
-    fs->facts.dark = fs->sources.n == 0 && !suns_asked(r->s) &&
-                     r->s->compose.gain > 0.0f;
-    for (int i = fs->groups ? 0 : -1; i < fs->groups && fs->facts.dark; i++) {
+    note_light(fs, &fs->sources);
+    facts->nonfinite = fs->sources.nonfinite;
+    clamp->n.pixels = fs->sources.clamped;
+    memcpy(clamp->flux, fs->sources.flux_clamped, sizeof clamp->flux);
+    facts->threshold = fs->sources.threshold;
+    facts->dark = fs->sources.n == 0 && !suns_asked(r->s) &&
+                  r->s->compose.gain > 0.0f;
+    for (int i = fs->groups ? 0 : -1; i < fs->groups && facts->dark; i++) {
         int at[2];
         const float peak = gp_luminance_peak(
             i < 0 ? &fs->frame : &fs->group[i].frame, at);
-        if (i <= 0 || peak > fs->facts.peak) {
-            fs->facts.peak = peak;
-            memcpy(fs->facts.peak_at, at, sizeof at);
+        if (i <= 0 || peak > facts->peak) {
+            facts->peak = peak;
+            memcpy(facts->peak_at, at, sizeof at);
         }
     }
-    memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
-    memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     if (r->says)
         measure_spread(r, fs);
     return GP_OK;
@@ -318,21 +338,18 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);
-    fs->facts.sources = (long long) light->n;
-    memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
+    note_light(fs, light);
+    struct gp_spread *const spread = &fs->facts.sensor.spread;
     if (r->says)
-        fs->facts.spread.lamps =
-            gp_wanted_share(&r->wanted) * luminance_of(&fs->frame, light->flux) -
-            fs->facts.spread.bright;
-    memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
-    memcpy(fs->facts.kernel_faint, gp_run_kernel_of(fs)->faint,
-           sizeof fs->facts.kernel_faint);
+        spread->lamps = gp_wanted_share(&r->kernel.wanted) *
+                            luminance_of(&fs->frame, light->flux) -
+                        spread->bright;
     struct gp_glare_params p = r->s->glare;
     p.taken = r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
     p.edges = edges_of(r, fs, &fs->sources);
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     if (light->n > 0)
-        return gp_glare_run(fs->log, &p, &r->engines, light,
+        return gp_glare_run(fs->log, &p, &r->glare.engines, light,
                             gp_run_kernel_of(fs), &fs->frame, &fs->facts.glare);
     fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
@@ -356,8 +373,8 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         gp_glare_measure(
             &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
             r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL,
-            &fs->facts.error);
-        fs->facts.verified = true;
+            &fs->facts.layer.error);
+        fs->facts.layer.verified = true;
     }
     gp_free(exact);
     return st;
@@ -380,12 +397,16 @@ static gp_status run_lens(struct gp_run *r, struct gp_frame_state *fs)
 
 static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
 {
+    struct gp_layer_facts *const facts = &fs->facts.layer;
+    const struct gp_lens_facts *const lens = &fs->facts.lens;
     double squares;
     (void) r;
-    fs->facts.has_flux_out = true;
     if (fs->frame.layer.c[0])
         gp_planes_sum(&fs->frame.layer, gp_frame_pixels(&fs->frame),
-                      fs->facts.flux_out, &squares);
+                      facts->flux, &squares);
+    // of the layer with ghosts too, which is no darker than without them
+    facts->bounded = fs->facts.sensor.sources || lens->name;
+    facts->bound = fs->facts.glare.bound + lens->bound;
     return GP_OK;
 }
 
@@ -408,10 +429,10 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_glare_params glare = r->s->glare;
         glare.edges = edges_of(r, fs, &g->sources);
         if (g->sources.n > 0)
-            st = gp_glare_run(fs->log, &glare, &r->group_engines, &g->sources,
+            st = gp_glare_run(fs->log, &glare, &r->groups.engines, &g->sources,
                               gp_run_kernel_of(fs), &g->frame, &stats);
         if (!st)
-            st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->group_ghosts,
+            st = gp_run_ghosts_add(fs->log, r, &g->sources, &r->groups.ghosts,
                                    &g->frame, &flare);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         fs->engine_cpu_ms += g->sources.n > 0 ? gp_cpu_ms() - cpu : 0.0;
@@ -573,15 +594,14 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->write;
-    const char *const input = fs->job->input;
+    struct gp_write_facts *const facts = &fs->facts.write;
+    struct gp_clamp_facts *const clamp = &fs->facts.clamp;
     const struct gp_taker *const taker = r->jobs->taker;
-    char *command = NULL;
+    gp_status st = GP_OK;
     if (taker)
         return taker->take(taker->user, fs->log, &fs->frame,
                            untoned(r->s) ? &fs->frame.lit : &fs->frame.shown);
-    gp_status st = r->s->no_provenance
-        ? GP_OK : gp_command_text(fs->log, r->s, &input, 1, &command);
-    p.command = command;
+    p.command = r->s->no_provenance ? NULL : fs->facts.job.command;
     if (r->ocio) {
         p.primaries = gp_ocio_output_primaries(r->ocio);
         memcpy(p.cicp, gp_ocio_code_points(r->ocio), sizeof p.cicp);
@@ -595,17 +615,16 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
             st = gp_no_memory(fs->log, t->name.path);
             break;
         }
-        fs->names[fs->facts.n_outputs] = name;
-        fs->kinds[fs->facts.n_outputs] = t->kind;
+        facts->name[facts->n] = name;
+        facts->kind[facts->n] = t->kind;
         st = write_target(r, fs, &p, t, name, &stats);
-        fs->facts.n_outputs += !st;
+        facts->n += !st;
     }
-    free(command);
     if (st)
         return st;
-    fs->facts.clamped_out = stats.clamped;
+    clamp->n.values = stats.clamped;
     for (int c = 0; c < 3; c++)
-        fs->facts.flux_clamped[c] += stats.flux_clamped[c];
+        clamp->flux[c] += stats.flux_clamped[c];
     if (r->ordered)
         r->raw = stats.raw;
     return GP_OK;

@@ -30,14 +30,14 @@ enum {
     GP_HAS_SOURCES = 1 << 1,   // sources
     GP_HAS_KERNEL = 1 << 2,    // kernel; stays for the next frame
     GP_HAS_LAYER = 1 << 3,     // frame.layer; empty when there is no source
-    GP_HAS_FLUX = 1 << 4,      // facts.flux_out
-    GP_HAS_MEASURED = 1 << 5,  // facts.error
+    GP_HAS_FLUX = 1 << 4,      // facts.layer.flux, bound
+    GP_HAS_MEASURED = 1 << 5,  // facts.layer.error
     GP_HAS_LIT = 1 << 6,       // frame.lit
     GP_HAS_SHOWN = 1 << 7,     // frame.shown
     GP_HAS_FILES = 1 << 8,     // the outputs
     GP_HAS_SUNS = 1 << 9,      // suns placed, and measured or being measured
     GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
-    GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
+    GP_HAS_SHARES = 1 << 11,   // facts.sun.light, and maps of --debug
     GP_HAS_LENS = 1 << 12,     // frame.layer with ghosts of --lens
     GP_HAS_SCENE = 1 << 13,    // run.scene, posed; suns.more
     GP_HAS_RELIT = 1 << 14,    // frame.rgb with the light of --relight
@@ -102,12 +102,20 @@ struct gp_run_kernel {
 };
 void gp_run_kernel_free(struct gp_run_kernel **k);
 
-/* Kernels of models that a run keeps besides that of the frame before, for
- * frames that change size or angle and change back; and their bytes in all. */
-enum { GP_OLDER_KERNELS = 4, GP_OLDER_KERNEL_BYTES = 128 << 20 };
+/* The kernels of a run: that of the frame before, then older ones for frames
+ * that change size or angle and change back, the last used first. */
+enum { GP_MADE_KERNELS = 5 };
+struct gp_run_kernels {
+    struct gp_wanted_kernel wanted;
+    struct gp_run_kernel *made[GP_MADE_KERNELS]; // held; NULL: none
+    struct gp_model_kept *kept;    // of made[0]; NULL: none
+    unsigned faults_said;          // bits of faults of kernels
+    struct gp_rect reach;          // of the first kernel, as
+                                   // gp_run_kernel_reach() has it
+};
 
 /* One frame in flight and the facts about it. Zeroed is none. It owns its
- * planes and lists. */
+ * planes, its lists and what the facts own. */
 struct gp_frame_state {
     const struct gp_log *log;      // for messages about this frame; borrowed
     const struct gp_job *job;      // borrowed
@@ -124,20 +132,14 @@ struct gp_frame_state {
     bool converted;                // its layers are in --output-space
     double engine_ms, engine_cpu_ms; // of engines within the stage that
                                    // runs: count as glare
-    char **names;                  // files written: facts.n_outputs, then
-                                   // the one being written, then NULL
-    enum gp_target_kind *kinds;    // owned facts.kinds
-    int targets;
-    struct gp_light *light;        // owned facts.light
-    struct gp_relit_facts *relit;  // owned facts.relit
-    char *depth, *mask;            // owned facts.depth, facts.mask
     struct gp_facts facts;
 };
 
-/* Starts with the facts that jobs->job[index] gives. End with
- * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG memory. */
+/* Starts with the facts that job `index` gives. End with gp_frame_state_end(),
+ * also after a failure. Errors: GP_ERR_BUG memory. */
+struct gp_run;
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
-    const struct gp_jobs *jobs, int index, struct gp_frame_state *out);
+    const struct gp_run *r, int index, struct gp_frame_state *out);
 void gp_frame_state_end(struct gp_frame_state *fs);
 
 /* Frees data that no later stage needs; bits GP_HAS_*. */
@@ -150,10 +152,15 @@ struct gp_run_ghosts {
     int engines;             // engine keeps of a kernel
 };
 
+/* The engines of a run, which keep what frames share. */
+struct gp_run_glare {
+    struct gp_glare engines;
+    struct gp_run_ghosts ghosts;
+};
+
 /* Adds them for `src`, the sources of f, to f->layer, which is made where there
  * is a run to do. Adds to *facts. Errors: those of gp_ghosts_make() and
  * gp_glare_run(). */
-struct gp_run;
 GP_MUST_CHECK gp_status gp_run_ghosts_add(const struct gp_log *log,
     const struct gp_run *r, const struct gp_sources *src,
     struct gp_run_ghosts *ghosts, struct gp_frame *f,
@@ -165,6 +172,7 @@ void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
 struct gp_run_scene {
     struct gp_scene scene;
     struct gp_meshes meshes;       // that rays have met
+    struct gp_eye_map *eye_map;    // on suns.gl
     int camera;                    // of the scene; -1: none is chosen
     bool settled;                  // the axis that points up is
     bool warned_time, warned_camera;
@@ -181,35 +189,27 @@ struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
-    struct gp_wanted_kernel wanted;
-    struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
-    struct gp_run_kernel *older[GP_OLDER_KERNELS]; // held, last used first
-    struct gp_model_kept *kept;    // of that kernel; NULL: none
-    unsigned faults_said;          // bits of faults of kernels
-    struct gp_rect reach;          // of the first kernel, as
-                                   // gp_run_kernel_reach() has it
-    struct gp_glare engines;
-    struct gp_glare group_engines; // of light groups: auto's choice depends on
+    struct gp_run_kernels kernel;
+    struct gp_run_glare glare;
+    struct gp_run_glare groups;    // of light groups: auto's choice depends on
                                    // the frames before
     struct gp_suns suns;
     struct gp_run_scene scene;     // zero without --scene
-    struct gp_eye_map *eye_map;    // of the scene, on suns.gl
     struct gp_lens lens;           // of --lens, not focused
-    struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
     bool layer_ends;               // no stage after compose reads frame.layer
-    bool says;                     // words need facts.spread
+    bool says;                     // words need facts.sensor.spread
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 
-/* Frees all kernels of a run, and what they are made from. */
-void gp_run_kernels_free(struct gp_run *r);
+/* Frees all of them, and what they are made from. */
+void gp_run_kernels_free(struct gp_run_kernels *k);
 
 /* Reads what --kernel asks for; of an image makes the first kernel. Sets
- * r->reach. Errors: those of reading and making it. */
+ * r->kernel.reach. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
 

@@ -380,6 +380,20 @@ for library in OpenEXR libpng libdeflate jansson FFTW OpenImageIO; do
     ok "--version: names $library" grep -qi $library out
 done
 
+# the page has each field, and no other: .It Cm has fields, .Cm those of the
+# object before; cpu_ms has those of times_ms
+"$glarepp" --help-man | awk -F '[\t.]' '$1 == "field" {
+    print $2
+    if (NF > 2 && $2 != "cpu_ms") print $2 "." $3 }' | sort -u >fields
+is "$(awk '/^\.Sh/ { on = /THE REPORT/ }
+    on && /^\.(It )?Cm / {
+        item = /^\.It/
+        of = item ? $3 : of
+        for (i = 2 + item; i <= NF; i++)
+            if ($i !~ /^[,.;]$/) print item ? $i : of "." $i
+    }' "$root/man/glarepp.1" | sort -u)" "$(cat fields)" \
+    "the man page has the fields of the report: $(wc -l <fields)"
+
 # a pixel off by 1e-3 of itself may be less of max_rel: the page says by what
 ok 'the man page says what max_rel divides by' \
     grep -q 'plus 1e-6 of the largest luminance' "$root/man/glarepp.1"

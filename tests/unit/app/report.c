@@ -9,31 +9,32 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+static char depth[] = "Z";
 static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
 
 static struct gp_facts full_facts(void)
 {
     struct gp_facts f = {
-        .numbered = true, .frame = 7, .input = "in.0007.exr",
-        .taken = {"2", "diffuse", "left"}, .warned = "one\0two",
-        .warned_bytes = 8,
-        .outputs = (char **) two_names, .n_outputs = 2,
-        .width = 640, .height = 480, .window = {-2, 3, 638, 483},
-        .sources = 12,
-        .flux_in = {1.5, 2.5, 3.5}, .flux_out = {1.25, 2.25, 3.25},
-        .has_flux_out = true, .nonfinite = 3, .clamped = 4, .clamped_out = 5,
+        .job = {.numbered = true, .frame = 7, .input = "in.0007.exr",
+                .warned = "one\0two", .warned_bytes = 8},
+        .read = {.taken = {"2", "diffuse", "left"}, .width = 640,
+                 .height = 480, .window = {-2, 3, 638, 483}, .grown = true},
+        .write = {.name = (char **) two_names, .n = 2},
+        .sensor = {.sources = 12, .flux = {1.5, 2.5, 3.5}, .nonfinite = 3},
+        .clamp.n = {4, 5},
         .glare = {.engine = "splat", .why = "asked for", .groups = 7,
                   .clusters = 5, .polygons = 12, .cores = 11,
                   .polygon_pixels = 1e6, .form = "blended quads",
                   .fft_w = 1280, .fft_h = 1024,
-                  .bound = 1e-6, .gl = "OSMesa: llvmpipe"},
-        .verified = true,
-        .error = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
-                  .flux_error = 4e-7},
-        .depth = "Z", .depth_type = GP_HALF, .total_ms = 21.0,
+                  .gl = "OSMesa: llvmpipe"},
+        .layer = {.flux = {1.25, 2.25, 3.25}, .bounded = true, .bound = 1e-6,
+                  .verified = true,
+                  .error = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
+                            .flux_error = 4e-7}},
+        .sun = {.depth = depth, .depth_type = "half"},
     };
     for (int i = 0; i < GP_TIMES; i++)
-        f.ms[i] = i + 0.12345;
+        f.cost.ms[i] = i + 0.12345;
     return f;
 }
 
@@ -95,14 +96,15 @@ static void all_fields_in_order(void **state)
 
 static void what_was_not_needed_is_left_out(void **state)
 {
-    struct gp_facts facts = {.input = "x", .width = 1, .height = 1,
+    struct gp_facts facts = {.job.input = "x",
                              .glare = {.engine = "none", .why = "dark"}};
     for (int i = 0; i < GP_TIMES; i++)
-        facts.ms[i] = i == GP_TIME_READ ? 1.0 : -1.0;
+        facts.cost.ms[i] = i % GP_TIME_TOTAL == GP_TIME_READ ? 1.0 : -1.0;
     static const char *const gone[] = {
         "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
-        "form", "fft_size", "flux_out", "bound", "measured", "clamped_out",
-        "depth", "gl", "view", "part", "layer", "settings", "relit",
+        "form", "fft_size", "bound", "measured", "clamped_out", "depth", "gl",
+        "view", "part", "layer", "settings", "relit", "kernel", "flare", "lens",
+        "scene", "lights", "ocio", "cpu_ms", "window_read", "light_groups",
     };
     char *text = reported(&facts, 1);
     json_t *o = json_loads(text, 0, NULL);
@@ -114,15 +116,29 @@ static void what_was_not_needed_is_left_out(void **state)
     free(text);
 }
 
+/* A frame that failed has what its job and its end say. */
+static void a_failed_frame_says_why(void **state)
+{
+    struct gp_facts facts = full_facts();
+    facts.job.status = GP_ERR_DATA;
+    facts.job.error = "in.0007.exr: truncated";
+    char *text = reported(&facts, 1);
+    assert_memory_equal(text, "{\"frame\":7,\"view\":\"left\",\"input\":"
+        "\"in.0007.exr\",\"part\":\"2\",\"layer\":\"diffuse\",\"warnings\":["
+        "\"one\",\"two\"],\"status\":4,\"version\":", 116);
+    assert_non_null(strstr(text, "\"error\":\"in.0007.exr: truncated\"}\n"));
+    free(text);
+}
+
 /* Lights of --relight, between the scene and the depth. */
 static void lights_of_relight(void **state)
 {
-    static const struct gp_relit_facts lamps[] = {
+    struct gp_relit_facts lamps[] = {
         {"one", 1LL << 40, 1LL << 50, 3}, {"two", 0, 0, 0},
     };
     struct gp_facts facts = full_facts();
-    facts.relit = lamps;
-    facts.relits = 2;
+    facts.scene.relit = lamps;
+    facts.scene.relits = 2;
     char *text = reported(&facts, 1);
     assert_non_null(strstr(text, "\"relit\":[{\"name\":\"one\",\"pixels\":"
         "1099511627776,\"rays\":1125899906842624,\"casters\":3},{\"name\":"
@@ -141,11 +157,11 @@ static void hard_values_stay_json(void **state)
         "overlong \xc0\xaf", "surrogate \xed\xa0\x80", "\xf4\x90\x80\x80", "",
     };
     struct gp_facts facts = full_facts();
-    facts.error.rel_l2 = NAN;
-    facts.flux_in[1] = INFINITY;
-    facts.glare.bound = -INFINITY;
+    facts.layer.error.rel_l2 = NAN;
+    facts.sensor.flux[1] = INFINITY;
+    facts.layer.bound = -INFINITY;
     for (size_t i = 0; i < COUNT(names); i++) {
-        facts.input = names[i];
+        facts.job.input = names[i];
         char *text = reported(&facts, 2);
         char *second = strchr(text, '\n') + 1;
         assert_non_null(strchr(second, '\n'));
@@ -274,7 +290,7 @@ static void lines_are_cut_not_overrun(void **state)
 }
 
 SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
-         lights_of_relight,
+         a_failed_frame_says_why, lights_of_relight,
          what_was_not_needed_is_left_out, hard_values_stay_json,
          locales_do_not_matter, files_are_touched_with_the_first_line,
          lines_are_appended, errors_of_files, lines_are_cut_not_overrun)

@@ -4,7 +4,7 @@
 #include "app/say.h"
 
 static char *names[] = {"lit.exr", "out.png"};
-static const enum gp_target_kind kinds[] = {
+static enum gp_target_kind kinds[] = {
     GP_TARGET_HDR, GP_TARGET_PICTURE, GP_TARGET_LAYER, GP_TARGET_PICTURE,
 };
 
@@ -12,12 +12,15 @@ static const enum gp_target_kind kinds[] = {
 static struct gp_facts some_facts(const struct gp_settings *s)
 {
     struct gp_facts f = {
-        .input = "in.exr", .outputs = names, .kinds = kinds, .n_outputs = 2,
-        .width = 64, .height = 48, .window = {0, 0, 64, 48},
-        .read = {0, 0, 64, 48}, .sources = 1183, .threshold = 1.0f,
-        .spread = {1000.0, 31.0, 0.0}, .deg_per_pixel = 0.1, .fov = 30.0,
-        .fov_from = "default", .kernel = {.w = 9, .h = 9},
-        .glare = {.engine = "fft", .why = "0.3 ms predicted"}, .settings = s,
+        .job = {.input = "in.exr", .settings = s},
+        .read = {.width = 64, .height = 48, .window = {0, 0, 64, 48},
+                 .file = {0, 0, 64, 48}},
+        .sensor = {.sources = 1183, .spread = {1000.0, 31.0, 0.0},
+                   .threshold = 1.0f},
+        .kernel = {.w = 9, .h = 9, .deg_per_pixel = 0.1, .fov = 30.0,
+                   .fov_from = "default"},
+        .glare = {.engine = "fft", .why = "0.3 ms predicted"},
+        .write = {.name = names, .kind = kinds, .n = 2},
     };
     return f;
 }
@@ -44,8 +47,8 @@ static void line_of(const struct gp_settings *s, const struct gp_facts *f,
     }
     for (int i = 0; i < made; i++) {
         struct gp_facts one = *f;
-        one.sources += made > 1 && i == made - 1 ? 7 : 0;
-        one.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
+        one.sensor.sources += made > 1 && i == made - 1 ? 7 : 0;
+        one.kernel.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
         gp_tally_add(&t, &one);
     }
     gp_tally_text(&t, s, &jobs, seconds, line, size);
@@ -94,8 +97,8 @@ static void lines_say_what_happened(void **state)
         snprintf(options, sizeof options, "%s -o a i", rows[i].options);
         assert_ok(parse(options, &s));
         struct gp_facts f = some_facts(&s);
-        f.n_outputs = rows[i].targets == 1 ? 1 : 2;
-        f.sources = rows[i].sources;
+        f.write.n = rows[i].targets == 1 ? 1 : 2;
+        f.sensor.sources = rows[i].sources;
         line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds, line,
                 sizeof line);
         assert_string_equal(line, rows[i].want);
@@ -120,11 +123,11 @@ static void angles_say_where_they_are_from(void **state)
     assert_ok(parse("-o a i", &s));
     struct gp_facts f = some_facts(&s);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        f.fov_from = rows[i][0];
+        f.kernel.fov_from = rows[i][0];
         line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
         assert_non_null(strstr(line, rows[i][1]));
     }
-    f.deg_per_pixel = 0.0; // an image of a kernel
+    f.kernel.deg_per_pixel = 0.0; // an image of a kernel
     line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
     assert_null(strstr(line, "view"));
     gp_settings_free(&s);
@@ -146,7 +149,7 @@ static void notes_of(const char *options, struct gp_facts *f)
 {
     struct gp_settings s;
     assert_ok(parse(options, &s));
-    f->settings = &s;
+    f->job.settings = &s;
     notes[0] = '\0';
     gp_say_frame(&notebook, f);
     gp_settings_free(&s);
@@ -164,13 +167,13 @@ static void notes_say_what_and_why(void **state)
         "(assumed; --fov sets it), engine fft (chosen by auto)\n"
         "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
-    f.view = "left";
-    f.fov_from = "camera";
-    f.n_outputs = 0;
-    f.nonfinite = 1000;
-    f.threshold = 2.5f;
+    f.job.view = "left";
+    f.kernel.fov_from = "camera";
+    f.write.n = 0;
+    f.sensor.nonfinite = 1000;
+    f.sensor.threshold = 2.5f;
     f.glare.gl = "llvmpipe";
-    snprintf(f.taken.layer, sizeof f.taken.layer, "beauty");
+    snprintf(f.read.taken.layer, sizeof f.read.taken.layer, "beauty");
     notes_of("-t 99% -k star -k cie -e fft -o a i", &f);
     assert_string_equal(notes,
         "in.exr (left): read 64x48 pixels, layer beauty, 1,000 NaN or "
@@ -183,20 +186,20 @@ static void notes_say_what_and_why(void **state)
 
 static void notes_of_what_else_there_is(void **state)
 {
-    const struct gp_light light[2] = {
+    struct gp_light light[2] = {
         {.name = "sun", .visibility = 0.5, .in_frame = true},
         {.visibility = 1.0, .behind = true},
     };
     struct gp_facts f = some_facts(NULL);
-    f.sources = 0;
+    f.sensor.sources = 0;
     f.kernel.w = 0;
-    f.light = light;
-    f.lights = 2;
-    f.depth = "Z";
+    char depth[] = "Z";
+    f.sun = (struct gp_sun_facts) {.light = light, .lights = 2, .depth = depth,
+                                   .edges = GP_EDGES_DEPTH};
     f.flare.runs = f.flare.elements = 3;
     f.lens.name = "heliar";
-    f.verified = true;
-    f.error.rel_l2 = 1e-7;
+    f.layer.verified = true;
+    f.layer.error.rel_l2 = 1e-7;
     notes_of("-t +2ev -o a i", &f);
     assert_non_null(strstr(notes, "no pixel is over the threshold of 1 "
                            "(--threshold +2ev): nothing glares\n"));
