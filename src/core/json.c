@@ -413,13 +413,14 @@ gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
 }
 
 gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
-                          const char *key, int count, bool grey, double lo,
-                          double hi, double *out, bool *found)
+                          const char *key, int count, double lo, double hi,
+                          double *out, bool *found)
 {
     const json_t *v = value_of(o, key, found);
     if (!v)
         return GP_OK;
-    const bool lone = grey && !json_is_array(v);
+    const bool grey = count < 0, lone = grey && !json_is_array(v);
+    count = abs(count);
     if (!lone && json_array_size(v) != (size_t) count) // 0 of no array
         return gp_json_fail(p, "\"%s\" is not an array of %d numbers (found "
                             "%s); give %d of them%s", key, count,

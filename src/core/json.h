@@ -95,10 +95,10 @@ GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
 GP_MUST_CHECK gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
     const char *key, int lo, int hi, int *out, bool *found);
 
-/* `count` numbers; `grey`: one number counts for all of them. */
+/* `count` numbers; where that is negative, -count of them, or one for all. */
 GP_MUST_CHECK gp_status gp_json_numbers(const struct gp_json_place *p,
-    json_t *o, const char *key, int count, bool grey, double lo, double hi,
-    double *out, bool *found);
+    json_t *o, const char *key, int count, double lo, double hi, double *out,
+    bool *found);
 
 /* Borrowed from o. */
 GP_MUST_CHECK gp_status gp_json_text(const struct gp_json_place *p, json_t *o,

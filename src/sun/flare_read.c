@@ -78,7 +78,8 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     const char *key, bool grey, double lo, double hi, float out[3])
 {
     double v[3] = {(double) out[0], (double) out[1], (double) out[2]};
-    const gp_status st = gp_json_numbers(p, o, key, 3, grey, lo, hi, v, NULL);
+    const gp_status st = gp_json_numbers(p, o, key, grey ? -3 : 3, lo, hi, v,
+                                         NULL);
     for (int c = 0; c < 3; c++)
         out[c] = (float) v[c];
     return st;
@@ -106,7 +107,7 @@ static gp_status read_profile(const struct gp_json_place *p, json_t *o,
         return gp_json_fail(p, "\"profile\" is not an array of 2 to %d "
                             "numbers; give brightness from middle to rim, e.g. "
                             "[1, 0.5, 0]", GP_FLARE_PROFILE);
-    const gp_status st = gp_json_numbers(p, o, "profile", n, false, 0.0, 1e3, v,
+    const gp_status st = gp_json_numbers(p, o, "profile", n, 0.0, 1e3, v,
                                          NULL);
     bool black = true;
     for (int i = 0; i < n && !st; i++) {
@@ -139,9 +140,9 @@ static gp_status read_by_place(const struct gp_json_place *p, json_t *o,
         GP_TRY(gp_json_keys(p, own, e->source == GP_FLARE_BRIGHT ? of_bright
                                                                  : of_lights));
         GP_TRY(gp_json_choice(p, own, "from", from, &edge, NULL));
-        GP_TRY(gp_json_numbers(p, own, "size", 2, false, 0.0, 100.0, b->size,
+        GP_TRY(gp_json_numbers(p, own, "size", 2, 0.0, 100.0, b->size,
                                NULL));
-        GP_TRY(gp_json_numbers(p, own, "brightness", 2, false, 0.0, 1e3, bright,
+        GP_TRY(gp_json_numbers(p, own, "brightness", 2, 0.0, 1e3, bright,
                                NULL));
         if (colours && json_array_size(colours) != 2)
             GP_TRY(gp_json_fail(p, "\"color\" of \"by_place\" is not two "

@@ -47,7 +47,7 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_keys(p, o, keys));
     for (int i = 0; i < PLACES; i++) {
         const double most = places[i].most;
-        GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count, false,
+        GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count,
                                -most, most, out->at, &found));
         out->place = found ? (enum gp_light_place) i : out->place;
         n += found;
@@ -74,8 +74,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         out->radius = -1.0;
     GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
     GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias, NULL));
-    GP_TRY(gp_json_numbers(p, o, "flux", 3, true, 0.0, MOST_FLUX, flux, NULL));
-    GP_TRY(gp_json_numbers(p, o, "color", 3, false, 0.0, MOST_COLOUR, colour,
+    GP_TRY(gp_json_numbers(p, o, "flux", -3, 0.0, MOST_FLUX, flux, NULL));
+    GP_TRY(gp_json_numbers(p, o, "color", 3, 0.0, MOST_COLOUR, colour,
                            NULL));
     for (int c = 0; c < 3; c++)
         out->flux[c] = (float) (flux[c] * colour[c]);
@@ -227,11 +227,11 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     at.path = frame;
     at.index = 0;
 
-    GP_TRY(gp_json_numbers(&at, o, "worldToCamera_rowmajor", 16, false,
+    GP_TRY(gp_json_numbers(&at, o, "worldToCamera_rowmajor", 16,
                            -MOST_VALUE, MOST_VALUE, camera, &has_camera));
-    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_rowmajor", 16, false,
+    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_rowmajor", 16,
                            -MOST_VALUE, MOST_VALUE, ndc, &spec));
-    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_blender_colvec", 16, false,
+    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_blender_colvec", 16,
                            -MOST_VALUE, MOST_VALUE, columns, &clip));
     if (!spec && !clip)
         return gp_fail(p->log, GP_ERR_DATA,
@@ -243,7 +243,7 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
                           spec ? GP_NDC_SPEC : GP_NDC_CLIP, &out->camera));
 
-    GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, false, -MOST_VALUE,
+    GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, -MOST_VALUE,
                            MOST_VALUE, out->sun_dir, &out->has_sun));
     GP_TRY(gp_json_number(&at, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius,
                           NULL));

@@ -133,7 +133,7 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
     gp_status st;
     gp_gltf_place(g, "material", index, &at);
     GP_TRY(gp_json_numbers(&at.p, json_object_get(o, "pbrMetallicRoughness"),
-                           "baseColorFactor", 4, false, 0.0, 1.0, colour,
+                           "baseColorFactor", 4, 0.0, 1.0, colour,
                            NULL));
     GP_TRY(gp_json_choice(&at.p, o, "alphaMode", modes, &mode, NULL));
     if (mode == 1)
@@ -262,10 +262,10 @@ static gp_status read_move(const struct walk *w, int material, int *set,
         return GP_OK;
     uv->moved = material;
     GP_TRY(gp_json_int(&at.p, o, "texCoord", 0, 99, set, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "scale", 2, false, -1e6, 1e6, uv->scale,
+    GP_TRY(gp_json_numbers(&at.p, o, "scale", 2, -1e6, 1e6, uv->scale,
                            NULL));
     GP_TRY(gp_json_number(&at.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "offset", 2, false, -1e6, 1e6, uv->offset,
+    GP_TRY(gp_json_numbers(&at.p, o, "offset", 2, -1e6, 1e6, uv->offset,
                            NULL));
 out:
     return st;

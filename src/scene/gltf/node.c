@@ -21,13 +21,13 @@ static gp_status read_node(const struct gp_gltf *g, int index,
         .parent = -1, .turn = {0, 0, 0, 1}, .scale = {1, 1, 1},
     };
     gp_gltf_place(g, "node", index, &at);
-    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, false, -MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at.p, o, "matrix", 16, -MOST_PLACE,
                            MOST_PLACE, n->local, &n->matrix));
-    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, false, -MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at.p, o, "translation", 3, -MOST_PLACE,
                            MOST_PLACE, n->move, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, false, -MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at.p, o, "rotation", 4, -MOST_PLACE,
                            MOST_PLACE, n->turn, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, false, -MOST_PLACE, MOST_PLACE,
+    GP_TRY(gp_json_numbers(&at.p, o, "scale", 3, -MOST_PLACE, MOST_PLACE,
                            n->scale, NULL));
     if (n->turn[0] == 0.0 && n->turn[1] == 0.0 && n->turn[2] == 0.0 &&
         n->turn[3] == 0.0)
@@ -166,7 +166,7 @@ static gp_status read_light(const struct gp_gltf_at *at, json_t *o,
     if (kind < 0)
         GP_TRY(gp_gltf_fail(at, "no \"type\""));
     l->kind = (enum gp_scene_light_kind) kind;
-    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, false, 0.0, 1e6, l->color,
+    GP_TRY(gp_json_numbers(&at->p, o, "color", 3, 0.0, 1e6, l->color,
                            NULL));
     GP_TRY(gp_json_number(&at->p, o, "intensity", 0.0, 1e12, &l->intensity,
                           NULL));

@@ -284,7 +284,7 @@ static void values(void **state)
         else if (row[i].kind == CHOICE)
             st = gp_json_choice(&place, o, "v", names, &whole, &found);
         else
-            st = gp_json_numbers(&place, o, "v", 3, row[i].kind == GREY,
+            st = gp_json_numbers(&place, o, "v", row[i].kind == GREY ? -3 : 3,
                                  row[i].lo, row[i].hi, v, &found);
         if (row[i].kind == INT || row[i].kind == CHOICE)
             v[0] = whole;
