@@ -8,8 +8,8 @@ OLD and NEW are programs, DATA a folder of frames (else GLAREPP_DATA, else
 chooses runs whose arguments contain it. Each frame goes through both programs to
 --hdr, --layer and -o, two also through every engine, light, layer option
 and output format, compare and bench; statuses, messages, outputs and the
-report's fields are compared; of PNG the chunks and the rows, not how they are packed. Prints the differences, and exits 1 if there is
-one.
+report's fields are compared; of PNG the chunks and the rows, not how they are
+packed. Prints the differences, and exits 1 if there is one.
 """
 import json
 import os

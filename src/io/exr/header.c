@@ -36,7 +36,8 @@ static uint64_t count_channels(const uint8_t *b, size_t size, uint64_t most,
     *complete = false;
     for (size_t at = 0; at < size && n < most; n++) {
         const size_t left = size - at;
-        const uint8_t *const null = memchr(b + at, 0, left < NAME ? left : NAME);
+        const uint8_t *const null =
+            memchr(b + at, 0, left < NAME ? left : NAME);
         if (!null || null == b + at) { // no more, or the list's end
             *complete = null && at + 1 == size;
             break;

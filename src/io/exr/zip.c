@@ -1,3 +1,5 @@
+/* The bytes of ZIP, ZIPS and RLE chunks, from and to planes: for libdeflate, which
+ * OpenEXRCore has from 3.2 on, and in one pass, which no release has. */
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"

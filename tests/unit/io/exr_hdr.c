@@ -8,7 +8,6 @@
 #include "io/file.h"
 #include "io/read.h"
 
-
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 
 // -- headers ------------------------------------------------------------------
@@ -327,51 +326,6 @@ static void assert_attributes(const struct gp_exr_index_part *a,
 
 // -- tests --------------------------------------------------------------------
 
-static void other_parts(void **state)
-{
-    const struct gp_rect r = {-3, 5, 40, 45};
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_frame made = wf_frame(r, r, wf_rgb);
-    make_parts(wf_path("in.exr"), &made, NULL);
-    struct gp_frame a = wf_read_back("in.exr");
-    assert_int_equal(a.part, 1);
-    assert_int_equal(a.parts, 4);
-    // all levels are measured, also those that the library (3.1.5) misses
-    for (int i = 0; i < TILES; i++) {
-        uint64_t at;
-        assert_true(gp_exr_offsets_read(gp_input_of(&a), 0, i, 1, &at));
-        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 0, at), 44 + i);
-        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 1, at), 0);
-    }
-    assert_ok(wf_write_hdr(&p, "out.exr", &a));
-    // nothing in it may differ but what libdeflate's level says
-    wf_assert_same(wf_path("in.exr"), wf_path("out.exr"));
-    p.type = GP_OUT_FLOAT;
-    p.compression = GP_COMPRESSION_PIZ;
-    assert_ok(wf_write_hdr(&p, "out.exr", &a));
-    struct gp_frame b = wf_read_back("out.exr");
-    const struct gp_exr_index *const from = gp_input_of(&a)->index;
-    const struct gp_exr_index *to = gp_input_of(&b)->index;
-    assert_memory_equal(to->bytes, from->bytes, 8); // magic number and version
-    for (int i = 0; i < 4; i++) {
-        const struct gp_exr_index_part *const was = &from->part[i];
-        if (i == 1)
-            continue;
-        assert_int_equal(was->to - was->from, to->part[i].to - to->part[i].from);
-        assert_attributes(was, &to->part[i], NULL, 0);
-    }
-    wf_assert_planes(&a.rgb, &b.rgb, gp_frame_pixels(&a));
-    gp_frame_free(&b);
-    // a picture has one part, and neither its name nor its type
-    assert_ok(wf_write(&p, "pic.exr", &a, GP_PICTURE_SCENE));
-    b = wf_read_back("pic.exr");
-    assert_int_equal(b.parts, 1);
-    to = gp_input_of(&b)->index;
-    assert_int_equal(gp_le32(to->bytes + 4), GP_EXR_VERSION);
-    assert_null(gp_exr_attr_find(&to->part[0], "name", "string"));
-    free_frames(&b, &a, &made);
-}
-
 static void damaged_parts(void **state)
 {
     static const struct damage row[] = {
@@ -483,5 +437,4 @@ static void primaries(void **state)
 }
 
 SUITE_OF_EACH(exr_hdr, wf_start, remove_folder, attributes_of_other_formats,
-              attributes_of_another_exr, other_parts, damaged_parts, attributes,
-              primaries)
+              attributes_of_another_exr, damaged_parts, attributes, primaries)

@@ -36,34 +36,6 @@ static void assert_frame_is(const struct gp_frame *f,
     }
 }
 
-/* Luminance and chroma in primaries of the file's own: R, G and B come back to
- * that luminance by those primaries' weights. */
-static void luminance_in_other_primaries(void **state)
-{
-    const struct fixture f = {
-        .chromaticities = true,
-        .part = {{.channel = {FLOAT_CH("BY"), FLOAT_CH("RY"), FLOAT_CH("Y")},
-                  .data = W(9)}},
-    };
-    struct gp_frame got;
-    fixture_write_file(in_folder("yc.exr"), &f);
-    assert_ok(read_file(path, &got));
-    assert_int_equal(got.model, GP_COLOUR_YC);
-    assert_true(fabsf(got.luminance[0] - 0.3440f) < 1e-3f); // AP0's red
-    for (int i = 0; i < 81; i++) {
-        const float want = fixture_value("Y", i % 9, i / 9);
-        float y = 0.0f, most = 0.0f;
-        for (int c = 0; c < 3; c++) {
-            y += got.luminance[c] * got.rgb.c[c][i];
-            most = fmaxf(most, fabsf(got.rgb.c[c][i]));
-        }
-        if (!(fabsf(y - want) <= 1e-5f * most))
-            fail_msg("pixel %d: luminance %g, not %g", i, (double) y,
-                     (double) want);
-    }
-    gp_frame_free(&got);
-}
-
 static void every_layout(void **state)
 {
     static const struct fixture_part row[] = {
@@ -227,5 +199,5 @@ static void colour_part_of_many(void **state)
 }
 
 SUITE_OF(exr_read, make_folder, remove_folder, every_layout,
-         luminance_in_other_primaries, subsampled_channels_stay_as_they_are,
-         header_values, which_channels_are_colour, colour_part_of_many)
+         subsampled_channels_stay_as_they_are, header_values,
+         which_channels_are_colour, colour_part_of_many)

@@ -229,5 +229,5 @@ static void changed_head(void **state)
 }
 
 SUITE_OF(exr_refuse, make_folder, remove_folder, no_colour_of_a_pixel,
-         sizes_that_lie, chunks_that_claim_too_much,
-         display_windows_that_lie, changed_bits, changed_head)
+         sizes_that_lie, chunks_that_claim_too_much, display_windows_that_lie,
+         changed_bits, changed_head)

@@ -120,39 +120,6 @@ static void names_within_a_view(void **state)
     gp_frame_free(&frame);
 }
 
-static void odd_lists_of_views(void **state)
-{
-    const struct fixture_part part = PART("p", RGB(HALVES));
-    struct gp_frame frame;
-    say = (struct attributes) {.view = {"l", "l"}, .views = 2};
-    open_parts(&part, 1, &frame);
-    assert_null(gp_exr_view_of(gp_input_of(&frame), 0, "R"));
-    gp_frame_free(&frame);
-    say = (struct attributes) {.odd = true};
-    open_parts(&part, 1, &frame);
-    struct gp_crypto crypto;
-    gp_exr_crypto(gp_input_of(&frame), &crypto);
-    assert_int_equal(crypto.n, 0);
-    assert_null(gp_exr_view_of(gp_input_of(&frame), 0, "left.R"));
-    gp_frame_free(&frame);
-}
-
-static void many_manifests(void **state)
-{
-    const struct fixture_part part = PART("p", RGB(HALVES));
-    struct gp_frame frame;
-    struct gp_crypto crypto;
-    say = (struct attributes) {.manifests = MANY};
-    for (int i = 0; i < MANY; i++)
-        say.manifest[i] = i ? "object" : ""; // the first names nothing
-    open_parts(&part, 1, &frame);
-    gp_exr_crypto(gp_input_of(&frame), &crypto);
-    assert_int_equal(crypto.n, GP_CRYPTO_LAYERS);
-    for (int i = 0; i < crypto.n; i++)
-        assert_string_equal(crypto.layer[i], "object");
-    gp_frame_free(&frame);
-}
-
 #define RIGHT HALF_CH("right.B"), HALF_CH("right.G"), HALF_CH("right.R")
 
 static void planes_of_a_view(void **state)
@@ -216,33 +183,5 @@ static void planes_of_a_view(void **state)
     }
 }
 
-/* A name that no channel can have, and a list that does not fit a line. */
-static void names_too_long(void **state)
-{
-    static char name[MANY][60], longest[2000];
-    struct gp_plane_list list;
-    struct gp_plane_place at = {0};
-    assert_ok(gp_plane_list_one(&kept_log, "p.exr", true, MANY, &list));
-    for (int i = 0; i < MANY; i++) {
-        snprintf(name[i], sizeof name[i], "%050d", i);
-        list.channel[i].name = name[i];
-    }
-    memset(longest, 'n', sizeof longest - 1);
-    list.view = "right";
-    assert_int_equal(gp_plane_pick(&kept_log, &list, longest, true, false, &at),
-                     GP_ERR_USAGE);
-    assert_null(at.part);
-    assert_int_equal(gp_plane_pick(&kept_log, &list, "no", true, false, &at),
-                     GP_ERR_USAGE);
-    assert_kept(name[0]);
-    assert_kept(", ...)");
-    assert_null(strstr(kept_line, name[MANY - 1]));
-    assert_ok(
-        gp_plane_pick(&kept_log, &list, name[MANY - 1], true, false, &at));
-    assert_int_equal(at.channel, MANY - 1);
-    gp_plane_list_free(&list);
-}
-
 SUITE_OF(exr_view, make_folder, remove_folder, layer_of_a_part,
-         names_within_a_view, odd_lists_of_views, many_manifests,
-         planes_of_a_view, names_too_long)
+         names_within_a_view, planes_of_a_view)

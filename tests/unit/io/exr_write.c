@@ -296,33 +296,6 @@ static void b44_keeps_what_is_far_below_0_finite(void **state)
     gp_frame_free(&f);
 }
 
-/* DWA leaves whole numbers alone: all 32 bits, and their values as coverage. */
-static void dwa_keeps_ids(void **state)
-{
-    const struct gp_rect r = {-3, 5, 30, 45};
-    struct gp_plane ids = {0}, depth = {0};
-    if (!wf_bridge())
-        skip_for("no OpenImageIO");
-    struct gp_frame f = wf_frame(r, r, wf_all);
-    struct gp_frame b = wf_trip(&f, GP_COMPRESSION_DWAA, GP_OUT_AUTO);
-    const struct gp_read_params limits = GP_READ_DEFAULTS;
-    assert_ok(gp_read_plane_file(&kept_all, &limits, wf_path("a.exr"), "id",
-                                 false, &ids));
-    assert_ok(gp_read_plane_file(&kept_all, &limits, wf_path("a.exr"), "Z", true,
-                                 &depth));
-    const float *const z = gp_frame_channel(&b, "Z")->data;
-    const uint32_t *const was = gp_frame_channel(&f, "id")->data;
-    const uint32_t *const is = gp_frame_channel(&b, "id")->data;
-    for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
-        assert_int_equal(is[i], was[i]);
-        assert_true(ids.v[i] == (float) was[i]);
-        assert_true(depth.v[i] == z[i]);
-    }
-    gp_plane_free(&ids);
-    gp_plane_free(&depth);
-    free_frames(&b, &f);
-}
-
 static const struct gp_rect window = {-3, 5, 42, 45};
 
 static void lossy_ids(void **state)
@@ -371,4 +344,4 @@ static void lossy_ids(void **state)
 SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, noise,
               automatic_type_and_compression, colour_models,
               half_overflow_is_counted, half_overflow_keeps_hue,
-              b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids, lossy_ids)
+              b44_keeps_what_is_far_below_0_finite, lossy_ids)

@@ -142,27 +142,6 @@ static void no_mode_is_wider(void **state)
     umask(before);
 }
 
-static void folders(void **state)
-{
-    struct gp_file *f;
-    char deep[512], inner[512];
-    snprintf(deep, sizeof deep, "%s/a/b/c", folder);
-    snprintf(inner, sizeof inner, "%s/a/b", folder);
-    assert_int_equal(gp_file_check(&kept_all, deep, false), GP_ERR_IO);
-    assert_kept(inner);
-    assert_kept("--create-dir");
-    assert_int_equal(gp_file_open(&kept_all, deep, false, &f), GP_ERR_IO);
-    assert_ok(gp_file_check(&kept_all, deep, true));
-    assert_int_equal(wf_names(), 0); // a check makes nothing
-    assert_ok(gp_file_open(&kept_all, deep, true, &f));
-    assert_ok(gp_file_commit(&f));
-    assert_true(gp_file_exists(deep));
-    assert_int_equal(gp_file_check(&kept_all, inner, false), GP_ERR_IO);
-    assert_kept("is a folder");
-    remove(deep);
-    rmdir(inner);
-}
-
 static void names(void **state)
 {
     static const struct {
@@ -350,50 +329,6 @@ static void descriptors(void **state)
     assert_text(wf_path("f"), "old");
 }
 
-/* A child that is ended in the middle of a file by `sig`. */
-static void end_child(int sig)
-{
-    int ready[2];
-    char c;
-    assert_int_equal(pipe(ready), 0);
-    const pid_t child = fork();
-    if (child == 0) {
-        struct gp_file *f;
-        signal(SIGHUP, SIG_IGN); // as nohup does, before the program starts
-        signal(sig, SIG_DFL);    // a shell's background jobs ignore SIGINT
-        gp_temp_cleanup_on_signal();
-        if (gp_file_open(NULL, wf_path("killed"), false, &f) ||
-            gp_file_write(f, "half", 4) || write(ready[1], "r", 1) != 1)
-            _exit(1);
-        raise(SIGHUP);
-        for (;;)
-            pause();
-    }
-    assert_int_equal(read(ready[0], &c, 1), 1);
-    kill(child, sig);
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFSIGNALED(status));
-    assert_int_equal(WTERMSIG(status), sig);
-    close(ready[0]);
-    close(ready[1]);
-}
-
-static void signals(void **state)
-{
-    wf_write_text(wf_path("killed"), "old");
-    static const int ending[] = {SIGINT,  SIGTERM, SIGQUIT, SIGXCPU,
-                                 SIGALRM, SIGUSR1, SIGUSR2, SIGKILL};
-    const struct rlimit no_core = {0, 0};
-    assert_int_equal(setrlimit(RLIMIT_CORE, &no_core), 0);
-    for (size_t i = 0; i < COUNT(ending); i++) {
-        end_child(ending[i]);
-        assert_text(wf_path("killed"), "old");
-        // nobody can clean up after SIGKILL: a temporary name may stay
-        assert_int_equal(wf_names(), ending[i] == SIGKILL ? 2 : 1);
-    }
-}
-
 static void checks(void **state)
 {
     static const struct {
@@ -526,37 +461,8 @@ static void patches_stay_inside(void **state)
 
 enum { LIVE = 64, OPEN = LIVE + 3 }; // a signal removes so many of them
 
-static void open_many(struct gp_file *f[OPEN])
-{
-    for (int i = 0; i < OPEN; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "f%d", i);
-        assert_ok(gp_file_open(&kept_all, wf_path(name), false, &f[i]));
-        assert_ok(gp_file_write(f[i], name, strlen(name)));
-    }
-    assert_int_equal(wf_names(), OPEN);
-}
-
-static void files_under_way_are_removed(void **state)
-{
-    static struct gp_file *f[OPEN];
-    fflush(NULL); // or the child would print it once more
-    const pid_t child = fork();
-    if (child == 0) {
-        open_many(f);
-        gp_temp_remove_all();
-        exit(wf_names() == OPEN - LIVE ? 0 : 1);
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    assert_int_equal(WEXITSTATUS(status), 0);
-    assert_int_equal(wf_names(), OPEN - LIVE);
-}
-
 SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay,
-              no_mode_is_wider, folders, descriptors, names, taken_names,
-              full_disk, a_close_that_fails, pipes, signals, checks,
-              folders_are_made_or_not, without_permission, patches_stay_inside,
-              files_under_way_are_removed)
+              no_mode_is_wider, descriptors, names, taken_names, full_disk,
+              a_close_that_fails, pipes, checks, folders_are_made_or_not,
+              without_permission, patches_stay_inside)

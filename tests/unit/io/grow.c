@@ -209,7 +209,7 @@ static void too_large_a_window_names_the_way_out(void **state)
     }
 }
 
-SUITE_OF(grow, make_folder, remove_folder,
-         window_is_the_union_and_as_much_more, grids_of_carried_channels_fit,
-         every_sample_keeps_its_place, depth_is_padded_with_its_own_empty_value,
+SUITE_OF(grow, make_folder, remove_folder, window_is_the_union_and_as_much_more,
+         grids_of_carried_channels_fit, every_sample_keeps_its_place,
+         depth_is_padded_with_its_own_empty_value,
          too_large_a_window_names_the_way_out)

@@ -254,6 +254,5 @@ static void damaged_headers(void **state)
                      GP_ERR_DATA); // it has no part 1
 }
 
-SUITE_OF(image, make_folder, remove_folder, curves,
-         no_such_layer, windows_and_attributes, parts_and_views, headers,
-         damaged_headers)
+SUITE_OF(image, make_folder, remove_folder, curves, no_such_layer,
+         windows_and_attributes, parts_and_views, headers, damaged_headers)

@@ -101,70 +101,6 @@ static void luminance_is_kept(void **state)
     }
 }
 
-/* Rounding to half at every step moves no value far. */
-static void half_steps_are_near(void **state)
-{
-    static float exact[3][PIXELS];
-    random_planes(7);
-    struct gp_yc yc = yc_picture(W, H, 2, false);
-    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
-    for (int c = 0; c < 3; c++)
-        memcpy(exact[c], out.c[c], sizeof exact[c]);
-    yc.half = true;
-    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
-    for (int c = 0; c < 3; c++) {
-        float rounded[PIXELS];
-        memcpy(rounded, out.c[c], sizeof rounded);
-        gp_half_round(rounded, PIXELS);
-        assert_memory_equal(rounded, out.c[c], sizeof rounded);
-        for (int i = 0; i < PIXELS; i++)
-            assert_true(fabsf(out.c[c][i] - exact[c][i]) < 0.02f);
-    }
-}
-
-/* A chroma sample reaches 13 pixels, and 14 for its neighbours' saturation. */
-static void one_sample_reaches_no_further(void **state)
-{
-    static float before[3][PIXELS];
-    const int cx = 20, cy = 30;
-    random_planes(3);
-    struct gp_yc yc = yc_picture(W, H, 2, true);
-    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
-    for (int c = 0; c < 3; c++)
-        memcpy(before[c], out.c[c], sizeof before[c]);
-    red[(cy / 2) * (W / 2) + cx / 2] = NAN;
-    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
-    int changed = 0;
-    for (int i = 0; i < PIXELS; i++) {
-        bool far = abs(i % W - cx) > 14 || abs(i / W - cy) > 14;
-        for (int c = 0; c < 3; c++) {
-            bool same = memcmp(&out.c[c][i], &before[c][i], 4) == 0;
-            assert_true(same || !far);
-            changed += !same;
-        }
-    }
-    assert_true(changed > 0);
-    assert_true(isnan(out_r[cy * W + cx]));
-}
-
-static void threads_change_nothing(void **state)
-{
-    static float one[3][PIXELS];
-    random_planes(17);
-    struct gp_yc yc = yc_picture(W, H, 2, true);
-    for (int threads = 1; threads <= 7; threads += 3) {
-        gp_set_threads(threads);
-        assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
-        for (int c = 0; c < 3; c++) {
-            if (threads == 1)
-                memcpy(one[c], out.c[c], sizeof one[c]);
-            else
-                assert_memory_equal(one[c], out.c[c], sizeof one[c]);
-        }
-    }
-    gp_set_threads(0);
-}
-
 static void smallest_pictures(void **state)
 {
     static const struct {
@@ -209,6 +145,4 @@ static void weights_are_the_luminance_weights(void **state)
 }
 
 SUITE_OF(luma_chroma, NULL, NULL, grey_stays_grey, one_colour_comes_back,
-         luminance_is_kept, half_steps_are_near, one_sample_reaches_no_further,
-         threads_change_nothing, smallest_pictures,
-         weights_are_the_luminance_weights)
+         luminance_is_kept, smallest_pictures, weights_are_the_luminance_weights)

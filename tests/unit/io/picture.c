@@ -14,53 +14,6 @@ struct seen {
     int *runs, *wrong; // of each row
 };
 
-/* Fills the whole scratch with what this row alone writes, then looks. */
-static void fill_and_look(void *ctx, int y, struct gp_picture_row *row)
-{
-    const struct seen *const s = ctx;
-    for (int c = 0; c < 4; c++) {
-        for (int x = 0; x < s->width; x++) {
-            row->code[c][x] = (uint16_t) (4 * y + c);
-            row->linear[c][x] = (float) (-4 * y - c);
-        }
-    }
-    for (int c = 0; c < 4; c++) {
-        for (int x = 0; x < s->width; x++)
-            s->wrong[y] += row->code[c][x] != (uint16_t) (4 * y + c) ||
-                           row->linear[c][x] != (float) (-4 * y - c);
-    }
-    s->runs[y]++;
-}
-
-static void each_row_is_run_once(void **state)
-{
-    static const struct {
-        int w, h, threads;
-    } rows[] = {
-        {1, 1, 1},   {1, 1, 5},    {1, 301, 5},     {3001, 1, 5},
-        {7, 2, 256}, {97, 211, 1}, {4099, 1000, 5}, {4099, 1000, 0},
-    };
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_picture pic = {.width = rows[i].w,
-                                       .height = rows[i].h};
-        const size_t h = (size_t) rows[i].h;
-        struct seen s = {rows[i].w, calloc(h, sizeof(int)),
-                         calloc(h, sizeof(int))};
-        assert_true(s.runs && s.wrong);
-        gp_set_threads(rows[i].threads);
-        assert_ok(gp_picture_each_row(NULL, &pic, fill_and_look, &s));
-        for (size_t y = 0; y < h; y++) {
-            if (s.runs[y] != 1 || s.wrong[y])
-                fail_msg("%dx%d, %d threads, row %zu: run %d times, %d "
-                         "samples of another row", rows[i].w, rows[i].h,
-                         rows[i].threads, y, s.runs[y], s.wrong[y]);
-        }
-        free(s.runs);
-        free(s.wrong);
-    }
-    gp_set_threads(0);
-}
-
 static void windows_that_are_no_picture(void **state)
 {
     static const struct gp_rect display[] = {
@@ -222,34 +175,6 @@ static void dither_laws(void **state)
     }
 }
 
-/* Without a curve: the codes are neighbours of the value, clipped, and their
- * mean over a row is it; no number is 0. */
-static void linear_dither(void **state)
-{
-    for (int wide = 0; wide < 2; wide++) {
-        const struct gp_quantizer *const q = quantizer[wide];
-        float v[4096];
-        uint16_t code[4096];
-        for (int level = -1; level <= 5; level++) {
-            const float x = (float) level / 4.0f + (level == 2 ? 1e-3f : 0.0f);
-            const double ideal = (double) fminf(fmaxf(x, 0.0f), 1.0f) *
-                                 largest[wide];
-            double sum = 0.0;
-            for (int i = 0; i < 4096; i++)
-                v[i] = x;
-            gp_quantize_linear_dither(q, v, 3, 5, code, 4096);
-            for (int i = 0; i < 4096; i++) {
-                assert_true(fabs(code[i] - ideal) < 1.0);
-                sum += code[i];
-            }
-            assert_true(fabs(sum / 4096 - ideal) < 0.02);
-        }
-        v[0] = NAN;
-        gp_quantize_linear_dither(q, v, 0, 0, code, 1);
-        assert_int_equal(code[0], 0);
-    }
-}
-
 static int make_both(void **state)
 {
     return gp_quantizer_make(NULL, 8, &quantizer[0]) ||
@@ -263,6 +188,5 @@ static int free_both(void **state)
     return 0;
 }
 
-SUITE_OF(picture, make_both, free_both, each_row_is_run_once,
-         windows_that_are_no_picture, floats_with_alpha, codes_of_floats,
-         codes_of_single_values, linear_dither, dither_laws)
+SUITE_OF(picture, make_both, free_both, windows_that_are_no_picture,
+         floats_with_alpha, codes_of_floats, codes_of_single_values, dither_laws)

@@ -123,36 +123,6 @@ static void depth_of_any_part(void **state)
     }
 }
 
-static void channels_by_name(void **state)
-{
-    static const struct {
-        const char *name;
-        int part;
-        const char *channel, *called;
-    } row[] = {
-        {"A", 0, "A", "A"}, {"R", 0, "R", "R"}, {"main.A", 0, "A", "A"},
-        {"mask", 1, "mask", "one.left.mask"},
-        {"one.left.mask", 1, "mask", "one.left.mask"},
-        {"two.mask", 2, "mask", "two.mask"}, {"two.b.Z", 2, "b.Z", "two.b.Z"},
-        {"a.Z", 2, "a.Z", "two.a.Z"}, {"ids", 1, "ids", "one.left.ids"},
-        {"wide", 1, "wide", "one.left.wide"},
-    };
-    struct gp_frame frame;
-    open_fixture(&named, &frame);
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_plane p;
-        assert_ok(beside(&frame, row[i].name, false, &p));
-        assert_string_equal(p.name, row[i].called);
-        assert_plane(&p, &named.part[row[i].part], row[i].channel);
-        gp_plane_free(&p);
-        // and without a frame
-        assert_ok(read_plane(row[i].name, i & 1, &p));
-        assert_plane(&p, &named.part[row[i].part], row[i].channel);
-        gp_plane_free(&p);
-    }
-    gp_frame_free(&frame);
-}
-
 static void names_that_are_not_there(void **state)
 {
     static const char *const name[] = {
@@ -384,5 +354,4 @@ static int set_up(void **state)
 
 SUITE_OF(read_plane, set_up, remove_folder, channels_of_a_plane_file,
          planes_of_other_formats, deep_files, damaged_files, depth_of_any_part,
-         channels_by_name, names_that_are_not_there,
-         samples_are_those_of_the_file, matrices)
+         names_that_are_not_there, samples_are_those_of_the_file, matrices)

@@ -115,22 +115,6 @@ static void lists_of_views(void **state)
     }
 }
 
-/* As many views as there may be, and one more. */
-static void longest_view_list(void **state)
-{
-    char text[GP_VIEWS_MAX * 8 + 16] = "v0";
-    struct gp_views v = {0};
-    for (int i = 1; i < GP_VIEWS_MAX; i++)
-        snprintf(text + strlen(text), sizeof text - strlen(text), ",v%d", i);
-    assert_ok(gp_views_parse(NULL, text, &v));
-    assert_int_equal(v.n, GP_VIEWS_MAX);
-    assert_string_equal(v.name[GP_VIEWS_MAX - 1], "v63");
-    gp_views_free(&v);
-    strcat(text, ",more");
-    assert_int_equal(gp_views_parse(NULL, text, &v), GP_ERR_USAGE);
-    assert_null(v.name);
-}
-
 static const struct alike_row {
     const char *path, *views;
     bool fine;
@@ -318,6 +302,5 @@ static void numbers_in_names(void **state)
 }
 
 SUITE_OF(sequence, make_folder, remove_folder, names_of_frames, names_of_views,
-         lists_of_views, longest_view_list, views_of_one_letter,
-         lists_of_frames, longest_list, frames_together, frames_that_exist,
-         numbers_in_names)
+         lists_of_views, views_of_one_letter, lists_of_frames, longest_list,
+         frames_together, frames_that_exist, numbers_in_names)

@@ -267,37 +267,6 @@ static void raw_frames_have_one_size(void **state)
     free_frames(&a, &b, &c);
 }
 
-static void stdout_has_the_files_bytes(void **state)
-{
-    static const char *const endings[] = {"exr", "png", "pfm"};
-    const struct gp_rect d = {-1, 2, 30, 21}, show = {0, 0, 32, 20};
-    struct gp_frame f = wf_frame(d, show, wf_all);
-    for (int i = 0; i < 12; i++) {
-        struct gp_write_params p = GP_WRITE_DEFAULTS;
-        const enum gp_picture_kind kind =
-            i / 3 % 2 ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
-        char name[32];
-        size_t n, m;
-        p.stdout_format = (enum gp_stdout_format) (i % 3);
-        p.depth_bits = i / 6 ? 16 : 8;
-        p.alpha = i / 6 ? GP_ALPHA_KEEP : GP_ALPHA_BLACK;
-        snprintf(name, sizeof name, "one.%s", endings[i % 3]);
-        const char *file = wf_path(name), *out = wf_path("two");
-        assert_ok(wf_write(&p, name, &f, kind));
-        assert_ok(to_stdout(out, &p, &f, kind));
-        assert_ok(to_stdout(out, &p, &f, kind));
-        uint8_t *one = wf_read(file, &n), *two = wf_read(out, &m);
-        assert_int_equal(m, 2 * n);
-        assert_memory_equal(one, two, n);
-        assert_memory_equal(one, two + n, n);
-        free(one);
-        free(two);
-        remove(file);
-        remove(out);
-    }
-    gp_frame_free(&f);
-}
-
 // -- streams read back -------------------------------------------------------
 
 /* Pieces of a stream; upper case is written by the program itself. */
@@ -392,34 +361,6 @@ static void streams_fall_into_images(void **state)
     gp_frame_free(&f);
 }
 
-/* Frames read last to first, while the others stay. */
-static void frames_of_a_stream(void **state)
-{
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    const struct gp_rect d = {0, 0, 37, 57};
-    struct gp_frame f = wf_frame(d, d, wf_rgb), got[4];
-    char path[64];
-    struct gp_members m;
-    size_t at[16];
-    make_stream(&f, path, "EFZD", at);
-    assert_ok(from_stdin(path, &m));
-    assert_int_equal(m.n, 4);
-    for (int i = 3; i >= 0; i--) {
-        char name[24];
-        snprintf(name, sizeof name, "frame %d", i);
-        assert_ok(gp_members_frame(&kept_all, &p, name, &m, i, &got[i]));
-        assert_string_equal(got[i].path, name);
-    }
-    for (int i = 0; i < 4; i++) {
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(got[i].rgb.c[c], f.rgb.c[c],
-                                gp_frame_pixels(&f) * sizeof(float));
-        gp_frame_free(&got[i]);
-    }
-    gp_members_free(&m);
-    gp_frame_free(&f);
-}
-
 /* Cut anywhere, a stream is images that cover it, the last maybe bad. */
 static void cut_streams(void **state)
 {
@@ -454,5 +395,4 @@ static void cut_streams(void **state)
 
 SUITE_OF_EACH(stream, wf_start, remove_folder, pipes_to_their_limit,
               first_bytes, raw_pixels, raw_frames_have_one_size,
-              stdout_has_the_files_bytes, streams_fall_into_images,
-              frames_of_a_stream, cut_streams)
+              streams_fall_into_images, cut_streams)
