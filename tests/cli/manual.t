@@ -22,7 +22,12 @@ for page in "$root/README.md" "$root"/man/*.md; do
         tr -d '`' | sed "s/\$/ $name/"
 done | sort -u >options
 ok 'there are blocks' [ "$(ls ./*.block | wc -l)" -gt 50 ]
-[ -z "$quick" ] || rm gallery.*.block # half of them
+# (half of the blocks are the gallery's, by one script for each kernel and style)
+n=0
+for block in gallery.*.block; do
+    n=$((n + 1))
+    [ -z "$quick" ] && [ $((n % 5)) = 0 ] || rm "$block"
+done
 for block in *.block; do
     rm -rf made && mkdir made && ln -s "$root/examples" made/examples
     (cd made && bash -e "../$block") >out 2>err
