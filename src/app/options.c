@@ -61,8 +61,8 @@ static const struct gp_option_choice gp_depth_types[] = {
 static const struct gp_option_choice gp_sun_methods[] = {
     {"exact", GP_SUN_EXACT, "the area of every pixel under the disc, in "
      "double, on the CPU; no GL"},
-    {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: sun map, intensity "
-     "map, and glare that fetches it; nothing is read back before that is drawn"},
+    {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: a sun map of samples, "
+     "added up in a pixel"},
     {"readback", GP_SUN_READBACK, "read the region under the light back from "
      "GL and count its clear pixels"},
     {0},
@@ -93,13 +93,6 @@ static const struct gp_option_choice gp_ups[] = {
      "its depth"},
     {"y", GP_UP_Y, "y, as in glTF"},
     {"z", GP_UP_Z, "z, as in Blender"}, {0},
-};
-static const struct gp_option_choice gp_sun_draws[] = {
-    {"auto", GP_DRAW_AUTO, "on GL with a GPU; on the CPU with a software "
-     "context, where that takes a quarter of the time"},
-    {"gl", GP_DRAW_GL, "on GL: sprites fetch the share, nothing is read back "
-     "before they are drawn"},
-    {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
 };
 static const struct gp_option_choice gp_spaces[] = {
     {"world", GP_NORMALS_WORLD, "those of the frame's world"},
@@ -313,9 +306,6 @@ const struct gp_option gp_options[] = {
     CHOICE(sun.map.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sums,
         .help = "mask: sum texels this way"),
-    CHOICE(sun.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
-        .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sun_draws,
-        .help = "mask: draw the glare of the lights here"),
     CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),

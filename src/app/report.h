@@ -133,7 +133,7 @@ struct gp_facts {
     struct gp_glare_error error; // when verified
     const struct gp_light *light; // `lights` of them; NULL: none asked for
     int lights;
-    const char *sun_way;         // sun_method, and where lights were drawn
+    const char *sun_way;         // sun_method
     const char *sun_gl;          // context of the lights, or NULL
     struct gp_lens_facts lens;
     const char *depth;           // channel, or NULL

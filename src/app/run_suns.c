@@ -105,6 +105,10 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_sun_files files = {r->s, fs->job};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    static const char *const ways[] = {
+        [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
+        [GP_SUN_READBACK] = "readback",
+    };
     gp_status st = gp_suns_place(fs->log, &reader, &fs->frame, &r->suns);
     if (!st)
         st = measure_outside(r, fs);
@@ -112,7 +116,7 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
         st = gp_suns_measure(fs->log, &r->suns);
     if (st)
         return st;
-    fs->facts.sun_way = gp_suns_way(&r->suns);
+    fs->facts.sun_way = ways[r->suns.p->method];
     if (r->suns.gl)
         fs->facts.sun_gl = gp_gl_info(r->suns.gl)->name;
     return GP_OK;

@@ -87,7 +87,6 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         }
         e->image = (struct gp_flare_image) {
             .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
-            .serial = gp_serial_next(),
         };
         image.rgb = (struct gp_planes) {0};
         gp_frame_free(&image);
@@ -307,27 +306,8 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
                                suns->light, suns->n, &suns->map);
     st = gp_sun_map_draw(log, suns->gl, &suns->occluders, &p->map, suns->light,
                          suns->n, &suns->map);
-    // a software context shares our memory and cores: reading the shares early
-    // stalls nothing, and engines and CPU take a quarter of its time for
-    // blended sprites and elements
-    suns->early = p->draw == GP_DRAW_CPU ||
-                  (p->draw == GP_DRAW_AUTO && gp_gl_info(suns->gl)->software);
-    return st || !suns->early ? st
-                              : gp_sun_map_read(log, suns->gl, suns->map,
-                                                suns->light, suns->n);
-}
-
-const char *gp_suns_way(const struct gp_suns *suns)
-{
-    switch (suns->p->method) {
-    case GP_SUN_EXACT:
-        return "exact";
-    case GP_SUN_READBACK:
-        return "readback";
-    case GP_SUN_MASK:
-        return suns->early ? "mask, drawn on the CPU" : "mask, drawn on GL";
-    }
-    return "";
+    return st ? st
+              : gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n);
 }
 
 double gp_suns_mean(const struct gp_suns *suns)
@@ -394,7 +374,7 @@ void gp_suns_end_frame(struct gp_suns *suns)
 void gp_suns_close(struct gp_suns *suns)
 {
     gp_suns_end_frame(suns);
-    gp_suns_drop_sprites(suns);
+    gp_suns_drop_sprite(suns);
     if (suns->map)
         gp_sun_map_close(suns->gl, &suns->map);
     if (suns->gl)

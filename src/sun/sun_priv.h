@@ -208,7 +208,7 @@ GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
 /* The quad of one element of one light. */
 struct gp_flare_quad {
     bool plain;
-    int element, light;
+    int light;
     const struct gp_flare_look *look; // NULL: an image
     struct gp_rect rect;  // pixels of the frame that it may reach; not empty
     double x, y;          // place, EXR pixel space
@@ -224,37 +224,13 @@ struct gp_flare_quad {
     const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
-struct gp_flare_quads {
-    struct gp_flare_quad *at;     // owned; in the order of lights, elements
-    int n;
-    struct gp_flare_look *look;   // owned; room for one a quad
-    int looks;
-    int *last;                    // owned; last look of each element, from 1
-    struct gp_flare_level *level; // owned; one an element
-    int elements;
-};
-
-/* All that is not empty, at full visibility; with `clear` only of lights whose
- * visibility is over 0. Elements of f are not needed afterwards, but plain
- * images and such as are drawn at their own size or larger. Free with
- * gp_flare_quads_free(), after a failure too. */
-GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
-    struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out);
-void gp_flare_quads_free(struct gp_flare_quads *quads);
-
 /* The pixels of `frame` (data window) that element e, as light l sees it, may
  * reach; empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
 
-/* Columns [*x0, *x1) outside of which the quad reaches nothing in rows
- * [y0, y1); cut to its rect. false: nothing at all. */
-bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
-                   int *x1);
-
-/* The same of an image's channel c: adds amount * sample in row y to out[0] =
- * column x0, and on to x1; both inside the quad's rect. */
+/* Adds amount * sample of an image's channel c in row y to out[0] = column x0,
+ * and on to x1; both inside the quad's rect. */
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out);
 
@@ -285,7 +261,7 @@ size_t gp_disc_room(double radius); // pixels of a disc, at most
 void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
                    struct gp_rect frame, struct gp_source *list, size_t *n);
 
-void gp_suns_drop_sprites(struct gp_suns *suns);
+void gp_suns_drop_sprite(struct gp_suns *suns);
 
 // -- lenses: rays and meshes (lens.c, lens_trace.c, lens_cover.c) ------------
 

@@ -135,7 +135,7 @@ sun_ms()
             END { printf "%-42s %6.1f ms\n", name, v[int((NR + 1) / 2)] }'
 }
 sun="--sun 849.7,387.2,7.44 --sun-color 1e6,9e5,7e5 --flare $rendered/flare.json"
-for way in exact readback mask 'mask --sun-draw gl'; do
+for way in exact readback mask; do
     sun_ms "one sun, eight elements, $way" $sun --sun-method $way
 done
 for n in 1 64; do

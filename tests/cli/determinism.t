@@ -92,7 +92,7 @@ for gl in osmesa egl; do
     fi
     ten "splat, $gl" --engine splat --gl $gl
     ten "blended quads, $gl" --engine splat --primitive quad --group 2 --gl $gl
-    ten "sun masks, $gl" --engine fft --sun-method mask --sun-draw gl --gl $gl $lights
+    ten "sun masks, $gl" --engine fft --sun-method mask --gl $gl $lights
 done
 
 # -- OSMesa and EGL --------------------------------------------------------------------
@@ -102,10 +102,10 @@ if can osmesa && can egl &&
     grep -q llvmpipe; then
     for row in '--engine splat' '--engine splat --primitive quad --group 1' \
         '--engine splat --primitive point --group-method moments' \
-        "--engine fft --sun-method mask --sun-draw gl $lights" \
+        "--engine fft --sun-method mask $lights" \
         "--engine fft --sun-method mask --sun-sum 8bit --sun-pattern square $lights" \
         "--engine fft --sun-method readback $lights" \
-        "--engine splat --sun-method mask --sun-draw gl $lights"; do
+        "--engine splat --sun-method mask $lights"; do
         rm -rf first
         make_all first --no-provenance --gl osmesa $row
         as_first "EGL as OSMesa: ${row%% --sun 70*}" make_all new \

@@ -127,7 +127,7 @@ fi
 # A variable that is added moves the environment under threads that read it:
 # the variables for GL are set before there are any. (MESA_DEBUG
 # has GL tell of calls without a context: two are open here, or one.)
-lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask --sun-draw gl'
+lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask'
 while read -r gl what; do
     case $gl in
     none) ;;

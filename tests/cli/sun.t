@@ -191,48 +191,31 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
             --flare flare.json --sun-method $method --layer $method.exr in.exr
         quiet_success "$method draws light and flare"
     done
-    for place in gl cpu; do
-        run -k kernel.exr --sun 30.3,6.6,2.2 --sun-color 900,500,200 \
-            --flare flare.json --sun-method mask --sun-draw $place \
-            --layer $place.exr --report r.json in.exr
-        like "$(field r.json 'o["sun_method"].lower()')" "mask, drawn on*$place" \
-            "--sun-draw $place: the report names it"
-    done
-    for place in gl cpu; do
+    for method in exact mask; do
         run -k kernel.exr --sun=-1,6,5 --sun-color 900,500,200 \
-            --flare flare.json --sun-method mask --sun-draw $place \
-            --layer edge_$place.exr in.exr
+            --flare flare.json --sun-method $method --layer edge_$method.exr \
+            --report r.json in.exr
+        is "$(field r.json 'o["sun_method"]')" $method 'the report names it'
     done
-    frame wide.exr channels=R,G,B kind=zeros size=500x300
-    for place in gl cpu; do
-        run --sun 90.3,150.6,12.2 --sun-color 900,500,200 --sun-method mask \
-            --sun-draw $place --layer wide_$place.exr wide.exr
-    done
-    run --sun 90.3,150.6,12.2 --sun-color 900,500,200 -e direct \
-        --layer wide_direct.exr wide.exr
     run -k kernel.exr --lights many.json --flare flare.json --layer many.exr \
         in.exr
     run -k kernel.exr --lights many.json --flare flare.json --sun-method mask \
-        --sun-draw gl --layer manygl.exr in.exr
+        --layer masked.exr in.exr
     {
         echo 'fft.exr direct.exr 1e-6 fft lays the same light as direct'
         echo 'mask.exr direct.exr 1e-5 mask lays the same'
-        echo 'gl.exr direct.exr 1e-5 sprites on GL, the same'
-        echo 'cpu.exr direct.exr 1e-5 engines and CPU, the same'
-        echo 'edge_gl.exr edge_cpu.exr 1e-5 partly outside, the same'
-        echo 'manygl.exr many.exr 1e-5 five lights of three sizes, the same'
-        echo 'wide_gl.exr wide_direct.exr 1e-4 a sprite over the whole field'
-        echo 'wide_cpu.exr wide_direct.exr 1e-4 and by the engines'
+        echo 'edge_mask.exr edge_exact.exr 1e-5 partly outside, the same'
+        echo 'masked.exr many.exr 1e-5 five lights of three sizes, the same'
         echo 'readback.exr direct.exr 1e-5 readback, the same'
     } | "$python" "$cli/compare.py" >verdicts
     verdicts verdicts
 else
-    skip 13 'no GL, or nothing to compare with'
+    skip 9 'no GL, or nothing to compare with'
 fi
 
 # -- the same bytes ------------------------------------------------------------
 
-for method in exact 'mask --sun-draw gl' mask; do
+for method in exact mask; do
     [ -n "$gl" ] || [ "$method" = exact ] || {
         skip 2 'no GL'
         continue

@@ -31,8 +31,7 @@ ENGINES = [("direct", ["--engine", "direct"]), ("fft", ["--engine", "fft"]),
            ("splat, quads", ["--engine", "splat", "--primitive", "quad",
                              "--group", "1", "--cluster", "0", "--shrink", "0"]),
            ("sun masks", ["--engine", "fft", "--sun", "150,60,20",
-                          "--sun-color", "1e4,9e3,8e3", "--sun-method", "mask",
-                          "--sun-draw", "gl"])]
+                          "--sun-color", "1e4,9e3,8e3", "--sun-method", "mask"])]
 TUNABLES = "glibc.cpu.hwcaps=-AVX2,-AVX,-FMA,-FMA4,-AVX512F"
 
 
