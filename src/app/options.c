@@ -74,8 +74,6 @@ static const struct gp_option_choice gp_patterns[] = {
 static const struct gp_option_choice gp_sums[] = {
     {"float", GP_SUM_FLOAT, "every texel, in float"},
     {"8bit", GP_SUM_BYTE, "in 8 bits, 1/255 a texel, as in the paper"},
-    {"bilinear", GP_SUM_BILINEAR, "a quarter of the points, each the mean of "
-     "four texels"},
     {0},
 };
 static const struct gp_option_choice gp_outsides[] = {

@@ -166,10 +166,12 @@ gp_status gp_run_shares(struct gp_run *r, struct gp_frame_state *fs)
         facts->depth_reversed = o->facts.reversed;
     }
     if (r->s->debug[GP_DEBUG_SUNMAP])
-        st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,
-                             &fs->sunmap.h, &fs->sunmap.planes);
+        st = gp_sun_map_picture(fs->log, o, &suns->p->map, suns->light,
+                                suns->n, &fs->sunmap.w, &fs->sunmap.h,
+                                &fs->sunmap.planes);
     if (!st && r->s->debug[GP_DEBUG_INTENSITY])
-        st = gp_suns_picture(fs->log, suns, true, &fs->intensity.w,
-                             &fs->intensity.h, &fs->intensity.planes);
+        st = gp_sun_map_picture(fs->log, o, NULL, suns->light, suns->n,
+                                &fs->intensity.w, &fs->intensity.h,
+                                &fs->intensity.planes);
     return st;
 }

@@ -301,13 +301,9 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
                             : gp_gl_open(log, suns->api, &suns->gl);
     if (st)
         return st;
-    if (p->method == GP_SUN_READBACK)
-        return gp_sun_readback(log, suns->gl, &suns->occluders, &p->map,
-                               suns->light, suns->n, &suns->map);
-    st = gp_sun_map_draw(log, suns->gl, &suns->occluders, &p->map, suns->light,
-                         suns->n, &suns->map);
-    return st ? st
-              : gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n);
+    return (p->method == GP_SUN_MASK ? gp_sun_mask : gp_sun_readback)(
+        log, suns->gl, &suns->occluders, &p->map, suns->light, suns->n,
+        &suns->map);
 }
 
 double gp_suns_mean(const struct gp_suns *suns)
@@ -322,45 +318,6 @@ double gp_suns_mean(const struct gp_suns *suns)
         plain += l->visibility;
     }
     return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
-}
-
-gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
-                          bool intensity, int *w, int *h, struct gp_planes *out)
-{
-    const int side = suns->p->map.side, texels = side * side;
-    gp_status st;
-    float *grey = NULL, *map = NULL;
-    if (suns->p->method == GP_SUN_MASK) {
-        GP_TRY(gp_gl_use(log, suns->gl));
-        GP_TRY(gp_sun_map_picture(log, suns->gl, suns->map, intensity, w, h,
-                                  &grey));
-    } else { // other methods draw no maps: their plain form, on the CPU
-        *w = intensity ? suns->n : suns->n * side;
-        *h = intensity ? 1 : side;
-        GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));
-        GP_TRY(gp_alloc(log, "picture", (size_t) *w * (size_t) *h, sizeof *grey,
-                        &grey));
-    }
-    for (int i = 0; map && i < suns->n; i++) {
-        if (intensity) {
-            grey[i] = (float) suns->light[i].visibility;
-            continue;
-        }
-        gp_sun_map_reference(&suns->occluders, &suns->p->map, &suns->light[i],
-                             map);
-        for (int k = 0; k < texels; k++)
-            grey[(size_t) (k / side) * (size_t) *w +
-                 (size_t) (i * side + k % side)] =
-                map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1] : 0.0f;
-    }
-    const size_t n = (size_t) *w * (size_t) *h;
-    GP_TRY(gp_planes_make(log, "picture", n, out));
-    for (int c = 0; c < 3; c++)
-        memcpy(out->c[c], grey, n * sizeof *grey);
-out:
-    gp_free(map);
-    gp_free(grey);
-    return st;
 }
 
 void gp_suns_end_frame(struct gp_suns *suns)

@@ -13,14 +13,14 @@
 #include "glare/sources.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
-#include "sun/map.h"
+#include "sun/mask/mask.h"
 #include "sun/occluder.h"
 
 #include <stdbool.h>
 
 enum gp_sun_method {
     GP_SUN_EXACT,    // gp_sun_exact()
-    GP_SUN_MASK,     // gp_sun_map_draw()
+    GP_SUN_MASK,     // gp_sun_mask()
     GP_SUN_READBACK, // gp_sun_readback()
 };
 
@@ -177,12 +177,6 @@ GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
 
 /* Returns the mean visibility, weighted by flux where lights have any. */
 double gp_suns_mean(const struct gp_suns *suns);
-
-/* Makes pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of
- * all lights side by side, or the intensity map. */
-GP_MUST_CHECK gp_status gp_suns_picture(
-    const struct gp_log *log, const struct gp_suns *suns, bool intensity,
-    int *w, int *h, struct gp_planes *out);
 
 /* Frees the frame's part. */
 void gp_suns_end_frame(struct gp_suns *suns);
