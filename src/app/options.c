@@ -61,8 +61,8 @@ static const struct gp_option_choice gp_depth_types[] = {
 static const struct gp_option_choice gp_sun_methods[] = {
     {"exact", GP_SUN_EXACT, "the area of every pixel under the disc, in "
      "double, on the CPU; no GL"},
-    {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: sun map, intensity "
-     "map, and glare that fetches it; nothing is read back before that is drawn"},
+    {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: a sun map of samples, "
+     "added up in a pixel"},
     {"readback", GP_SUN_READBACK, "read the region under the light back from "
      "GL and count its clear pixels"},
     {0},
@@ -74,8 +74,6 @@ static const struct gp_option_choice gp_patterns[] = {
 static const struct gp_option_choice gp_sums[] = {
     {"float", GP_SUM_FLOAT, "every texel, in float"},
     {"8bit", GP_SUM_BYTE, "in 8 bits, 1/255 a texel, as in the paper"},
-    {"bilinear", GP_SUM_BILINEAR, "a quarter of the points, each the mean of "
-     "four texels"},
     {0},
 };
 static const struct gp_option_choice gp_outsides[] = {

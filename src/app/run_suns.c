@@ -106,6 +106,10 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_sun_files files = {r->s, fs->job};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    static const char *const ways[] = {
+        [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
+        [GP_SUN_READBACK] = "readback",
+    };
     gp_status st = gp_suns_place(fs->log, &reader, &fs->frame, &r->suns);
     if (!st)
         st = measure_outside(r, fs);
@@ -113,7 +117,7 @@ gp_status gp_run_suns(struct gp_run *r, struct gp_frame_state *fs)
         st = gp_suns_measure(fs->log, &r->suns);
     if (st)
         return st;
-    fs->facts.sun.way = gp_suns_way(&r->suns);
+    fs->facts.sun.way = ways[r->suns.p->method];
     if (r->suns.gl)
         fs->facts.sun.gl = gp_gl_info(r->suns.gl)->name;
     return GP_OK;
@@ -169,10 +173,12 @@ gp_status gp_run_shares(struct gp_run *r, struct gp_frame_state *fs)
                            : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
     }
     if (r->s->debug[GP_DEBUG_SUNMAP])
-        st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,
-                             &fs->sunmap.h, &fs->sunmap.planes);
+        st = gp_sun_map_picture(fs->log, o, &suns->p->map, suns->light,
+                                suns->n, &fs->sunmap.w, &fs->sunmap.h,
+                                &fs->sunmap.planes);
     if (!st && r->s->debug[GP_DEBUG_INTENSITY])
-        st = gp_suns_picture(fs->log, suns, true, &fs->intensity.w,
-                             &fs->intensity.h, &fs->intensity.planes);
+        st = gp_sun_map_picture(fs->log, o, NULL, suns->light, suns->n,
+                                &fs->intensity.w, &fs->intensity.h,
+                                &fs->intensity.planes);
     return st;
 }

@@ -332,9 +332,6 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     bool joined;
     gp_status st = gp_suns_join(fs->log, &r->suns, &fs->frame, &fs->sources,
                                 &fs->joined, &joined);
-    if (!st)
-        st = gp_suns_spread(fs->log, &r->suns, gp_run_kernel_of(fs),
-                            &fs->frame);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);

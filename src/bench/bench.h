@@ -66,7 +66,7 @@ struct gp_bench_request {
  *
  * With a light in the sun's params the table compares methods of measuring its
  * visibility: exact, readback, masks of 4 to 64 texels a side, disc and square,
- * summed in float, in 8 bits and by bilinear quarters, and one mask on the CPU;
+ * summed in float and in 8 bits, and one mask on the CPU;
  * the error is the difference to exact over all lights. Without a plot.
  *
  * Extra layers are rows after the techniques, each against its own truth.

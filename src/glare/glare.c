@@ -375,7 +375,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     GP_TRY(gp_glare_run(log, &p, &engines, &disc, &core, &f, &stats));
     *out = (struct gp_spread_kernel) {
         .w = w, .h = h, .cx = k->cx + reach + 0.5, .cy = k->cy + reach + 0.5,
-        .k = f.layer, .step = 1, .serial = gp_serial_next(),
+        .k = f.layer, .step = 1,
     };
     f.layer = (struct gp_planes) {0};
 out:

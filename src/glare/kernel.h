@@ -126,7 +126,6 @@ struct gp_spread_kernel {
     double cx, cy;        // the disc's centre, pixel (i,j) covers [i, i + 1)
     struct gp_planes k;   // w * h each
     int step;             // pixels from sample to sample; 1, but of a tail
-    unsigned long serial; // gp_serial_next()
 };
 
 /* Spreads k over the (2 reach + 1)^2 pixels of a disc around its centre's

@@ -1,5 +1,5 @@
-/* Discs: equal-area samples, the area inside a rectangle, and the visible share
- * of a light by the area of each pixel under it. */
+/* Discs: the area inside a rectangle, and the visible share of a light by the area
+ * of each pixel under it. */
 #include "sun/sun_priv.h"
 
 #include "core/minmax.h"
@@ -8,27 +8,6 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
-
-void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
-                      double *x, double *y)
-{
-    const double a = 2.0 * u - 1.0, b = 2.0 * v - 1.0;
-    *x = a;
-    *y = b;
-    if (pattern == GP_PATTERN_SQUARE || (a == 0.0 && b == 0.0))
-        return;
-    // the wedge of the larger coordinate, which is the radius; the other one
-    // turns by up to an eighth of a circle from its axis
-    if (fabs(a) > fabs(b)) {
-        const double turn = M_PI_4 * (b / a);
-        *x = a * cos(turn);
-        *y = a * sin(turn);
-    } else {
-        const double turn = M_PI_4 * (a / b);
-        *x = b * sin(turn);
-        *y = b * cos(turn);
-    }
-}
 
 /* -- area of a disc in a rectangle ----------------------------------------
  *

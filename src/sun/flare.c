@@ -204,8 +204,10 @@ static void narrow_span(double limit, double a, double b, const double y[2],
     *hi = fmin(*hi, high);
 }
 
-bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
-                   int *x1)
+/* Finds columns [*x0, *x1) outside of which the quad reaches nothing in rows
+ * [y0, y1); cut to its rect. Returns false where there are none. */
+static bool find_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
+                      int *x1)
 {
     const struct gp_flare_look *const look = i->look;
     const int top = y0 > i->rect.y0 ? y0 : i->rect.y0;
@@ -249,6 +251,16 @@ struct pair {
     double diameter;
 };
 
+struct quads {
+    struct gp_flare_quad *at;     // owned; in the order of lights, elements
+    int n;
+    struct gp_flare_look *look;   // owned; room for one a quad
+    int looks;
+    int *last;                    // owned; last look of each element, from 1
+    struct gp_flare_level *level; // owned; one an element
+    int elements;
+};
+
 static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
 {
     q->rect = rect;
@@ -277,7 +289,7 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
         int x0, x1;
-        if (!gp_flare_span(&q, y, y + 1, &x0, &x1))
+        if (!find_span(&q, y, y + 1, &x0, &x1))
             continue;
         if (q.look)
             gp_flare_look_row(&q, y, x0, x1, one, to);
@@ -350,14 +362,12 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
 }
 
 /* Adds a quad for channels [first, end), unless it is dark. */
-static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
-    const struct gp_flare_look *look, int element, int light, int first,
-    int end)
+static void add_quad(struct quads *quads, const struct pair *p,
+    const struct gp_flare_look *look, int light, int first, int end)
 {
     const double angle = p->e.rotation * M_PI / 180.0;
     struct gp_flare_quad q = {
-        .plain = p->e.plain && p->level, .look = look,
-        .element = element, .light = light,
+        .plain = p->e.plain && p->level, .look = look, .light = light,
         .turn = {(float) cos(angle), (float) sin(angle)},
         .image = p->level ? &p->level->image : NULL,
     };
@@ -373,15 +383,15 @@ static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
         quads->at[quads->n++] = q;
 }
 
-/* Counts the quads of element k for a light; `clear`: none for hidden ones. */
+/* Counts the quads of element k for a light; none for a hidden one. */
 static int quads_of(const struct gp_flare *f, int k, const struct gp_light *l,
-                    bool clear, struct gp_rect frame, struct gp_rect display)
+                    struct gp_rect frame, struct gp_rect display)
 {
     const struct gp_flare_element e = dress(f, k, l, display);
     const bool dark = l->flux[0] <= 0.0f && l->flux[1] <= 0.0f &&
                       l->flux[2] <= 0.0f;
     if (dark || e.source != GP_FLARE_LIGHTS ||
-        (clear && !(l->visibility > 0.0)) ||
+        !(l->visibility > 0.0) ||
         (e.only && fnmatch(e.only, l->name, 0) != 0) ||
         gp_rect_empty(gp_flare_reach(&e, l, frame, display)))
         return 0;
@@ -391,7 +401,7 @@ static int quads_of(const struct gp_flare *f, int k, const struct gp_light *l,
 
 /* Finds the look of a pair among those of its element, or makes it. */
 static gp_status find_look(const struct gp_log *log, const struct pair *p,
-    int element, struct gp_flare_quads *quads,
+    int element, struct quads *quads,
     const struct gp_flare_look **out)
 {
     int *const last = &quads->last[element]; // from 1
@@ -406,16 +416,17 @@ static gp_status find_look(const struct gp_log *log, const struct pair *p,
     return st;
 }
 
-gp_status gp_flare_quads_make(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
-    struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out)
+/* Makes quads of all elements that are not empty, of lights whose visibility is
+ * over 0. *out is zero before; free_quads() frees it, after a failure too. */
+static gp_status make_quads(const struct gp_log *log,
+    const struct gp_flare *f, const struct gp_light *light, int n,
+    struct gp_rect frame, struct gp_rect display, struct quads *out)
 {
     size_t most = 0;
     gp_status st;
-    *out = (struct gp_flare_quads) {0};
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++)
-            most += (size_t) quads_of(f, k, &light[l], clear, frame, display);
+            most += (size_t) quads_of(f, k, &light[l], frame, display);
     }
     if (most == 0)
         return GP_OK;
@@ -443,7 +454,7 @@ gp_status gp_flare_quads_make(const struct gp_log *log,
     }
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++) {
-            const int quads = quads_of(f, k, &light[l], clear, frame, display);
+            const int quads = quads_of(f, k, &light[l], frame, display);
             struct pair p = {
                 .e = dress(f, k, &light[l], display), .light = &light[l],
                 .level = f->element[k].image.w ? &out->level[k] : NULL,
@@ -455,14 +466,14 @@ gp_status gp_flare_quads_make(const struct gp_log *log,
             if (quads && !is_image(&p.e))
                 GP_TRY(find_look(log, &p, k, out, &look));
             for (int i = 0; i < quads; i++)
-                add_quad(out, &p, look, k, l, i, quads == 1 ? 3 : i + 1);
+                add_quad(out, &p, look, l, i, quads == 1 ? 3 : i + 1);
         }
     }
 out:
     return st;
 }
 
-void gp_flare_quads_free(struct gp_flare_quads *quads)
+static void free_quads(struct quads *quads)
 {
     for (int i = 0; i < quads->elements; i++) {
         if (quads->level[i].level > 0)
@@ -474,7 +485,6 @@ void gp_flare_quads_free(struct gp_flare_quads *quads)
     gp_free(quads->look);
     gp_free(quads->last);
     gp_free(quads->level);
-    *quads = (struct gp_flare_quads) {0};
 }
 
 // -- adding ------------------------------------------------------------------
@@ -482,7 +492,7 @@ void gp_flare_quads_free(struct gp_flare_quads *quads)
 enum { ROWS = 16 }; // of a task
 
 struct adding {
-    const struct gp_flare_quads *quads;
+    const struct quads *quads;
     const struct gp_light *light;
     struct gp_rect frame;
     struct gp_planes *layer;
@@ -505,7 +515,7 @@ static void add_rows(void *ctx, int i, int thread)
         for (int c = 0; c < 3; c++)
             amount[c] = q->amount[c] * visible;
         for (int y = y0; y < y1; y++) {
-            if (!gp_flare_span(q, y, y + 1, &x0, &x1))
+            if (!find_span(q, y, y + 1, &x0, &x1))
                 continue;
             const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
                               (size_t) (x0 - f.x0);
@@ -525,13 +535,12 @@ gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_light *light, int n, struct gp_rect frame,
     struct gp_rect display, struct gp_planes *layer)
 {
-    struct gp_flare_quads quads = {0};
-    gp_status st = gp_flare_quads_make(log, f, light, n, true, frame, display,
-                                       &quads);
+    struct quads quads = {0};
+    gp_status st = make_quads(log, f, light, n, frame, display, &quads);
     if (!st && quads.n > 0) {
         struct adding a = {&quads, light, frame, layer};
         gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
     }
-    gp_flare_quads_free(&quads);
+    free_quads(&quads);
     return st;
 }

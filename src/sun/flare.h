@@ -64,7 +64,6 @@
 
 #include "core/frame.h"
 #include "core/status.h"
-#include "gl/gl.h"
 #include "sun/lights.h"
 
 enum gp_flare_shape {
@@ -81,7 +80,6 @@ struct gp_flare_image {
     int w, h;
     double cx, cy;
     struct gp_planes rgb; // owned
-    unsigned long serial; // gp_serial_next(); 0 none
 };
 
 /* Factors by a light's place, at [0] and at [1], linear between. */
@@ -149,24 +147,5 @@ GP_MUST_CHECK gp_status gp_flare_presets(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n,
     struct gp_rect frame, struct gp_rect display, struct gp_planes *layer);
-
-/* The same of a flare of images only, on GL, where visibility is texel (i, 0)
- * of `intensity` (r / g, 0 where g is 0) and the vertex shader fetches it: a
- * hidden light's polygons stay shut. Draws, blended, into a float target of what
- * the elements reach together, and does not wait for it. *state keeps programs
- * and textures. `intensity` must not change until gp_flare_read_layer(), which
- * draws the part beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG
- * memory. */
-struct gp_flare_gl;
-GP_MUST_CHECK gp_status gp_flare_draw(
-    const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,
-    const struct gp_light *light, int n, const struct gp_texture *intensity,
-    struct gp_rect frame, struct gp_rect display, struct gp_flare_gl **state);
-
-/* Waits for the last draw, reads it back, and adds it to `layer`. */
-GP_MUST_CHECK gp_status gp_flare_read_layer(const struct gp_log *log,
-    const struct gp_gl *gl, const struct gp_flare_gl *state,
-    struct gp_rect frame, struct gp_planes *layer);
-void gp_flare_close(const struct gp_gl *gl, struct gp_flare_gl **state);
 
 #endif

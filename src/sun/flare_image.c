@@ -1,5 +1,4 @@
-/* Images of flare elements: smaller levels of them, and rows in plain C, in
- * float: the twin of shaders/flare.frag. */
+/* Images of flare elements: smaller levels of them, and rows of them. */
 #include "sun/sun_priv.h"
 
 #include "core/colour.h"
@@ -18,7 +17,7 @@ static gp_status halve(const struct gp_log *log,
 {
     const int w = (in->w + 1) / 2, h = (in->h + 1) / 2;
     *out = (struct gp_flare_image) {.w = w, .h = h, .cx = in->cx / 2.0,
-                                    .cy = in->cy / 2.0, .serial = in->serial};
+                                    .cy = in->cy / 2.0};
     const gp_status st = gp_planes_make(log, "a flare image at half size",
                                         (size_t) w * (size_t) h, &out->rgb);
     for (int c = 0; !st && c < 3; c++) {

@@ -2,7 +2,6 @@
 
 #include "core/memory.h"
 #include "core/json.h"
-#include "sun/map.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -21,17 +21,9 @@
 
 #include <stddef.h>
 
-/* Depth samples of a frame by kind, and facts that follow for the plane. The
- * kinds are disjoint, but surface counts by `reversed` all that are not
- * empty. */
+/* Facts that follow from all depth samples of a frame. */
 struct gp_depth_facts {
-    long long zero, nan, inf; // of either sign
-    long long huge;           // finite, 1e9 and more from 0
-    long long half_max;       // 65504 from 0
-    long long negative;       // the others under 0
-    long long one;            // 1
-    long long surface;
-    bool reversed;  // sign or direction turned, see above
+    bool reversed;  // sign or direction turned, see core/depth.h
     char empty[64]; // values of the background that occur: "1e+10",
                     // "0, inf", "none"
 };
@@ -45,15 +37,20 @@ struct gp_occluders {
     struct gp_depth_facts facts; // by gp_occluders_count()
 };
 
-/* Counts o->depth's samples (in parallel, same counts for any number of
- * threads) and fills o->facts. Call before anything below; no depth is fine. */
+/* Fills o->facts from o->depth's samples (in parallel, the same for any number of
+ * threads). Call before anything below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
-/* The place of depth sample v on the light's scale: distance for z, ray and
- * inverse, 0 near to 1 far for normalized. INFINITY when it is empty. */
-double gp_depth_place(const struct gp_occluders *o, float v);
+/* A pixel, anywhere in the plane. */
+struct gp_sun_pixel {
+    double place; // of its surface on the light's scale: distance for z, ray
+                  // and inverse, 0 near to 1 far for normalized. INFINITY: none
+    float cover;  // share of a light that it hides where the surface is nearer,
+                  // or there is none
+};
+struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y);
 
-/* s of a pixel, anywhere in the plane. */
+/* s of a pixel. */
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y);
 
@@ -62,7 +59,7 @@ double gp_occluders_show(const struct gp_occluders *o,
 bool gp_occluders_beyond(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y);
 
-/* Sum of s over pixels [x0, x1) of row y: the same values, many at a time. */
+/* Sum of s over pixels [x0, x1) of row y. */
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
                         int x0, int x1, int y);
 

@@ -87,7 +87,6 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         }
         e->image = (struct gp_flare_image) {
             .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
-            .serial = gp_serial_next(),
         };
         image.rgb = (struct gp_planes) {0};
         gp_frame_free(&image);
@@ -302,32 +301,9 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
                             : gp_gl_open(log, suns->api, &suns->gl);
     if (st)
         return st;
-    if (p->method == GP_SUN_READBACK)
-        return gp_sun_readback(log, suns->gl, &suns->occluders, &p->map,
-                               suns->light, suns->n, &suns->map);
-    st = gp_sun_map_draw(log, suns->gl, &suns->occluders, &p->map, suns->light,
-                         suns->n, &suns->map);
-    // a software context shares our memory and cores: reading the shares early
-    // stalls nothing, and engines and CPU take a quarter of its time for
-    // blended sprites and elements
-    suns->early = p->draw == GP_DRAW_CPU ||
-                  (p->draw == GP_DRAW_AUTO && gp_gl_info(suns->gl)->software);
-    return st || !suns->early ? st
-                              : gp_sun_map_read(log, suns->gl, suns->map,
-                                                suns->light, suns->n);
-}
-
-const char *gp_suns_way(const struct gp_suns *suns)
-{
-    switch (suns->p->method) {
-    case GP_SUN_EXACT:
-        return "exact";
-    case GP_SUN_READBACK:
-        return "readback";
-    case GP_SUN_MASK:
-        return suns->early ? "mask, drawn on the CPU" : "mask, drawn on GL";
-    }
-    return "";
+    return (p->method == GP_SUN_MASK ? gp_sun_mask : gp_sun_readback)(
+        log, suns->gl, &suns->occluders, &p->map, suns->light, suns->n,
+        &suns->map);
 }
 
 double gp_suns_mean(const struct gp_suns *suns)
@@ -344,45 +320,6 @@ double gp_suns_mean(const struct gp_suns *suns)
     return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
 }
 
-gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
-                          bool intensity, int *w, int *h, struct gp_planes *out)
-{
-    const int side = suns->p->map.side, texels = side * side;
-    gp_status st;
-    float *grey = NULL, *map = NULL;
-    if (suns->p->method == GP_SUN_MASK) {
-        GP_TRY(gp_gl_use(log, suns->gl));
-        GP_TRY(gp_sun_map_picture(log, suns->gl, suns->map, intensity, w, h,
-                                  &grey));
-    } else { // other methods draw no maps: their plain form, on the CPU
-        *w = intensity ? suns->n : suns->n * side;
-        *h = intensity ? 1 : side;
-        GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));
-        GP_TRY(gp_alloc(log, "picture", (size_t) *w * (size_t) *h, sizeof *grey,
-                        &grey));
-    }
-    for (int i = 0; map && i < suns->n; i++) {
-        if (intensity) {
-            grey[i] = (float) suns->light[i].visibility;
-            continue;
-        }
-        gp_sun_map_reference(&suns->occluders, &suns->p->map, &suns->light[i],
-                             map);
-        for (int k = 0; k < texels; k++)
-            grey[(size_t) (k / side) * (size_t) *w +
-                 (size_t) (i * side + k % side)] =
-                map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1] : 0.0f;
-    }
-    const size_t n = (size_t) *w * (size_t) *h;
-    GP_TRY(gp_planes_make(log, "picture", n, out));
-    for (int c = 0; c < 3; c++)
-        memcpy(out->c[c], grey, n * sizeof *grey);
-out:
-    gp_free(map);
-    gp_free(grey);
-    return st;
-}
-
 void gp_suns_end_frame(struct gp_suns *suns)
 {
     gp_plane_free(&suns->depth);
@@ -394,7 +331,7 @@ void gp_suns_end_frame(struct gp_suns *suns)
 void gp_suns_close(struct gp_suns *suns)
 {
     gp_suns_end_frame(suns);
-    gp_suns_drop_sprites(suns);
+    gp_suns_drop_sprite(suns);
     if (suns->map)
         gp_sun_map_close(suns->gl, &suns->map);
     if (suns->gl)

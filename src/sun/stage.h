@@ -2,8 +2,7 @@
  * their visibility, and adds their light.
  *
  * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
- * gp_suns_join() and gp_suns_spread() with the engines, gp_suns_draw(),
- * gp_suns_end_frame(). Files are read through a gp_sun_reader. */
+ * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). Files are read through a gp_sun_reader. */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
@@ -14,30 +13,21 @@
 #include "glare/sources.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
-#include "sun/map.h"
+#include "sun/mask/mask.h"
 #include "sun/occluder.h"
 
 #include <stdbool.h>
 
 enum gp_sun_method {
     GP_SUN_EXACT,    // gp_sun_exact()
-    GP_SUN_MASK,     // gp_sun_map_draw(): nothing returns before the end
+    GP_SUN_MASK,     // gp_sun_mask()
     GP_SUN_READBACK, // gp_sun_readback()
-};
-
-/* The place where the glare of a mask's lights is drawn. */
-enum gp_sun_draw {
-    GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
-    GP_DRAW_GL,   // shaders of sprites fetch the share: nothing is read back
-                  // before the glare is done; flare is drawn on the CPU then
-    GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
 };
 
 /* Suns and lamps, their occluders and their light. Files are NULL when not
  * given; those of planes are opened by the reader. */
 struct gp_sun_params {
     enum gp_sun_method method;
-    enum gp_sun_draw draw;
     struct gp_map_params map;
     struct gp_numbers at;      // x, y and maybe radius, pixels
     struct gp_numbers dir;     // towards the sun, world
@@ -89,11 +79,11 @@ struct gp_sun_reader {
  * light's own place. */
 struct gp_sun_sprite {
     double radius;
+    unsigned long kernel; // serial of the kernel that it is made of
+    int height;           // of the display that the tail is sized for
     struct gp_flare_element element[2]; // the kernel's core; its tail
-    int n;
-    struct gp_flare_gl *drawn;
+    int n;                // 0: no sprite
 };
-enum { GP_SUN_SPRITES = 64 }; // kept at once
 
 struct gp_suns {
     // of the run
@@ -106,20 +96,16 @@ struct gp_suns {
     double more_fov;            // degrees, of the scene's camera; 0: none
     bool warned_clear;          // warned that nothing hides the lights
     bool warned_window;         // warned that a plane does not cover the frame
-    // on GL, kept from frame to frame
+    // kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
-    struct gp_sun_sprite sprite[GP_SUN_SPRITES];
-    int sprites;
-    unsigned long sprite_kernel; // serial of the kernel they are made of
-    int sprite_height;           // of the display that tails are sized for
+    struct gp_sun_sprite sprite; // of the last light beyond a frame
     // of the frame
     struct gp_suns_more more;   // set by the caller, before gp_suns_place()
     struct gp_plane depth, mask;
     struct gp_occluders occluders;
     struct gp_light *light;     // owned
     int n;
-    bool early;  // the mask's shares were read before the engines ran
 };
 
 /* Returns true when the command line names a light, or a camera, which may. */
@@ -155,8 +141,7 @@ GP_MUST_CHECK gp_status gp_suns_place(
     const struct gp_log *log, const struct gp_sun_reader *reader,
     const struct gp_frame *f, struct gp_suns *suns);
 
-/* Measures the visibility of each light. With the mask it stays on GL until
- * gp_suns_draw(), unless suns->early. Errors: GP_ERR_GL, GP_ERR_BUG. */
+/* Measures the visibility of each light. Errors: GP_ERR_GL, GP_ERR_BUG. */
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
@@ -168,8 +153,9 @@ double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
 /* Returns true when a light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 
-/* The largest offsets in x and y from a light that gp_suns_spread() has to a
- * pixel of the frame, so that the kernel can reach there; 0: no such light. */
+/* The largest offsets in x and y from a light that gp_suns_draw() gives glare
+ * to a pixel of the frame, so that the kernel can reach there; 0: no such
+ * light. */
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
                      int offset[2]);
 
@@ -178,36 +164,19 @@ void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
 bool gp_suns_add_light(const struct gp_suns *suns);
 
 /* Joins the sources and the visible light of those lights that go through the
- * engines: none with the mask, whose share is not known yet, and none that
- * reaches beyond the frame. Sets *joined when *out was made. */
+ * engines: none that reaches beyond the frame. Sets *joined when *out was made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_frame *f,
     const struct gp_sources *src, struct gp_sources *out, bool *joined);
 
-/* Spreads the kernel for those that do not, as far as sprites are kept, so
- * that gp_suns_draw() only draws: the engines' share of the work.
- * Errors: GP_ERR_DATA a radius over 1024 pixels; those of gp_kernel_spread().
- */
-GP_MUST_CHECK gp_status gp_suns_spread(
-    const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_kernel *kernel, const struct gp_frame *f);
-
 /* Adds lens flare, and the glare of lights that did not go through the engines,
- * to f->layer, which is made. All visibilities are known afterwards. */
+ * to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
+ * those of gp_kernel_spread(). */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_frame *f);
 
-/* Returns the method's text for the report: "mask, drawn on GL". */
-const char *gp_suns_way(const struct gp_suns *suns);
-
 /* Returns the mean visibility, weighted by flux where lights have any. */
 double gp_suns_mean(const struct gp_suns *suns);
-
-/* Makes pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of
- * all lights side by side, or the intensity map. */
-GP_MUST_CHECK gp_status gp_suns_picture(
-    const struct gp_log *log, const struct gp_suns *suns, bool intensity,
-    int *w, int *h, struct gp_planes *out);
 
 /* Frees the frame's part. */
 void gp_suns_end_frame(struct gp_suns *suns);

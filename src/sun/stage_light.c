@@ -1,6 +1,5 @@
 /* The light of suns and lamps: sources for the engines, sprites of the kernel
- * for lights whose share is on GL or that reach beyond the frame, and lens
- * flare. */
+ * for lights that reach beyond the frame, and lens flare. */
 #include "sun/stage.h"
 
 #include "core/colour.h"
@@ -95,13 +94,6 @@ bool gp_suns_glare(const struct gp_suns *suns)
     return false;
 }
 
-/* Returns true when the shares are still on GL: then all light that needs them
- * is drawn there. */
-static bool on_gl(const struct gp_suns *suns)
-{
-    return suns->p->method == GP_SUN_MASK && !suns->early;
-}
-
 /* Returns true when light l is drawn as a sprite: engines have no sources
  * outside the frame and would cut the light of one that is partly outside. */
 static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
@@ -110,8 +102,8 @@ static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
     const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
     const bool beyond = l->x - r < data.x0 || l->y - r < data.y0 ||
                         l->x + r > data.x1 || l->y + r > data.y1;
-    return gp_light_has_flux(l) && !suns->p->in_frame &&
-           (on_gl(suns) || (l->visibility > 0.0 && beyond));
+    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0 &&
+           beyond;
 }
 
 /* Returns true when light l goes through the engines. */
@@ -140,8 +132,6 @@ void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
 
 bool gp_suns_add_light(const struct gp_suns *suns)
 {
-    if (on_gl(suns))
-        return gp_suns_glare(suns);
     for (int i = 0; i < suns->n; i++) {
         if (gp_light_has_flux(&suns->light[i]) &&
             suns->light[i].visibility > 0.0)
@@ -183,15 +173,11 @@ out:
 
 enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
 
-void gp_suns_drop_sprites(struct gp_suns *suns)
+void gp_suns_drop_sprite(struct gp_suns *suns)
 {
-    for (int i = 0; i < suns->sprites; i++) {
-        for (int k = 0; k < suns->sprite[i].n; k++)
-            gp_planes_free(&suns->sprite[i].element[k].image.rgb);
-        if (suns->sprite[i].drawn)
-            gp_flare_close(suns->gl, &suns->sprite[i].drawn);
-    }
-    suns->sprites = 0;
+    for (int k = 0; k < suns->sprite.n; k++)
+        gp_planes_free(&suns->sprite.element[k].image.rgb);
+    suns->sprite.n = 0;
 }
 
 /* A spread kernel as an element; takes its planes. That of a tail is drawn as
@@ -204,8 +190,7 @@ static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
         .shape = GP_FLARE_IMAGE, .plain = k->step == 1,
         .scale = {1.0f, 1.0f, 1.0f},
         .size = (double) gp_max(k->w, k->h) * k->step / height,
-        .image = {.w = k->w, .h = k->h, .cx = k->cx, .cy = k->cy, .rgb = k->k,
-                  .serial = k->serial},
+        .image = {.w = k->w, .h = k->h, .cx = k->cx, .cy = k->cy, .rgb = k->k},
     };
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -219,13 +204,12 @@ static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
     return e;
 }
 
-/* Finds the sprite of a radius, or makes it. When a frame has more radii than
- * are kept, all are made anew. */
-static gp_status find_sprite(const struct gp_log *log,
+/* Makes the sprite of a radius, unless the last one is the same. */
+static gp_status make_sprite(const struct gp_log *log,
                              const struct gp_kernel *k, double radius,
-                             int height, struct gp_suns *suns,
-                             struct gp_sun_sprite **out)
+                             int height, struct gp_suns *suns)
 {
+    struct gp_sun_sprite *const s = &suns->sprite;
     struct gp_disc_pixels d;
     struct gp_spread_kernel core, tail;
     if (radius > SPRITE_RADIUS)
@@ -234,72 +218,28 @@ static gp_status find_sprite(const struct gp_log *log,
             "the frame's edge (the limit is %d); leave its flux out, or add "
             "--sun-in-frame", radius, SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
-    if (suns->sprite_kernel != k->serial || suns->sprite_height != height)
-        gp_suns_drop_sprites(suns);
-    suns->sprite_kernel = k->serial;
-    suns->sprite_height = height;
-    for (int i = 0; i < suns->sprites; i++) {
-        if (suns->sprite[i].radius == radius) {
-            *out = &suns->sprite[i];
-            return GP_OK;
-        }
-    }
-    if (suns->sprites == GP_SUN_SPRITES)
-        gp_suns_drop_sprites(suns);
+    if (s->n && s->radius == radius && s->kernel == k->serial &&
+        s->height == height)
+        return GP_OK;
+    gp_suns_drop_sprite(suns);
     gp_status st = gp_disc_pixels_make(log, radius, &d);
     if (st)
         return st;
-    st = gp_kernel_spread(log, k, d.m, d.weight, &core);
-    if (!st && k->tail) {
-        st = gp_kernel_spread_tail(log, k, d.m, d.weight, &tail);
-        if (st)
-            gp_planes_free(&core.k);
-    }
-    gp_free(d.weight);
-    if (st)
-        return st;
-    struct gp_sun_sprite *const s = *out = &suns->sprite[suns->sprites++];
-    *s = (struct gp_sun_sprite) {.radius = radius};
-    s->element[s->n++] = element_of(&core, height);
-    if (k->tail)
+    GP_TRY(gp_kernel_spread(log, k, d.m, d.weight, &core));
+    *s = (struct gp_sun_sprite) {radius, k->serial, height,
+                                 {element_of(&core, height)}, 1};
+    if (k->tail) {
+        GP_TRY(gp_kernel_spread_tail(log, k, d.m, d.weight, &tail));
         s->element[s->n++] = element_of(&tail, height);
-    return GP_OK;
-}
-
-gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_kernel *kernel, const struct gp_frame *f)
-{
-    gp_status st = GP_OK;
-    int made = 0;
-    for (int i = 0; !st && i < suns->n && made < GP_SUN_SPRITES; i++) {
-        struct gp_sun_sprite *sprite;
-        if (!is_sprite(suns, &suns->light[i], f->data))
-            continue;
-        if (made++ == 0 && suns->gl) // for those of another kernel
-            st = gp_gl_use(log, suns->gl);
-        if (!st)
-            st = find_sprite(log, kernel, suns->light[i].radius,
-                             gp_rect_h(f->display), suns, &sprite);
     }
+out:
+    if (st)
+        gp_suns_drop_sprite(suns);
+    gp_free(d.weight);
     return st;
 }
 
 // -- drawing -----------------------------------------------------------------
-
-/* Draws sprites of some lights, on the CPU or on GL. */
-static gp_status draw_sprites(const struct gp_log *log, struct gp_suns *suns,
-    struct gp_sun_sprite *sprite, const struct gp_light *light,
-    struct gp_frame *f)
-{
-    const struct gp_flare one = {.element = sprite->element, .n = sprite->n};
-    if (!on_gl(suns))
-        return gp_flare_add(log, &one, light, suns->n, f->data, f->display,
-                            &f->layer);
-    gp_status st = gp_flare_draw(log, suns->gl, &one, light, suns->n,
-        &suns->map->intensity.colour, f->data, f->display, &sprite->drawn);
-    return st ? st : gp_flare_read_layer(log, suns->gl, sprite->drawn, f->data,
-                                         &f->layer);
-}
 
 gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                        const struct gp_kernel *kernel, struct gp_frame *f)
@@ -307,20 +247,14 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
     gp_status st = GP_OK;
     struct gp_light *some = NULL; // those of other radii without flux
     bool *done = NULL;
-    const bool dark = !gp_suns_add_light(suns);
     const size_t n = (size_t) suns->n;
-    if (!n)
+    if (!gp_suns_add_light(suns))
         return GP_OK;
-    if (on_gl(suns))
-        GP_TRY(gp_gl_use(log, suns->gl));
     // the glare of the sprites' lights, those of one radius at a time
-    if (!dark) {
-        GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
-        GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
-    }
-    for (int first = 0; !dark && first < suns->n; first++) {
+    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
+    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
+    for (int first = 0; first < suns->n; first++) {
         const double radius = suns->light[first].radius;
-        struct gp_sun_sprite *sprite;
         if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
             continue;
         for (int i = 0; i < suns->n; i++) {
@@ -331,14 +265,13 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
             else
                 memset(some[i].flux, 0, sizeof some[i].flux);
         }
-        GP_TRY(find_sprite(log, kernel, radius, gp_rect_h(f->display), suns,
-                           &sprite));
-        GP_TRY(draw_sprites(log, suns, sprite, some, f));
+        GP_TRY(make_sprite(log, kernel, radius, gp_rect_h(f->display), suns));
+        const struct gp_flare one = {.element = suns->sprite.element,
+                                     .n = suns->sprite.n};
+        GP_TRY(gp_flare_add(log, &one, some, suns->n, f->data, f->display,
+                            &f->layer));
     }
-    // the shares of the mask come back with the sprites; flare is drawn by them
-    if (on_gl(suns))
-        GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n));
-    if (!dark && suns->flare.n)
+    if (suns->flare.n)
         GP_TRY(gp_flare_add(log, &suns->flare, suns->light, suns->n, f->data,
                             f->display, &f->layer));
 out:

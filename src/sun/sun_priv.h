@@ -8,37 +8,12 @@
 #include "gl/gl.h"
 #include "sun/flare.h"
 #include "sun/lens.h"
-#include "sun/map.h"
 #include "sun/stage.h"
 
 #include <stdint.h>
 #include <string.h>
 
-// -- depth samples (occluder.c) ----------------------------------------------
-
-/* Floats in order as whole numbers, and back; -0 and 0 are one. */
-static inline int32_t gp_float_order(float v)
-{
-    int32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits < 0 ? INT32_MIN - bits : bits;
-}
-
-static inline float gp_float_of(int32_t k)
-{
-    const int32_t bits = k < 0 ? INT32_MIN - k : k;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
 // -- discs (exact.c) ---------------------------------------------------------
-
-/* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
- * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
- * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
-void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
-                      double *x, double *y);
 
 /* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
  * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
@@ -56,83 +31,6 @@ struct gp_rect gp_disc_box(double x, double y, double r, struct gp_rect rect);
 enum { GP_SUN_RECTS = 5 };
 int gp_sun_rects(const struct gp_occluders *o, int margin,
                  struct gp_rect rect[GP_SUN_RECTS]);
-
-// -- lights in pixels of the frame, and the pixels under them (map_pixels.c) -
-
-/* Place on the scale of depth of a pixel without surface, and of a light
- * beyond everything; surfaces are under it. Known to sun_map.frag as EMPTY. */
-#define GP_SUN_EMPTY 3.4e38f
-
-/* Samples are moved so many pixels right and down. A sample is often on the
- * line between two pixels (whole positions and radii); this decides which one
- * it reads, whatever the rounding. */
-#define GP_SUN_NUDGE (1.0 / 1048576.0)
-
-/* A light as sun_map.frag sees it. Places are from o->frame's first pixel. */
-struct gp_map_light {
-    double x, y, radius; // pixels, each the sum of two floats; 1e8 at most
-    int k;               // samples along a texel's side; 0: invisible, as it
-                         // is behind the camera or its place is not finite
-    float limit;         // surfaces at a place under it hide the light
-    struct gp_rect box;  // pixels that its samples read; may be empty
-    float outside[2];    // gp_map_outside(); 0 where the place is not finite
-    int slot_x, slot_y;  // place of box in the texture, pixels; even x
-};
-
-struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
-                                  const struct gp_light *l);
-
-/* Pixel of coordinate `at`, -1 or `size` outside of [0, size). */
-int gp_map_pixel_at(double at, int size);
-
-/* Sets the r and g of a light's samples outside the frame: shown * weight,
- * weight. Those of a light behind the camera are all of its map. */
-void gp_map_outside(enum gp_sun_outside outside, const struct gp_light *l,
-                    float count[2]);
-
-/* The texture of pixels under the lights: two a texel, w x h texels. */
-struct gp_map_pixels {
-    bool whole; // the frame once; else each light's box
-    int w, h;
-};
-
-/* Gives each box its slot, in rows of boxes, or all of them the frame's where
- * that is less. Errors: GP_ERR_GL over `most` texels wide or high. */
-GP_MUST_CHECK gp_status gp_map_pack(
-    const struct gp_log *log, const struct gp_occluders *o,
-    struct gp_map_light *light, int n, int most, struct gp_map_pixels *out);
-
-// -- the sun map's state on a context (map.c) --------------------------------
-
-enum gp_sun_program {
-    GP_SUN_TEXELS,          // sun map
-    GP_SUN_PIXELS,          // a region for readback
-    GP_SUN_POINTS,          // as enum gp_sun_sum from here
-    GP_SUN_POINTS_BYTE,
-    GP_SUN_POINTS_BILINEAR,
-    GP_SUN_TOTAL,           // sums to intensity
-    GP_SUN_PROGRAMS,
-};
-
-enum { GP_SUN_BAND = 1 << 18 }; // texels that are written at a time
-
-struct gp_sun_map {
-    struct gp_program program[GP_SUN_PROGRAMS]; // made when first used
-    struct gp_texture pixels, lights;           // see sun_map.frag
-    struct gp_target atlas;      // sides are powers of two, so that the middle
-                                 // between texels is exact in float
-    struct gp_target region;     // for readback
-    struct gp_target sums, byte_sums; // a pixel for each map of the atlas
-    struct gp_target intensity;       // n x 1, RGBA32F, of the last draw
-    struct gp_map_light light[GP_LIGHTS_MAX];
-    float *band;                 // GP_SUN_BAND texels; owned
-    int n, map, columns;         // of the last draw; map 0: a readback
-};
-
-/* Writes all boxes to s->pixels, which is made to fit. */
-GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
-    const struct gp_gl *gl, const struct gp_occluders *o,
-    const struct gp_map_pixels *pixels, struct gp_sun_map *s, int n);
 
 // -- flare: closed forms of elements (element.c) ------------------------------
 
@@ -208,7 +106,7 @@ GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
 /* The quad of one element of one light. */
 struct gp_flare_quad {
     bool plain;
-    int element, light;
+    int light;
     const struct gp_flare_look *look; // NULL: an image
     struct gp_rect rect;  // pixels of the frame that it may reach; not empty
     double x, y;          // place, EXR pixel space
@@ -224,37 +122,13 @@ struct gp_flare_quad {
     const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
-struct gp_flare_quads {
-    struct gp_flare_quad *at;     // owned; in the order of lights, elements
-    int n;
-    struct gp_flare_look *look;   // owned; room for one a quad
-    int looks;
-    int *last;                    // owned; last look of each element, from 1
-    struct gp_flare_level *level; // owned; one an element
-    int elements;
-};
-
-/* All that is not empty, at full visibility; with `clear` only of lights whose
- * visibility is over 0. Elements of f are not needed afterwards, but plain
- * images and such as are drawn at their own size or larger. Free with
- * gp_flare_quads_free(), after a failure too. */
-GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
-    struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out);
-void gp_flare_quads_free(struct gp_flare_quads *quads);
-
 /* The pixels of `frame` (data window) that element e, as light l sees it, may
  * reach; empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
 
-/* Columns [*x0, *x1) outside of which the quad reaches nothing in rows
- * [y0, y1); cut to its rect. false: nothing at all. */
-bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
-                   int *x1);
-
-/* The same of an image's channel c: adds amount * sample in row y to out[0] =
- * column x0, and on to x1; both inside the quad's rect. */
+/* Adds amount * sample of an image's channel c in row y to out[0] = column x0,
+ * and on to x1; both inside the quad's rect. */
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out);
 
@@ -285,7 +159,7 @@ size_t gp_disc_room(double radius); // pixels of a disc, at most
 void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
                    struct gp_rect frame, struct gp_source *list, size_t *n);
 
-void gp_suns_drop_sprites(struct gp_suns *suns);
+void gp_suns_drop_sprite(struct gp_suns *suns);
 
 // -- lenses: rays and meshes (lens.c, lens_trace.c, lens_cover.c) ------------
 

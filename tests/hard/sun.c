@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 #include "gl/gl.h"
-#include "sun/map.h"
+#include "sun/mask/mask.h"
 
 enum { MODES = 3, PATTERNS = 2 };
 
@@ -72,14 +72,8 @@ static void draw_light(const struct gp_occluders *o,
                        struct gp_light *l, const char *what)
 {
     l->visibility = -1.0; // must be written
-    if (way == READBACK) {
-        must(gp_sun_readback(&kept_log, machine.gl, o, p, l, 1, &machine.map),
-             what);
-        return;
-    }
-    must(gp_sun_map_draw(&kept_log, machine.gl, o, p, l, 1, &machine.map),
-         what);
-    must(gp_sun_map_read(&kept_log, machine.gl, machine.map, l, 1), what);
+    must((way == READBACK ? gp_sun_readback : gp_sun_mask)(
+             &kept_log, machine.gl, o, p, l, 1, &machine.map), what);
 }
 
 /* All GL methods of one light, into the largest errors. */

@@ -56,7 +56,7 @@ def sun(rng, folder, frame, form, gl):
     words += ["--sun-method", rng.choice(methods)]
     words += some(rng, 0.3, "--sun-map", rng.choice([2, 16, 64]))
     words += some(rng, 0.2, "--sun-pattern", "square")
-    words += some(rng, 0.3, "--sun-sum", rng.choice(["8bit", "bilinear"]))
+    words += some(rng, 0.3, "--sun-sum", "8bit")
     words += some(rng, 0.3, "--sun-outside", rng.choice(["visible", "hidden"]))
     words += some(rng, 0.2, "--sun-adapt", "0.5")
     words += some(rng, 0.2, "--sun-in-frame")

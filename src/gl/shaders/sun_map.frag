@@ -2,7 +2,7 @@
 // fragment is a texel of one light's map, the mean of its k x k samples.
 // With PIXELS defined: the pixels of a region themselves, for one light.
 //
-// in   pixels   texel = two pixels beside each other: place on the light's
+// in   pixels   texel = two pixels, one after the other: place on the light's
 //               scale of depth (EMPTY: no surface) and coverage, twice
 //      frame    columns and rows of the frame
 //      form     x: texels of a map's side; y: 1 a disc, 0 a square
@@ -11,28 +11,31 @@
 //               floats
 //      extent   radius as the sum of two floats; k (0: behind the camera);
 //               place at which surfaces are no longer nearer
-//      shift    of a pixel of the frame to that of `pixels`
+//      kept     pixels that `pixels` has of it, row after row: the first one
+//               in the frame, their width, and the row where they begin
 //      beyond   x: share that shows outside the frame; y: its weight
 //      corner   its map's first texel; PIXELS: less the frame's pixel there
 // out  r share shown times g, g weight
-// CPU twin: map.c, gp_sun_map_reference()
+// CPU twin: mask.c, gp_sun_map_reference()
 uniform sampler2D pixels;
 
 flat in vec4 place;
 flat in vec4 extent;
-flat in ivec2 shift;
+flat in ivec4 kept;
 flat in ivec2 corner;
 
 out vec4 map;
 
-const float EMPTY = 3.4e38; // GP_SUN_EMPTY
+const float EMPTY = 3.4e38; // as in mask.c
 
 // Share of a light that the pixel shows; gp_occluders_show().
 float show(ivec2 pixel)
 {
-    ivec2 at = pixel + shift;
-    vec4 pair = texelFetch(pixels, ivec2(at.x >> 1, at.y), 0);
-    vec2 seen = (at.x & 1) != 0 ? pair.zw : pair.xy;
+    ivec2 from = pixel - kept.xy;
+    int at = from.y * kept.z + from.x, wide = textureSize(pixels, 0).x;
+    vec4 pair = texelFetch(pixels, ivec2((at >> 1) % wide,
+                                         kept.w + (at >> 1) / wide), 0);
+    vec2 seen = (at & 1) != 0 ? pair.zw : pair.xy;
     bool hides = seen.x < extent.w || seen.x >= EMPTY;
     return hides ? 1.0 - seen.y : 1.0;
 }
@@ -51,7 +54,7 @@ uniform ivec2 form;
 
 flat in vec2 beyond;
 
-const double NUDGE = 1.0lf / 1048576.0lf; // GP_SUN_NUDGE
+const double NUDGE = 1.0lf / 1048576.0lf; // as in mask.c
 
 // Concentric map (Shirley and Chiu 1997) of [-1, 1]^2, without its axes, to
 // the unit disc: the angle is pi / 4 times t, whose sine and cosine are

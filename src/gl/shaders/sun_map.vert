@@ -1,8 +1,8 @@
 // A rectangle of the sun maps' atlas for each light. Instance = light.
 // With PIXELS defined: the region of one light, by itself.
 //
-// in   lights  row = one light: texels 0 and 1 are place and extent of
-//              sun_map.frag, texel 2 is shift and beyond
+// in   lights  row = one light: texels 0 to 3 are place, extent, kept and beyond
+//              of sun_map.frag
 //      map     texels of a map's side, maps in a row of the atlas
 //      size    of the atlas' texture
 //   PIXELS:
@@ -10,13 +10,13 @@
 //      size    pixels of the region, and of the target
 //      light   x: row of `lights`
 // out  clip coordinates, and the light's inputs of sun_map.frag
-// CPU twin: map.c, gp_sun_map_reference()
+// CPU twin: mask.c, gp_sun_map_reference()
 uniform sampler2D lights;
 uniform ivec2 size;
 
 flat out vec4 place;
 flat out vec4 extent;
-flat out ivec2 shift;
+flat out ivec4 kept;
 flat out vec2 beyond;
 flat out ivec2 corner;
 
@@ -24,9 +24,8 @@ void take_light(int i)
 {
     place = texelFetch(lights, ivec2(0, i), 0);
     extent = texelFetch(lights, ivec2(1, i), 0);
-    vec4 more = texelFetch(lights, ivec2(2, i), 0);
-    shift = ivec2(more.xy);
-    beyond = more.zw;
+    kept = ivec4(texelFetch(lights, ivec2(2, i), 0));
+    beyond = texelFetch(lights, ivec2(3, i), 0).xy;
 }
 
 #ifdef PIXELS

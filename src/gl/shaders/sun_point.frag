@@ -1,15 +1,14 @@
-// Adds a point to each light's pixel of the sums.
+// Adds a texel of each light's sun map to the light's pixel of the intensity map.
 //
 // in   atlas  sun maps side by side; r share shown, g weight
 //      map    x: texels of a map's side
-//      texel  of the map; BILINEAR: corner between the 2 x 2 texels, whose
-//             mean by the texture's filter is taken
+//      texel  of every map
 //   BYTE:
 //      scale  of the 8-bit sum: 1 / 255 for a map of 256 texels
 // out  to be added: r and g in 256ths, which add up exactly in a float target
 //      (65536 texels at most), and in b and a the rest of each.
 //      BYTE: r and g times scale, for an 8-bit target
-// CPU twin: map.c, gp_sun_map_reference()
+// CPU twin: mask.c, gp_sun_map_reference()
 uniform sampler2D atlas;
 uniform ivec2 map;
 
@@ -19,13 +18,7 @@ out vec4 sum;
 
 vec2 value()
 {
-    ivec2 at = ivec2(gl_FragCoord.xy) * map.x + texel;
-#ifdef BILINEAR
-    return 4.0 * textureLod(atlas, vec2(at) / vec2(textureSize(atlas, 0)),
-                            0.0).rg;
-#else
-    return texelFetch(atlas, at, 0).rg;
-#endif
+    return texelFetch(atlas, ivec2(gl_FragCoord.xy) * map.x + texel, 0).rg;
 }
 
 #ifdef BYTE

@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "json_file.h"
 #include "sun/lights.h"
-#include "sun/map.h"
 
 static const struct gp_rect window = {0, 0, 400, 200};
 

@@ -1,6 +1,5 @@
 /* sun/occluder: what a depth sample means by type and background, the share
- * that a pixel shows with either plane or both, and sums of runs of pixels,
- * which go another way, against pixel after pixel. */
+ * that a pixel shows with either plane or both, and sums of runs of pixels. */
 #include "scene.h"
 #include "core/parallel.h"
 
@@ -99,32 +98,10 @@ static void test_backgrounds(void **state)
         if (strcmp(o.facts.empty, grounds[i].empty) != 0)
             fail_msg("%s: empty is '%s', not '%s'", grounds[i].name,
                      o.facts.empty, grounds[i].empty);
-        int surfaces = 0;
-        for (int k = 0; k < n; k++) {
-            assert_same(gp_depth_place(&o, v[k]), grounds[i].place[k],
+        for (int k = 0; k < n; k++)
+            assert_same(gp_occluders_at(&o, k, 0).place, grounds[i].place[k],
                         grounds[i].name, k);
-            surfaces += !isinf(grounds[i].place[k]);
-        }
-        assert_int_equal(o.facts.surface, surfaces);
     }
-}
-
-static void test_facts(void **state)
-{
-    float v[] = {0, -0.0f, NAN, -NAN, INFINITY, -INFINITY, 1e9f, -1e30f,
-                 MAXF, 65504, -65504, -1, -1e-45f, 1, 1, 2, 1e-45f};
-    const struct gp_plane p = row_of(v, (int) COUNT(v));
-    const struct gp_depth_facts f = counted(&p, NULL, Z).facts;
-    assert_int_equal(f.zero, 2);
-    assert_int_equal(f.nan, 2);
-    assert_int_equal(f.inf, 2);
-    assert_int_equal(f.huge, 3);
-    assert_int_equal(f.half_max, 2);
-    assert_int_equal(f.negative, 2);
-    assert_int_equal(f.one, 2);
-    assert_int_equal(f.surface, 4);
-    assert_string_equal(f.empty,
-                        "0, negative, 65504, -1e+30 to 3.40282e+38, inf, nan");
 }
 
 static void test_no_depth(void **state)
@@ -138,7 +115,6 @@ static void test_no_depth(void **state)
     const struct gp_light l = GP_LIGHT_DEFAULTS;
     for (int i = 0; i < 4; i++) {
         assert_string_equal(each[i].facts.empty, "none");
-        assert_int_equal(each[i].facts.surface, 0);
         assert_same(gp_occluders_show(&each[i], &l, 0, 0), i < 3 ? 1 : 0.75,
                     "show", i);
         assert_same(gp_occluders_sum(&each[i], &l, -1, 2, 0), i < 3 ? 3 : 2.75,
@@ -294,29 +270,5 @@ static void test_odd_runs(void **state)
     }
 }
 
-static void test_threads(void **state)
-{
-    enum { W = 333, H = 211 };
-    static float z[W * H];
-    for (int i = 0; i < W * H; i++)
-        z[i] = random_sample();
-    const struct gp_plane d = {{-7, 9, W - 7, H + 9}, z, NULL};
-    struct gp_depth_facts first = {0};
-    static const int threads[] = {1, 2, 3, 8};
-    for (int i = 0; i < 4; i++) {
-        gp_set_threads(threads[i]);
-        const struct gp_depth_facts f = counted(&d, NULL, Z).facts;
-        assert_true(f.surface > 0 && f.nan > 0 && f.huge > 0);
-        if (i == 0)
-            first = f;
-        assert_int_equal(f.zero, first.zero);
-        assert_int_equal(f.nan, first.nan);
-        assert_int_equal(f.huge, first.huge);
-        assert_int_equal(f.surface, first.surface);
-        assert_string_equal(f.empty, first.empty);
-    }
-    gp_set_threads(0);
-}
-
-SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_facts, test_no_depth,
-         test_show, test_runs, test_odd_runs, test_threads)
+SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_no_depth, test_show,
+         test_runs, test_odd_runs)

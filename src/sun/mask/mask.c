@@ -1,0 +1,563 @@
+/* Maughan's texture masking on GL, and the paper's other method: drawing, reading
+ * back, and the plain form on the CPU. */
+#include "sun/mask/mask.h"
+
+#include "core/memory.h"
+#include "core/minmax.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    LIGHT_TEXELS = 4, // of a row of `lights`
+    NARROW = 64,      // texels of a row of `pixels`, at least
+    K_MAX = 16,       // samples along a texel's side
+};
+
+/* In the order of struct gp_sun_map. */
+enum program { MAPS, PIXELS, SUMS, SUMS_BYTE };
+
+/* Place on the scale of depth of a pixel without surface, and of a light
+ * beyond everything; surfaces are under it. Known to sun_map.frag as EMPTY. */
+static const float EMPTY = 3.4e38f;
+
+/* Samples are moved so many pixels right and down. A sample is often on the
+ * line between two pixels (whole positions and radii); this decides which one
+ * it reads, whatever the rounding. */
+static const double NUDGE = 1.0 / 1048576.0;
+
+// -- lights in pixels of the frame -------------------------------------------
+
+/* A light as sun_map.frag sees it. Places are from o->frame's first pixel. */
+struct spot {
+    double x, y, radius; // pixels, each the sum of two floats; 1e8 at most
+    int k;               // samples along a texel's side; 0: invisible, as it
+                         // is behind the camera or its place is not finite
+    float limit;         // surfaces at a place under it hide the light
+    struct gp_rect box;  // pixels that its samples read; may be empty
+    struct gp_rect kept; // pixels in the texture from row `row` on: `box`, or
+    int row;             // the frame's
+    float outside[2];    // shown * weight and weight of a sample outside the
+                         // frame, or of all where the light is behind the
+                         // camera
+};
+
+/* The sum of two floats, for places that one is too short for. */
+static void split_float(double v, float out[2])
+{
+    out[0] = (float) v;
+    out[1] = (float) (v - (double) out[0]);
+}
+
+/* The nearest sum of two floats, which is how the shader gets it; 1e8 is
+ * beyond every frame. */
+static double two_floats(double v)
+{
+    float part[2];
+    split_float(fmax(-1e8, fmin(v, 1e8)), part);
+    return (double) part[0] + (double) part[1];
+}
+
+/* Returns the pixel of coordinate `at`, -1 or `size` outside of [0, size). */
+static int pixel_at(double at, int size)
+{
+    at += NUDGE;
+    return at < 0.0 ? -1 : at >= size ? size : (int) at;
+}
+
+static void pixel_span(double at, double radius, int size, int *from, int *to)
+{
+    *from = gp_max(pixel_at(at - radius, size), 0);
+    *to = gp_min(pixel_at(at + radius, size) + 1, size);
+}
+
+/* The least float that is no less than the place at which surfaces end to be
+ * nearer: for depths that are floats themselves, a comparison with it comes out
+ * as one in double. */
+static float limit_of(const struct gp_light *l)
+{
+    const double nearer = isinf(l->depth) && l->depth > 0.0
+                              ? l->depth : l->depth * (1.0 - l->bias);
+    if (!(nearer >= -3e38)) // no surface, NaN too
+        return -EMPTY;
+    if (nearer > 3e38)
+        return isinf(nearer) ? EMPTY : 3e38f;
+    const float limit = (float) nearer;
+    return (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit;
+}
+
+static struct spot spot_of(const struct gp_occluders *o,
+                           const struct gp_map_params *p,
+                           const struct gp_light *l)
+{
+    const bool scene = p->outside == GP_OUTSIDE_SCENE;
+    const bool nowhere = !isfinite(l->x) || !isfinite(l->y) ||
+                         !(l->radius >= 0.0);
+    struct spot s = {.limit = limit_of(l)};
+    if (l->behind ? scene : !nowhere && p->outside != GP_OUTSIDE_IGNORE) {
+        s.outside[0] = scene ? (float) l->outside
+                             : p->outside == GP_OUTSIDE_VISIBLE;
+        s.outside[1] = 1.0f;
+    }
+    if (l->behind || nowhere)
+        return s;
+    s.x = two_floats(l->x - o->frame.x0);
+    s.y = two_floats(l->y - o->frame.y0);
+    s.radius = two_floats(l->radius);
+    s.k = (int) fmax(1.0, fmin(ceil(2.0 * s.radius / p->side), K_MAX));
+    pixel_span(s.x, s.radius, gp_rect_w(o->frame), &s.box.x0, &s.box.x1);
+    pixel_span(s.y, s.radius, gp_rect_h(o->frame), &s.box.y0, &s.box.y1);
+    return s;
+}
+
+void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
+                      double *x, double *y)
+{
+    const double a = 2.0 * u - 1.0, b = 2.0 * v - 1.0;
+    *x = a;
+    *y = b;
+    if (pattern == GP_PATTERN_SQUARE || (a == 0.0 && b == 0.0))
+        return;
+    // the wedge of the larger coordinate, which is the radius; the other one
+    // turns by up to an eighth of a circle from its axis
+    if (fabs(a) > fabs(b)) {
+        const double turn = M_PI_4 * (b / a);
+        *x = a * cos(turn);
+        *y = a * sin(turn);
+    } else {
+        const double turn = M_PI_4 * (a / b);
+        *x = b * sin(turn);
+        *y = b * cos(turn);
+    }
+}
+
+double gp_sun_map_reference(const struct gp_occluders *o,
+    const struct gp_map_params *p, const struct gp_light *light, float *map)
+{
+    const struct spot l = spot_of(o, p, light);
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const int side = p->side * l.k, count = l.k * l.k;
+    double shown = 0.0, weight = 0.0;
+    for (int texel = 0; texel < p->side * p->side; texel++) {
+        const int i = texel % p->side, j = texel / p->side;
+        double r = l.k ? 0.0 : (double) l.outside[0];
+        double g = l.k ? 0.0 : (double) l.outside[1];
+        for (int n = 0; n < count; n++) {
+            double x, y;
+            gp_pattern_place(p->pattern, (i * l.k + n % l.k + 0.5) / side,
+                             (j * l.k + n / l.k + 0.5) / side, &x, &y);
+            const int px = pixel_at(l.x + l.radius * x, w);
+            const int py = pixel_at(l.y + l.radius * y, h);
+            const bool inside = px >= 0 && px < w && py >= 0 && py < h;
+            r += (inside ? gp_occluders_show(o, light, px + o->frame.x0,
+                                             py + o->frame.y0)
+                         : (double) l.outside[0]) / count;
+            g += (inside ? 1.0 : (double) l.outside[1]) / count;
+        }
+        shown += r;
+        weight += g;
+        if (map) {
+            map[2 * texel] = (float) r;
+            map[2 * texel + 1] = (float) g;
+        }
+    }
+    return weight > 0.0 ? shown / weight : 0.0;
+}
+
+gp_status gp_sun_map_picture(const struct gp_log *log,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_light *light, int n, int *w, int *h, struct gp_planes *out)
+{
+    const int side = p ? p->side : 1, texels = side * side;
+    const int columns = p ? (int) ceil(sqrt((double) n)) : n;
+    float *map = NULL;
+    gp_status st;
+    *w = columns * side;
+    *h = (n + columns - 1) / columns * side;
+    GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));
+    GP_TRY(gp_planes_make(log, "picture", (size_t) *w * (size_t) *h, out));
+    gp_planes_clear(out, 0, (size_t) *w * (size_t) *h);
+    for (int i = 0; i < n; i++) {
+        if (p)
+            (void) gp_sun_map_reference(o, p, &light[i], map);
+        for (int k = 0; k < texels; k++) {
+            const int x = i % columns * side + k % side;
+            const int y = i / columns * side + k / side;
+            const float v = !p                     ? (float) light[i].visibility
+                            : map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1]
+                                                    : 0.0f;
+            for (int c = 0; c < 3; c++)
+                out->c[c][(size_t) y * (size_t) *w + (size_t) x] = v;
+        }
+    }
+out:
+    gp_free(map);
+    return st;
+}
+
+// -- state on a context ------------------------------------------------------
+
+void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
+{
+    struct gp_sun_map *const s = *state;
+    if (!s)
+        return;
+    for (int i = 0; i < 4; i++)
+        gp_program_free(gl, &s->program[i]);
+    gp_texture_free(gl, &s->pixels);
+    gp_texture_free(gl, &s->lights);
+    gp_target_free(gl, &s->atlas);
+    gp_target_free(gl, &s->region);
+    gp_target_free(gl, &s->sums[GP_SUM_FLOAT]);
+    gp_target_free(gl, &s->sums[GP_SUM_BYTE]);
+    GP_FREE(*state);
+}
+
+static gp_status use_program(const struct gp_log *log, const struct gp_gl *gl,
+                             struct gp_sun_map *s, enum program which)
+{
+    static const char *const files[][3] = {
+        [MAPS] = {"", "sun_map.vert", "sun_map.frag"},
+        [PIXELS] = {"#define PIXELS\n", "sun_map.vert", "sun_map.frag"},
+        [SUMS] = {"", "sun_point.vert", "sun_point.frag"},
+        [SUMS_BYTE] = {"#define BYTE\n", "sun_point.vert", "sun_point.frag"},
+    };
+    return s->program[which].id ? GP_OK
+                                : gp_program_make(log, gl, files[which][0],
+                                                  files[which][1],
+                                                  files[which][2],
+                                                  &s->program[which]);
+}
+
+static gp_status fit_texture(const struct gp_log *log, const struct gp_gl *gl,
+                             const char *what, int w, int h,
+                             struct gp_texture *t)
+{
+    if (t->w == w && t->h >= h)
+        return GP_OK;
+    gp_texture_free(gl, t);
+    return gp_texture_make(log, gl, what, GP_TEXEL_FLOAT, w, h, t);
+}
+
+static gp_status fit_target(const struct gp_log *log, const struct gp_gl *gl,
+                            const char *what, enum gp_texel kind, int w, int h,
+                            struct gp_target *t)
+{
+    if (t->w >= w && t->h >= h)
+        return GP_OK;
+    gp_target_free(gl, t);
+    return gp_target_make(log, gl, what, kind, 1, w, h, t);
+}
+
+/* Rows of `wide` texels that the pixels of r fill, two a texel. */
+static double rows_of(struct gp_rect r, int wide)
+{
+    return ceil((double) gp_rect_w(r) * gp_rect_h(r) / (2.0 * wide));
+}
+
+/* Writes the pixels of the frame in `r`, row after row: place and coverage. */
+static void write_pixels(const struct gp_occluders *o, struct gp_rect r,
+                         float *to)
+{
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++, to += 2) {
+            const struct gp_sun_pixel p =
+                gp_occluders_at(o, x + o->frame.x0, y + o->frame.y0);
+            to[0] = isinf(p.place) ? EMPTY : (float) fmin(p.place, 3e38);
+            to[1] = p.cover;
+        }
+    }
+}
+
+/* Writes the pixels under the lights to s->pixels, the frame once where that is
+ * less. Errors: GP_ERR_GL they do not fit. */
+static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
+                        const struct gp_occluders *o, struct spot *spot, int n,
+                        struct gp_sun_map *s)
+{
+    enum { EXACT_IN_FLOAT = 1 << 24 };
+    const struct gp_rect frame = {0, 0, gp_rect_w(o->frame),
+                                  gp_rect_h(o->frame)};
+    const int most = gp_gl_info(gl)->max_size;
+    int wide = gp_min(most, NARROW);
+    double rows;
+    float *rgba = NULL;
+    bool whole;
+    gp_status st;
+    for (;; wide *= 2) {
+        rows = 0.0;
+        for (int i = 0; i < n; i++)
+            rows += rows_of(spot[i].box, wide);
+        whole = rows_of(frame, wide) < rows;
+        rows = fmax(whole ? rows_of(frame, wide) : rows, 1.0);
+        if (rows <= most || 2 * wide > most)
+            break;
+    }
+    if (frame.x1 > EXACT_IN_FLOAT || frame.y1 > EXACT_IN_FLOAT || rows > most)
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "sun map: the pixels under %d lights in a frame of "
+                            "%dx%d do not fit into a texture (the limit is "
+                            "%dx%d texels); use --sun-method exact", n,
+                            frame.x1, frame.y1, wide, most);
+    GP_TRY(fit_texture(log, gl, "pixels under the lights", wide, (int) rows,
+                       &s->pixels));
+    GP_TRY(gp_alloc_zero(log, "pixels under the lights",
+                         (size_t) rows * (size_t) wide, 4 * sizeof *rgba,
+                         &rgba));
+    for (int i = 0, row = 0; i < n; i++) {
+        spot[i].kept = whole ? frame : spot[i].box;
+        spot[i].row = row;
+        if (!whole || i == 0)
+            write_pixels(o, spot[i].kept,
+                         rgba + 4 * (size_t) row * (size_t) wide);
+        row += whole ? 0 : (int) rows_of(spot[i].box, wide);
+    }
+    gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, 0, wide, (int) rows},
+                     rgba);
+out:
+    gp_free(rgba);
+    return st;
+}
+
+/* Makes *state, and writes lights and pixels of a frame. */
+static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
+                             const struct gp_occluders *o, struct spot *spot,
+                             int n, struct gp_sun_map **state)
+{
+    float row[GP_LIGHTS_MAX][4 * LIGHT_TEXELS] = {0};
+    gp_status st = GP_OK;
+    if (!*state)
+        GP_TRY(gp_alloc_zero(log, "sun map", 1, sizeof **state, state));
+    struct gp_sun_map *const s = *state;
+    GP_TRY(upload(log, gl, o, spot, n, s));
+    GP_TRY(fit_texture(log, gl, "lights", LIGHT_TEXELS, n, &s->lights));
+    for (int i = 0; i < n; i++) {
+        const struct spot *const l = &spot[i];
+        const int whole[6] = {l->k, 0, l->kept.x0, l->kept.y0,
+                              gp_rect_w(l->kept), l->row};
+        split_float(l->x, row[i]);
+        split_float(l->y, row[i] + 2);
+        split_float(l->radius, row[i] + 4);
+        for (int k = 0; k < 6; k++)
+            row[i][6 + k] = (float) whole[k];
+        row[i][7] = l->limit;
+        memcpy(row[i] + 12, l->outside, sizeof l->outside);
+    }
+    gp_texture_write(gl, &s->lights, (struct gp_rect) {0, 0, LIGHT_TEXELS, n},
+                     row[0]);
+out:
+    return st;
+}
+
+// -- texture masking ---------------------------------------------------------
+
+/* Step 3: the sun maps of n lights. */
+static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
+                           const struct gp_occluders *o,
+                           const struct gp_map_params *p, struct gp_rect cells,
+                           int n, struct gp_sun_map *s)
+{
+    enum { MOST = 1 << 24 }; // texels of the atlas, 256 MiB
+    const int limit = gp_gl_info(gl)->max_size;
+    const int w = cells.x1 * p->side, h = cells.y1 * p->side;
+    if (w > limit || h > limit || (long long) w * h > MOST)
+        return gp_fail_bare(log, GP_ERR_GL,
+            "sun map: %d maps of %dx%d texels do not fit into a texture (the "
+            "limit is %d texels wide and high, and %d in all); use a smaller "
+            "--sun-map or --sun-method exact", n, p->side, p->side, limit,
+            MOST);
+    gp_status st = fit_target(log, gl, "sun maps", GP_TEXEL_FLOAT, w, h,
+                              &s->atlas);
+    if (!st)
+        st = use_program(log, gl, s, MAPS);
+    if (st)
+        return st;
+    const struct gp_uniform uniform[] = {
+        {.name = "pixels", .texture = &s->pixels},
+        {.name = "lights", .texture = &s->lights},
+        {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
+        {.name = "size", .v = {s->atlas.w, s->atlas.h}},
+        {.name = "map", .v = {p->side, cells.x1}},
+        {.name = "form", .v = {p->side, p->pattern == GP_PATTERN_DISC}},
+        {0},
+    };
+    const struct gp_draw maps = {
+        .program = &s->program[MAPS], .target = &s->atlas, .cut = {0, 0, w, h},
+        .uniform = uniform, .vertices = 6, .instances = n, .replace = true,
+    };
+    return gp_draw_run(log, gl, &maps);
+}
+
+/* Step 4: the texels of each map, added up in a pixel of its place in the atlas.
+ */
+static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
+                           const struct gp_map_params *p, struct gp_rect cells,
+                           struct gp_sun_map *s)
+{
+    const bool byte = p->sum == GP_SUM_BYTE;
+    const enum program which = byte ? SUMS_BYTE : SUMS;
+    const int count = p->side * p->side;
+    struct gp_target *const to = &s->sums[p->sum];
+    gp_status st = fit_target(log, gl, "intensity map",
+                              byte ? GP_TEXEL_BYTE : GP_TEXEL_FLOAT, cells.x1,
+                              cells.y1, to);
+    if (!st)
+        st = use_program(log, gl, s, which);
+    if (st)
+        return st;
+    struct gp_uniform uniform[] = {
+        {.name = "atlas", .texture = &s->atlas.colour},
+        {.name = "map", .v = {p->side, 0}},
+        {0}, {0},
+    };
+    // the paper's 1 / 255 is for 256 texels; others are scaled to them
+    if (byte)
+        uniform[2] = (struct gp_uniform) {
+            .name = "scale", .floats = 1,
+            .f = {256.0f / (255.0f * (float) count)},
+        };
+    const struct gp_draw sums = {
+        .program = &s->program[which], .target = to, .cut = cells,
+        .view = cells, .uniform = uniform, .vertices = 3, .instances = count,
+    };
+    gp_target_clear(gl, to, cells);
+    return gp_draw_run(log, gl, &sums);
+}
+
+gp_status gp_sun_mask(const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state)
+{
+    const int columns = (int) ceil(sqrt((double) n)); // maps in the atlas
+    const struct gp_rect cells = {0, 0, columns, (n + columns - 1) / columns};
+    struct spot spot[GP_LIGHTS_MAX];
+    float sum[GP_LIGHTS_MAX][4];
+    gp_status st;
+    for (int i = 0; i < n; i++)
+        spot[i] = spot_of(o, p, &light[i]);
+    GP_TRY(begin_frame(log, gl, o, spot, n, state));
+    GP_TRY(draw_maps(log, gl, o, p, cells, n, *state));
+    GP_TRY(draw_sums(log, gl, p, cells, *state));
+    GP_TRY(gp_gl_check(log, gl, "sun map"));
+    gp_target_read(gl, &(*state)->sums[p->sum], 0, cells, sum[0]);
+    GP_TRY(gp_gl_check(log, gl, "sun map"));
+    for (int i = 0; i < n; i++) { // with the rests of sums in float
+        const double shown = (double) sum[i][0] + (double) sum[i][2];
+        const double weight = (double) sum[i][1] + (double) sum[i][3];
+        light[i].visibility = weight > 0.0 ? fmin(shown / weight, 1.0) : 0.0;
+    }
+out:
+    return st;
+}
+
+// -- the region under a light ------------------------------------------------
+
+/* Half of the light's width at `down` from its centre; under 0: outside. */
+static double half_width(const struct spot *l, enum gp_sun_pattern pattern,
+                         double down)
+{
+    const double r = l->radius;
+    if (fabs(down) > r)
+        return -1.0;
+    return pattern == GP_PATTERN_DISC ? sqrt(r * r - down * down) : r;
+}
+
+/* Returns the visible share of a light: over the pixels whose centres are in
+ * it, or in the pixel under its centre when it holds none.
+ *   rgba  the region of l->box; NULL when none of it is in the frame */
+static double count_region(const struct spot *l, const struct gp_occluders *o,
+                           const struct gp_map_params *p, const float *rgba)
+{
+    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const struct gp_rect box = l->box;
+    const double r = l->radius;
+    const float *const outside = l->outside;
+    double all = 0.0; // pixel centres in the light, on an unbounded plane
+    double shown = 0.0, weight = 0.0;
+    if (r > BY_ROWS)
+        all = (p->pattern == GP_PATTERN_DISC ? M_PI : 4.0) * r * r;
+    else
+        for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
+            const double half = half_width(l, p->pattern, y + 0.5 - l->y);
+            if (half >= 0.0)
+                all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
+        }
+    if (!(all > 0.0)) {
+        const int x = pixel_at(l->x, w), y = pixel_at(l->y, h);
+        const bool inside = rgba && x >= 0 && x < w && y >= 0 && y < h;
+        const float *const at =
+            inside ? rgba + 4 * ((size_t) (y - box.y0) *
+                                     (size_t) gp_rect_w(box) +
+                                 (size_t) (x - box.x0))
+                   : outside;
+        return at[1] > 0.0f ? (double) at[0] / (double) at[1] : 0.0;
+    }
+    for (int y = box.y0; rgba && y < box.y1; y++) {
+        const float *const row = rgba + 4 * (size_t) (y - box.y0) *
+                                            (size_t) gp_rect_w(box);
+        const double half = half_width(l, p->pattern, y + 0.5 - l->y);
+        if (half < 0.0)
+            continue;
+        const int from = gp_clamp_whole(ceil(l->x - half - 0.5), box.x0,
+                                        box.x1);
+        const int to = gp_clamp_whole(floor(l->x + half - 0.5) + 1.0, from,
+                                      box.x1);
+        for (int x = from; x < to; x++) {
+            shown += (double) row[4 * (x - box.x0)];
+            weight += (double) row[4 * (x - box.x0) + 1];
+        }
+    }
+    const double beyond = all > weight ? all - weight : 0.0;
+    shown += beyond * (double) outside[0];
+    weight += beyond * (double) outside[1];
+    return weight > 0.0 ? shown / weight : 0.0;
+}
+
+gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state)
+{
+    struct spot spot[GP_LIGHTS_MAX];
+    float *rgba = NULL;
+    gp_status st;
+    for (int i = 0; i < n; i++)
+        spot[i] = spot_of(o, p, &light[i]);
+    GP_TRY(begin_frame(log, gl, o, spot, n, state));
+    struct gp_sun_map *const s = *state;
+    GP_TRY(use_program(log, gl, s, PIXELS));
+    for (int i = 0; i < n; i++) {
+        const struct gp_rect box = spot[i].box;
+        const int w = gp_rect_w(box), h = gp_rect_h(box);
+        const struct gp_uniform uniform[] = {
+            {.name = "pixels", .texture = &s->pixels},
+            {.name = "lights", .texture = &s->lights},
+            {.name = "first", .v = {box.x0, box.y0}},
+            {.name = "size", .v = {w, h}},
+            {.name = "light", .v = {i, 0}},
+            {0},
+        };
+        const struct gp_draw draw = {
+            .program = &s->program[PIXELS], .target = &s->region,
+            .cut = {0, 0, w, h}, .view = {0, 0, w, h}, .uniform = uniform,
+            .vertices = 6, .instances = 1, .replace = true,
+        };
+        if (spot[i].k && w && h) { // drawn, and waited for
+            GP_TRY(fit_target(log, gl, "region under a light", GP_TEXEL_FLOAT,
+                              w, h, &s->region));
+            GP_TRY(gp_draw_run(log, gl, &draw));
+            GP_TRY(gp_alloc(log, "region under a light",
+                            (size_t) w * (size_t) h, 4 * sizeof(float), &rgba));
+            gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h},
+                           rgba);
+        }
+        light[i].visibility = spot[i].k ? count_region(&spot[i], o, p, rgba)
+                                        : (double) spot[i].outside[0];
+        GP_FREE(rgba);
+    }
+    GP_TRY(gp_gl_check(log, gl, "sun readback"));
+out:
+    gp_free(rgba);
+    return st;
+}

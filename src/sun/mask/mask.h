@@ -1,0 +1,91 @@
+/* Maughan's texture masking (Game Programming Gems 3, 5.5), from a frame's
+ * depth and coverage instead of its geometry; and the way that it was measured
+ * against, reading the region under a light back.
+ *
+ * Sun map (step 3): for each light side x side texels, those of all lights side
+ * by side in one atlas, drawn at once. A texel is a sample of the pattern,
+ * scaled by the radius, and reads the pixel it falls in. It holds
+ *   r  the share shown, times g: grey where its cell is larger than a pixel,
+ *      as the mean of k x k samples of it, k = clamp(ceil(2 R / side), 1, 16)
+ *   g  the share of it that counts: 0 outside the frame with
+ *      GP_OUTSIDE_IGNORE, else 1
+ *
+ * Intensity map (step 4): a pixel for each light, in rows as the atlas has maps.
+ * The map's texels are drawn into it and add up: visibility = r / g, 0 where g is 0. It is
+ * read at once: a software context, the usual one, has no pipeline to stall,
+ * and engines draw a light of known share faster than shaders that fetch it.
+ *
+ * Only the pixels under lights are uploaded, or the whole frame where that is
+ * less.
+ */
+#ifndef GP_SUN_MASK_MASK_H
+#define GP_SUN_MASK_MASK_H
+
+#include "core/status.h"
+#include "gl/gl.h"
+#include "sun/occluder.h"
+
+enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
+
+/* Forms of summing the intensity map. Of the paper's two ways out of 8 bits,
+ * several passes and the mean of four texels by the texture's filter, neither
+ * is needed: floats add up exactly. */
+enum gp_sun_sum {
+    GP_SUM_FLOAT,    // every texel, in float
+    GP_SUM_BYTE,     // in 8 bits, as in the paper: times 1 / 255, saturating
+};
+
+struct gp_map_params {
+    enum gp_sun_outside outside;
+    enum gp_sun_pattern pattern;
+    enum gp_sun_sum sum;
+    int side; // texels of a sun map's side, 2 to 256, even
+};
+#define GP_MAP_DEFAULTS { .side = 16 }
+
+/* Programs, textures and targets on a context, kept from frame to frame. */
+struct gp_sun_map {
+    struct gp_program program[4];       // made when first used
+    struct gp_texture pixels, lights;   // see sun_map.frag
+    struct gp_target atlas, region;     // sun maps; the region read back
+    struct gp_target sums[2];           // intensity map, by enum gp_sun_sum
+};
+
+/* Sets light[].visibility by sun maps. *state is made at the first call.
+ *   n  1 to GP_LIGHTS_MAX; lights behind the camera come out 0
+ * Errors: GP_ERR_GL sizes over the context's, GL's own; GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_sun_mask(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state);
+
+/* The same by reading back: the region under each light is drawn at the frame's
+ * own pixels (r shown, g counts), read, and counted on the CPU: every pixel
+ * whose centre is in the disc; the nearest one when there is none. */
+GP_MUST_CHECK gp_status gp_sun_readback(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state);
+void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
+
+/* Returns the visibility of one light on the CPU, the plain form of the map,
+ * summed in double whatever p->sum; `map` gets p->side squared texels of r and
+ * g, or is NULL. */
+double gp_sun_map_reference(const struct gp_occluders *o,
+    const struct gp_map_params *p, const struct gp_light *light, float *map);
+
+/* Makes the pictures of --debug by the plain form, whatever the method: sun maps
+ * of all lights, about as many in a row as in a column; or, where p is NULL, the
+ * intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */
+GP_MUST_CHECK gp_status gp_sun_map_picture(
+    const struct gp_log *log, const struct gp_occluders *o,
+    const struct gp_map_params *p, const struct gp_light *light, int n,
+    int *w, int *h, struct gp_planes *out);
+
+/* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
+ * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
+ * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
+void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
+                      double *x, double *y);
+
+#endif
