@@ -198,11 +198,6 @@ $(B)/bench/%: tests/bench/%.c $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) -fopenmp $(LINK) -o $@ $< $(LIB_OBJ) $(LIBS) \
 	    -lfftw3f_omp -lfftw3f -lfftw3
 
-# Measures this machine for the planner's predictions
-$(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
-
 $(B)/bench/split: $(wildcard tests/bench/split_*.h)
 
 # Measures FFTW's plans for the lengths of the engine fft, on an idle machine
@@ -211,7 +206,7 @@ known-plans: $(B)/bench/plans ## measures the plans in src/glare/fft/known.c
 	mv $(B)/known.c src/glare/fft/known.c
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/costs $(B)/bench/plans $(B)/bench/split ## measures all speeds of README and manual on this machine
+bench: all $(B)/bench/stage $(B)/bench/tail $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/models $(B)/bench/plans $(B)/bench/split ## measures all speeds of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # A program to compare whole processes with: OpenEXR's C++ library and plain FFTW

@@ -17,7 +17,7 @@ static struct gp_facts some_facts(const struct gp_settings *s)
         .read = {0, 0, 64, 48}, .sources = 1183, .threshold = 1.0f,
         .spread = {1000.0, 31.0, 0.0}, .deg_per_pixel = 0.1, .fov = 30.0,
         .fov_from = "default", .kernel = {.w = 9, .h = 9},
-        .glare = {.engine = "fft", .why = "0.3 ms predicted"}, .settings = s,
+        .glare = {.engine = "fft", .why = "for 2 sources"}, .settings = s,
     };
     return f;
 }

@@ -202,9 +202,10 @@ static void kernels_that_reach_nothing(void **state)
         };
         double bound = NAN;
         void *kept = NULL;
-        assert_true(gp_engines[i]->predict(&req, NULL).ms <= 1.0);
-        assert_ok(gp_engines[i]->bound(&req, &kept, &bound));
-        assert_true(bound >= 0.0 && bound < 1e-3);
+        if (gp_engines[i]->bound) {
+            assert_ok(gp_engines[i]->bound(&req, &kept, &bound));
+            assert_true(bound >= 0.0 && bound < 1e-3);
+        }
         gp_engines[i]->close(&kept);
     }
     assert_int_equal(scene_run("none", &s, &g, &stats), GP_ERR_USAGE);
