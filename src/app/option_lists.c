@@ -35,20 +35,9 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
 };
 
-const struct gp_option_choice gp_methods[] = {
-    {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
-     "formula (1) of Ando et al."},
-    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by the second moment of "
-     "the group's light"},
-    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each pixel, its tail "
-     "from the group"},
-    {0},
-};
 const struct gp_option_choice gp_primitives[] = {
     {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, else quad"},
     {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
-    {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
-     "limit of size"},
     {"tile", GP_PRIMITIVE_TILE, "one pass for each tile of the frame, which "
      "sums the polygons that reach it"},
     {0},

@@ -411,9 +411,6 @@ const struct gp_option gp_options[] = {
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
         "one polygon; a power of two, 1 for none"),
-    CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
-        .needs = GP_NEED_SPLAT, .arg = "HOW", .choices = gp_methods,
-        .help = "splat: how a group represents its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw filled areas of "
         "NxN pixels as one polygon; a power of two larger than --group, 0 for "

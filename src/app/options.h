@@ -58,7 +58,7 @@ struct gp_option_choice {
 
 // Values of options, in option_lists.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
-    gp_methods[], gp_primitives[], gp_types[], gp_compressions[], gp_bits[],
+    gp_primitives[], gp_types[], gp_compressions[], gp_bits[],
     gp_alphas[], gp_stdout_formats[], gp_raws[];
 
 /* Settings that an option needs; check.c has the messages. */

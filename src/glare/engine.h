@@ -21,24 +21,12 @@
 
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
-/* Forms in which a group replaces its pixels.
- *   CENTROID  the paper's formula (1): one kernel at the centroid
- *   MOMENTS   the kernel blurred by as much as the group is wide (its second
- *             moment), at the centroid
- *   CORE      the kernel's core, GP_CORE_RADIUS pixels, from each single
- *             sensor; only its tail from groups, by moments */
-enum gp_group_method { GP_GROUP_CENTROID, GP_GROUP_MOMENTS, GP_GROUP_CORE };
-
 /* Forms in which a polygon is drawn. AUTO: TILE on a software context, else
  * QUAD.
  *   QUAD   a blended quad, opened by the vertex shader
- *   POINT  a blended point sprite, up to the driver's limit of size
  *   TILE   no primitive at all: for each tile, one fragment pass sums over
  *          the polygons that reach it */
-enum gp_primitive {
-    GP_PRIMITIVE_AUTO, GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT,
-    GP_PRIMITIVE_TILE,
-};
+enum gp_primitive { GP_PRIMITIVE_AUTO, GP_PRIMITIVE_QUAD, GP_PRIMITIVE_TILE };
 
 /* Ando et al. 2007, sections 4.1 to 4.3. */
 struct gp_splat_params {
@@ -49,12 +37,10 @@ struct gp_splat_params {
                          // in (0, 1]
     float shrink;        // share of the light that shrinking may leave out,
                          // in [0, 1); 0 (off)
-    enum gp_group_method method;
     enum gp_primitive primitive;
 };
 #define GP_SPLAT_DEFAULTS                                                     \
-    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
-      .method = GP_GROUP_CORE }
+    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f }
 #define GP_SPLAT_EXACT { .group = 1, .cluster_fill = 0.9f }
 
 struct gp_glare_params {

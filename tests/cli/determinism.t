@@ -101,7 +101,6 @@ if can osmesa && can egl &&
     "$glarepp" -v --engine splat --gl egl --layer can.exr in.0001.exr 2>&1 |
     grep -q llvmpipe; then
     for row in '--engine splat' '--engine splat --primitive quad --group 1' \
-        '--engine splat --primitive point --group-method moments' \
         "--engine fft --sun-method mask --sun-draw gl $lights" \
         "--engine fft --sun-method mask --sun-sum 8bit --sun-pattern square $lights" \
         "--engine fft --sun-method readback $lights" \

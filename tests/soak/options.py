@@ -114,20 +114,17 @@ def engine(rng, gl):
     words = ["--engine", name]
     if name == "auto":
         words += ["--tolerance", rng.choice([0, 1e-6, 1e-4, 1e-3, 0.05, 1])]
-    if name not in ("auto", "splat"):
+    if name != "splat":
         return words
-    kind = rng.choice(["exact", "plain", "default", "any"])
+    kind = rng.choice(["exact", "default", "any"])
     if kind == "exact":
         words += ["--group", 1, "--cluster", 0, "--shrink", 0]
-    elif kind == "plain":
-        words += ["--group-method", "centroid"]
     elif kind == "any":
         group = rng.choice([1, 2, 8])
         words += ["--group", group, "--cluster", rng.choice([0, group * 2]),
                   "--cluster-fill", rng.choice([0.1, 0.5, 1]), "--shrink",
-                  rng.choice([0, 1e-5, 0.1]), "--group-method",
-                  rng.choice(["centroid", "moments", "core"])]
-    words += some(rng, 0.4, "--primitive", rng.choice(["quad", "point", "tile"]))
+                  rng.choice([0, 1e-5, 0.1])]
+    words += some(rng, 0.4, "--primitive", rng.choice(["quad", "tile"]))
     return [str(w) for w in words]
 
 

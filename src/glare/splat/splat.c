@@ -58,7 +58,7 @@ static uint64_t key_of(const struct gp_glare_request *req)
     const struct gp_splat_params *const p = &req->params->splat;
     const long long whole[] = {
         s->w, s->h, s->x0, s->y0, (long long) s->n, p->group, p->cluster,
-        p->method, p->primitive, req->params->gl,
+        p->primitive, req->params->gl,
         (long long) req->kernel->serial,
     };
     const float real[] = {p->cluster_fill, p->shrink, s->luminance[0],
@@ -98,7 +98,6 @@ static double roundings(const struct gp_splat_layout *p)
     case GP_PRIMITIVE_TILE:
         return tiled;
     case GP_PRIMITIVE_QUAD:
-    case GP_PRIMITIVE_POINT:
         return blended;
     case GP_PRIMITIVE_AUTO:
         break;
@@ -168,14 +167,12 @@ static gp_status make_layout(const struct gp_glare_request *req,
     free_layout(p);
     struct gp_splat_layout o = {.valid = true, .key = key,
                               .params = req->params->splat};
-    o.single = o.params.group == 1 && !o.params.cluster;
-    if (o.single)
-        o.params.method = GP_GROUP_CENTROID; // core and tail are one
+    o.single = gp_splat_single(&o.params);
     o.turned = o.single && k->unturned &&
                (o.params.primitive == GP_PRIMITIVE_QUAD ||
                 (o.params.primitive == GP_PRIMITIVE_AUTO &&
                  req->params->gl == GP_GL_EGL)); // a GPU may be there
-    o.core = o.params.method == GP_GROUP_CORE;
+    o.core = !o.single;
     o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
     const long long cx = k->cx, cy = k->cy, r = GP_CORE_RADIUS;
@@ -296,7 +293,6 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
 {
     static const char *const forms[] = {
         [GP_PRIMITIVE_QUAD] = "blended quads",
-        [GP_PRIMITIVE_POINT] = "blended points",
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
     const size_t pixels = (size_t) req->src->w * (size_t) req->src->h;
@@ -317,7 +313,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
                                            : GP_PRIMITIVE_QUAD;
     if (form != GP_PRIMITIVE_TILE)
-        GP_TRY(gp_splat_draw(req, s, form == GP_PRIMITIVE_POINT));
+        GP_TRY(gp_splat_draw(req, s));
     else if (p->tail)
         GP_TRY(gp_tiles_draw(req->log, s->gl, req->kernel, p->crop, p->core,
                              &p->polygons, &p->shrink, req->src->w,

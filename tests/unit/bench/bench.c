@@ -54,14 +54,10 @@ static void options_ask_for_the_technique(void **state)
         const char *name, *options;
     } rows[] = {
         {"direct", "-e direct"}, {"fft", "-e fft"},
-        {"splat group 8", "-e splat --group 8 --group-method core --cluster 0 "
-                          "--shrink 0 --primitive auto"},
-        {"splat 4/8/1e-3 moments", "-e splat --group 4 --group-method moments "
-                                   "--cluster 8 --shrink 0.001 --primitive "
-                                   "auto"},
-        {"splat 4/8/1e-3 points", "-e splat --group 4 --group-method core "
-                                  "--cluster 8 --shrink 0.001 --primitive "
-                                  "point"},
+        {"splat group 8", "-e splat --group 8 --cluster 0 --shrink 0 "
+                          "--primitive auto"},
+        {"splat 4/8/1e-3 quads", "-e splat --group 4 --cluster 8 --shrink "
+                                 "0.001 --primitive quad"},
         {"auto", "-e auto --tolerance 0.25"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
