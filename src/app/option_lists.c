@@ -125,8 +125,8 @@ const struct gp_option_choice gp_raws[] = {
 const char *gp_engine_name(int i, const char **text)
 {
     if (i == 0) {
-        *text = "the engine and setting with the shortest predicted time "
-                "whose bound is within the tolerance, chosen for each frame";
+        *text = "direct for a handful of bright pixels, else fft, by each "
+                "frame alone; whichever keeps the tolerance";
         return "auto";
     }
     const struct gp_engine *e = gp_engines[i - 1];

@@ -13,7 +13,8 @@
 #include <strings.h>
 
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
-static const double THIN_MS = 10e3; // a tenth over this is made a hundredth
+static const size_t MANY = 10000;   // sources from which a tenth runs first; of
+                                    // ten times as many, a hundredth
 static const double ROW_MS = 15e3;  // no further run is started after this
 
 /* A frame, and the exact layer that its rows are compared with. */
@@ -136,25 +137,23 @@ static gp_status time_row(struct trial *t)
 {
     const struct bench *const b = t->b;
     struct gp_bench_row *const row = t->row;
-    struct gp_glare_stats stats = {0};
-    const struct gp_glare_request req = {
-        .log = &t->log, .params = &t->params, .src = &b->src,
-        .kernel = b->kernel, .layer = &b->f->layer, .stats = &stats,
-    };
     // auto chooses what is fast; the work of fft does not grow with the sources
-    const double expected = !t->engine || t->engine == &gp_engine_fft
-                                ? 0.0 : t->engine->predict(&req, NULL).ms;
+    const bool grows = t->engine && t->engine != &gp_engine_fft;
     gp_status st = GP_OK;
-    if (expected > LONG_MS)
-        st = run_thinned(t, expected > 10.0 * THIN_MS ? 100 : 10);
+    if (grows && b->src.n > MANY)
+        st = run_thinned(t, b->src.n > 10 * MANY ? 100 : 10);
     if (st || (row->extrapolated && row->ms > LONG_MS)) {
         // the whole frame's bound, where the engine has one without a run
         row->bound = NAN;
         if (!st && t->engine && t->engine->bound)
-            st = t->engine->bound(&req, &t->glare.state[t->state], &row->bound);
+            st = t->engine->bound(
+                &(struct gp_glare_request) {
+                    .log = &t->log, .params = &t->params, .src = &b->src,
+                    .kernel = b->kernel, .layer = &b->f->layer,
+                }, &t->glare.state[t->state], &row->bound);
         return st;
     }
-    row->extrapolated = false; // faster than predicted
+    row->extrapolated = false; // faster than that
     struct run r;
     st = run_once(t, b->f, &r);
     double total = row->ms_first = t->ms[0] = r.ms;

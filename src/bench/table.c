@@ -17,13 +17,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define PLAIN .cluster_fill = 0.9f, .method = GP_GROUP_CORE
+#define PLAIN .cluster_fill = 0.9f
 #define FULL(...)                                                             \
     { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
       __VA_ARGS__ }
 
 /* From the exact ones over one step of Ando et al. after the other to all of
- * them together, by method and by primitive. */
+ * them together, by primitive. */
 const struct gp_bench_technique gp_bench_techniques[] = {
     {"direct", "direct", GP_SPLAT_EXACT},
     {"fft", "fft", GP_SPLAT_EXACT},
@@ -34,15 +34,11 @@ const struct gp_bench_technique gp_bench_techniques[] = {
     {"splat group 4, cluster 8", "splat", {.group = 4, .cluster = 8, PLAIN}},
     {"splat group 4, shrink 1e-3", "splat",
      {.group = 4, .shrink = 1e-3f, PLAIN}},
-    {"splat 4/8/1e-3 centroid", "splat", FULL(.method = GP_GROUP_CENTROID)},
-    {"splat 4/8/1e-3 moments", "splat", FULL(.method = GP_GROUP_MOMENTS)},
-    {"splat 4/8/1e-3 core", "splat", FULL(.method = GP_GROUP_CORE)},
+    {"splat 4/8/1e-3", "splat", GP_SPLAT_DEFAULTS},
     {"splat 4/8/1e-3 tiles", "splat",
-     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_TILE)},
+     FULL(.primitive = GP_PRIMITIVE_TILE)},
     {"splat 4/8/1e-3 quads", "splat",
-     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_QUAD)},
-    {"splat 4/8/1e-3 points", "splat",
-     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_POINT)},
+     FULL(.primitive = GP_PRIMITIVE_QUAD)},
     {"auto", "auto", GP_SPLAT_DEFAULTS},
     {0},
 };

@@ -21,24 +21,12 @@
 
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
-/* Forms in which a group replaces its pixels.
- *   CENTROID  the paper's formula (1): one kernel at the centroid
- *   MOMENTS   the kernel blurred by as much as the group is wide (its second
- *             moment), at the centroid
- *   CORE      the kernel's core, GP_CORE_RADIUS pixels, from each single
- *             sensor; only its tail from groups, by moments */
-enum gp_group_method { GP_GROUP_CENTROID, GP_GROUP_MOMENTS, GP_GROUP_CORE };
-
 /* Forms in which a polygon is drawn. AUTO: TILE on a software context, else
  * QUAD.
  *   QUAD   a blended quad, opened by the vertex shader
- *   POINT  a blended point sprite, up to the driver's limit of size
  *   TILE   no primitive at all: for each tile, one fragment pass sums over
  *          the polygons that reach it */
-enum gp_primitive {
-    GP_PRIMITIVE_AUTO, GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT,
-    GP_PRIMITIVE_TILE,
-};
+enum gp_primitive { GP_PRIMITIVE_AUTO, GP_PRIMITIVE_QUAD, GP_PRIMITIVE_TILE };
 
 /* Ando et al. 2007, sections 4.1 to 4.3. */
 struct gp_splat_params {
@@ -49,12 +37,10 @@ struct gp_splat_params {
                          // in (0, 1]
     float shrink;        // share of the light that shrinking may leave out,
                          // in [0, 1); 0 (off)
-    enum gp_group_method method;
     enum gp_primitive primitive;
 };
 #define GP_SPLAT_DEFAULTS                                                     \
-    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
-      .method = GP_GROUP_CORE }
+    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f }
 #define GP_SPLAT_EXACT { .group = 1, .cluster_fill = 0.9f }
 
 struct gp_glare_params {
@@ -118,8 +104,6 @@ struct gp_glare_request {
                    // what the tail's error adds to it counts
     double floor;  // added to a bound for the tail, and for values under the
                    // range of float
-    double enough; // ms; where over 0, predict() may stop counting beyond it,
-                   // as another engine takes less
 };
 
 /* Bounds the error of a sample of the layer: share * sample + of[channel]. */
@@ -127,26 +111,11 @@ struct gp_pixel_error {
     double share, of[3];
 };
 
-/* Milliseconds on one core: of this frame, and of one like it run again, when
- * plans, spectra and layouts are made. later_ms <= ms. */
-struct gp_prediction {
-    double ms, later_ms;
-    bool more; // counting stopped early: ms is a lower limit
-};
-
 struct gp_engine {
     const char *name, *text;
 
-    /* Predicts the time of `run` from counted work and from what `state` (may
-     * be NULL) already holds. Cheap: no pass over pixels. Independent of the
-     * number of threads, else the choice of `auto`, and with it the bytes,
-     * would depend on it. May keep facts about the kernel in *state, which
-     * change no prediction. */
-    struct gp_prediction (*predict)(const struct gp_glare_request *req,
-                                    void *state);
-
-    /* Bounds rel_l2 before any drawing. May cost a few milliseconds and keep
-     * its work in *state. INFINITY where nothing can be guaranteed.
+    /* Bounds rel_l2 before any drawing; may keep its work in *state. INFINITY
+     * where nothing can be guaranteed. NULL: only run() finds it.
      * Errors: GP_ERR_BUG out of memory. */
     gp_status (*bound)(const struct gp_glare_request *req, void **state,
                        double *out);
@@ -167,31 +136,10 @@ struct gp_engine {
 extern const struct gp_engine gp_engine_direct, gp_engine_fft, gp_engine_splat;
 extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 
-enum { GP_CANDIDATES = 16 };
-
-/* An approximation whose bound was over the tolerance: zero where it was not.
- * It is asked again after 2, 4, 8, ... frames, or when it is faster. */
-struct gp_plan_refusal {
-    int wait, left; // frames until it is asked: in all, and from now
-    double share;   // of the fastest exact candidate's ms, that it took
-};
-
-/* The planner's memory of the frames before; zero at first. */
-struct gp_plan_past {
-    int last;    // candidate taken, from 1; 0 none
-    int rival;   // candidate that would have been faster, from 1
-    double lost; // milliseconds lost to it since
-    bool warned; // the warning that no engine keeps the tolerance was printed
-    unsigned long kernel; // serial of the last frame's; 0: none
-    int w, h;             // of that frame
-    double tolerance;
-    struct gp_plan_refusal refused[GP_CANDIDATES]; // for all of these
-};
-
 /* The glare stage over a sequence. */
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
-    struct gp_plan_past past;
+    bool warned;     // that no engine keeps the tolerance
     struct gp_floor *floor; // NULL at first
     struct gp_tail_state *tail;
     struct gp_outside *outside; // NULL at first
@@ -205,12 +153,9 @@ struct gp_glare {
  * a tail engines draw the core, and the tail is added to it; but `direct`, when
  * named, sums the whole kernel sample by sample.
  *
- * `auto` takes the engine and setting with the fewest predicted milliseconds
- * whose bounds are within the tolerances, and warns when no engine's is. The
- * choice may depend on the frames before, so a frame in a sequence and the same
- * frame on its own may come from different engines: their layers then differ by
- * no more than the tolerance, in rel_l2. A named engine gives a frame the same
- * bytes anywhere in a sequence.
+ * `auto` takes `direct` for a handful of sources, else `fft`, and warns when no
+ * engine keeps the tolerances. A frame gets the same engine and the same bytes
+ * anywhere in a sequence.
  * Errors: GP_ERR_USAGE unknown engine; GP_ERR_GL from splat. */
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/model/model.h"
 
@@ -127,28 +128,18 @@ static void halve_floor(struct gp_pixel_floor *floor, int times)
     }
 }
 
-/* Warns where the named engine takes long and another one is faster: on a farm
- * a slow choice should be known before the hour is spent. `kernel` is the one
- * that other engines would draw. */
-static void warn_of_hours(const struct gp_glare_request *req,
-    const struct gp_kernel *kernel, const struct gp_glare *g, int named,
-    const char *path)
+/* Warns where the sum is long and a transform would not be: on a farm a slow
+ * choice should be known before the hour is spent. */
+static void warn_of_hours(const struct gp_glare_request *req, const char *path)
 {
-    static const double LONG_MS = 20e3;
-    const double ms = gp_engines[named]->predict(req, g->state[named]).ms;
-    struct gp_candidate c[GP_CANDIDATES];
-    struct gp_glare_request other = *req;
-    other.kernel = kernel;
-    const int n = ms > LONG_MS ? gp_plan_candidates(&other, g, c) : 0;
-    int best = 0;
-    for (int i = 1; i < n; i++)
-        best = c[i].exact && c[i].ms < c[best].ms ? i : best;
-    if (n && c[best].engine != named)
+    static const double LONG_S = 20.0, PRODUCT_S = 2.4e-10; // one core
+    const struct gp_kernel *const k = req->kernel;
+    const double s =
+        PRODUCT_S * gp_direct_work(req->src, k->w, k->h, k->cx, k->cy);
+    if (s > LONG_S)
         gp_say(req->log, GP_LEVEL_WARN,
-               "%s: --engine %s will take about %.0f s for %zu sources; use "
-               "--engine %s (%.3g s), or raise --threshold", path,
-               gp_engines[named]->name, ms * 1e-3, req->src->n,
-               gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
+               "%s: --engine direct will take about %.0f s for %zu sources; "
+               "use --engine fft, or raise --threshold", path, s, req->src->n);
 }
 
 /* Returns the number of an engine; -1: none has the name. */
@@ -175,6 +166,126 @@ static void add_rest(void *ctx, int i, int thread)
         gp_beyond_add_row(r->beyond, i, thread);
 }
 
+/* A frame on its way to a layer. */
+struct drawing {
+    struct gp_glare *g;
+    const struct gp_sources *src;   // as bright as the frame is
+    const struct gp_kernel *kernel; // with its tail, if it has one
+    const struct gp_kernel *drawn;  // that, or the whole of it
+    struct gp_frame *f;
+    const char *path;
+    struct gp_sources less;         // halved, or empty
+    struct gp_kernel small;
+    int times;                      // that light and kernel were halved
+    struct gp_beyond *beyond;
+    struct gp_glare_params params;
+    struct gp_glare_request req;
+};
+
+/* Halves kernel and light until no engine leaves the range of float. */
+static gp_status fit_range(const struct gp_log *log, struct drawing *d)
+{
+    gp_status st = GP_OK;
+    // a kernel with a tail is a model's, of norm 1 at most
+    const double norm = largest(d->kernel->norm1);
+    const int of_kernel = d->kernel->tail ? 0 : halvings(norm);
+    const int of_light = halvings(
+        largest(d->src->flux) * fmax(ldexp(norm, -of_kernel), 1.0));
+    d->times = of_kernel + of_light;
+    if (of_kernel) {
+        st = halve_kernel(log, d->kernel, of_kernel, &d->small);
+        d->req.kernel = &d->small;
+    }
+    if (of_light && !st) {
+        st = gp_sources_halve(log, d->src, of_light, &d->less);
+        d->req.src = &d->less;
+    }
+    return st;
+}
+
+/* Chooses the engine, and finds what is guaranteed before it runs; `named` is
+ * its number, or -1. */
+static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
+                        struct gp_choice *out)
+{
+    gp_status st;
+    struct gp_pixel_floor floor = {0};
+    struct gp_glare_request *const req = &d->req;
+    struct gp_glare *const g = d->g;
+    *out = (struct gp_choice) {.engine = named};
+    GP_TRY(gp_floor_find(req, &g->floor, &req->floor));
+    if (d->params.tolerance_pixel > 0.0f) {
+        struct gp_glare_request whole = *req; // as bright as the frame is
+        whole.src = d->src;
+        whole.kernel = d->kernel;
+        GP_TRY(gp_pixel_floor_find(&whole, d->f, &floor));
+        halve_floor(&floor, d->times);
+    }
+    if (named < 0) {
+        GP_TRY(gp_plan(req, g, d->path, &floor, out));
+        req->stats->bound = out->bound;
+    } else {
+        snprintf(req->stats->why, sizeof req->stats->why, "named by --engine");
+        if (d->params.tolerance_pixel > 0.0f)
+            GP_TRY(gp_plan_pixel(req, g, named, &floor, &out->pixel));
+        if (gp_engines[named] == &gp_engine_direct)
+            warn_of_hours(req, d->path);
+    }
+    if (out->whole) {
+        GP_TRY(find_whole(log, g, d->kernel, d->src->w, d->src->h, &d->drawn));
+        req->kernel = d->drawn;
+        req->tail = NULL;
+    }
+    d->params.fft_double = out->fft_double;
+    req->stats->engine = gp_engines[out->engine]->name;
+    req->stats->bound_pixel = out->pixel;
+out:
+    return st;
+}
+
+/* Runs the engine, and adds the kernel's tail and light from beyond the
+ * border. */
+static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
+                      struct drawing *d)
+{
+    gp_status st = GP_OK;
+    struct gp_glare *const g = d->g;
+    struct gp_glare_request *const req = &d->req;
+    struct gp_tail_rows *rows = NULL;
+    struct rest parts = {0};
+    struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
+    struct gp_beyond_adding adding = {.b = d->beyond, .layer = &d->f->layer};
+    const int h = d->src->h;
+    if (req->tail) {
+        GP_TRY(gp_tail_find(log, d->kernel->tail, g->tail, req->src,
+                            &d->f->layer, &rows));
+        parts.tail = rows;
+        req->stats->tail_step = d->kernel->tail->split.step;
+    }
+    if (d->beyond) {
+        GP_TRY(gp_outside_find(log, d->drawn, d->drawn->tail ? g->tail : NULL,
+                               d->src->w, h, &g->outside));
+        adding.outside = g->outside;
+        parts.beyond = d->times ? NULL : &adding; // as bright as the frame is
+    }
+    if (parts.tail || parts.beyond)
+        req->rest = &rest;
+    GP_TRY(gp_engines[engine->engine]->run(req, &g->state[engine->engine]));
+    if (req->rest && !rest.added)
+        gp_parallel_do(3 * h, add_rest, &parts);
+    // an engine's bound is that of its own sum
+    req->stats->bound =
+        engine->bound > 0.0 ? engine->bound : req->stats->bound + req->floor;
+    if (d->times) {
+        GP_TRY(double_layer(log, d->path, d->f, d->times, &req->stats->bound));
+        if (d->beyond)
+            gp_parallel_do(3 * h, gp_beyond_add_row, &adding);
+    }
+out:
+    gp_tail_rows_free(&rows);
+    return st;
+}
+
 /* gp_glare_run() but for the mirror image. */
 static gp_status run_picture(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
@@ -182,8 +293,12 @@ static gp_status run_picture(const struct gp_log *log,
     struct gp_frame *f, struct gp_glare_stats *stats)
 {
     gp_status st = GP_OK;
-    const char *const path = f->path ? f->path : "frame";
+    struct gp_choice taken;
     const int named = find_engine(p->engine);
+    struct drawing d = {
+        .g = g, .src = src, .kernel = kernel, .drawn = kernel, .f = f,
+        .path = f->path ? f->path : "frame", .params = *p,
+    };
     *stats = (struct gp_glare_stats) {0};
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
@@ -197,96 +312,24 @@ static gp_status run_picture(const struct gp_log *log,
         gp_planes_clear(&f->layer, 0, gp_frame_pixels(f));
         return GP_OK;
     }
-    // a kernel with a tail is a model's, of norm 1 at most
-    const double norm = largest(kernel->norm1);
-    const int kernel_times = kernel->tail ? 0 : halvings(norm);
-    const int light_times = halvings(
-        largest(src->flux) * fmax(ldexp(norm, -kernel_times), 1.0));
-    const int times = kernel_times + light_times;
-    const struct gp_kernel *drawn = kernel;
     if (kernel->tail && named >= 0 && gp_engines[named] == &gp_engine_direct)
-        st = find_whole(log, g, kernel, src->w, src->h, &drawn);
+        GP_TRY(find_whole(log, g, kernel, src->w, src->h, &d.drawn));
     else if (kernel->tail)
-        st = gp_tail_open(log, kernel->tail, &g->tail);
-    if (st)
-        return st;
-    struct gp_sources less = {0};
-    struct gp_kernel small = {0};
-    struct gp_tail_rows *rows = NULL;
-    struct gp_beyond *beyond = NULL;
-    struct rest parts = {0};
-    struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
-    if (kernel_times)
-        GP_TRY(halve_kernel(log, kernel, kernel_times, &small));
-    if (light_times)
-        GP_TRY(gp_sources_halve(log, src, light_times, &less));
-    struct gp_candidate taken = {.engine = named, .splat = p->splat};
-    struct gp_glare_params params = *p;
-    struct gp_glare_request req = {
-        .log = log, .params = &params, .src = light_times ? &less : src,
-        .kernel = kernel_times ? &small : drawn,
-        .tail = drawn->tail ? g->tail : NULL,
-        .layer = &f->layer, .stats = stats,
+        GP_TRY(gp_tail_open(log, kernel->tail, &g->tail));
+    d.req = (struct gp_glare_request) {
+        .log = log, .params = &d.params, .src = src, .kernel = d.drawn,
+        .tail = d.drawn->tail ? g->tail : NULL, .layer = &f->layer,
+        .stats = stats,
     };
-    GP_TRY(gp_beyond_find(log, &p->edges, &beyond));
-    req.beyond = beyond;
-    GP_TRY(gp_floor_find(&req, &g->floor, &req.floor));
-    struct gp_pixel_floor floor = {0};
-    if (p->tolerance_pixel > 0.0f) {
-        struct gp_glare_request whole = req; // as bright as the frame is
-        whole.src = src;
-        whole.kernel = kernel;
-        GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
-        halve_floor(&floor, times);
-    }
-    if (p->tolerance_pixel > 0.0f && named >= 0)
-        GP_TRY(gp_plan_pixel(&req, g, named, &floor, &taken.pixel));
-    if (named < 0) {
-        GP_TRY(gp_plan(&req, g, path, &floor, &taken));
-        stats->bound = taken.bound;
-        if (taken.whole) {
-            GP_TRY(find_whole(log, g, kernel, src->w, src->h, &drawn));
-            req.kernel = drawn;
-            req.tail = NULL;
-        }
-    } else {
-        snprintf(stats->why, sizeof stats->why, "named by --engine");
-        warn_of_hours(&req, drawn != kernel ? kernel : req.kernel, g, named,
-                      path);
-    }
-    params.splat = taken.splat;
-    params.fft_double = taken.fft_double;
-    stats->engine = gp_engines[taken.engine]->name;
-    stats->bound_pixel = taken.pixel;
-    const struct gp_tail *const tail = req.tail ? kernel->tail : NULL;
-    struct gp_beyond_adding adding = {.b = beyond, .layer = &f->layer};
-    if (tail) {
-        GP_TRY(gp_tail_find(log, tail, g->tail, req.src, &f->layer, &rows));
-        parts.tail = rows;
-        stats->tail_step = tail->split.step;
-    }
-    if (beyond) {
-        GP_TRY(gp_outside_find(log, drawn, drawn->tail ? g->tail : NULL, src->w,
-                               src->h, &g->outside));
-        adding.outside = g->outside;
-        parts.beyond = times ? NULL : &adding; // as bright as the frame is
-    }
-    if (parts.tail || parts.beyond)
-        req.rest = &rest;
-    GP_TRY(gp_engines[taken.engine]->run(&req, &g->state[taken.engine]));
-    if (req.rest && !rest.added)
-        gp_parallel_do(3 * req.src->h, add_rest, &parts);
-    stats->bound = named >= 0 ? stats->bound + req.floor : taken.bound;
-    if (times) {
-        GP_TRY(double_layer(log, path, f, times, &stats->bound));
-        if (beyond)
-            gp_parallel_do(3 * src->h, gp_beyond_add_row, &adding);
-    }
+    GP_TRY(fit_range(log, &d));
+    GP_TRY(gp_beyond_find(log, &p->edges, &d.beyond));
+    d.req.beyond = d.beyond;
+    GP_TRY(choose(log, named, &d, &taken));
+    GP_TRY(draw(log, &taken, &d));
 out:
-    gp_beyond_free(&beyond);
-    gp_tail_rows_free(&rows);
-    gp_sources_free(&less);
-    gp_kernel_free(&small);
+    gp_beyond_free(&d.beyond);
+    gp_sources_free(&d.less);
+    gp_kernel_free(&d.small);
     return st;
 }
 

@@ -91,80 +91,25 @@ GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
 void gp_floor_free(struct gp_floor **f);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
-//
-// A choice depends on the build (costs.h), the frame, the options and the
-// frames before it in the sequence; never on threads, time of day or load.
-
-struct gp_candidate {
-    int engine;                   // index in gp_engines
-    struct gp_splat_params splat; // its settings, where it is a splat
-    bool fft_double;              // for tolerance_pixel's sake
-    bool exact;                   // rounding is its only error
-    bool whole;                   // it sums the kernel with its tail, sample by
-                                  // sample
-    double ms;                    // predicted for this frame, set-up included;
-                                  // INFINITY: not a candidate
-    double later_ms;              // predicted without set-up, <= ms; with it
-                                  // for kernels that change with the frames
-    bool more;                    // ms is a lower limit
-    double bound;                 // of rel_l2; NAN: not asked. Raised over the
-                                  // tolerance where `pixel` exceeds its own
-    double pixel;                 // bound of max_rel; 0: not asked
-};
 
 /* The planner's choice. */
 struct gp_choice {
-    int taken;   // index of the candidate
-    bool within; // its bound keeps the tolerance
-    bool kept;   // another is predicted faster, but too little for a change
+    int engine;      // index in gp_engines
+    bool whole;      // it sums the kernel with its tail, sample by sample
+    bool fft_double; // for tolerance_pixel's sake
+    double bound;    // of rel_l2
+    double pixel;    // of max_rel; 0: not asked
 };
 
-/* Finds the bound of candidate i: INFINITY or NAN where it has none. */
-typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
-
-/* Chooses among `n` candidates, n > 0, one of them exact and of finite ms, and
- * carries *past on to the next frame.
- *
- *   first frame   the fewest ms of exact ones whose bound is <= tolerance, or
- *                 of approximations that take less than 4/5 of that
- *   none keeps it the least bound, and of equals the fewest ms: all roundings
- *                 are in an exact engine's bound, so no other is asked then
- *   later frames  the one before stays, where it keeps the tolerance, unless
- *                 another takes less than 4/5 of its ms; or unless staying has
- *                 lost, against that one's later_ms, as much as its set-up and
- *                 one frame: so set-up is paid where frames to come repay it
- *
- * Two engines follow each other only where their bounds together are within
- * the tolerance: their layers of this frame then differ by at most tolerance *
- * |layer| in norm, so no sample by more than that.
- *
- * Bounds are asked only where they decide, and kept in c[i].bound: an
- * approximation's, which takes long to find, only under 4/5 of the other's ms,
- * and, once it was over the tolerance, again 2 frames later, then 4, and so on
- * up to 32, or when its share of the exact ones' ms fell by a fifth. `ask` may
- * raise an exact candidate's ms. Clear past->refused for another kernel, size or
- * tolerance.
- * Errors: what `ask` returns. */
-GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
-    double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
-    struct gp_choice *out);
-
-/* Lists the candidates for a request, predicted with g's states: each engine,
- * and splat as given, exact, and with coarser and coarser groups, with and
- * without shrinking by half the tolerance. Their order is fixed. Returns their
- * number; opens no context. */
-int gp_plan_candidates(const struct gp_glare_request *req,
-                       const struct gp_glare *g,
-                       struct gp_candidate c[GP_CANDIDATES]);
-
-/* Chooses the candidate for a request and writes stats->why. Where the kernel
- * has a tail, whose coarse grid keeps all candidates over the tolerance, but
- * `direct` keeps it for the whole kernel, that is chosen. Warns once in a
- * sequence, naming `path`, when no candidate keeps the tolerance.
+/* Chooses by the request alone, and writes stats->why: `direct` for a handful
+ * of sources, else `fft`. Where its bounds are over the tolerances, the other;
+ * where both are over them and the kernel has a tail, `direct` of the whole
+ * kernel. Where nothing keeps them, the lower bound runs, and a warning that
+ * names `path` is printed once in a sequence.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_request *req,
     struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,
-    struct gp_candidate *out);
+    struct gp_choice *out);
 
 /* Bounds max_rel of engine i; INFINITY where nothing is guaranteed. Errors: its
  * own. */

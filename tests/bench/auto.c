@@ -5,8 +5,8 @@
  * KERNEL is a file or builtin:NAME. Each of direct, fft and auto keeps its own
  * state, as in a sequence of this one frame, and has been warmed up; runs
  * alternate, so that a machine whose speed drifts drifts for all; medians of
- * RUNS. An engine that is predicted to take over 20 ms and five times the
- * other's time is not run. The error is auto's, against the double-precision
+ * RUNS. An engine whose first run takes over 20 ms and five times the
+ * other's time runs no more. The error is auto's, against the double-precision
  * reference.
  */
 #include "median.h"
@@ -34,7 +34,7 @@ struct technique {
     struct gp_glare g;
     struct gp_glare_params p;
     struct gp_glare_stats stats;
-    double ms[MOST_RUNS], predicted, median;
+    double ms[MOST_RUNS], first, median;
     bool out; // not run
 };
 
@@ -44,17 +44,6 @@ struct frame {
     const struct gp_kernel *k;
     struct technique t[TECHNIQUES];
 };
-
-static double predict(struct frame *w, int i)
-{
-    const struct gp_engine *const e =
-        i == 0 ? &gp_engine_direct : &gp_engine_fft;
-    const struct gp_glare_request req = {
-        .params = &w->t[i].p, .src = &w->src, .kernel = w->k,
-        .layer = &w->f.layer, .stats = &w->t[i].stats,
-    };
-    return e->predict(&req, NULL).later_ms;
-}
 
 static double run_engine(struct frame *w, int i)
 {
@@ -73,12 +62,12 @@ static void measure(struct frame *w, int runs)
         t->p.engine = names[i];
     }
     for (int i = 0; i < 2; i++)
-        w->t[i].predicted = predict(w, i);
+        w->t[i].first = run_engine(w, i);
     for (int i = 0; i < TECHNIQUES; i++) {
         struct technique *const t = &w->t[i];
         double all = 0.0;
-        t->out = i < 2 && t->predicted > LONG_MS &&
-                 t->predicted > HOPELESS * w->t[1 - i].predicted;
+        t->out = i < 2 && t->first > LONG_MS &&
+                 t->first > HOPELESS * w->t[1 - i].first;
         for (int k = 0; !t->out && k < (i < 2 ? 3 : WARM_UPS) && all < WARM_MS;
              k++)
             all += run_engine(w, i);
@@ -152,10 +141,10 @@ static double try_frame(const char *path, const char *kernel, int runs)
         const double best = fmin(w.t[0].median, w.t[1].median);
         const double error = error_of(&w);
         ratio = w.t[2].median / best;
-        printf("%6.3f  %-6s %9.3f ms  direct %9.3f (predicted %9.3f)  fft "
-               "%9.3f (%9.3f)  rel_l2 %8.1e of %8.1e  %4dx%-4d n %7zu  %s\n",
+        printf("%6.3f  %-6s %9.3f ms  direct %9.3f  fft %9.3f  "
+               "rel_l2 %8.1e of %8.1e  %4dx%-4d n %7zu  %s\n",
                ratio, w.t[2].stats.engine, w.t[2].median, w.t[0].median,
-               w.t[0].predicted, w.t[1].median, w.t[1].predicted, error,
+               w.t[1].median, error,
                w.t[2].stats.bound, w.src.w, w.src.h, w.src.n, path);
         if (!(error <= w.t[2].stats.bound))
             printf("        over its bound\n");

@@ -144,6 +144,3 @@ for n in 1 64; do
         --sun-method mask
     sun_ms "glare of $n lamps, exact" --lights "$tmp/lamps.$n.1000"
 done
-
-echo "# what things cost here, beside what predictions take (src/glare/costs.h)"
-"$build/bench/costs"

@@ -113,7 +113,7 @@ def engine(rng, gl):
     words = ["--engine", name]
     if name == "auto":
         words += ["--tolerance", rng.choice([0, 1e-6, 1e-4, 1e-3, 0.05, 1])]
-    if name not in ("auto", "splat"):
+    if name != "splat":
         return words
     kind = rng.choice(["exact", "default", "any"])
     if kind == "exact":

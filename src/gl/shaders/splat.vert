@@ -15,12 +15,10 @@
 //      extent    columns and rows of the kernel
 //      centre    of the kernel, its whole part, in kernel pixels
 //      rest      the rest of the centre: 0 or 1/2 each
-//      form      x: vertices of a polygon, 6 for quads and 1 for points;
-//                y: 1 when polygons shrink
+//      shrinks   x: 1 when polygons shrink
 //      view      corner of the view in target pixels
 //      viewed    its size
-// out  quads cut to the view, so that none leaves the clip volume; points are
-//      never cut, as they would vanish with their centre
+// out  quads cut to the view, so that none leaves the clip volume
 // CPU twin: plain_groups.h of the tests; direct.c where cells are pixels
 uniform sampler2D sensors;
 uniform sampler2D places;
@@ -35,7 +33,7 @@ uniform ivec2 offset;
 uniform ivec2 extent;
 uniform ivec2 centre;
 uniform vec2 rest;
-uniform ivec2 form;
+uniform ivec2 shrinks;
 uniform ivec2 view;
 uniform ivec2 viewed;
 
@@ -54,7 +52,7 @@ vec4 clip_of_half(ivec2 twice)
 
 void main()
 {
-    int sensor = range.x + gl_InstanceID * QUADS + gl_VertexID / form.x;
+    int sensor = range.x + gl_InstanceID * QUADS + gl_VertexID / 6;
     ivec2 at = ivec2(sensor % cells.x, sensor / cells.x);
     vec4 found = vec4(0.0);
     if (sensor < range.y)
@@ -74,7 +72,7 @@ void main()
     corner = base + ivec2(whole) - centre;
     ivec2 low = corner;
     ivec2 high = corner + extent + ivec2(greaterThan(fraction, vec2(0.0)));
-    if (open && form.y > 0) {
+    if (open && shrinks.x > 0) {
         int bin = floatBitsToInt(found.a) >> 22 & 511;
         int far = int(reach[bin >> 2][bin & 3]);
         low = max(low, base + ivec2(ceil(p0)) - far);
@@ -83,17 +81,9 @@ void main()
     open = open && all(greaterThan(high, low));
     limits = ivec4(low, high);
 
-    gl_PointSize = 1.0;
-    if (form.x == 1) {
-        int side = max(high.x - low.x, high.y - low.y);
-        gl_PointSize = float(max(side, 1));
-        gl_Position = open ? clip_of_half(2 * (low - view) + side)
-                           : vec4(2.0, 2.0, 2.0, 1.0);
-    } else {
-        low = clamp(low - view, ivec2(0), viewed);
-        high = clamp(high - view, ivec2(0), viewed);
-        ivec2 size = open ? high - low : ivec2(0);
-        gl_Position = clip_of_half(
-            2 * (low + size * quad_corner(gl_VertexID % 6)));
-    }
+    low = clamp(low - view, ivec2(0), viewed);
+    high = clamp(high - view, ivec2(0), viewed);
+    ivec2 size = open ? high - low : ivec2(0);
+    gl_Position =
+        clip_of_half(2 * (low + size * quad_corner(gl_VertexID % 6)));
 }

@@ -10,7 +10,7 @@
 //      extent    columns and rows of the kernel
 //      centre    of the kernel, in its pixels
 //      turn      cosine and sine of the angle
-//      form      y: 1 when quads shrink
+//      shrinks   x: 1 when quads shrink
 //      view      corner of the view in target pixels
 //      viewed    its size; the open quads that meet the target lie inside
 // out  quads around the kernel and its border of zeros
@@ -26,7 +26,7 @@ uniform ivec2 offset;
 uniform ivec2 extent;
 uniform ivec2 centre;
 uniform vec2 turn;
-uniform ivec2 form;
+uniform ivec2 shrinks;
 uniform ivec2 view;
 uniform ivec2 viewed;
 
@@ -50,7 +50,7 @@ void main()
     far = 1 << 20;
     vec2 low = vec2(-centre) - 1.0;
     vec2 high = vec2(extent - centre);
-    if (open && form.y > 0) {
+    if (open && shrinks.x > 0) {
         int bin = floatBitsToInt(found.a) >> 22 & 511;
         far = int(reach[bin >> 2][bin & 3]);
         float half_side = float(far) * (abs(turn.x) + abs(turn.y));

@@ -398,7 +398,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     int side = 1;
     for (size_t i = 0; i < polygons->n; i++)
         side = gp_max(side, polygons->at[i].side);
-    const bool tail = p->method == GP_GROUP_CORE, wide = side > BORDER;
+    const bool tail = !gp_splat_single(p), wide = side > BORDER;
     const int border = wide ? WIDE_BORDER : BORDER;
     struct drawn *const d = &s->drawn[tail][wide];
     GP_TRY(find_layer_least(log, src, kernel, s, &least));

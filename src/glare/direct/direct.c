@@ -2,7 +2,6 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/costs.h"
 #include "glare/engine.h"
 
 #include <limits.h>
@@ -271,84 +270,6 @@ static bool is_laid_out(const struct direct_state *s, const struct gp_kernel *k)
     return s && s->kernel && s->kernel == k->serial;
 }
 
-/* A cost at `size` from its values at first, 16 * first and 256 * first. */
-static double cost_at(const double value[3], double size, double first)
-{
-    const double at = log2(fmax(size, 1.0) / first) / 4.0;
-    if (at <= 0.0)
-        return value[0];
-    if (at >= 2.0)
-        return value[2];
-    const int i = at < 1.0 ? 0 : 1;
-    return value[i] + (at - i) * (value[i + 1] - value[i]);
-}
-
-static struct gp_prediction predict_direct(const struct gp_glare_request *req,
-                                           void *state)
-{
-    static const double near_row[3] = GP_COST_DIRECT_NEAR_ROW;
-    static const double far_row[3] = GP_COST_DIRECT_FAR_ROW;
-    static const double empty_row[3] = GP_COST_DIRECT_STRIP_ROW;
-    static const size_t WANTED = 2048;
-    enum {
-        NEAR = 8,    // pixels: half a cache line
-        TILE_W = 16, // pixels; as high as a quad
-    };
-    const struct gp_kernel *const k = req->kernel;
-    const struct gp_sources *const s = req->src;
-    // from every step-th source: with many of them direct loses anyway
-    const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
-    uint32_t i = step / 2, taken = 0;
-    // the work of run_strip(), in rows of strips of sources whose taps another
-    // has just used and of those whose have to be fetched; how often it lists
-    // one; and the tiles of quads that kernels would cover, were each source
-    // one
-    double near = 0.0, far = 0.0, listed = 0.0, tiles = 0.0;
-    for (int y = 0; y < s->h; y++) {
-        const int rows = overlap(y, k->cy, k->h, s->h);
-        for (; i < s->row[y + 1]; i += step, taken++) {
-            const int x = s->x[i], from = x - k->cx > 0 ? x - k->cx : 0;
-            const int cols = overlap(x, k->cx, k->w, s->w);
-            if (cols == 0)
-                continue;
-            // a source just before it, or just above it, used its taps
-            bool used = i > s->row[y] && s->x[i - 1] >= x - NEAR;
-            if (!used && y > 0) {
-                const uint32_t above =
-                    gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
-                used = above < s->row[y] && s->x[above] <= x + NEAR;
-            }
-            const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
-            listed += strips;
-            *(used ? &near : &far) += (double) strips * rows;
-            tiles += (cols + TILE_W - 1.0) / TILE_W *
-                     (rows + GP_QUAD - 1.0) / GP_QUAD;
-        }
-    }
-    const double share = taken ? (double) s->n / taken : 0.0;
-    const double samples = 3.0 * (k->w + 2.0 * GP_TAPS_PAD) * k->h;
-    const double bytes = samples * sizeof(float);
-    const double layer = 3.0 * sizeof(float) * s->w * s->h;
-    const double strips = (s->w + STRIP - 1) / STRIP;
-    const struct gp_taps taps = {
-        .pitch = (size_t) k->w + 2 * GP_TAPS_PAD, .h = k->h,
-    };
-    const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
-    double later = GP_COST_DIRECT_RUN +
-                   cost_at(empty_row, layer, 0x1p19) * strips * s->h;
-    if (quads > 0.0)
-        later += GP_COST_DIRECT_QUAD_TILE * (tiles * share) * quads /
-                 (double) s->n;
-    else
-        later += GP_COST_DIRECT_LIST * (listed * share) +
-                 cost_at(near_row, bytes, 48 * 1024.0) * (near * share) +
-                 cost_at(far_row, bytes, 48 * 1024.0) * (far * share);
-    double ms = later;
-    if (!is_laid_out(state, k))
-        ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
-    return (struct gp_prediction) {.ms = ms, .later_ms = later};
-}
-
 static void close_direct(void **state)
 {
     struct direct_state *const s = *state;
@@ -394,7 +315,6 @@ static gp_status pixel_direct(const struct gp_glare_request *req, void **state,
 const struct gp_engine gp_engine_direct = {
     .name = "direct",
     .text = "the sum as it is written; the fastest for a handful of sources",
-    .predict = predict_direct,
     .bound = bound_direct,
     .pixel = pixel_direct,
     .run = run_direct,

@@ -496,78 +496,9 @@ out:
     return st;
 }
 
-// -- prediction --------------------------------------------------------------
-
-static struct gp_prediction predict_fft(const struct gp_glare_request *req,
-                                        void *state)
-{
-    struct fft_state empty = {0};
-    struct fft_state *const s = state ? state : &empty;
-    const struct gp_sources *const src = req->src;
-    const struct gp_kernel *const k = req->kernel;
-    const struct gp_glare_params *const params = req->params;
-    enum gp_fft_plan how = params->fft_plan;
-    const double sources = 3.0 * GP_COST_FFT_SOURCE * (double) src->n;
-    struct gp_fft_placing p = gp_fft_place(src, k);
-    struct gp_fft_split split;
-    struct gp_prediction ms = {GP_COST_FFT_RUN, GP_COST_FFT_RUN, false};
-    if (!p.nx)
-        return ms;
-    const double passes = sources + gp_fft_passes_ms(src, &p, how);
-    if (req->enough > 0.0 && passes > req->enough) {
-        ms.ms = ms.later_ms = GP_COST_FFT_RUN + passes;
-        ms.more = true;
-        return ms;
-    }
-    // the direct part; finding the tails' norms takes as long as a small frame,
-    // so only when the error without a core is known to be too large
-    const bool known = gp_fft_is_of(s->quarters_kernel, k);
-    const double whole[GP_FFT_CORES] = {
-        fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
-    };
-    choose_split(req, &p, known ? find_tail_norms(s, k) : whole, &split);
-    if (!known && (split.core.x >= 0 || split.hot_count > 0))
-        choose_split(req, &p, find_tail_norms(s, k), &split);
-    ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
-    if (split.in_double)
-        how = GP_FFT_PLAN_ESTIMATE;
-    if (!known)
-        ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
-    if (split.hot_count == src->n)
-        return ms;
-    // without the hot ones the rest has another place: that of the last frame
-    if (split.hot_count && gp_fft_is_of(s->spectrum.kernel, k) &&
-        gp_fft_same_core(s->spectrum.core, split.core) &&
-        !s->spectrum.in_double)
-        p = s->spectrum.placing;
-    const double again = sources + gp_fft_passes_ms(src, &p, how);
-    // set-up for this placing; a file of measured plans is assumed to have
-    // these
-    const double plan = how == GP_FFT_PLAN_MEASURE && !params->wisdom
-                            ? GP_COST_FFT_PLAN_MEASURE
-                            : GP_COST_FFT_PLAN_ESTIMATE;
-    double setup = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
-    if (plan_at(s, p.nx, how, split.in_double) == s->plans)
-        setup += plan;
-    if (p.ny != p.nx && plan_at(s, p.ny, how, split.in_double) == s->plans)
-        setup += plan;
-    const int channels = k->grey ? 1 : 3;
-    const double twice = split.in_double ? GP_COST_FFT_DOUBLE : 1.0;
-    if (!gp_fft_has_spectrum(&s->spectrum, k, &p, &split))
-        setup += twice * gp_fft_spectrum_ms(
-            channels, gp_fft_keeps_spectrum(req) ? channels : 0, &p, how);
-    if (!s->spectrum.m.z[0])
-        setup += twice * GP_COST_FRESH_BYTE * 4.0 * p.nx *
-                 fmax(gp_rect_h(p.in), gp_rect_h(p.out));
-    ms.later_ms += again;
-    ms.ms += again + setup;
-    return ms;
-}
-
 const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
-    .predict = predict_fft,
     .bound = bound_fft,
     .pixel = pixel_fft,
     .run = run_fft,

@@ -4,7 +4,6 @@
 #define GP_GLARE_FFT_FFT_H
 
 #include "core/status.h"
-#include "glare/costs.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"

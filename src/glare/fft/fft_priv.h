@@ -8,6 +8,39 @@
 
 #include <stdbool.h>
 
+// -- costs --------------------------------------------------------------------
+//
+// Milliseconds on one core of 2.5 GHz with AVX2, measured. Lengths of transforms
+// and what goes direct follow from them, and with these the last bits of a
+// layer: so they are part of the build, and never measured by the program.
+
+/* Picoseconds of a complex transform of n points, over n log2 n, by the odd
+ * factor of n: 1, 3, 5 (from 4096 points on the next), 9, 15, 25, others; of
+ * FFTW 3.3.10, planned by measuring. gp_fft_length() and what fft sends direct
+ * follow from these, and with them the last bits of a layer. */
+#define GP_COST_FFT_PS {135, 190, 140, 190, 190, 190, 215}
+#define GP_COST_FFT_PS_LARGE_5 185
+/* Times as long with plans by estimate, by the same factors */
+#define GP_COST_FFT_ESTIMATED {1.2, 1.2, 1.1, 1.65, 1.15, 1.4, 1.4}
+/* ms of a pass for each nanosecond of its transforms: moved, placed,
+ * multiplied */
+#define GP_COST_FFT_PASS 1.35e-6
+
+/* Passes in double over those in float. What fft makes in double depends on
+ * it, too. */
+#define GP_COST_FFT_DOUBLE 2
+/* ns of one point of a transform in a pass, moved, placed and multiplied: what
+ * the factor is for in the mean */
+#define GP_COST_FFT_POINT 0.5
+
+/* ms of one tile of one quad of sources, with listing and making it */
+#define GP_COST_DIRECT_QUAD_TILE (3.0 * 3.2e-6)
+/* ms of one tap of all three channels, where sources share nothing: one 512 x
+ * 512 source takes 0.063 ms */
+#define GP_COST_DIRECT_TAP (0.063 / (512.0 * 512.0))
+/* ms of one pixel of a layer that a direct part is added to */
+#define GP_COST_DIRECT_PIXEL 2.5e-6
+
 /* Returns FFTW's wisdom about the plans of length n, measured once; NULL where
  * none is known. known.c, printed by tests/bench/plans.c. */
 const char *gp_fft_known(int n);
@@ -49,14 +82,9 @@ struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
                                    const struct gp_kernel *k);
 
 /* Milliseconds of the passes on one core: the frame's rows there and back and
- * all columns twice, for three channels; and those of making the spectrum of a
- * kernel of so many channels, `kept` of them on memory that is touched for the
- * first time. */
+ * all columns twice, for three channels. */
 double gp_fft_passes_ms(const struct gp_sources *s,
                         const struct gp_fft_placing *p, enum gp_fft_plan how);
-double gp_fft_spectrum_ms(int channels, int kept,
-                          const struct gp_fft_placing *p,
-                          enum gp_fft_plan how);
 
 /* Bounds rel_l2 of transforms of s with k, where the layer's norm is at least
  * `least`; INFINITY where that is 0.

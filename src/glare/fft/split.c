@@ -54,17 +54,6 @@ double gp_fft_passes_ms(const struct gp_sources *s,
             (p->nx + 2.0) * gp_fft_cost(p->ny, how));
 }
 
-double gp_fft_spectrum_ms(int channels, int kept,
-                          const struct gp_fft_placing *p, enum gp_fft_plan how)
-{
-    const double rows = gp_rect_h(p->taps), columns = p->nx / 2 + 1.0;
-    const double bytes = columns * 2.0 * sizeof(float) * p->ny; // of a plane
-    return channels * GP_COST_FFT_PASS *
-               (ceil(rows / 2.0) * gp_fft_cost(p->nx, how) +
-                columns * gp_fft_cost(p->ny, how)) +
-           GP_COST_FRESH_BYTE * bytes * kept;
-}
-
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {

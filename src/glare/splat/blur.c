@@ -264,7 +264,7 @@ gp_status gp_shrink_make(const struct gp_log *log,
     const struct gp_polygons *polygons, struct gp_shrink *out)
 {
     gp_status st = GP_OK;
-    const bool tail = p->method == GP_GROUP_CORE;
+    const bool tail = !gp_splat_single(p);
     struct lights l = {0};
     struct rings r = {0};
     struct gp_shrink s = {0};

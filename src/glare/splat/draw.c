@@ -1,4 +1,4 @@
-/* Polygons on GL, blended: quads or point sprites over the sensors of a grid
+/* Polygons on GL, blended: quads over the sensors of a grid
  * (Ando et al. 2007, sections 3 and 4).
  *
  * A frame larger than a target is drawn field by field, and the sensors that
@@ -48,21 +48,19 @@ void gp_splat_drop_kernels(struct gp_splat *s)
 }
 
 /* Drops the kernels unless they were made from this kernel, crop, and use:
- * `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered` puts a
- * border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
+ * `tail` leaves the core out of all but GP_SPLAT_CORE. */
 static void set_kernel(struct gp_splat *s, const struct gp_kernel *k,
-                       struct gp_rect crop, bool tail, bool bordered)
+                       struct gp_rect crop, bool tail)
 {
     const bool same = k->serial && k->serial == s->serial &&
                       memcmp(&crop, &s->crop, sizeof crop) == 0 &&
-                      tail == s->tail && bordered == s->bordered;
+                      tail == s->tail;
     if (same)
         return;
     gp_splat_drop_kernels(s);
     s->serial = k->serial;
     s->crop = crop;
     s->tail = tail;
-    s->bordered = bordered;
 }
 
 /* Uploads the planes with their border, band after band; what was made so far
@@ -123,7 +121,7 @@ static gp_status need_kernel(const struct gp_log *log, struct gp_splat *s,
     if (st)
         return st;
     struct gp_splat_kernel o = {
-        .border = smooth || s->bordered, .w = b.w, .h = b.h,
+        .border = smooth, .w = b.w, .h = b.h,
         .cx = (int) floorf(b.cx), .cy = (int) floorf(b.cy),
     };
     o.rest[0] = b.cx - (float) o.cx;
@@ -246,9 +244,7 @@ struct drawing {
     const struct gp_glare_request *req;
     struct gp_splat *s;
     const struct gp_splat_layout *layout;
-    bool points;
     bool turned;          // quads turn, and the kernel stays as it was
-    int sprite;           // points: pixels of the largest; quads: 0
     int margin;           // pixels that the view reaches beyond the field
     int span;             // of the coarsest cells
     int patch_side, field_side; // of the largest of each, in pixels
@@ -284,7 +280,6 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     const struct gp_splat_kernel *const o = &s->kernel[which];
     const enum gp_splat_program program =
         which == GP_SPLAT_TURNED ? GP_SPLAT_TURNED_QUAD
-        : k->points              ? GP_SPLAT_POINT
         : g->places              ? GP_SPLAT_SMOOTH_QUAD
                                  : GP_SPLAT_EXACT_QUAD;
     gp_status st = need_kernel(k->req->log, s, k->req->kernel, which);
@@ -309,7 +304,7 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
                                  g->cells.y - k->field.y0}},
         {.name = "extent", .v = {o->w, o->h}},
         {.name = "centre", .v = {o->cx, o->cy}},
-        {.name = "form", .v = {k->points ? 1 : QUAD_VERTICES, shrinks}},
+        {.name = "shrinks", .v = {shrinks, 0}},
         {.name = "view", .v = {view.x0, view.y0}},
         {.name = "viewed", .v = {gp_rect_w(view), gp_rect_h(view)}},
     };
@@ -341,8 +336,8 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         .program = &s->program[program], .target = to,
         .cut = {0, 0, gp_rect_w(k->field), gp_rect_h(k->field)}, .view = view,
         .uniform = uniform,
-        .vertices = QUADS * (k->points ? 1 : QUAD_VERTICES),
-        .instances = (end - first + QUADS - 1) / QUADS, .points = k->points,
+        .vertices = QUADS * QUAD_VERTICES,
+        .instances = (end - first + QUADS - 1) / QUADS,
     };
     return gp_draw_run(k->req->log, s->gl, &draw);
 }
@@ -573,8 +568,7 @@ static unsigned blurs_of(const struct gp_polygon *at, size_t n)
     return used;
 }
 
-gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
-                        bool points)
+gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s)
 {
     const struct gp_splat_layout *const p = &s->layout;
     const struct gp_polygons *const q = &p->polygons;
@@ -582,7 +576,7 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
     const int span = gp_max(p->params.cluster, p->params.group);
     const int more = p->single ? 0 : span / 2 + 1; // half a box, and bilinear
     struct drawing k = {
-        .req = req, .s = s, .layout = p, .points = points, .span = span,
+        .req = req, .s = s, .layout = p, .span = span,
         .patch_side = gp_min(gl->max_size, FIELD_MAX),
         .meets = {p->crop.x0 - req->kernel->cx - more,
                   p->crop.y0 - req->kernel->cy - more,
@@ -591,22 +585,10 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
         .group_blurs = blurs_of(q->at + q->clusters, q->groups),
         .cluster_blurs = blurs_of(q->at, q->clusters),
     };
-    // the largest sprite: the kernel's longer side, blurred and off whole
-    // pixels, or what is left of it by shrinking
-    const int longer = gp_max(gp_rect_w(p->crop), gp_rect_h(p->crop));
-    if (points)
-        k.sprite = p->core ? 2 * GP_CORE_RADIUS + 1 : 1;
-    for (size_t i = 0; points && p->tail && i < q->n; i++) {
-        const int whole =
-            longer + gp_blur_box[q->at[i].blur] - 1 + !p->single;
-        const int kept = 2 * reach_of(p, q->at[i].light) + 1;
-        k.sprite = gp_max(k.sprite, gp_min(whole, kept));
-    }
     // the view's reach beyond a field, so that no polygon that meets
     // it is clipped. Quads on whole pixels are cut by the vertex shader; turned
     // ones, whose kernel would need too large a view, are not turned there
-    k.margin = k.sprite;
-    if (p->turned && !points) { // to the farthest corner of a quad
+    if (p->turned) { // to the farthest corner of a quad
         const struct gp_unturned *const u = req->kernel->unturned;
         const double x = fmax(u->cx, u->w - u->cx);
         const double y = fmax(u->cy, u->h - u->cy);
@@ -616,18 +598,11 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
         k.margin = k.turned ? radius : 0;
     }
     k.field_side = gp_min(k.patch_side, gl->max_size - 2 * k.margin);
-    if ((float) k.sprite > gl->max_point)
-        return gp_fail_bare(req->log, GP_ERR_GL,
-                            "%s: the driver draws no point sprites of %d "
-                            "pixels (the limit is %.0f); use --primitive quad "
-                            "or tile, a smaller kernel, or a larger --shrink",
-                            gl->name, k.sprite, (double) gl->max_point);
     if (k.patch_side / span < 1 || k.field_side < 1)
         return gp_fail_bare(req->log, GP_ERR_GL,
-                            "%s: polygons of %d pixels in groups of %d do not "
-                            "fit into a texture (the limit is %d pixels); use "
-                            "--engine fft or direct", gl->name, k.sprite, span,
-                            k.patch_side);
+                            "%s: groups of %d do not fit into a texture (the "
+                            "limit is %d pixels); use --engine fft or direct",
+                            gl->name, span, k.patch_side);
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)
@@ -638,6 +613,6 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) reach_of(p, gp_source_bin_start(i));
     gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
-    set_kernel(s, req->kernel, p->crop, p->core, points);
+    set_kernel(s, req->kernel, p->crop, p->core);
     return draw_fields(&k);
 }

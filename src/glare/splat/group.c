@@ -69,7 +69,7 @@ static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
 
 /* The cell whose corner is pixel (x0, y0) as a polygon. */
 static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
-                                    int side, enum gp_group_method method)
+                                    int side)
 {
     double x = (side - 1) / 2.0, y = x, variance = 0.0;
     if (cell->light > 0.0) {
@@ -85,9 +85,8 @@ static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
     for (int c = 0; c < 3; c++)
         p.rgb[c] = (float) fmin(cell->rgb[c], (double) FLT_MAX);
     // the box that spreads the light most nearly by the variance
-    const int most = method == GP_GROUP_CENTROID ? 0 : side;
     double least = INFINITY;
-    for (uint8_t b = 0; b < GP_BLURS && gp_blur_box[b] <= most; b++) {
+    for (uint8_t b = 0; b < GP_BLURS && gp_blur_box[b] <= side; b++) {
         const int box = gp_blur_box[b];
         const double u = (double) p.x - (box - 1) / 2.0;
         const double v = (double) p.y - (box - 1) / 2.0;
@@ -108,8 +107,7 @@ static void close_row(const struct grouping *g, const struct cell_sum *cell,
 {
     for (int k = 0; k < cells; k++) {
         if (cell[k].sources)
-            *out++ = close_cell(&cell[k], k * side - g->left, y0, side,
-                                g->p->method);
+            *out++ = close_cell(&cell[k], k * side - g->left, y0, side);
     }
 }
 
@@ -211,7 +209,7 @@ static void group_band(void *ctx, int i, int thread)
             if (out) {
                 struct cell_sum own = {0};
                 add_sources(g->src, k, k + 1, -x, 0, &own);
-                *out++ = close_cell(&own, x, top, 1, GP_GROUP_CENTROID);
+                *out++ = close_cell(&own, x, top, 1);
             }
             b->groups++;
         }

@@ -16,9 +16,15 @@
 
 /* -- groups and clusters --------------------------------------------------- */
 
-/* Half the side, less one half, of the square that GP_GROUP_CORE draws from
- * single sensors: 17x17 pixels around each. */
+/* Half the side, less one half, of the kernel's core: 17x17 pixels that each
+ * source draws by itself, while only the rest is drawn from groups. */
 enum { GP_CORE_RADIUS = 8 };
+
+/* Tests whether each source is a polygon: then core and rest are one kernel. */
+static inline bool gp_splat_single(const struct gp_splat_params *p)
+{
+    return p->group == 1 && !p->cluster;
+}
 
 /* Boxes that a kernel is blurred by to meet the spread of a group. A box of
  * side M has the second moment (M * M - 1) / 12 on each axis. */
@@ -31,7 +37,7 @@ struct gp_polygon {
     float rgb[3];    // sum of the cell's light
     float light;     // formula (1): L0, sum of luminance
     uint8_t side;    // of the cell: 1, group or cluster
-    uint8_t blur;    // index in gp_blur_box; 0 with GP_GROUP_CENTROID
+    uint8_t blur;    // index in gp_blur_box
 };
 
 struct gp_polygons {
@@ -95,7 +101,7 @@ struct gp_shrink {
     float least;
     /* Reach in pixels by gp_source_bin(L0): pixels with |dx| and |dy| up to
      * this from P0 are drawn; those beyond are left out. INT_MAX / 2 draws
-     * all. For GP_GROUP_CORE at least GP_CORE_RADIUS. Grows with the bin. */
+     * all. At least GP_CORE_RADIUS, but of single sources. Grows with the bin. */
     int reach[GP_SOURCE_BINS];
     double left_out; // bound of the share of light that is left out, <= share
 };
@@ -112,7 +118,7 @@ GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
  * of each polygon that splat draws with these settings, as in figure 6 of the
  * paper: the pixels at the edge of the square around P0 that its reach leaves,
  * cut to what the kernel covers there. Edges outside the frame are not seen.
- * The single sensors of GP_GROUP_CORE are no polygons.
+ * The sources that draw only their core are no polygons.
  *
  *   picture  src->w x src->h planes, changed where there is a line
  * Takes time for polygons and pixels, not for the lines' length.

@@ -9,7 +9,6 @@
  * float rounding. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/costs.h"
 #include "glare/direct/direct.h"
 #include "glare/splat/splat_priv.h"
 
@@ -59,7 +58,7 @@ static uint64_t key_of(const struct gp_glare_request *req)
     const struct gp_splat_params *const p = &req->params->splat;
     const long long whole[] = {
         s->w, s->h, s->x0, s->y0, (long long) s->n, p->group, p->cluster,
-        p->method, p->primitive, req->params->gl,
+        p->primitive, req->params->gl,
         (long long) req->kernel->serial,
     };
     const float real[] = {p->cluster_fill, p->shrink, s->luminance[0],
@@ -99,7 +98,6 @@ static double roundings(const struct gp_splat_layout *p)
     case GP_PRIMITIVE_TILE:
         return tiled;
     case GP_PRIMITIVE_QUAD:
-    case GP_PRIMITIVE_POINT:
         return blended;
     case GP_PRIMITIVE_AUTO:
         break;
@@ -169,14 +167,12 @@ static gp_status make_layout(const struct gp_glare_request *req,
     free_layout(p);
     struct gp_splat_layout o = {.valid = true, .key = key,
                               .params = req->params->splat};
-    o.single = o.params.group == 1 && !o.params.cluster;
-    if (o.single)
-        o.params.method = GP_GROUP_CENTROID; // core and tail are one
+    o.single = gp_splat_single(&o.params);
     o.turned = o.single && k->unturned &&
                (o.params.primitive == GP_PRIMITIVE_QUAD ||
                 (o.params.primitive == GP_PRIMITIVE_AUTO &&
                  req->params->gl == GP_GL_EGL)); // a GPU may be there
-    o.core = o.params.method == GP_GROUP_CORE;
+    o.core = !o.single;
     o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
     const long long cx = k->cx, cy = k->cy, r = GP_CORE_RADIUS;
@@ -287,89 +283,16 @@ gp_status gp_splat_open(const struct gp_log *log, struct gp_splat *s,
 
 /* -- the engine ------------------------------------------------------------ */
 
-/* Pixels of a kernel's width from low to high around a centre that may be
- * anywhere in [from, to), those in [0, limit): the mean. */
-static double mean_overlap(int from, int to, int low, int high, int limit)
-{
-    double sum = 0.0;
-    for (int at = from; at < to; at++) {
-        const double first = fmax((double) at + low, 0.0);
-        const double end = fmin((double) at + high, (double) limit);
-        sum += fmax(end - first, 0.0);
-    }
-    return to > from ? sum / (to - from) : 0.0;
-}
-
-static struct gp_prediction predict_splat(const struct gp_glare_request *req,
-                                          void *state)
-{
-    const struct gp_splat *const kept = state;
-    const struct gp_sources *const s = req->src;
-    const struct gp_kernel *const k = req->kernel;
-    const struct gp_splat_params *const p = &req->params->splat;
-    const struct gp_rect crop = crop_of(k, s->w, s->h, 1);
-    if (s->n == 0 || gp_rect_empty(crop))
-        return (struct gp_prediction) {.ms = 0.0};
-    const double start = kept && kept->gl ? 0.0 : GP_COST_GL_START;
-    if (req->enough > 0.0 && start > req->enough)
-        return (struct gp_prediction) {.ms = start, .more = true};
-    // one polygon for each full group
-    const double n = (double) s->n;
-    const double polygons = ceil(n / ((double) p->group * p->group));
-    const double area = mean_overlap(s->box.x0, s->box.x1, crop.x0 - k->cx,
-                                     crop.x1 - k->cx, s->w) *
-                        mean_overlap(s->box.y0, s->box.y1, crop.y0 - k->cy,
-                                     crop.y1 - k->cy, s->h);
-    const double sensors = (double) gp_rect_w(s->box) * gp_rect_h(s->box);
-    double ms = p->primitive == GP_PRIMITIVE_QUAD ||
-                        p->primitive == GP_PRIMITIVE_POINT
-                    ? GP_COST_GL_SENSOR * sensors +
-                          polygons * (GP_COST_GL_POLYGON +
-                                      GP_COST_GL_BLEND * area)
-                    : polygons * GP_COST_GL_TILE * area;
-    const double fields = ((s->w - 1) / GP_TILE_FIELD + 1.0) *
-                          ((s->h - 1) / GP_TILE_FIELD + 1.0);
-    ms = ms + GP_COST_GL_SOURCE * n + GP_COST_GL_TRANSFER * s->w * s->h +
-         GP_COST_GL_FIELD * (fields - 1.0);
-    if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
-        ms += n * GP_COST_DIRECT_TAP * CORE_SIDE * CORE_SIDE;
-    double first = start;
-    if (p->group > 1 || p->cluster || p->shrink > 0.0f) { // an error to bound
-        ms += GP_COST_BOUND_PIXEL * s->w * s->h;
-        if (!kept || !k->serial || kept->bounds.kernel != k->serial)
-            first += GP_COST_BOUND_POINT * (k->grey ? 1.0 : 3.0) *
-                     (s->w + 0.5 * k->w) * (s->h + 0.5 * k->h);
-    }
-    return (struct gp_prediction) {.ms = first + ms, .later_ms = ms};
-}
-
 static bool reaches_nothing(const struct gp_glare_request *req)
 {
     const struct gp_sources *const s = req->src;
     return s->n == 0 || gp_rect_empty(crop_of(req->kernel, s->w, s->h, 1));
 }
 
-static gp_status find_bound(const struct gp_glare_request *req, void **state,
-                            double *out)
-{
-    *out = 0.0;
-    if (reaches_nothing(req))
-        return GP_OK;
-    gp_status st = gp_splat_make(req->log, state);
-    if (st)
-        return st;
-    struct gp_splat *const s = *state;
-    st = make_layout(req, &s->bounds, &s->layout);
-    if (!st)
-        *out = s->layout.bound;
-    return st;
-}
-
 static gp_status run_splat(const struct gp_glare_request *req, void **state)
 {
     static const char *const forms[] = {
         [GP_PRIMITIVE_QUAD] = "blended quads",
-        [GP_PRIMITIVE_POINT] = "blended points",
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
     const size_t pixels = (size_t) req->src->w * (size_t) req->src->h;
@@ -390,7 +313,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
                                            : GP_PRIMITIVE_QUAD;
     if (form != GP_PRIMITIVE_TILE)
-        GP_TRY(gp_splat_draw(req, s, form == GP_PRIMITIVE_POINT));
+        GP_TRY(gp_splat_draw(req, s));
     else if (p->tail)
         GP_TRY(gp_tiles_draw(req->log, s->gl, req->kernel, p->crop, p->core,
                              &p->polygons, &p->shrink, req->src->w,
@@ -423,8 +346,6 @@ out:
 const struct gp_engine gp_engine_splat = {
     .name = "splat",
     .text = "glare polygons for bright pixels and groups of them, on GL",
-    .predict = predict_splat,
-    .bound = find_bound,
     .run = run_splat,
     .close = close_splat,
 };

@@ -2,7 +2,7 @@
  *   tile.c     polygons gathered per tile, and the list of each tile's
  *              polygons
  *   draw.c     programs, kernels, sensors and groups on GL; polygons as blended
- *              quads or point sprites
+ *              quads
  *   splat.c    the layout of what is drawn, and the engine */
 #ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
 #define GP_GLARE_SPLAT_SPLAT_PRIV_H
@@ -18,7 +18,7 @@
 struct gp_splat_layout {
     bool valid;
     uint64_t key;                  // of what it was made from
-    struct gp_splat_params params; // in force: method CENTROID when single
+    struct gp_splat_params params;
     bool single;                   // each source is a polygon on whole pixels
     bool turned;                   // quads may turn an unturned kernel
     bool core;                     // sources draw the kernel's core
@@ -44,7 +44,6 @@ enum { GP_SPLAT_BAND_TEXELS = 1 << 18 };
     X(GP_SPLAT_EXACT_QUAD, "splat.vert", "splat.frag")                        \
     X(GP_SPLAT_SMOOTH_QUAD, "splat.vert", "splat_smooth.frag")                \
     X(GP_SPLAT_TURNED_QUAD, "splat_turn.vert", "splat_turn.frag")             \
-    X(GP_SPLAT_POINT, "splat.vert", "splat_point.frag")                       \
     X(GP_SPLAT_GROUP, "add.vert", "group.frag")                               \
     X(GP_SPLAT_ADD, "add.vert", "add.frag")
 #define GP_SPLAT_ENUM(name, vert, frag) name,
@@ -83,7 +82,7 @@ struct gp_splat {
     struct gp_splat_kernel kernel[GP_SPLAT_KERNELS];
     unsigned long serial;
     struct gp_rect crop;
-    bool tail, bordered;
+    bool tail;
 
     struct gp_splat_layout layout;
     struct gp_bound_cache bounds;
@@ -142,13 +141,12 @@ GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
 
 /* -- drawing --------------------------------------------------------------- */
 
-/* Draws the layer of s->layout, by blended quads or by points. The
- * context is open and current. Nothing is read back before a field of the
+/* Draws the layer of s->layout by blended quads. The context is open and
+ * current. Nothing is read back before a field of the
  * layer is done.
- * Errors: GP_ERR_GL, as when a point would be larger than the driver draws;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_GL; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
-                                      struct gp_splat *s, bool points);
+                                      struct gp_splat *s);
 
 /* Programs, packed kernels and targets of tiles, kept from frame to frame. */
 struct gp_tiles;
@@ -159,7 +157,7 @@ struct gp_tiles;
  * context is current.
  *
  *   crop    part of the kernel that can reach the frame, in kernel pixels
- *   tail    leave the kernel's core out (GP_GROUP_CORE)
+ *   tail    leave the kernel's core out
  *   shrink  reach of each polygon
  *   *state  NULL at first; kept by the caller; gp_tiles_free(). Packed kernels
  *           are kept while kernel->serial, crop and tail stay.

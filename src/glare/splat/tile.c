@@ -9,7 +9,6 @@
  * (GL_LINEAR) are slower, and their weights are the driver's. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/costs.h"
 #include "glare/splat/splat_priv.h"
 
 #include <math.h>
@@ -29,6 +28,9 @@ enum {
     MIXING = 7,               // roundings of a share: light, and three for
                               // each of two mixes
 };
+/* Milliseconds of a pixel of a tile's entry, and of the entry itself, on Mesa
+ * 22.3's llvmpipe and two cores: `build/tests/glare pairs --time splat`. */
+static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
 static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
 
 /* A batch that is full leaves less than TILES_MAX entries free. */
@@ -143,8 +145,7 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
     double least = INFINITY;
     for (int s = GP_TILE_SIDES - 1; s >= 0; s--) {
         double pixels = (double) (1 << 2 * (LOW_SIDE + s));
-        double ms = entries[s] * (GP_COST_TILE_PIXEL * pixels +
-                                  GP_COST_TILE_ENTRY);
+        double ms = entries[s] * (PIXEL_MS * pixels + ENTRY_MS);
         if (ms < least && entries[s] <= ENTRIES_MAX * polygons) {
             least = ms;
             best = s;

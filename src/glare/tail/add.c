@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/costs.h"
 #include "glare/fft/fft.h"
 #include "glare/tail/tail_priv.h"
 
@@ -577,33 +576,4 @@ gp_status gp_tail_flat(const struct gp_log *log, const struct gp_tail *t,
         .last = (h - 1) / t->split.step + 1,
     };
     return make_rows(log, &like, out);
-}
-
-// -- prediction ---------------------------------------------------------------
-
-double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src)
-{
-    const int nx = torus(t->rx), ny = torus(t->ry);
-    const int nodes = gp_tail_nodes(src->h, t->split.step);
-    const double rows =
-        (gp_rect_h(src->box) / t->split.step + nodes) / 2.0;
-    return 3.0 * GP_COST_FFT_PASS *
-               (rows * gp_fft_cost(nx, GP_FFT_PLAN_ESTIMATE) +
-                (nx + 2.0) * gp_fft_cost(ny, GP_FFT_PLAN_ESTIMATE)) +
-           GP_COST_TAIL_PIXEL * src->w * src->h +
-           GP_COST_TAIL_SOURCE * (double) src->n;
-}
-
-double gp_tail_open_ms(const struct gp_tail *t,
-                       const struct gp_tail_state *state)
-{
-    const int nx = torus(t->rx), ny = torus(t->ry);
-    const int channels = t->grey ? 1 : 3;
-    if (state && state->tail == t->serial)
-        return 0.0;
-    return GP_COST_FFT_LIBRARY + 2.0 * GP_COST_FFT_PLAN_ESTIMATE +
-           channels * GP_COST_FFT_PASS *
-               (t->ry * gp_fft_cost(nx, GP_FFT_PLAN_ESTIMATE) +
-                (nx / 2 + 1.0) * gp_fft_cost(ny, GP_FFT_PLAN_ESTIMATE)) +
-           channels * GP_COST_TAIL_POINT * (nx / 2 + 1.0) * ny;
 }

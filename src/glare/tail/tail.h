@@ -142,10 +142,4 @@ GP_MUST_CHECK gp_status gp_tail_flat(const struct gp_log *log,
 void gp_tail_row(const struct gp_tail_rows *rows, int c, int y, int thread,
                     float *row);
 
-/* Milliseconds on one core, of finding and adding it; and of gp_tail_open()
- * where `state` is not open for t. */
-double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src);
-double gp_tail_open_ms(const struct gp_tail *t,
-                       const struct gp_tail_state *state);
-
 #endif

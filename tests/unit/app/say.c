@@ -19,7 +19,7 @@ static struct gp_facts some_facts(const struct gp_settings *s)
                    .threshold = 1.0f},
         .kernel = {.w = 9, .h = 9, .deg_per_pixel = 0.1, .fov = 30.0,
                    .fov_from = "default"},
-        .glare = {.engine = "fft", .why = "0.3 ms predicted"},
+        .glare = {.engine = "fft", .why = "for 2 sources"},
         .write = {.name = names, .kind = kinds, .n = 2},
     };
     return f;

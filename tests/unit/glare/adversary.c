@@ -164,9 +164,8 @@ static double least_ratio(bool anywhere, const struct scene *s)
 
 /* The bounds, and the sides of the frames that are searched. */
 enum bound {
-    FFT, DIRECT, FFT_SAMPLE, DIRECT_SAMPLE, FFT_PIXEL, DIRECT_PIXEL, CENTROID,
-    MOMENTS, CORE, SHRINK, LEAST,
-    FFT_LEAST, BOUNDS,
+    FFT, DIRECT, FFT_SAMPLE, DIRECT_SAMPLE, FFT_PIXEL, DIRECT_PIXEL, CORE,
+    SHRINK, LEAST, FFT_LEAST, BOUNDS,
 };
 static const struct {
     const char *name;
@@ -181,9 +180,7 @@ static const struct {
     {"direct, a sample", 8, &gp_engine_direct, SAMPLE, {0}},
     {"fft, a pixel", 14, &gp_engine_fft, COMPOSITE, {0}},
     {"direct, a pixel", 8, &gp_engine_direct, COMPOSITE, {0}},
-    {"centroid", 8, NULL, LAYER, {.group = 2, .method = GP_GROUP_CENTROID}},
-    {"moments", 8, NULL, LAYER, {.group = 4, .method = GP_GROUP_MOMENTS}},
-    {"core", 16, NULL, LAYER, {.group = 4, .method = GP_GROUP_CORE}},
+    {"core", 16, NULL, LAYER, {.group = 4}},
     {"shrink", 10, NULL, LAYER, {.group = 1, .shrink = 0.2f}},
     {"layer_least", 9, NULL, LAYER, {0}},
     {"fft_least", 9, NULL, LAYER, {0}},
@@ -331,10 +328,6 @@ static void bounds_are_not_twice_too_large(void **state)
           "0..0s.0.044X...1r4.Hs.p.002qhh", "XcjHc2"}},
         {DIRECT_PIXEL, {1, 32, 1, 32, 0, 0, "0",
                         "LLLLLLLLLLLLLLLLLLLLLLLLLLLLLLL0"}},
-        {CENTROID, {2, 3, 1, 2, 0, 0, "cnnc80", ".d"}},
-        {MOMENTS, {5, 1, 4, 2, 1, 0, ".iki0", "..q....."}},
-        {MOMENTS, {5, 7, 5, 4, 2, 3, ".8...y....v.ee4gl.y..66.8.448.89lll",
-                   "4b3333bhhf88...7k7zg"}},
         {CORE, {3, 11, 7, 12, 0, 12, "468.006.8.70400090082..84.00.8qdh",
                 "2.....44.p7..44.m0000w...078...hl4f...6554a999rri.i0k.d.5..6c."
                 "pp..n47a.........d4..r"}},
@@ -374,202 +367,5 @@ static void bounds_are_not_twice_too_large(void **state)
     gp_set_threads(0);
 }
 
-/* -- single terms -----------------------------------------------------------*/
-
-/* Lights in twos far to the right, whose centroid is between pixels, where a
- * sample is exactly what they were. In so wide a frame GL may sample a float's
- * step aside, each to its own side: with a kernel that rises and falls in their
- * rhythm that makes most of what the bound allows. */
-static void samples_places_are_in_the_bound(void **state)
-{
-    enum { WIDE = 8000, HIGH = 96, N = 3 * WIDE * HIGH, KW = 24, KH = 33 };
-    static const float aside[][2] = {{1, 0}, {0, 1}, {1, 1}};
-    const float step = 0x1p-11f; // 13 of a float's 24 bits are before the point
-    const struct gp_splat_params p = {.group = 2, .method = GP_GROUP_CENTROID};
-    struct gp_kernel_params kp = {0};
-    struct gp_frame f = scene_frame(WIDE, HIGH, 0, 0, BLACK, 0);
-    struct gp_frame image = scene_frame(KW, KH, 0, 0, BLACK, 0);
-    struct gp_kernel kernel;
-    struct gp_bound_cache cache = {0};
-    struct gp_polygons q;
-    struct gp_shrink shrink;
-    double bound, most = 0.0;
-    double *const layer = scene_alloc(N, sizeof *layer);
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < WIDE * HIGH; i += 1 + WIDE * (i % WIDE == WIDE - 1))
-            f.rgb.c[c][i] = i % WIDE < 7000 ? 0.0f : i % 2 ? 1.5f : 1.0f;
-        for (int i = 0; i < KW * KH; i++)
-            image.rgb.c[c][i] = i % KW / 2 % 2 ? 0.0f : 1.0f;
-    }
-    assert_ok(gp_kernel_from_frame(NULL, &kp, &image, &kernel));
-    struct scene s = scene_make(f, kernel, &open_all);
-    assert_ok(gp_polygons_make(NULL, &s.src, &p, &q));
-    assert_ok(gp_shrink_make(NULL, &s.k, &p, &q, &shrink));
-    assert_ok(gp_group_bound(NULL, &s.src, &s.k, &p, &q, &shrink, 4.0, &cache,
-                             &bound));
-    struct gp_polygon *const moved = scene_alloc(q.n, sizeof *moved);
-    for (size_t i = 0; i < 2 * COUNT(aside); i++) {
-        const float *const by = aside[i / 2];
-        struct gp_polygons m = q;
-        m.at = moved;
-        for (size_t k = 0; k < q.n; k++) {
-            const bool back = i % 2 && (int) q.at[k].x / 2 % 2;
-            moved[k] = q.at[k];
-            moved[k].x += by[0] * (back ? -step : step);
-            moved[k].y += by[1] * (back ? -step : step);
-        }
-        plain_groups(&s.src, &s.k, &p, &m, &shrink, layer);
-        for (int k = 0; k < N; k++)
-            layer[k] -= s.exact[k];
-        most = fmax(most, norm_of(layer, N) / norm_of(s.exact, N) / bound);
-    }
-    print_message("samples aside: %.3f of the bound %.3g\n", most, bound);
-    assert_true(most > 0.5 && most <= 1.0);
-    gp_bound_cache_free(&cache);
-    gp_polygons_free(&q);
-    gp_frame_free(&image);
-    scene_free(&s);
-    free(moved);
-    free(layer);
-}
-
-/* Four blocks, each bright at the corner where they meet and a little at its
- * far one, are blurred over the same pixels: light left out of all adds up to
- * nearly twice what it would be side by side. */
-static void blocks_may_share_pixels(void **state)
-{
-    enum { SIDE = 64, N = 3 * SIDE * SIDE, FAR = 8 };
-    const struct gp_splat_params p = {.group = 16, .method = GP_GROUP_MOMENTS};
-    struct gp_kernel_params kp = {0};
-    struct gp_frame f = scene_frame(SIDE, SIDE, 0, 0, BLACK, 0);
-    struct gp_frame image = scene_frame(2 * FAR + 1, 1, 0, 0, BLACK, 0);
-    struct gp_kernel kernel;
-    struct gp_bound_rings rings;
-    struct gp_polygons q;
-    struct gp_shrink all, none = {0};
-    double sum[3], norm[3];
-    double *const layer = scene_alloc(N, sizeof *layer);
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < 4; i++) {
-            const int right = i % 2, low = i / 2;
-            f.rgb.c[c][(31 + low) * SIDE + 31 + right] = 9.0f;
-            f.rgb.c[c][(16 + 31 * low) * SIDE + 16 + 31 * right] = 1.0f;
-        }
-        image.rgb.c[c][2 * FAR] = 1.0f;
-    }
-    assert_ok(gp_kernel_from_frame(NULL, &kp, &image, &kernel));
-    struct scene s = scene_make(f, kernel, &open_all);
-    assert_ok(gp_polygons_make(NULL, &s.src, &p, &q));
-    assert_ok(gp_shrink_make(NULL, &s.k, &p, &q, &all));
-    assert_ok(gp_bound_rings_make(NULL, &s.k, false, SIDE, SIDE, &rings));
-    assert_ok(gp_bound_rings_left(NULL, &rings, &q, &none, sum, norm));
-    plain_groups(&s.src, &s.k, &p, &q, &all, layer);
-    const double share =
-        norm_of(layer, N) / sqrt(norm[0] * norm[0] + norm[1] * norm[1] +
-                                 norm[2] * norm[2]);
-    print_message("shared pixels: %.3f of the bound\n", share);
-    assert_true(share > 0.55 && share <= 1.0);
-    gp_bound_rings_free(&rings);
-    gp_polygons_free(&q);
-    gp_frame_free(&image);
-    scene_free(&s);
-    free(layer);
-}
-
-/* Rounding to float of the difference of sources and polygons is within its
- * bound: a worst case of signs, of which chance leaves a 20th. */
-static void residues_know_their_rounding(void **state)
-{
-    static const enum light lights[] = {ALL, MANY, EQUAL, RAMP, FEW};
-    enum { PAD = 16, W = 61, H = 47, ALONG = W + 2 * PAD };
-    double most = 0.0;
-    for (int i = 0; i < 2 * (int) COUNT(lights); i++) {
-        const struct gp_splat_params p = {
-            .group = i % 2 ? 16 : 4, .method = GP_GROUP_MOMENTS,
-        };
-        struct scene s = scene_sense(
-            scene_frame(W, H, -3, 5, lights[i / 2], 3u),
-            scene_kernel(3, 3, MID, 0, BOX), &usual);
-        struct gp_polygons q;
-        struct gp_residue r;
-        assert_ok(gp_polygons_make(NULL, &s.src, &p, &q));
-        assert_ok(gp_residue_make(NULL, &s.src, &q, PAD, &r));
-        double *const d = scene_alloc(ALONG * (H + 2 * PAD), sizeof *d);
-        for (int y = 0; y < H; y++) {
-            for (uint32_t k = s.src.row[y]; k < s.src.row[y + 1]; k++)
-                d[(y + PAD) * ALONG + s.src.x[k] + PAD] =
-                    (double) s.src.rgb[1][k];
-        }
-        for (size_t k = 0; k < q.n; k++) {
-            const int m = gp_blur_box[q.at[k].blur];
-            const double x = (double) q.at[k].x - (m - 1) / 2.0 + PAD;
-            const double y = (double) q.at[k].y - (m - 1) / 2.0 + PAD;
-            const double fx = x - floor(x), fy = y - floor(y);
-            for (int at = 0; at < (m + 1) * (m + 1); at++) {
-                const int j = at / (m + 1), l = at % (m + 1);
-                const double down = j == 0 ? 1.0 - fy : j < m ? 1.0 : fy;
-                const double along = l == 0 ? 1.0 - fx : l < m ? 1.0 : fx;
-                d[((int) y + j) * ALONG + (int) x + l] -=
-                    (double) q.at[k].rgb[1] * down * along / ((double) m * m);
-            }
-        }
-        double square = 0.0;
-        for (int k = 0; k < ALONG * (H + 2 * PAD); k++)
-            square += (d[k] - (double) r.d.c[1][k]) *
-                      (d[k] - (double) r.d.c[1][k]);
-        if (!(sqrt(square) <= r.rounding[1]))
-            fail_msg("row %d: %g, not within %g", i, sqrt(square),
-                     r.rounding[1]);
-        if (square > 0.0)
-            most = fmax(most, sqrt(square) / r.rounding[1]);
-        gp_residue_free(&r);
-        gp_polygons_free(&q);
-        free(d);
-        scene_free(&s);
-    }
-    print_message("residues: %.3f of the bound\n", most);
-    assert_true(most > 0.04 && most < 0.06);
-}
-
-/* No |K| is under that of the kernel in double, a single sample's neither, whose
- * spectrum is flat; what is added for the transform's rounding is a worst case
- * of signs, of which chance leaves a 150th. */
-static void spectra_are_never_too_small(void **state)
-{
-    enum { W = 40, H = 30, SIDE = 24 };
-    double most = 0.0;
-    for (int one = 0; one < 2; one++) {
-        struct gp_kernel k = scene_kernel(one ? 1 : SIDE, one ? 1 : SIDE, MID,
-                                          0, one ? BOX : SPECKS);
-        struct gp_power p;
-        double added = 0.0, least = INFINITY, over = -INFINITY;
-        assert_ok(gp_power_make(NULL, &k, false, W, H, 3, &p));
-        const int n = (p.nx / 2 + 1) * p.ny;
-        for (int i = 0; i < n; i++) {
-            double re = 0.0, im = 0.0;
-            for (int j = 0; j < k.w * k.h; j++) {
-                const double turn = (double) (j % k.w) * (i / p.ny) / p.nx +
-                                    (double) (j / k.w) * (i % p.ny) / p.ny;
-                re += (double) k.k.c[0][j] * cos(turn * 2.0 * acos(-1.0));
-                im += (double) k.k.c[0][j] * sin(turn * 2.0 * acos(-1.0));
-            }
-            const double v =
-                (double) p.power[0][i] / (1.0 + 0x1p-20) - hypot(re, im);
-            assert_true((double) p.most[0][i / p.ny] >= hypot(re, im));
-            added += v / n;
-            least = fmin(least, v);
-            over = fmax(over, v);
-        }
-        assert_true(least >= 0.0);
-        most = fmax(most, fmax(over - added, added - least) / added);
-        gp_power_free(&p);
-        gp_kernel_free(&k);
-    }
-    print_message("spectra: rounding takes %.3f of what is added\n", most);
-    assert_true(most > 0.004 && most < 0.008);
-}
-
 SUITE_OF(adversary, NULL, NULL, no_frame_is_over_its_bound,
-         bounds_are_not_twice_too_large, samples_places_are_in_the_bound,
-         blocks_may_share_pixels, residues_know_their_rounding,
-         spectra_are_never_too_small)
+         bounds_are_not_twice_too_large)

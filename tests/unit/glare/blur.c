@@ -154,26 +154,26 @@ static double beyond(const struct gp_kernel *k, int reach, bool tail)
 struct shrink_row {
     int w, h, cx, cy;
     enum shape shape;
-    enum gp_group_method method;
+    bool tail; // beside the core
     float share;
     float brightest; // light of the polygons: from 1e-6 of that up
 };
 
 static const struct shrink_row shrink_rows[] = {
-    {101, 101, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-3f, 100},
-    {101, 101, MID, 0, PEAK, GP_GROUP_CORE, 1e-2f, 100},
-    {101, 61, MID, 0, TINTED, GP_GROUP_CENTROID, 0.2f, 100},
-    {40, 64, 3, 60, TINTED, GP_GROUP_CORE, 0.05f, 1},
-    {40, 64, -30, 20, TINTED, GP_GROUP_MOMENTS, 0.05f, 1},
-    {40, 64, 90, 20, TINTED, GP_GROUP_CORE, 0.05f, 1},
-    {61, 61, MID, 0, RING, GP_GROUP_MOMENTS, 0.5f, 1},
-    {61, 61, MID, 0, LOBES, GP_GROUP_MOMENTS, 0.1f, 1},
-    {1, 1, MID, 0, BOX, GP_GROUP_MOMENTS, 0.5f, 1},
-    {1, 1, MID, 0, BOX, GP_GROUP_CORE, 0.5f, 1},
-    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 0.999f, 1e30f},
-    {61, 61, MID, 0, PEAK, GP_GROUP_CORE, 0.999f, 3e38f},
-    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-2f, 1e-37f},
-    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-7f, 1},
+    {101, 101, MID, 0, PEAK, false, 1e-3f, 100},
+    {101, 101, MID, 0, PEAK, true, 1e-2f, 100},
+    {101, 61, MID, 0, TINTED, false, 0.2f, 100},
+    {40, 64, 3, 60, TINTED, true, 0.05f, 1},
+    {40, 64, -30, 20, TINTED, false, 0.05f, 1},
+    {40, 64, 90, 20, TINTED, true, 0.05f, 1},
+    {61, 61, MID, 0, RING, false, 0.5f, 1},
+    {61, 61, MID, 0, LOBES, false, 0.1f, 1},
+    {1, 1, MID, 0, BOX, false, 0.5f, 1},
+    {1, 1, MID, 0, BOX, true, 0.5f, 1},
+    {61, 61, MID, 0, PEAK, false, 0.999f, 1e30f},
+    {61, 61, MID, 0, PEAK, true, 0.999f, 3e38f},
+    {61, 61, MID, 0, PEAK, false, 1e-2f, 1e-37f},
+    {61, 61, MID, 0, PEAK, false, 1e-7f, 1},
 };
 
 enum { LIGHTS = 60 };
@@ -193,7 +193,7 @@ static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
     double share, const struct gp_polygons *q, const struct gp_shrink *s,
     const char *what)
 {
-    const bool tail = r->method == GP_GROUP_CORE;
+    const bool tail = r->tail;
     double left = 0.0, all = 0.0;
     for (size_t i = 0; i < q->n; i++) {
         const double light = (double) q->at[i].light;
@@ -215,7 +215,7 @@ static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
 static void check_largest(const struct gp_kernel *k, const struct shrink_row *r,
     const struct gp_polygons *q, const struct gp_shrink *s)
 {
-    const bool tail = r->method == GP_GROUP_CORE;
+    const bool tail = r->tail;
     const double least = (double) nextafterf(s->least, INFINITY);
     double left = 0.0, all = 0.0;
     for (size_t i = 0; i < q->n; i++) {
@@ -248,7 +248,7 @@ static void what_is_left_out_is_allowed(void **state)
         struct gp_polygon at[LIGHTS];
         const struct gp_polygons q = lights(r->brightest, at);
         const struct gp_splat_params p = {
-            .group = 8, .shrink = r->share, .method = r->method,
+            .group = r->tail ? 8 : 1, .shrink = r->share,
         };
         struct gp_shrink s;
         char what[16];
@@ -388,9 +388,8 @@ static void all_that_are_drawn_have_one(void **state)
     static const struct gp_splat_params rows[] = {
         GP_SPLAT_DEFAULTS,
         {.group = 1, .cluster_fill = 0.9f, .shrink = 0.2f},
-        {.group = 2, .cluster = 8, .cluster_fill = 0.3f, .shrink = 0.1f,
-         .method = GP_GROUP_MOMENTS},
-        {.group = 8, .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS},
+        {.group = 2, .cluster = 8, .cluster_fill = 0.3f, .shrink = 0.1f},
+        {.group = 8, .cluster_fill = 0.9f},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = scene_sense(scene_frame(W, H, -7, 3, BLOCK, 5),

@@ -115,7 +115,6 @@ static struct gp_splat_params make_params(uint32_t *seed)
         .group = 1 << between(seed, 0, scene_random(seed) < 0.2f ? 6 : 4),
         .cluster_fill = 0.25f + 0.75f * scene_random(seed),
         .shrink = shares[between(seed, 0, 5)],
-        .method = (enum gp_group_method) between(seed, 0, 2),
     };
     if (p.group < 64 && scene_random(seed) < 0.6f)
         p.cluster = p.group << between(seed, 1, p.group < 32 ? 2 : 1);
@@ -236,11 +235,10 @@ static void measured_is_never_over_the_bound(void **state)
         if (least > norm * (1.0 + 1e-9) ||
             !(isinf(bound) || wrong <= bound * norm))
             fail_msg("seed %u: %s, %dx%d, kernel %s %dx%d, group %d, cluster "
-                     "%d, method %d, shrink %g: rel_l2 %g, bound %g; norm "
+                     "%d, shrink %g: rel_l2 %g, bound %g; norm "
                      "%g, least %g", seed, content_text[t.content],
                      t.s.src.w, t.s.src.h, kinds[t.kind].text, t.s.k.w,
-                     t.s.k.h, t.p.group, t.p.cluster, (int) t.p.method,
-                     (double) t.p.shrink, wrong / norm, bound, norm, least);
+                     t.s.k.h, t.p.group, t.p.cluster, (double) t.p.shrink, wrong / norm, bound, norm, least);
         if (norm > 0.0 && least > 0.0)
             slack[layers++] = norm / least;
         // exact grouping leaves nothing to compare
@@ -333,10 +331,9 @@ static void no_layer_has_no_least(void **state)
 /* Single sensors are wrong by rounding alone, and roundings count. */
 static void single_sensors_only_round(void **state)
 {
-    for (int method = 0; method < 3; method++) {
+    {
         struct gp_bound_cache cache = {0};
-        struct gp_splat_params p = GP_SPLAT_EXACT;
-        p.method = (enum gp_group_method) method;
+        const struct gp_splat_params p = GP_SPLAT_EXACT;
         struct trial t =
             simple_trial(FEW, scene_kernel(31, 31, MID, 0, PEAK), p);
         const double none = bound_of(&t, 0.0, &cache);
@@ -356,8 +353,7 @@ static void a_single_light_is_exact(void **state)
         struct gp_bound_cache cache = {0};
         struct trial t = simple_trial(
             CORNERS, scene_kernel(31, 31, MID, 0, PEAK),
-            (struct gp_splat_params) {.group = group < 32 ? group : 16,
-                                      .method = GP_GROUP_MOMENTS});
+            (struct gp_splat_params) {.group = group < 32 ? group : 16});
         assert_int_equal(t.q.n, t.s.src.n);
         // only the samples' places and rounding are left
         assert_true(bound_of(&t, 0.0, &cache) < 1e-3);

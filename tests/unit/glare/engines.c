@@ -1,10 +1,7 @@
-/* All engines: bounds, auto, the laws of a convolution. GLAREPP_TEST_QUICK
+/* All engines: bounds, names, the laws of a convolution. GLAREPP_TEST_QUICK
  * leaves out GL and large cases. The table of hard cases is in tests/hard. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "hard_cases.h"
-
-static const int threads[] = {1, 2, 4, 7};
 
 static int is_dark(const struct scene *s)
 {
@@ -15,16 +12,7 @@ static int is_dark(const struct scene *s)
     return 1;
 }
 
-/* -- threads, auto, names ---------------------------------------------------*/
-
-static struct scene thread_scene(int i)
-{
-    static const enum light lights[] = {FEW, ALL, HOT, CORNERS};
-    const struct gp_sensor_params *const p = i == 2 ? &open_all : &usual;
-    return scene_make(scene_frame(131, 83, 0, 0, lights[i], 8u),
-                      scene_kernel(31, 29, MID, 0, i % 2 ? PEAK : TINTED), p);
-}
-enum { THREAD_SCENES = 4 };
+/* -- bounds, names ---------------------------------------------------*/
 
 /* Every bound that auto goes by holds, and is what the run reports. */
 static void bounds_hold(void **state)
@@ -146,40 +134,6 @@ static void overflows_are_limited(void **state)
         }
         scene_free(&s);
     }
-}
-
-/* Of direct and fft, whose bounds keep the tolerance, the one of the least
- * prediction; each engine is in the words. Threads do not decide, or the bytes
- * would depend on them. */
-static void auto_takes_the_fastest(void **state)
-{
-    const struct gp_glare_params p = GP_GLARE_DEFAULTS;
-    for (int k = 0; k < THREAD_SCENES && !quick; k++) {
-        struct scene s = thread_scene(k);
-        struct gp_glare_stats first = {0}, stats;
-        const struct gp_glare_request req = {
-            .params = &p, .src = &s.src, .kernel = &s.k,
-        };
-        const struct gp_engine *best = gp_engines[0];
-        for (int i = 0; gp_engines[i]; i++) {
-            const double ms = gp_engines[i]->predict(&req, NULL).ms;
-            assert_true(ms > 0.0);
-            if (ms < best->predict(&req, NULL).ms)
-                best = gp_engines[i];
-        }
-        for (size_t t = 0; t < COUNT(threads); t++) {
-            gp_set_threads(threads[t]);
-            ran_once("auto", &s, &stats, "auto");
-            first = t == 0 ? stats : first;
-            assert_string_equal(stats.engine, best->name);
-            assert_string_equal(stats.why, first.why);
-        }
-        for (int i = 0; gp_engines[i]; i++)
-            assert_non_null(strstr(stats.why, gp_engines[i]->name));
-        assert_true(scene_rel_l2(&s) <= usual_bar(stats.engine));
-        scene_free(&s);
-    }
-    gp_set_threads(0);
 }
 
 static void names_are_checked(void **state)
@@ -393,4 +347,4 @@ static void laws_hold(void **state)
 
 SUITE_OF(engines, ask_quick, NULL,
     bounds_hold, bounds_know_the_range, overflows_are_limited,
-    auto_takes_the_fastest, names_are_checked, laws_hold)
+    names_are_checked, laws_hold)

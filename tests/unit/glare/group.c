@@ -55,7 +55,7 @@ static void formula_by_hand(void **state)
     static const float grey[] = {1, 3, 0, 0,
                                  0, 4, 0, 5};
     struct gp_sources s = grey_sources(4, 2, grey);
-    const struct gp_splat_params p = {.group = 2, .method = GP_GROUP_MOMENTS};
+    const struct gp_splat_params p = {.group = 2};
     struct gp_polygons q = group(&s, &p);
     assert_int_equal(q.groups, 2);
     assert_true(fabsf(q.at[0].light - 8.0f) < 1e-6f);
@@ -128,10 +128,6 @@ static void check_polygon(const struct gp_polygon *q, const struct naive *n,
     assert_true(fabs((double) q->y - n->y) <= span);
     for (int c = 0; c < 3; c++)
         assert_true(fabs((double) q->rgb[c] - n->rgb[c]) <= 1e-6 * n->rgb[c]);
-    if (p->method == GP_GROUP_CENTROID) {
-        assert_int_equal(q->blur, 0);
-        return;
-    }
     const double off = fabs(spread_of(gp_blur_box[q->blur], q) - n->square);
     assert_true(gp_blur_box[q->blur] <= side);
     for (int b = 0; b < GP_BLURS && gp_blur_box[b] <= side; b++)
@@ -169,27 +165,25 @@ struct naive_row {
     struct gp_splat_params p;
 };
 
-#define MOMENTS .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS
-#define CENTROID .cluster_fill = 0.9f, .method = GP_GROUP_CENTROID
+#define FILLED .cluster_fill = 0.9f
 static const struct naive_row naive_rows[] = {
-    {1, 1, 0, 0, ALL, {.group = 4, .cluster = 8, MOMENTS}},
-    {1, 1, -1, -1, ALL, {.group = 1, .cluster = 2, CENTROID}},
-    {1, 33, 3, -7, ALL, {.group = 8, .cluster = 16, MOMENTS}},
-    {40, 24, 0, 0, FEW, {.group = 4, MOMENTS}},
-    {41, 23, -5, 3, FEW, {.group = 4, .cluster = 8, MOMENTS}},
-    {41, 23, 1000003, -77, FEW, {.group = 8, .cluster = 64, CENTROID}},
-    {67, 45, -1001, -13, BLOCK, {.group = 2, .cluster = 8, MOMENTS}},
-    {67, 45, -1001, -13, BLOCK, {.group = 4, .cluster = 16, CENTROID}},
-    {67, 45, 7, 9, BLOCK, {.group = 1, .cluster = 8, MOMENTS}},
-    {67, 45, 7, 9, BLOCK, {.group = 1, MOMENTS}},
-    {39, 31, 2, 2, ALL, {.group = 16, .cluster = 32, MOMENTS}},
-    {39, 31, -2, -2, ALL, {.group = 64, MOMENTS}},
-    {39, 31, 0, 0, DARK, {.group = 4, .cluster = 8, MOMENTS}},
-    {53, 37, 1, 1, COLOURED, {.group = 8, MOMENTS}},
-    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, MOMENTS}},
-    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, .cluster_fill = 0.25f,
-                           .method = GP_GROUP_CORE}},
-    {16384, 2, -9, 0, CORNERS, {.group = 4, .cluster = 8, MOMENTS}},
+    {1, 1, 0, 0, ALL, {.group = 4, .cluster = 8, FILLED}},
+    {1, 1, -1, -1, ALL, {.group = 1, .cluster = 2, FILLED}},
+    {1, 33, 3, -7, ALL, {.group = 8, .cluster = 16, FILLED}},
+    {40, 24, 0, 0, FEW, {.group = 4, FILLED}},
+    {41, 23, -5, 3, FEW, {.group = 4, .cluster = 8, FILLED}},
+    {41, 23, 1000003, -77, FEW, {.group = 8, .cluster = 64, FILLED}},
+    {67, 45, -1001, -13, BLOCK, {.group = 2, .cluster = 8, FILLED}},
+    {67, 45, -1001, -13, BLOCK, {.group = 4, .cluster = 16, FILLED}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, .cluster = 8, FILLED}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, FILLED}},
+    {39, 31, 2, 2, ALL, {.group = 16, .cluster = 32, FILLED}},
+    {39, 31, -2, -2, ALL, {.group = 64, FILLED}},
+    {39, 31, 0, 0, DARK, {.group = 4, .cluster = 8, FILLED}},
+    {53, 37, 1, 1, COLOURED, {.group = 8, FILLED}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, FILLED}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, .cluster_fill = 0.25f}},
+    {16384, 2, -9, 0, CORNERS, {.group = 4, .cluster = 8, FILLED}},
 };
 
 static void all_as_the_naive_form(void **state)
@@ -258,7 +252,7 @@ static void light_without_luminance_is_kept(void **state)
     struct gp_sources s = grey_sources(2, 2, grey);
     s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
     struct gp_polygons q = group(&s, &(struct gp_splat_params) {
-        .group = 2, .method = GP_GROUP_MOMENTS});
+        .group = 2});
     assert_int_equal(q.n, 1);
     assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
     assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] == 3.0f);
@@ -308,7 +302,7 @@ static void moments_are_kept(void **state)
             .side = 64, .blur = (uint8_t) blur,
         };
         const struct gp_polygons q = {1, 1, 0, &at};
-        const struct gp_splat_params p = {.group = 64};
+        const struct gp_splat_params p = {.group = 1}; // the whole kernel
         double *const layer = draw_reference(&s, &point, &p, &q);
         double m0 = 0.0, mx = 0.0, my = 0.0, m2 = 0.0;
         for (int i = 0; i < 96 * 96; i++) {
@@ -329,19 +323,18 @@ static void moments_are_kept(void **state)
     gp_kernel_free(&point);
 }
 
-/* Ungrouped, it is the exact sum, whatever the method and the kernel. */
+/* Ungrouped, it is the exact sum, whatever the kernel. */
 static void ungrouped_is_exact(void **state)
 {
     static const int kernels[][4] = {
         {1, 1, MID, 0}, {9, 9, MID, 0}, {30, 18, MID, 0}, {121, 97, MID, 0},
         {13, 11, -20, 5}, {13, 11, 30, 25}, {13, 11, 1048575, 5},
     };
-    for (int i = 0; i < 7 * 3; i++) {
-        const int *const r = kernels[i / 3];
+    for (int i = 0; i < 7; i++) {
+        const int *const r = kernels[i];
         struct scene s = scene_make(scene_frame(61, 47, -3, 7, FEW, 5u),
             scene_kernel(r[0], r[1], r[2], r[3], TINTED), &usual);
-        struct gp_splat_params p = GP_SPLAT_EXACT;
-        p.method = (enum gp_group_method) (i % 3);
+        const struct gp_splat_params p = GP_SPLAT_EXACT;
         struct gp_polygons q = group(&s.src, &p);
         assert_int_equal(q.n, s.src.n);
         double *const layer = draw_reference(&s.src, &s.k, &p, &q);
@@ -365,7 +358,7 @@ static void reach_cuts(void **state)
         .blur = 1,
     };
     const struct gp_polygons q = {1, 1, 0, &at};
-    const struct gp_splat_params p = {.group = 4};
+    const struct gp_splat_params p = {.group = 1}; // the whole kernel
     double *const whole = draw_reference(&s, &k, &p, &q);
     double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
     struct gp_shrink shrink = {.reach = {0}};

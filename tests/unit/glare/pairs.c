@@ -268,9 +268,9 @@ static const struct gp_sensor_params sensing[] = {
 };
 static const struct gp_splat_params
     tiles = {.group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,
-             .method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_TILE},
+             .primitive = GP_PRIMITIVE_TILE},
     quads = {.group = 2, .cluster = 4, .cluster_fill = 0.5f, .shrink = 1e-2f,
-             .method = GP_GROUP_MOMENTS, .primitive = GP_PRIMITIVE_QUAD};
+             .primitive = GP_PRIMITIVE_QUAD};
 static const float angles[] = {30.0f, 90.0f, -77.3f};
 
 #define SENSORS(name, i)                                                      \

@@ -94,8 +94,8 @@ static inline void plain_groups_row(void *ctx, int y, int thread)
 
 /* Writes 3 * w * h doubles, the layer of the polygons as they are meant to be
  * drawn: each adds light * blurred kernel, sampled bilinearly at pixel - P0, cut
- * to |dx|, |dy| <= reach of the shrink; GP_GROUP_CORE adds the core from each
- * source. Slow. */
+ * to |dx|, |dy| <= reach of the shrink; unless sources are single, each adds its
+ * core. Slow. */
 static inline void plain_groups(const struct gp_sources *src,
                                 const struct gp_kernel *kernel,
                                 const struct gp_splat_params *p,
@@ -104,7 +104,7 @@ static inline void plain_groups(const struct gp_sources *src,
 {
     struct plain_drawing d = {
         .src = src, .kernel = kernel, .polygons = polygons, .shrink = shrink,
-        .core = p->method == GP_GROUP_CORE, .layer = layer,
+        .core = !gp_splat_single(p), .layer = layer,
     };
     const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
     bool used[GP_BLURS] = {0};

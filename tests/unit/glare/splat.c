@@ -179,14 +179,10 @@ static void counts_are_right(void **state)
     void *kept = open_or_skip(GP_GL_AUTO);
     struct scene s =
         splat_scene(40, 30, CORNERS, scene_kernel(9, 7, MID, 0, PEAK));
-    const struct gp_glare_params params = {.splat = how};
-    const struct gp_glare_request req = {.params = &params, .src = &s.src,
-                                     .kernel = &s.k};
     assert_ok(splat(GP_GL_AUTO, &s, &kept));
     assert_int_equal(stats.polygons, 4);
     assert_true(stats.polygon_pixels == 4 * 5 * 4);
     assert_true(stats.bound > 0 && stats.bound < 1e-5);
-    assert_true(gp_engine_splat.predict(&req, NULL).ms > 0);
     gp_engine_splat.close(&kept);
     gp_engine_splat.close(&kept);
     scene_free(&s);
@@ -233,33 +229,9 @@ static void roundings_are_not_twice_too_many(void **state)
 
 /* -- limits and counts ------------------------------------------------ */
 
-static void large_points_are_refused(void **state)
-{
-    void *kept = open_or_skip(GP_GL_AUTO);
-    const int most =
-        (int) gp_gl_info(((struct gp_splat *) kept)->gl)->max_point;
-    if (most > 2000)
-        skip_for("points of over 2000 pixels");
-    for (int i = 0; i < 2; i++) {
-        struct scene s = splat_scene(i ? 2 * most : 40, i ? 3 : 30, CORNERS,
-                                     scene_kernel(4 * most, 5, MID, 0, PEAK));
-        how.primitive = GP_PRIMITIVE_POINT;
-        const gp_status st = splat(GP_GL_AUTO, &s, &kept);
-        // a kernel's part that reaches a frame of 40 pixels is 79 wide
-        assert_int_equal(st, i || most < 79 ? GP_ERR_GL : GP_OK);
-        if (st)
-            assert_kept("--primitive quad or tile");
-        how.primitive = GP_PRIMITIVE_QUAD;
-        assert_ok(splat(GP_GL_AUTO, &s, &kept));
-        scene_free(&s);
-    }
-    how = (struct gp_splat_params) GP_SPLAT_EXACT;
-    gp_engine_splat.close(&kept);
-}
-
 static void counts_are_those_of_the_groups(void **state)
 {
-    static const char *const names[] = {"blended quads", "blended points",
+    static const char *const names[] = {"blended quads",
                                         "tiles, groups from the CPU"};
     void *kept = open_or_skip(GP_GL_AUTO);
     struct scene s =
@@ -342,19 +314,10 @@ static void layouts_are_kept_for_their_light_only(void **state)
     void *kept = open_or_skip(GP_GL_AUTO);
     struct scene s =
         splat_scene(50, 40, FEW, scene_kernel(31, 31, MID, 0, PEAK));
-    const struct gp_glare_params params = {.splat = how};
-    const struct gp_glare_request req = {.log = &kept_log, .params = &params,
-                                     .src = &s.src, .kernel = &s.k,
-                                     .stats = &stats};
     for (int i = 0; i < 4; i++) {
-        double bound = -1.0;
-        if (i % 2 == 0)
-            assert_ok(gp_engine_splat.bound(&req, &kept, &bound));
         if (i == 2)
             s.src.rgb[1][s.src.n / 2] *= 2.0f; // at the same address
         assert_ok(splat(GP_GL_AUTO, &s, &kept));
-        if (i == 0)
-            assert_true(bound == stats.bound);
         assert_true(splat_error(&s) <= 1e-6);
     }
     scene_free(&s);
@@ -372,7 +335,6 @@ SUITE(splat)
         cmocka_unit_test(contexts_in_turns),
         cmocka_unit_test(counts_are_right),
         cmocka_unit_test(roundings_are_not_twice_too_many),
-        cmocka_unit_test(large_points_are_refused),
         cmocka_unit_test(counts_are_those_of_the_groups),
         cmocka_unit_test(shrinking_leaves_out_what_it_may),
         cmocka_unit_test(layouts_are_kept_for_their_light_only),

@@ -135,7 +135,6 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     params.group = p->group;
     params.cluster = p->cluster;
     params.cluster_fill = p->fill;
-    params.method = GP_GROUP_MOMENTS;
     struct gp_polygons want;
     assert_ok(gp_polygons_make(&kept_log, &src, &params, &want));
 

@@ -6,9 +6,9 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-enum { PRIMITIVES = 3 };
+enum { PRIMITIVES = 2 };
 static const enum gp_primitive primitives[PRIMITIVES] = {
-    GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT, GP_PRIMITIVE_TILE,
+    GP_PRIMITIVE_QUAD, GP_PRIMITIVE_TILE,
 };
 static struct gp_glare_stats stats; // of the last run
 static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next

@@ -267,9 +267,9 @@ static gp_status run_from_frame(void)
 /* -- every n --------------------------------------------------------------- */
 
 #define EXACT GP_SPLAT_EXACT
-#define GROUPS(how, form, few)                                                \
+#define GROUPS(form, few)                                                     \
     { .group = 2, .cluster = 4, .cluster_fill = few, .shrink = 1e-2f,         \
-      .method = how, .primitive = form }
+      .primitive = form }
 
 static const struct starved rows[] = {
     {"sensors", run_sense, NULL, FEW, PEAK, .splat = EXACT},
@@ -281,7 +281,7 @@ static const struct starved rows[] = {
     {"reference", run_reference, NULL, ALL, TINTED, .splat = EXACT,
      .side = 200, .size = 401},
     {"outline", run_outline, NULL, ALL, PEAK,
-     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
+     .splat = GROUPS(GP_PRIMITIVE_AUTO, 0.5f)},
     {"models", run_models, NULL, CORNERS, PEAK, .splat = EXACT},
     {"model of an aperture", run_aperture, NULL, CORNERS, PEAK,
      .splat = EXACT},
@@ -295,26 +295,20 @@ static const struct starved rows[] = {
     {"fft, hot", run_engine, "fft", HOT, PEAK, .splat = EXACT},
     {"bound of fft", run_bound, "fft", FEW, PEAK, .splat = EXACT},
     {"bound of fft, all", run_bound, "fft", ALL, TINTED, .splat = EXACT},
-    {"bound of splat", run_bound, "splat", FEW, PEAK, .splat = EXACT},
-    {"bound of groups", run_bound, "splat", ALL, TINTED,
-     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
-    {"bound of cores", run_bound, "splat", FEW, PEAK,
-     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
     {"auto", run_engine, "auto", FEW, PEAK, .splat = GP_SPLAT_DEFAULTS,
      .tolerance = 1e-3f},
     {"auto, no tolerance", run_engine, "auto", ALL, PEAK,
      .splat = GP_SPLAT_DEFAULTS, .tolerance = 0.0f},
     {"tiles", run_engine, "splat", FEW, PEAK,
-     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .splat = GROUPS(GP_PRIMITIVE_TILE, 0.5f), .side = 20,
      .size = 19},
     {"tiles, tinted", run_engine, "splat", ALL, TINTED,
-     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .splat = GROUPS(GP_PRIMITIVE_TILE, 0.5f), .side = 20,
      .size = 19},
+    {"quads, tinted", run_engine, "splat", ALL, TINTED,
+     .splat = GROUPS(GP_PRIMITIVE_QUAD, 0.5f), .side = 20, .size = 19},
     {"quads", run_engine, "splat", FEW, PEAK,
-     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_QUAD, 0.5f), .side = 20,
-     .size = 19},
-    {"points", run_engine, "splat", ALL, TINTED,
-     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_POINT, 0.5f), .side = 20,
+     .splat = GROUPS(GP_PRIMITIVE_QUAD, 0.5f), .side = 20,
      .size = 19},
     {"turned quads", run_engine, "splat", FEW, PEAK,
      .splat = {.group = 1, .cluster_fill = 0.9f,
