@@ -408,7 +408,6 @@ out:;
     gp_glare_close(&p.run.group_engines);
     gp_run_ghosts_free(&p.run.ghosts);
     gp_run_ghosts_free(&p.run.group_ghosts);
-    gp_run_suns_close(&p.run);
     gp_suns_close(&p.run.suns);
     gp_run_scene_free(&p.run.scene);
     gp_ocio_close(&p.run.ocio);

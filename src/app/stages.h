@@ -193,7 +193,6 @@ struct gp_run {
                                    // the frames before
     struct gp_suns suns;
     struct gp_run_scene scene;     // zero without --scene
-    struct gp_eye_map *eye_map;    // of the scene, on suns.gl
     struct gp_lens lens;           // of --lens, not focused
     struct gp_run_ghosts ghosts, group_ghosts;
     struct gp_ocio *ocio;          // NULL: tone maps
@@ -258,9 +257,6 @@ GP_MUST_CHECK gp_status gp_run_scene_begin(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_run_scene(struct gp_run *r,
                                      struct gp_frame_state *fs);
 void gp_run_scene_free(struct gp_run_scene *s);
-
-/* Frees the sun map of the scene, while the suns' context is open. */
-void gp_run_suns_close(struct gp_run *r);
 
 /* The stage: adds the light of the scene's lights that --relight names to the
  * frame's colour. Warns of those that are named and light no pixel, and where

@@ -81,18 +81,7 @@ int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
 /* Returns a rectangle around the texels of those squares that are looked at. */
 struct gp_rect gp_shadow_cut(const struct gp_shadow_map *m, int faces);
 
-// -- cut-outs on GL (draw.c) -------------------------------------------------
-
-/* Makes the texture of a cut-out's alpha, in codes. */
-GP_MUST_CHECK gp_status gp_cutout_upload(const struct gp_log *log,
-    const struct gp_gl *gl, const struct gp_cutout *c, struct gp_texture *out);
-
-/* Sets the uniforms of a material that is cut out: solid.frag's. */
-void gp_cutout_uniforms(const struct gp_scene *s, const struct gp_material *m,
-                        const struct gp_texture *alpha,
-                        struct gp_uniform u[3]);
-
-// -- directions of a disc (eye_map.c, eye_rays.c, eye_set.c) -----------------
+// -- directions of a disc (eye_rays.c, eye_set.c) ----------------------------
 
 /* Returns a texture's alpha at (u, v): bilinear between texel centres on the
  * base level, wrapped. */

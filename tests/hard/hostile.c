@@ -1,6 +1,6 @@
 /* Scenes in memory that are hostile, through every engine of scenes: sets and
- * their plain twin, rays, shares by rays and by maps, the paper's renderer and
- * relit frames; against plain rays through every triangle. */
+ * their plain twin, rays, shares by rays, the paper's renderer and relit frames;
+ * against plain rays through every triangle. */
 #include "hardcases.h"
 
 #include "core/parallel.h"
@@ -336,28 +336,18 @@ static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
     return (double) clear / all;
 }
 
-enum { MAP_SIDE = 64 };
 static struct gp_gl *gl;
 
 /* Adds errors over what the shares' own errors allow. */
-static void check_shares(struct seen *k, double *rays, double *map)
+static void check_shares(struct seen *k, double *rays)
 {
-    struct gp_eye_map *state = NULL;
     for (int i = 0; i < k->s.lights && i < LIGHTS; i++) {
         const struct gp_eye_disc d = disc_of(k, i);
-        struct gp_eye_share share, drawn;
+        struct gp_eye_share share;
         must(gp_eye_rays(&kept_log, &k->s, &k->meshes, &d, NULL, &share));
         *rays = hard_worse(*rays, fabs(share.clear - plain_share(k, &d)) -
                                       3.0 * share.error);
-        if (!gl || (isfinite(d.distance) &&
-                    made_touched(&k->s, k->s.light[i].at, d.ball)))
-            continue;
-        must(gp_eye_map_draw(&kept_log, gl, &k->s, &k->meshes, &d, NULL,
-                             MAP_SIDE, &state, &drawn));
-        *map = hard_worse(*map, fabs(drawn.clear - share.clear) -
-                                    3.0 * (drawn.error + share.error));
     }
-    gp_eye_map_close(gl, &state);
 }
 
 // -- the paper's renderer -----------------------------------------------------
@@ -555,14 +545,13 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
 
 // -- tables -------------------------------------------------------------------
 
-enum { SETS, LISTS, HITS, SHARE, MAP, DRAW, RELIT, CASTERS, COLUMNS };
+enum { SETS, LISTS, HITS, SHARE, DRAW, RELIT, CASTERS, COLUMNS };
 
 static const struct hard_column columns[COLUMNS + 1] = {
     [SETS] = {"sets, lost", 0},
     [LISTS] = {"lists, other flags", 0},
     [HITS] = {"rays, distance", 1e-9},
     [SHARE] = {"share by rays", 0.02},
-    [MAP] = {"share by map", 0.02},
     [DRAW] = {"draw, rows with other bytes", 0},
     [RELIT] = {"relight, of the upright light", 1e-4},
     [CASTERS] = {"relight without sets, differing", 0},
@@ -578,7 +567,7 @@ static void run_case(const struct hard_made *h, double error[COLUMNS])
     check_sets(&k, &error[SETS], &error[LISTS]);
     find_hits(&k, hit);
     error[HITS] = error_of_hits(&k, hit);
-    check_shares(&k, &error[SHARE], &error[MAP]);
+    check_shares(&k, &error[SHARE]);
     if (gl)
         error[DRAW] = check_drawing(&k);
     check_relit(&k, hit, &error[RELIT], &error[CASTERS], &hash);
@@ -645,7 +634,7 @@ void hard_scenes(void)
         run_case(&cases[row], error);
         hard_row(cases[row].name);
         for (int i = 0; i < COLUMNS; i++) {
-            if (gl || (i != MAP && i != DRAW))
+            if (gl || i != DRAW)
                 hard_cell(error[i], columns[i].bar);
             else
                 hard_no_cell();
