@@ -8,7 +8,7 @@
 #include "core/minmax.h"
 #include "io/plane.h"
 #include "scene/relight.h"
-#include "scene/sets.h"
+#include "scene/sets/sets.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -288,7 +288,6 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_scene *const s = &r->scene.scene;
     struct surfaces surfaces = {0};
-    struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     unsigned char *asked = NULL;
     struct batch batch = {0};
@@ -311,9 +310,8 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
         .window = surfaces.depth.window, .near = surfaces.near,
         .depth = surfaces.depth.v,
     };
-    GP_TRY(gp_bodies_make(fs->log, s, &bodies));
-    GP_TRY(gp_sets_open(fs->log, s, bodies, &view,
-                        GP_SETS_ALL | GP_SETS_DEPTHS, &sets));
+    GP_TRY(gp_sets_open(fs->log, s, &view, GP_SETS_ALL | GP_SETS_DEPTHS,
+                        &sets));
     for (int i = 0; i < s->objects; i++) {
         visible[surfaces.f.objects] = i;
         surfaces.f.objects += (gp_sets_flags(sets)[i] & GP_SET_V) != 0;
@@ -328,7 +326,6 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     warn_of_dark(r, fs);
 out:
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     free_surfaces(&surfaces);
     gp_free(visible);
     gp_free(batch.list);

@@ -25,14 +25,6 @@ struct gp_eye_disc gp_eye_sun(struct gp_v3 eye, struct gp_v3 to, double half);
  * it: half is pi / 2, and nothing is nearer. */
 struct gp_eye_disc gp_eye_lamp(struct gp_v3 eye, struct gp_v3 at, double ball);
 
-/* The set E: objects whose sphere and box meet the cone from the eye over the
- * disc, and are nearer than a lamp. No object that hides a part of the disc is
- * left out; one that is kept may hide nothing.
- *   object  room for s->objects; their indices, ascending
- * Returns how many. */
-int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
-               int *object);
-
 /* The part of the picture that the frame itself answers for. */
 struct gp_eye_window {
     const struct gp_camera *camera; // its eye is the disc's

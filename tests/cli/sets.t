@@ -124,7 +124,7 @@ for time in 41.7083 41.75 41.7917 41.8333; do # its four frames
     "$glarepp" sets --size 640x360 --repeat 1 --time $time \
         "$root/examples/alley.glb" >out 2>err
     result $? "the street at $time s: every row draws the same picture"
-    for column in '2 0.31 batches' '1 0.56 fragments'; do
+    for column in '2 0.31 batches' '1 0.66 fragments'; do
         set -- $column
         part=$(awk "NR == 7 { print \$(NF - $1) }" out)
         [ "$part" = - ] && part=0 # this context does not count fragments

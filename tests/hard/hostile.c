@@ -1,5 +1,5 @@
-/* Scenes in memory that are hostile, through every engine of scenes: sets and
- * their plain twin, rays, shares by rays, the paper's renderer and relit frames;
+/* Scenes in memory that are hostile, through every engine of scenes: sets,
+ * rays, shares by rays, the paper's renderer and relit frames;
  * against plain rays through every triangle. */
 #include "hardcases.h"
 
@@ -8,9 +8,8 @@
 #include "scene/eye.h"
 #include "scene/relight.h"
 #include "scene/scene_priv.h"
-#include "scene/table.h"
+#include "scene/sets/sets_priv.h"
 #include "scene_shot.h"
-#include "sets_plain.h"
 
 enum { W = 44, H = 30, PIXELS = W * H };
 enum { LIGHTS = 6 }; // of a scene, whose shares and light are looked at
@@ -225,19 +224,15 @@ static int lost_of_light(const struct seen *k, const struct gp_sets *sets,
             lost += !drawn || z < cut.near || z > cut.far;
         else if (drawn)
             lost += !(flag[first] & GP_SET_S);
-        lost += drawn && !shot_held(sets, k->shot.point[i]);
     }
     return lost;
 }
 
-static void check_sets(const struct seen *k, double *lost, double *differing)
+static void check_sets(const struct seen *k, double *lost)
 {
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
-    uint8_t *const plain = scene_alloc((size_t) k->s.objects + 1, 1);
     const struct gp_sets_view view = shot_view(&k->shot);
-    must(gp_bodies_make(&kept_log, &k->s, &bodies));
-    must(gp_sets_open(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, &sets));
+    must(gp_sets_open(&kept_log, &k->s, &view, GP_SETS_ALL, &sets));
     for (int i = 0; i < PIXELS; i++) {
         const int o = k->shot.object[i];
         *lost += o >= 0 && !(gp_sets_flags(sets)[o] & GP_SET_V);
@@ -245,13 +240,8 @@ static void check_sets(const struct seen *k, double *lost, double *differing)
     for (int i = 0; i < k->s.lights; i++) {
         const bool any = gp_sets_light(sets, i);
         *lost += lost_of_light(k, sets, any, i);
-        must(plain_sets(&k->s, bodies, &view, GP_SETS_ALL, i, plain));
-        *differing += plain_differ(&k->s, gp_sets_flags(sets), plain,
-                                   any ? ~0u : ~(unsigned) GP_SET_L);
     }
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
-    free(plain);
 }
 
 // -- rays and shares ----------------------------------------------------------
@@ -509,13 +499,11 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
                         double *error, double *changed, uint64_t *hash)
 {
     static struct relit with, without;
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
     const struct gp_sets_view view = shot_view(&k->shot);
     open_relit(k, hit, &with);
     open_relit(k, hit, &without);
-    must(gp_bodies_make(&kept_log, &k->s, &bodies));
-    must(gp_sets_open(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, &sets));
+    must(gp_sets_open(&kept_log, &k->s, &view, GP_SETS_ALL, &sets));
     for (int i = 0; i < k->s.objects; i++) {
         if (gp_sets_flags(sets)[i] & GP_SET_V)
             with.visible[with.f.objects++] = i;
@@ -538,18 +526,16 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
             *error = hard_worse(*error, error_of_light(k, i, hit, &with));
     }
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     close_relit(&with);
     close_relit(&without);
 }
 
 // -- tables -------------------------------------------------------------------
 
-enum { SETS, LISTS, HITS, SHARE, DRAW, RELIT, CASTERS, COLUMNS };
+enum { SETS, HITS, SHARE, DRAW, RELIT, CASTERS, COLUMNS };
 
 static const struct hard_column columns[COLUMNS + 1] = {
     [SETS] = {"sets, lost", 0},
-    [LISTS] = {"lists, other flags", 0},
     [HITS] = {"rays, distance", 1e-9},
     [SHARE] = {"share by rays", 0.02},
     [DRAW] = {"draw, rows with other bytes", 0},
@@ -564,7 +550,7 @@ static void run_case(const struct hard_made *h, double error[COLUMNS])
     uint64_t hash;
     memset(error, 0, COLUMNS * sizeof *error);
     make(h, &k);
-    check_sets(&k, &error[SETS], &error[LISTS]);
+    check_sets(&k, &error[SETS]);
     find_hits(&k, hit);
     error[HITS] = error_of_hits(&k, hit);
     check_shares(&k, &error[SHARE]);
@@ -625,8 +611,8 @@ void hard_scenes(void)
     if (!hard_quick && gp_gl_open(&kept_log, GP_GL_AUTO, &gl) &&
         !strstr(kept_line, "install the Debian"))
         hard_die("GL", kept_line);
-    hard_table("Scenes", "against plain rays through every triangle: objects "
-                         "and flags, part of a distance, share over its own "
+    hard_table("Scenes", "against plain rays through every triangle: objects, "
+                         "part of a distance, share over its own "
                          "error, pictures of sets against those without",
                columns);
     for (int row = 0; row < CASES; row++) {

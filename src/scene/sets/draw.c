@@ -1,7 +1,6 @@
-#include "scene/scene_priv.h"
+#include "scene/sets/sets_priv.h"
 
 #include "core/memory.h"
-#include "scene/bounds.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -356,7 +355,7 @@ static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
     const struct gp_draw draw = {
         .program = cube ? &d->cube[of != NULL] : &d->flat[of != NULL],
         .target = to, .depth = GP_DEPTH_WRITE,
-        .cut = gp_shadow_cut(map, faces),
+        .cut = {0, 0, to->w, to->h},
         .instances = cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = cube ? 4 : 0,
     };
