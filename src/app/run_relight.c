@@ -73,6 +73,7 @@ static gp_status read_surfaces(struct gp_run *r, struct gp_frame_state *fs,
     GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &albedo_names,
                            out->albedo));
     out->f = (struct gp_surfaces) {
+        .rgb = &fs->frame.rgb, .data = fs->frame.data,
         .camera = own->frame_camera, .display = fs->frame.display,
         .z = &out->depth, .normal = out->normal, .albedo = out->albedo,
         .normal_of_camera = r->s->normal_space == GP_NORMALS_CAMERA,
@@ -223,7 +224,7 @@ static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
     struct gp_relit facts[GP_RELIGHT_PASSES];
     const gp_status st =
         gp_relight(fs->log, &r->scene.scene, &r->scene.meshes, &surfaces->f,
-                   b->pass, b->n, fs->frame.data, &fs->frame.rgb, facts);
+                   b->pass, b->n, facts);
     if (st)
         return st;
     for (int i = 0; i < b->n; i++) {

@@ -398,6 +398,7 @@ static void open_relit(const struct seen *k,
     r->visible = scene_alloc((size_t) k->s.objects + 1, sizeof *r->visible);
     r->caster = scene_alloc((size_t) k->s.objects + 1, sizeof *r->caster);
     r->f = (struct gp_surfaces) {
+        .rgb = &r->rgb, .data = frame,
         .camera = k->shot.camera, .display = frame, .z = &r->plane[0],
         .normal = &r->plane[1], .albedo = &r->plane[4], .object = r->visible,
     };
@@ -427,8 +428,7 @@ static void add_light(struct seen *k, const struct gp_sets *sets, int light,
             r->caster[pass.casters++] = i;
     }
     gp_planes_clear(&r->rgb, 0, PIXELS);
-    must(gp_relight(&kept_log, &k->s, &k->meshes, &r->f, &pass, 1, frame,
-                    &r->rgb, &facts));
+    must(gp_relight(&kept_log, &k->s, &k->meshes, &r->f, &pass, 1, &facts));
 }
 
 /* Returns a light on a pixel by the formula; < 0: nothing to compare, as the
