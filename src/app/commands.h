@@ -7,7 +7,7 @@
 #include "app/settings.h"
 #include "core/status.h"
 #include "scene/scene.h"
-#include "scene/table.h"
+#include "scene/sets/sets.h"
 
 /* Runs frames through the stages, several in flight at once.
  *

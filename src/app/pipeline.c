@@ -403,7 +403,6 @@ out:;
     gp_glare_close(&p.run.groups.engines);
     gp_run_ghosts_free(&p.run.glare.ghosts);
     gp_run_ghosts_free(&p.run.groups.ghosts);
-    gp_run_suns_close(&p.run);
     gp_suns_close(&p.run.suns);
     gp_run_scene_free(&p.run.scene);
     gp_ocio_close(&p.run.ocio);

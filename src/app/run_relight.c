@@ -8,7 +8,7 @@
 #include "core/minmax.h"
 #include "io/plane.h"
 #include "scene/relight.h"
-#include "scene/sets.h"
+#include "scene/sets/sets.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,6 +73,7 @@ static gp_status read_surfaces(struct gp_run *r, struct gp_frame_state *fs,
     GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &albedo_names,
                            out->albedo));
     out->f = (struct gp_surfaces) {
+        .rgb = &fs->frame.rgb, .data = fs->frame.data,
         .camera = own->frame_camera, .display = fs->frame.display,
         .z = &out->depth, .normal = out->normal, .albedo = out->albedo,
         .normal_of_camera = r->s->normal_space == GP_NORMALS_CAMERA,
@@ -224,7 +225,7 @@ static gp_status add_lights(struct gp_run *r, struct gp_frame_state *fs,
     struct gp_relit facts[GP_RELIGHT_PASSES];
     const gp_status st =
         gp_relight(fs->log, &r->scene.scene, &r->scene.meshes, &surfaces->f,
-                   b->pass, b->n, fs->frame.data, &fs->frame.rgb, facts);
+                   b->pass, b->n, facts);
     if (st)
         return st;
     for (int i = 0; i < b->n; i++) {
@@ -290,7 +291,6 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_scene *const s = &r->scene.scene;
     struct surfaces surfaces = {0};
-    struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     unsigned char *asked = NULL;
     struct batch batch = {0};
@@ -312,9 +312,8 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
         .window = surfaces.depth.window, .near = surfaces.near,
         .depth = surfaces.depth.v,
     };
-    GP_TRY(gp_bodies_make(fs->log, s, &bodies));
-    GP_TRY(gp_sets_open(fs->log, s, bodies, &view,
-                        GP_SETS_ALL | GP_SETS_DEPTHS, &sets));
+    GP_TRY(gp_sets_open(fs->log, s, &view, GP_SETS_ALL | GP_SETS_DEPTHS,
+                        &sets));
     for (int i = 0; i < s->objects; i++) {
         visible[surfaces.f.objects] = i;
         surfaces.f.objects += (gp_sets_flags(sets)[i] & GP_SET_V) != 0;
@@ -329,7 +328,6 @@ gp_status gp_run_relight(struct gp_run *r, struct gp_frame_state *fs)
     warn_of_dark(r, fs);
 out:
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     free_surfaces(&surfaces);
     gp_free(visible);
     gp_free(batch.list);

@@ -20,7 +20,7 @@ static const double PI = 3.14159265358979323846;
 /* Reads a texture's alpha, from bytes of the scene's file or a file beside. */
 static gp_status read_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            long long most, int *w, int *h, uint16_t **alpha)
+                            long long most, struct gp_cutout *out)
 {
     const struct gp_settings *const s = user;
     struct gp_coverage a;
@@ -28,9 +28,9 @@ static gp_status read_alpha(void *user, const struct gp_log *log,
         gp_read_coverage(log, &s->read, name, bytes, n, most, &a);
     if (st)
         return st;
-    *w = a.w;
-    *h = a.h;
-    *alpha = a.code;
+    out->w = a.w;
+    out->h = a.h;
+    out->alpha = a.code;
     return GP_OK;
 }
 

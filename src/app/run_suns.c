@@ -20,8 +20,6 @@ gp_status gp_run_dark_layer(struct gp_frame_state *fs)
 
 // -- shares outside of the frame, by the scene (--sun-outside scene) ----------
 
-enum { FINER = 4 }; // texels of a scene's sun map for one of --sun-map
-
 /* Returns true when a light's circle in the picture leaves the rectangle: that
  * of its cone, an ellipse, may differ. */
 static bool leaves(const struct gp_light *l, struct gp_rect r)
@@ -41,31 +39,12 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
                : gp_eye_sun(eye, at, s->half);
 }
 
-/* Measures a disc's part outside the window. With the other methods a context
- * is open already, or is opened here for them too. */
-static gp_status measure_disc(const struct gp_log *log, struct gp_run *r,
-                              const struct gp_eye_disc *disc,
-                              const struct gp_eye_window *window,
-                              struct gp_eye_share *out)
-{
-    const struct gp_sun_params *const p = &r->s->sun;
-    const struct gp_scene *const s = &r->scene.scene;
-    if (p->method == GP_SUN_EXACT)
-        return gp_eye_rays(log, s, &r->scene.meshes, disc, window, out);
-    gp_status st = r->suns.gl ? gp_gl_use(log, r->suns.gl)
-                              : gp_gl_open(log, r->suns.api, &r->suns.gl);
-    return st ? st
-              : gp_eye_map_draw(log, r->suns.gl, s, &r->scene.meshes, disc,
-                                window, FINER * p->map.side, &r->scene.eye_map,
-                                out);
-}
-
 /* Sets the clear share outside the frame of each light that is placed, where
- * --sun-outside asks for it: by rays with --sun-method exact, else by a sun map
- * from geometry. Errors: those of these; GP_ERR_USAGE no camera. */
+ * --sun-outside asks for it. Errors: those of gp_eye_rays(); GP_ERR_USAGE no
+ * camera. */
 static gp_status measure_outside(struct gp_run *r, struct gp_frame_state *fs)
 {
-    const struct gp_run_scene *const scene = &r->scene;
+    struct gp_run_scene *const scene = &r->scene;
     const struct gp_rect known = r->suns.occluders.frame;
     gp_status st;
     if (r->s->sun.map.outside != GP_OUTSIDE_SCENE || r->suns.n == 0)
@@ -83,21 +62,17 @@ static gp_status measure_outside(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_light *const l = &r->suns.light[i];
         const struct gp_eye_disc disc = disc_of(l, eye);
         struct gp_eye_share share;
-        st = measure_disc(fs->log, r, &disc, &window, &share);
+        st = gp_eye_rays(fs->log, &scene->scene, &scene->meshes, &disc, &window,
+                         &share);
         if (!st && share.outside == 0.0 && leaves(l, known))
-            st = measure_disc(fs->log, r, &disc, NULL, &share);
+            st = gp_eye_rays(fs->log, &scene->scene, &scene->meshes, &disc, NULL,
+                             &share);
         if (st)
             return st;
         l->outside = share.clear;
         l->outside_error = 3.0 * share.error;
     }
     return GP_OK;
-}
-
-void gp_run_suns_close(struct gp_run *r)
-{
-    if (r->suns.gl)
-        gp_eye_map_close(r->suns.gl, &r->scene.eye_map);
 }
 
 // -- the stages ---------------------------------------------------------------

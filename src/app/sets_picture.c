@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "scene/bounds.h"
-#include "scene/sets.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@
 #include "io/read.h"
 #include "io/write.h"
 #include "scene/scene.h"
-#include "scene/table.h"
+#include "scene/sets/sets.h"
 #include "sun/stage.h"
 #include "tone/ocio.h"
 #include "tone/tone.h"

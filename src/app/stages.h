@@ -259,9 +259,6 @@ GP_MUST_CHECK gp_status gp_run_scene(struct gp_run *r,
                                      struct gp_frame_state *fs);
 void gp_run_scene_free(struct gp_run_scene *s);
 
-/* Frees the sun map of the scene, while the suns' context is open. */
-void gp_run_suns_close(struct gp_run *r);
-
 /* The stage: adds the light of the scene's lights that --relight names to the
  * frame's colour. Warns of those that are named and light no pixel, and where
  * all do. Errors: GP_ERR_USAGE no such light, or no camera, depth,

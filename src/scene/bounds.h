@@ -1,4 +1,4 @@
-/* Boxes and spheres of objects, and boxes on the screen. */
+/* Boxes of the world, and points of the scene. */
 #ifndef GP_SCENE_BOUNDS_H
 #define GP_SCENE_BOUNDS_H
 
@@ -68,34 +68,5 @@ static inline struct gp_v3 gp_scene_vertex(const struct gp_scene *s, uint32_t v)
     const float *const p = &s->position[3 * (size_t) v];
     return (struct gp_v3) {(double) p[0], (double) p[1], (double) p[2]};
 }
-
-/* Sets box, centre and radius of an object from to_world and each vertex of
- * its mesh that a triangle uses; of a mesh with over 4096 indices from the
- * corners of its box, as scenes are posed anew for every frame. Without a vertex
- * the box is empty, and so is the sphere: centre 0, radius 0. */
-void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
-
-/* Returns the radius of a sphere around an object that is centred on c, the
- * middle of its box. */
-double gp_object_radius(const struct gp_object *o, struct gp_v3 c);
-
-/* A box of the world in the picture. */
-struct gp_screen_box {
-    double x0, y0, x1, y1; // EXR pixel space, not cut by the picture
-    double near, far;      // along the view axis, units of the world
-    bool seen;             // a part is at `near` or beyond; else the rest is 0
-};
-
-/* Returns the bounds of the part of a box at least `near` > 0 along the view
- * axis. They hold every point of it, but for rounding. */
-struct gp_screen_box gp_bounds_project(const struct gp_camera *c,
-                                       struct gp_rect display,
-                                       const struct gp_box *box, double near);
-
-/* The same of a sphere: tight where all of it is beyond `near`, else those of
- * the box around it. */
-struct gp_screen_box gp_bounds_project_sphere(
-    const struct gp_camera *c, struct gp_rect display, struct gp_v3 centre,
-    double radius, double near);
 
 #endif

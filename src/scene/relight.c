@@ -41,8 +41,6 @@ struct lamp {
 /* The picture, and the lamps that light it. */
 struct relit {
     const struct gp_surfaces *f;
-    struct gp_rect data;
-    const struct gp_planes *rgb;
     struct gp_rays shown;    // what the eye may see
     struct gp_colours colours;
     struct gp_shade *shade;  // every `step` pixels of the data
@@ -418,12 +416,12 @@ static bool find_places(const struct relit *w, int x, int y,
 static void shade_row(void *ctx, int i, int thread)
 {
     const struct relit *const w = ctx;
-    const int y = w->data.y0 + i * w->step;
+    const int y = w->f->data.y0 + i * w->step;
     (void) thread;
     for (int k = 0; k < w->across; k++) {
         struct gp_shade *const shade =
             &w->shade[(size_t) i * (size_t) w->across + (size_t) k];
-        const int x = w->data.x0 + k * w->step;
+        const int x = w->f->data.x0 + k * w->step;
         struct surface s;
         struct gp_rays_hit hit;
         *shade = (struct gp_shade) {.material = -1};
@@ -445,9 +443,9 @@ static gp_status find_colours(const struct gp_log *log, struct relit *w)
     enum { SIDE = 256 }; // shades, of the longer side
     gp_status st = GP_OK;
     w->colours.unit = 1.0;
-    if (gp_rect_empty(w->data))
+    if (gp_rect_empty(w->f->data))
         return GP_OK;
-    const int wide = gp_rect_w(w->data), high = gp_rect_h(w->data);
+    const int wide = gp_rect_w(w->f->data), high = gp_rect_h(w->f->data);
     w->step = gp_max(2, gp_max(wide, high) / SIDE);
     w->across = (wide - 1) / w->step + 1;
     const int rows = (high - 1) / w->step + 1;
@@ -563,12 +561,12 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
         return;
     for (int c = 0; c < 3; c++)
         add[c] *= w->colours.unit;
-    const size_t at = (size_t) (p->y - w->data.y0) *
-                          (size_t) gp_rect_w(w->data) +
-                      (size_t) (p->x - w->data.x0);
+    const size_t at = (size_t) (p->y - w->f->data.y0) *
+                          (size_t) gp_rect_w(w->f->data) +
+                      (size_t) (p->x - w->f->data.x0);
     facts->pixels++;
     for (int c = 0; c < 3; c++) {
-        w->rgb->c[c][at] += (float) add[c];
+        w->f->rgb->c[c][at] += (float) add[c];
         facts->flux[c] += add[c];
     }
 }
@@ -576,9 +574,9 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
 static void light_row(void *ctx, int i, int thread)
 {
     const struct relit *const w = ctx;
-    struct pixel p = {.y = w->data.y0 + i};
+    struct pixel p = {.y = w->f->data.y0 + i};
     (void) thread;
-    for (p.x = w->data.x0; p.x < w->data.x1; p.x++) {
+    for (p.x = w->f->data.x0; p.x < w->f->data.x1; p.x++) {
         bool found = false;
         for (int k = 0; k < w->lamps; k++) {
             const struct gp_rect cut = w->lamp[k].cut;
@@ -661,12 +659,10 @@ static struct gp_relit facts_of(const struct lamp *lamp)
 
 gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_surfaces *f,
-    const struct gp_relight_pass *pass, int passes, struct gp_rect data,
-    const struct gp_planes *rgb, struct gp_relit *out)
+    const struct gp_relight_pass *pass, int passes, struct gp_relit *out)
 {
     struct relit w = {
-        .f = f, .data = data, .rgb = rgb, .eye = gp_camera_eye(&f->camera),
-        .lamps = passes,
+        .f = f, .eye = gp_camera_eye(&f->camera), .lamps = passes,
     };
     gp_status st;
     set_axes(&w);
@@ -677,11 +673,11 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
     for (int k = 0; k < passes; k++) {
         w.lamp[k] = (struct lamp) {
             .of = &w, .pass = &pass[k],
-            .cut = gp_rect_meet(pass[k].cut, data),
+            .cut = gp_rect_meet(pass[k].cut, f->data),
         };
         GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
     }
-    gp_parallel_do(gp_rect_empty(data) ? 0 : gp_rect_h(data), light_row, &w);
+    gp_parallel_do(gp_rect_empty(f->data) ? 0 : gp_rect_h(f->data), light_row, &w);
     for (int k = 0; k < passes; k++)
         out[k] = facts_of(&w.lamp[k]);
 out:

@@ -8,9 +8,11 @@
 #include "scene/rays.h"
 #include "scene/scene.h"
 
-/* Surfaces of a frame's pixels. A pixel outside a plane's window has no
+/* A frame, and the surfaces of its pixels. A pixel outside a plane's window has no
  * surface. */
 struct gp_surfaces {
+    const struct gp_planes *rgb;   // the frame's colour, of pixels `data`
+    struct gp_rect data;
     struct gp_camera camera;
     struct gp_rect display;        // of the camera
     const struct gp_plane *z;      // along the view axis, units of the world;
@@ -42,8 +44,7 @@ struct gp_relit {
     double flux[3];         // sum of what was added
 };
 
-/* Adds the light of passes, in their order, to `rgb`, whose pixels are those of
- * `data`:
+/* Adds the light of passes, in their order, to f->rgb:
  *
  *   albedo / pi * light_scale * intensity * colour * cos / d^2 * window * cone
  *
@@ -67,6 +68,6 @@ struct gp_relit {
 GP_MUST_CHECK gp_status gp_relight(const struct gp_log *log,
     const struct gp_scene *s, struct gp_meshes *meshes,
     const struct gp_surfaces *f, const struct gp_relight_pass *pass, int passes,
-    struct gp_rect data, const struct gp_planes *rgb, struct gp_relit *out);
+    struct gp_relit *out);
 
 #endif

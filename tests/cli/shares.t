@@ -38,9 +38,7 @@ fi
 # -- a scene for what the frame does not show ----------------------------------
 
 street=$root/examples/alley.glb
-gl=yes
 frame plain.exr channels=R,G,B kind=dark
-"$glarepp" --sun 30,12 --sun-method mask --report r.json plain.exr 2>err || gl=
 
 # lamps EXPRESSION: of r.json's lights, L by name
 lamps()
@@ -52,39 +50,26 @@ lamps()
 # beside the picture, .728 of it clear, lamp4 behind the camera and clear,
 # lamp6 beside it and hidden
 frame still.1004.exr channels=R,G,B,Z:float kind=dark size=640x360
-for method in exact mask; do
-    if [ $method = mask ] && [ -z "$gl" ]; then
-        skip 4 'no GL'
-        continue
-    fi
-    run --scene "$street" --sun-method $method --report r.json still.1004.exr
-    is "$(lamps '[round(L[k]["visibility"], 2) for k in ("lamp3", "lamp4",
-        "lamp6")]')" '[0.73, 1.0, 0.0]' "$method: lamps beside and behind"
-    is "$(lamps 'L["lamp4"]["behind"]')" True "$method: behind the camera"
-    is "$(lamps 'L["lamp4"]["interval"]')" '[1.0, 1.0]' \
-        "$method: the interval of one behind the camera"
-    is "$(lamps 'L["lamp3"]["interval"][0] < 0.7278 <
-        L["lamp3"]["interval"][1]')" True "$method: the interval holds it"
-done
+run --scene "$street" --report r.json still.1004.exr
+is "$(lamps '[round(L[k]["visibility"], 2) for k in ("lamp3", "lamp4",
+    "lamp6")]')" '[0.73, 1.0, 0.0]' 'lamps beside and behind'
+is "$(lamps 'L["lamp4"]["behind"]')" True 'behind the camera'
+is "$(lamps 'L["lamp4"]["interval"]')" '[1.0, 1.0]' \
+    'the interval of one behind the camera'
+is "$(lamps 'L["lamp3"]["interval"][0] < 0.7278 < L["lamp3"]["interval"][1]')" \
+    True 'the interval holds it'
 # pixels that the display window has and the file has not are beside the frame
 for n in 1001 1002 1003 1004; do
     frame street.$n.exr channels=R,G,B,Z:float kind=dark size=640x4 \
         display=0,0,639,359
 done
-for method in exact mask; do
-    if [ $method = mask ] && [ -z "$gl" ]; then
-        skip 2 'no GL'
-        continue
-    fi
-    # an output has the pixels of the display window too: reading adds them
-    for more in '' '-o wide.exr'; do
-        rm -f r.json
-        "$glarepp" -q $more --scene "$street" --sun-method $method \
-            --report r.json street.1001.exr
-        is "$(lamps '[round(L[k]["visibility"], 1) for k in ("lamp1", "lamp2",
-            "lamp3", "lamp5")]')" '[0.0, 1.0, 0.6, 0.0]' \
-            "$method: lamps outside the data window${more:+, $more}"
-    done
+# an output has the pixels of the display window too: reading adds them
+for more in '' '-o wide.exr'; do
+    rm -f r.json
+    "$glarepp" -q $more --scene "$street" --report r.json street.1001.exr
+    is "$(lamps '[round(L[k]["visibility"], 1) for k in ("lamp1", "lamp2",
+        "lamp3", "lamp5")]')" '[0.0, 1.0, 0.6, 0.0]' \
+        "lamps outside the data window${more:+, $more}"
 done
 # no lamp is in these four rows
 frame rows.1004.exr channels=R,G,B kind=dark size=640x4 display=0,0,639,359
@@ -114,38 +99,32 @@ run --scene bare.gltf --sun 30,12 --sun-outside ignore --report r.json plain.exr
 status_is 0 'another rule needs no camera'
 
 if [ -n "$data" ] && [ -f "$data/scenes/forest.camera.json" ]; then
-    for method in exact mask; do
-        if [ $method = mask ] && [ -z "$gl" ]; then
-            skip 5 'no GL'
-            continue
-        fi
-        set -- -q --sun-method $method --report r.json
-        forest="--scene $data/scenes/forest.glb --sun-size 0.53"
-        "$glarepp" "$@" $forest "$data/scenes/forest.####.exr"
-        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.05 2>found)" \
-            '6 6 True' "$method: the sun in the forest, on screen and off"
-        note "depth, $(cat found)"
-        "$glarepp" "$@" $forest --mask A "$data/scenes/forest.####.exr"
-        is "$("$python" "$cli/shares.py" "$data" r.json 0.005,0.01 2>found)" \
-            '6 6 True' "$method: the same with coverage"
-        note "coverage, $(cat found)"
-        "$glarepp" "$@" --scene "$data/scenes/street.glb" \
-            "$data/scenes/street.####.exr"
-        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
-            '32 32 True' "$method: lamps in the street, by depth"
-        note "$(cat found)"
-        "$glarepp" "$@" --scene "$street" street.####.exr
-        is "$("$python" "$cli/shares.py" "$data" r.json 0.002,0.01 2>found)" \
-            '32 32 True' "$method: lamps outside the data window"
-        note "$(cat found)"
-        "$glarepp" "$@" --scene "$data/scenes/street.glb" --mask A \
-            "$data/scenes/street.####.exr"
-        is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
-            '32 32 True' "$method: the same by a matte that has their balls"
-        note "$(cat found)"
-    done
+    set -- -q --report r.json
+    forest="--scene $data/scenes/forest.glb --sun-size 0.53"
+    "$glarepp" "$@" $forest "$data/scenes/forest.####.exr"
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.05 2>found)" \
+        '6 6 True' 'the sun in the forest, on screen and off'
+    note "depth, $(cat found)"
+    "$glarepp" "$@" $forest --mask A "$data/scenes/forest.####.exr"
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.005,0.01 2>found)" \
+        '6 6 True' 'the same with coverage'
+    note "coverage, $(cat found)"
+    "$glarepp" "$@" --scene "$data/scenes/street.glb" \
+        "$data/scenes/street.####.exr"
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
+        '32 32 True' 'lamps in the street, by depth'
+    note "$(cat found)"
+    "$glarepp" "$@" --scene "$street" street.####.exr
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.002,0.01 2>found)" \
+        '32 32 True' 'lamps outside the data window'
+    note "$(cat found)"
+    "$glarepp" "$@" --scene "$data/scenes/street.glb" --mask A \
+        "$data/scenes/street.####.exr"
+    is "$("$python" "$cli/shares.py" "$data" r.json 0.02,0.06 2>found)" \
+        '32 32 True' 'the same by a matte that has their balls'
+    note "$(cat found)"
 else
-    skip 10 "$no_data"
+    skip 5 "$no_data"
 fi
 
 done_testing

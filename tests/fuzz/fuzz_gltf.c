@@ -9,19 +9,16 @@
 /* Touches the bytes of a picture, and gives two samples. */
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            long long most, int *w, int *h,
-                            uint16_t **alpha)
+                            long long most, struct gp_cutout *out)
 {
     (void) user;
     (void) name;
     (void) most;
     if (bytes)
         fuzz_touch(bytes, n);
-    const gp_status st = gp_alloc_zero(log, "a texture", 2, sizeof **alpha,
-                                       alpha);
-    *w = 2;
-    *h = 1;
-    return st;
+    out->w = 2;
+    out->h = 1;
+    return gp_alloc_zero(log, "a texture", 2, sizeof *out->alpha, &out->alpha);
 }
 
 /* Ends the program unless all that is posed is finite and in range. */

@@ -1,6 +1,6 @@
-/* Scenes in memory that are hostile, through every engine of scenes: sets and
- * their plain twin, rays, shares by rays and by maps, the paper's renderer and
- * relit frames; against plain rays through every triangle. */
+/* Scenes in memory that are hostile, through every engine of scenes: sets,
+ * rays, shares by rays, the paper's renderer and relit frames;
+ * against plain rays through every triangle. */
 #include "hardcases.h"
 
 #include "core/parallel.h"
@@ -8,9 +8,8 @@
 #include "scene/eye.h"
 #include "scene/relight.h"
 #include "scene/scene_priv.h"
-#include "scene/table.h"
+#include "scene/sets/sets_priv.h"
 #include "scene_shot.h"
-#include "sets_plain.h"
 
 enum { W = 44, H = 30, PIXELS = W * H };
 enum { LIGHTS = 6 }; // of a scene, whose shares and light are looked at
@@ -225,19 +224,15 @@ static int lost_of_light(const struct seen *k, const struct gp_sets *sets,
             lost += !drawn || z < cut.near || z > cut.far;
         else if (drawn)
             lost += !(flag[first] & GP_SET_S);
-        lost += drawn && !shot_held(sets, k->shot.point[i]);
     }
     return lost;
 }
 
-static void check_sets(const struct seen *k, double *lost, double *differing)
+static void check_sets(const struct seen *k, double *lost)
 {
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
-    uint8_t *const plain = scene_alloc((size_t) k->s.objects + 1, 1);
     const struct gp_sets_view view = shot_view(&k->shot);
-    must(gp_bodies_make(&kept_log, &k->s, &bodies));
-    must(gp_sets_open(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, &sets));
+    must(gp_sets_open(&kept_log, &k->s, &view, GP_SETS_ALL, &sets));
     for (int i = 0; i < PIXELS; i++) {
         const int o = k->shot.object[i];
         *lost += o >= 0 && !(gp_sets_flags(sets)[o] & GP_SET_V);
@@ -245,13 +240,8 @@ static void check_sets(const struct seen *k, double *lost, double *differing)
     for (int i = 0; i < k->s.lights; i++) {
         const bool any = gp_sets_light(sets, i);
         *lost += lost_of_light(k, sets, any, i);
-        must(plain_sets(&k->s, bodies, &view, GP_SETS_ALL, i, plain));
-        *differing += plain_differ(&k->s, gp_sets_flags(sets), plain,
-                                   any ? ~0u : ~(unsigned) GP_SET_L);
     }
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
-    free(plain);
 }
 
 // -- rays and shares ----------------------------------------------------------
@@ -336,28 +326,18 @@ static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
     return (double) clear / all;
 }
 
-enum { MAP_SIDE = 64 };
 static struct gp_gl *gl;
 
 /* Adds errors over what the shares' own errors allow. */
-static void check_shares(struct seen *k, double *rays, double *map)
+static void check_shares(struct seen *k, double *rays)
 {
-    struct gp_eye_map *state = NULL;
     for (int i = 0; i < k->s.lights && i < LIGHTS; i++) {
         const struct gp_eye_disc d = disc_of(k, i);
-        struct gp_eye_share share, drawn;
+        struct gp_eye_share share;
         must(gp_eye_rays(&kept_log, &k->s, &k->meshes, &d, NULL, &share));
         *rays = hard_worse(*rays, fabs(share.clear - plain_share(k, &d)) -
                                       3.0 * share.error);
-        if (!gl || (isfinite(d.distance) &&
-                    made_touched(&k->s, k->s.light[i].at, d.ball)))
-            continue;
-        must(gp_eye_map_draw(&kept_log, gl, &k->s, &k->meshes, &d, NULL,
-                             MAP_SIDE, &state, &drawn));
-        *map = hard_worse(*map, fabs(drawn.clear - share.clear) -
-                                    3.0 * (drawn.error + share.error));
     }
-    gp_eye_map_close(gl, &state);
 }
 
 // -- the paper's renderer -----------------------------------------------------
@@ -418,6 +398,7 @@ static void open_relit(const struct seen *k,
     r->visible = scene_alloc((size_t) k->s.objects + 1, sizeof *r->visible);
     r->caster = scene_alloc((size_t) k->s.objects + 1, sizeof *r->caster);
     r->f = (struct gp_surfaces) {
+        .rgb = &r->rgb, .data = frame,
         .camera = k->shot.camera, .display = frame, .z = &r->plane[0],
         .normal = &r->plane[1], .albedo = &r->plane[4], .object = r->visible,
     };
@@ -447,8 +428,7 @@ static void add_light(struct seen *k, const struct gp_sets *sets, int light,
             r->caster[pass.casters++] = i;
     }
     gp_planes_clear(&r->rgb, 0, PIXELS);
-    must(gp_relight(&kept_log, &k->s, &k->meshes, &r->f, &pass, 1, frame,
-                    &r->rgb, &facts));
+    must(gp_relight(&kept_log, &k->s, &k->meshes, &r->f, &pass, 1, &facts));
 }
 
 /* Returns a light on a pixel by the formula; < 0: nothing to compare, as the
@@ -519,13 +499,11 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
                         double *error, double *changed, uint64_t *hash)
 {
     static struct relit with, without;
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
     const struct gp_sets_view view = shot_view(&k->shot);
     open_relit(k, hit, &with);
     open_relit(k, hit, &without);
-    must(gp_bodies_make(&kept_log, &k->s, &bodies));
-    must(gp_sets_open(&kept_log, &k->s, bodies, &view, GP_SETS_ALL, &sets));
+    must(gp_sets_open(&kept_log, &k->s, &view, GP_SETS_ALL, &sets));
     for (int i = 0; i < k->s.objects; i++) {
         if (gp_sets_flags(sets)[i] & GP_SET_V)
             with.visible[with.f.objects++] = i;
@@ -548,21 +526,18 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
             *error = hard_worse(*error, error_of_light(k, i, hit, &with));
     }
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     close_relit(&with);
     close_relit(&without);
 }
 
 // -- tables -------------------------------------------------------------------
 
-enum { SETS, LISTS, HITS, SHARE, MAP, DRAW, RELIT, CASTERS, COLUMNS };
+enum { SETS, HITS, SHARE, DRAW, RELIT, CASTERS, COLUMNS };
 
 static const struct hard_column columns[COLUMNS + 1] = {
     [SETS] = {"sets, lost", 0},
-    [LISTS] = {"lists, other flags", 0},
     [HITS] = {"rays, distance", 1e-9},
     [SHARE] = {"share by rays", 0.02},
-    [MAP] = {"share by map", 0.02},
     [DRAW] = {"draw, rows with other bytes", 0},
     [RELIT] = {"relight, of the upright light", 1e-4},
     [CASTERS] = {"relight without sets, differing", 0},
@@ -575,10 +550,10 @@ static void run_case(const struct hard_made *h, double error[COLUMNS])
     uint64_t hash;
     memset(error, 0, COLUMNS * sizeof *error);
     make(h, &k);
-    check_sets(&k, &error[SETS], &error[LISTS]);
+    check_sets(&k, &error[SETS]);
     find_hits(&k, hit);
     error[HITS] = error_of_hits(&k, hit);
-    check_shares(&k, &error[SHARE], &error[MAP]);
+    check_shares(&k, &error[SHARE]);
     if (gl)
         error[DRAW] = check_drawing(&k);
     check_relit(&k, hit, &error[RELIT], &error[CASTERS], &hash);
@@ -636,8 +611,8 @@ void hard_scenes(void)
     if (!hard_quick && gp_gl_open(&kept_log, GP_GL_AUTO, &gl) &&
         !strstr(kept_line, "install the Debian"))
         hard_die("GL", kept_line);
-    hard_table("Scenes", "against plain rays through every triangle: objects "
-                         "and flags, part of a distance, share over its own "
+    hard_table("Scenes", "against plain rays through every triangle: objects, "
+                         "part of a distance, share over its own "
                          "error, pictures of sets against those without",
                columns);
     for (int row = 0; row < CASES; row++) {
@@ -645,7 +620,7 @@ void hard_scenes(void)
         run_case(&cases[row], error);
         hard_row(cases[row].name);
         for (int i = 0; i < COLUMNS; i++) {
-            if (gl || (i != MAP && i != DRAW))
+            if (gl || i != DRAW)
                 hard_cell(error[i], columns[i].bar);
             else
                 hard_no_cell();

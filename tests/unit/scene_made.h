@@ -351,23 +351,6 @@ static inline void made_move(struct gp_scene *s, int object, struct gp_v3 at,
     made_bounds(s, o);
 }
 
-/* True where an object is in a lamp's ball, whose surface sun maps have as one
- * plane. */
-static inline bool made_touched(const struct gp_scene *s, struct gp_v3 at,
-                                double ball)
-{
-    for (int i = 0; i < s->objects; i++) {
-        const struct gp_box *const b = &s->object[i].box;
-        const struct gp_v3 gap = {
-            fmax(fmax(b->lo.x - at.x, at.x - b->hi.x), 0.0),
-            fmax(fmax(b->lo.y - at.y, at.y - b->hi.y), 0.0),
-            fmax(fmax(b->lo.z - at.z, at.z - b->hi.z), 0.0)};
-        if (gp_v3_length(gap) <= ball)
-            return true;
-    }
-    return false;
-}
-
 static inline int made_light(struct gp_scene *s, struct gp_scene_light light)
 {
     MADE_GROW(s->light, s->lights);

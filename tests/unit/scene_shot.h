@@ -3,7 +3,7 @@
 #ifndef GP_TESTS_SCENE_SHOT_H
 #define GP_TESTS_SCENE_SHOT_H
 
-#include "scene/sets.h"
+#include "scene/sets/sets_priv.h"
 #include "scene_rays.h"
 
 enum { SHOT_MOST = 96 * 64 };
@@ -83,19 +83,6 @@ static inline bool shot_reaches(const struct gp_scene_light *light,
     return gp_v3_length(to) < light->range &&
            (light->kind == GP_LIGHT_POINT ||
             gp_v3_dot(gp_v3_unit(to), light->along) > cos(light->outer));
-}
-
-/* True where a point is in the boxes of points that may be lit. */
-static inline bool shot_held(const struct gp_sets *sets, struct gp_v3 p)
-{
-    int n;
-    const struct gp_box *const box = gp_sets_seen(sets, &n);
-    for (int i = 0; i < n; i++) {
-        if (p.x >= box[i].lo.x && p.x <= box[i].hi.x && p.y >= box[i].lo.y &&
-            p.y <= box[i].hi.y && p.z >= box[i].lo.z && p.z <= box[i].hi.z)
-            return true;
-    }
-    return false;
 }
 
 #endif

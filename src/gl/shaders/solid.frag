@@ -6,7 +6,7 @@
 //      cut      x: factor of the texture's alpha; y: opaque from here on
 //      wraps    of u and v: 0 repeats, 1 clamps, 2 mirrors
 // out  light: colour (COLOUR); else nothing
-// CPU twin: the rays of eye_rays.c cut the same holes
+// CPU twin: the rays of rays.c cut the same holes
 #ifdef COLOUR
 uniform vec4 colour;
 layout(location = 0) out vec4 light;

@@ -265,6 +265,50 @@ static void camera_from(const double world[16], double out[16])
     memcpy(out, m, sizeof m);
 }
 
+// -- posing -------------------------------------------------------------------
+
+enum { MOST_INDICES = 4096 };
+
+/* Returns point i of those that hold an object, in its mesh's space. */
+static struct gp_v3 point_of(const struct gp_scene *s, const struct gp_mesh *m,
+                             const struct gp_submesh *p, int i, bool corners)
+{
+    return corners ? gp_box_corner(&m->box, i)
+                   : gp_scene_vertex(s, s->index[p->first + i]);
+}
+
+void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
+{
+    const struct gp_mesh *const m = &s->mesh[o->mesh];
+    struct gp_box box = GP_BOX_EMPTY;
+    struct gp_v3 c = {0.0, 0.0, 0.0};
+    double most = 0.0; // squared
+    int indices = 0;
+    for (int k = m->first; k < m->first + m->submeshes; k++)
+        indices += s->submesh[k].count;
+    const bool corners = indices > MOST_INDICES;
+    for (int pass = 0; pass < 2; pass++) { // the box, then the sphere
+        for (int k = m->first; k < m->first + m->submeshes; k++) {
+            const struct gp_submesh *const p = &s->submesh[k];
+            const int n = corners ? 8 : p->count;
+            for (int i = 0; i < n; i++) {
+                const struct gp_v3 at =
+                    gp_move(o->to_world, point_of(s, m, p, i, corners));
+                const struct gp_v3 d = gp_v3_sub(at, c);
+                if (pass == 0)
+                    box = gp_box_with(box, at);
+                else
+                    most = fmax(most, gp_v3_dot(d, d));
+            }
+        }
+        if (!gp_box_empty(box))
+            c = gp_v3_scale(gp_v3_add(box.lo, box.hi), 0.5);
+    }
+    o->box = box;
+    o->centre = c;
+    o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out
+}
+
 void gp_scene_pose(struct gp_scene *s, double seconds)
 {
     static const double upright[16] = {1, 0, 0, 0, 0, 1, 0, 0,

@@ -11,11 +11,11 @@ struct gp_scene_images {
      * gp_cutout has them; without alpha it may be one texel of 65535.
      *   name   of the picture, for messages; a file where `bytes` is NULL
      *   most   texels that it may have
-     *   alpha  written on GP_OK only; gp_free()
+     *   out    its w, h and alpha, on GP_OK only; gp_free()
      * Errors: those of its reader; GP_ERR_DATA over `most`. */
     gp_status (*alpha)(void *user, const struct gp_log *log, const char *name,
-                       const void *bytes, size_t n, long long most, int *w,
-                       int *h, uint16_t **alpha);
+                       const void *bytes, size_t n, long long most,
+                       struct gp_cutout *out);
 };
 
 /* Reads a scene: .glb, or .gltf with buffers in data URIs and at most one file

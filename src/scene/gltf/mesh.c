@@ -39,8 +39,7 @@ static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
     GP_TRY(gp_gltf_image(g, index, &span, &own, &file));
     gp_gltf_place(g, "image", index, &place);
     GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
-                         span.at, (size_t) span.bytes, MOST_TEXELS, &c->w,
-                         &c->h, &c->alpha));
+                         span.at, (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
     c->owner = s->cutouts;
     *texels += (long long) c->w * c->h;

@@ -1,11 +1,10 @@
 /* The paper's renderer: batches are counted as 15.2.1 counts them; surfaces have
- * the distance and the light that rays and formula give; objects that nothing
- * shows can be left out. */
+ * the distance and the light that rays and formula give. */
 #include "unit.h"
 #include "gl_open.h"
 #include "core/memory.h"
 #include "scene/bounds.h"
-#include "scene/draw.h"
+#include "scene/sets/sets_priv.h"
 #include "scene_made.h"
 
 enum { W = 96, H = 64 };
@@ -234,84 +233,5 @@ static void light_is_that_of_the_formula(void **state)
     gp_drawing_close(&d);
 }
 
-/* A box behind a wall is seen by nothing; a light behind it lights nothing
- * outside its cut. Holes let depth through. */
-static void pictures_are_the_same_without_it(void **state)
-{
-    static float other[4 * W * H];
-    const int box = made_box(&scene, made_material(&scene, 0.0f, -1));
-    const int holes = made_card(&scene, made_material(&scene, 0.5f,
-                                    made_holes(&scene, 4, 4)));
-    made_put(&scene, box, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {4, 1, 4}, 0);
-    made_put(&scene, holes, (struct gp_v3) {0, -2, 1},
-             (struct gp_v3) {6, 6, 1}, 20.0);
-    made_put(&scene, box, (struct gp_v3) {0, 3, 0}, (struct gp_v3) {1, 1, 1}, 0);
-    made_point(&scene, (struct gp_v3) {0, -3, 4}, 100.0, 20.0);
-    camera = made_camera(&scene, (struct gp_v3) {0, -7, 3},
-                         (struct gp_v3) {0, 0, 0}, 30.0, (double) W / H);
-    const struct gp_drawing_params p = GP_DRAWING_DEFAULTS;
-    struct gp_drawing *d = open_drawing(p);
-    struct gp_draw_light l = light_of(0, 3);
-    for (int i = 0; i < 2; i++) {
-        l.lits = i ? 2 : 3;
-        gp_drawing_clear(d);
-        assert_ok(gp_drawing_ambient(&kept_log, d, every, i ? 2 : 3));
-        assert_ok(gp_drawing_light(&kept_log, d, &l));
-        gp_drawing_picture(d, i ? other : picture);
-        gp_drawing_depth(d, depth);
-    }
-    assert_memory_equal(picture, other, sizeof picture);
-    int near = 0, far = 0;
-    for (int i = 0; i < W * H; i++) {
-        near += depth[i] < 5.5f; // the card
-        far += depth[i] > 5.5f && depth[i] < 9.0f;
-    }
-    assert_true(near > 300 && far > 300);
-    l.cut = (struct gp_rect) {0, 0, 40, H};
-    gp_drawing_clear(d);
-    assert_ok(gp_drawing_ambient(&kept_log, d, every, 3));
-    assert_ok(gp_drawing_light(&kept_log, d, &l));
-    gp_drawing_picture(d, other);
-    int changed = 0;
-    for (int i = 0; i < W * H; i++) {
-        const bool same = memcmp(&other[4 * i], &picture[4 * i], 16) == 0;
-        assert_true(i % W >= 40 || same);
-        changed += !same;
-    }
-    assert_true(changed > 300);
-    gp_drawing_close(&d);
-}
-
-/* A mesh of points leaves an object without triangles: a sun's map is as deep
- * as without it. */
-static void empty_objects_change_nothing(void **state)
-{
-    static float other[4 * W * H];
-    const int box = made_box(&scene, made_material(&scene, 0.0f, -1));
-    made_put(&scene, box, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {9, 9, 1}, 0);
-    made_put(&scene, box, (struct gp_v3) {0, 0, 2}, (struct gp_v3) {1, 1, 1}, 0);
-    made_sun(&scene, (struct gp_v3) {0.3, 0.4, -1}, 5.0);
-    camera = made_camera(&scene, (struct gp_v3) {0, -9, 7},
-                         (struct gp_v3) {0, 0, 0}, 45.0, (double) W / H);
-    const struct gp_draw_light l = light_of(0, 2);
-    const struct gp_drawing_params p = GP_DRAWING_DEFAULTS;
-    for (int i = 0; i < 2; i++) {
-        if (i)
-            made_put_empty(&scene);
-        struct gp_drawing *d = open_drawing(p);
-        gp_drawing_clear(d);
-        assert_ok(gp_drawing_ambient(&kept_log, d, every, scene.objects));
-        assert_ok(gp_drawing_light(&kept_log, d, &l));
-        gp_drawing_picture(d, i ? other : picture);
-        gp_drawing_close(&d);
-    }
-    assert_memory_equal(picture, other, sizeof picture);
-    int lit = 0;
-    for (int i = 0; i < W * H; i++)
-        lit += picture[4 * i] > 0.1f;
-    assert_in_range(lit, 300, W * H - 300);
-}
-
 SUITE_OF_EACH(draw, set_up, tear_down, batches_are_those_of_the_paper,
-    light_is_that_of_the_formula, pictures_are_the_same_without_it,
-    empty_objects_change_nothing)
+              light_is_that_of_the_formula)

@@ -1,5 +1,5 @@
 /* Frusta and their hulls with lights, against points one by one. */
-#include "scene/frustum.h"
+#include "scene/sets/sets_priv.h"
 
 #include "scene/bounds.h"
 #include "scene/scene_priv.h"

@@ -11,11 +11,10 @@
 /* A texture of one sample, as its picture does not matter here. */
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            long long most, int *w, int *h,
-                            uint16_t **alpha)
+                            long long most, struct gp_cutout *out)
 {
-    *w = *h = 1;
-    return gp_alloc_zero(log, name, 1, sizeof **alpha, alpha);
+    out->w = out->h = 1;
+    return gp_alloc_zero(log, name, 1, sizeof *out->alpha, &out->alpha);
 }
 
 static double number(const json_t *o, const char *key, int i)

@@ -11,8 +11,7 @@ struct picture {
 
 static gp_status give_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            long long most, int *w, int *h,
-                            uint16_t **alpha)
+                            long long most, struct gp_cutout *out)
 {
     struct picture *const p = user;
     p->calls++;
@@ -21,11 +20,11 @@ static gp_status give_alpha(void *user, const struct gp_log *log,
     if (bytes)
         memcpy(p->bytes, bytes, n < 8 ? n : 8);
     assert_int_equal(most, 1 << 24);
-    uint16_t *const v = *alpha = aligned_alloc(64, 64);
+    uint16_t *const v = out->alpha = aligned_alloc(64, 64);
     v[0] = 0;
     v[1] = 65535;
-    *w = p->wide ? p->wide : 2;
-    *h = 1;
+    out->w = p->wide ? p->wide : 2;
+    out->h = 1;
     return GP_OK;
 }
 

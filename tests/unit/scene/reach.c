@@ -1,5 +1,5 @@
 /* Volumes of lights, against points one by one. */
-#include "scene/reach.h"
+#include "scene/sets/sets_priv.h"
 
 #include "scene_made.h"
 
@@ -38,7 +38,7 @@ static void lit_points(void **state)
     for (int i = 0; i < 3000; i++) {
         const struct gp_scene_light light = random_light(&seed, i);
         const struct gp_reach r = gp_light_reach(&light);
-        const struct gp_screen_box b = gp_reach_project(&r, &c, d, 0.1, 40.0);
+        const struct gp_screen_box b = gp_reach_project(&r, &c, d, 0.1);
         missed += !gp_reach_meets(&r, &v);
         for (int k = 0; k < 30; k++) {
             const double away = fmin(light.range, 15.0) *

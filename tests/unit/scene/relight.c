@@ -45,6 +45,7 @@ static int set_up(void **state)
         albedo[k] = plane();
     }
     surfaces = (struct gp_surfaces) {
+        .rgb = &rgb, .data = all,
         .camera = c, .display = all, .z = &z, .normal = normal,
         .albedo = albedo,
     };
@@ -85,7 +86,7 @@ static struct gp_relit add(int light, int casters, struct gp_rect cut)
         .casters = casters, .cut = cut, .far = INFINITY,
     };
     assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, &pass, 1,
-                         all, &rgb, &facts));
+                         &facts));
     return facts;
 }
 
@@ -379,7 +380,7 @@ static void passes_of_a_call_are_calls(void **state)
         memcpy(first[c], rgb.c[c], sizeof first[c]);
     gp_planes_clear(&rgb, 0, W * H);
     assert_ok(gp_relight(&kept_log, &scene, &meshes, &surfaces, pass,
-                         COUNT(cuts), all, &rgb, facts));
+                         COUNT(cuts), facts));
     for (int c = 0; c < 3; c++)
         assert_memory_equal(rgb.c[c], first[c], sizeof first[c]);
     for (size_t i = 0; i < COUNT(cuts); i++) {
@@ -401,7 +402,7 @@ static gp_status light_once(void)
         .casters = 2, .cut = all, .far = INFINITY,
     };
     const gp_status st = gp_relight(&kept_log, &scene, &own, &surfaces, &pass, 1,
-                                    all, &rgb, &facts);
+                                    &facts);
     if (!st)
         lit = (double) facts.pixels;
     gp_meshes_free(&own);

@@ -1,7 +1,67 @@
-/* Scissors against every pixel. */
-#include "scene/scissor.h"
+/* Depths by tiles, and scissors, against every pixel. */
+#include "scene/sets/sets_priv.h"
 
 #include "scene_made.h"
+
+/* True where a pixel of the bounds shows what is at b->near. */
+static bool shows(struct gp_rect window, const float *depth,
+                  const struct gp_screen_box *b)
+{
+    for (int y = window.y0; y < window.y1; y++) {
+        for (int x = window.x0; x < window.x1; x++) {
+            const size_t i = (size_t) (y - window.y0) *
+                                 (size_t) gp_rect_w(window) +
+                             (size_t) (x - window.x0);
+            const bool surface = depth[i] > 0.0f && depth[i] < 1e9f;
+            // (any part of the pixel counts, not only its centre)
+            if (x + 1 > b->x0 && x < b->x1 && y + 1 > b->y0 && y < b->y1 &&
+                (!surface ||
+                 (double) depth[i] >= b->near * (1.0 - GP_DEPTH_SLACK)))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* Frames of steps in depth with holes, of all small sizes: hidden is what no
+ * pixel shows, exactly. */
+static void what_no_pixel_shows(void **state)
+{
+    uint64_t seed = 21;
+    int hidden = 0, shown = 0;
+    for (int i = 0; i < 300; i++) {
+        const int w = 1 + (int) (70 * made_random(&seed)),
+                  h = 1 + (int) (50 * made_random(&seed));
+        const struct gp_rect window = {i % 7 - 9, 3 - i % 5, i % 7 - 9 + w,
+                                       3 - i % 5 + h};
+        float *const depth = calloc((size_t) (w * h), sizeof *depth);
+        assert_non_null(depth);
+        for (int k = 0; k < w * h; k++) {
+            static const float none[] = {0.0f, -1.0f, NAN, 1e10f, INFINITY};
+            const double r = made_random(&seed);
+            depth[k] = (float) (3 + k % w / 9 + k / w / 11 + r);
+            if (r < 0.002)
+                depth[k] = none[k % 5];
+        }
+        struct gp_depths p;
+        assert_ok(gp_depths_make(NULL, window, depth, &p));
+        for (int k = 0; k < 60; k++) {
+            struct gp_screen_box b = {.seen = true};
+            b.x0 = made_between(&seed, window.x0 - 9, window.x1 + 5);
+            b.x1 = b.x0 + 30 * made_random(&seed) * made_random(&seed);
+            b.y0 = made_between(&seed, window.y0 - 9, window.y1 + 5);
+            b.y1 = b.y0 + 30 * made_random(&seed) * made_random(&seed);
+            b.near = made_between(&seed, 2, 14);
+            const bool got = gp_depths_hide(&p, &b);
+            assert_int_equal(got, !shows(window, depth, &b));
+            hidden += got;
+            shown += !got;
+        }
+        gp_depths_free(&p);
+        free(depth);
+    }
+    assert_true(hidden > 500 && shown > 500);
+}
 
 static struct gp_screen_box random_box(uint64_t *seed)
 {
@@ -38,8 +98,8 @@ static void every_pixel(void **state)
             depth[k] = k < W * (i % 30) ? 1e10f
                 : (float) (2 + (k % W * 7 / W + k / W * 3 / H + i) % 9 * 2 +
                            made_random(&seed));
-        struct gp_hidden h, none = {.window = window};
-        assert_ok(gp_hidden_make(NULL, window, depth, &h));
+        struct gp_depths h, none = {.window = window};
+        assert_ok(gp_depths_make(NULL, window, depth, &h));
         struct gp_screen_box box[6], seen[6];
         static const int index[] = {1, 2, 4};
         for (int k = 0; k < 6; k++) {
@@ -76,7 +136,7 @@ static void every_pixel(void **state)
             }
         }
         empty += gp_rect_empty(s.rect);
-        gp_hidden_free(&h);
+        gp_depths_free(&h);
     }
     print_message("# scissor: %ld pixels needed, %ld kept, %ld in rectangles "
                   "without depth\n", needed, kept, plain);
@@ -84,4 +144,4 @@ static void every_pixel(void **state)
     assert_true(kept < plain / 2);
 }
 
-SUITE_OF(scissor, NULL, NULL, every_pixel)
+SUITE_OF(scissor, NULL, NULL, what_no_pixel_shows, every_pixel)

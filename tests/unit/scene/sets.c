@@ -1,12 +1,11 @@
-/* Sets against rays, against their plain twin, and by the paper's figures.
+/* Sets against rays, and by the paper's figures.
  *
  *   build/tests/scene sets --time    times all sets of 10,000 objects and 100
- *                                    lights, and their plain twin
+ *                                    lights
  *   GLAREPP_SEED=N                   another seed; failures print the scene's */
-#include "scene/scene_priv.h"
+#include "scene/sets/sets_priv.h"
 
 #include "scene_shot.h"
-#include "sets_plain.h"
 #include "starved.h"
 
 #include <time.h>
@@ -61,9 +60,6 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
                            y >= cut.rect.y0 && y < cut.rect.y1 &&
                            (flag[o] & GP_SET_I) != 0;
         const bool in = drawn && z >= cut.near && z <= cut.far;
-        if (drawn && !shot_held(sets, shot->point[k]))
-            fail_msg("GLAREPP_SEED=%llu: light %d, pixel %d, %d is in no box "
-                     "of lit points", at, light, k % shot->w, k / shot->w);
         if (first < 0) {
             lit[o] = true;
             if (!any || !in)
@@ -155,18 +151,15 @@ static struct sum check_scenes(int scenes, uint64_t first, int size)
         const uint64_t at = first + (uint64_t) k;
         uint64_t seed = at;
         struct gp_scene s = random_shot(&seed, at % 2 == 0, 16, size, &shot);
-        struct gp_bodies *bodies;
         struct gp_sets *sets;
         const struct gp_sets_view view = shot_view(&shot);
-        assert_ok(gp_bodies_make(NULL, &s, &bodies));
-        assert_ok(gp_sets_open(NULL, &s, bodies, &view,
+        assert_ok(gp_sets_open(NULL, &s, &view,
                                k % 4 ? GP_SETS_ALL
                                      : GP_SETS_ALL & ~GP_SETS_SCISSOR, &sets));
         check_frame(&s, &shot, sets, at, &n);
         for (int i = 0; i < s.lights; i++)
             check_light(&s, &shot, sets, i, at, &n);
         gp_sets_close(&sets);
-        gp_bodies_free(&bodies);
         made_free(&s);
     }
     print_message("# sets: %d scenes, %d lights, %d of them off screen; "
@@ -237,79 +230,19 @@ static void depths_show_more_than_objects(void **state)
         const uint64_t at = first_seed() + 40000 + (uint64_t) k;
         uint64_t seed = at;
         struct gp_scene s = random_shot(&seed, k % 2 == 0, 16, 4, &shot);
-        struct gp_bodies *bodies;
         struct gp_sets *sets;
         const struct gp_sets_view view = shot_view(&shot);
         const int objects = s.objects;
         s.objects = k % 4 * objects / 4;
-        assert_ok(gp_bodies_make(NULL, &s, &bodies));
-        assert_ok(gp_sets_open(NULL, &s, bodies, &view,
+        assert_ok(gp_sets_open(NULL, &s, &view,
                                GP_SETS_ALL | GP_SETS_DEPTHS, &sets));
         for (int i = 0; i < s.lights; i++)
             lit += check_shown(&s, &shot, sets, i, at);
         gp_sets_close(&sets);
-        gp_bodies_free(&bodies);
         s.objects = objects;
         made_free(&s);
     }
     assert_true(lit > 1000);
-}
-
-// -- against the plain twin ---------------------------------------------------
-
-/* Makes a scene hostile: objects of no size, of 1e9 units and 1e9 away, one
- * around the eye, one around each light, one without a vertex; a light that
- * reaches 1e30 units. */
-static void spoil(struct gp_scene *s, const struct shot *shot)
-{
-    const struct gp_v3 away = {1e9, -1e9, 1e9}, here = {1, 2, 3};
-    made_move(s, 1, here, 0.0);
-    made_move(s, 2, here, 1e9);
-    made_move(s, 3, away, 1.0);
-    made_move(s, 4, shot->eye, 1.0);
-    for (int i = 0; i < s->lights; i++)
-        made_move(s, 5 + i, s->light[i].at, 0.5);
-    s->light[0].range = 1e30;
-    s->object[8].box = GP_BOX_EMPTY;
-}
-
-/* Flags are those of the plain twin, for every choice of parts. */
-static void as_plain(void **state)
-{
-    static struct shot shot;
-    int lit = 0;
-    for (int k = 0; k < 300; k++) {
-        uint64_t seed = first_seed() + 5000 + (uint64_t) k;
-        struct gp_scene s = random_shot(&seed, k % 2 == 0, 40, 1, &shot);
-        const unsigned use = (unsigned) k % 16;
-        if (k % 3 == 1)
-            spoil(&s, &shot);
-        struct gp_bodies *bodies;
-        struct gp_sets *sets;
-        struct gp_sets_view view = shot_view(&shot);
-        view.depth = k % 5 ? view.depth : NULL;
-        view.texel = k % 3 ? 0.0 : 0.01;
-        assert_ok(gp_bodies_make(NULL, &s, &bodies));
-        assert_ok(gp_sets_open(NULL, &s, bodies, &view, use, &sets));
-        for (int i = 0; i < s.lights; i++) {
-            uint8_t plain[64];
-            const bool any = gp_sets_light(sets, i);
-            const uint8_t *const flag = gp_sets_flags(sets);
-            bool shown = false;
-            assert_ok(plain_sets(&s, bodies, &view, use, i, plain));
-            assert_int_equal(plain_differ(&s, flag, plain,
-                                          any ? ~0u : ~(unsigned) GP_SET_L),
-                             0);
-            for (int k = 0; k < s.objects; k++)
-                shown |= (plain[k] & GP_SET_I) != 0;
-            assert_true(any == shown);
-            lit += any;
-        }
-        gp_sets_close(&sets);
-        gp_bodies_free(&bodies);
-        made_free(&s);
-    }
-    assert_true(lit > 100);
 }
 
 static int count_set(const struct gp_scene *s, const struct gp_sets *sets,
@@ -330,18 +263,15 @@ static double found;
 static gp_status find_all(void)
 {
     gp_status st;
-    struct gp_bodies *bodies = NULL;
     struct gp_sets *sets = NULL;
     const struct gp_sets_view view = shot_view(starving_shot);
     const struct gp_log *const log = &kept_log;
-    GP_TRY(gp_bodies_make(log, starving, &bodies));
-    GP_TRY(gp_sets_open(log, starving, bodies, &view, GP_SETS_ALL, &sets));
+    GP_TRY(gp_sets_open(log, starving, &view, GP_SETS_ALL, &sets));
     gp_sets_light(sets, 0);
     found = 1.0 + count_set(starving, sets, GP_SET_F) +
             count_set(starving, sets, GP_SET_S);
 out:
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     return st;
 }
 
@@ -352,7 +282,7 @@ static void memory_is_full(void **state)
     struct gp_scene s = random_shot(&seed, true, 16, 1, &shot);
     starving = &s;
     starving_shot = &shot;
-    starve("sets", find_all, &found, 40);
+    starve("sets", find_all, &found, 5);
     made_free(&s);
 }
 
@@ -378,15 +308,12 @@ static struct gp_scene figure(const struct gp_v3 *at, const struct gp_v3 *size,
 static unsigned flags_of(const struct gp_scene *s, const struct shot *shot,
                          int light, int object)
 {
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
     const struct gp_sets_view view = shot_view(shot);
-    assert_ok(gp_bodies_make(NULL, s, &bodies));
-    assert_ok(gp_sets_open(NULL, s, bodies, &view, GP_SETS_ALL, &sets));
+    assert_ok(gp_sets_open(NULL, s, &view, GP_SETS_ALL, &sets));
     gp_sets_light(sets, light);
     const unsigned flags = gp_sets_flags(sets)[object];
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     return flags;
 }
 
@@ -435,10 +362,8 @@ static void example_of_98(void **state)
     const struct gp_rect window = {0, 0, W, H};
     const struct gp_sets_view view = {.camera = c, .display = window,
                                       .window = window, .near = SHOT_NEAR};
-    struct gp_bodies *bodies;
     struct gp_sets *sets;
-    assert_ok(gp_bodies_make(NULL, &s, &bodies));
-    assert_ok(gp_sets_open(NULL, &s, bodies, &view, 0, &sets));
+    assert_ok(gp_sets_open(NULL, &s, &view, 0, &sets));
     int n = gp_sets_batches(sets, GP_SET_V, false), merged = 0;
     for (int i = 0; i < s.lights; i++) {
         assert_true(gp_sets_light(sets, i));
@@ -449,7 +374,6 @@ static void example_of_98(void **state)
     assert_int_equal(n, 98);
     assert_int_equal(merged, 3 * 4); // an object each
     gp_sets_close(&sets);
-    gp_bodies_free(&bodies);
     made_free(&s);
 }
 
@@ -492,7 +416,6 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
     const struct gp_camera c =
         made_camera(&s, eye, (struct gp_v3) {0, 0, 3}, 60.0, 16.0 / 9.0);
     float *const depth = calloc(640 * 360, sizeof *depth);
-    uint8_t *const flag = calloc((size_t) s.objects + 1, 1);
     const double far = 2.0 * gp_v3_length(eye);
     for (int i = 0; depth && i < 640 * 360; i++) // walls and a sky
         depth[i] = i < 640 * 90
@@ -502,13 +425,11 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
                                       .window = big, .near = SHOT_NEAR,
                                       .depth = depth};
     double least = INFINITY, frame = INFINITY;
-    struct gp_bodies *bodies;
-    assert_ok(gp_bodies_make(NULL, &s, &bodies));
     long sum[5] = {0};
     for (int run = 0; run < 7; run++) {
         struct gp_sets *sets;
         const double start = cpu_ms();
-        assert_ok(gp_sets_open(NULL, &s, bodies, &view, GP_SETS_ALL, &sets));
+        assert_ok(gp_sets_open(NULL, &s, &view, GP_SETS_ALL, &sets));
         frame = fmin(frame, cpu_ms() - start);
         for (int i = 0; i < s.lights; i++)
             gp_sets_light(sets, i);
@@ -520,17 +441,10 @@ static void time_scene(const char *name, struct gp_scene s, struct gp_v3 eye)
         }
         gp_sets_close(&sets);
     }
-    const double start = cpu_ms();
-    for (int i = 0; i < s.lights; i++)
-        assert_ok(plain_sets(&s, bodies, &view, GP_SETS_ALL, i, flag));
-    const double plain = cpu_ms() - start;
-    printf("%s: %d objects, %d lights: flags %.2f ms (F and V %.2f), plain "
-           "%.0f ms; F %ld, V %ld; mean of lights: L %.1f, I %.1f, S %.1f\n",
-           name, s.objects, s.lights, least, frame, plain, sum[0] / 100,
-           sum[1] / 100,
+    printf("%s: %d objects, %d lights: %.2f ms (F and V %.2f); F %ld, V %ld; "
+           "mean of lights: L %.1f, I %.1f, S %.1f\n",
+           name, s.objects, s.lights, least, frame, sum[0] / 100, sum[1] / 100,
            (double) sum[2] / 100, (double) sum[3] / 100, (double) sum[4] / 100);
-    free(flag);
-    gp_bodies_free(&bodies);
     free(depth);
     made_free(&s);
 }
@@ -547,7 +461,7 @@ static void time_sets(void)
 SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
-        nothing_is_lost, many_tiles, depths_show_more_than_objects, as_plain,
+        nothing_is_lost, many_tiles, depths_show_more_than_objects,
         memory_is_full, figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
@@ -555,7 +469,7 @@ SUITE(sets)
     return argc > 1 ? 0
                     : suite_run(tests, COUNT(tests),
                                 "nothing_is_lost, many_tiles, "
-                                "depths_show_more_than_objects, as_plain, "
+                                "depths_show_more_than_objects, "
                                 "memory_is_full, "
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);

@@ -2,7 +2,7 @@
  * before, and those that its sets say. */
 #include "unit.h"
 #include "gl_open.h"
-#include "scene/table.h"
+#include "scene/sets/sets_priv.h"
 #include "scene_made.h"
 
 static void rows_draw_the_same_picture(void **state)

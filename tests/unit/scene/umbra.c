@@ -1,5 +1,5 @@
 /* Bodies of meshes, and umbras against rays. */
-#include "scene/umbra.h"
+#include "scene/sets/sets_priv.h"
 
 #include "scene/bounds.h"
 #include "scene/scene_priv.h"

@@ -1,7 +1,6 @@
-#include "scene/scene_priv.h"
+#include "scene/sets/sets_priv.h"
 
 #include "core/memory.h"
-#include "scene/bounds.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -106,27 +105,6 @@ out:
     return st;
 }
 
-gp_status gp_cutout_upload(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_cutout *c, struct gp_texture *out)
-{
-    const gp_status st =
-        gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h, out);
-    if (!st)
-        gp_texture_write_codes(gl, out, c->alpha);
-    return st;
-}
-
-void gp_cutout_uniforms(const struct gp_scene *s, const struct gp_material *m,
-                        const struct gp_texture *alpha, struct gp_uniform u[3])
-{
-    const struct gp_cutout *const c = &s->cutout[m->cutout];
-    u[0] = (struct gp_uniform) {.name = "holes", .texture = alpha};
-    u[1] = (struct gp_uniform) {
-        .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
-    u[2] = (struct gp_uniform) {
-        .name = "cut", .floats = 2, .f = {m->base[3], m->cutoff}};
-}
-
 // -- opening ------------------------------------------------------------------
 
 static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
@@ -191,8 +169,12 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
                          sizeof *d->cutout, &d->cutout));
     for (int i = 0; i < s->cutouts; i++) {
-        if (s->cutout[i].owner == i)
-            GP_TRY(gp_cutout_upload(log, gl, &s->cutout[i], &d->cutout[i]));
+        const struct gp_cutout *const c = &s->cutout[i];
+        if (c->owner != i)
+            continue;
+        GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h,
+                               &d->cutout[i]));
+        gp_texture_write_codes(gl, &d->cutout[i], c->alpha);
     }
     GP_TRY(make_programs(log, d));
     GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
@@ -268,8 +250,14 @@ static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
 {
-    gp_cutout_uniforms(d->s, m, &d->cutout[d->s->cutout[m->cutout].owner],
-                       in->u + in->n);
+    const struct gp_cutout *const c = &d->s->cutout[m->cutout];
+    struct gp_uniform *const u = in->u + in->n;
+    u[0] = (struct gp_uniform) {.name = "holes",
+                                .texture = &d->cutout[c->owner]};
+    u[1] = (struct gp_uniform) {
+        .name = "wraps", .v = {(int) c->wrap[0], (int) c->wrap[1]}};
+    u[2] = (struct gp_uniform) {
+        .name = "cut", .floats = 2, .f = {m->base[3], m->cutoff}};
     in->n += 3;
 }
 
@@ -367,7 +355,7 @@ static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
     const struct gp_draw draw = {
         .program = cube ? &d->cube[of != NULL] : &d->flat[of != NULL],
         .target = to, .depth = GP_DEPTH_WRITE,
-        .cut = gp_shadow_cut(map, faces),
+        .cut = {0, 0, to->w, to->h},
         .instances = cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = cube ? 4 : 0,
     };

@@ -1,9 +1,7 @@
-#include "scene/table.h"
+#include "scene/sets/sets_priv.h"
 
 #include "core/clock.h"
 #include "core/memory.h"
-#include "scene/bounds.h"
-#include "scene/sets.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +22,6 @@ struct rows {
     const struct gp_scene *s;
     const struct gp_table_params *p;
     struct gp_drawing *d;
-    struct gp_bodies *bodies;
     struct gp_sets_view view;
     struct gp_box all;  // of F
     int *order;         // objects, those that look largest first
@@ -111,8 +108,7 @@ static gp_status draw_visible(struct rows *w, unsigned use,
     const int n = w->s->objects;
     const bool by_depth = use & GP_SETS_OCCLUSION;
     gp_status st;
-    w->view.depth = NULL;
-    GP_TRY(gp_sets_open(w->log, w->s, w->bodies, &w->view, use, sets));
+    GP_TRY(gp_sets_open(w->log, w->s, &w->view, use, sets));
     int first = n, drawn = 0;
     if (by_depth) { // those of F that look largest
         for (first = 0; first < n && drawn < w->p->occluders; first++)
@@ -122,11 +118,9 @@ static gp_status draw_visible(struct rows *w, unsigned use,
     GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
     if (!by_depth)
         return GP_OK;
-    w->view.depth = w->depth;
     for (int pass = 0; pass < 2; pass++) {
         gp_drawing_depth(w->d, w->depth);
-        gp_sets_close(sets);
-        GP_TRY(gp_sets_open(w->log, w->s, w->bodies, &w->view, use, sets));
+        GP_TRY(gp_sets_look(w->log, *sets, w->depth));
         if (pass == 0) {
             drawn = list_set(w, *sets, GP_SET_V, first, n, w->list);
             GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
@@ -144,8 +138,6 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     struct gp_table_light *const to = &w->out->light[light];
     const bool on = gp_sets_light(sets, light);
     const struct gp_scissor cut = gp_sets_scissor(sets);
-    int seen_n;
-    const struct gp_box *const seen = gp_sets_seen(sets, &seen_n);
     to->light = light;
     to->rect = (struct gp_rect) {0};
     if (!on)
@@ -160,7 +152,6 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
         // the least and largest depth are surfaces: a little beyond them
         .cut = cut.rect, .near = last ? cut.near * (1.0 - 1e-5) : 0.0,
         .far = last ? cut.far * (1.0 + 1e-5) : INFINITY, .all = w->all,
-        .seen = seen, .seen_n = seen_n,
     };
     row->lit += l.lits;
     row->casters += l.shadows;
@@ -252,7 +243,7 @@ static void set_view(struct rows *w, const struct gp_camera *c)
 static gp_status find_all(struct rows *w)
 {
     struct gp_sets *sets = NULL;
-    gp_status st = gp_sets_open(w->log, w->s, w->bodies, &w->view, 0, &sets);
+    gp_status st = gp_sets_open(w->log, w->s, &w->view, 0, &sets);
     if (st)
         return st;
     w->all = GP_BOX_EMPTY;
@@ -287,7 +278,6 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) s->lights + 1, sizeof *t.light,
                          &t.light));
     GP_TRY(gp_alloc_zero(log, "sets", objects, 1, &t.set));
-    GP_TRY(gp_bodies_make(log, s, &w.bodies));
     GP_TRY(find_all(&w));
     w.view.texel = texel_of(&w);
     GP_TRY(set_order(&w));
@@ -301,7 +291,6 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     t = (struct gp_table) {0};
 out:
     gp_drawing_close(&w.d);
-    gp_bodies_free(&w.bodies);
     gp_table_free(&t);
     gp_free(other);
     gp_free(w.depth);

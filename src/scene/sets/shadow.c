@@ -1,8 +1,6 @@
 /* Maps of shadows: one square for spots and suns, six of one atlas for points.
  * Depth is reversed, as in gl: near / distance, of a sun from 1 to 0. */
-#include "scene/scene_priv.h"
-
-#include "scene/bounds.h"
+#include "scene/sets/sets_priv.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,7 +63,7 @@ static void lay_sun(const struct gp_draw_light *d, const struct gp_box *whole,
 
 static int squares_of(const struct gp_shadow_map *m)
 {
-    return m->form == GP_MAP_CUBE ? GP_FACES : 1;
+    return m->form == GP_MAP_CUBE ? 6 : 1;
 }
 
 /* A point before the division: x / w and y / w are its place in a square. */
@@ -88,94 +86,23 @@ static struct look look_at(const struct gp_shadow_map *m, int face,
                           face & 1 ? -q[axis] : q[axis]};
 }
 
-/* False where no point of a box is in a part of a square: x0, y0, x1, y1. */
-static bool may_meet(const struct gp_shadow_map *m, int face,
-                     const struct gp_box *box, const double c[4])
-{
-    bool out[5] = {true, true, true, true, true};
-    for (int i = 0; i < 8; i++) {
-        const struct look p = look_at(m, face, gp_box_corner(box, i));
-        out[0] &= p.x < c[0] * p.w;
-        out[1] &= p.y < c[1] * p.w;
-        out[2] &= p.x > c[2] * p.w;
-        out[3] &= p.y > c[3] * p.w;
-        out[4] &= p.w < 0.0;
-    }
-    return c[0] <= c[2] && !(out[0] | out[1] | out[2] | out[3] | out[4]);
-}
-
 int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box)
 {
-    int faces = 0;
-    for (int face = 0; face < squares_of(m); face++)
-        faces |= may_meet(m, face, box, m->cut[face]) << face;
-    return faces;
-}
-
-/* Widens the part of a square that is looked at by a box of lit points. */
-static void add_seen(struct gp_shadow_map *m, int face,
-                     const struct gp_box *box, double wide)
-{
-    const double square[4] = {-wide, -wide, wide, wide};
-    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
-    bool behind = false;
-    if (!may_meet(m, face, box, square))
-        return;
-    for (int i = 0; i < 8; i++) {
-        const struct look p = look_at(m, face, gp_box_corner(box, i));
-        behind |= !(p.w > 1e-9 * (fabs(p.x) + fabs(p.y)));
-        const double at[2] = {p.x / p.w, p.y / p.w};
-        for (int k = 0; k < 2 && !behind; k++) {
-            lo[k] = fmin(lo[k], at[k]);
-            hi[k] = fmax(hi[k], at[k]);
-        }
-    }
-    // the four texels around a lookup, and rounding
-    const double more = 6.0 / m->side;
-    double *const c = m->cut[face];
-    for (int k = 0; k < 2; k++) {
-        lo[k] = behind ? -wide : fmax(lo[k] - more, -wide);
-        hi[k] = behind ? wide : fmin(hi[k] + more, wide);
-    }
-    if (lo[0] > hi[0] || lo[1] > hi[1])
-        return;
-    for (int k = 0; k < 2; k++) {
-        c[k] = fmin(c[k], lo[k]);
-        c[2 + k] = fmax(c[2 + k], hi[k]);
-    }
-}
-
-/* Finds the parts of squares in which lit points look. */
-static void find_cuts(const struct gp_draw_light *l, struct gp_shadow_map *m)
-{
     const double wide = 1.0 + 4.0 / m->side; // a texel around each square
-    for (int face = 0; face < GP_FACES; face++) {
-        double *const c = m->cut[face];
-        const double s = l->seen_n > 0 ? -INFINITY : wide;
-        c[0] = c[1] = -s;
-        c[2] = c[3] = s;
-        for (int i = 0; i < l->seen_n && face < squares_of(m); i++)
-            add_seen(m, face, &l->seen[i], wide);
-    }
-}
-
-struct gp_rect gp_shadow_cut(const struct gp_shadow_map *m, int faces)
-{
-    struct gp_rect all = {0};
+    int faces = 0;
     for (int face = 0; face < squares_of(m); face++) {
-        const double *const c = m->cut[face], s = 0.5 * m->side;
-        if (!(faces >> face & 1))
-            continue;
-        const int x = face % 3 * m->side, y = face / 3 * m->side;
-        const struct gp_rect r = gp_rect_meet(
-            (struct gp_rect) {x, y, x + m->side, y + m->side},
-            (struct gp_rect) {x + (int) floor((c[0] + 1.0) * s),
-                              y + (int) floor((c[1] + 1.0) * s),
-                              x + (int) ceil((c[2] + 1.0) * s),
-                              y + (int) ceil((c[3] + 1.0) * s)});
-        all = gp_rect_empty(all) ? r : gp_rect_join(all, r);
+        bool out[5] = {true, true, true, true, true};
+        for (int i = 0; i < 8; i++) {
+            const struct look p = look_at(m, face, gp_box_corner(box, i));
+            out[0] &= p.x < -wide * p.w;
+            out[1] &= p.y < -wide * p.w;
+            out[2] &= p.x > wide * p.w;
+            out[3] &= p.y > wide * p.w;
+            out[4] &= p.w < 0.0;
+        }
+        faces |= !(out[0] | out[1] | out[2] | out[3] | out[4]) << face;
     }
-    return all;
+    return faces;
 }
 
 struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *d,
@@ -197,6 +124,5 @@ struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *d,
         lay_sun(d, whole, &m);
     if (m.form == GP_MAP_SPOT)
         lay_spot(l, &m);
-    find_cuts(d, &m);
     return m;
 }

@@ -1,9 +1,7 @@
 /* Convex bodies of meshes, and the umbras they throw. */
-#include "scene/umbra.h"
+#include "scene/sets/sets_priv.h"
 
-#include "core/cpu.h"
 #include "core/memory.h"
-#include "scene/scene_priv.h"
 
 #include <string.h>
 
@@ -181,13 +179,10 @@ bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
 // -- of a scene's meshes ------------------------------------------------------
 
 gp_status gp_bodies_make(const struct gp_log *log, const struct gp_scene *s,
-                         struct gp_bodies **out)
+                         struct gp_bodies *b)
 {
-    gp_status st;
-    struct gp_bodies *b = NULL;
     struct gp_body found;
-    *out = NULL;
-    GP_TRY(gp_alloc_zero(log, "bodies of the scene", 1, sizeof *b, &b));
+    gp_status st;
     GP_TRY(gp_alloc(log, "bodies of the scene", (size_t) s->meshes + 1,
                     sizeof *b->of_mesh, &b->of_mesh));
     for (int i = 0; i < s->meshes; i++) {
@@ -202,20 +197,15 @@ gp_status gp_bodies_make(const struct gp_log *log, const struct gp_scene *s,
         b->body[n] = found;
         b->of_mesh[i] = b->bodies++;
     }
-    *out = b;
-    b = NULL;
 out:
-    gp_bodies_free(&b);
     return st;
 }
 
-void gp_bodies_free(struct gp_bodies **b)
+void gp_bodies_free(struct gp_bodies *b)
 {
-    if (*b) {
-        gp_free((*b)->of_mesh);
-        gp_free((*b)->body);
-    }
-    GP_FREE(*b);
+    gp_free(b->of_mesh);
+    gp_free(b->body);
+    *b = (struct gp_bodies) {0};
 }
 
 // -- umbras ------------------------------------------------------------------
@@ -280,38 +270,24 @@ none:
 
 // -- of a light --------------------------------------------------------------
 
-struct gp_v3 gp_texel_widen(const struct gp_reach *light, double texel,
-                           struct gp_v3 c, struct gp_v3 e, double radius)
+void gp_darkest_try(struct gp_darkest *o, const struct gp_scene *s,
+                    const struct gp_bodies *b, const struct gp_reach *light,
+                    int i)
 {
-    if (texel == 0.0)
-        return e;
-    const double away =
-        light->from.w > 0.0
-            ? gp_v3_length(gp_v3_sub(c, light->from.p)) + radius
-            : 1.0;
-    const double more = texel * away;
-    return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
-}
-
-double gp_darkest_size(const struct gp_bodies *b, const struct gp_object *o)
-{
-    if (b->of_mesh[o->mesh] < 0 || gp_box_empty(o->box))
-        return 0.0;
-    const struct gp_v3 e = gp_v3_sub(o->box.hi, o->box.lo);
-    return (e.x * e.y + e.y * e.z + e.z * e.x) / 3.0;
-}
-
-void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
-                    struct gp_v3 centre, double size, int i)
-{
-    const struct gp_v3 to = gp_v3_sub(centre, light->from.p);
+    const struct gp_object *const at = &s->object[i];
+    if (b->of_mesh[at->mesh] < 0)
+        return;
+    // the mean of the areas of its box as seen from each axis
+    const struct gp_v3 e = gp_v3_sub(at->box.hi, at->box.lo);
+    const double size = (e.x * e.y + e.y * e.z + e.z * e.x) / 3.0;
+    const struct gp_v3 to =
+        gp_v3_sub(gp_box_middle(&at->box), light->from.p);
     const double angle =
         light->from.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
     int k = o->n;
-    while (k > 0 && (o->size[k - 1] < angle ||
-                     (o->size[k - 1] == angle && o->object[k - 1] > i)))
+    while (k > 0 && o->size[k - 1] < angle)
         k--;
-    if (k == GP_OCCLUDERS)
+    if (k == GP_OCCLUDERS || !(size > 0.0))
         return;
     o->n += o->n < GP_OCCLUDERS;
     for (int m = o->n - 1; m > k; m--) {
@@ -322,83 +298,23 @@ void gp_darkest_try(struct gp_darkest *o, const struct gp_reach *light,
     o->object[k] = i;
 }
 
-/* Sets the cone, or cylinder, of the rays through a body. */
-static void set_cone(struct gp_umbras *u, int n, const struct gp_body *body,
-                     const double to_world[16])
-{
-    const struct gp_from light = u->light;
-    const bool lamp = light.w > 0.0;
-    const struct gp_v3 middle = gp_move(to_world, body->middle);
-    const struct gp_v3 from = lamp ? light.p : middle;
-    const struct gp_v3 axis =
-        lamp ? gp_v3_unit(gp_v3_sub(middle, light.p)) : light.p;
-    double least = 1.0, most = 0.0;
-    for (int i = 0; i < body->points; i++) {
-        const struct gp_v3 p = gp_move(to_world, body->point[i]);
-        least = fmin(least, gp_v3_dot(axis, gp_v3_unit(gp_v3_sub(p, light.p))));
-        const struct gp_v3 off = gp_v3_cross(gp_v3_sub(p, middle), axis);
-        most = fmax(most, gp_v3_length(off));
-    }
-    const bool wide = lamp && least < 0.01; // over 90 degrees: not convex
-    const double apart[9] = {
-        from.x, from.y, from.z, axis.x, axis.y, axis.z,
-        wide ? 0.0 : lamp ? least : 1.0,
-        lamp && !wide ? sqrt(fmax(0.0, 1.0 - least * least)) : 0.0,
-        lamp ? 0.0 : most,
-    };
-    for (int k = 0; k < 9; k++)
-        u->cone[k][n] = apart[k];
-}
-
 void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
                     const struct gp_bodies *b, const struct gp_reach *light,
                     struct gp_umbras *out)
 {
-    memset(out->cone, 0, sizeof out->cone);
     out->n = 0;
-    out->light = light->from;
     for (int k = 0; k < o->n; k++) {
         const struct gp_object *const at = &s->object[o->object[k]];
-        const struct gp_body *const body = &b->body[b->of_mesh[at->mesh]];
-        gp_umbra_make(body, at->to_world, light->from, &out->umbra[out->n]);
-        if (out->umbra[out->n].planes > 0)
-            set_cone(out, out->n++, body, at->to_world);
+        gp_umbra_make(&b->body[b->of_mesh[at->mesh]], at->to_world,
+                      light->from, &out->umbra[out->n]);
+        out->n += out->umbra[out->n].planes > 0;
     }
-}
-
-/* Sets beside[i] to how far a point is from cone i, at most: distances from a
- * cone's side are cos * aside - sin * along. */
-static GP_CLONES void find_cones(const struct gp_umbras *u, struct gp_v3 c,
-                                 double beside[GP_OCCLUDERS])
-{
-    for (int i = 0; i < GP_OCCLUDERS; i++) {
-        const double x = c.x - u->cone[0][i], y = c.y - u->cone[1][i],
-                     z = c.z - u->cone[2][i];
-        const double along =
-            x * u->cone[3][i] + y * u->cone[4][i] + z * u->cone[5][i];
-        const double all = x * x + y * y + z * z, rest = all - along * along;
-        // (1e-7: rounding of what little is aside)
-        beside[i] = u->cone[6][i] * sqrt(rest > 0.0 ? rest : 0.0) -
-                    u->cone[7][i] * along - u->cone[8][i] - 1e-7 * sqrt(all);
-    }
-}
-
-unsigned gp_umbras_near(const struct gp_umbras *u, struct gp_v3 c,
-                        double radius)
-{
-    double beside[GP_OCCLUDERS];
-    unsigned near = 0;
-    find_cones(u, c, beside);
-    for (int i = 0; i < u->n; i++)
-        near |= (unsigned) (beside[i] <= radius) << i;
-    return near;
 }
 
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
 {
-    unsigned near = gp_umbras_near(u, c, 0.0);
-    for (int i = 0; near; i++, near >>= 1) {
-        if ((near & 1) && gp_umbra_holds(&u->umbra[i], c, e))
+    for (int i = 0; i < u->n; i++) {
+        if (gp_umbra_holds(&u->umbra[i], c, e))
             return true;
     }
     return false;

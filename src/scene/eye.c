@@ -1,14 +1,137 @@
-/* The clear share of a disc by rays. */
+/* Discs before the eye, the objects that their cones meet, and the share of a
+ * disc that these leave clear, by rays. */
 #include "scene/scene_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "scene/rays.h"
 
 #include <math.h>
 
 enum { FIRST = 64, LAST = 256, LEVELS = 3 }; // rays a side
 static const double GOOD = 5e-4; // standard deviation that is small enough
+
+/* Added to angles and, as a share, to distances: rounding loses no object. */
+static const double SLACK = 1e-9;
+
+struct gp_eye_disc gp_eye_sun(struct gp_v3 eye, struct gp_v3 to, double half)
+{
+    return (struct gp_eye_disc) {
+        .eye = eye, .to = gp_v3_unit(to),
+        .half = half > 0.0 ? fmin(half, M_PI / 2.0) : 0.0, .distance = INFINITY,
+    };
+}
+
+struct gp_eye_disc gp_eye_lamp(struct gp_v3 eye, struct gp_v3 at, double ball)
+{
+    const struct gp_v3 way = gp_v3_sub(at, eye);
+    const double distance = gp_v3_length(way);
+    struct gp_eye_disc d = {
+        .eye = eye, .to = gp_v3_unit(way), .distance = distance,
+        .ball = fmax(ball, 0.0),
+    };
+    if (!(distance > 0.0))
+        d.to = (struct gp_v3) {0.0, 0.0, 1.0};
+    d.half = d.ball < distance ? asin(d.ball / distance) : M_PI / 2.0;
+    return d;
+}
+
+/* Returns the largest distance from the eye to the disc's surface. */
+static double reach(const struct gp_eye_disc *d)
+{
+    const double square = (d->distance - d->ball) * (d->distance + d->ball);
+    return !isfinite(d->distance) ? INFINITY
+           : square > 0.0         ? sqrt(square) * (1.0 + SLACK)
+                                  : 0.0;
+}
+
+static double angle_between(struct gp_v3 a, struct gp_v3 b)
+{
+    return atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b));
+}
+
+/* Returns true when a sphere may meet the cone before the disc. */
+static bool meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
+                         double radius)
+{
+    const struct gp_v3 c = gp_v3_sub(centre, d->eye);
+    const double distance = gp_v3_length(c);
+    const double r = radius + SLACK * (distance + radius);
+    if (distance - r > reach(d))
+        return false;
+    return distance <= r ||
+           angle_between(c, d->to) <= d->half + asin(r / distance) + SLACK;
+}
+
+int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
+               int *object)
+{
+    int n = 0;
+    for (int i = 0; i < s->objects; i++) {
+        const struct gp_object *const o = &s->object[i];
+        object[n] = i;
+        n += meets_sphere(d, o->centre, o->radius);
+    }
+    return n;
+}
+
+// -- directions ---------------------------------------------------------------
+
+/* Returns true when the window shows a unit direction. */
+static bool inside(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const struct gp_eye_window *const w = m->window;
+    const double world[3] = {along.x, along.y, along.z};
+    if (!w || gp_rect_empty(w->known))
+        return false;
+    const struct gp_projected p =
+        gp_camera_project(w->camera, w->display, world, 0.0);
+    return !p.behind && p.x >= w->known.x0 && p.x < w->known.x1 &&
+           p.y >= w->known.y0 && p.y < w->known.y1;
+}
+
+static double along_view(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const double *const c = m->window->camera->to_ndc;
+    return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
+}
+
+/* Area in the picture of a solid angle there, but for a factor: 1 / cos^3 of
+ * the angle from the view axis. */
+static double weight_of(const struct gp_eye_measure *m, struct gp_v3 along)
+{
+    const double c = m->plane ? along_view(m, along) : 1.0;
+    return 1.0 / (c * c * c);
+}
+
+struct gp_eye_measure gp_eye_measure_of(const struct gp_eye_disc *d,
+                                        const struct gp_eye_window *window)
+{
+    enum { AROUND = 256 }; // directions on the edge that are looked at
+    const struct gp_v3 other = fabs(d->to.z) < 0.9
+                                   ? (struct gp_v3) {0.0, 0.0, 1.0}
+                                   : (struct gp_v3) {1.0, 0.0, 0.0};
+    struct gp_eye_measure m = {.disc = d, .window = window};
+    m.across = gp_v3_unit(gp_v3_cross(d->to, other));
+    m.up = gp_v3_cross(m.across, d->to);
+    const bool middle = inside(&m, d->to);
+    for (int i = 0; window && i < AROUND; i++) {
+        const double turn = 2.0 * M_PI * i / AROUND;
+        const struct gp_v3 side =
+            gp_v3_add(gp_v3_scale(m.across, cos(turn)),
+                      gp_v3_scale(m.up, sin(turn)));
+        const struct gp_v3 edge =
+            gp_v3_add(gp_v3_scale(d->to, cos(d->half)),
+                      gp_v3_scale(side, sin(d->half)));
+        m.cut = m.cut || inside(&m, edge) != middle;
+    }
+    // all of the disc is before the camera
+    m.plane = m.cut && along_view(&m, d->to) > 0.0 &&
+              acos(fmin(along_view(&m, d->to), 1.0)) + d->half <
+                  0.999 * M_PI / 2;
+    return m;
+}
+
+// -- rays ---------------------------------------------------------------------
 
 /* In [0, 1), the same for the same i (Wang's hash of whole numbers). */
 static double jitter(uint32_t i)
@@ -88,9 +211,9 @@ static void cast_row(void *ctx, int y, int thread)
     struct row_sums sums = {0};
     for (int x = 0; x < s->side; x++) {
         const struct gp_v3 along = sample_at(s, x, y);
-        const double weight = gp_eye_weight(&s->measure, along);
+        const double weight = weight_of(&s->measure, along);
         uint8_t *const bits = &s->bits[y * s->side + x];
-        *bits = gp_eye_inside(&s->measure, along) ? INSIDE : SHOWN;
+        *bits = inside(&s->measure, along) ? INSIDE : SHOWN;
         const struct gp_eye_disc *const d = s->measure.disc;
         if ((*bits & SHOWN) &&
             gp_rays_stopped(&s->rays, d->eye, along, way_to(d, along)))
@@ -174,15 +297,11 @@ gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
     level->measure = gp_eye_measure_of(d, window);
-    const bool cut = level->measure.cut;
-    const bool whole = !cut && gp_eye_inside(&level->measure, d->to);
+    const bool whole =
+        !level->measure.cut && inside(&level->measure, d->to);
     share.outside = whole ? 0.0 : 1.0;
     share.objects = whole ? 0 : gp_eye_set(s, d, object);
-    if (!cut && gp_eye_hidden(s, d, object, share.objects))
-        share.clear = 0.0;
-    else
-        GP_TRY(cast_all(log, s, meshes ? meshes : &own, object, level,
-                        &share));
+    GP_TRY(cast_all(log, s, meshes ? meshes : &own, object, level, &share));
     *out = share;
 out:
     gp_meshes_free(&own);

@@ -1,9 +1,6 @@
-/* The frustum of a camera, and its convex hull with a light by the counts of its
- * edges. */
-#include "scene/frustum.h"
-
-#include "scene/bounds.h"
-#include "scene/scene_priv.h"
+/* Convex volumes: what a camera sees, its hull with a light by the counts of its
+ * edges (O'Rorke 15.4.4), and what a light reaches. */
+#include "scene/sets/sets_priv.h"
 
 /* Corners 0 to 3 are the near ones, 4 to 7 the far ones:
  *
@@ -83,7 +80,8 @@ bool gp_volume_misses(const struct gp_volume *v, struct gp_v3 c, struct gp_v3 e)
         c.z + e.z < v->box.lo.z - v->slack)
         return true;
     for (int i = 0; i < v->planes; i++) {
-        if (gp_half_misses(v->plane[i], c, e, v->slack))
+        if (gp_half_at(v->plane[i], c) - gp_half_reach(v->plane[i], e) >
+            v->slack)
             return true;
     }
     return false;
@@ -149,4 +147,90 @@ struct gp_volume gp_hull(const struct gp_frustum *f, struct gp_from light)
         v.plane[v.planes++] = (struct gp_half) {unit, -gp_v3_dot(unit, a)};
     }
     return v;
+}
+
+// -- what a light reaches -----------------------------------------------------
+
+/* Returns how far a cone of directions around `along` reaches along an axis
+ * whose cosine with it is `at`: the cosine of the nearest of its directions. */
+static double cone_along(double at, double cos_outer, double sin_outer)
+{
+    if (at >= cos_outer) // the axis is in the cone
+        return 1.0;
+    // cos(angle - outer), rounded up; 0 where it points away: the apex
+    return fmax(0.0, at * cos_outer +
+                         sqrt(fmax(0.0, 1.0 - at * at)) * sin_outer + 1e-12);
+}
+
+static double times(double share, double range)
+{
+    return share > 0.0 ? share * range : 0.0;
+}
+
+struct gp_reach gp_light_reach(const struct gp_scene_light *light)
+{
+    struct gp_reach r = {.range = light->range, .along = light->along};
+    const bool cone = light->kind == GP_LIGHT_SPOT && light->outer < 1.5707963;
+    r.box = (struct gp_box) {{-INFINITY, -INFINITY, -INFINITY},
+                             {INFINITY, INFINITY, INFINITY}};
+    if (light->kind == GP_LIGHT_DIRECTIONAL) {
+        r.from = (struct gp_from) {gp_v3_scale(light->along, -1.0), 0.0};
+        r.range = INFINITY;
+        return r;
+    }
+    r.from = (struct gp_from) {light->at, 1.0};
+    struct gp_v3 lo = {1.0, 1.0, 1.0}, hi = lo; // parts of the range
+    if (cone) {
+        const double c = r.cos = cos(light->outer);
+        const double s = r.sin = sin(light->outer);
+        const struct gp_v3 a = r.along;
+        lo = (struct gp_v3) {cone_along(-a.x, c, s), cone_along(-a.y, c, s),
+                             cone_along(-a.z, c, s)};
+        hi = (struct gp_v3) {cone_along(a.x, c, s), cone_along(a.y, c, s),
+                             cone_along(a.z, c, s)};
+    }
+    r.box.lo = gp_v3_sub(light->at, (struct gp_v3) {times(lo.x, r.range),
+                                                    times(lo.y, r.range),
+                                                    times(lo.z, r.range)});
+    r.box.hi = gp_v3_add(light->at, (struct gp_v3) {times(hi.x, r.range),
+                                                    times(hi.y, r.range),
+                                                    times(hi.z, r.range)});
+    return r;
+}
+
+bool gp_reach_too_far(const struct gp_reach *r, struct gp_v3 c, struct gp_v3 e)
+{
+    const double x = gp_maxd(fabs(c.x - r->from.p.x) - e.x, 0.0),
+                 y = gp_maxd(fabs(c.y - r->from.p.y) - e.y, 0.0),
+                 z = gp_maxd(fabs(c.z - r->from.p.z) - e.z, 0.0);
+    return r->from.w * (x * x + y * y + z * z) > r->range * r->range;
+}
+
+bool gp_reach_beside(const struct gp_reach *r, struct gp_v3 c, double radius)
+{
+    if (r->sin == 0.0)
+        return false;
+    const struct gp_v3 v = gp_v3_sub(c, r->from.p);
+    const double along = gp_v3_dot(v, r->along);
+    const double aside = sqrt(fmax(0.0, gp_v3_dot(v, v) - along * along));
+    // distance before the cone's side; never over the distance from the cone
+    return r->cos * aside - r->sin * along >
+           radius + 1e-9 * (fabs(along) + aside);
+}
+
+bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v)
+{
+    if (r->from.w == 0.0)
+        return true;
+    for (int i = 0; i < v->planes; i++) {
+        const struct gp_half h = v->plane[i];
+        // the farthest point of ball, or cone, inwards
+        const double inwards =
+            r->sin == 0.0 ? 1.0
+                          : cone_along(-gp_v3_dot(h.n, r->along), r->cos,
+                                       r->sin);
+        if (gp_half_at(h, r->from.p) - times(inwards, r->range) > v->slack)
+            return false;
+    }
+    return true;
 }

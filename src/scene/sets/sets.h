@@ -1,0 +1,194 @@
+/* O'Rorke, "Managing visibility for per-pixel lighting", GPU Gems chapter 15:
+ * which objects matter to a frame and to each of its lights, the paper's
+ * renderer, and its Table 15-1.
+ *
+ *   hull      volumes: what a camera sees, its hull with a light (15.4.4), what
+ *             a light reaches
+ *   umbra     convex occluders and the space that they keep dark
+ *   scissor   the frame's depth by tiles, and the part of the picture that a
+ *             light can change (15.5)
+ *   sets      V, L, I, F, S by flags on objects (15.4.3, second way)
+ *   draw      the renderer on GL (15.2.2), with maps of shadows from `shadow`
+ *   table     Table 15-1
+ *
+ * Every set is conservative: an object that a visible point, or a ray from one
+ * to a light, meets is in it; some are in it in vain.
+ *
+ *   F  in the frustum
+ *   V  in F, and not hidden by the frame's depth
+ *   L  in a light's reach and cone, and not wholly in the umbra of its largest
+ *      occluders
+ *   I  V and L: lit anew
+ *   S  casts shadows: L in the hull of the light and of what it lights */
+#ifndef GP_SCENE_SETS_H
+#define GP_SCENE_SETS_H
+
+#include "core/frame.h"
+#include "gl/gl.h"
+#include "scene/scene.h"
+
+enum {
+    GP_SET_F = 1,
+    GP_SET_V = 2,
+    GP_SET_L = 4,
+    GP_SET_I = 8,
+    GP_SET_S = 16,
+};
+
+/* Parts of visibility, each a row of Table 15-1. Without any V is F, L the
+ * reach, S is L, and the scissor is the window. */
+enum {
+    GP_SETS_OCCLUSION = 1, // V by depth
+    GP_SETS_LIGHTS = 2,    // L by umbras
+    GP_SETS_SHADOWS = 4,   // S by the hull
+    GP_SETS_SCISSOR = 8,
+    GP_SETS_ALL = 15,
+    // as well: the depths may show surfaces that no object has. A light and its
+    // scissor are those of all surfaces within its bounds, not of I
+    GP_SETS_DEPTHS = 16,
+};
+
+/* A frame, as far as sets need it. */
+struct gp_sets_view {
+    struct gp_camera camera;
+    struct gp_rect display; // of the camera
+    struct gp_rect window;  // pixels that are drawn, none empty
+    double near;            // > 0, units of the world along the view axis: no
+                            // visible point is nearer
+    const float *depth;     // of the window's pixels, along the view axis, units
+                            // of the world; NaN, <= 0 and >= GP_DEPTH_HUGE: no
+                            // surface; NULL: unknown
+    double texel;           // widest angle, radians (of directional lights
+                            // length, units of the world), between a lookup in
+                            // a shadow map and the ray that it is for; 0: none
+};
+
+/* Pixels and a range of depths; empty: rect is, and the rest is 0. */
+struct gp_scissor {
+    struct gp_rect rect;
+    double near, far;   // along the view axis, units of the world
+};
+
+/* The sets of a frame and of one light at a time. */
+struct gp_sets;
+
+/* Finds F and V.
+ *   scene  posed; borrowed until gp_sets_close()
+ *   view   its depth is borrowed until this returns
+ *   use    GP_SETS_*
+ *   out    NULL on failure
+ * Errors: GP_ERR_BUG memory is full. */
+GP_MUST_CHECK gp_status gp_sets_open(const struct gp_log *log,
+                                     const struct gp_scene *scene,
+                                     const struct gp_sets_view *view,
+                                     unsigned use, struct gp_sets **out);
+void gp_sets_close(struct gp_sets **sets);
+
+/* Finds V by other depths, as of gp_sets_view. Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_sets_look(const struct gp_log *log,
+                                     struct gp_sets *sets, const float *depth);
+
+/* Finds L, I, S and the scissor of a light, in place of those of the last one.
+ * False: nothing that is visible can be lit; I and S are empty, L may be. With
+ * GP_SETS_DEPTHS the depths decide, and I may be empty in any case. */
+bool gp_sets_light(struct gp_sets *sets, int light);
+
+/* Returns GP_SET_* of each object; changes with gp_sets_light(). */
+const uint8_t *gp_sets_flags(const struct gp_sets *sets);
+
+/* Returns the scissor of the light, the bounds of what it may light; empty where
+ * nothing is lit. */
+struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
+
+/* Returns the part of that scissor in which an object of V can show a point. */
+struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
+
+/* Returns how many batches draw a set once: the submeshes of its meshes
+ * (15.2.2). `merged`: shadow batches, the opaque submeshes of an object in one.
+ * A frame has those of V, and for each light those of S and of I. */
+int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged);
+
+// -- the renderer and its table -----------------------------------------------
+
+struct gp_drawing_params {
+    int w, h;           // of the picture
+    double near;        // of the picture, > 0: surfaces nearer are not drawn
+    double light_scale; // the picture's units a cd or lux
+    double ambient;     // light that comes back from white, everywhere
+    int map;            // side of a map's square, texels, >= 8
+    bool separate;      // a shadow batch for each submesh; else one for all
+                        // opaque ones of an object (15.2.2)
+};
+#define GP_DRAWING_DEFAULTS                                                   \
+    { .w = 960, .h = 540, .near = 0.1, .light_scale = 1.0 / 683.0,            \
+      .ambient = 0.02, .map = 256 }
+
+/* Counts of what was drawn. A batch is a draw call. */
+struct gp_drawn {
+    int batches, shadow_batches; // all of them, and those of maps
+    int passes;                  // ambient pass, maps, passes of lights
+    int lights;                  // that were drawn
+};
+
+/* Rows of Table 15-1, each with all parts of those before it. */
+enum gp_table_kind {
+    GP_TABLE_FRUSTUM,   // V is F; L is what a light reaches, S is L
+    GP_TABLE_OCCLUSION, // V by depth; lights that reach nothing of V are left
+                        // out
+    GP_TABLE_LIGHTS,    // L by umbras
+    GP_TABLE_SHADOWS,   // S by the hull of the light and of what it lights
+    GP_TABLE_SCISSOR,
+    GP_TABLE_ROWS,
+};
+extern const char *const gp_table_names[GP_TABLE_ROWS];
+
+struct gp_table_row {
+    struct gp_drawn drawn;
+    long long fragments; // -1: the context does not count
+    double ms;           // the fastest of the runs: sets, drawing, and the wait
+                         // for it
+    double cpu_ms;       // the least of the runs, of all threads
+    int visible;         // objects of V
+    int lit, casters;    // of I and of S, summed over the lights
+    int batches[2];      // of V, I and S by their submeshes; [1]: opaque ones
+                         // of a caster in one
+    bool same;           // its picture has the bytes of the first row's
+};
+
+struct gp_table_params {
+    struct gp_drawing_params draw;
+    int runs;      // timed runs of all rows in turn, >= 1, after one that is not
+    int occluders; // objects that are drawn first, for V by depth, >= 0: those
+                   // that look largest
+};
+#define GP_TABLE_DEFAULTS                                                     \
+    { .draw = GP_DRAWING_DEFAULTS, .runs = 3, .occluders = 40 }
+
+/* A light of the last row. */
+struct gp_table_light {
+    int light;           // index
+    struct gp_rect rect; // its scissor; empty: the light is left out
+    double near, far;
+};
+
+struct gp_table {
+    struct gp_table_row row[GP_TABLE_ROWS];
+    float *picture;              // w * h * 4, scene-linear; owned
+    struct gp_table_light *light; // of all lights; owned
+    unsigned char *set;          // of all objects: GP_SET_*, I and S of any
+                                 // light; owned
+};
+
+/* Draws all rows; every one draws the same picture.
+ *   s    posed
+ *   out  written on GP_OK only; free with gp_table_free()
+ * V by depth: the objects that look largest are drawn first, V is found by their
+ * depth and drawn, and found again by the depth of the whole picture for the
+ * lights.
+ * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_table_make(const struct gp_log *log,
+    const struct gp_gl *gl, const struct gp_scene *s, const struct gp_camera *c,
+    const struct gp_table_params *p, struct gp_table *out);
+void gp_table_free(struct gp_table *t);
+
+#endif
