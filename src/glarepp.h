@@ -82,7 +82,8 @@ struct glarepp_picture {
     const char *path;      // or a name for messages, where bytes are given
     const void *bytes;     // an encoded picture in memory; NULL: read the path
     size_t n;
-    bool alpha;            // only its alpha is wanted, in plane[0]
+    bool alpha;            // only its alpha is wanted, in plane[0], as codes
+                           // without gaps; one code where it has none
     long long most;        // pixels that it may have
 };
 
@@ -145,7 +146,10 @@ struct glarepp_rect {
     int x0, y0, x1, y1;
 };
 
-enum glarepp_type { GLAREPP_FLOAT, GLAREPP_HALF };
+enum glarepp_type {
+    GLAREPP_FLOAT, GLAREPP_HALF,
+    GLAREPP_CODES, // 16 bits, 65535 is 1: alpha of glarepp_picture only
+};
 
 /* A view of pixels that the caller owns. Sample (x, y) of channel c is at
  *   (char *) plane[c] + (y - data.y0) * row + (x - data.x0) * pixel

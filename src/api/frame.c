@@ -817,8 +817,10 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
     if (!f->work)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps are there "
                           "between the steps SHARES and DONE", f->sink.name);
-    return gp_suns_picture(&f->log, &f->work->suns, intensity, &p->w, &p->h,
-                           &p->planes);
+    const struct gp_suns *const suns = &f->work->suns;
+    return gp_sun_map_picture(&f->log, &suns->occluders,
+                              intensity ? NULL : &suns->p->map, suns->light,
+                              suns->n, &p->w, &p->h, &p->planes);
 }
 
 int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,

@@ -10,8 +10,6 @@
 
 // -- shares outside of the frame, by the scene --------------------------------
 
-enum { FINER = 4 }; // texels of a scene's sun map for one of the mask
-
 /* Returns true when a light's circle in the picture leaves the rectangle: that
  * of its cone, an ellipse, may differ. */
 static bool leaves(const struct gp_light *l, struct gp_rect r)
@@ -31,27 +29,8 @@ static struct gp_eye_disc disc_of(const struct gp_light *l, struct gp_v3 eye)
                : gp_eye_sun(eye, at, s->half);
 }
 
-/* Measures a disc's part outside the window. With the other methods a context
- * is open already, or is opened here for them too. */
-static gp_status measure_disc(struct glarepp_frame *f,
-                              const struct gp_eye_disc *disc,
-                              const struct gp_eye_window *window,
-                              struct gp_eye_share *out)
-{
-    const struct gp_sun_params *const p = &f->plan->sun;
-    struct gp_api_work *const w = f->work;
-    const struct gp_scene *const s = &w->scene.scene;
-    if (p->method == GP_SUN_EXACT)
-        return gp_eye_rays(&f->log, s, &w->scene.meshes, disc, window, out);
-    gp_status st = w->suns.gl ? gp_gl_use(&f->log, w->suns.gl)
-                              : gp_gl_open(&f->log, w->suns.api, &w->suns.gl);
-    return st ? st
-              : gp_eye_map_draw(&f->log, w->suns.gl, s, &w->scene.meshes, disc,
-                                window, FINER * p->map.side, &w->eye_map, out);
-}
-
-/* Sets the clear share outside the frame of each light, where the scene decides:
- * by rays with the exact method, else by a sun map from geometry. */
+/* Sets the clear share outside the frame of each light, where the scene
+ * decides, by rays. */
 static gp_status measure_outside(struct glarepp_frame *f)
 {
     const struct gp_api_scene *const scene = &f->work->scene;
@@ -71,9 +50,12 @@ static gp_status measure_outside(struct glarepp_frame *f)
         struct gp_light *const l = &suns->light[i];
         const struct gp_eye_disc disc = disc_of(l, eye);
         struct gp_eye_share share;
-        gp_status st = measure_disc(f, &disc, &window, &share);
+        gp_status st = gp_eye_rays(&f->log, &f->work->scene.scene,
+                                   &f->work->scene.meshes, &disc, &window,
+                                   &share);
         if (!st && share.outside == 0.0 && leaves(l, known))
-            st = measure_disc(f, &disc, NULL, &share);
+            st = gp_eye_rays(&f->log, &f->work->scene.scene,
+                             &f->work->scene.meshes, &disc, NULL, &share);
         if (st)
             return st;
         l->outside = share.clear;
@@ -86,8 +68,8 @@ static gp_status measure_outside(struct glarepp_frame *f)
 
 gp_status gp_api_place(struct glarepp_frame *f)
 {
-    const gp_status st = gp_suns_place(&f->log, &f->about, &f->image,
-                                       &f->work->suns);
+    const gp_status st = gp_suns_find(&f->log, &f->about, &f->image,
+                                      &f->work->suns);
     f->facts.lights = st ? 0 : f->work->suns.n;
     return st;
 }

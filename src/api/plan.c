@@ -1,6 +1,6 @@
 #include "api/plan.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/tail/tail.h"
@@ -131,8 +131,9 @@ static gp_status take_lights(struct glarepp_plan *plan,
     plan->text[plan->texts++] = (char *) spec;
     for (int i = 0; i < p.lights; i++)
         spec[i] = spec_of(&p.light[i]);
+    plan->camera_sun = spec_of(&p.sun);
     plan->sun = (struct gp_sun_params) {
-        .spec = spec, .specs = p.lights, .sun = spec_of(&p.sun),
+        .spec = spec, .specs = p.lights, .sun = &plan->camera_sun,
         .lights = p.file, .camera = p.cameras, .flare = p.flare,
         .size = p.degrees, .method = (enum gp_sun_method) p.method,
         .map = {.outside = (enum gp_sun_outside) p.outside, .side = p.side,
@@ -269,8 +270,6 @@ static void free_work(struct gp_api_work **work)
         gp_free(ghosts[k]->engine);
         gp_ghosts_free(&ghosts[k]->set);
     }
-    if (w->suns.gl)
-        gp_eye_map_close(w->suns.gl, &w->eye_map);
     gp_suns_close(&w->suns);
     gp_api_scene_end(&w->scene);
     GP_FREE(*work);

@@ -40,7 +40,6 @@ struct gp_api_work {
     struct gp_glare engines, group_engines;
     struct gp_suns suns;
     struct gp_api_scene scene;
-    struct gp_eye_map *eye_map;    // of the scene, on suns.gl
     struct gp_api_ghosts ghosts, group_ghosts;
     struct gp_api_work *next;      // that is not lent
 };
@@ -64,6 +63,7 @@ struct glarepp_plan {
     enum gp_surround_how edges;
     bool lit;                      // it has parameters of lights
     struct gp_sun_params sun;
+    struct gp_light_spec camera_sun; // sun.sun
     struct glarepp_lens_params lens_params; // lens NULL: none
     struct glarepp_scene_params scene;      // path NULL: none
     struct gp_tone_params tone;

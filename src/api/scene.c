@@ -17,32 +17,28 @@ static const double PI = 3.14159265358979323846;
 
 // -- reading ------------------------------------------------------------------
 
-/* Has the caller decode a texture's alpha; one texel that is opaque where the
- * picture has none. */
+/* Has the caller decode a texture's alpha. */
 static gp_status read_alpha(void *user, const struct gp_log *log,
                             const char *name, const void *bytes, size_t n,
-                            long long most, int *w, int *h, uint16_t **alpha)
+                            long long most, struct gp_cutout *out)
 {
     const struct glarepp_params *const p = &((struct glarepp *) user)->params;
     const struct glarepp_picture what = {name, bytes, n, true, most};
     struct glarepp_image image = GLAREPP_IMAGE;
     struct glarepp_label label = {0};
-    struct gp_plane plane = {0};
     gp_status st = (gp_status) p->picture(p->user, &what, &image, &label);
     if (st)
-        return st;
-    GP_TRY(gp_api_plane(log, &image, 0, &plane));
-    *w = gp_rect_w(plane.window);
-    *h = gp_rect_h(plane.window);
-    const size_t texels = (size_t) *w * (size_t) *h;
-    GP_TRY(gp_alloc(log, "texture", texels, sizeof **alpha, alpha));
-    for (size_t i = 0; i < texels; i++) {
-        const float v = plane.v[i];
-        (*alpha)[i] = (uint16_t) (v >= 1.0f ? 65535.0f
-                                  : v > 0.0f ? v * 65535.0f + 0.5f : 0.0f);
-    }
+        return st; // its message is the caller's
+    const struct glarepp_rect d = image.data;
+    const size_t codes = (size_t) (d.x1 - d.x0) * (size_t) (d.y1 - d.y0);
+    if (image.type != GLAREPP_CODES || !image.plane[0])
+        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "params.picture", "%s: its alpha "
+                          "was not decoded as codes", name));
+    GP_TRY(gp_alloc(log, "texture", codes, sizeof *out->alpha, &out->alpha));
+    memcpy(out->alpha, image.plane[0], codes * sizeof *out->alpha);
+    out->w = d.x1 - d.x0;
+    out->h = d.y1 - d.y0;
 out:
-    gp_plane_free(&plane);
     if (p->release)
         p->release(p->user, &image);
     return st;

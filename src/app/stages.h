@@ -172,7 +172,6 @@ void gp_run_ghosts_free(struct gp_run_ghosts *ghosts);
 struct gp_run_scene {
     struct gp_scene scene;
     struct gp_meshes meshes;       // that rays have met
-    struct gp_eye_map *eye_map;    // on suns.gl
     int camera;                    // of the scene; -1: none is chosen
     bool settled;                  // the axis that points up is
     bool warned_time, warned_camera;

@@ -111,7 +111,6 @@ struct lighting {
     const struct gp_relit_frame *f;
     struct gp_surfaces surfaces;
     struct gp_sets *sets;
-    const struct gp_planes *rgb;
     struct gp_relit_light *out;
     int lit;
     struct gp_relight_pass pass[GP_RELIGHT_PASSES];
@@ -151,8 +150,7 @@ static gp_status add_lights(struct lighting *l)
 {
     struct gp_relit facts[GP_RELIGHT_PASSES];
     const gp_status st =
-        gp_relight(l->log, l->s, l->meshes, &l->surfaces, l->pass, l->n,
-                   l->f->data, l->rgb, facts);
+        gp_relight(l->log, l->s, l->meshes, &l->surfaces, l->pass, l->n, facts);
     if (st)
         return st;
     for (int i = 0; i < l->n; i++) {
@@ -227,8 +225,8 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
     struct gp_relit_light **out, int *lit)
 {
     struct lighting l = {
-        .log = log, .s = s, .meshes = meshes, .f = f, .rgb = rgb,
-        .surfaces = {.camera = f->camera, .display = f->display, .z = f->depth,
+        .log = log, .s = s, .meshes = meshes, .f = f,
+        .surfaces = {.rgb = rgb, .data = f->data, .camera = f->camera, .display = f->display, .z = f->depth,
                      .normal = f->normal, .albedo = f->albedo,
                      .normal_of_camera = f->normal_of_camera},
     };

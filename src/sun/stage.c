@@ -24,6 +24,8 @@ bool gp_suns_lit(const struct gp_suns *suns)
 /* The sun of --sun or --sun-dir. */
 static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
 {
+    if (p->sun)
+        return *p->sun;
     const struct gp_light usual = GP_LIGHT_DEFAULTS;
     const struct gp_numbers *const color = &p->color;
     struct gp_light_spec spec = {
@@ -40,6 +42,11 @@ static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
     return spec;
 }
 
+static bool has_flux(const struct gp_light_spec *s)
+{
+    return s->flux[0] > 0.0f || s->flux[1] > 0.0f || s->flux[2] > 0.0f;
+}
+
 gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     enum gp_gl_api api, const struct gp_sun_reader *reader, struct gp_suns *out)
 {
@@ -51,10 +58,12 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     out->api = api;
     if (p->lights)
         GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
-    const int sun = p->at.n || p->dir.n;
+    const int sun = p->sun ? p->specs : p->at.n || p->dir.n;
     GP_TRY(gp_alloc(log, "lights", (size_t) (sun + n) + 1, sizeof *out->spec,
                     &out->spec));
-    if (sun)
+    if (p->sun && sun)
+        memcpy(out->spec, p->spec, (size_t) sun * sizeof *p->spec);
+    else if (sun)
         out->spec[0] = sun_spec(p);
     if (n)
         memcpy(out->spec + sun, lamps, (size_t) n * sizeof *lamps);
@@ -63,8 +72,12 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !p->color.n && !p->lights &&
-        !p->more_flux)
+    bool lit = p->color.n || p->lights || p->more_flux;
+    for (int i = 0; p->sun && i < sun; i++)
+        lit |= has_flux(&p->spec[i]);
+    if (p->sun)
+        lit |= p->camera && has_flux(p->sun);
+    if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--flare: %s has elements of lights, "
                        "and there is no light with flux; give %s, or \"source\""
                        ": \"bright\" in the file", p->flare,
@@ -182,7 +195,8 @@ static gp_status place_lights(const struct gp_log *log,
         camera = *more->camera;
     }
     // the sun of --camera, where the command line names none
-    const bool sun = entry && !p->at.n && !p->dir.n && entry->has_sun;
+    const bool sun = entry && entry->has_sun &&
+                     !(p->sun ? p->specs : p->at.n || p->dir.n);
     if (all + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: too many lights with the sun (%d); the limit is %d",
@@ -258,6 +272,42 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_frame *f,
            f->path, scene ? " inside the frame" : "");
 }
 
+gp_status gp_suns_find(const struct gp_log *log,
+                       const struct gp_sun_about *about,
+                       const struct gp_frame *f, struct gp_suns *suns)
+{
+    return place_lights(log, about, f, suns);
+}
+
+void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
+                  const struct gp_plane *depth, const struct gp_plane *mask,
+                  struct gp_suns *suns)
+{
+    if (depth && depth != &suns->depth) {
+        suns->depth = *depth;
+        suns->depth.borrowed = true;
+        suns->depth.name = NULL;
+        warn_of_window(log, depth->name, depth, f, suns);
+    }
+    if (mask && mask != &suns->mask) {
+        suns->mask = *mask;
+        suns->mask.borrowed = true;
+        suns->mask.name = NULL;
+        warn_of_window(log, mask->name, mask, f, suns);
+    }
+    suns->occluders = (struct gp_occluders) {
+        .depth = suns->depth.v ? &suns->depth : NULL,
+        .mask = suns->mask.v ? &suns->mask : NULL,
+        .type = suns->p->depth_type,
+        // a scene knows what is outside the file's pixels, and in the display
+        .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
+                     ? gp_frame_read(f)
+                     : gp_rect_join(f->data, f->display),
+    };
+    warn_of_clear(log, f, suns);
+    gp_occluders_count(&suns->occluders);
+}
+
 gp_status gp_suns_place(const struct gp_log *log,
                         const struct gp_sun_reader *reader,
                         const struct gp_frame *f, struct gp_suns *suns)
@@ -271,17 +321,7 @@ gp_status gp_suns_place(const struct gp_log *log,
                               &suns->mask));
     warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
     warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
-    suns->occluders = (struct gp_occluders) {
-        .depth = suns->depth.v ? &suns->depth : NULL,
-        .mask = suns->mask.v ? &suns->mask : NULL,
-        .type = suns->p->depth_type,
-        // a scene knows what is outside the file's pixels, and in the display
-        .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
-                     ? gp_frame_read(f)
-                     : gp_rect_join(f->data, f->display),
-    };
-    warn_of_clear(log, f, suns);
-    gp_occluders_count(&suns->occluders);
+    gp_suns_hide(log, f, &suns->depth, &suns->mask, suns);
 out:
     return st;
 }

@@ -29,6 +29,9 @@ enum gp_sun_method {
 struct gp_sun_params {
     enum gp_sun_method method;
     struct gp_map_params map;
+    const struct gp_light_spec *spec; // `specs` lights, and all but the place of
+    int specs;                 // the sun that the camera's file names. NULL: by
+    const struct gp_light_spec *sun; // at, dir and color
     struct gp_numbers at;      // x, y and maybe radius, pixels
     struct gp_numbers dir;     // towards the sun, world
     struct gp_numbers color;   // flux by channel, or one for all
@@ -131,6 +134,17 @@ GP_MUST_CHECK gp_status gp_suns_begin(
 GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_sun_about *about,
     const struct gp_frame *f, struct gp_camera *out, bool *found);
+
+/* Gives each light its place; then tells what may hide them. Planes are borrowed
+ * to the end of the frame, NULL where there are none; one with a name is of
+ * another file, and a warning says so where it does not cover the frame.
+ * Errors of the first as of gp_suns_place(). */
+GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
+    const struct gp_sun_about *about, const struct gp_frame *f,
+    struct gp_suns *suns);
+void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
+                  const struct gp_plane *depth, const struct gp_plane *mask,
+                  struct gp_suns *suns);
 
 /* Gives each light its place and, where there are lights, reads the frame's
  * depth and coverage.
