@@ -228,46 +228,6 @@ static void test_rect_area(void **state)
     }
 }
 
-// -- samples of a disc -------------------------------------------------------
-
-/* Cells of (u, v) cover equal areas: sectors and rings hold their share. */
-static void test_disc_samples(void **state)
-{
-    enum { N = 256 };
-    int ring[4] = {0}, sector[8] = {0};
-    double sum_x = 0.0, sum_y = 0.0;
-    for (int j = 0; j < N; j++) {
-        for (int i = 0; i < N; i++) {
-            double x, y, sx, sy;
-            const double u = (i + 0.5) / N, v = (j + 0.5) / N;
-            gp_pattern_place(GP_PATTERN_DISC, u, v, &x, &y);
-            gp_pattern_place(GP_PATTERN_SQUARE, u, v, &sx, &sy);
-            assert_true(sx == 2 * u - 1 && sy == 2 * v - 1);
-            assert_near(hypot(x, y), fmax(fabs(sx), fabs(sy)), 1e-15,
-                        "radius", u);
-            ring[(int) (4 * (x * x + y * y))]++;
-            sector[(int) (atan2(y, x) / M_PI_4 + 4.0)]++;
-            sum_x += x;
-            sum_y += y;
-        }
-    }
-    for (int i = 0; i < 4; i++)
-        assert_near(ring[i] / (double) (N * N), 0.25, 0.01, "ring", i);
-    for (int i = 0; i < 8; i++)
-        assert_near(sector[i] / (double) (N * N), 0.125, 0.002, "sector", i);
-    assert_near(sum_x, 0, 1e-9, "mean x", N);
-    assert_near(sum_y, 0, 1e-9, "mean y", N);
-    static const double at[][4] = {{0.5, 0.5, 0, 0}, {0, 0.5, -1, 0},
-                                   {1, 0.5, 1, 0},   {0.5, 0, 0, -1},
-                                   {0, 0, -M_SQRT1_2, -M_SQRT1_2}};
-    for (int i = 0; i < 5; i++) {
-        double x, y;
-        gp_pattern_place(GP_PATTERN_DISC, at[i][0], at[i][1], &x, &y);
-        assert_near(x, at[i][2], 1e-15, "x", i);
-        assert_near(y, at[i][3], 1e-15, "y", i);
-    }
-}
-
 static void fill_random(struct gp_plane *p, unsigned seed, float scale)
 {
     const int n = gp_rect_w(p->window) * gp_rect_h(p->window);
@@ -586,6 +546,6 @@ static void test_many_lights(void **state)
 }
 
 SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_sum, test_area_symmetry,
-         test_area_corner, test_area_hard, test_rect_area, test_disc_samples,
-         test_places, test_each_pixel, test_no_planes, test_windows,
-         test_vast_frame, test_threads, test_many_lights)
+         test_area_corner, test_area_hard, test_rect_area, test_places,
+         test_each_pixel, test_no_planes, test_windows, test_vast_frame,
+         test_threads, test_many_lights)

@@ -5,7 +5,7 @@
 #include "json_file.h"
 #include "scene.h"
 #include "sun/lens.h"
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 /* Stop and thin lens, of glass without dispersion: one ghost, R^2 of the
  * image's light, a disc about six times the stop's size. */
