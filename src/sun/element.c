@@ -20,7 +20,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "sun/sun_priv.h"
+#include "sun/flare_priv.h"
 
 #include <math.h>
 #include <string.h>

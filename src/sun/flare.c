@@ -1,6 +1,6 @@
 /* Flare elements: placed, changed and measured for the lights of a frame, and
  * added to a layer. */
-#include "sun/sun_priv.h"
+#include "sun/flare_priv.h"
 
 #include "core/colour.h"
 #include "core/memory.h"

@@ -1,5 +1,5 @@
 /* Images of flare elements: smaller levels of them, and rows of them. */
-#include "sun/sun_priv.h"
+#include "sun/flare_priv.h"
 
 #include "core/colour.h"
 #include "core/cpu.h"

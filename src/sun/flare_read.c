@@ -4,7 +4,7 @@
 #include "core/bridge.h"
 #include "core/json.h"
 #include "core/memory.h"
-#include "sun/sun_priv.h"
+#include "sun/flare_priv.h"
 
 #include <dirent.h>
 #include <limits.h>

@@ -1,7 +1,7 @@
 /* First-order optics of a lens and of its ghosts. Source: Lee and Eisemann,
  * Practical Real-Time Lens-Flare Rendering, 2013, with matrices of (height,
  * slope) along the unfolded path: after a reflection, radii change sign. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include <math.h>
 

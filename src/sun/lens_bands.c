@@ -1,5 +1,5 @@
 /* Parts of the spectrum, and the light of rays in them. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include "core/colour.h"
 

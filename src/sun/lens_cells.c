@@ -1,6 +1,6 @@
 /* Cells of a ghost's mesh: which are in the frame, with how many parts of the
  * spectrum, and their light in the steps of an accumulator. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include "core/memory.h"
 #include "core/minmax.h"

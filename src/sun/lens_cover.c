@@ -1,6 +1,6 @@
 /* Polygons by exact coverage: edges add the change of coverage along a row,
  * and running sums along rows make pixels of it. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include "core/memory.h"
 #include "core/minmax.h"

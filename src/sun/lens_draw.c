@@ -5,7 +5,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include <math.h>
 #include <stdlib.h>

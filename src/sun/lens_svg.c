@@ -1,5 +1,5 @@
 /* A lens in section, with the rays of one ghost, as SVG. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Rays through the spheres of a lens, and meshes of them. Source: Hullin,
  * Eisemann, Seidel and Lee, Physically-Based Real-Time Lens Flare Rendering,
  * 2011: a sparse grid of rays for each ghost, whose cells carry the light. */
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 #include "core/cpu.h"
 #include "core/memory.h"

@@ -1,6 +1,6 @@
 /* Depth and coverage: finds the samples that are surfaces, the visible share of
  * a light behind them, and the kinds of samples that a plane holds. */
-#include "sun/sun_priv.h"
+#include "sun/occluder.h"
 
 #include "core/cpu.h"
 #include "core/parallel.h"

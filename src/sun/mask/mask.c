@@ -111,8 +111,11 @@ static struct spot spot_of(const struct gp_occluders *o,
     return s;
 }
 
-void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
-                      double *x, double *y)
+/* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
+ * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
+ * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
+static void place_sample(enum gp_sun_pattern pattern, double u, double v,
+                         double *x, double *y)
 {
     const double a = 2.0 * u - 1.0, b = 2.0 * v - 1.0;
     *x = a;
@@ -145,8 +148,8 @@ double gp_sun_map_reference(const struct gp_occluders *o,
         double g = l.k ? 0.0 : (double) l.outside[1];
         for (int n = 0; n < count; n++) {
             double x, y;
-            gp_pattern_place(p->pattern, (i * l.k + n % l.k + 0.5) / side,
-                             (j * l.k + n / l.k + 0.5) / side, &x, &y);
+            place_sample(p->pattern, (i * l.k + n % l.k + 0.5) / side,
+                         (j * l.k + n / l.k + 0.5) / side, &x, &y);
             const int px = pixel_at(l.x + l.radius * x, w);
             const int py = pixel_at(l.y + l.radius * y, h);
             const bool inside = px >= 0 && px < w && py >= 0 && py < h;

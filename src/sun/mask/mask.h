@@ -82,10 +82,4 @@ GP_MUST_CHECK gp_status gp_sun_map_picture(
     const struct gp_map_params *p, const struct gp_light *light, int n,
     int *w, int *h, struct gp_planes *out);
 
-/* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
- * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
- * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
-void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
-                      double *x, double *y);
-
 #endif

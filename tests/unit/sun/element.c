@@ -151,22 +151,6 @@ static void shapes_have_their_features(void **state)
     picture_free(&p);
 }
 
-static void seeds_decide(void **state)
-{
-    struct picture p[3];
-    for (int i = 0; i < 3; i++) {
-        p[i] = picture_of(200, 200);
-        add_one(&p[i], ELEMENT(.shape = GP_FLARE_SPIKES, .size = 0.8,
-                               .count = 12, .random = 1.0, .seed = i / 2),
-                lamp_at(100.0, 100.0));
-    }
-    const size_t bytes = picture_pixels(p) * sizeof(float);
-    assert_memory_equal(p[0].layer.c[0], p[1].layer.c[0], bytes);
-    assert_true(memcmp(p[0].layer.c[0], p[2].layer.c[0], bytes) != 0);
-    for (int i = 0; i < 3; i++)
-        picture_free(&p[i]);
-}
-
 // -- changes of elements by lights -------------------------------------------
 
 static void transforms_follow_the_light(void **state)
@@ -418,7 +402,7 @@ static void refuses_keys(void **state)
 }
 
 SUITE_OF(element, make_folder, remove_folder, totals_hold,
-    looks_alike_at_every_size, dispersion_is_continuous,
-    shapes_have_their_features, seeds_decide, transforms_follow_the_light,
-    triggers_act, names_choose_lights, dirt_is_lit, reads_keys, every_key_acts,
-    copies_keep_the_light, refuses_keys)
+         looks_alike_at_every_size, dispersion_is_continuous,
+         shapes_have_their_features, transforms_follow_the_light, triggers_act,
+         names_choose_lights, dirt_is_lit, reads_keys, every_key_acts,
+         copies_keep_the_light, refuses_keys)

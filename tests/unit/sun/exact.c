@@ -1,8 +1,7 @@
-/* sun/exact: the area of a disc in a pixel by quadrature and by laws, the
- * samples of a disc, and the share in every place that a light may have,
- * against what it must be and against pixel after pixel. */
+/* sun/exact: the area of a disc in a pixel by quadrature, and the share in every
+ * place that a light may have, against what it must be and against pixel after
+ * pixel. */
 #include "scene.h"
-#include "core/parallel.h"
 
 /* A disc and a pixel in whole sixteenths, so that what is squared is exact. */
 struct exact_case {
@@ -100,85 +99,6 @@ static void test_pixel_area(void **state)
     }
 }
 
-// -- laws of areas -----------------------------------------------------------
-
-/* Centres on corners, on edges, a hair beside them, anywhere. */
-static const double centres[][2] = {
-    {0, 0}, {0.5, 0.5}, {0.5, 0}, {1, 0.25}, {0x1.fffffffffffffp-1, 7},
-    {1 + 0x1p-52, 1 - 0x1p-53}, {1e-20, -1e-20}, {0.3, 0.7},
-    {-0.3, 100.123456789}, {283.2402801513672, 129.05892848968506},
-    {-1000.4999999, 2047.0000001}, {99999.7, -99999.1}};
-static const double law_radii[] = {1e-3, 0.01, 0.3, 0.5, M_SQRT1_2, 1, 1.5,
-                                   M_SQRT2, 2.480712533280226, 17.3, 60};
-enum {
-    CENTRES = COUNT(centres),
-    LAW_RADII = COUNT(law_radii)
-};
-
-static void test_area_sum(void **state)
-{
-    for (int c = 0; c < CENTRES; c++) {
-        for (int k = 0; k < LAW_RADII; k++) {
-            const double r = law_radii[k], want = M_PI * r * r;
-            const double cx = centres[c][0], cy = centres[c][1];
-            double sum = 0.0;
-            for (int y = (int) floor(cy - r) - 1; y <= cy + r + 1.0; y++) {
-                for (int x = (int) floor(cx - r) - 1; x <= cx + r + 1.0; x++)
-                    sum += gp_disc_pixel_area(cx, cy, r, x, y);
-            }
-            assert_near(sum, want, 1e-12 * want, "sum of areas, radius", r);
-        }
-    }
-}
-
-/* Whole pixels, reflections and the diagonal change nothing. */
-static void test_area_symmetry(void **state)
-{
-    seed = 77;
-    for (int i = 0; i < 4000; i++) {
-        const double r = law_radii[i % LAW_RADII] * (1.0 + i % 3);
-        const double cx = uniform01(), cy = uniform01();
-        const int reach = (int) r + 2;
-        const int x = (int) (uniform01() * 2 * reach) - reach;
-        const int y = (int) (uniform01() * 2 * reach) - reach;
-        const double want = gp_disc_pixel_area(cx, cy, r, x, y);
-        assert_true(want >= 0.0 && want <= 1.0);
-        assert_near(gp_disc_pixel_area(cx + 4096, cy - 512, r, x + 4096,
-                                       y - 512), want, 2e-12, "moved", r);
-        assert_near(gp_disc_pixel_area(-cx, cy, r, -x - 1, y), want, 1e-14,
-                    "left and right", r);
-        assert_near(gp_disc_pixel_area(cx, -cy, r, x, -y - 1), want, 1e-14,
-                    "up and down", r);
-        assert_near(gp_disc_pixel_area(cy, cx, r, y, x), want, 1e-14,
-                    "diagonal", r);
-    }
-}
-
-/* Circles through a corner, which the edges on its two sides may find in or
- * out each for itself: four pixels are the square that they make. */
-static void test_area_corner(void **state)
-{
-    static const double hard[][4] = {
-        {0x1.4b00a5f6498ep-1, 0x1.86fce2dae58cp-1, 2, 3},
-        {0x1.80de57310c6cp-2, 0x1.c91a4c9b5228p-2, 1, -1},
-        {0x1.4d0f142fc826p-1, 0x1.3fa7f4c9711p-3, 2, 9},
-        {0x1.071431436786p-1, 0x1.0b632c3d7824p-1, -13, -7},
-        {0x1.4ccb6a63d66cp-2, 0x1.31254add50ap-4, 2, -2}};
-    seed = 41;
-    for (int i = 0; i < 20000; i++) {
-        const double cx = i < 5 ? hard[i][0] : uniform01();
-        const double cy = i < 5 ? hard[i][1] : uniform01();
-        const int x = (int) (i < 5 ? hard[i][2] : 40 * uniform01() - 20);
-        const int y = (int) (i < 5 ? hard[i][3] : 40 * uniform01() - 20);
-        const double r = hypot(x - cx, y - cy);
-        double sum = 0.0;
-        for (int k = 0; k < 4; k++)
-            sum += gp_disc_pixel_area(cx, cy, r, x - k % 2, y - k / 2);
-        assert_near(sum, gp_disc_rect_area(cx, cy, r, x - 1, y - 1, x + 1,
-                                           y + 1), 1e-13, "corner", i);
-    }
-}
-
 static void test_area_hard(void **state)
 {
     const double inf = (double) INFINITY, nan = (double) NAN;
@@ -225,46 +145,6 @@ static void test_rect_area(void **state)
         }
         assert_near(gp_disc_rect_area(cx, cy, r, x0, y0, x1, y1), want,
                     1e-13 + 1e-12 * want, "rectangle, radius", r);
-    }
-}
-
-// -- samples of a disc -------------------------------------------------------
-
-/* Cells of (u, v) cover equal areas: sectors and rings hold their share. */
-static void test_disc_samples(void **state)
-{
-    enum { N = 256 };
-    int ring[4] = {0}, sector[8] = {0};
-    double sum_x = 0.0, sum_y = 0.0;
-    for (int j = 0; j < N; j++) {
-        for (int i = 0; i < N; i++) {
-            double x, y, sx, sy;
-            const double u = (i + 0.5) / N, v = (j + 0.5) / N;
-            gp_pattern_place(GP_PATTERN_DISC, u, v, &x, &y);
-            gp_pattern_place(GP_PATTERN_SQUARE, u, v, &sx, &sy);
-            assert_true(sx == 2 * u - 1 && sy == 2 * v - 1);
-            assert_near(hypot(x, y), fmax(fabs(sx), fabs(sy)), 1e-15,
-                        "radius", u);
-            ring[(int) (4 * (x * x + y * y))]++;
-            sector[(int) (atan2(y, x) / M_PI_4 + 4.0)]++;
-            sum_x += x;
-            sum_y += y;
-        }
-    }
-    for (int i = 0; i < 4; i++)
-        assert_near(ring[i] / (double) (N * N), 0.25, 0.01, "ring", i);
-    for (int i = 0; i < 8; i++)
-        assert_near(sector[i] / (double) (N * N), 0.125, 0.002, "sector", i);
-    assert_near(sum_x, 0, 1e-9, "mean x", N);
-    assert_near(sum_y, 0, 1e-9, "mean y", N);
-    static const double at[][4] = {{0.5, 0.5, 0, 0}, {0, 0.5, -1, 0},
-                                   {1, 0.5, 1, 0},   {0.5, 0, 0, -1},
-                                   {0, 0, -M_SQRT1_2, -M_SQRT1_2}};
-    for (int i = 0; i < 5; i++) {
-        double x, y;
-        gp_pattern_place(GP_PATTERN_DISC, at[i][0], at[i][1], &x, &y);
-        assert_near(x, at[i][2], 1e-15, "x", i);
-        assert_near(y, at[i][3], 1e-15, "y", i);
     }
 }
 
@@ -345,25 +225,6 @@ static void test_places(void **state)
         gp_plane_free(&depth);
         gp_plane_free(&mask);
     }
-}
-
-/* Each pixel hides its own area of the disc and no other, those at the ends
- * of a row's whole pixels too. */
-static void test_each_pixel(void **state)
-{
-    const struct gp_rect frame = {0, 0, 24, 20};
-    const struct gp_light l = light_at(11.7, 9.3, 7.9);
-    struct gp_plane mask = plane_of(frame);
-    const struct gp_occluders o = occluders(NULL, &mask, frame);
-    for (int i = 0; i < 24 * 20; i++) {
-        mask.v[i] = 1.0f;
-        const double hidden =
-            gp_disc_pixel_area(l.x, l.y, l.radius, i % 24, i / 24) /
-            (M_PI * l.radius * l.radius);
-        assert_near(visibility(&o, 0, l), 1.0 - hidden, 1e-14, "pixel", i);
-        mask.v[i] = 0.0f;
-    }
-    gp_plane_free(&mask);
 }
 
 /* Nothing to hide behind, whether a window is large or empty; and a light of
@@ -534,31 +395,6 @@ static void test_vast_frame(void **state)
     gp_plane_free(&mask);
 }
 
-static void test_threads(void **state)
-{
-    const struct gp_rect frame = {-13, 7, 700, 420};
-    struct gp_plane depth = plane_of(frame), mask = plane_of(frame);
-    fill_random(&depth, 17u, 20.0f);
-    fill_random(&mask, 19u, 1.0f);
-    const struct gp_occluders o = occluders(&depth, &mask, frame);
-    static const int threads[] = {1, 2, 3, 8};
-    static const double radius[] = {2.5, 60, 190.7, 2000};
-    double first[4] = {0};
-    for (int i = 0; i < 16; i++) {
-        gp_set_threads(threads[i / 4]);
-        struct gp_light l = light_at(300.3, 200.7, radius[i % 4]);
-        l.depth = 10.0;
-        const double got = visibility(&o, 1, l);
-        if (i < 4)
-            first[i] = got;
-        assert_true(got > 0.0 && got < 1.0);
-        assert_memory_equal(&got, &first[i % 4], sizeof got);
-    }
-    gp_set_threads(0);
-    gp_plane_free(&depth);
-    gp_plane_free(&mask);
-}
-
 /* Each light has its own share, whatever it held before and whoever is beside
  * it; none is fine. */
 static void test_many_lights(void **state)
@@ -585,7 +421,6 @@ static void test_many_lights(void **state)
     gp_plane_free(&depth);
 }
 
-SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_sum, test_area_symmetry,
-         test_area_corner, test_area_hard, test_rect_area, test_disc_samples,
-         test_places, test_each_pixel, test_no_planes, test_windows,
-         test_vast_frame, test_threads, test_many_lights)
+SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_hard, test_rect_area,
+         test_places, test_no_planes, test_windows, test_vast_frame,
+         test_many_lights)

@@ -1,6 +1,5 @@
 /* flare: files are read strictly; totals, places and edges hold. */
 #include "scene.h"
-#include "core/parallel.h"
 #include "json_file.h"
 
 static gp_status read_text(const char *text, struct gp_flare *out)
@@ -195,32 +194,6 @@ static void rotation_is_counter_clockwise(void **state)
     picture_free(&p);
 }
 
-/* A step of 1/8 pixel: a quarter of the peak is what the exact area of a dot
- * of one pixel would change, and what is larger changes less. */
-static void small_steps_are_small(void **state)
-{
-    for (size_t i = 0; i < COUNT(laws); i++) {
-        const struct gp_flare_element e = whole(laws[i]);
-        struct picture was = {0};
-        for (int k = 0; k < 9; k++) {
-            struct picture p = picture_of(400, 300);
-            float peak = 0.0f, step = 0.0f;
-            add_one(&p, e, lamp_at(200.0 + k / 8.0, 150.3));
-            for (size_t at = 0; k > 0 && at < picture_pixels(&p); at++) {
-                const float a = p.layer.c[1][at], b = was.layer.c[1][at];
-                peak = fmaxf(peak, fmaxf(a, b));
-                step = fmaxf(step, fabsf(a - b));
-            }
-            if (step > (e.size < 0.05 ? 0.3f : 0.2f) * peak)
-                fail_msg("element %zu step %d: %g of %g", i, k, (double) step,
-                         (double) peak);
-            picture_free(&was);
-            was = p;
-        }
-        picture_free(&was);
-    }
-}
-
 /* Pixels outside of the reach stay 0, and some inside do not. */
 static void reach_holds_all(void **state)
 {
@@ -339,54 +312,9 @@ static void unseen_lights_draw_nothing(void **state)
     }
 }
 
-static void odd_frames_hold(void **state)
-{
-    static const struct gp_rect frames[] = {
-        {0, 0, 1, 1}, {0, 0, 1, 97}, {-5000, 7, -4900, 8},
-        {-1000000, -1000000, -999990, -999990}, {5, 5, 5, 5},
-    };
-    static const struct gp_rect huge = {-1000000000, -1000000000, 1000000000,
-                                        1000000000};
-    for (size_t i = 0; i < COUNT(frames); i++) {
-        for (size_t k = 0; k < COUNT(laws); k++) {
-            const struct gp_light l = lamp_at(frames[i].x0 + 0.7,
-                                               frames[i].y0 + 0.2);
-            struct picture p = picture_make(frames[i], frames[i]);
-            add_one(&p, whole(laws[k]), l);
-            p.display = huge;
-            add_one(&p, whole(laws[k]), l);
-            if (!gp_rect_empty(p.frame))
-                assert_true(isfinite(total(&p, 0)));
-            picture_free(&p);
-        }
-    }
-}
-
-static void threads_change_nothing(void **state)
-{
-    struct gp_flare_element e[COUNT(laws) + 4];
-    const struct gp_flare f = all_shapes(e);
-    const struct gp_light l[2] = {lamp_at(60.3, 41.7), lamp_at(-20, 180)};
-    struct picture was = {0};
-    for (int threads = 1; threads <= 3; threads++) {
-        struct picture p = picture_make((struct gp_rect) {-7, -3, 290, 210},
-                                        (struct gp_rect) {0, 0, 280, 200});
-        gp_set_threads(threads);
-        add(&p, &f, l, 2);
-        for (int c = 0; was.layer.c[0] && c < 3; c++)
-            assert_memory_equal(p.layer.c[c], was.layer.c[c],
-                                picture_pixels(&p) * sizeof(float));
-        picture_free(&was);
-        was = p;
-    }
-    gp_set_threads(0);
-    picture_free(&was);
-    free_images(e, f.n);
-}
-
 SUITE_OF(flare, make_folder, remove_folder, reads_elements, reads_sources,
-    lights_leave_bright_elements, refuses_elements,
-    refuses_too_many, example_is_faint, totals_hold, places_lie_on_the_axis,
-    rotation_is_counter_clockwise, small_steps_are_small, reach_holds_all,
-    plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,
-    unseen_lights_draw_nothing, odd_frames_hold, threads_change_nothing)
+         lights_leave_bright_elements, refuses_elements, refuses_too_many,
+         example_is_faint, totals_hold, places_lie_on_the_axis,
+         rotation_is_counter_clockwise, reach_holds_all,
+         plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,
+         unseen_lights_draw_nothing)

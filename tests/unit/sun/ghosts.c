@@ -366,29 +366,6 @@ static void runs_state_the_error_of_splits(void **state)
     }
 }
 
-/* At whole scales nothing is split: one source at the centre, each source at
- * itself or at its mirror's place. */
-static void whole_scales_split_nothing(void **state)
-{
-    static const double places[] = {0.0, 1.0, 2.0};
-    for (size_t k = 0; k < COUNT(frames) * COUNT(places); k++) {
-        struct gp_flare_element e = ELEMENT(.at = places[k / COUNT(frames)],
-                                            .size = 9.0);
-        const struct gp_flare f = flare_of(&e, 1);
-        struct sky s;
-        struct gp_ghosts g = {0};
-        struct gp_sources out;
-        sky_make(&s, frames[k % COUNT(frames)][0],
-                 frames[k % COUNT(frames)][1]);
-        assert_ok(gp_ghosts_make(&kept_log, &f, s.data, s.display, &g));
-        assert_ok(gp_ghost_move(&kept_log, &g, g.run, &s.src, &out));
-        assert_int_equal(out.n, e.at == 1.0 ? 1 : s.src.n);
-        gp_sources_free(&out);
-        gp_ghosts_free(&g);
-        gp_sources_free(&s.src);
-    }
-}
-
 /* Sources beyond the frame stay while the element reaches in, and only then. */
 static void far_sources_are_cut(void **state)
 {
@@ -425,30 +402,7 @@ static void refuses_huge_images(void **state)
     assert_null(g.run);
 }
 
-/* Black elements, and frames without light, are no error. */
-static void darkness_is_no_error(void **state)
-{
-    const struct gp_rect r = {0, 0, 64, 48};
-    struct gp_flare_element e[2] = {ELEMENT(.size = 0.3), ELEMENT(.size = 0.3)};
-    const struct gp_flare f = flare_of(e, 2);
-    struct gp_sources none = {.w = 64, .h = 48}, out;
-    struct gp_ghosts g = {0};
-    e[0].at = 0.5;
-    memset(e[0].colour, 0, sizeof e[0].colour);
-    assert_ok(gp_ghosts_make(&kept_log, &f, r, r, &g));
-    assert_int_equal(g.n, 2);
-    assert_int_equal(g.run[0].kernel.w, 0);
-    assert_true(g.run[1].kernel.w > 0);
-    assert_ok(gp_sources_make(&kept_log, &none, 0, &none));
-    gp_sources_finish(&none);
-    assert_ok(gp_ghost_move(&kept_log, &g, &g.run[1], &none, &out));
-    assert_int_equal(out.n, 0);
-    gp_sources_free(&out);
-    gp_sources_free(&none);
-    gp_ghosts_free(&g);
-}
-
 SUITE_OF(ghosts, NULL, NULL, runs_equal_the_sum_over_sources,
-    sources_keep_flux_and_centroid, splits_stay_within_their_bound,
-    runs_state_the_error_of_splits, whole_scales_split_nothing, far_sources_are_cut, refuses_huge_images,
-    darkness_is_no_error)
+         sources_keep_flux_and_centroid, splits_stay_within_their_bound,
+         runs_state_the_error_of_splits, far_sources_are_cut,
+         refuses_huge_images)

@@ -2,7 +2,7 @@
  * and light with closed forms; no more light leaves than enters. */
 #include "json_file.h"
 #include "scene.h"
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 static const char *const installed[] = {
     "heliar", "double-gauss", "tessar", "telephoto", "zoom-wide", "zoom-tele"};

@@ -1,11 +1,10 @@
 /* lens_draw: ghosts in a layer hold the light of closed forms, at every size of
  * the frame; what is left out is counted; threads change nothing. */
 #include "core/colour.h"
-#include "core/parallel.h"
 #include "json_file.h"
 #include "scene.h"
 #include "sun/lens.h"
-#include "sun/sun_priv.h"
+#include "sun/lens_priv.h"
 
 /* Stop and thin lens, of glass without dispersion: one ghost, R^2 of the
  * image's light, a disc about six times the stop's size. */
@@ -350,70 +349,6 @@ static void bands_leave_no_rings(void **state)
     gp_planes_free(&p);
 }
 
-/* Rays between those of a fine mesh are a quarter of a bend away from its
- * sides: two steps at most, unless the mesh is the finest. */
-static void sides_are_straight(void **state)
-{
-    struct gp_lens lens = {0};
-    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
-    struct gp_lens_optics o[GP_LENS_NODES];
-    const double step = 0.05;
-    assert_ok(gp_lens_read(&kept_log, "zoom-tele", &lens));
-    assert_ok(gp_lens_focus(&kept_log, &lens, INFINITY, 0.0));
-    const int n = gp_lens_ghosts(&lens, GP_D_LINE, ghost);
-    const struct gp_lens_blades blades = gp_lens_blades_of(&lens, 0.0);
-    for (int k = 0; k < GP_LENS_NODES; k++)
-        gp_lens_optics_make(&lens, 550.0, &o[k]);
-    for (int g = 0; g < n; g += 7) {
-        struct gp_lens_path path;
-        struct gp_lens_mesh m;
-        double bend = 0.0;
-        gp_lens_path(&lens, ghost[g].first, ghost[g].second, &path);
-        assert_ok(gp_lens_mesh_make(&kept_log, o, &path, &blades, 0.13, 5e-4,
-                                    step, &m));
-        const int w = m.cells + 1;
-        for (int j = 0; m.cells && j <= m.cells / 2; j++) {
-            for (int i = 1; i < m.cells; i++) {
-                const struct gp_lens_hit *const h = &m.hit[j * w + i];
-                bool clear = true;
-                for (int k = -1; k <= 1; k++)
-                    clear = clear && h[k].through >= 0.0f && h[k].rim < 1.0f &&
-                            hypotf(h[k].stop[0][0], h[k].stop[0][1]) < 1.0f;
-                if (clear)
-                    bend = fmax(bend, hypot(h->x - 0.5 * (h[-1].x + h[1].x),
-                                            h->y - 0.5 * (h[-1].y + h[1].y)));
-            }
-        }
-        if (bend > 8.0 * step && m.cells < GP_LENS_CELLS)
-            fail_msg("ghost %d: %d cells, bend %g mm", g, m.cells, bend);
-        gp_lens_mesh_free(&m);
-    }
-}
-
-static void threads_change_nothing(void **state)
-{
-    enum { W = 300, H = 530 }; // more than one part
-    struct gp_lens lens = {0};
-    struct gp_lens_light light[7];
-    struct gp_planes p[2];
-    struct gp_lens_stats stats[2];
-    assert_ok(gp_lens_read(&kept_log, "double-gauss", &lens));
-    assert_ok(gp_lens_focus(&kept_log, &lens, 3000.0, 4.0));
-    for (int i = 0; i < 7; i++)
-        light[i] = (struct gp_lens_light) {
-            W * uniform01(), H * uniform01(), {1.0 + i, 2.0, 8.0 - i}};
-    for (int k = 0; k < 2; k++) {
-        gp_set_threads(k ? 3 : 1);
-        p[k] = layer_of(&lens, W, H, 24.0, 1e-4, light, 7, &stats[k]);
-    }
-    for (int c = 0; c < 3; c++)
-        assert_memory_equal(p[0].c[c], p[1].c[c], W * H * sizeof(float));
-    assert_memory_equal(&stats[0], &stats[1], sizeof stats[0]);
-    gp_planes_free(&p[0]);
-    gp_planes_free(&p[1]);
-    gp_set_threads(0);
-}
-
 /* Polygons cover pixels by area: sums, and those of one pixel. */
 static void cover_is_exact(void **state)
 {
@@ -465,4 +400,4 @@ static void cover_is_exact(void **state)
 SUITE_OF(lens_draw, make_folder, remove_folder, light_in_closed_form,
          disc_is_even, faint_ghosts_are_counted, left_out_is_bounded,
          colours_follow_the_spectrum, coarse_is_near_fine, bands_leave_no_rings,
-         sides_are_straight, threads_change_nothing, cover_is_exact)
+         cover_is_exact)

@@ -145,47 +145,6 @@ static void bytes_are_the_papers(void **state)
     free_frame(&f);
 }
 
-static void bytes_saturate(void **state)
-{
-    const struct gp_occluders clear = {.frame = window};
-    const struct gp_map_params p = {.side = 16, .sum = GP_SUM_BYTE};
-    for (int i = 0; i < machine_count; i++) {
-        struct machine *const m = machine_at(i);
-        struct gp_light l = light_at(30.0, 70.0, 5.0);
-        float texel[4];
-        measure(m, &clear, &p, false, &l, 1);
-        gp_target_read(m->gl, &m->map->sums[GP_SUM_BYTE], 0,
-                       (struct gp_rect) {0, 0, 1, 1}, texel);
-        assert_true(texel[0] == 1.0f && texel[1] == 1.0f);
-    }
-}
-
-/* The atlas and the order of lights in it change no bit of any. */
-static void many_equal_single_ones(void **state)
-{
-    enum { N = 64 };
-    struct sun_frame f;
-    make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
-    for (int k = 0; k < 2 * machine_count; k++) {
-        struct machine *const m = machine_at(k / 2);
-        const struct gp_map_params p = {
-            .side = 16, .sum = (enum gp_sun_sum) (k % 2),
-        };
-        struct gp_light all[N];
-        for (int i = 0; i < N; i++)
-            all[i] = light_at(-45.0 + 170.0 * uniform01(),
-                20.0 + 110.0 * uniform01(), 20.0 * uniform01() * uniform01());
-        measure(m, &f.o, &p, false, all, N);
-        for (int i = 0; i < N; i++) {
-            struct gp_light one = all[i];
-            measure(m, &f.o, &p, false, &one, 1);
-            assert_memory_equal(&one.visibility, &all[i].visibility,
-                                sizeof one.visibility);
-        }
-    }
-    free_frame(&f);
-}
-
 /* Textures that cannot hold all boxes side by side, but the frame once; and
  * those that cannot hold that either, but a light's box. */
 static void textures_may_be_small(void **state)
@@ -245,5 +204,5 @@ static void what_is_too_large_is_refused(void **state)
 }
 
 SUITE_OF(map, open_machines, close_machines, maps_equal_the_reference,
-         bytes_are_the_papers, bytes_saturate, many_equal_single_ones,
-         textures_may_be_small, what_is_too_large_is_refused)
+         bytes_are_the_papers, textures_may_be_small,
+         what_is_too_large_is_refused)

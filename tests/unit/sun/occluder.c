@@ -1,7 +1,6 @@
 /* sun/occluder: what a depth sample means by type and background, the share
  * that a pixel shows with either plane or both, and sums of runs of pixels. */
 #include "scene.h"
-#include "core/parallel.h"
 
 #include <float.h>
 
@@ -181,71 +180,6 @@ static void test_show(void **state)
     }
 }
 
-/* Samples around every border that a rule may have. */
-static float random_sample(void)
-{
-    static const float hard[] = {
-        0, -0.0f, 1, 65504, -65504, 1e9f, 999999936.0f, 1e10f, 1e30f, -1e10f,
-        NAN, INFINITY, -INFINITY, 1e-45f, -1e-45f, 0.5f, 9.99f, 10, -9.99f,
-        -10, 0.1001001f, 0.99f, 0.01f, MAXF, FLT_MIN};
-    const unsigned n = COUNT(hard);
-    const unsigned pick = (unsigned) (65536 * uniform01()) % (2 * n);
-    if (pick < n)
-        return hard[pick];
-    const float step = (float) ((unsigned) (65536 * uniform01()) % 64) - 32.0f;
-    return 9.99f + step * 0x1p-20f;
-}
-
-/* Every type and direction, lights at many depths, windows of their own: sums
- * must be what pixel after pixel gives, and the same for any cut. */
-static void check_runs(enum gp_depth_type type, bool reversed, int planes)
-{
-    enum { W = 1500 };
-    static float z[W], m[W];
-    for (int i = 0; i < W; i++) {
-        z[i] = random_sample();
-        m[i] = i % 7 ? (float) ((unsigned) (65536 * uniform01()) % 256) / 255.0f
-                     : random_sample();
-    }
-    struct gp_plane d = row_of(z, W), a = row_of(m, W - 100);
-    d.window = (struct gp_rect) {-200, 3, W - 200, 4};
-    a.window = (struct gp_rect) {-50, 3, W - 150, 4};
-    struct gp_occluders o = counted(planes & 1 ? &d : NULL,
-                                     planes & 2 ? &a : NULL, type);
-    o.facts.reversed = reversed;
-    static const double depths[] = {0,    1e-50, 0.1,  0.5, 0.99, 1,  2,
-                                    9.99, 10,    10.1, 1e3, 65504, 1e9, 1e60,
-                                    (double) INFINITY};
-    for (size_t k = 0; k < COUNT(depths); k++) {
-        struct gp_light l = GP_LIGHT_DEFAULTS;
-        l.depth = depths[k];
-        double want = 0.0, parts = 0.0;
-        for (int x = -300; x < W; x++) {
-            const double one = gp_occluders_show(&o, &l, x, 3);
-            assert_same(gp_occluders_sum(&o, &l, x, x + 1, 3), one, "one", x);
-            want += one;
-        }
-        for (int x = -300; x < W; x += 150)
-            parts += gp_occluders_sum(&o, &l, x, x + 150, 3);
-        const double got = gp_occluders_sum(&o, &l, -300, W, 3);
-        if (fabs(got - want) > 1e-9 || fabs(parts - want) > 1e-9)
-            fail_msg("type %d%s, planes %d, depth %g: %.17g and %.17g, not "
-                     "%.17g", (int) type, reversed ? " reversed" : "", planes,
-                     depths[k], got, parts, want);
-        assert_same(gp_occluders_sum(&o, &l, -300, W, 4), W + 300, "below", 4);
-    }
-}
-
-static void test_runs(void **state)
-{
-    for (int type = 0; type < 4; type++) {
-        for (int turned = 0; turned < (type == (int) INV ? 1 : 2); turned++) {
-            for (int planes = 1; planes < 4; planes++)
-                check_runs((enum gp_depth_type) type, turned, planes);
-        }
-    }
-}
-
 /* Empty runs, and far corners of pixel space: offsets must not wrap. */
 static void test_odd_runs(void **state)
 {
@@ -271,4 +205,4 @@ static void test_odd_runs(void **state)
 }
 
 SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_no_depth, test_show,
-         test_runs, test_odd_runs)
+         test_odd_runs)

@@ -7,6 +7,7 @@
 
 #include "core/memory.h"
 #include "kept_log.h"
+#include "sun/flare_priv.h"
 #include "sun/sun_priv.h"
 
 enum { MODES = 4 }; // of enum gp_sun_outside
@@ -305,33 +306,6 @@ static inline struct gp_flare_image image_make(int w, int h, double cx,
         }
     }
     return m;
-}
-
-static inline struct gp_flare all_images(struct gp_flare_element out[4])
-{
-    for (int i = 0; i < 4; i++) {
-        out[i] = ELEMENT(.shape = GP_FLARE_IMAGE, .plain = i == 0,
-            .at = 0.7 * i, .rotation = 20.0 * i, .size = 0.3 / (1 + i));
-        out[i].image = image_make(80 + i, 40 + 9 * i, 40.0, 20.0, i > 1);
-        out[i].scale[2] = i == 3 ? 1.25f : 1.0f;
-    }
-    return (struct gp_flare) {.element = out, .n = 4};
-}
-
-static inline struct gp_flare all_shapes(struct gp_flare_element *out)
-{
-    int n = 0;
-    for (; n < (int) COUNT(laws); n++) {
-        out[n] = whole(laws[n]);
-        out[n].at = 0.2 * n - 1.0;
-    }
-    return (struct gp_flare) {.element = out, .n = n + all_images(out + n).n};
-}
-
-static inline void free_images(struct gp_flare_element *e, int n)
-{
-    for (int i = 0; i < n; i++)
-        gp_planes_free(&e[i].image.rgb);
 }
 
 #endif

@@ -1,0 +1,115 @@
+/* Shared by the files of flares: elements at one size, and quads of them. */
+#ifndef GP_SUN_FLARE_PRIV_H
+#define GP_SUN_FLARE_PRIV_H
+
+#include "sun/flare.h"
+
+// -- flare: closed forms of elements (element.c) ------------------------------
+
+enum { GP_FLARE_SIDES = 64 };
+
+/* In [0, 1), the same for the same seed and i. */
+double gp_flare_random(int seed, int i);
+
+/* A ray of a streak or of spikes, in the element's axes. */
+struct gp_flare_ray {
+    float c, s;   // direction
+    float per_t;  // entries of the table in a pixel along it
+    float half;   // of its width, pixels
+    float steep;  // of its edges, in a pixel
+};
+
+/* An element, not an image, at one size: tables of its profile, in square
+ * pixels' light for a sum of `area`. */
+struct gp_flare_look {
+    struct gp_flare_element e;  // borrows
+    double diameter;            // asked for, pixels
+    double radius, reach;       // pixels; of the profile, in radii
+    double aspect, per_t;       // entries of the table in a radius
+    float share;                // 1 / radius
+    float across;               // pixels across an edge for 1 of the norm
+    float edge[6];              // hard edges, in radii; `edges` of them
+    int edges;
+    bool flat;                  // a ring without profile, drawn without table:
+    float outer[3], inner[3];   // its radii in pixels, and the light between
+    float weight[3];
+    int n;                      // entries of the table: [entry][channel]
+    float *table;               // owned
+    float side[GP_FLARE_SIDES][2]; // of a polygon: normal over its distance
+    struct gp_flare_ray *ray;   // owned
+    double *ray_area;           // owned; length in radii of each
+    int rays;
+    double area[3];             // sum over an unbounded plane
+};
+GP_MUST_CHECK gp_status gp_flare_look_make(const struct gp_log *log,
+    const struct gp_flare_element *e, double diameter,
+    struct gp_flare_look *out);
+void gp_flare_look_free(struct gp_flare_look *l);
+
+/* Pixels from the place, in any direction, beyond which the element is 0. */
+double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
+
+/* Pixels from the middle of ray i across it, beyond which it is 0. */
+double gp_flare_ray_width(const struct gp_flare_look *l, int i);
+
+// -- flare: elements made ready for the lights of one frame (flare.c) --------
+
+/* Distance in [0, 1] that by_place measures, of a light at (x, y). */
+double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
+                            double y, struct gp_rect display);
+
+/* Factor of an element's brightness in a frame. */
+double gp_flare_flicker(const struct gp_flare_element *e, int frame);
+
+/* Texture of an image at half size, `level` times. */
+struct gp_flare_level {
+    struct gp_flare_image image; // rgb owned when level > 0, else borrowed
+    int level;
+    double sum[3], luminance;    // of the whole image, level 0; 0 when not
+                                 // finite or not over 0: draws nothing
+};
+
+/* The level at which `size` of the longer side in pixels is not under a pixel
+ * a texel, with its sums. */
+GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
+    const struct gp_flare_image *image, double size,
+    struct gp_flare_level *out);
+
+/* The quad of one element of one light. */
+struct gp_flare_quad {
+    bool plain;
+    int light;
+    const struct gp_flare_look *look; // NULL: an image
+    struct gp_rect rect;  // pixels of the frame that it may reach; not empty
+    double x, y;          // place, EXR pixel space
+    float base[2];        // centre of pixel (rect.x0, rect.y0) less the place
+    float turn[2];        // cosine and sine of the rotation
+    float radius;         // image: texels a pixel
+    float inner[2];       // image: the place in texels
+    int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
+    float fraction[2];    // weight is 1 - fraction, and the next one's it
+    float cut[2];         // radii by which the pupil's rim is moved
+    float dirt[4];        // texels a pixel, and the place in texels
+    float amount[3];      // light where the value or sample is 1, when clear
+    const struct gp_flare_image *image; // of the quad's level; dirt
+};
+
+/* The pixels of `frame` (data window) that element e, as light l sees it, may
+ * reach; empty when it reaches none. `display` gives centre and height. */
+struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
+    const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
+
+/* Adds amount * sample of an image's channel c in row y to out[0] = column x0,
+ * and on to x1; both inside the quad's rect. */
+void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
+                      int x1, float amount, float *out);
+
+/* Adds amount * value of all channels in row y to out[c][0] = column x0, and on
+ * to x1; both inside the quad's rect. The quad has a look. */
+void gp_flare_look_row(const struct gp_flare_quad *q, int y, int x0, int x1,
+                       const float amount[3], float *const out[3]);
+
+/* Bilinear sample at a place in texels; 0 outside. */
+float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y);
+
+#endif

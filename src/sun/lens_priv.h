@@ -1,0 +1,223 @@
+/* Shared by the files of lenses: rays, meshes, cells and bands of the spectrum. */
+#ifndef GP_SUN_LENS_PRIV_H
+#define GP_SUN_LENS_PRIV_H
+
+#include "sun/lens.h"
+
+#include <stdint.h>
+
+// -- lenses: rays and meshes (lens.c, lens_trace.c, lens_cover.c) ------------
+
+enum {
+    GP_LENS_TABLE = 512, // steps of the cosine
+    GP_LENS_NODES = 3,   // traced wavelengths
+    GP_LENS_PASSES = 3,  // of the stop on one path
+    GP_LENS_CELLS = 128, // most of a mesh, a side
+};
+
+/* The lens at one wavelength. */
+struct gp_lens_optics {
+    const struct gp_lens *lens; // borrowed
+    double nm;
+    double n[GP_LENS_SURFACES + 1]; // before each surface, after the last
+    double z[GP_LENS_SURFACES + 1]; // of each surface and of the sensor
+    // share reflected by the cosine in the first medium, forwards and back
+    float reflected[GP_LENS_SURFACES][2][GP_LENS_TABLE + 2];
+};
+
+/* The place at which a ray lands. */
+struct gp_lens_hit {
+    double x, y;     // on the sensor
+    float through;   // share of the ray's light; negative: it does not arrive
+    float rim;       // largest height over semi of any surface but the stop
+    float stop[GP_LENS_PASSES][2]; // place over the stop's semi, at each pass
+};
+
+/* Rays of one ghost of one light: (cells + 1) times (cells / 2 + 1) places
+ * before the lens for each wavelength, over x in [x0, x1] and y in [0, y1]; the
+ * light is in the plane y = 0, which mirrors the rest. */
+struct gp_lens_mesh {
+    int cells;          // a side, even; 0: none arrives
+    int passes;         // of the stop
+    double x0, x1, y1;  // mm
+    double flux[GP_LENS_NODES]; // mm^2 times share that arrives
+    double scale;       // of the cells' light, towards an endless mesh
+    double lost;        // the same of cells with a ray that does not arrive
+    struct gp_lens_hit *hit; // owned; [node][row of y][column of x]
+};
+
+/* A convex outline of stop's blades: n.x * x + n.y * y <= apothem. None: the
+ * unit circle. */
+struct gp_lens_blades {
+    int n;
+    double normal[32][2], apothem;
+};
+
+/* A corner of a piece of a cell. */
+struct gp_lens_corner {
+    double p, q;   // before the lens
+    double x, y;   // on the sensor
+    double through, rim;
+    double stop[GP_LENS_PASSES][2];
+};
+enum { GP_LENS_CORNERS = 4 + 1 + GP_LENS_PASSES * 32 };
+
+void gp_lens_optics_make(const struct gp_lens *lens, double nm,
+                         struct gp_lens_optics *out);
+
+/* Traces a ray that meets the plane of the first surface at (x, y), with slope
+ * u in x. `at`, if not NULL, gets a point for each step, and the one on the
+ * sensor: (x, y, z). Source: sphere and refraction in vectors, as in Hullin et
+ * al. 2011. */
+struct gp_lens_hit gp_lens_trace(const struct gp_lens_optics *o,
+    const struct gp_lens_path *path, double x, double y, double u,
+    double (*at)[3]);
+
+/* The blades as seen with the x axis turned by `angle` (radians, from x to
+ * y); of the area of no circle, but with corners on it. */
+struct gp_lens_blades gp_lens_blades_of(const struct gp_lens *lens,
+                                        double angle);
+
+/* Traces meshes of a path with 16, 32, ... cells, until the light that arrives
+ * and the area that it covers change by less than ten times `tolerance`, or
+ * than would move an edge by `step` mm on the sensor, and, where `tolerance` is
+ * under 1e-3, sides of cells are straight and even enough; sets `scale` by
+ * Richardson's rule, as both err with the square of a cell.
+ *   optics  GP_LENS_NODES of them
+ *   out     free with gp_lens_mesh_free() */
+GP_MUST_CHECK gp_status gp_lens_mesh_make(const struct gp_log *log,
+    const struct gp_lens_optics *optics, const struct gp_lens_path *path,
+    const struct gp_lens_blades *blades, double u, double tolerance,
+    double step, struct gp_lens_mesh *out);
+void gp_lens_mesh_free(struct gp_lens_mesh *m);
+
+/* Returns true when blades and rims let all of a ray's light through. */
+static inline bool gp_lens_is_clear(const struct gp_lens_blades *b, int passes,
+                                    const struct gp_lens_hit *h)
+{
+    bool clear = h->rim <= 1.0f;
+    for (int s = 0; s < passes && b->n; s++)
+        clear = clear && (double) (h->stop[s][0] * h->stop[s][0] +
+                                   h->stop[s][1] * h->stop[s][1]) <=
+                             b->apothem * b->apothem;
+    return clear;
+}
+
+/* Returns the corner of a cell at a ray, at (p, q) before the lens; `sign` -1:
+ * of the mesh's other half. */
+struct gp_lens_corner gp_lens_corner_of(const struct gp_lens_hit *h, double p,
+                                        double q, double sign);
+
+/* Cuts the cell of corners c[0..3], in turn, by rims and blades, in place;
+ * c has room for GP_LENS_CORNERS. Returns the corners left, 0: nothing. */
+int gp_lens_cut(const struct gp_lens_blades *blades, int passes,
+                struct gp_lens_corner c[GP_LENS_CORNERS]);
+
+/* Rows [top, ...) of an accumulator: w + 2 columns of three channels a row,
+ * whose running sums are light a pixel. Draws rows from y0 up to y1. */
+struct gp_lens_cover {
+    double *v;       // borrowed, of row `top`
+    int w, top;
+    double y0, y1;
+};
+
+/* Adds an edge: `light` a pixel more to its right where it goes up, less where
+ * it goes down. */
+void gp_lens_cover_edge(const struct gp_lens_cover *k, const double a[2],
+                        const double b[2], const double light[3]);
+
+/* Spreads light evenly over a polygon of n >= 3 points, which does not cross
+ * itself; of no area it goes to the pixels of its points. The part outside the
+ * rows and columns is dropped. */
+void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
+                       int n, const double light[3]);
+
+/* Light of a frame in steps of pixels, from a step before it to one after it:
+ * (w + 2) * (h + 2) places of three channels. */
+struct gp_lens_steps {
+    int step, w, h;
+    double *v;       // owned; NULL: none
+};
+enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
+
+/* Makes dark steps for a frame of w x h. */
+GP_MUST_CHECK gp_status gp_lens_steps_make(const struct gp_log *log, int w,
+    int h, int step, struct gp_lens_steps *out);
+
+/* Sums up the rows of all levels, and adds them to a layer of w x h. */
+GP_MUST_CHECK gp_status gp_lens_steps_add(
+    struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
+    struct gp_planes *layer);
+
+// -- lenses: ghosts by cells and parts of the spectrum -----------------------
+// (lens_bands.c, lens_cells.c, lens_draw.c)
+
+enum {
+    GP_LENS_SETS = 7,        // of bands
+    GP_LENS_SETS_COARSE = 5, // that many lights have
+    GP_LENS_BANDS = 96,      // most of a set
+    GP_LENS_PAIRS = GP_LENS_NODES * (GP_LENS_NODES + 1) / 2,
+};
+
+/* Wavelengths in nm that the rays have: of blue, green and red. */
+extern const double gp_lens_node[GP_LENS_NODES];
+
+/* Parts of the spectrum in each set. */
+extern const int gp_lens_bands_of_set[GP_LENS_SETS];
+
+/* A part of the spectrum: how the nodes make its rays (Lagrange), and each
+ * channel's light of a ray from the products of two nodes' roots of it, over
+ * the light of the image on the axis. */
+struct gp_lens_band {
+    double of_node[GP_LENS_NODES];
+    double light[3][GP_LENS_PAIRS];
+};
+
+/* A cell in the frame: the rows of the layer that its light may meet. */
+struct gp_lens_cell {
+    float y0, y1;
+    uint8_t set;       // 1 + its set of bands; 0: not in the frame
+};
+
+/* A light's ghost by one pair of surfaces. */
+struct gp_lens_item {
+    struct gp_lens_mesh mesh;
+    struct gp_lens_blades blades;
+    double flux[3], turn[2], u; // turn: cosine and sine of the light's axis
+    double along[2], aside[2], middle[2]; // pixels of the layer: of a mm along
+                                          // and across the light's axis, and
+                                          // of the lens's axis
+    double y0, y1;     // rows of the layer that it covers
+    int level;         // of its step; negative: outside the frame
+    struct gp_lens_cell cell[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // halves
+};
+
+/* A band's rays of an item, to be drawn; for one thread. */
+struct gp_lens_rays;
+GP_MUST_CHECK gp_status gp_lens_rays_make(struct gp_lens_rays **out);
+
+/* Makes all sets of bands.
+ *   chromaticities  8, of the frame
+ *   image           light of the image on the axis at each node */
+void gp_lens_bands_make(const float *chromaticities,
+                        const double image[GP_LENS_NODES],
+                        struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS]);
+
+/* Sets each channel's light from the square roots of that at the nodes. */
+void gp_lens_light_of(const struct gp_lens_band *b,
+                      const double root[GP_LENS_NODES], double out[3]);
+
+/* Finds the step of an item with a mesh, the bands of each of its cells, and
+ * the rows of those in the frame. `ease` >= 1: bands of many lights may be
+ * so much wider. */
+void gp_lens_item_place(const struct gp_lens_view *v,
+                        const struct gp_lens_ghost *g, double ease,
+                        struct gp_lens_item *it);
+
+/* Draws an item into rows [top, end) of the steps of its level. */
+void gp_lens_item_draw(const struct gp_lens_item *it,
+    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS],
+    const struct gp_lens_steps *steps, int top, int end,
+    struct gp_lens_rays *rays);
+
+#endif
