@@ -6,18 +6,11 @@
  *                  (materials, cut-outs, triangles), node (nodes, lights,
  *                  cameras), anim (places of nodes at a time), camera (beside
  *                  the frame's)
- *   bounds         boxes and spheres of objects
- *   frustum        planes of a camera, and of its hull with a light (15.4.4)
- *   reach          volumes of lights
- *   sets           V, L, I, F, S by flags on objects (15.4.3)
- *   groups         objects side by side, tested by their bounds and 16 at once
- *   hidden, umbra  occlusion by the frame's depth, and by a light's occluders
- *   scissor        bounds on screen and in depth of what a light reaches (15.5)
- *   eye_set        objects between the eye and a light's disc, and the share of
- *                  it that they leave clear
  *   tree, rays     rays through triangles, in double
- *   draw, shadow   the paper's renderer on GL
+ *   eye            objects between the eye and a light's disc, and the share of
+ *                  it that they leave clear
  *   relight        the frame lit by the scene's lights
+ *   sets/          the paper: sets, the renderer, its table
  *
  * The scene's world is the frame's: gltf/ turns glTF's (y up) to it. Units are
  * the file's, metres by glTF. Matrices are for row vectors, p' = p * m,

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "gl_open.h"
 #include "core/memory.h"
-#include "scene/bounds.h"
 #include "scene/sets/sets_priv.h"
 #include "scene_made.h"
 

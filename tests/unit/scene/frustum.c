@@ -1,8 +1,6 @@
 /* Frusta and their hulls with lights, against points one by one. */
 #include "scene/sets/sets_priv.h"
 
-#include "scene/bounds.h"
-#include "scene/scene_priv.h"
 #include "scene_made.h"
 
 static const struct gp_rect display = {-3, 5, 157, 95};
@@ -166,38 +164,4 @@ static void hulls(void **state)
     assert_true(same > 20 && apart > 1000);
 }
 
-/* Boxes that a point of the hull is in are never missed; those that miss
- * every plane's outside by far are. */
-static void boxes(void **state)
-{
-    uint64_t seed = 13;
-    int missed = 0, met = 0;
-    for (int i = 0; i < 2000; i++) {
-        const struct gp_camera c = camera(&seed, i);
-        double x[2], y[2], z[2];
-        const struct gp_frustum f = part_of(&seed, &c, x, y, z);
-        const struct gp_v3 at = {made_between(&seed, -30, 30),
-                                 made_between(&seed, -30, 30),
-                                 made_between(&seed, -30, 30)};
-        const struct gp_volume v = gp_hull(&f, (struct gp_from) {at, 1.0});
-        const struct gp_v3 e = {made_random(&seed), made_random(&seed),
-                                made_random(&seed)};
-        const struct gp_v3 p =
-            mix(mix(f.corner[i % 8], f.corner[7 - i % 8], made_random(&seed)),
-                at, made_random(&seed));
-        const struct gp_v3 to = {made_between(&seed, -1, 1),
-                                 made_between(&seed, -1, 1),
-                                 made_between(&seed, -1, 1)};
-        const struct gp_v3 c_in = {p.x + to.x * e.x, p.y + to.y * e.y,
-                                   p.z + to.z * e.z};
-        assert_false(gp_volume_misses(&v, c_in, e));
-        met++;
-        const struct gp_v3 far = {made_between(&seed, -40, 40),
-                                  made_between(&seed, -40, 40),
-                                  made_between(&seed, -40, 40)};
-        missed += gp_volume_misses(&v, far, e);
-    }
-    assert_true(missed > met / 4);
-}
-
-SUITE_OF(frustum, NULL, NULL, frusta, hulls, boxes)
+SUITE_OF(frustum, NULL, NULL, frusta, hulls)

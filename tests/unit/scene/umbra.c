@@ -1,8 +1,6 @@
 /* Bodies of meshes, and umbras against rays. */
 #include "scene/sets/sets_priv.h"
 
-#include "scene/bounds.h"
-#include "scene/scene_priv.h"
 #include "scene_rays.h"
 
 static struct gp_v3 around(uint64_t *seed, double size)
