@@ -162,6 +162,12 @@ static gp_status check_length(const struct walk *walk, uint64_t before,
                    LIST_MOST);
 }
 
+void gp_exr_plain(char *text)
+{
+    for (; *text; text++)
+        *text = *text >= ' ' && *text <= '~' ? *text : '?';
+}
+
 /* Checks an attribute, the `attrs`th of its part. */
 static gp_status check_attribute(struct walk *walk, const struct place *p,
                                  uint64_t attrs)

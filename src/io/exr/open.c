@@ -85,12 +85,6 @@ static int64_t query_size(exr_const_context_t ctxt, void *user)
     return (int64_t) in->stream.size;
 }
 
-void gp_exr_plain(char *text)
-{
-    for (; *text; text++)
-        *text = *text >= ' ' && *text <= '~' ? *text : '?';
-}
-
 /* True for what the library reports and OpenEXR reads all the same: a preview
  * without pixels, a wrong number of chunks, and in a file of one flat part
  * attributes of those names that mean something only in others. */

@@ -63,6 +63,12 @@ static const struct fixture ids_part = {
     .part = {PART("crypto_asset00", RGB(FLOATS)), PART("beauty", RGB(HALVES))},
     .parts = 2,
 };
+static const struct fixture windows = {
+    .part = {PART("rgba", RGB(HALVES)),
+             {.name = "small", .data = FIXTURE_WINDOW(-2, 3, W, H - 1),
+              .compression = EXR_COMPRESSION_ZIP, .channel = {RGB(HALVES)}}},
+    .parts = 2,
+};
 static const struct fixture deep = {
     .part = {{.name = "deep", .data = W(3), .deep = true,
               .compression = EXR_COMPRESSION_ZIPS, .channel = {RGB(HALVES)}}},
@@ -243,4 +249,33 @@ static void not_found(void **state)
     }
 }
 
-SUITE_OF(layers, make_folder, remove_folder, found, not_found)
+static void further_refused(void **state)
+{
+    static const struct {
+        const struct fixture *file;
+        const char *layer;
+        gp_status st;
+        const char *what;
+    } rows[] = {
+        {&parts, "none", GP_ERR_USAGE, " none ("},
+        {&ids, "aids00", GP_ERR_USAGE, "aids00"},
+        {&windows, "small", GP_ERR_DATA, "small (part 1)"},
+    };
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_frame f, layer = {0};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        assert_ok(read_as(rows[i].file, NULL, NULL, NULL, &f));
+        assert_int_equal(gp_read_layer(&kept_log, &p, &f, rows[i].layer,
+                                       &layer), rows[i].st);
+        assert_int_equal(kept_errors, 1);
+        assert_kept(rows[i].what);
+        assert_null(layer.rgb.c[0]);
+        gp_frame_free(&f);
+    }
+    f = (struct gp_frame) {.path = "made"};
+    assert_int_equal(gp_read_layer(&kept_log, &p, &f, "a", &layer),
+                     GP_ERR_USAGE);
+}
+
+SUITE_OF(layers, make_folder, remove_folder, found, not_found,
+         further_refused)
