@@ -161,10 +161,10 @@ gp_status gp_run_shares(struct gp_run *r, struct gp_frame_state *fs)
         memcpy(facts->depth_empty, o->facts.empty, sizeof o->facts.empty);
         facts->depth_reversed = o->facts.reversed;
     }
-    if (r->s->debug[GP_DEBUG_SUNMAP])
+    if (r->s->output.debug[GP_DEBUG_SUNMAP])
         st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,
                              &fs->sunmap.h, &fs->sunmap.planes);
-    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
+    if (!st && r->s->output.debug[GP_DEBUG_INTENSITY])
         st = gp_suns_picture(fs->log, suns, true, &fs->intensity.w,
                              &fs->intensity.h, &fs->intensity.planes);
     return st;
