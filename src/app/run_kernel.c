@@ -54,6 +54,25 @@ static gp_status check_image_options(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Reads the images that k's recipes name. */
+static gp_status read_images(const struct gp_log *log,
+    const struct gp_read_params *limits, struct gp_wanted_kernel *k)
+{
+    for (int i = 0; i < k->recipes; i++) {
+        const char *const file = gp_recipe_file(&k->recipe[i]);
+        if (!file)
+            continue;
+        gp_status st = gp_read_frame(log, limits, file, &k->image[i]);
+        if (!st && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
+            st = gp_label_read(log, &k->image[i], &k->label[i]);
+        if (st)
+            return st;
+        k->recipe[i].image = &k->image[i];
+        k->recipe[i].as_it_is = k->label[i].present;
+    }
+    return GP_OK;
+}
+
 gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out)
 {
@@ -88,7 +107,7 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
                                         s->kernel.percent, &k.recipe[i]));
         k.recipes++;
     }
-    GP_TRY(gp_wanted_images_read(log, &limits, NULL, &k));
+    GP_TRY(read_images(log, &limits, &k));
     *out = k;
     for (int i = 0; i < n; i++)
         out->recipe[i].image = k.recipe[i].image ? &out->image[i] : NULL;
@@ -96,49 +115,6 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
 out:
     gp_wanted_kernel_free(&k);
     return st;
-}
-
-/* Reads an image that a recipe names: beside `from` if it is there, else as a
- * path. */
-static gp_status read_image(const struct gp_log *log,
-    const struct gp_read_params *limits, const char *from, const char *file,
-    struct gp_frame *out)
-{
-    if (!from || file[0] == '/')
-        return gp_read_frame(log, limits, file, out);
-    char *const folder = gp_file_folder(from);
-    if (!folder)
-        return gp_no_memory(log, file);
-    const size_t room = strlen(folder) + strlen(file) + 2;
-    char *path = NULL;
-    gp_status st = gp_alloc(log, "kernel", room, 1, &path);
-    if (!st) {
-        snprintf(path, room, "%s/%s", folder, file);
-        st = gp_read_frame(log, limits, gp_file_exists(path) ? path : file,
-                           out);
-    }
-    gp_free(path);
-    gp_free(folder);
-    return st;
-}
-
-gp_status gp_wanted_images_read(const struct gp_log *log,
-    const struct gp_read_params *limits, const char *from,
-    struct gp_wanted_kernel *k)
-{
-    for (int i = 0; i < k->recipes; i++) {
-        const char *const file = gp_recipe_file(&k->recipe[i]);
-        if (!file)
-            continue;
-        gp_status st = read_image(log, limits, from, file, &k->image[i]);
-        if (!st && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
-            st = gp_label_read(log, &k->image[i], &k->label[i]);
-        if (st)
-            return st;
-        k->recipe[i].image = &k->image[i];
-        k->recipe[i].as_it_is = k->label[i].present;
-    }
-    return GP_OK;
 }
 
 struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
