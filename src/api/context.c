@@ -44,7 +44,7 @@ static void receive(void *user, const struct gp_line *line)
     char named[GP_LINE_BYTES];
     struct glarepp_message m = {
         .level = bare ? GLAREPP_ERROR : (enum glarepp_level) line->level,
-        .status = line->status, .parameter = line->parameter,
+        .status = (int) line->status, .parameter = line->parameter,
         .text = line->text, .user = sink->user,
     };
     if (bare && sink->name) {

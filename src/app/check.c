@@ -26,7 +26,8 @@ static bool open_ended(const char *path)
 /* Finds whether pictures are written, and one without an ending. */
 static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
 {
-    const struct gp_texts *const outputs[] = {&s->outputs, &s->hdr, &s->layer};
+    const struct gp_texts *const outputs[] = {&s->output.pictures,
+                                              &s->output.hdr, &s->output.layer};
     *stream = *files = false;
     for (int k = 0; k < 3; k++) {
         *files = *files || outputs[k]->n;
@@ -34,8 +35,8 @@ static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
             *stream = *stream || open_ended(outputs[k]->at[i]);
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        *stream = *stream || open_ended(s->debug[i]);
-        *files = *files || s->debug[i];
+        *stream = *stream || open_ended(s->output.debug[i]);
+        *files = *files || s->output.debug[i];
     }
 }
 
@@ -87,28 +88,28 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
 {
     const struct gp_sun_params *const sun = &s->sun;
     const bool light = gp_suns_wanted(sun) || s->scene.path;
-    const bool config = s->ocio.config != NULL;
+    const bool config = s->tone.ocio.config != NULL;
     const bool mask = sun->method == GP_SUN_MASK ||
                       s->command == GP_COMMAND_BENCH; // runs every method
-    const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
+    const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
     const char *const engine = s->glare.engine;
-    const struct gp_tone_curve *const curve = gp_tone_find(s->tone.curve);
+    const struct gp_tone_curve *const curve = gp_tone_find(s->tone.map.curve);
     const bool chosen = strcmp(engine, "auto") == 0;
     bool stream, files;
     find_outputs(s, &stream, &files);
     unsigned met = (light ? GP_NEED_LIGHT : GP_NEED_NO_LIGHT) |
                    (config ? GP_NEED_CONFIG
                            : GP_NEED_NO_CONFIG | GP_NEED_TONES);
-    met |= s->inputs.n == 0 ? GP_NEED_OWN_FRAMES : 0;
-    met |= s->report || s->level >= GP_LEVEL_INFO ? GP_NEED_REPORT : 0;
+    met |= s->input.files.n == 0 ? GP_NEED_OWN_FRAMES : 0;
+    met |= s->run.report || s->run.level >= GP_LEVEL_INFO ? GP_NEED_REPORT : 0;
     met |= !gp_option_given(s, "stdout-format") ||
-           s->write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
+           s->output.write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
     met |= !sun->at.n ? GP_NEED_NO_PLACE : 0;
     met |= sun->at.n || sun->dir.n || sun->camera ? GP_NEED_SUN : 0;
-    met |= s->outputs.n || polygons ? GP_NEED_PICTURE : 0;
-    met |= s->hdr.n ? GP_NEED_HDR : 0;
+    met |= s->output.pictures.n || polygons ? GP_NEED_PICTURE : 0;
+    met |= s->output.hdr.n ? GP_NEED_HDR : 0;
     met |= mask ? GP_NEED_MASK : 0;
-    met |= mask || s->debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
+    met |= mask || s->output.debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
     met |= config || !curve || curve->map ? GP_NEED_CURVE : 0;
     met |= config || !curve || curve->reads_white ? GP_NEED_EXTENDED : 0;
     met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
@@ -116,7 +117,7 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
     met |= chosen ? GP_NEED_AUTO : 0;
     met |= stream ? GP_NEED_STREAM : 0;
     met |= s->lens.name ? GP_NEED_LENS : 0;
-    met |= s->relight.n ? GP_NEED_RELIGHT : 0;
+    met |= s->scene.relight.n ? GP_NEED_RELIGHT : 0;
     met |= s->scene.path ? GP_NEED_SCENE : 0;
     met |= files ? GP_NEED_FILES : 0;
     return ~met;
@@ -131,8 +132,8 @@ static const char *first_in_need(const struct gp_settings *s, unsigned bit)
             return o->name;
     }
     return bit != GP_NEED_LIGHT            ? NULL
-           : s->debug[GP_DEBUG_SUNMAP]     ? "debug sunmap"
-           : s->debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
+           : s->output.debug[GP_DEBUG_SUNMAP]     ? "debug sunmap"
+           : s->output.debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
 }
 
 /* Reports the first option with a need that is not met as an error, or with
@@ -146,17 +147,18 @@ static gp_status check_needs(const struct gp_log *log,
         const char *const name = (unmet & bit) ? first_in_need(s, bit) : NULL;
         if (!name || warns != (bit >= GP_NEED_MASK))
             continue;
-        const char *const value = !needs[i].end              ? ""
-                                  : bit == GP_NEED_OWN_FRAMES ? s->inputs.at[0]
-                                  : bit == GP_NEED_EXTENDED   ? s->tone.curve
-                                                        : s->glare.engine;
+        const char *const value = !needs[i].end ? ""
+                                  : bit == GP_NEED_OWN_FRAMES
+                                      ? s->input.files.at[0]
+                                  : bit == GP_NEED_EXTENDED ? s->tone.map.curve
+                                                            : s->glare.engine;
         const char *const end = needs[i].end ? needs[i].end : "";
         if (warns)
             gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
                    value, end);
         else if (bit == GP_NEED_CONFIG && strcmp(name, "view") == 0)
             return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
-                           "for stereo use --views %s", s->ocio.view);
+                           "for stereo use --views %s", s->tone.ocio.view);
         else
             return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
                            needs[i].text, value, end);
@@ -170,19 +172,19 @@ static gp_status check_needs(const struct gp_log *log,
 static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
 {
     enum { MOST = 65536 };
-    const char *const word = s->grow ? s->grow : "0";
+    const char *const word = s->output.grow ? s->output.grow : "0";
     char *end;
     const long n = strtol(word, &end, 10);
     const bool number = end != word && !*end && *word >= '0' && *word <= '9';
-    s->grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
+    s->output.grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
                   : strcmp(word, "none") == 0 ? GP_GROW_NONE : GP_GROW_PIXELS;
-    if (s->grow_how != GP_GROW_PIXELS)
+    if (s->output.grow_how != GP_GROW_PIXELS)
         return GP_OK;
     if (!number || n > MOST)
         return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
                        "(found \"%s\"); give 0 to %d, kernel or none", word,
                        MOST);
-    s->grow_pixels = (int) n;
+    s->output.grow_pixels = (int) n;
     return GP_OK;
 }
 
@@ -190,7 +192,7 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
 static gp_status check_kernel_size(const struct gp_log *log,
                                    struct gp_settings *s)
 {
-    const char *const word = s->kernel_size ? s->kernel_size : "100";
+    const char *const word = s->kernel.size ? s->kernel.size : "100";
     char *end;
     const double v = *word >= '0' && *word <= '9' ? strtod(word, &end) : NAN;
     const bool degrees = isfinite(v) && strcmp(end, "deg") == 0;
@@ -200,8 +202,8 @@ static gp_status check_kernel_size(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
                        "\"%s\"); give 0.1 to 10000 percent of the image's "
                        "pixels, or its height as 0.001deg to 180deg", word);
-    s->kernel_degrees = degrees ? v : 0.0;
-    s->kernel_percent = degrees ? 100.0 : v;
+    s->kernel.degrees = degrees ? v : 0.0;
+    s->kernel.percent = degrees ? 100.0 : v;
     return GP_OK;
 }
 
@@ -223,16 +225,16 @@ static gp_status check_size(const struct gp_log *log, struct gp_making *m,
 static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
-    const bool makes = s->outputs.n > 0;
+    const bool makes = s->output.pictures.n > 0;
     if (m->list + (m->check != NULL) + makes != 1)
         return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp kernel -k "
                        "MODEL -o FILE, --check FILE and --list",
                        m->list || m->check || makes ? "too much to do"
                                                     : "nothing to make");
-    if (s->inputs.n > (m->check ? 1 : 0))
+    if (s->input.files.n > (m->check ? 1 : 0))
         return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads %s; write -k FILE "
                        "for an image of a kernel",
-                       s->inputs.at[s->inputs.n - 1],
+                       s->input.files.at[s->input.files.n - 1],
                        m->check ? "one frame" : "no frames");
     const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
                        gp_option_given(s, "frame");
@@ -240,7 +242,7 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
     if (m->check && kernel)
         return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
                        "and -k %s); write only --check %s", m->check,
-                       s->kernels.at[0], s->kernels.at[0]);
+                       s->kernel.words.at[0], s->kernel.words.at[0]);
     if (m->check && sized && !gp_recipe_is(m->check))
         return gp_fail(log, GP_ERR_USAGE, "--check: %s is a file, which has "
                        "its size; leave --size, --radius, --fov and --frame "
@@ -253,11 +255,11 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 
 static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 {
-    if (s->inputs.n != 1)
+    if (s->input.files.n != 1)
         return gp_fail(log, GP_ERR_USAGE, "sets: one scene (found %d); write "
-                       "glarepp sets scene.glb", s->inputs.n);
+                       "glarepp sets scene.glb", s->input.files.n);
     for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
-        if (s->debug[i])
+        if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
                            "sets; give scissor or sets", gp_debugs[i].name);
     }
@@ -270,9 +272,9 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 static gp_status check_lens(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
-    if (s->inputs.n)
+    if (s->input.files.n)
         return gp_fail(log, GP_ERR_USAGE, "%s: lens reads no frames; write "
-                       "--check FILE for a lens", s->inputs.at[0]);
+                       "--check FILE for a lens", s->input.files.at[0]);
     if (m->list && m->check)
         return gp_fail(log, GP_ERR_USAGE, "too much to do; write one of "
                        "glarepp lens --check FILE|NAME and --list");
@@ -287,17 +289,17 @@ static gp_status check_lens(const struct gp_log *log, struct gp_settings *s)
 static gp_status check_styles(const struct gp_log *log,
                               const struct gp_settings *s)
 {
-    const bool makes = s->outputs.n || s->report;
-    if (s->inputs.n > 1)
+    const bool makes = s->output.pictures.n || s->run.report;
+    if (s->input.files.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
-                       "%d); give one", s->inputs.at[1], s->inputs.n);
-    if (s->inputs.n && !makes)
+                       "%d); give one", s->input.files.at[1], s->input.files.n);
+    if (s->input.files.n && !makes)
         return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
-                       "styles -o sheet.png %s", s->inputs.at[0]);
-    if (s->inputs.n && gp_is_dash(s->inputs.at[0]))
+                       "styles -o sheet.png %s", s->input.files.at[0]);
+    if (s->input.files.n && gp_is_dash(s->input.files.at[0]))
         return gp_fail(log, GP_ERR_USAGE, "-: styles reads the frame once for "
                        "each style; give a file");
-    if (!s->inputs.n && makes)
+    if (!s->input.files.n && makes)
         return gp_fail(log, GP_ERR_USAGE, "styles: no frame; write glarepp "
                        "styles -o sheet.png frame.exr");
     return GP_OK;
@@ -337,11 +339,11 @@ static gp_status check_scaling(const struct gp_log *log,
             return gp_fail(log, GP_ERR_USAGE, "--%s: not with several numbers "
                            "of --threads; leave one of the two out", tables[i]);
     }
-    if (gp_is_dash(s->inputs.at[0]))
+    if (gp_is_dash(s->input.files.at[0]))
         return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers read the "
                        "frame several times (found stdin); give a file");
-    for (int i = 0; i < s->threads.n; i++) {
-        if (s->threads.v[i] < 1)
+    for (int i = 0; i < s->run.threads.n; i++) {
+        if (s->run.threads.v[i] < 1)
             return gp_fail(log, GP_ERR_USAGE, "--threads: 0 among several "
                            "numbers; give each as 1 to 1024");
     }
@@ -354,16 +356,17 @@ static gp_status check_scaling(const struct gp_log *log,
 static gp_status no_output(const struct gp_log *log,
                            const struct gp_settings *s)
 {
-    const int n = s->inputs.n;
-    const char *const *const in = (const char *const *) s->inputs.at;
+    const int n = s->input.files.n;
+    const char *const *const in = (const char *const *) s->input.files.at;
     const char *const first = in[0], *const last = in[n - 1];
     const char *const slash = strrchr(last, '/'); // (or the folder is missing)
     char ending[16], other[16];
     gp_file_ending(first, other, sizeof other);
     gp_file_ending(last, ending, sizeof ending);
-    const bool meant = n > 1 &&
-        (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
-        gp_write_check(NULL, &s->write, slash ? slash + 1 : last) == GP_OK;
+    const bool meant =
+        n > 1 && (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
+        gp_write_check(NULL, &s->output.write, slash ? slash + 1 : last) ==
+            GP_OK;
     const bool one = n - meant == 1 && !strpbrk(first, "#@%");
     const char *const out = meant ? last : one ? "out.png" : "out.####.png";
     if (meant && strcmp(ending, "exr") == 0)
@@ -381,29 +384,32 @@ static gp_status check_inputs(const struct gp_log *log,
                               const struct gp_settings *s)
 {
     const bool bench = s->command == GP_COMMAND_BENCH;
-    bool wants = s->outputs.n || s->hdr.n || s->layer.n || s->report;
+    bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
+                 s->run.report;
     for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
-        if (s->debug[i])
-            return gp_fail(log, GP_ERR_USAGE, "--debug %s: of glarepp sets "
+        if (s->output.debug[i])
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--debug %s: of glarepp sets "
                            "only; write glarepp sets --debug %s=%s SCENE",
-                           gp_debugs[i].name, gp_debugs[i].name, s->debug[i]);
+                           gp_debugs[i].name, gp_debugs[i].name,
+                           s->output.debug[i]);
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        wants = wants || s->debug[i];
+        wants = wants || s->output.debug[i];
     if (bench && (s->lens.name || s->sun.flare) && gp_suns_wanted(&s->sun))
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
                        "pixels, and lights by their visibility (found a "
                        "light); leave one out", s->lens.name ? "--lens"
                                                              : "--flare");
-    if (bench && !s->bench.paper && s->inputs.n == 0)
+    if (bench && !s->bench.paper && s->input.files.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
                        "frame.exr, or glarepp bench --paper");
-    if (bench && !s->bench.paper && s->inputs.n > 1)
+    if (bench && !s->bench.paper && s->input.files.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
-            "(found %d); give one", s->inputs.at[1], s->inputs.n);
-    if (bench && s->threads.n > 1)
+            "(found %d); give one", s->input.files.at[1], s->input.files.n);
+    if (bench && s->run.threads.n > 1)
         return check_scaling(log, s);
-    if (!bench && s->inputs.n == 0)
+    if (!bench && s->input.files.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
                        "frame.exr, or see glarepp --help");
     if (!bench && !wants)
@@ -436,7 +442,7 @@ static gp_status check_lights(const struct gp_log *log,
 static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_compare_settings *const p = &s->compare;
-    const char *const *const input = s->inputs.at;
+    const char *const *const input = s->input.files.at;
     const double *const e = p->flip_exposures.v;
     // a limit of our own takes the place of idiff's default ones
     const bool own = gp_option_given(s, "fail-rel") ||
@@ -445,10 +451,10 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
         p->limits.fail = INFINITY;
     if (own && !gp_option_given(s, "warn"))
         p->limits.warn = INFINITY;
-    if (s->inputs.n != 2)
+    if (s->input.files.n != 2)
         return gp_fail(log, GP_ERR_USAGE, "%s: needs two images (found %d); "
                        "write glarepp compare A B",
-                       s->inputs.n > 2 ? input[2] : "compare", s->inputs.n);
+                       s->input.files.n > 2 ? input[2] : "compare", s->input.files.n);
     if (gp_is_dash(input[0]) && gp_is_dash(input[1]))
         return gp_fail(log, GP_ERR_USAGE,
                        "-: stdin holds only one image; give a file as the "
@@ -475,16 +481,16 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
-    const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
+    const struct gp_log *const warn = s->run.level < GP_LEVEL_WARN ? NULL : log;
     const struct gp_sun_params *const sun = &s->sun;
-    if (s->command == GP_COMMAND_HELP && s->inputs.n > 1)
+    if (s->command == GP_COMMAND_HELP && s->input.files.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
-                       "give one topic", s->inputs.at[1]);
+                       "give one topic", s->input.files.at[1]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
-    if (s->command != GP_COMMAND_BENCH && s->threads.n > 1)
+    if (s->command != GP_COMMAND_BENCH && s->run.threads.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers are for "
-                       "glarepp bench (found %d); give one", s->threads.n);
+                       "glarepp bench (found %d); give one", s->run.threads.n);
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
     GP_TRY(check_kernel_size(log, s));
@@ -496,7 +502,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "ignore"));
     s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
     s->sun.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
-    s->kernel.centered = gp_option_given(s, "kernel-center");
+    s->kernel.image.centered = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL)
         return check_making(log, s);
     if (s->command == GP_COMMAND_LENS)
@@ -513,25 +519,27 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     // Ando et al. spread whole pixels and add the layer
     const bool bench = s->command == GP_COMMAND_BENCH;
     if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
-        s->sensor.mode = GP_THRESHOLD_WHOLE;
+        s->light.sensor.mode = GP_THRESHOLD_WHOLE;
     if (bench && s->bench.paper && !gp_option_given(s, "mix"))
-        s->compose.mix = GP_MIX_ADD;
-    if (s->sensor.mode == GP_THRESHOLD_EXCESS && gp_option_given(s, "knee"))
+        s->light.compose.mix = GP_MIX_ADD;
+    if (s->light.sensor.mode == GP_THRESHOLD_EXCESS &&
+        gp_option_given(s, "knee"))
         return gp_fail(log, GP_ERR_USAGE, "--knee: needs --threshold-mode "
                        "whole (found %g with excess); add it, or leave --knee "
-                       "out", (double) s->sensor.knee);
+                       "out", (double) s->light.sensor.knee);
     GP_TRY(check_needs(warn, s, true));
     // settings that follow from several others
     if (gp_option_given(s, "raw"))
-        s->write.stdout_format = GP_STDOUT_RAW;
-    s->write.converted = s->ocio.output != NULL;
-    s->ocio.shows = s->outputs.n > 0 || s->debug[GP_DEBUG_POLYGONS];
-    s->ocio.context = s->ocio_context.at;
-    s->ocio.contexts = s->ocio_context.n;
-    s->glare.gain = s->compose.gain;
+        s->output.write.stdout_format = GP_STDOUT_RAW;
+    s->output.write.converted = s->tone.ocio.output != NULL;
+    s->tone.ocio.shows =
+        s->output.pictures.n > 0 || s->output.debug[GP_DEBUG_POLYGONS];
+    s->tone.ocio.context = s->tone.context.at;
+    s->tone.ocio.contexts = s->tone.context.n;
+    s->glare.gain = s->light.compose.gain;
     // what is added to a picture is of its own lights; what is moved is missed
-    if (!gp_option_given(s, "edges") && s->compose.mix == GP_MIX_ADD)
-        s->edges = GP_SURROUND_BLACK;
+    if (!gp_option_given(s, "edges") && s->light.compose.mix == GP_MIX_ADD)
+        s->light.edges = GP_SURROUND_BLACK;
 out:
     return st;
 }

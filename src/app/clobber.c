@@ -19,7 +19,7 @@ static const struct single {
 } singles[] = {
 #define SINGLE(f, what, written)                                              \
     {what, offsetof(struct gp_settings, f), written}
-    SINGLE(report, "--report", true),
+    SINGLE(run.report, "--report", true),
     SINGLE(bench.csv, "--csv", true),
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
@@ -31,7 +31,7 @@ static const struct single {
     SINGLE(lens.name, "--lens", false),
     SINGLE(sun.depth_file, "--depth-file", false),
     SINGLE(sun.mask_file, "--mask-file", false),
-    SINGLE(ocio.config, "--ocio", false),
+    SINGLE(tone.ocio.config, "--ocio", false),
 };
 enum { SINGLES = sizeof singles / sizeof singles[0] };
 
@@ -222,8 +222,8 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
             "stdout" : "give each a name of its own");
 #undef OF
     }
-    for (int i = 0; i < c->s->kernels.n && !st; i++) {
-        char *const path = gp_kernel_path(c->s->kernels.at[i]);
+    for (int i = 0; i < c->s->kernel.words.n && !st; i++) {
+        char *const path = gp_kernel_path(c->s->kernel.words.at[i]);
         if (path)
             st = gp_clobber_input(c, "--kernel", path);
         gp_free(path);

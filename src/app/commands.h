@@ -45,7 +45,7 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
 int gp_compare_command(const struct gp_log *log, const struct gp_settings *s);
 
 /* glarepp kernel: writes kernels with the recipe that made them, makes them
- * again, lists models and checks kernels, as s->making and s->outputs ask.
+ * again, lists models and checks kernels, as s->making and s->output.pictures ask.
  * *faulty is true where --check finds a fault.
  * Errors: those of reading images, making kernels and writing pictures. */
 GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,

@@ -104,7 +104,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     // windows far apart would make a union much larger than both files
     const long long w = (long long) m.window.x1 - m.window.x0;
     const long long h = (long long) m.window.y1 - m.window.y0;
-    const long long most = r->s->read.max_pixels;
+    const long long most = r->s->input.read.max_pixels;
     if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
         GP_TRY(gp_fail(r->log, GP_ERR_DATA, "%s: its window and that of %s are "
                        "too far apart (%lld x %lld pixels over both, at most "
@@ -151,7 +151,7 @@ out:
 /* Compares the files of a frame: their first parts, or part by part. */
 static gp_status compare_frame(struct run *r, int frame)
 {
-    const struct gp_read_params *const read = &r->s->read;
+    const struct gp_read_params *const read = &r->s->input.read;
     const bool all = r->s->compare.all_parts;
     struct gp_stored_file f[2] = {
         {.stream = GP_STREAM_EMPTY}, {.stream = GP_STREAM_EMPTY},
@@ -161,7 +161,7 @@ static gp_status compare_frame(struct run *r, int frame)
         gp_pattern_name(&r->in[1], frame, NULL),
     };
     gp_status st = path[0] && path[1]
-                       ? GP_OK : gp_no_memory(r->log, r->s->inputs.at[0]);
+                       ? GP_OK : gp_no_memory(r->log, r->s->input.files.at[0]);
     r->row = (struct gp_compare_row) {.a = path[0], .b = path[1],
                                       .frame = frame, .parts = 1};
     memset(r->drawn, 0, sizeof r->drawn);
@@ -246,8 +246,8 @@ out:
  * before any work. */
 static gp_status find_frames(struct run *r)
 {
-    const char *const *const input = r->s->inputs.at;
-    const char *const list = r->s->frames, *const json = r->s->bench.json;
+    const char *const *const input = r->s->input.files.at;
+    const char *const list = r->s->input.frames, *const json = r->s->bench.json;
     struct gp_frames more = {0};
     gp_status st;
     for (int i = 0; i < 2; i++)
@@ -316,15 +316,15 @@ out:
 int gp_compare_command(const struct gp_log *log, const struct gp_settings *s)
 {
     struct run r = {
-        .log = log, .s = s, .write = s->write,
+        .log = log, .s = s, .write = s->output.write,
         .wanted = {s->compare.heatmap, s->compare.difference},
     };
     const char *const json = s->bench.json;
     char *text = NULL, *command = NULL;
     size_t size = 0;
     gp_status st;
-    if (!s->no_provenance && (r.wanted[0] || r.wanted[1]))
-        GP_TRY(gp_command_text(log, s, s->inputs.at, s->inputs.n, &command));
+    if (!s->output.no_provenance && (r.wanted[0] || r.wanted[1]))
+        GP_TRY(gp_command_text(log, s, s->input.files.at, s->input.files.n, &command));
     r.write.command = command;
     r.json = json ? open_memstream(&text, &size) : NULL;
     if (json && !r.json)

@@ -14,6 +14,7 @@
 enum {
     WIDTH = 79,   // columns of --help
     INDENT = 28,  // column of the options' texts
+    TOPIC_BYTES = 32,
 };
 
 /* Formats an option's text, its values if wanted, range and default. */
@@ -161,67 +162,6 @@ void gp_help(FILE *f, enum gp_command command)
             "commands.\n");
 }
 
-// -- the table, for the man page and completions ------------------------------
-
-/* Prints a model of glare and its keys. */
-static void print_model(FILE *f, const struct gp_model *m)
-{
-    fprintf(f, "model\t%s\t%s; %s.\n", gp_model_name(m), gp_model_text(m),
-            gp_model_source(m));
-    for (const struct gp_model_key *k = gp_model_keys(m); k->name; k++) {
-        fprintf(f, "key\t%s\t", k->name);
-        for (int i = 0; k->words && k->words[i]; i++)
-            fprintf(f, "%s%s", i ? " " : "", k->words[i]);
-        if (k->file)
-            fprintf(f, "\t%s (a path)\n", k->text);
-        else if (k->words)
-            fprintf(f, "\t%s\n", k->text);
-        else
-            fprintf(f, "\t%s (%g to %g; default %g)\n", k->text, k->lo, k->hi,
-                    k->preset);
-    }
-}
-
-void gp_help_table(FILE *f)
-{
-    char text[1024], word[GP_TOPIC_BYTES];
-    const char *name, *line;
-    for (const struct gp_command_row *c = gp_commands; c->word; c++)
-        fprintf(f, "command\t%s\n", *c->word ? c->word : "main");
-    for (int i = 0; (name = gp_help_topic_at(i, word)); i++)
-        fprintf(f, "topic\t%s\n", name);
-    for (int g = 0; g < GP_GROUPS; g++) {
-        fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
-                gp_option_groups[g].example);
-        for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group != g || o->hidden)
-                continue;
-            const bool many = o->kind == GP_KIND_TEXTS ||
-                              o->kind == GP_KIND_NAMED;
-            option_text(o, false, text, sizeof text);
-            fprintf(f, "option\t%s\t%.1s\t%s\t%s\t%s\t", o->name, &o->letter,
-                    o->arg ? o->arg : "", many ? "many" : o->open ? "open" : "",
-                    text);
-            for (const struct gp_command_row *c = gp_commands; c->word; c++) {
-                if (o->commands & c->bit)
-                    fprintf(f, " %s", *c->word ? c->word : "main");
-            }
-            fprintf(f, " \n");
-            for (int i = 0; (name = gp_option_value(o, i, &line)); i++)
-                fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
-        }
-    }
-    for (int i = 0; gp_models[i]; i++)
-        print_model(f, gp_models[i]);
-    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
-        fprintf(f, "preset\t%s\t%s\n", p->name, p->recipe);
-#define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
-    GP_STATUS_LIST(ITEM)
-#undef ITEM
-    fprintf(f, "@FIELDS@\n");
-    for (int i = 0; gp_report_field(i); i++)
-        fprintf(f, "field\t%s\n", gp_report_field(i));
-}
 
 // -- topics ------------------------------------------------------------------
 
@@ -279,7 +219,9 @@ static bool is_group(const struct section *s)
     return false;
 }
 
-const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
+/* The i-th topic, in `word` or a constant: commands, all, groups, sections with
+ * other names; NULL after the last. */
+static const char *topic_at(int i, char word[TOPIC_BYTES])
 {
     for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
         if (i-- == 0)
@@ -293,7 +235,7 @@ const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
     for (int k = 0; k < SECTIONS; k++) {
         if (is_group(&sections[k]) || i-- > 0)
             continue;
-        snprintf(word, GP_TOPIC_BYTES, "%.*s",
+        snprintf(word, TOPIC_BYTES, "%.*s",
                  (int) strcspn(sections[k].words, " "), sections[k].words);
         return word;
     }
@@ -305,8 +247,8 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
     const char *const bare = topic + strspn(topic, "-");
     struct gp_nearest near = gp_nearest_to(bare, strlen(bare), 3);
     const char *word;
-    char name[GP_TOPIC_BYTES], kept[GP_TOPIC_BYTES] = "";
-    for (int i = 0; (word = gp_help_topic_at(i, name)); i++) {
+    char name[TOPIC_BYTES], kept[TOPIC_BYTES] = "";
+    for (int i = 0; (word = topic_at(i, name)); i++) {
         gp_nearest_try(&near, word);
         if (near.name == name) // the next topic overwrites `name`
             near.name = memcpy(kept, name, sizeof kept);
@@ -493,6 +435,68 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         fprintf(f, "\nman glarepp has more in its section \"%s\".\n",
                 section->title);
     return GP_OK;
+}
+
+// -- the table, for the man page and completions ------------------------------
+
+/* Prints a model of glare and its keys. */
+static void print_model(FILE *f, const struct gp_model *m)
+{
+    fprintf(f, "model\t%s\t%s; %s.\n", gp_model_name(m), gp_model_text(m),
+            gp_model_source(m));
+    for (const struct gp_model_key *k = gp_model_keys(m); k->name; k++) {
+        fprintf(f, "key\t%s\t", k->name);
+        for (int i = 0; k->words && k->words[i]; i++)
+            fprintf(f, "%s%s", i ? " " : "", k->words[i]);
+        if (k->file)
+            fprintf(f, "\t%s (a path)\n", k->text);
+        else if (k->words)
+            fprintf(f, "\t%s\n", k->text);
+        else
+            fprintf(f, "\t%s (%g to %g; default %g)\n", k->text, k->lo, k->hi,
+                    k->preset);
+    }
+}
+
+void gp_help_table(FILE *f)
+{
+    char text[1024], word[TOPIC_BYTES];
+    const char *name, *line;
+    for (const struct gp_command_row *c = gp_commands; c->word; c++)
+        fprintf(f, "command\t%s\n", *c->word ? c->word : "main");
+    for (int i = 0; (name = topic_at(i, word)); i++)
+        fprintf(f, "topic\t%s\n", name);
+    for (int g = 0; g < GP_GROUPS; g++) {
+        fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
+                gp_option_groups[g].example);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if ((int) o->group != g || o->hidden)
+                continue;
+            const bool many = o->kind == GP_KIND_TEXTS ||
+                              o->kind == GP_KIND_NAMED;
+            option_text(o, false, text, sizeof text);
+            fprintf(f, "option\t%s\t%.1s\t%s\t%s\t%s\t", o->name, &o->letter,
+                    o->arg ? o->arg : "", many ? "many" : o->open ? "open" : "",
+                    text);
+            for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+                if (o->commands & c->bit)
+                    fprintf(f, " %s", *c->word ? c->word : "main");
+            }
+            fprintf(f, " \n");
+            for (int i = 0; (name = gp_option_value(o, i, &line)); i++)
+                fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
+        }
+    }
+    for (int i = 0; gp_models[i]; i++)
+        print_model(f, gp_models[i]);
+    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
+        fprintf(f, "preset\t%s\t%s\n", p->name, p->recipe);
+#define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
+    GP_STATUS_LIST(ITEM)
+#undef ITEM
+    fprintf(f, "@FIELDS@\n");
+    for (int i = 0; gp_report_field(i); i++)
+        fprintf(f, "field\t%s\n", gp_report_field(i));
 }
 
 // -- one screen --------------------------------------------------------------

@@ -55,8 +55,8 @@ static gp_status list_frames(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_pattern *p,
     const struct gp_views *view, struct gp_frames *all)
 {
-    if (s->frames)
-        return gp_frames_parse(log, s->frames, all);
+    if (s->input.frames)
+        return gp_frames_parse(log, s->input.frames, all);
     if (!p->views)
         return gp_frames_on_disk(log, p, NULL, all);
     for (int i = 0; i < view->n; i++) {
@@ -80,21 +80,21 @@ static gp_status add_inputs(const struct gp_log *log,
     gp_status st;
     struct gp_pattern *in;
     struct gp_frames f = {0};
-    GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->inputs.n, sizeof *in,
-                         &in));
-    for (int i = 0; i < s->inputs.n; i++) {
-        const char *const path = s->inputs.at[i];
+    GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->input.files.n,
+                         sizeof *in, &in));
+    for (int i = 0; i < s->input.files.n; i++) {
+        const char *const path = s->input.files.at[i];
         in[i] = (struct gp_pattern) {.path = path};
         if (!gp_is_dash(path))
             st = gp_pattern_of_input(log, path, &in[i]);
-        else if (s->inputs.n > 1)
+        else if (s->input.files.n > 1)
             st = gp_fail(log, GP_ERR_USAGE, "-: stdin must be the only input "
-                         "(found %d); give only -", s->inputs.n);
+                         "(found %d); give only -", s->input.files.n);
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
-        for (int k = 0; k < s->kernels.n && !st && gp_is_dash(path); k++) {
-            char *const file = gp_kernel_path(s->kernels.at[k]);
+        for (int k = 0; k < s->kernel.words.n && !st && gp_is_dash(path); k++) {
+            char *const file = gp_kernel_path(s->kernel.words.at[k]);
             if (file && gp_is_dash(file))
                 st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
                              "both come from stdin; give one of them as a "
@@ -106,36 +106,36 @@ static gp_status add_inputs(const struct gp_log *log,
     }
     // settle which views there are, and whether they are files or parts
     const bool in_names = in[0].views > 0;
-    for (int i = 1; i < s->inputs.n; i++) {
+    for (int i = 1; i < s->input.files.n; i++) {
         if ((in[i].views > 0) != in_names)
             GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
                 "%s); make them in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
-    if (in_names && s->views && gp_views_all(s))
+    if (in_names && s->input.views && gp_views_all(s))
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all means the views inside "
             "a file (found %%V or %%v in %s); list them, e.g. --views "
             "left,right", in[0].path));
     if (in_names || !gp_views_all(s))
-        GP_TRY(gp_views_parse(log, s->views ? s->views : "left,right",
-                              &j->view));
-    for (int i = 0; i < s->inputs.n; i++)
+        GP_TRY(gp_views_parse(
+            log, s->input.views ? s->input.views : "left,right", &j->view));
+    for (int i = 0; i < s->input.files.n; i++)
         GP_TRY(gp_views_check(log, &in[i], &j->view));
     j->views = in_names ? 1 : gp_jobs_of_frame(j);
     j->views_inside = !in_names && j->view.n > 0;
     // list the frames of each
-    for (const struct gp_pattern *p = in; p < in + s->inputs.n; p++) {
+    for (const struct gp_pattern *p = in; p < in + s->input.files.n; p++) {
         int frame = 0;
         if (gp_is_dash(p->path)) { // one frame until stdin is read
-            if (s->frames)
-                GP_TRY(gp_frames_parse(log, s->frames, &f));
-            GP_TRY(add_frame(log, j, p, has_place(j) || s->frames,
+            if (s->input.frames)
+                GP_TRY(gp_frames_parse(log, s->input.frames, &f));
+            GP_TRY(add_frame(log, j, p, has_place(j) || s->input.frames,
                              f.n ? f.number[0] : 1));
         } else if (p->len) {
             GP_TRY(list_frames(log, s, p, &j->view, &f));
             for (int i = 0; i < f.n; i++)
                 GP_TRY(add_frame(log, j, p, true, f.number[i]));
-        } else if (s->frames) {
+        } else if (s->input.frames) {
             GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: --frames needs a pattern "
                            "(found a plain name); write shot.####.exr, or "
                            "leave --frames out", p->path));
@@ -157,7 +157,7 @@ out:
 static gp_status read_stdin(const struct gp_log *log,
                             const struct gp_settings *s, struct gp_jobs *j)
 {
-    gp_status st = gp_members_read(log, &s->read, "-", &j->members);
+    gp_status st = gp_members_read(log, &s->input.read, "-", &j->members);
     if (st)
         return st;
     const int frames = j->members.n;
@@ -172,16 +172,17 @@ static gp_status read_stdin(const struct gp_log *log,
     for (; j->n < n; j->n++) // all have the first one's views
         grown[j->n] = (struct gp_job) {.view = grown[j->n % j->views].view};
     struct gp_frames f = {0};
-    if (s->frames)
-        st = gp_frames_parse(log, s->frames, &f);
-    if (!st && s->frames && f.n != frames)
+    if (s->input.frames)
+        st = gp_frames_parse(log, s->input.frames, &f);
+    if (!st && s->input.frames && f.n != frames)
         st = gp_fail(log, GP_ERR_USAGE, "-: stdin has %d frame%s, --frames %s "
                      "lists %d; list one number for each", frames,
-                     frames == 1 ? "" : "s", s->frames, f.n);
+                     frames == 1 ? "" : "s", s->input.frames, f.n);
     for (int i = 0; i < n && !st; i++) {
         struct gp_job *const job = &j->job[i];
         char name[32];
-        job->frame = s->frames ? f.number[i / j->views] : i / j->views + 1;
+        job->frame =
+            s->input.frames ? f.number[i / j->views] : i / j->views + 1;
         if (frames == 1)
             continue;
         snprintf(name, sizeof name, "- (frame %d)", job->frame);
@@ -295,7 +296,7 @@ static gp_status check_missing(const struct gp_log *log,
     const bool eyes = j->view.n > 1 && j->views == 1; // files of each frame
     const char *first = NULL;
     int missing = 0;
-    if ((!s->frames && !eyes) || s->skip_bad_frames)
+    if ((!s->input.frames && !eyes) || s->input.skip_bad_frames)
         return GP_OK;
     for (int i = 0; i < j->n; i += j->views) {
         const char *const input = j->job[i].input;
@@ -305,7 +306,7 @@ static gp_status check_missing(const struct gp_log *log,
             (errno != ENOENT && errno != ENOTDIR))
             continue;
         for (int k = i; k < i + j->views && complete; k++)
-            complete = gp_job_complete(&s->write, j, &j->job[k]);
+            complete = gp_job_complete(&s->output.write, j, &j->job[k]);
         if (complete)
             continue;
         first = first ? first : input;
@@ -313,11 +314,15 @@ static gp_status check_missing(const struct gp_log *log,
     }
     if (!first)
         return GP_OK;
-    return gp_fail(log, GP_ERR_IO, "%s: no such frame (first of %d missing, "
-        "%d listed by %s %s); render %s, or give --skip-bad-frames", first,
-        missing, j->n / j->views, s->frames ? "--frames" : "--views",
-        s->frames  ? s->frames : s->views ? s->views : "left,right",
-        missing == 1 ? "it" : "them");
+    return gp_fail(log, GP_ERR_IO,
+                   "%s: no such frame (first of %d missing, "
+                   "%d listed by %s %s); render %s, or give --skip-bad-frames",
+                   first, missing, j->n / j->views,
+                   s->input.frames ? "--frames" : "--views",
+                   s->input.frames  ? s->input.frames
+                   : s->input.views ? s->input.views
+                                    : "left,right",
+                   missing == 1 ? "it" : "them");
 }
 
 // -- names -------------------------------------------------------------------
@@ -430,13 +435,15 @@ static gp_status check_outputs(const struct gp_log *log,
                 gp_file_ending(name, ending, sizeof ending);
             st = !name ? gp_no_memory(log, t->name.path)
                  : !ending[0]
-                     ? gp_fail(log, GP_ERR_USAGE, "%s: --layer writes a file "
+                     ? gp_fail(log, GP_ERR_USAGE,
+                               "%s: --layer writes a file "
                                "(ending is missing); end the name in .exr, or "
                                "to choose an EXR layer use --layer-in %s",
                                name, name)
                  : t->kind == GP_TARGET_HDR
-                     ? gp_write_hdr_check(log, &s->write, GP_HDR_KEEPS, name)
-                     : gp_write_check(log, &s->write, name);
+                     ? gp_write_hdr_check(log, &s->output.write, GP_HDR_KEEPS,
+                                          name)
+                     : gp_write_check(log, &s->output.write, name);
             free(name);
         }
     }
@@ -455,20 +462,22 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
-    GP_TRY(gp_alloc_zero(log, "output list",
-                         (size_t) (s->hdr.n + s->layer.n + s->outputs.n) +
-                             GP_DEBUG_KINDS,
-                         sizeof *j.target, &j.target));
+    GP_TRY(gp_alloc_zero(
+        log, "output list",
+        (size_t) (s->output.hdr.n + s->output.layer.n + s->output.pictures.n) +
+            GP_DEBUG_KINDS,
+        sizeof *j.target, &j.target));
     // --hdr first: it may copy from an input that a later output replaces
-    for (int i = 0; i < s->hdr.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->hdr.at[i]));
-    for (int i = 0; i < s->layer.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->layer.at[i]));
-    for (int i = 0; i < s->outputs.n; i++)
-        GP_TRY(add_target(log, &j, GP_TARGET_PICTURE, s->outputs.at[i]));
+    for (int i = 0; i < s->output.hdr.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->output.hdr.at[i]));
+    for (int i = 0; i < s->output.layer.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->output.layer.at[i]));
+    for (int i = 0; i < s->output.pictures.n; i++)
+        GP_TRY(
+            add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));
     for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        if (s->debug[i])
-            GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
+        if (s->output.debug[i])
+            GP_TRY(add_target(log, &j, debug[i], s->output.debug[i]));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = gp_is_dash(j.job[0].input);
@@ -486,10 +495,11 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
         mark_outputs(&j);
         GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
-    for (int i = 0; i < j.targets && s->write.alpha == GP_ALPHA_KEEP; i++) {
+    for (int i = 0; i < j.targets && s->output.write.alpha == GP_ALPHA_KEEP;
+         i++) {
         const struct gp_output *const t = &j.target[i];
         if (t->kind == GP_TARGET_PICTURE &&
-            !gp_write_has_alpha(&s->write, t->name.path))
+            !gp_write_has_alpha(&s->output.write, t->name.path))
             gp_say(log, GP_LEVEL_WARN, "%s: --alpha keep: this format has no "
                    "alpha (the picture is composited over black); write .exr, "
                    ".png or .tif", t->name.path);

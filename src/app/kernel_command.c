@@ -42,9 +42,9 @@ static gp_status making_of_settings(const struct gp_log *log,
     m->label = (struct gp_kernel_label) {
         .present = true, .w = s->making.w, .h = s->making.h,
         .radius = s->making.radius,
-        .fov = s->fov > 0.0f ? (double) s->fov : GP_USUAL_FOV,
-        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
-        .compression = s->write.compression,
+        .fov = s->kernel.fov > 0.0f ? (double) s->kernel.fov : GP_USUAL_FOV,
+        .rotate = (double) s->kernel.image.rotate, .frame = s->making.frame,
+        .compression = s->output.write.compression,
     };
     return gp_wanted_kernel_read(log, s, &m->wanted);
 }
@@ -112,15 +112,15 @@ static gp_status write_kernel(const struct gp_log *log,
     struct making m = {0};
     struct gp_kernel k = {0};
     struct gp_frame f = {0};
-    struct gp_write_params write = s->write;
+    struct gp_write_params write = s->output.write;
     struct gp_write_stats stats = {0};
     struct gp_clobber clobber = {0};
     struct gp_label_texts labels = {.n = 0};
     static const char keeps[] = "-o of a kernel keeps floats and its recipe";
     write.type = GP_OUT_FLOAT;
     GP_TRY(gp_clobber_begin(log, s, &clobber));
-    for (int i = 0; i < s->outputs.n; i++) {
-        const char *const path = s->outputs.at[i];
+    for (int i = 0; i < s->output.pictures.n; i++) {
+        const char *const path = s->output.pictures.at[i];
         GP_TRY(gp_write_hdr_check(log, &write, keeps, path));
         GP_TRY(gp_clobber_add(&clobber, &(struct gp_clobber_output) {
             .name = path, .what = "-o", .as = path, .order = i}));
@@ -132,18 +132,19 @@ static gp_status write_kernel(const struct gp_log *log,
             GP_TRY(gp_clobber_input(&clobber, "image of the kernel",
                                     m.wanted.recipe[i].image->path));
     }
-    GP_TRY(make_kernel(log, s->outputs.at[0], &m, s->read.max_pixels, &k));
+    GP_TRY(make_kernel(log, s->output.pictures.at[0], &m,
+                       s->input.read.max_pixels, &k));
     GP_TRY(frame_of(log, &k, &f));
     GP_TRY(gp_label_write(log, &m.label, m.wanted.recipe, m.wanted.recipes,
                           &labels));
     write.compression = m.label.compression;
     write.added = labels.at;
     write.n_added = labels.n;
-    for (int i = 0; i < s->outputs.n; i++)
-        GP_TRY(gp_write_picture(log, &write, s->outputs.at[i], &f, &f.rgb,
-                                GP_PICTURE_SCENE, &stats));
+    for (int i = 0; i < s->output.pictures.n; i++)
+        GP_TRY(gp_write_picture(log, &write, s->output.pictures.at[i], &f,
+                                &f.rgb, GP_PICTURE_SCENE, &stats));
     gp_say(log, GP_LEVEL_INFO, "%s: %dx%d, %g degrees a pixel, left out %.3g",
-           s->outputs.at[0], gp_frame_w(&f), gp_frame_h(&f),
+           s->output.pictures.at[0], gp_frame_w(&f), gp_frame_h(&f),
            m.label.fov / m.label.h, k.left_out);
 out:
     gp_clobber_end(&clobber);
@@ -211,10 +212,10 @@ static gp_status check_of_model(const struct gp_log *log,
 {
     struct making m = {0};
     struct gp_settings own = *s;
-    own.kernels = (struct gp_texts) {(const char **) &c->name, 1};
+    own.kernel.words = (struct gp_texts) {(const char **) &c->name, 1};
     gp_status st = making_of_settings(log, &own, &m);
     if (!st)
-        st = make_kernel(log, c->name, &m, s->read.max_pixels, &c->k);
+        st = make_kernel(log, c->name, &m, s->input.read.max_pixels, &c->k);
     c->use.share = gp_wanted_share(&m.wanted);
     c->lit = true;
     gp_wanted_kernel_free(&m.wanted);
@@ -229,10 +230,10 @@ static gp_status check_of_model(const struct gp_log *log,
 static gp_status check_of_file(const struct gp_log *log,
                                const struct gp_settings *s, struct checked *c)
 {
-    const struct gp_read_params limits = gp_read_limits(&s->read);
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
     const struct gp_kernel_params p = {
-        .normalize = GP_NORMALIZE_NONE, .rotate = s->kernel.rotate,
-        .scale = s->kernel_percent / 100.0,
+        .normalize = GP_NORMALIZE_NONE, .rotate = s->kernel.image.rotate,
+        .scale = s->kernel.percent / 100.0,
     };
     struct gp_frame f;
     gp_status st = gp_read_frame(log, &limits, c->name, &f);
@@ -261,7 +262,7 @@ static gp_status look_at_frame(const struct gp_log *log,
     const struct gp_settings *s, const char *path, double *brightest, int *w,
     int *h)
 {
-    const struct gp_read_params limits = gp_read_limits(&s->read);
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
     struct gp_frame f;
     struct gp_sources src;
     gp_status st = gp_read_frame(log, &limits, path, &f);
@@ -269,7 +270,7 @@ static gp_status look_at_frame(const struct gp_log *log,
         return st;
     *w = gp_frame_w(&f);
     *h = gp_frame_h(&f);
-    st = gp_sense(log, &s->sensor, &f, &src);
+    st = gp_sense(log, &s->light.sensor, &f, &src);
     if (!st) {
         *brightest = (double) src.brightest;
         gp_sources_free(&src);
@@ -318,7 +319,7 @@ static gp_status check_kernel(const struct gp_log *log,
 {
     struct checked c = {
         .name = s->making.check,
-        .use = {.add = s->compose.mix == GP_MIX_ADD, .brightest = 1000.0},
+        .use = {.add = s->light.compose.mix == GP_MIX_ADD, .brightest = 1000.0},
     };
     struct gp_kernel_figures f = {0};
     char line[GP_FAULT_BYTES];
@@ -326,12 +327,13 @@ static gp_status check_kernel(const struct gp_log *log,
                                         : check_of_file(log, s, &c);
     int w = c.label.present ? c.label.w : INT_MAX;
     int h = c.label.present ? c.label.h : INT_MAX;
-    if (!st && s->inputs.n)
-        st = look_at_frame(log, s, s->inputs.at[0], &c.use.brightest, &w, &h);
+    if (!st && s->input.files.n)
+        st = look_at_frame(log, s, s->input.files.at[0], &c.use.brightest, &w,
+                           &h);
     if (st)
         goto out;
-    gp_label_use(&c.label, s->kernel_percent / 100.0, &c.k, w, h, &c.use);
-    c.use.resampled = c.k.unturned || s->kernel_percent != 100.0;
+    gp_label_use(&c.label, s->kernel.percent / 100.0, &c.k, w, h, &c.use);
+    c.use.resampled = c.k.unturned || s->kernel.percent != 100.0;
     printf("kernel     %s\n", gp_printable(c.name).text);
     print_primaries(&c);
     f.nonfinite = c.nonfinite;

@@ -122,7 +122,7 @@ bool gp_option_given(const struct gp_settings *s, const char *name)
 {
     const struct gp_option *const o = gp_option_find(name, strlen(name));
     const size_t i = o ? (size_t) (o - gp_options) : 0;
-    return o && (s->given[i / 64] >> i % 64 & 1);
+    return o && (s->words.given[i / 64] >> i % 64 & 1);
 }
 
 const struct gp_option *gp_option_letter(char letter, unsigned commands)

@@ -66,16 +66,19 @@ static gp_status print_text(const struct gp_log *log,
     gp_status st = GP_OK;
     char io[256];
     if (s->command == GP_COMMAND_HELP)
-        st = gp_help_topic(log, stdout, s->inputs.n ? s->inputs.at[0] : NULL);
-    else if (s->help && s->help[0] && strcmp(s->help, "all") != 0)
-        st = gp_help_topic(log, stdout, s->help);
-    else if (s->help && !s->help[0] && s->command == GP_COMMAND_MAIN)
+        st = gp_help_topic(log, stdout,
+                           s->input.files.n ? s->input.files.at[0] : NULL);
+    else if (s->words.help && s->words.help[0] &&
+             strcmp(s->words.help, "all") != 0)
+        st = gp_help_topic(log, stdout, s->words.help);
+    else if (s->words.help && !s->words.help[0] &&
+             s->command == GP_COMMAND_MAIN)
         gp_help_screen(stdout);
-    else if (s->help)
+    else if (s->words.help)
         gp_help(stdout, s->command);
-    else if (s->help_table)
+    else if (s->words.help_table)
         gp_help_table(stdout);
-    else if (s->list_flares)
+    else if (s->words.list_flares)
         st = list_flares(log);
     else {
         gp_io_versions(io, sizeof io);
@@ -96,8 +99,8 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     gp_environment_set_gl(gp_threads()); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
-        gp_progress_open(&progress, stderr, s->progress,
-                         s->level == GP_LEVEL_ERROR);
+        gp_progress_open(&progress, stderr, s->run.progress,
+                         s->run.level == GP_LEVEL_ERROR);
         voice->progress = &progress;
         st = gp_pipeline_run(log, s, &jobs, &progress);
         voice->progress = NULL;
@@ -113,16 +116,18 @@ static gp_status run_scaling(const struct gp_log *log,
 {
     gp_status st;
     struct gp_scaling_request req = {
-        .input = s->inputs.at[0], .threads = s->threads, .runs = s->bench.runs,
+        .input = s->input.files.at[0],
+        .threads = s->run.threads,
+        .runs = s->bench.runs,
         .json = s->bench.json,
     };
     char **word = NULL;
     int words = 0;
-    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->options.n + 1,
+    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->words.options.n + 1,
                          sizeof *word, &word));
-    for (int i = 0; i < s->options.n; i += 2) {
-        const char *const name = s->options.at[i];
-        const char *const value = s->options.at[i + 1];
+    for (int i = 0; i < s->words.options.n; i += 2) {
+        const char *const name = s->words.options.at[i];
+        const char *const value = s->words.options.at[i + 1];
         const struct gp_option *const o = gp_option_find(name, strlen(name));
         if (!(o->commands & GP_COMMAND_MAIN) || o->kind == GP_KIND_COUNTS)
             continue;
@@ -143,7 +148,7 @@ out:
 static gp_status run_bench(const struct gp_log *log,
                            const struct gp_settings *s)
 {
-    char *const input = s->inputs.n ? (char *) s->inputs.at[0] : NULL;
+    char *const input = s->input.files.n ? (char *) s->input.files.at[0] : NULL;
     struct gp_job suns = {.input = input};
     struct gp_sun_files files = {s, &suns};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
@@ -161,18 +166,18 @@ static gp_status run_bench(const struct gp_log *log,
         .params = &s->bench,
         .input = input,
         .default_kernel = !gp_option_given(s, "kernel"),
-        .read = &s->read,
-        .sensor = &s->sensor,
+        .read = &s->input.read,
+        .sensor = &s->light.sensor,
         .kernel = &image,
-        .kernel_name =
-            gp_option_given(s, "kernel") ? s->kernels.at[0] : s->style,
+        .kernel_name = gp_option_given(s, "kernel") ? s->kernel.words.at[0]
+                                                    : s->light.style,
         .kernel_image = &wanted.image[0],
         .recipe = wanted.recipe,
         .recipes = wanted.recipes,
-        .fov = (double) s->fov,
+        .fov = (double) s->kernel.fov,
         .glare = &s->glare,
-        .compose = &s->compose,
-        .tone = &s->tone,
+        .compose = &s->light.compose,
+        .tone = &s->tone.map,
         .sun = &s->sun,
         .reader = &reader,
         .layer = layers.row,
@@ -238,15 +243,15 @@ int main(int argc, char *argv[])
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
-    log.level = s.level;
-    gp_set_threads(st ? 1 : s.threads.v[0]);
-    voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
+    log.level = s.run.level;
+    gp_set_threads(st ? 1 : s.run.threads.v[0]);
+    voice.file = !st && s.input.files.n ? s.input.files.at[0] : NULL;
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
-    if (!st && (s.help || s.help_table || s.version || s.list_flares ||
-                s.command == GP_COMMAND_HELP)) {
+    if (!st && (s.words.help || s.words.help_table || s.words.version ||
+                s.words.list_flares || s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_BENCH && s.threads.n > 1) {
+    } else if (!st && s.command == GP_COMMAND_BENCH && s.run.threads.n > 1) {
         st = run_scaling(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH) {
         st = run_bench(&log, &s);

@@ -7,20 +7,22 @@
 #include <float.h>
 
 const struct gp_settings gp_defaults = {
-    .read = GP_READ_DEFAULTS,
-    .sensor = GP_SENSOR_DEFAULTS,
-    .glare = GP_GLARE_DEFAULTS,
-    .compose = GP_COMPOSE_DEFAULTS,
-    .edges = GP_SURROUND_EXTEND,
-    .tone = GP_TONE_DEFAULTS,
-    .write = GP_WRITE_DEFAULTS,
-    .bench = GP_BENCH_DEFAULTS,
-    .compare = {.limits = GP_COMPARE_DEFAULTS, .scale = 1.0f},
-    .table = GP_TABLE_DEFAULTS,
-    .sun = GP_SUN_DEFAULTS,
     .command = GP_COMMAND_MAIN,
-    .style = GP_STYLE_USUAL,
-    .level = GP_LEVEL_WARN,
+    .input.read = GP_READ_DEFAULTS,
+    .output.write = GP_WRITE_DEFAULTS,
+    .light = {
+        .style = GP_STYLE_USUAL,
+        .sensor = GP_SENSOR_DEFAULTS,
+        .compose = GP_COMPOSE_DEFAULTS,
+        .edges = GP_SURROUND_EXTEND,
+    },
+    .glare = GP_GLARE_DEFAULTS,
+    .sun = GP_SUN_DEFAULTS,
+    .tone.map = GP_TONE_DEFAULTS,
+    .bench = GP_BENCH_DEFAULTS,
+    .table = GP_TABLE_DEFAULTS,
+    .compare = {.limits = GP_COMPARE_DEFAULTS, .scale = 1.0f},
+    .run.level = GP_LEVEL_WARN,
 };
 
 static const struct gp_option_choice gp_normalizes[] = {
@@ -153,112 +155,118 @@ static const struct gp_option_choice gp_plans[] = {
         GP_COMMAND_KERNEL | GP_COMMAND_SETS | GP_COMMAND_STYLES
 
 const struct gp_option gp_options[] = {
-    OPT(outputs, .name = "output", .letter = 'o', .group = GP_GROUP_OUTPUT,
+    OPT(output.pictures, .name = "output", .letter = 'o',
+        .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_KERNEL | GP_COMMAND_SETS |
             GP_COMMAND_STYLES, .arg = "FILE",
         .help = "Write a tone-mapped picture, the kernel as EXR floats, the "
                 "scene's picture or the sheet of styles; the ending picks the "
                 "format; may be given more than once",
         .usual = "Write a picture, tone-mapped: .png .jpg .tif"),
-    OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
+    OPT(output.hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through; may be given more than "
                 "once",
         .usual = "Write an EXR: the frame with glare, linear light"),
-    OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
+    OPT(output.layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once",
         .usual = "Write an EXR: only the glare, to add in comp"),
-    OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = gp_grow_word,
+    OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
+        .list = gp_grow_word,
         .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
-    OPT(debug, .name = "debug", .group = GP_GROUP_OUTPUT,
+    OPT(output.debug, .name = "debug", .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of an intermediate "
         "step"),
 
-    OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
+    OPT(input.frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .aside = true,
         .help = "Read these frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
                 "3,4,10-20x2 or 5-1; without it, all that exist on disk"),
-    OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
+    OPT(input.views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Make these stereo views: by %V or %v (first letter) in input "
                 "names, where the default is left,right; else views inside "
                 "each input, where the default is all, and outputs without %V "
                 "show the first"),
-    OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
+    OPT(input.skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
         .aside = true,
         .help = "Skip frames that fail, list them at the end, exit 6"),
-    OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
+    OPT(input.read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
         .help = "Read the colour from this EXR layer: NAME.R,G,B, a part "
         "called NAME, or right.NAME in the view right; without it, from the "
         "first that has colour"),
-    OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
+    OPT(input.read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Read the colour from this part of a multi-part file, by "
                 "name or number from 0"),
-    OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
+    OPT(input.light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
         .help = "Spread the light of this EXR layer in place of the frame's "
         "own; may be given more than once; --hdr adds to each layer its own "
         "glare"),
-    OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
+    OPT(input.read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
+        .lo = 1,
         .hi = 1LL << 40, .aside = true,
         .help = "Refuse files whose data or display window has more than N "
         "pixels; in files other than EXR, every four channels of a pixel "
         "count as one pixel"),
 
-    OPT(style, .name = "style", .group = GP_GROUP_LIGHT,
+    OPT(light.style, .name = "style", .group = GP_GROUP_LIGHT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_KERNEL,
         .arg = "NAME", .list = gp_style_name,
         .help = "Set kernels, threshold, mix, flare and lens together, but for "
                 "those that are given",
         .usual = "Look like this: glarepp styles lists them"),
-    OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
+    OPT(light.sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,
         .help = "Treat pixels over this luminance as light sources: a number, "
                 "a percentile such as 99.9%, or EV over the log-average such "
                 "as +3ev",
         .usual = "Let pixels over this luminance glare"),
-    CHOICE(sensor.mode, .name = "threshold-mode", BOTH(LIGHT), .arg = "HOW",
+    CHOICE(light.sensor.mode, .name = "threshold-mode", BOTH(LIGHT),
+        .arg = "HOW",
         .choices = gp_threshold_modes,
         .help = "Spread this part of a light source"),
-    OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
+    OPT(light.sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
         .help = "Ramp --threshold-mode whole smoothly from T(1-K) to T(1+K)"),
-    OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
+    OPT(light.sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
-    OPT(kernels, .name = "kernel", .letter = 'k', LENS(LIGHT),
+    OPT(kernel.words, .name = "kernel", .letter = 'k', LENS(LIGHT),
         .arg = "FILE", .list = gp_kernel_word, .open = true,
         .help = "Point-spread function, without it the style's: an image file "
                 "or a model and its keys, as MODEL:key=value,key=value; "
                 "several add up by their shares",
         .usual = "Shape the glare; glarepp kernel --list has shapes"),
-    OPT(fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,
+    OPT(kernel.fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001,
+        .hi = 170,
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30",
         .usual = "Set the vertical angle of view"),
-    OPT(kernel_size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
+    OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
-    OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
+    OPT(kernel.image.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
                 "centre of the first); without it, the centre of pixel "
                 "(w/2, h/2) rounded down"),
-    CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
+    CHOICE(kernel.image.normalize, .name = "kernel-normalize", BOTH(LIGHT),
         .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel; "
         "without it, a file of glarepp kernel is used as it is"),
-    OPT(kernel.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
+    OPT(kernel.image.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
         .help = "Rotate the kernel about its centre, counter-clockwise"),
-    OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
+    OPT(light.compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT),
+        .arg = "G",
         .hi = 1e6, .help = "Scale the glare in pictures and --hdr, not in "
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
         "more than 1 only brightens the glare",
         .usual = "Scale the glare: 0.5 for half of it"),
-    CHOICE(compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
+    CHOICE(light.compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
-    CHOICE(edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
+    CHOICE(light.edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
         .choices = gp_edges_ways,
         .help = "Continue the picture beyond its border this way"),
 
@@ -347,18 +355,18 @@ const struct gp_option gp_options[] = {
         "scene's lights flux, which is glare of their own and flare: this "
         "much of the frame's unit for a candela or lux, 0.00146413 (1/683) for "
         "Blender"),
-    OPT(relight, .name = "relight", IN(SUN), .arg = "NAME|all",
+    OPT(scene.relight, .name = "relight", IN(SUN), .arg = "NAME|all",
         .needs = GP_NEED_SCENE, .help = "Add the light of this lamp of the "
         "scene to the frame, by its depth, normals and albedo; may be given "
         "more than once"),
-    CHOICE(normal_space, .name = "normal-space", IN(SUN), .arg = "SPACE",
+    CHOICE(scene.normal_space, .name = "normal-space", IN(SUN), .arg = "SPACE",
         .needs = GP_NEED_RELIGHT, .choices = gp_spaces, .help = "Axes of the "
         "frame's normals"),
     OPT(scene.lamp_size, .name = "lamp-size", IN(SUN), .arg = "R",
         .needs = GP_NEED_SCENE, .hi = 1e9, .help = "Radius, in the scene's "
         "unit, of lamps whose node has no extras.ball_radius; 0: half a "
         "pixel"),
-    OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
+    OPT(input.depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Read depth from this channel, in any part; without it, from "
                 "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "
                 "layer of the colour first (B.Depth.Z with B.Combined)"),
@@ -404,105 +412,112 @@ const struct gp_option gp_options[] = {
         .help = "Draw splat, sun maps and scenes in this GL context"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
         .choices = gp_plans, .help = "Choose FFT plans this way"),
-    OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
+    OPT(run.threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it; "
         "bench measures the stages of the main job with each number of "
         "1,2,4"),
-    OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
+    OPT(run.frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
         .hi = GP_FLIGHT_MOST, .aside = true,
         .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
         "or as many as fit into half of the memory; no output depends on it"),
 
-    OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
+    OPT(tone.map.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .needs = GP_NEED_NO_CONFIG, .list = gp_curve_name,
         .help = "Map tones with this operator",
         .usual = "Map tones of -o: neutral, agx, aces, linear"),
-    OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
+    OPT(tone.map.exposure, .name = "exposure", BOTH(TONE), .arg = "EV",
+        .lo = -32,
         .needs = GP_NEED_CURVE, .hi = 32,
         .help = "Scale the light by 2^EV before the operator",
         .usual = "Expose -o: 1 for twice as bright, -1 for half"),
-    OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
+    OPT(tone.map.auto_exposure, .name = "auto-exposure", BOTH(TONE),
         .needs = GP_NEED_CURVE, .help = "Scale the frame so that its "
         "log-average becomes middle grey, then by --exposure"),
-    OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
+    OPT(tone.map.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .needs = GP_NEED_TONES | GP_NEED_EXTENDED,
         .help = "reinhard-extended: map this luminance, after exposure, to "
                 "white; 0 uses the frame's maximum"),
 
-    OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
+    OPT(tone.ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG",
+        .blank = true,
         .help = "Show pictures through a view of this OpenColorIO config, in "
         "place of --tonemap: a file, env for $OCIO, or ocio://NAME for one "
         "built into OpenColorIO 2.2 or later; trust a config as you would a "
         "program"),
-    OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
+    OPT(tone.ocio.input, .name = "input-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG, .help = "Read frames as this colour space or "
         "role of the config; those whose files name other chromaticities are "
         "converted to it; without it, scene_linear"),
-    OPT(ocio.any_primaries, .name = "ignore-chromaticities", IN(TONE),
+    OPT(tone.ocio.any_primaries, .name = "ignore-chromaticities", IN(TONE),
         .needs = GP_NEED_CONFIG, .help = "Read frames as --input-space even "
         "where their files name other chromaticities"),
-    OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
+    OPT(tone.ocio.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use this display of the config; without it, its default"),
-    OPT(ocio.view, .name = "view", IN(TONE), .arg = "V",
+    OPT(tone.ocio.view, .name = "view", IN(TONE), .arg = "V",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use this OCIO view of the display; without it, its default"),
-    OPT(ocio.look, .name = "look", IN(TONE), .arg = "L",
+    OPT(tone.ocio.look, .name = "look", IN(TONE), .arg = "L",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use these looks in place of those of the view: A, or -A,+B"),
-    OPT(ocio.output, .name = "output-space", IN(TONE), .arg = "S",
+    OPT(tone.ocio.output, .name = "output-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG | GP_NEED_HDR,
         .help = "Convert --hdr to this colour space of "
         "the config, and write its chromaticities"),
-    OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
+    OPT(tone.context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
         .needs = GP_NEED_CONFIG, .help = "Set a context variable of the "
         "config; may be given more than once"),
 
-    CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
+    CHOICE(output.write.type, .name = "type", IN(FILE), .arg = "TYPE",
         .choices = gp_types,
         .help = "Write samples of float formats in this type"),
-    CHOICE(write.compression, .name = "compression", MAKES(FILE), .arg = "NAME",
+    CHOICE(output.write.compression, .name = "compression", MAKES(FILE),
+        .arg = "NAME",
         .choices = gp_compressions, .help = "Compress EXR files this way"),
-    CHOICE(write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
+    CHOICE(output.write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
         .choices = gp_bits,
         .help = "Write samples of PNG and other integer formats with N bits"),
-    SET(write.dither, .name = "dither", IN(FILE), .set = GP_DITHER_ALWAYS,
+    SET(output.write.dither, .name = "dither", IN(FILE),
+        .set = GP_DITHER_ALWAYS,
         .help = "Dither integers of 16 bits too, not only those of 8"),
-    SET(write.dither, .name = "no-dither", IN(FILE), .set = GP_DITHER_NEVER,
+    SET(output.write.dither, .name = "no-dither", IN(FILE),
+        .set = GP_DITHER_NEVER,
         .help = "Round to the nearest integer; smooth glows then show bands "
                 "in 8 bits"),
-    CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
+    CHOICE(output.write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
         .choices = gp_alphas, .help = "Write alpha of -o pictures this way"),
-    OPT(write.no_clobber, .name = "no-clobber", IN(FILE), .aside = true,
+    OPT(output.write.no_clobber, .name = "no-clobber", IN(FILE), .aside = true,
         .needs = GP_NEED_FILES, .help = "Skip frames whose outputs already "
         "exist, to resume a run; print how many at the end"),
-    CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
+    CHOICE(output.write.stdout_format, .name = "stdout-format", IN(FILE),
         .aside = true, .needs = GP_NEED_STREAM, .arg = "FORMAT",
         .choices = gp_stdout_formats,
         .help = "Write this format to an output that is -"),
-    CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
+    CHOICE(output.write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
         .needs = GP_NEED_RAW | GP_NEED_STREAM, .choices = gp_raws,
         .aside = true,
         .help = "Pixel format of raw output; implies --stdout-format raw"),
-    OPT(write.create_dir, .name = "create-dir", MAKES(FILE), .aside = true,
+    OPT(output.write.create_dir, .name = "create-dir", MAKES(FILE),
+        .aside = true,
         .help = "Make missing folders of output files"),
-    OPT(no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
+    OPT(output.no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
         .help = "Write no glarepp:version and glarepp:command into EXR and "
                 "PNG files, and drop those of the input"),
 
-    OPT(report, .name = "report", DRAWS(REPORT), .arg = "FILE", .once = true,
+    OPT(run.report, .name = "report", DRAWS(REPORT), .arg = "FILE",
+        .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
-    OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
+    OPT(run.verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
-    CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
+    CHOICE(run.progress, .name = "progress", IN(REPORT), .arg = "WHEN",
         .choices = gp_progresses,
         .help = "Print frame, rate and time left to stderr"),
-    SET(level, .name = "quiet", .letter = 'q', ALL(REPORT),
+    SET(run.level, .name = "quiet", .letter = 'q', ALL(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Print errors only"),
-    SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
+    SET(run.level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "Say of each frame what was used, and "
         "why"),
 
@@ -526,7 +541,7 @@ const struct gp_option gp_options[] = {
         .help = "Draw the lens of --check with the rays of its brightest "
         "ghost, as SVG; - is stdout"),
 
-    OPT(scene_time, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
+    OPT(scene.time, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
         .hi = 1e9, .help = "Draw the scene at this time of its animation; "
         "without it, at its first key"),
     OPT(table.draw.map, .name = "shadow-size", SETS, .arg = "N", .lo = 8,
@@ -615,16 +630,16 @@ const struct gp_option gp_options[] = {
         .help = "Write a picture of FLIP at each pixel: magma, black 0 to "
                 "pale yellow 1"),
 
-    OPT(version, .name = "version", ALL(GENERAL),
+    OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),
-    OPT(help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
+    OPT(words.help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
         .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
-    OPT(help_table, .name = "help-table", IN(GENERAL), .hidden = true,
+    OPT(words.help_table, .name = "help-table", IN(GENERAL), .hidden = true,
         .help = "Print this table for the man page and completions"),
     {0},
 };
 
 _Static_assert(sizeof gp_options / sizeof *gp_options <=
-               8 * sizeof gp_defaults.given, "a bit for each option");
+               8 * sizeof gp_defaults.words.given, "a bit for each option");

@@ -229,9 +229,4 @@ void gp_help_table(FILE *f);
 GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
                                       const char *topic);
 
-/* The i-th topic, in `word` or a constant: commands, all, groups, sections with
- * other names; NULL after the last. */
-enum { GP_TOPIC_BYTES = 32 };
-const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES]);
-
 #endif

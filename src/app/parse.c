@@ -18,8 +18,9 @@ enum { LISTS = 9 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
-        &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
-        &s->light_groups, &s->options, &s->kernels, &s->relight,
+        &s->input.files, &s->output.pictures, &s->output.hdr,
+        &s->output.layer, &s->input.light_groups, &s->kernel.words,
+        &s->scene.relight, &s->tone.context, &s->words.options,
     };
     return list[i];
 }
@@ -244,7 +245,7 @@ static gp_status set_text(const struct use *u, void *field)
     const char *const keys = strncmp(u->value, "builtin:", 8) == 0
                                  ? strchr(u->value + 8, ':') : u->value;
     bool known = !o->list ||
-                 (keys && o->at == offsetof(struct gp_settings, kernels) &&
+                 (keys && o->at == offsetof(struct gp_settings, kernel.words) &&
                   gp_recipe_is(u->value));
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
         known = strcmp(name, u->value) == 0;
@@ -400,16 +401,16 @@ static gp_status read_option(const struct gp_log *log, int argc,
         return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
                        "%s); give one file", name, *(const char **) field,
                        u.value);
-    s->given[row / 64] |= UINT64_C(1) << row % 64;
-    s->options.at[s->options.n++] = name;
-    s->options.at[s->options.n++] = u.value;
+    s->words.given[row / 64] |= UINT64_C(1) << row % 64;
+    s->words.options.at[s->words.options.n++] = name;
+    s->words.options.at[s->words.options.n++] = u.value;
     return set_value(&u, field);
 }
 
 /* Sets the options of the style that the command has and that are not given. */
 static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
 {
-    const char *const *word = gp_style_of(s->style)->word;
+    const char *const *word = gp_style_of(s->light.style)->word;
     gp_status st = GP_OK;
     for (; *word && !st; word += 2) {
         const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
@@ -463,13 +464,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         else if (options && word[0] == '-' && word[1] && !topic)
             st = read_option(log, argc, argv, &i, out);
         else
-            out->inputs.at[out->inputs.n++] = word;
+            out->input.files.at[out->input.files.n++] = word;
     }
     // each option is two words
-    out->list_flares = out->command == GP_COMMAND_MAIN && out->inputs.n == 0 &&
-                       out->options.n == 2 && out->sun.flare &&
-                       strcmp(out->sun.flare, "preset:list") == 0;
-    if (st || out->help || out->help_table || out->version || out->list_flares)
+    out->words.list_flares = out->command == GP_COMMAND_MAIN &&
+                             out->input.files.n == 0 &&
+                             out->words.options.n == 2 && out->sun.flare &&
+                             strcmp(out->sun.flare, "preset:list") == 0;
+    if (st || out->words.help || out->words.help_table || out->words.version ||
+        out->words.list_flares)
         return st;
     st = apply_style(log, out);
     return st ? st : gp_settings_check(log, out);

@@ -84,11 +84,11 @@ static gp_status make_schedule(const struct gp_log *log,
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
-    const bool reports = r->s->report || r->s->level >= GP_LEVEL_INFO;
+    const bool reports = r->s->run.report || r->s->run.level >= GP_LEVEL_INFO;
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
-                      (r->s->report ? GP_HAS_FLUX : 0u) |
+                      (r->s->run.report ? GP_HAS_FLUX : 0u) |
                       (reports ? GP_HAS_SHARES : 0u) |
-                      (r->s->verify ? GP_HAS_MEASURED : 0u);
+                      (r->s->run.verify ? GP_HAS_MEASURED : 0u);
     unsigned needs[GP_STAGES], have = 0;
     for (int i = GP_STAGES - 1; i >= 0; i--) {
         bool writes = gp_stages[i].gives == GP_HAS_FILES;
@@ -129,7 +129,8 @@ static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
     const size_t pixels = gp_frame_pixels(&fs->frame);
-    const size_t group = (p->s.hdr.n ? 6 : 3) * sizeof(float); // read, lit
+    const size_t group =
+        (p->s.output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->frame);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i].frame);
@@ -159,7 +160,8 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
         gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
         u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
-            u->kept = gp_job_complete(&p->asked->write, p->jobs, &job[v]);
+            u->kept =
+                gp_job_complete(&p->asked->output.write, p->jobs, &job[v]);
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
@@ -230,7 +232,7 @@ static bool can_skip(void *user, int slot, gp_status st)
         if (writing && gp_is_dash(writing))
             return false;
     }
-    return p->asked->skip_bad_frames &&
+    return p->asked->input.skip_bad_frames &&
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
@@ -264,7 +266,7 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
-        if (p->s.report)
+        if (p->s.run.report)
             reported = gp_report_frame(p->log, &p->run.report, facts);
     }
     free_unit(u);
@@ -289,7 +291,7 @@ static bool has_room(void *user, int in_flight)
     };
     m.shared = atomic_load(&p->lit) ? atomic_load(&p->shared)
                                     : UNKNOWN_SHARED * m.largest;
-    if (!p->asked->frame_jobs && !gp_flight_has_room(&m, in_flight))
+    if (!p->asked->run.frame_jobs && !gp_flight_has_room(&m, in_flight))
         return false;
     if (in_flight + 1 > atomic_load(&p->most))
         atomic_store(&p->most, in_flight + 1);
@@ -310,8 +312,8 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
         r->ordered = r->ordered ||
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
     GP_TRY(gp_run_kernel_begin(log, r));
-    if (r->s->ocio.config)
-        GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
+    if (r->s->tone.ocio.config)
+        GP_TRY(gp_ocio_open(log, &r->s->tone.ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
     GP_TRY(gp_run_scene_begin(log, r));
     GP_TRY(gp_run_lens_begin(log, r));
@@ -329,9 +331,9 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
         also.at[also.n++] = names->file[i];
     if (also.n)
         GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, &also));
-    if (r->s->report)
-        GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,
-                              r->s->report_append,
+    if (r->s->run.report)
+        GP_TRY(gp_report_open(log, r->s->run.report,
+                              r->s->output.write.create_dir, r->s->run.append,
                               &r->report));
 out:
     gp_free(also.at);
@@ -346,13 +348,13 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     const int units = jobs->n / jobs->views;
     const double start = gp_now_ms();
     // a person reads: notes say the same in more words
-    const bool person = progress->terminal && s->level == GP_LEVEL_WARN;
-    const int most = s->frame_jobs ? s->frame_jobs
+    const bool person = progress->terminal && s->run.level == GP_LEVEL_WARN;
+    const int most = s->run.frame_jobs ? s->run.frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs,
-                .says = person || s->level >= GP_LEVEL_INFO},
+                .says = person || s->run.level >= GP_LEVEL_INFO},
         .memory = gp_memory_limit(""),
         .most = 1,
         .slots = most < units ? most : units > 0 ? units : 1,
@@ -361,7 +363,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         .user = &p, .step = run_step, .goes_on = can_skip,
         .has_room = has_room, .end = end_unit,
     };
-    p.s.write.no_clobber = false; // a frame with missing outputs writes all
+    // a frame with missing outputs writes all
+    p.s.output.write.no_clobber = false;
     GP_TRY(make_schedule(log, &p.run, &p.schedule));
     for (int i = 0; i < GP_STAGES; i++) {
         if (gp_stages[i].gives == GP_HAS_LIT)

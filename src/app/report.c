@@ -107,9 +107,9 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
         return gp_no_memory_bare(log, "command line");
     const char *const word = gp_command_of(s->command)->word;
     fprintf(f, "glarepp%s%s", *word ? " " : "", word);
-    for (int i = 0; i + 1 < s->options.n; i += 2) {
-        const char *const name = s->options.at[i];
-        const char *const value = s->options.at[i + 1];
+    for (int i = 0; i + 1 < s->words.options.n; i += 2) {
+        const char *const name = s->words.options.at[i];
+        const char *const value = s->words.options.at[i + 1];
         const struct gp_option *const o = gp_option_find(name, strlen(name));
         if (!makes_pixels(o))
             continue;
@@ -148,10 +148,10 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
     case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
-        snprintf(text, sizeof text, s->sensor.unit == GP_THRESHOLD_EV
-                     ? "%+.7gev" : s->sensor.unit == GP_THRESHOLD_PERCENT
-                     ? "%.7g%%" : "%.7g", (double) s->sensor.threshold);
-        return s->sensor.unit == GP_THRESHOLD_LUMINANCE
+        snprintf(text, sizeof text, s->light.sensor.unit == GP_THRESHOLD_EV
+                     ? "%+.7gev" : s->light.sensor.unit == GP_THRESHOLD_PERCENT
+                     ? "%.7g%%" : "%.7g", (double) s->light.sensor.threshold);
+        return s->light.sensor.unit == GP_THRESHOLD_LUMINANCE
                    ? json_real(strtod(text, NULL)) : json_string(text);
     case GP_KIND_INT:
         return json_integer(*(const int *) at);

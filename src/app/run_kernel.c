@@ -37,29 +37,48 @@ void gp_wanted_kernel_free(struct gp_wanted_kernel *k)
 static gp_status check_image_options(const struct gp_log *log,
     const struct gp_settings *s, bool files, bool one)
 {
-    if (s->kernel_size && !files)
+    if (s->kernel.size && !files)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
                        "file (found %s); write image:file=PATH,size=DEGREES, "
-                       "or leave it out", s->kernel_size);
-    if (s->kernel.centered && !one)
+                       "or leave it out", s->kernel.size);
+    if (s->kernel.image.centered && !one)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
                        "several kernels (found %g,%g); write "
                        "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
-                       s->kernel.center[0], s->kernel.center[1]);
+                       s->kernel.image.center[0], s->kernel.image.center[1]);
     if (gp_option_given(s, "kernel-normalize") && !one &&
-        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
+        s->kernel.image.normalize == GP_NORMALIZE_LUMINANCE)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
                        "several kernels share out a pixel's light (found "
                        "luminance); give share=S to each, or leave it out");
     return GP_OK;
 }
 
+/* Reads the images that k's recipes name. */
+static gp_status read_images(const struct gp_log *log,
+    const struct gp_read_params *limits, struct gp_wanted_kernel *k)
+{
+    for (int i = 0; i < k->recipes; i++) {
+        const char *const file = gp_recipe_file(&k->recipe[i]);
+        if (!file)
+            continue;
+        gp_status st = gp_read_frame(log, limits, file, &k->image[i]);
+        if (!st && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
+            st = gp_label_read(log, &k->image[i], &k->label[i]);
+        if (st)
+            return st;
+        k->recipe[i].image = &k->image[i];
+        k->recipe[i].as_it_is = k->label[i].present;
+    }
+    return GP_OK;
+}
+
 gp_status gp_wanted_kernel_read(const struct gp_log *log,
     const struct gp_settings *s, struct gp_wanted_kernel *out)
 {
-    const struct gp_read_params limits = gp_read_limits(&s->read);
-    const char *const *const at = s->kernels.at;
-    const int n = s->kernels.n;
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
+    const char *const *const at = s->kernel.words.at;
+    const int n = s->kernel.words.n;
     struct gp_wanted_kernel k = {0};
     bool files = false;
     if (n > GP_RECIPES)
@@ -84,11 +103,11 @@ gp_status gp_wanted_kernel_read(const struct gp_log *log,
     for (int i = 0; i < n; i++) {
         GP_TRY(gp_recipe_is(at[i])
                    ? gp_recipe_parse(log, at[i], &k.recipe[i])
-                   : gp_recipe_of_image(log, at[i], s->kernel_degrees,
-                                        s->kernel_percent, &k.recipe[i]));
+                   : gp_recipe_of_image(log, at[i], s->kernel.degrees,
+                                        s->kernel.percent, &k.recipe[i]));
         k.recipes++;
     }
-    GP_TRY(gp_wanted_images_read(log, &limits, NULL, &k));
+    GP_TRY(read_images(log, &limits, &k));
     *out = k;
     for (int i = 0; i < n; i++)
         out->recipe[i].image = k.recipe[i].image ? &out->image[i] : NULL;
@@ -98,53 +117,10 @@ out:
     return st;
 }
 
-/* Reads an image that a recipe names: beside `from` if it is there, else as a
- * path. */
-static gp_status read_image(const struct gp_log *log,
-    const struct gp_read_params *limits, const char *from, const char *file,
-    struct gp_frame *out)
-{
-    if (!from || file[0] == '/')
-        return gp_read_frame(log, limits, file, out);
-    char *const folder = gp_file_folder(from);
-    if (!folder)
-        return gp_no_memory(log, file);
-    const size_t room = strlen(folder) + strlen(file) + 2;
-    char *path = NULL;
-    gp_status st = gp_alloc(log, "kernel", room, 1, &path);
-    if (!st) {
-        snprintf(path, room, "%s/%s", folder, file);
-        st = gp_read_frame(log, limits, gp_file_exists(path) ? path : file,
-                           out);
-    }
-    gp_free(path);
-    gp_free(folder);
-    return st;
-}
-
-gp_status gp_wanted_images_read(const struct gp_log *log,
-    const struct gp_read_params *limits, const char *from,
-    struct gp_wanted_kernel *k)
-{
-    for (int i = 0; i < k->recipes; i++) {
-        const char *const file = gp_recipe_file(&k->recipe[i]);
-        if (!file)
-            continue;
-        gp_status st = read_image(log, limits, from, file, &k->image[i]);
-        if (!st && strcmp(gp_model_name(k->recipe[i].model), "image") == 0)
-            st = gp_label_read(log, &k->image[i], &k->label[i]);
-        if (st)
-            return st;
-        k->recipe[i].image = &k->image[i];
-        k->recipe[i].as_it_is = k->label[i].present;
-    }
-    return GP_OK;
-}
-
 struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
                                          const struct gp_wanted_kernel *k)
 {
-    struct gp_kernel_params p = s->kernel;
+    struct gp_kernel_params p = s->kernel.image;
     if (k->label[0].present && !gp_option_given(s, "kernel-normalize"))
         p.normalize = GP_NORMALIZE_NONE;
     p.left_out = k->label[0].left_out;
@@ -207,7 +183,7 @@ static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
                             8 * sizeof *a->chromaticities) != 0))
         return false;
     if (!r->kernel.wanted.recipes)
-        return a->degrees == b->degrees || !(r->s->kernel_degrees > 0.0);
+        return a->degrees == b->degrees || !(r->s->kernel.degrees > 0.0);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
            (!moves_in_time(r) || (a->frame == b->frame && a->fps == b->fps));
 }
@@ -216,9 +192,9 @@ static bool is_same(const struct gp_run *r, const struct gp_run_kernel *k,
 static double scale_of(const struct gp_run *r, const struct gp_field *field)
 {
     const struct gp_frame *const image = &r->kernel.wanted.image[0];
-    return r->s->kernel_degrees > 0.0 && field->degrees > 0.0
-               ? r->s->kernel_degrees / (field->degrees * gp_frame_h(image))
-               : r->s->kernel_percent / 100.0;
+    return r->s->kernel.degrees > 0.0 && field->degrees > 0.0
+               ? r->s->kernel.degrees / (field->degrees * gp_frame_h(image))
+               : r->s->kernel.percent / 100.0;
 }
 
 static size_t bytes_of(const struct gp_kernel *k)
@@ -311,7 +287,7 @@ static struct gp_field find_field(const struct gp_run *r,
 {
     const struct gp_settings *const s = r->s;
     double fov = gp_run_fov(r, fs);
-    fs->facts.kernel.fov_from = s->fov > 0.0f ? "option" : "camera";
+    fs->facts.kernel.fov_from = s->kernel.fov > 0.0f ? "option" : "camera";
     if (!(fov > 0.0)) {
         struct gp_lens_stop stop = {.fov = GP_USUAL_FOV};
         fs->facts.kernel.fov_from =
@@ -319,11 +295,11 @@ static struct gp_field find_field(const struct gp_run *r,
         fov = stop.fov;
     }
     struct gp_field field = gp_field_of(&fs->frame, fov);
-    field.rotate = (double) s->kernel.rotate;
+    field.rotate = (double) s->kernel.image.rotate;
     const double rate = gp_frame_rate(&fs->frame);
     field.fps = rate > 0.0 ? rate : field.fps;
     (void) gp_job_number(fs->job, &field.frame);
-    const bool angled = r->kernel.wanted.recipes || s->kernel_degrees > 0.0;
+    const bool angled = r->kernel.wanted.recipes || s->kernel.degrees > 0.0;
     fs->facts.kernel.deg_per_pixel = angled ? field.degrees : 0.0;
     fs->facts.kernel.fov = fov;
     return field;
@@ -361,9 +337,9 @@ static struct gp_kernel_use use_of(const struct gp_run *r,
         use.resampled = r->kernel.made[0]->k.unturned || field->aspect != 1.0 ||
                         scale_of(r, field) != 1.0;
     }
-    use.add = r->s->compose.mix == GP_MIX_ADD;
+    use.add = r->s->light.compose.mix == GP_MIX_ADD;
     use.brightest =
-        (double) fs->sources.brightest * (double) r->s->compose.gain;
+        (double) fs->sources.brightest * (double) r->s->light.compose.gain;
     return use;
 }
 
@@ -376,10 +352,10 @@ static struct kernel_words words_of(const struct gp_settings *s, int first,
                                     int last)
 {
     struct kernel_words w = {"--kernel"};
-    for (int i = first; i < gp_min(last, s->kernels.n); i++) {
+    for (int i = first; i < gp_min(last, s->kernel.words.n); i++) {
         const size_t used = i > first ? strlen(w.text) : 0;
         snprintf(w.text + used, sizeof w.text - used, "%s%s",
-                 i > first ? " and " : "", s->kernels.at[i]);
+                 i > first ? " and " : "", s->kernel.words.at[i]);
     }
     return w;
 }
@@ -469,7 +445,7 @@ static void warn_of_angle(struct gp_run *r, const struct gp_frame_state *fs,
         return;
     gp_say(fs->log, GP_LEVEL_WARN, "%s: made for %.4g degrees a pixel, used at "
            "%.4g; make it again (glarepp kernel with this --fov and --size), "
-           "or set --kernel-size %.4g%%", r->s->kernels.at[0], made, used,
+           "or set --kernel-size %.4g%%", r->s->kernel.words.at[0], made, used,
            100.0 * made / field->degrees);
     r->kernel.faults_said |= bit;
 }
@@ -558,7 +534,7 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
         for (int i = 0; i < r->kernel.wanted.recipes; i++)
             gp_recipe_adapt(&recipe[i], fs->mean, fs->white);
         reach_lights(r, fs, &field);
-        if (r->s->edges == GP_SURROUND_MIRROR) {
+        if (r->s->light.edges == GP_SURROUND_MIRROR) {
             const int more = 2 * gp_mirror_reach(gp_frame_w(&fs->frame),
                                                  gp_frame_h(&fs->frame));
             field.w += more;
@@ -618,7 +594,7 @@ struct gp_rect gp_run_kernel_reach(const struct gp_run *r,
 {
     const struct gp_field field = find_field(r, fs);
     // in degrees, the first kernel is of the image's own size
-    const bool sized = !r->kernel.wanted.recipes && r->s->kernel_degrees > 0.0;
+    const bool sized = !r->kernel.wanted.recipes && r->s->kernel.degrees > 0.0;
     const double down = sized ? scale_of(r, &field) : 1.0;
     const double across = down / field.aspect;
     const double high = down == 1.0 ? 0.0 : 1.0;  // resampling reaches into

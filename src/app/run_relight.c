@@ -68,15 +68,15 @@ static gp_status read_surfaces(struct gp_run *r, struct gp_frame_state *fs,
         return gp_fail(fs->log, GP_ERR_USAGE, "%s: --relight needs depth, and "
                        "no channel is; name one with --depth",
                        fs->job->input);
-    GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &normal_names,
-                           out->normal));
-    GP_TRY(gp_read_vectors(fs->log, &r->s->read, &fs->frame, &albedo_names,
-                           out->albedo));
+    GP_TRY(gp_read_vectors(fs->log, &r->s->input.read, &fs->frame,
+                           &normal_names, out->normal));
+    GP_TRY(gp_read_vectors(fs->log, &r->s->input.read, &fs->frame,
+                           &albedo_names, out->albedo));
     out->f = (struct gp_surfaces) {
         .rgb = &fs->frame.rgb, .data = fs->frame.data,
         .camera = own->frame_camera, .display = fs->frame.display,
         .z = &out->depth, .normal = out->normal, .albedo = out->albedo,
-        .normal_of_camera = r->s->normal_space == GP_NORMALS_CAMERA,
+        .normal_of_camera = r->s->scene.normal_space == GP_NORMALS_CAMERA,
     };
     const size_t n = (size_t) gp_rect_w(out->depth.window) *
                      (size_t) gp_rect_h(out->depth.window);
@@ -245,7 +245,7 @@ static gp_status find_lights(const struct gp_log *log, const struct gp_run *r,
                              unsigned char *asked)
 {
     const struct gp_scene *const s = &r->scene.scene;
-    const struct gp_texts *const names = &r->s->relight;
+    const struct gp_texts *const names = &r->s->scene.relight;
     for (int k = 0; k < names->n; k++) {
         const bool all = strcmp(names->at[k], "all") == 0;
         bool found = all;
@@ -269,7 +269,7 @@ static void warn_of_dark(const struct gp_run *r,
                          const struct gp_frame_state *fs)
 {
     const struct gp_scene_facts *const f = &fs->facts.scene;
-    const struct gp_texts *const names = &r->s->relight;
+    const struct gp_texts *const names = &r->s->scene.relight;
     long long lit = 0;
     for (int i = 0; i < f->relits; i++)
         lit += f->relit[i].pixels;

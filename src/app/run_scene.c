@@ -25,7 +25,7 @@ static gp_status read_alpha(void *user, const struct gp_log *log,
     const struct gp_settings *const s = user;
     struct gp_coverage a;
     const gp_status st =
-        gp_read_coverage(log, &s->read, name, bytes, n, most, &a);
+        gp_read_coverage(log, &s->input.read, name, bytes, n, most, &a);
     if (st)
         return st;
     out->w = a.w;

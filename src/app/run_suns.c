@@ -147,11 +147,11 @@ gp_status gp_run_shares(struct gp_run *r, struct gp_frame_state *fs)
                                                       : GP_EDGES_MASK
                            : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
     }
-    if (r->s->debug[GP_DEBUG_SUNMAP])
+    if (r->s->output.debug[GP_DEBUG_SUNMAP])
         st = gp_sun_map_picture(fs->log, o, &suns->p->map, suns->light,
                                 suns->n, &fs->sunmap.w, &fs->sunmap.h,
                                 &fs->sunmap.planes);
-    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
+    if (!st && r->s->output.debug[GP_DEBUG_INTENSITY])
         st = gp_sun_map_picture(fs->log, o, NULL, suns->light, suns->n,
                                 &fs->intensity.w, &fs->intensity.h,
                                 &fs->intensity.planes);

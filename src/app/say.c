@@ -70,8 +70,8 @@ static void add(struct words *w, const char *fmt, ...)
 static void add_light(struct words *w, const struct gp_settings *s, bool lit,
                       const struct gp_spread *spread)
 {
-    const double gain = (double) s->compose.gain;
-    const bool scatter = s->compose.mix == GP_MIX_SCATTER;
+    const double gain = (double) s->light.compose.gain;
+    const bool scatter = s->light.compose.mix == GP_MIX_SCATTER;
     const double moved = scatter ? fmin(gain, 1.0) * spread->bright : 0.0;
     const double added = gain * (spread->bright + spread->lamps) - moved;
     if (!(spread->light > 0.0))
@@ -94,13 +94,13 @@ static void add_light(struct words *w, const struct gp_settings *s, bool lit,
 static void add_tones(struct words *w, const struct gp_settings *s,
                       const struct gp_ocio_names *ocio, bool in_words)
 {
-    if (!ocio && strcmp(s->tone.curve, "none") == 0)
+    if (!ocio && strcmp(s->tone.map.curve, "none") == 0)
         add(w, "linear");
     else if (ocio)
         add(w, "%s%s", in_words ? "shown by " : "",
             ocio->view ? ocio->view : "OpenColorIO");
     else
-        add(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.curve);
+        add(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.map.curve);
 }
 
 /* True for a tone-mapped picture in a format whose light is linear where other
@@ -109,14 +109,14 @@ static bool looks_linear(const struct gp_settings *s, const char *path)
 {
     static const char *const endings[] = {"exr", "hdr", "pfm"};
     char ending[16];
-    if (!s->ocio.config && strcmp(s->tone.curve, "none") == 0)
+    if (!s->tone.ocio.config && strcmp(s->tone.map.curve, "none") == 0)
         return false;
     gp_file_ending(path, ending, sizeof ending);
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         if (strcmp(ending, endings[i]) == 0)
             return true;
     }
-    return gp_is_dash(path) && s->write.stdout_format == GP_STDOUT_EXR;
+    return gp_is_dash(path) && s->output.write.stdout_format == GP_STDOUT_EXR;
 }
 
 #define LINEAR_HINT " (use --hdr for linear light)"
@@ -132,8 +132,8 @@ static void add_reason(struct words *w, const struct gp_settings *s,
 {
     if (gp_option_given(s, option))
         add(w, " (--%s)", option);
-    else if (gp_style_sets(s->style, option))
-        add(w, " (of style %s)", s->style);
+    else if (gp_style_sets(s->light.style, option))
+        add(w, " (of style %s)", s->light.style);
     else
         add(w, " (the default)");
 }
@@ -181,12 +181,12 @@ static void say_light(struct words *w, const struct gp_facts *f)
     else
         add(w, "no pixel is over");
     add(w, " the threshold of %.3g", (double) f->sensor.threshold);
-    if (s->sensor.unit == GP_THRESHOLD_LUMINANCE)
+    if (s->light.sensor.unit == GP_THRESHOLD_LUMINANCE)
         add_reason(w, s, "threshold");
     else
-        add(w, s->sensor.unit == GP_THRESHOLD_EV ? " (--threshold %+gev)"
+        add(w, s->light.sensor.unit == GP_THRESHOLD_EV ? " (--threshold %+gev)"
                                                  : " (--threshold %g%%)",
-            (double) s->sensor.threshold);
+            (double) s->light.sensor.threshold);
     if (f->sensor.spread.lamps > 0.0)
         add(w, " and lights");
     if (n)
@@ -220,9 +220,9 @@ static void say_kernel(struct words *w, const struct gp_facts *f)
     const struct gp_kernel_facts *const k = &f->kernel;
     const struct gp_glare_stats *const g = &f->glare;
     const bool given = gp_option_given(s, "kernel");
-    add(w, given ? "kernel " : "kernel of style %s", s->style);
-    for (int i = 0; given && i < s->kernels.n; i++)
-        add(w, "%s%s", i ? " and " : "", s->kernels.at[i]);
+    add(w, given ? "kernel " : "kernel of style %s", s->light.style);
+    for (int i = 0; given && i < s->kernel.words.n; i++)
+        add(w, "%s%s", i ? " and " : "", s->kernel.words.at[i]);
     add(w, "%s", given                         ? " (--kernel)"
                  : gp_option_given(s, "style") ? " (--style)"
                                                : " (the default)");

@@ -20,13 +20,14 @@
 /* The i-th picture that is asked for: outputs, then kinds of --debug. */
 static const char *picture_path(const struct gp_settings *s, int i)
 {
-    return i < s->outputs.n ? s->outputs.at[i]
-                            : s->debug[GP_DEBUG_SCISSOR + i - s->outputs.n];
+    return i < s->output.pictures.n
+               ? s->output.pictures.at[i]
+               : s->output.debug[GP_DEBUG_SCISSOR + i - s->output.pictures.n];
 }
 
 static int pictures(const struct gp_settings *s)
 {
-    return s->outputs.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
+    return s->output.pictures.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
 }
 
 /* Checks that no picture replaces the scene or another output. */
@@ -40,13 +41,13 @@ static gp_status check_names(const struct gp_log *log,
         const char *const path = picture_path(s, i);
         if (!path)
             continue;
-        GP_TRY(gp_write_check(log, &s->write, path));
+        GP_TRY(gp_write_check(log, &s->output.write, path));
         GP_TRY(gp_clobber_add(&c, &(struct gp_clobber_output) {
-            .name = path, .what = i < s->outputs.n ? "-o" : "--debug",
+            .name = path, .what = i < s->output.pictures.n ? "-o" : "--debug",
             .as = path, .order = i}));
     }
     GP_TRY(gp_clobber_settle(&c));
-    GP_TRY(gp_clobber_input(&c, "scene", s->inputs.at[0]));
+    GP_TRY(gp_clobber_input(&c, "scene", s->input.files.at[0]));
 out:
     gp_clobber_end(&c);
     return st;
@@ -63,10 +64,10 @@ static gp_status write_pictures(const struct gp_log *log,
     gp_status st = gp_planes_make(log, "picture", n, &f.rgb);
     for (int i = 0; i < pictures(s) && !st; i++) {
         const char *const path = picture_path(s, i);
-        const bool scissor = i == s->outputs.n;
+        const bool scissor = i == s->output.pictures.n;
         if (!path)
             continue;
-        if (i < s->outputs.n) {
+        if (i < s->output.pictures.n) {
             for (size_t k = 0; k < 3 * n; k++)
                 f.rgb.c[k / n][k % n] = t->picture[4 * (k % n) + k / n];
         } else if (scissor) {
@@ -76,8 +77,8 @@ static gp_status write_pictures(const struct gp_log *log,
         }
         if (st)
             break;
-        st = gp_write_picture(log, &s->write, path, &f, &f.rgb,
-                              i < s->outputs.n ? GP_PICTURE_SCENE
+        st = gp_write_picture(log, &s->output.write, path, &f, &f.rgb,
+                              i < s->output.pictures.n ? GP_PICTURE_SCENE
                                                : GP_PICTURE_SHOWN, &stats);
     }
     gp_frame_free(&f);
@@ -185,8 +186,8 @@ gp_status gp_sets_command(const struct gp_log *log, const struct gp_settings *s,
     p.draw.w = s->making.w;
     p.draw.h = s->making.h;
     GP_TRY(check_names(log, s));
-    GP_TRY(gp_scene_read(log, s->inputs.at[0], GP_UP_Y, &images, &scene));
-    gp_scene_pose(&scene, gp_option_given(s, "time") ? (double) s->scene_time
+    GP_TRY(gp_scene_read(log, s->input.files.at[0], GP_UP_Y, &images, &scene));
+    gp_scene_pose(&scene, gp_option_given(s, "time") ? (double) s->scene.time
                                                       : scene.start);
     GP_TRY(find_camera(log, s, &scene, &p, &camera));
     GP_TRY(gp_gl_open(log, s->glare.gl, &gl));

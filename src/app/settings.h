@@ -63,12 +63,95 @@ enum gp_grow_how {
     GP_GROW_NONE,    // outputs keep the data window
 };
 
+/* Words from the command line, in its order. */
+struct gp_texts {
+    const char **at;  // owned array of borrowed words
+    int n;
+};
+
+/* Frames to read. */
+struct gp_input_settings {
+    struct gp_texts files;
+    const char *frames, *views;        // lists as given; NULL: not given
+    struct gp_read_params read;
+    struct gp_texts light_groups;      // layers that glare
+    const char *depth;                 // channel
+    bool skip_bad_frames;
+};
+
+/* Files to write. */
+struct gp_output_settings {
+    struct gp_texts pictures;          // -o
+    struct gp_texts hdr, layer;
+    const char *debug[GP_DEBUG_KINDS];
+    const char *grow;                  // as given; NULL: 0 pixels
+    enum gp_grow_how grow_how;         // ... as checked
+    int grow_pixels;
+    struct gp_write_params write;
+    bool no_provenance;                // no glarepp:command in files
+};
+
+/* What glares, and how its layer joins the frame. */
+struct gp_light_settings {
+    const char *style;                 // of styles.h
+    struct gp_sensor_params sensor;
+    struct gp_compose_params compose;
+    enum gp_surround_how edges;        // where not given: black with add
+};
+
+/* The kernel, and the angles by which models have their size. */
+struct gp_kernel_settings {
+    struct gp_texts words;             // files and recipes
+    struct gp_kernel_params image;     // of files
+    float fov;                         // degrees; 0: by the frame
+    const char *size;                  // as given; NULL: 100 percent
+    double percent;                    // ... as checked
+    double degrees;                    // 0: by percent
+};
+
 /* A real lens, whose ghosts the layer gets. 0: by the frame. */
 struct gp_lens_settings {
     const char *name;  // file or installed lens; NULL: none
     float sensor;      // mm, width of the display window on the sensor
     float distance;    // m
     float f_number;
+};
+
+/* Axes of normals (--normal-space). */
+enum gp_normal_space {
+    GP_NORMALS_WORLD,  // the frame's world
+    GP_NORMALS_CAMERA, // x right, y up, z to the eye
+};
+
+/* A scene, whose lights join the frame's. */
+struct gp_scene_settings {
+    const char *path;    // NULL: none
+    const char *camera;  // name; NULL: the only one
+    float start;         // number of the frame at the scene's time 0
+    enum gp_up up;
+    float light_scale;   // frame's units a cd or lux; 0: no flux
+    float lamp_size;     // radius of lamps whose nodes name none
+    struct gp_texts relight;           // names of its lights, or all
+    enum gp_normal_space normal_space;
+    float time;          // seconds, of glarepp sets, where --time is given
+};
+
+/* A view of the config, or a curve where ocio.config is NULL. */
+struct gp_tone_settings {
+    struct gp_tone_params map;
+    struct gp_ocio_params ocio;
+    struct gp_texts context;           // becomes ocio.context
+};
+
+/* What glarepp kernel and glarepp lens make. */
+struct gp_making {
+    bool list;
+    const char *check;                 // NULL: not given
+    const char *size;                  // of the frame, as given
+    int w, h;                          // ... as checked
+    int radius;                        // most of an offset; 0: the frame's
+    int frame;                         // number, for models that move
+    const char *draw;                  // SVG of the lens that `check` names
 };
 
 /* Limits of glarepp compare, and pictures to write. */
@@ -83,93 +166,46 @@ struct gp_compare_settings {
     float scale;                      // times this
 };
 
-/* A scene, whose lights join the frame's. */
-struct gp_scene_settings {
-    const char *path;    // NULL: none
-    const char *camera;  // name; NULL: the only one
-    float start;         // number of the frame at the scene's time 0
-    enum gp_up up;
-    float light_scale;   // frame's units a cd or lux; 0: no flux
-    float lamp_size;     // radius of lamps whose nodes name none
-};
-
-/* Words from the command line, in its order. */
-struct gp_texts {
-    const char **at;  // owned array of borrowed words
-    int n;
-};
-
-/* Axes of normals (--normal-space). */
-enum gp_normal_space {
-    GP_NORMALS_WORLD,  // the frame's world
-    GP_NORMALS_CAMERA, // x right, y up, z to the eye
-};
-
-/* Strings are borrowed from argv or are constants. */
-struct gp_settings {
-    enum gp_command command;
-    struct gp_read_params read;
-    struct gp_sensor_params sensor;
-    struct gp_kernel_params kernel;    // of images
-    struct gp_glare_params glare;      // gain is compose's
-    struct gp_compose_params compose;
-    enum gp_surround_how edges;        // where not given: black with add
-    struct gp_tone_params tone;
-    struct gp_ocio_params ocio;        // config NULL: tone maps
-    struct gp_write_params write;
-    struct gp_bench_params bench;      // json: of compare too
-    struct gp_compare_settings compare;
-    struct gp_table_params table;      // its size is making's
-    struct gp_sun_params sun;
-    struct gp_lens_settings lens;
-    struct gp_scene_settings scene;
-
-    struct gp_texts inputs, outputs;   // outputs: -o
-    struct gp_texts hdr, layer;        // files of these options
-    const char *style;                 // of styles.h
-    struct gp_texts kernels;           // files and recipes
-    struct gp_texts ocio_context;      // becomes ocio.context
-    struct gp_texts light_groups;      // layers that glare
-    struct gp_texts options;           // name and value (NULL: takes none) of
-                                       // each option given, in turn
-    const char *debug[GP_DEBUG_KINDS]; // files
-    const char *grow;                  // as given; NULL: 0 pixels
-    enum gp_grow_how grow_how;         // ... as checked
-    int grow_pixels;
-    float fov;                         // degrees; 0: by the frame
-    const char *kernel_size;           // as given; NULL: 100 percent
-    double kernel_percent;             // ... as checked
-    double kernel_degrees;             // 0: by percent
-    struct gp_making {                 // glarepp kernel, glarepp lens
-        bool list;
-        const char *check;             // NULL: not given
-        const char *size;              // of the frame, as given
-        int w, h;                      // ... as checked
-        int radius;                    // most of an offset; 0: the frame's
-        int frame;                     // number, for models that move
-        const char *draw;              // SVG of the lens that `check` names
-    } making;
-    struct gp_texts relight;           // names of the scene's lights, or all
-    enum gp_normal_space normal_space;
-    float scene_time;                  // seconds, where --time is given
-    const char *report;
-    bool report_append;                // by glarepp styles
-    const char *frames;                // list as given
-    const char *views;                 // the same; NULL: not given
-    const char *depth;                 // channel
+/* How a run goes and what it says. */
+struct gp_run_settings {
     struct gp_counts threads;          // 0 or none: all processors; several:
                                        // of bench
     int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
-    bool no_provenance;                // no glarepp:command in files
-    bool skip_bad_frames;
+    const char *report;
+    bool append;                       // to the report, by glarepp styles
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
+};
+
+/* The command line itself. */
+struct gp_word_settings {
+    struct gp_texts options;           // name and value (NULL: takes none) of
+                                       // each option given, in turn
+    uint64_t given[4];                 // a bit for each option of the table
     const char *help;                  // topic, "" without one; NULL: no --help
     bool help_table, version;
     bool list_flares;                  // print their names, nothing else
+};
 
-    uint64_t given[4];                 // a bit for each option of the table
+/* Each stage gets its own. Strings are borrowed from argv or are constants. */
+struct gp_settings {
+    enum gp_command command;
+    struct gp_input_settings input;
+    struct gp_output_settings output;
+    struct gp_light_settings light;
+    struct gp_kernel_settings kernel;
+    struct gp_glare_params glare;      // gain is light.compose's
+    struct gp_sun_params sun;
+    struct gp_lens_settings lens;
+    struct gp_scene_settings scene;
+    struct gp_tone_settings tone;
+    struct gp_making making;
+    struct gp_bench_params bench;      // json: of compare and sets too
+    struct gp_table_params table;      // its size is making's
+    struct gp_compare_settings compare;
+    struct gp_run_settings run;
+    struct gp_word_settings words;
 };
 
 /* The defaults of all options. */

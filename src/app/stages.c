@@ -26,7 +26,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
         .log = log, .job = job, .view = index % r->jobs->views,
         .facts.job = {
             .numbered = job->numbered, .frame = job->frame, .view = job->view,
-            .input = input, .style = r->s->style, .settings = r->s,
+            .input = input, .style = r->s->light.style, .settings = r->s,
             .views = r->jobs->views_line,
         },
     };
@@ -107,16 +107,16 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
     struct gp_grow_params p = {
-        .left = s->grow_pixels, .top = s->grow_pixels,
-        .right = s->grow_pixels, .bottom = s->grow_pixels,
-        .depth = s->depth,
+        .left = s->output.grow_pixels, .top = s->output.grow_pixels,
+        .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
+        .depth = s->input.depth,
         .type = s->sun.depth_type,
     };
     struct gp_rect window, before;
     gp_status st;
-    if (s->grow_how == GP_GROW_NONE)
+    if (s->output.grow_how == GP_GROW_NONE)
         return GP_OK;
-    if (s->grow_how == GP_GROW_KERNEL) {
+    if (s->output.grow_how == GP_GROW_KERNEL) {
         const struct gp_rect reach = gp_run_kernel_reach(r, fs);
         p.left = reach.x0;
         p.top = reach.y0;
@@ -130,7 +130,8 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         for (int i = 0; i < fs->groups; i++)
             window = gp_grow_align(&fs->group[i].frame, window);
     } while (memcmp(&window, &before, sizeof window) != 0);
-    GP_TRY(gp_grow_check(fs->log, &fs->frame, window, s->read.max_pixels));
+    GP_TRY(
+        gp_grow_check(fs->log, &fs->frame, window, s->input.read.max_pixels));
     GP_TRY(gp_grow(fs->log, &p, window, &fs->frame));
     for (int i = 0; i < fs->groups; i++)
         GP_TRY(gp_grow(fs->log, &p, window, &fs->group[i].frame));
@@ -141,13 +142,13 @@ out:
 static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_members *const m = &r->jobs->members;
-    const struct gp_texts *const groups = &r->s->light_groups;
+    const struct gp_texts *const groups = &r->s->input.light_groups;
     static const char *const types[] = {
         [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
     };
-    const char *const asked = r->s->depth;
+    const char *const asked = r->s->input.depth;
     struct gp_read_facts *const facts = &fs->facts.read;
-    struct gp_read_params p = r->s->read;
+    struct gp_read_params p = r->s->input.read;
     enum gp_pixel_type type;
     gp_status st;
     if (r->jobs->views_inside)
@@ -157,7 +158,8 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                                    &fs->frame)
                 : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
     if (r->jobs->views_found && fs->view == 0)
-        GP_TRY(gp_jobs_check_views(fs->log, &r->s->read, r->jobs, &fs->frame));
+        GP_TRY(gp_jobs_check_views(fs->log, &r->s->input.read, r->jobs,
+                                   &fs->frame));
     if (groups->n) {
         GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
                              sizeof *fs->group, &fs->group));
@@ -192,7 +194,7 @@ out:
 
 static bool relight_asked(const struct gp_settings *s)
 {
-    return s->scene.path && s->relight.n;
+    return s->scene.path && s->scene.relight.n;
 }
 
 // -- light -------------------------------------------------------------------
@@ -206,7 +208,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
     struct gp_sources none = {0}, all = {0};
     struct gp_source *list;
     size_t n = 0;
-    struct gp_sensor_params sensor = r->s->sensor;
+    struct gp_sensor_params sensor = r->s->light.sensor;
     sensor.threshold = src->threshold; // the frame's, for all of them
     sensor.unit = GP_THRESHOLD_LUMINANCE;
     memset(src->faint, 0, sizeof src->faint);
@@ -284,7 +286,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_sensor_facts *const facts = &fs->facts.sensor;
     struct gp_clamp_facts *const clamp = &fs->facts.clamp;
-    gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
+    gp_status st = gp_sense(fs->log, &r->s->light.sensor, &fs->frame, &fs->sources);
     if (!st && fs->groups)
         st = sense_light_groups(r, fs);
     if (st)
@@ -296,7 +298,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
     memcpy(clamp->flux, fs->sources.flux_clamped, sizeof clamp->flux);
     facts->threshold = fs->sources.threshold;
     facts->dark = fs->sources.n == 0 && !suns_asked(r->s) &&
-                  r->s->compose.gain > 0.0f;
+                  r->s->light.compose.gain > 0.0f;
     for (int i = fs->groups ? 0 : -1; i < fs->groups && facts->dark; i++) {
         int at[2];
         const float peak = gp_luminance_peak(
@@ -324,7 +326,7 @@ static const struct gp_sources *all_light(const struct gp_frame_state *fs)
 static struct gp_surround edges_of(const struct gp_run *r,
     const struct gp_frame_state *fs, const struct gp_sources *own)
 {
-    return (struct gp_surround) {r->s->edges, &fs->sources, own};
+    return (struct gp_surround) {r->s->light.edges, &fs->sources, own};
 }
 
 static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
@@ -342,7 +344,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
                             luminance_of(&fs->frame, light->flux) -
                         spread->bright;
     struct gp_glare_params p = r->s->glare;
-    p.taken = r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
+    p.taken = r->s->light.compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
     p.edges = edges_of(r, fs, &fs->sources);
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     if (light->n > 0)
@@ -368,8 +370,8 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
                             gp_run_kernel_of(fs), exact);
     if (!st) {
         gp_glare_measure(
-            &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
-            r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL,
+            &fs->frame, &fs->frame.layer, exact, r->s->light.compose.gain,
+            r->s->light.compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL,
             &fs->facts.layer.error);
         fs->facts.layer.verified = true;
     }
@@ -411,14 +413,14 @@ static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
  * so that groups which add up to the frame still do. */
 static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 {
-    struct gp_compose_params p = r->s->compose;
+    struct gp_compose_params p = r->s->light.compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
     p.last = r->layer_ends;
     if (r->ocio)
         gp_ocio_note(fs->log, r->ocio, &fs->frame);
     gp_status st = gp_compose(fs->log, &p, &fs->sources, &fs->frame);
     p.last = true;
-    for (int i = 0; i < fs->groups && r->s->hdr.n && !st; i++) {
+    for (int i = 0; i < fs->groups && r->s->output.hdr.n && !st; i++) {
         struct gp_light_group *const g = &fs->group[i];
         struct gp_glare_stats stats = {0};
         struct gp_flare_facts flare = {0};
@@ -447,8 +449,8 @@ static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
         shows = shows || !(r->jobs->target[i].hero || r->jobs->target[i].whole);
     if (!shows)
         return GP_OK;
-    return r->ocio ? gp_ocio_show(fs->log, r->ocio, &r->s->tone, &fs->frame)
-                   : gp_tone_map(fs->log, &r->s->tone, &fs->frame, NULL);
+    return r->ocio ? gp_ocio_show(fs->log, r->ocio, &r->s->tone.map, &fs->frame)
+                   : gp_tone_map(fs->log, &r->s->tone.map, &fs->frame, NULL);
 }
 
 // -- writing -----------------------------------------------------------------
@@ -456,7 +458,7 @@ static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
 /* True when -o gets linear light. */
 static bool untoned(const struct gp_settings *s)
 {
-    return strcmp(s->tone.curve, "none") == 0;
+    return strcmp(s->tone.map.curve, "none") == 0;
 }
 
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
@@ -497,13 +499,14 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
 {
     gp_status st;
     int n = 0;
-    const size_t most = (size_t) views * (1 + (size_t) r->s->light_groups.n);
+    const size_t most =
+        (size_t) views * (1 + (size_t) r->s->input.light_groups.n);
     struct gp_hdr_colour *set;
     struct gp_planes *converted = NULL;
     GP_TRY(gp_alloc_zero(fs->log, "colours", most, sizeof *set, &set));
     for (int i = 0; i < views; i++) {
         set[n++].f = &fs[i].frame;
-        if (r->s->ocio.output && !fs[i].converted)
+        if (r->s->tone.ocio.output && !fs[i].converted)
             GP_TRY(gp_convert_layers(fs->log, convert_layer, r->ocio,
                                      &fs[i].frame, stats));
         fs[i].converted = true;
@@ -516,7 +519,7 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
                          &converted));
     for (int i = 0; i < n; i++) {
         set[i].planes = &set[i].f->lit;
-        if (!r->s->ocio.output)
+        if (!r->s->tone.ocio.output)
             continue;
         GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f,
                                gp_frame_pixels(set[i].f), &set[i].f->lit,
@@ -590,7 +593,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
 static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
-    struct gp_write_params p = r->s->write;
+    struct gp_write_params p = r->s->output.write;
     struct gp_write_facts *const facts = &fs->facts.write;
     struct gp_clamp_facts *const clamp = &fs->facts.clamp;
     const struct gp_taker *const taker = r->jobs->taker;
@@ -598,7 +601,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     if (taker)
         return taker->take(taker->user, fs->log, &fs->frame,
                            untoned(r->s) ? &fs->frame.lit : &fs->frame.shown);
-    p.command = r->s->no_provenance ? NULL : fs->facts.job.command;
+    p.command = r->s->output.no_provenance ? NULL : fs->facts.job.command;
     if (r->ocio) {
         p.primaries = gp_ocio_output_primaries(r->ocio);
         memcpy(p.cicp, gp_ocio_code_points(r->ocio), sizeof p.cicp);

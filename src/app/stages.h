@@ -81,12 +81,6 @@ struct gp_kernel_params gp_wanted_params(const struct gp_settings *s,
 /* Returns the share of a pixel's light that the kernel takes and spreads. */
 double gp_wanted_share(const struct gp_wanted_kernel *k);
 
-/* Reads the images that k's recipes name: of the recipes of a kernel's file,
- * `from` (or NULL), beside that file if they are there. Same errors. */
-GP_MUST_CHECK gp_status gp_wanted_images_read(const struct gp_log *log,
-    const struct gp_read_params *limits, const char *from,
-    struct gp_wanted_kernel *k);
-
 /* A kernel, and the frames it was made for: those of this field and these
  * primaries, or of this pixel aspect where it is an image's. Frames are written
  * while the next ones have another: whoever holds it ends with

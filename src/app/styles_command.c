@@ -45,27 +45,28 @@ static gp_status make_tile(const struct gp_log *log,
     struct gp_progress none;
     char **word = NULL;
     int words = 1;
-    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->options.n / 2 + 4,
-                         sizeof *word, &word));
-    for (int i = 0; i < s->options.n; i += 2) {
-        const char *const value = s->options.at[i + 1];
+    GP_TRY(gp_alloc_zero(log, "command line",
+                         (size_t) s->words.options.n / 2 + 4, sizeof *word,
+                         &word));
+    for (int i = 0; i < s->words.options.n; i += 2) {
+        const char *const value = s->words.options.at[i + 1];
         if (asprintf(&word[words], value ? "--%s=%s" : "--%s",
-                     s->options.at[i], value) < 0)
-            GP_TRY(gp_no_memory(log, s->inputs.at[0]));
+                     s->words.options.at[i], value) < 0)
+            GP_TRY(gp_no_memory(log, s->input.files.at[0]));
         words++;
     }
-    const char *const last[] = {first, "--", s->inputs.at[0]};
+    const char *const last[] = {first, "--", s->input.files.at[0]};
     for (size_t i = 0; i < sizeof last / sizeof *last; i++) {
         if (!(word[words++] = strdup(last[i])))
-            GP_TRY(gp_no_memory(log, s->inputs.at[0]));
+            GP_TRY(gp_no_memory(log, s->input.files.at[0]));
     }
     GP_TRY(gp_options_parse(log, words, word, &one));
-    one.report_append = t->i > 0;
+    one.run.append = t->i > 0;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
                        "%d); give one file, and one view of it",
-                       s->inputs.at[0], jobs.n));
+                       s->input.files.at[0], jobs.n));
     jobs.taker = &taker;
     gp_progress_open(&none, stderr, GP_PROGRESS_NEVER, true);
     st = gp_pipeline_run(log, &one, &jobs, &none);
@@ -85,16 +86,17 @@ static gp_status write_sheet(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_sheet *sheet)
 {
     struct gp_write_stats stats = {0};
-    struct gp_write_params p = s->write;
+    struct gp_write_params p = s->output.write;
     const struct gp_rect window = {0, 0, gp_sheet_w(sheet), gp_sheet_h(sheet)};
-    const struct gp_frame f = {.path = (char *) s->inputs.at[0], .data = window,
+    const struct gp_frame f = {.path = (char *) s->input.files.at[0],
+                               .data = window,
                                .display = window};
     char *command = NULL;
-    gp_status st = gp_command_text(log, s, s->inputs.at, 1, &command);
+    gp_status st = gp_command_text(log, s, s->input.files.at, 1, &command);
     p.command = command;
-    for (int i = 0; i < s->outputs.n && !st; i++)
-        st = gp_write_picture(log, &p, s->outputs.at[i], &f, &sheet->planes,
-                              GP_PICTURE_SHOWN, &stats);
+    for (int i = 0; i < s->output.pictures.n && !st; i++)
+        st = gp_write_picture(log, &p, s->output.pictures.at[i], &f,
+                              &sheet->planes, GP_PICTURE_SHOWN, &stats);
     free(command);
     return st;
 }
@@ -105,7 +107,7 @@ gp_status gp_styles_command(const struct gp_log *log,
     struct gp_sheet sheet = {.columns = 3, .tiles = 1};
     const struct gp_style *style = gp_styles;
     gp_status st;
-    if (!s->inputs.n) {
+    if (!s->input.files.n) {
         for (; style->name; style++)
             printf("%-10s  %s%s\n", style->name, style->text,
                    strcmp(style->name, GP_STYLE_USUAL) == 0 ? " (default)"
@@ -125,10 +127,12 @@ gp_status gp_styles_command(const struct gp_log *log,
         GP_TRY(make_tile(log, s, word, &t));
     }
     st = write_sheet(log, s, &sheet);
-    if (!st && s->level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {
+    if (!st && s->run.level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {
         char line[GP_LINE_BYTES];
-        snprintf(line, sizeof line, "%s: %d pictures of %s, the first without "
-                 "glare", s->outputs.at[0], sheet.tiles, s->inputs.at[0]);
+        snprintf(line, sizeof line,
+                 "%s: %d pictures of %s, the first without "
+                 "glare",
+                 s->output.pictures.at[0], sheet.tiles, s->input.files.at[0]);
         gp_make_printable(line);
         fprintf(stderr, "%s\n", line);
     }

@@ -9,7 +9,7 @@ static gp_status read_picture(void *user, const struct gp_log *log,
                               const char *path, struct gp_frame *out)
 {
     const struct gp_sun_files *const files = user;
-    const struct gp_read_params limits = gp_read_limits(&files->s->read);
+    const struct gp_read_params limits = gp_read_limits(&files->s->input.read);
     return gp_read_frame(log, &limits, path, out);
 }
 
@@ -60,7 +60,8 @@ static gp_status read_beside(
     char *const name = gp_pattern_name(&pattern, number, job->view);
     if (!name)
         return gp_no_memory(log, path);
-    st = gp_read_plane_file(log, &files->s->read, name, channel, depth, out);
+    st = gp_read_plane_file(log, &files->s->input.read, name, channel, depth,
+                            out);
     free(name);
     return st;
 }
@@ -71,15 +72,14 @@ static gp_status read_planes(void *user, const struct gp_log *log,
     const struct gp_sun_files *const files = user;
     const struct gp_settings *const s = files->s;
     const struct gp_sun_params *const p = &s->sun;
-    gp_status st = p->depth_file
-                       ? read_beside(files, log, p->depth_file, s->depth, true,
-                                     depth)
-                       : gp_read_plane(log, &s->read, f, s->depth, true,
-                                       depth);
+    gp_status st = p->depth_file ? read_beside(files, log, p->depth_file,
+                                               s->input.depth, true, depth)
+                                 : gp_read_plane(log, &s->input.read, f,
+                                                 s->input.depth, true, depth);
     if (!st && p->mask_file)
         st = read_beside(files, log, p->mask_file, p->mask, false, mask);
     else if (!st && p->mask)
-        st = gp_read_plane(log, &s->read, f, p->mask, false, mask);
+        st = gp_read_plane(log, &s->input.read, f, p->mask, false, mask);
     return st;
 }
 
@@ -91,8 +91,8 @@ struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files)
 
 double gp_run_fov(const struct gp_run *r, const struct gp_frame_state *fs)
 {
-    if (r->s->fov > 0.0f)
-        return (double) r->s->fov;
+    if (r->s->kernel.fov > 0.0f)
+        return (double) r->s->kernel.fov;
     const struct gp_sun_about about = gp_job_about(fs->job, &fs->frame);
     return gp_suns_fov(&r->suns, &about, &fs->frame);
 }

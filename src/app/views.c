@@ -11,7 +11,7 @@
 
 bool gp_views_all(const struct gp_settings *s)
 {
-    return !s->views || strcmp(s->views, "all") == 0;
+    return !s->input.views || strcmp(s->input.views, "all") == 0;
 }
 
 /* Replaces each job by one for each view; takes over `found`. */
@@ -61,14 +61,14 @@ static gp_status find_views(const struct gp_log *log,
 {
     *input = j->job[0].input;
     if (j->members.n)
-        return gp_members_views(log, &s->read, &j->members, 0, found);
+        return gp_members_views(log, &s->input.read, &j->members, 0, found);
     gp_status st = GP_OK;
     for (int i = 0; i < j->n; i++) {
         struct stat info;
         *input = j->job[i].input;
         if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
             continue;
-        st = gp_read_views(log, &s->read, *input, found);
+        st = gp_read_views(log, &s->input.read, *input, found);
         if (!st || st == GP_ERR_BUG)
             return st;
     }

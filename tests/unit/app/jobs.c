@@ -311,7 +311,8 @@ static void what_is_made(void **state)
         struct gp_settings s;
         struct gp_jobs j = {0};
         if (make_jobs(made_rows[i].line, &s, &j) ||
-            gp_job_complete(&s.write, &j, &j.job[0]) != made_rows[i].made)
+            gp_job_complete(&s.output.write, &j, &j.job[0]) !=
+                made_rows[i].made)
             fail_msg("%s: %s", made_rows[i].line, kept_line);
         gp_jobs_free(&j);
         gp_settings_free(&s);

@@ -9,20 +9,21 @@ static void defaults_hold(void **state)
     struct gp_settings s;
     assert_ok(parse("-o a.png in.exr", &s));
     assert_int_equal(kept_lines, 0);
-    assert_true(s.inputs.n == 1 && s.outputs.n == 1);
-    assert_string_equal(s.inputs.at[0], "in.exr");
-    assert_string_equal(s.outputs.at[0], "a.png");
-    assert_string_equal(s.style, "camera");
-    assert_false(s.kernel.centered);
+    assert_true(s.input.files.n == 1 && s.output.pictures.n == 1);
+    assert_string_equal(s.input.files.at[0], "in.exr");
+    assert_string_equal(s.output.pictures.at[0], "a.png");
+    assert_string_equal(s.light.style, "camera");
+    assert_false(s.kernel.image.centered);
     assert_string_equal(s.glare.engine, "auto");
-    assert_true(s.sensor.threshold == 1.0f && s.sensor.knee == 0.0f);
-    assert_true(s.sensor.max_value == 0.0f);
-    assert_true(s.compose.gain == 1.0f && s.glare.gain == 1.0f);
-    assert_int_equal(s.sensor.mode, GP_THRESHOLD_EXCESS);
-    assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
-    assert_string_equal(s.tone.curve, "neutral");
-    assert_int_equal(s.write.compression, GP_COMPRESSION_AUTO);
-    assert_int_equal(s.level, GP_LEVEL_WARN);
+    assert_true(s.light.sensor.threshold == 1.0f &&
+                s.light.sensor.knee == 0.0f);
+    assert_true(s.light.sensor.max_value == 0.0f);
+    assert_true(s.light.compose.gain == 1.0f && s.glare.gain == 1.0f);
+    assert_int_equal(s.light.sensor.mode, GP_THRESHOLD_EXCESS);
+    assert_int_equal(s.light.compose.mix, GP_MIX_SCATTER);
+    assert_string_equal(s.tone.map.curve, "neutral");
+    assert_int_equal(s.output.write.compression, GP_COMPRESSION_AUTO);
+    assert_int_equal(s.run.level, GP_LEVEL_WARN);
     gp_settings_free(&s);
     gp_settings_free(&s);
 }
@@ -153,8 +154,8 @@ static void commands_make_the_same_picture(void **state)
         struct gp_settings s;
         char *text;
         assert_ok(parse(rows[i].line, &s));
-        assert_ok(gp_command_text(&kept_log, &s, s.inputs.at,
-                                         s.inputs.n, &text));
+        assert_ok(gp_command_text(&kept_log, &s, s.input.files.at,
+                                         s.input.files.n, &text));
         assert_string_equal(text, rows[i].want);
         free(text);
         gp_settings_free(&s);
@@ -168,15 +169,17 @@ static void forms_of_values(void **state)
     assert_ok(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
                            "--threshold-mode whole i.exr --exposure -1.5 "
                            "-k k.exr --kernel-center 3.5,-2 --report - -q -v", &s));
-    assert_int_equal(s.outputs.n, 2);
-    assert_string_equal(s.outputs.at[1], "b.exr");
-    assert_int_equal(s.layer.n, 1);
-    assert_string_equal(s.layer.at[0], "l");
-    assert_true(s.sensor.threshold == 2.5f && s.sensor.knee == 0.5f);
-    assert_true(s.tone.exposure == -1.5f && s.kernel.centered);
-    assert_true(s.kernel.center[0] == 3.5 && s.kernel.center[1] == -2.0);
-    assert_string_equal(s.report, "-");
-    assert_int_equal(s.level, GP_LEVEL_INFO);
+    assert_int_equal(s.output.pictures.n, 2);
+    assert_string_equal(s.output.pictures.at[1], "b.exr");
+    assert_int_equal(s.output.layer.n, 1);
+    assert_string_equal(s.output.layer.at[0], "l");
+    assert_true(s.light.sensor.threshold == 2.5f &&
+                s.light.sensor.knee == 0.5f);
+    assert_true(s.tone.map.exposure == -1.5f && s.kernel.image.centered);
+    assert_true(s.kernel.image.center[0] == 3.5 &&
+                s.kernel.image.center[1] == -2.0);
+    assert_string_equal(s.run.report, "-");
+    assert_int_equal(s.run.level, GP_LEVEL_INFO);
     gp_settings_free(&s);
 }
 
@@ -206,10 +209,10 @@ static void forms_of_thresholds(void **state)
                  right ? rows[i].word : wrong[i - COUNT(rows)]);
         const gp_status st = parse(line, &s);
         if (st != (right ? GP_OK : GP_ERR_USAGE) ||
-            (right && (s.sensor.threshold != rows[i].v ||
-                       s.sensor.unit != rows[i].unit)))
+            (right && (s.light.sensor.threshold != rows[i].v ||
+                       s.light.sensor.unit != rows[i].unit)))
             fail_msg("%s: status %d, %g", line, st,
-                     (double) s.sensor.threshold);
+                     (double) s.light.sensor.threshold);
         gp_settings_free(&s);
     }
 }
@@ -218,23 +221,23 @@ static void words_that_look_like_options(void **state)
 {
     struct gp_settings s;
     assert_ok(parse("-o - -", &s));
-    assert_string_equal(s.outputs.at[0], "-");
-    assert_string_equal(s.inputs.at[0], "-");
+    assert_string_equal(s.output.pictures.at[0], "-");
+    assert_string_equal(s.input.files.at[0], "-");
     gp_settings_free(&s);
     assert_ok(parse("i -g 1 -o a -g 2 j -- -k --help", &s));
-    assert_int_equal(s.inputs.n, 4); // options stand anywhere before --
-    assert_string_equal(s.inputs.at[3], "--help");
-    assert_true(s.compose.gain == 2.0f); // the last one holds
-    assert_null(s.help);
+    assert_int_equal(s.input.files.n, 4); // options stand anywhere before --
+    assert_string_equal(s.input.files.at[3], "--help");
+    assert_true(s.light.compose.gain == 2.0f); // the last one holds
+    assert_null(s.words.help);
     gp_settings_free(&s);
     assert_ok(parse("--output=--hdr i", &s));
-    assert_string_equal(s.outputs.at[0], "--hdr");
+    assert_string_equal(s.output.pictures.at[0], "--hdr");
     gp_settings_free(&s);
     assert_ok(parse("--help", &s)); // needs no input
-    assert_string_equal(s.help, "");
+    assert_string_equal(s.words.help, "");
     gp_settings_free(&s);
     assert_ok(parse("--version -o x", &s));
-    assert_true(s.version);
+    assert_true(s.words.version);
     gp_settings_free(&s);
 }
 
@@ -250,8 +253,8 @@ static void topics_of_help(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_ok(parse(rows[i].line, &s));
-        assert_string_equal(s.help, rows[i].topic);
-        assert_int_equal(s.inputs.n, rows[i].inputs);
+        assert_string_equal(s.words.help, rows[i].topic);
+        assert_int_equal(s.input.files.n, rows[i].inputs);
         gp_settings_free(&s);
     }
 }
@@ -299,8 +302,8 @@ static void commands(void **state)
         assert_ok(parse(rows[i].line, &s));
         assert_int_equal(kept_lines, 0);
         assert_int_equal(s.command, rows[i].command);
-        assert_int_equal(s.inputs.n, rows[i].inputs);
-        assert_int_equal(s.help != NULL, rows[i].help);
+        assert_int_equal(s.input.files.n, rows[i].inputs);
+        assert_int_equal(s.words.help != NULL, rows[i].help);
         assert_true(s.bench.runs == 9 && isinf(s.compare.limits.hard_warn));
         gp_settings_free(&s);
     }

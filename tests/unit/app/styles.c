@@ -35,23 +35,24 @@ static void styles_set_what_is_not_given(void **state)
 {
     struct gp_settings s;
     assert_ok(parse("--style eye -o a.png in.exr", &s));
-    assert_int_equal(s.kernels.n, 1);
-    assert_string_equal(s.kernels.at[0], "builtin:eye");
+    assert_int_equal(s.kernel.words.n, 1);
+    assert_string_equal(s.kernel.words.at[0], "builtin:eye");
     assert_false(gp_option_given(&s, "kernel"));
-    assert_int_equal(s.options.n, 4); // the style's words are not written out
+    assert_int_equal(s.words.options.n,
+                     4); // the style's words are not written out
     gp_settings_free(&s);
     assert_ok(parse("-o a.png in.exr", &s));
-    assert_string_equal(s.style, "camera");
-    assert_int_equal(s.kernels.n, 3);
+    assert_string_equal(s.light.style, "camera");
+    assert_int_equal(s.kernel.words.n, 3);
     gp_settings_free(&s);
     assert_ok(parse("--style mist -o a.png in.exr", &s));
-    assert_true(s.sensor.threshold == 0.0f);
+    assert_true(s.light.sensor.threshold == 0.0f);
     gp_settings_free(&s);
     // in any order
     assert_ok(parse("-t 3 --style mist -k star -o a.png in.exr", &s));
-    assert_true(s.sensor.threshold == 3.0f);
-    assert_int_equal(s.kernels.n, 1);
-    assert_string_equal(s.kernels.at[0], "star");
+    assert_true(s.light.sensor.threshold == 3.0f);
+    assert_int_equal(s.kernel.words.n, 1);
+    assert_string_equal(s.kernel.words.at[0], "star");
     gp_settings_free(&s);
     assert_ok(parse("--style vintage --lens heliar -o a.png in.exr", &s));
     assert_string_equal(s.lens.name, "heliar");
@@ -60,7 +61,7 @@ static void styles_set_what_is_not_given(void **state)
     assert_string_equal(s.sun.flare, "preset:oval");
     gp_settings_free(&s);
     assert_ok(parse("kernel --style star -o k.exr", &s));
-    assert_true(s.kernels.n > 1);
+    assert_true(s.kernel.words.n > 1);
     gp_settings_free(&s);
     assert_int_equal(parse("--style starr -o a.png in.exr", &s), GP_ERR_USAGE);
     assert_kept("did you mean star?");
@@ -81,9 +82,9 @@ static double glare_index(const char *name, double t)
     double within = 0.0;
     snprintf(line, sizeof line, "--style %s -o a.png in.exr", name);
     assert_ok(parse(line, &s));
-    for (int i = 0; i < s.kernels.n; i++)
-        recipe[i] = scene_recipe(s.kernels.at[i]);
-    assert_ok(gp_model_kernel(&kept_log, recipe, s.kernels.n, &f, &k));
+    for (int i = 0; i < s.kernel.words.n; i++)
+        recipe[i] = scene_recipe(s.kernel.words.at[i]);
+    assert_ok(gp_model_kernel(&kept_log, recipe, s.kernel.words.n, &f, &k));
     assert_ok(gp_kernel_whole(&kept_log, &k, f.w, f.h, &whole));
     for (int y = -20; y <= 20; y++) {
         for (int x = -20; x <= 20; x++) {
@@ -93,7 +94,7 @@ static double glare_index(const char *name, double t)
                           0.0722 * sample_at(&whole, 2, x, y);
         }
     }
-    for (int i = 0; i < s.kernels.n; i++)
+    for (int i = 0; i < s.kernel.words.n; i++)
         gp_recipe_free(&recipe[i]);
     gp_kernel_free(&whole);
     gp_kernel_free(&k);
