@@ -163,7 +163,7 @@ static void run_all(const char *recipe, bool tail)
     struct gp_glare kept[WAYS] = {0};
     n_rows = 0;
     memset(results, 0, sizeof results);
-    for (int i = 0; i < HARD_CASES; i++)
+    for (int i = 0; i < HARD_CASES && (!recipe || tail); i++)
         add_row(&hard_cases[i], recipe, false);
     for (int i = 0; i < HARD_WIDE && recipe; i++)
         add_row(&hard_wide[i], recipe, tail);
@@ -309,8 +309,8 @@ void hard_glare(void)
     run_tables(NULL, false);
 }
 
-/* A smooth kernel, most of which is its tail, and a sharp one, which has none.
- */
+/* A smooth kernel, most of which is its tail, and in wide frames a sharp one,
+ * which has none. */
 void hard_field(void)
 {
     run_tables("spencer", true);
