@@ -578,8 +578,6 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         r.file = stdout;
     } else {
         int fd;
-        // (append: a line is written whole, after those of other tasks of a
-        // farm)
         gp_status st = gp_file_open_lines(log, path, create_dir, append, &fd,
                                           &r.created);
         if (st)
@@ -591,10 +589,8 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
             gp_free(r.created);
             return gp_no_memory(log, path);
         }
-    }
-    if (append && r.file != stdout) {
-        (void) setvbuf(r.file, NULL, _IOFBF, 1 << 16);
-        (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
+        if (append)
+            (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
     }
     *out = r;
     return GP_OK;
@@ -619,33 +615,6 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
-/* Ends a last line without a line feed: adds it to a whole object, and removes
- * the part of one that a killed run left. */
-static bool end_last_line(const struct gp_report *r)
-{
-    struct stat s;
-    const int fd = fileno(r->file);
-    char last = '\n';
-    if (r->given || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
-        return true;
-    off_t end = s.st_size;
-    while (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')
-        end--;
-    if (end == s.st_size)
-        return true;
-    const size_t bytes = (size_t) (s.st_size - end);
-    char *const line = malloc(bytes);
-    if (!line)
-        return false;
-    json_t *const whole = pread(fd, line, bytes, end) == (ssize_t) bytes
-                              ? json_loadb(line, bytes, 0, NULL) : NULL;
-    const bool fine = json_is_object(whole) ? write(fd, "\n", 1) == 1
-                                            : ftruncate(fd, end) == 0;
-    json_decref(whole);
-    free(line);
-    return fine;
-}
-
 /* Writes the line of an object, whose reference it takes. */
 static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                               json_t *o)
@@ -653,15 +622,13 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line)
         return gp_no_memory(log, r->path);
-    const bool first = r->lines == 0;
-    bool fine = !first || !r->append || end_last_line(r);
-    if (fine && first && r->append)
-        (void) fseek(r->file, 0, SEEK_END);
+    const bool first = r->lines == 0 && !r->append;
     const long before = ftell(r->file);
     // old lines are removed with the first new one, so that a run that fails
     // before keeps them
-    fine = fine && (!first || r->append || cut_file(r, 0)) &&
-                fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
+    const bool fine = (!first || cut_file(r, 0)) &&
+                      fprintf(r->file, "%s\n", line) > 0 &&
+                      fflush(r->file) == 0;
     free(line);
     if (!fine) {
         const gp_status st = write_failed(log, r);

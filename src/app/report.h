@@ -224,9 +224,8 @@ struct gp_report {
 };
 
 /* Opens the file, in folders that are made if `create_dir`. Its old lines are
- * removed with the first new one, not before; with `append` they stay, but for
- * a last one without a line feed, left by a killed run. Errors: GP_ERR_IO with
- * the system's reason. */
+ * removed with the first new one, not before; with `append` they stay. Errors:
+ * GP_ERR_IO with the system's reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
     const char *path, bool create_dir, bool append, struct gp_report *out);
 
