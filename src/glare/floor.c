@@ -15,13 +15,10 @@ struct gp_floor {
     struct gp_fft_quarters quarters; // of this kernel, for frames of w x h
     unsigned long kernel;            // serial; 0 none that is known
     int w, h;
-    struct gp_bound_cache least;
 };
 
 void gp_floor_free(struct gp_floor **f)
 {
-    if (*f)
-        gp_bound_cache_free(&(*f)->least);
     GP_FREE(*f);
 }
 
@@ -76,7 +73,7 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
     if (least < enough) { // light of these sources
         double other;
         gp_status st =
-            gp_layer_least(req->log, src, k, &(*keep)->least, &other);
+            gp_layer_least(req->log, src, k, &other);
         if (st)
             return st;
         least = fmax(least, other);

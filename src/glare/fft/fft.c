@@ -30,7 +30,6 @@ struct fft_state {
     unsigned long quarters_kernel; // serial and frame of the quarters
     int quarters_w, quarters_h;
     struct gp_fft_quarters quarters;
-    struct gp_bound_cache least;
 };
 
 static void close_state(void **state)
@@ -44,7 +43,6 @@ static void close_state(void **state)
             gp_fft_shape_free(&s->shape[c]);
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
-        gp_bound_cache_free(&s->least);
     }
     GP_FREE(*state);
 }
@@ -362,7 +360,7 @@ static gp_status bound_fft(const struct gp_glare_request *req, void **state,
     *out = bound_of(req, &p, &split, anywhere);
     if (*out <= (double) req->params->tolerance || req->kernel->negative)
         return GP_OK;
-    st = gp_layer_least(req->log, req->src, req->kernel, &s->least, &least);
+    st = gp_layer_least(req->log, req->src, req->kernel, &least);
     if (!st)
         *out = bound_of(req, &p, &split, fmax(least, anywhere));
     return st;

@@ -156,7 +156,6 @@ static void free_layout(struct gp_splat_layout *p)
  * light, kernel and parameters. src->n is over 0.
  * Errors: GP_ERR_BUG out of memory; *p is then empty. */
 static gp_status make_layout(const struct gp_glare_request *req,
-                             struct gp_bound_cache *cache,
                              struct gp_splat_layout *p)
 {
     gp_status st;
@@ -184,7 +183,7 @@ static gp_status make_layout(const struct gp_glare_request *req,
     GP_TRY(gp_shrink_make(req->log, k, &o.params, &o.polygons, &o.shrink));
     if (!o.single || o.params.shrink > 0.0f) {
         GP_TRY(gp_group_bound(req->log, req->src, k, &o.params, &o.polygons,
-                              &o.shrink, roundings(&o), cache, &o.bound));
+                              &o.shrink, roundings(&o), &o.bound));
     } else {
         // exact but for rounding. Negative samples may cancel while the
         // roundings stay: nothing is guaranteed then. (Light under 1e-38
@@ -204,7 +203,7 @@ static gp_status make_layout(const struct gp_glare_request *req,
                                     fabs((double) u->cy) + u->h);
         const double place = 0x1p-23 + 0x1p-31 * radius;
         double least = 0.0, wrong = 0.0;
-        GP_TRY(gp_layer_least(req->log, req->src, k, cache, &least));
+        GP_TRY(gp_layer_least(req->log, req->src, k, &least));
         for (int c = 0; c < 3; c++) {
             double sum = 0.0;
             for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
@@ -249,7 +248,6 @@ static void close_splat(void **state)
         return;
     close_context(s);
     free_layout(&s->layout);
-    gp_bound_cache_free(&s->bounds);
     gp_free(s->band);
     GP_FREE(*state);
 }
@@ -307,7 +305,7 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     struct gp_splat *const s = *state;
     const struct gp_splat_layout *const p = &s->layout;
     GP_TRY(gp_splat_open(req->log, s, req->params->gl));
-    GP_TRY(make_layout(req, &s->bounds, &s->layout));
+    GP_TRY(make_layout(req, &s->layout));
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE

@@ -85,7 +85,6 @@ struct gp_splat {
     bool tail;
 
     struct gp_splat_layout layout;
-    struct gp_bound_cache bounds;
 };
 
 /* Makes *state, without a context, or keeps it. Errors: GP_ERR_BUG out of
@@ -96,6 +95,15 @@ GP_MUST_CHECK gp_status gp_splat_make(const struct gp_log *log, void **state);
  * Errors: GP_ERR_GL; no context is open then. */
 GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
                                       struct gp_splat *s, enum gp_gl_api api);
+
+/* Bounds rel_l2 of a splat layer: grouping and clustering, light left out by
+ * shrinking, samples' positions, and `roundings` float roundings, each 2^-24 of
+ * a pixel's sum. INFINITY for kernels with lobes.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double roundings, double *out);
 
 /* -- objects on GL --------------------------------------------------------- */
 

@@ -1,4 +1,4 @@
-/* glare/bound/bound.h: what is measured is never over the bound, and the bound
+/* Bounds of splat and of the least layer: what is measured is never over the bound, and the bound
  * is not far over it. Random frames, kernels and settings; the layer of the
  * polygons and the exact one both in double. */
 #include "unit.h"
@@ -164,20 +164,19 @@ static void free_trial(struct trial *t)
     scene_free(&t->s);
 }
 
-static double bound_of(const struct trial *t, double roundings,
-                              struct gp_bound_cache *cache)
+static double bound_of(const struct trial *t, double roundings)
 {
     double bound = -1.0;
     assert_ok(gp_group_bound(NULL, &t->s.src, &t->s.k, &t->p, &t->q, &t->shrink,
-                             roundings, cache, &bound));
+                             roundings, &bound));
     assert_true(bound >= 0.0);
     return bound;
 }
 
-static double least_of(const struct trial *t, struct gp_bound_cache *cache)
+static double least_of(const struct trial *t)
 {
     double least = -1.0;
-    assert_ok(gp_layer_least(NULL, &t->s.src, &t->s.k, cache, &least));
+    assert_ok(gp_layer_least(NULL, &t->s.src, &t->s.k, &least));
     assert_true(least >= 0.0);
     return least;
 }
@@ -227,10 +226,9 @@ static void measured_is_never_over_the_bound(void **state)
     size_t n = 0, layers = 0;
     for (uint32_t seed = 0; seed < cases; seed++) {
         struct trial t = make_trial(seed);
-        struct gp_bound_cache cache = {0};
         double norm, wrong;
-        const double bound = bound_of(&t, 4.0, &cache);
-        const double least = least_of(&t, &cache);
+        const double bound = bound_of(&t, 4.0);
+        const double least = least_of(&t);
         measure(&t, &norm, &wrong);
         if (least > norm * (1.0 + 1e-9) ||
             !(isinf(bound) || wrong <= bound * norm))
@@ -244,7 +242,6 @@ static void measured_is_never_over_the_bound(void **state)
         // exact grouping leaves nothing to compare
         if (norm > 0.0 && wrong > 1e-6 * norm)
             ratio[n++] = bound * norm / wrong;
-        gp_bound_cache_free(&cache);
         free_trial(&t);
     }
     const double middle = median(ratio, n), usual = median(slack, layers);
@@ -255,42 +252,6 @@ static void measured_is_never_over_the_bound(void **state)
     assert_true(middle <= 10.0);
     free(ratio);
     free(slack);
-}
-
-/* -- changes that must not matter -------------------------------------------*/
-
-/* A cache that has seen other frames, kernels and settings. */
-static void caches_change_nothing(void **state)
-{
-    struct gp_bound_cache old = {0};
-    double bound[24], least[24];
-    for (int pass = 0; pass < 2; pass++) {
-        struct trial shared = make_trial(1000u);
-        for (uint32_t i = 0; i < 24; i++) {
-            struct gp_bound_cache own = {0};
-            struct trial t = make_trial(1000u + i);
-            // half of them share one kernel
-            struct gp_kernel k = t.s.k;
-            if (i % 2) {
-                t.s.k = shared.s.k;
-                assert_ok(gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink));
-            }
-            struct gp_bound_cache *const cache = pass ? &old : &own;
-            bound[i] = pass && bound_of(&t, 1.0, cache) != bound[i]
-                           ? -1.0 : bound_of(&t, 1.0, cache);
-            least[i] = pass && least_of(&t, cache) != least[i]
-                           ? -1.0 : least_of(&t, cache);
-            if (bound[i] < 0.0 || least[i] < 0.0)
-                fail_msg("trial %u: the cache changed it", i);
-            t.s.k = k;
-            gp_bound_cache_free(&own);
-            free_trial(&t);
-        }
-        free_trial(&shared);
-        // serials differ between the passes; the kernels do not
-    }
-    gp_bound_cache_free(&old);
-    gp_bound_cache_free(&old); // twice is harmless
 }
 
 /* -- the ends of the range --------------------------------------------------*/
@@ -316,14 +277,12 @@ static void no_layer_has_no_least(void **state)
         int cx;
     } rows[] = {{FEW, LOBES, MID}, {DARK, PEAK, MID}, {FEW, PEAK, 2000}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_bound_cache cache = {0};
         struct trial t = simple_trial(
             rows[i].light, scene_kernel(31, 31, rows[i].cx, 5, rows[i].shape),
             (struct gp_splat_params) {.group = 4});
-        const double bound = bound_of(&t, 0.0, &cache);
+        const double bound = bound_of(&t, 0.0);
         assert_true(isinf(bound) || rows[i].shape != LOBES);
-        assert_true(least_of(&t, &cache) == 0.0);
-        gp_bound_cache_free(&cache);
+        assert_true(least_of(&t) == 0.0);
         free_trial(&t);
     }
 }
@@ -331,18 +290,13 @@ static void no_layer_has_no_least(void **state)
 /* Single sensors are wrong by rounding alone, and roundings count. */
 static void single_sensors_only_round(void **state)
 {
-    {
-        struct gp_bound_cache cache = {0};
-        const struct gp_splat_params p = GP_SPLAT_EXACT;
-        struct trial t =
-            simple_trial(FEW, scene_kernel(31, 31, MID, 0, PEAK), p);
-        const double none = bound_of(&t, 0.0, &cache);
-        const double many = bound_of(&t, 1000.0, &cache);
-        assert_true(none < 1e-6);
-        assert_true(many >= 1000.0 * 0x1p-24 && many < 1100.0 * 0x1p-24);
-        gp_bound_cache_free(&cache);
-        free_trial(&t);
-    }
+    struct trial t = simple_trial(FEW, scene_kernel(31, 31, MID, 0, PEAK),
+                                  (struct gp_splat_params) GP_SPLAT_EXACT);
+    const double none = bound_of(&t, 0.0);
+    const double many = bound_of(&t, 1000.0);
+    assert_true(none < 1e-6);
+    assert_true(many >= 1000.0 * 0x1p-24 && many < 1100.0 * 0x1p-24);
+    free_trial(&t);
 }
 
 /* More light left out, or larger blocks: never a smaller bound than what a
@@ -350,18 +304,16 @@ static void single_sensors_only_round(void **state)
 static void a_single_light_is_exact(void **state)
 {
     for (int group = 2; group <= 64; group *= 2) {
-        struct gp_bound_cache cache = {0};
         struct trial t = simple_trial(
             CORNERS, scene_kernel(31, 31, MID, 0, PEAK),
             (struct gp_splat_params) {.group = group < 32 ? group : 16});
         assert_int_equal(t.q.n, t.s.src.n);
         // only the samples' places and rounding are left
-        assert_true(bound_of(&t, 0.0, &cache) < 1e-3);
-        gp_bound_cache_free(&cache);
+        assert_true(bound_of(&t, 0.0) < 1e-3);
         free_trial(&t);
     }
 }
 
 SUITE_OF(bound, NULL, NULL,
-    measured_is_never_over_the_bound, caches_change_nothing,
-    no_layer_has_no_least, single_sensors_only_round, a_single_light_is_exact)
+    measured_is_never_over_the_bound, no_layer_has_no_least,
+    single_sensors_only_round, a_single_light_is_exact)

@@ -45,13 +45,12 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
     const size_t n = gp_frame_pixels(f);
     struct gp_polygons polygons;
     struct gp_shrink shrink;
-    struct gp_bound_cache cache = {0};
     double bound, *const layer = calloc(3 * n, sizeof *layer);
     const double of_exact = make_exact(f, src, k, g);
     assert_non_null(layer);
     assert_ok(gp_polygons_make(NULL, src, &p, &polygons));
     assert_ok(gp_shrink_make(NULL, k, &p, &polygons, &shrink));
-    assert_ok(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0, &cache,
+    assert_ok(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0,
                              &bound));
     plain_groups(src, k, &p, &polygons, &shrink, layer);
     double wrong = 0.0, all = 0.0;
@@ -70,7 +69,6 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
     worst->rel_l2 = fmax(worst->rel_l2, rel_l2);
     free(layer);
     gp_polygons_free(&polygons);
-    gp_bound_cache_free(&cache);
 }
 
 static void every_frame_of_the_data_is_within_a_hundredth(void **state)

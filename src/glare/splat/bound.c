@@ -1,0 +1,416 @@
+/* Bounds the error of a splat layer before anything is drawn. Its parts:
+ *
+ *   grouping   the kernel, spread over sources less polygons, by a transform in
+ *              double: the error itself
+ *   places     samples that GL takes up to a float's step aside
+ *   shrinking  the light that is left out, by Young's inequality
+ *   rounding   of each sum
+ *
+ * over the least that the exact layer can be. */
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "glare/fft/fft.h"
+#include "glare/splat/splat_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Roundings of the factors of the sum, the polygon's light and the blurred
+ * kernel's sample, doubled for safety. */
+static const double OWN_ROUNDINGS = 4.0;
+
+/* A polygon's light is within a square of twice its cell's side, on the lattice
+ * of cells. So at most four of one size share a pixel, and the norm of their
+ * sum is at most twice the root of their squares' sum. */
+static const double SHARED = 2.0;
+
+/* The kernel's samples up to (x, y) from its centre. */
+static struct gp_rect reaching(const struct gp_kernel *k, int x, int y)
+{
+    const long long cx = k->cx, cy = k->cy;
+    return (struct gp_rect) {
+        gp_clamp_wide(cx - x, 0, k->w), gp_clamp_wide(cy - y, 0, k->h),
+        gp_clamp_wide(cx + x + 1, 0, k->w), gp_clamp_wide(cy + y + 1, 0, k->h),
+    };
+}
+
+/* Sample (x, y), 0 outside the kernel, and in its core when `tail`. */
+static float sample_of(const struct gp_kernel *k, bool tail, int c, int x,
+                       int y)
+{
+    const bool core = tail && abs(x - k->cx) <= GP_CORE_RADIUS &&
+                      abs(y - k->cy) <= GP_CORE_RADIUS;
+    return core || x < 0 || x >= k->w || y < 0 || y >= k->h
+               ? 0.0f
+               : k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
+}
+
+/* -- the error of groups --------------------------------------------------- */
+
+/* Sources less polygons, before either is spread. A polygon's light is set down
+ * bilinearly at P0 - (M - 1) / 2 and blurred by its box of side M. */
+struct residue {
+    int w, h, pad;      // of the frame; the planes have pad pixels around it
+    struct gp_planes d; // (w + 2 pad) * (h + 2 pad)
+};
+
+/* Pixels of a polygon's light on one axis: box + 1 from `first`, the
+ * ones between the ends all with weight 1 / box. */
+struct footprint {
+    int first;
+    double head, body, tail; // weights
+};
+
+static struct footprint make_footprint(float at, int box)
+{
+    const double start = (double) at - (box - 1) / 2.0;
+    const double fraction = start - floor(start), body = 1.0 / box;
+    return (struct footprint) {
+        .first = (int) floor(start),
+        .head = (1.0 - fraction) * body, .body = body, .tail = fraction * body,
+    };
+}
+
+static void subtract(const struct residue *r, const struct gp_polygon *p)
+{
+    const int box = gp_blur_box[p->blur];
+    const struct footprint v = make_footprint(p->y, box);
+    const struct footprint u = make_footprint(p->x, box);
+    const size_t width = (size_t) (r->w + 2 * r->pad);
+    for (int j = 0; j <= box; j++) {
+        const double down = j == 0 ? v.head : j < box ? v.body : v.tail;
+        for (int c = 0; c < 3 && down > 0.0; c++) {
+            float *const to = r->d.c[c] +
+                              (size_t) (v.first + r->pad + j) * width +
+                              (size_t) (u.first + r->pad);
+            const double light = (double) p->rgb[c] * down;
+            for (int i = 0; i <= box; i++) {
+                const double along = i == 0 ? u.head : i < box ? u.body : u.tail;
+                if (along > 0.0)
+                    to[i] -= (float) (light * along);
+            }
+        }
+    }
+}
+
+static gp_status make_residue(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_polygons *polygons, int pad,
+    struct residue *out)
+{
+    struct residue r = {.w = src->w, .h = src->h, .pad = pad};
+    const size_t width = (size_t) (r.w + 2 * pad);
+    const size_t n = width * (size_t) (r.h + 2 * pad);
+    gp_status st = gp_planes_make(log, "bound", n, &r.d);
+    if (st)
+        return st;
+    gp_planes_clear(&r.d, 0, n);
+    for (int y = 0; y < src->h; y++) {
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            for (int c = 0; c < 3; c++)
+                r.d.c[c][(size_t) (y + pad) * width +
+                         (size_t) (src->x[i] + pad)] = src->rgb[c][i];
+        }
+    }
+    for (size_t i = 0; i < polygons->n; i++)
+        subtract(&r, &polygons->at[i]);
+    *out = r;
+    return GP_OK;
+}
+
+/* Spreads the residue's light of one sign; `layer` is of its planes' size. */
+static gp_status spread(const struct gp_log *log, const struct residue *r,
+    const struct gp_sources *like, float sign, const struct gp_kernel *kernel,
+    struct gp_planes *layer)
+{
+    gp_status st;
+    void *state = NULL;
+    const int w = r->w + 2 * r->pad, h = r->h + 2 * r->pad;
+    const size_t n = (size_t) w * (size_t) h;
+    const struct gp_glare_params p = {.gain = 1.0f, .fft_double = true,
+                                      .last = true};
+    struct gp_glare_stats stats = {0};
+    struct gp_sources frame = {.w = w, .h = h}, light = {0};
+    const struct gp_glare_request req = {
+        .log = log, .params = &p, .src = &light, .kernel = kernel,
+        .layer = layer, .stats = &stats,
+    };
+    memcpy(frame.luminance, like->luminance, sizeof frame.luminance);
+    GP_TRY(gp_planes_make(log, "bound", n, layer));
+    GP_TRY(gp_sources_make(log, &frame, n, &light));
+    for (size_t i = 0; i < n; i++) {
+        float rgb[3];
+        for (int c = 0; c < 3; c++)
+            rgb[c] = gp_maxf(sign * r->d.c[c][i], 0.0f);
+        if (rgb[0] > 0.0f || rgb[1] > 0.0f || rgb[2] > 0.0f)
+            gp_sources_add(&light, (int) (i % (size_t) w),
+                           (int) (i / (size_t) w), rgb);
+    }
+    gp_sources_finish(&light);
+    if (light.n)
+        GP_TRY(gp_engine_fft.run(&req, &state));
+    else
+        gp_planes_clear(layer, 0, n);
+out:
+    gp_engine_fft.close(&state);
+    gp_sources_free(&light);
+    return st;
+}
+
+/* Makes the kernel that polygons draw: without its core when `tail`. */
+static gp_status cut_core(const struct gp_log *log, const struct gp_kernel *k,
+                          bool tail, struct gp_kernel *out)
+{
+    const size_t n = (size_t) k->w * (size_t) k->h;
+    struct gp_kernel o = *k;
+    o.k = (struct gp_planes) {0};
+    o.unturned = NULL;
+    o.tail = NULL;
+    o.origin = NULL;
+    o.lit = NULL;
+    o.serial = 0; // no engine keeps what it makes of it
+    gp_status st = gp_planes_make(log, "bound", n, &o.k);
+    for (size_t i = 0; i < 3 * n && !st; i++) {
+        const int x = (int) (i % n % (size_t) k->w);
+        const int y = (int) (i % n / (size_t) k->w);
+        o.k.c[i / n][i % n] = sample_of(k, tail, (int) (i / n), x, y);
+    }
+    if (st)
+        gp_planes_free(&o.k);
+    else
+        *out = o;
+    return st;
+}
+
+/* Bounds the norm of the kernel spread over the residue, in the frame. Without
+ * a transform by Young's inequality. */
+static gp_status find_grouping(const struct gp_log *log,
+    const struct residue *r, const struct gp_sources *src,
+    const struct gp_kernel *kernel, bool tail,
+    const struct gp_polygons *polygons, double norm[3])
+{
+    gp_status st = GP_OK;
+    const struct gp_fftwd *lib;
+    struct gp_kernel k = {0};
+    struct gp_planes light = {0}, dark = {0};
+    const size_t w = (size_t) (r->w + 2 * r->pad);
+    const size_t n = w * (size_t) (r->h + 2 * r->pad);
+    const bool transforms = !gp_fftwd_open(NULL, &lib);
+    if (transforms) {
+        GP_TRY(cut_core(log, kernel, tail, &k));
+        GP_TRY(spread(log, r, src, 1.0f, &k, &light));
+        GP_TRY(spread(log, r, src, -1.0f, &k, &dark));
+    }
+    for (int c = 0; c < 3; c++) {
+        double d = 0.0, sum = 0.0, both = 0.0, sizes = 0.0; // squares
+        for (size_t i = 0; i < n; i++)
+            d += (double) r->d.c[c][i] * (double) r->d.c[c][i];
+        for (size_t i = 0; i < polygons->n; i++)
+            sizes += (double) polygons->at[i].rgb[c] *
+                     (double) polygons->at[i].rgb[c];
+        for (int y = r->pad; transforms && y < r->h + r->pad; y++) {
+            for (size_t i = (size_t) y * w + (size_t) r->pad;
+                 i < (size_t) (y + 1) * w - (size_t) r->pad; i++) {
+                const double a = (double) light.c[c][i];
+                const double b = (double) dark.c[c][i];
+                sum += (a - b) * (a - b);
+                both += (a + b) * (a + b);
+            }
+        }
+        // layers are rounded to float once; a transform in double adds little.
+        // A pixel of the residue takes a few roundings of its cell's light
+        const double young = kernel->norm1[c] * sqrt(d);
+        norm[c] = transforms ? sqrt(sum) + 0x1p-23 * sqrt(both) +
+                                   0x1p-40 * young
+                             : young;
+        norm[c] += d > 0.0 ? 0x1p-21 * kernel->norm1[c] * sqrt(sizes) : 0.0;
+    }
+out:
+    gp_planes_free(&k.k);
+    gp_planes_free(&light);
+    gp_planes_free(&dark);
+    return st;
+}
+
+/* -- the kernel by rings --------------------------------------------------- */
+
+/* Kernel samples within (w, h) of the centre, without the core when `tail`, by
+ * square rings around it. */
+struct rings {
+    int n;             // rings 0 .. n - 1 hold all of them
+    double *beyond[3]; // n + 1 sums: of ring i and those farther out
+    double slope[3];   // sum of |dk/dx| + |dk/dy|, differences to the next
+};
+
+static void free_rings(struct rings *r)
+{
+    for (int c = 0; c < 3; c++)
+        gp_free(r->beyond[c]);
+    *r = (struct rings) {0};
+}
+
+static gp_status make_rings(const struct gp_log *log,
+                              const struct gp_kernel *k, bool tail, int w,
+                              int h, struct rings *out)
+{
+    gp_status st = GP_OK;
+    struct rings r = {0};
+    const struct gp_rect crop = reaching(k, w, h);
+    r.n = gp_rect_empty(crop) ? 0 : gp_max(w, h) + 1;
+    for (int c = 0; c < 3; c++) {
+        GP_TRY(gp_alloc_zero(log, "bound", (size_t) r.n + 1, sizeof(double),
+                             &r.beyond[c]));
+        double *const beyond = r.beyond[c];
+        if (c > 0 && k->grey) {
+            memcpy(beyond, r.beyond[0], ((size_t) r.n + 1) * sizeof(double));
+            r.slope[c] = r.slope[0];
+            continue;
+        }
+        for (int y = crop.y0; y < crop.y1; y++) {
+            for (int x = crop.x0; x < crop.x1; x++)
+                beyond[gp_max(abs(x - k->cx), abs(y - k->cy))] +=
+                    (double) sample_of(k, tail, c, x, y);
+        }
+        for (int i = r.n - 1; i >= 0; i--)
+            beyond[i] += beyond[i + 1];
+        for (int y = crop.y0 - 1; r.n && y < crop.y1; y++) {
+            for (int x = crop.x0 - 1; x < crop.x1; x++) {
+                const double s = (double) sample_of(k, tail, c, x, y);
+                r.slope[c] +=
+                    fabs((double) sample_of(k, tail, c, x + 1, y) - s) +
+                    fabs((double) sample_of(k, tail, c, x, y + 1) - s);
+            }
+        }
+    }
+    *out = r;
+    r = (struct rings) {0};
+out:
+    free_rings(&r);
+    return st;
+}
+
+/* -- all that is left out -------------------------------------------------- */
+
+/* Sum of squares of a polygon's bilinear and box weights on one axis. */
+static double spread_square(const struct gp_polygon *p, float at)
+{
+    const int m = gp_blur_box[p->blur];
+    const double start = (double) at - (m - 1) / 2.0;
+    const double f = start - floor(start);
+    return ((1.0 - f) * (1.0 - f) + f * f + (m - 1)) / ((double) m * m);
+}
+
+static gp_status find_left_out(const struct gp_log *log,
+    const struct rings *r, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double norm[3])
+{
+    const size_t n = (size_t) r->n;
+    double *left; // by the first ring that polygons leave out: n of their
+                  // light, n of the squares of its norm
+    gp_status st = gp_alloc(log, "bound", 2 * n, sizeof *left, &left);
+    if (st)
+        return st;
+    for (int c = 0; c < 3; c++) {
+        norm[c] = 0.0;
+        for (int size = 0; size < 2; size++) { // clusters, groups
+            memset(left, 0, 2 * n * sizeof *left);
+            const size_t end = size ? polygons->n : polygons->clusters;
+            for (size_t i = size ? polygons->clusters : 0; i < end; i++) {
+                const struct gp_polygon *const p = &polygons->at[i];
+                const int reach = shrink->reach[gp_source_bin(p->light)];
+                // half a box and a pixel between pixels carry light that far
+                const int ring = gp_max(reach - gp_blur_box[p->blur] / 2, 0);
+                const double light = (double) p->rgb[c];
+                if (ring >= r->n)
+                    continue;
+                left[ring] += light;
+                left[n + (size_t) ring] += light * light *
+                                           spread_square(p, p->x) *
+                                           spread_square(p, p->y);
+            }
+            double square = 0.0;
+            for (size_t i = 0; i < n; i++) {
+                square += left[n + i]; // all that leave ring i out
+                norm[c] += (r->beyond[c][i] - r->beyond[c][i + 1]) * SHARED *
+                           sqrt(square);
+            }
+        }
+    }
+    gp_free(left);
+    return GP_OK;
+}
+
+static void find_sampled(const struct rings *r,
+    const struct gp_polygons *polygons, double place, double norm[3])
+{
+    for (int c = 0; c < 3; c++) {
+        double square[2][2] = {{0}}; // clusters, groups; blurred ones
+        for (size_t i = 0; i < polygons->n; i++) {
+            const struct gp_polygon *const p = &polygons->at[i];
+            const int m = gp_blur_box[p->blur];
+            if (m == 1 && p->x == floorf(p->x) && p->y == floorf(p->y))
+                continue; // fetched, not sampled
+            // a slope is the box's of whole pixels on its axis
+            const double v = (double) p->rgb[c] / m;
+            square[i >= polygons->clusters][m > 1] += v * v;
+        }
+        // one that is not blurred is within its own cell
+        norm[c] = place * r->slope[c] *
+                  (sqrt(square[0][0]) + sqrt(square[1][0]) +
+                   SHARED * (sqrt(square[0][1]) + sqrt(square[1][1])));
+    }
+}
+
+/* -- the sum of all parts -------------------------------------------------- */
+
+gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
+    const struct gp_kernel *kernel, const struct gp_splat_params *p,
+    const struct gp_polygons *polygons, const struct gp_shrink *shrink,
+    double roundings, double *out)
+{
+    gp_status st;
+    struct residue residue = {0};
+    struct rings rings = {0};
+    double wrong[3] = {0}, norm[3], least;
+    const bool tail = !gp_splat_single(p);
+    int side = 1;
+    *out = INFINITY;
+    if (kernel->negative)
+        return GP_OK;
+    for (size_t i = 0; i < polygons->n; i++)
+        side = gp_max(side, polygons->at[i].side);
+    GP_TRY(gp_layer_least(log, src, kernel, &least));
+    if (side > 1 || shrink->left_out > 0.0)
+        GP_TRY(make_rings(log, kernel, tail, src->w + side, src->h + side,
+                          &rings));
+    if (side > 1) {
+        GP_TRY(make_residue(log, src, polygons, side + 1, &residue));
+        GP_TRY(find_grouping(log, &residue, src, kernel, tail, polygons, norm));
+        for (int c = 0; c < 3; c++)
+            wrong[c] += norm[c];
+        // float coordinates of the frame are 2^(exponent - 24) pixels apart,
+        // and a sample may be taken so far from its place
+        int exponent;
+        frexp((double) gp_max(src->w, src->h), &exponent);
+        find_sampled(&rings, polygons, ldexp(1.0, exponent - 24), norm);
+        for (int c = 0; c < 3; c++)
+            wrong[c] += norm[c];
+    }
+    if (shrink->left_out > 0.0) {
+        GP_TRY(find_left_out(log, &rings, polygons, shrink, norm));
+        for (int c = 0; c < 3; c++)
+            wrong[c] += norm[c];
+    }
+    const double all = sqrt(wrong[0] * wrong[0] + wrong[1] * wrong[1] +
+                            wrong[2] * wrong[2]);
+    // each rounding is relative to the drawn layer: the exact one and its error
+    const double share = (roundings + OWN_ROUNDINGS) * 0x1p-24;
+    if (all == 0.0)
+        *out = share;
+    else if (least > 0.0)
+        *out = all / least * (1.0 + share) + share;
+out:
+    gp_planes_free(&residue.d);
+    free_rings(&rings);
+    return st;
+}
