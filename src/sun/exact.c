@@ -1,5 +1,5 @@
-/* Discs: the area inside a rectangle, and the visible share of a light by the area
- * of each pixel under it. */
+/* Discs: the area inside a rectangle, and the visible share of a light by the
+ * area of each pixel under it. */
 #include "sun/sun_priv.h"
 
 #include "core/minmax.h"
@@ -225,7 +225,7 @@ static void add_edge(const struct bands *b, int x0, int x1, int y,
         const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
         if (area > 0.0) {
             s->area += area;
-            s->shown += area * gp_occluders_show(b->o, l, x, y);
+            s->shown += area * gp_occluders_show(b->o, l, x, y, NULL);
         }
     }
 }

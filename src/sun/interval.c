@@ -22,34 +22,6 @@ struct interval {
     struct bounds_sums sum[STRIPS];
 };
 
-/* Least and largest of what is shown by pixels of a column, what its middle
- * pixel shows, and where a surface beyond the light is. */
-struct shown {
-    double lo, hi, own;
-    bool own_beyond, beyond; // in the middle; in any row
-};
-
-/* Returns those of column x in rows y - 1, y and y + 1, as far as they are in
- * the frame; in row y where there is coverage alone. */
-static struct shown column(const struct interval *v, int x, int y)
-{
-    const struct gp_rect f = v->o->frame;
-    struct shown s = {.lo = INFINITY, .hi = -INFINITY};
-    const bool apart = v->o->mask && !v->o->depth;
-    const int y0 = apart || y == f.y0 ? y : y - 1;
-    const int y1 = apart || y + 1 == f.y1 ? y : y + 1;
-    for (int k = y0; k <= y1; k++) {
-        const double one = gp_occluders_show(v->o, v->light, x, k);
-        const bool beyond = gp_occluders_beyond(v->o, v->light, x, k);
-        s.lo = fmin(s.lo, one);
-        s.hi = fmax(s.hi, one);
-        s.own = k == y ? one : s.own;
-        s.own_beyond = k == y ? beyond : s.own_beyond;
-        s.beyond = s.beyond || beyond;
-    }
-    return s;
-}
-
 /* Area of the disc in a pixel; 1 where all four corners are inside. */
 static double area_of(const struct interval *v, int x, int y)
 {
@@ -60,32 +32,45 @@ static double area_of(const struct interval *v, int x, int y)
                : gp_disc_pixel_area(v->light->x, v->light->y, v->radius, x, y);
 }
 
+/* Finds the least and the largest that pixel (x, y) may show. */
+static void bounds_of(const struct interval *v, int x, int y, double *lo,
+                      double *hi)
+{
+    const struct gp_occluders *const o = v->o;
+    const struct gp_rect f = o->frame;
+    const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
+    bool beyond, any = false;
+    const double own = gp_occluders_show(o, v->light, x, y, &beyond);
+    *lo = *hi = own;
+    for (int j = gp_max(y - around, f.y0); j <= gp_min(y + around, f.y1 - 1);
+         j++) {
+        for (int i = gp_max(x - around, f.x0);
+             i <= gp_min(x + around, f.x1 - 1); i++) {
+            bool past;
+            const double s = gp_occluders_show(o, v->light, i, j, &past);
+            *lo = fmin(*lo, s);
+            *hi = fmax(*hi, s);
+            any = any || past;
+        }
+    }
+    // coverage has its edges in itself, but for those of surfaces beyond the
+    // light, which show all of it
+    if (o->mask && !beyond) {
+        *lo = own;
+        *hi = any ? 1.0 : own;
+    }
+}
+
 static void add_row(const struct interval *v, int y, struct bounds_sums *sum)
 {
-    const struct gp_rect f = v->o->frame;
-    const struct shown none = {.lo = INFINITY, .hi = -INFINITY};
-    const int x0 = v->rect.x0;
-    const bool apart = v->o->mask && !v->o->depth;
-    struct shown left = x0 > f.x0 && !apart ? column(v, x0 - 1, y) : none;
-    struct shown middle = column(v, x0, y);
-    for (int x = x0; x < v->rect.x1; x++) {
-        const struct shown right = x + 1 < f.x1 && !apart ? column(v, x + 1, y)
-                                                   : none;
-        double lo = fmin(middle.lo, fmin(left.lo, right.lo));
-        double hi = fmax(middle.hi, fmax(left.hi, right.hi));
-        // coverage has its edges in itself, but for those of surfaces beyond
-        // the light, which show all of it
-        if (v->o->mask && !middle.own_beyond) {
-            lo = middle.own;
-            hi = left.beyond || middle.beyond || right.beyond ? 1.0 : lo;
-        }
+    for (int x = v->rect.x0; x < v->rect.x1; x++) {
         const double area = area_of(v, x, y);
+        double lo, hi;
+        bounds_of(v, x, y, &lo, &hi);
         // where there is no edge all of them show all, or nothing
         sum->area += area;
         sum->lo += lo >= 1.0 ? area : 0.0;
         sum->hi += hi > 0.0 ? area : 0.0;
-        left = apart ? none : middle;
-        middle = apart && x + 1 < f.x1 ? column(v, x + 1, y) : right;
     }
 }
 

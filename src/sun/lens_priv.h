@@ -1,4 +1,4 @@
-/* Shared by the files of lenses: rays, meshes, cells and bands of the spectrum. */
+/* Shared by the files of lenses: rays, meshes, cells, bands of the spectrum. */
 #ifndef GP_SUN_LENS_PRIV_H
 #define GP_SUN_LENS_PRIV_H
 

@@ -66,16 +66,12 @@ static float hidden(const struct gp_light *l, struct gp_sun_pixel p)
 }
 
 double gp_occluders_show(const struct gp_occluders *o,
-                         const struct gp_light *l, int x, int y)
-{
-    return 1.0 - (double) hidden(l, gp_occluders_at(o, x, y));
-}
-
-bool gp_occluders_beyond(const struct gp_occluders *o,
-                         const struct gp_light *l, int x, int y)
+                         const struct gp_light *l, int x, int y, bool *beyond)
 {
     const struct gp_sun_pixel p = gp_occluders_at(o, x, y);
-    return !isinf(p.place) && !hides(l, p.place);
+    if (beyond)
+        *beyond = !isinf(p.place) && !hides(l, p.place);
+    return 1.0 - (double) hidden(l, p);
 }
 
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,

@@ -37,8 +37,8 @@ struct gp_occluders {
     struct gp_depth_facts facts; // by gp_occluders_count()
 };
 
-/* Fills o->facts from o->depth's samples (in parallel, the same for any number of
- * threads). Call before anything below; no depth is fine. */
+/* Fills o->facts from o->depth's samples (in parallel, the same for any number
+ * of threads). Call before anything below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
 /* A pixel, anywhere in the plane. */
@@ -50,14 +50,10 @@ struct gp_sun_pixel {
 };
 struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y);
 
-/* s of a pixel. */
+/* s of a pixel. Sets *beyond, unless it is NULL, to true where depth has a
+ * surface that is not nearer than the light. */
 double gp_occluders_show(const struct gp_occluders *o,
-                         const struct gp_light *l, int x, int y);
-
-/* Returns true when depth has a surface in the pixel that is not nearer than
- * the light. */
-bool gp_occluders_beyond(const struct gp_occluders *o,
-                         const struct gp_light *l, int x, int y);
+                         const struct gp_light *l, int x, int y, bool *beyond);
 
 /* Sum of s over pixels [x0, x1) of row y. */
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,

@@ -2,7 +2,8 @@
  * their visibility, and adds their light.
  *
  * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
- * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). Files are read through a gp_sun_reader. */
+ * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). Files
+ * are read through a gp_sun_reader. */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
@@ -173,12 +174,12 @@ bool gp_suns_glare(const struct gp_suns *suns);
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
                      int offset[2]);
 
-/* Returns true when gp_suns_draw() may add light: a light with flux is not
- * known to be hidden. */
+/* Returns true when gp_suns_draw() may add light: a light with flux shows. */
 bool gp_suns_add_light(const struct gp_suns *suns);
 
 /* Joins the sources and the visible light of those lights that go through the
- * engines: none that reaches beyond the frame. Sets *joined when *out was made. */
+ * engines: none that reaches beyond the frame. Sets *joined when *out was
+ * made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_frame *f,
     const struct gp_sources *src, struct gp_sources *out, bool *joined);

@@ -1,5 +1,5 @@
-/* Shared by the files of sun, and private to them: areas of discs, and lights as
- * sources. */
+/* Shared by the files of sun, and private to them: areas of discs, and lights
+ * as sources. */
 #ifndef GP_SUN_PRIV_H
 #define GP_SUN_PRIV_H
 

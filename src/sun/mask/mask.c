@@ -1,5 +1,5 @@
-/* Maughan's texture masking on GL, and the paper's other method: drawing, reading
- * back, and the plain form on the CPU. */
+/* Maughan's texture masking on GL, and the paper's other method: drawing,
+ * reading back, and the plain form on the CPU. */
 #include "sun/mask/mask.h"
 
 #include "core/memory.h"
@@ -154,7 +154,7 @@ double gp_sun_map_reference(const struct gp_occluders *o,
             const int py = pixel_at(l.y + l.radius * y, h);
             const bool inside = px >= 0 && px < w && py >= 0 && py < h;
             r += (inside ? gp_occluders_show(o, light, px + o->frame.x0,
-                                             py + o->frame.y0)
+                                             py + o->frame.y0, NULL)
                          : (double) l.outside[0]) / count;
             g += (inside ? 1.0 : (double) l.outside[1]) / count;
         }
@@ -187,9 +187,9 @@ gp_status gp_sun_map_picture(const struct gp_log *log,
         for (int k = 0; k < texels; k++) {
             const int x = i % columns * side + k % side;
             const int y = i / columns * side + k / side;
-            const float v = !p                     ? (float) light[i].visibility
-                            : map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1]
-                                                    : 0.0f;
+            const float r = p ? map[2 * k] : (float) light[i].visibility;
+            const float g = p ? map[2 * k + 1] : 1.0f;
+            const float v = g > 0.0f ? r / g : 0.0f;
             for (int c = 0; c < 3; c++)
                 out->c[c][(size_t) y * (size_t) *w + (size_t) x] = v;
         }
@@ -392,8 +392,7 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
     return gp_draw_run(log, gl, &maps);
 }
 
-/* Step 4: the texels of each map, added up in a pixel of its place in the atlas.
- */
+/* Step 4: the texels of each map, added up in a pixel. */
 static gp_status draw_sums(const struct gp_log *log, const struct gp_gl *gl,
                            const struct gp_map_params *p, struct gp_rect cells,
                            struct gp_sun_map *s)

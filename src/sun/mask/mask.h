@@ -10,10 +10,11 @@
  *   g  the share of it that counts: 0 outside the frame with
  *      GP_OUTSIDE_IGNORE, else 1
  *
- * Intensity map (step 4): a pixel for each light, in rows as the atlas has maps.
- * The map's texels are drawn into it and add up: visibility = r / g, 0 where g is 0. It is
- * read at once: a software context, the usual one, has no pipeline to stall,
- * and engines draw a light of known share faster than shaders that fetch it.
+ * Intensity map (step 4): a pixel for each light, in rows as the atlas has
+ * maps. The map's texels are drawn into it and add up: visibility = r / g, 0
+ * where g is 0. It is read at once: a software context, the usual one, has no
+ * pipeline to stall, and engines draw a light of known share faster than
+ * shaders that fetch it.
  *
  * Only the pixels under lights are uploaded, or the whole frame where that is
  * less.
@@ -74,9 +75,9 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 double gp_sun_map_reference(const struct gp_occluders *o,
     const struct gp_map_params *p, const struct gp_light *light, float *map);
 
-/* Makes the pictures of --debug by the plain form, whatever the method: sun maps
- * of all lights, about as many in a row as in a column; or, where p is NULL, the
- * intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */
+/* Makes the pictures of --debug by the plain form, whatever the method: sun
+ * maps of all lights, about as many in a row as in a column; or, where p is
+ * NULL, the intensity map, n x 1. *out has planes of *w x *h, values 0 to 1. */
 GP_MUST_CHECK gp_status gp_sun_map_picture(
     const struct gp_log *log, const struct gp_occluders *o,
     const struct gp_map_params *p, const struct gp_light *light, int n,

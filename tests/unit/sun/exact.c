@@ -265,7 +265,7 @@ static double by_pixels(const struct gp_occluders *o, int outside,
         for (int x = o->frame.x0; x < o->frame.x1; x++) {
             const double a = gp_disc_pixel_area(l->x, l->y, l->radius, x, y);
             area += a;
-            shown += a * gp_occluders_show(o, l, x, y);
+            shown += a * gp_occluders_show(o, l, x, y, NULL);
         }
     }
     const double rest = M_PI * l->radius * l->radius - area;
@@ -293,10 +293,11 @@ static void check_interval(const struct gp_occluders *o, int outside,
             if (near_x < f.x0 || near_x >= f.x1 || near_y < f.y0 ||
                 near_y >= f.y1)
                 continue;
-            if (o->mask && k != 4 && !gp_occluders_beyond(o, &l, x, y) &&
-                !gp_occluders_beyond(o, &l, near_x, near_y))
+            bool beyond, past;
+            (void) gp_occluders_show(o, &l, x, y, &beyond);
+            const double s = gp_occluders_show(o, &l, near_x, near_y, &past);
+            if (o->mask && k != 4 && !beyond && !past)
                 continue;
-            const double s = gp_occluders_show(o, &l, near_x, near_y);
             lo = fmin(lo, s);
             hi = fmax(hi, s);
         }

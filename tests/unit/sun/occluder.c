@@ -114,8 +114,8 @@ static void test_no_depth(void **state)
     const struct gp_light l = GP_LIGHT_DEFAULTS;
     for (int i = 0; i < 4; i++) {
         assert_string_equal(each[i].facts.empty, "none");
-        assert_same(gp_occluders_show(&each[i], &l, 0, 0), i < 3 ? 1 : 0.75,
-                    "show", i);
+        assert_same(gp_occluders_show(&each[i], &l, 0, 0, NULL),
+                    i < 3 ? 1 : 0.75, "show", i);
         assert_same(gp_occluders_sum(&each[i], &l, -1, 2, 0), i < 3 ? 3 : 2.75,
                     "sum", i);
     }
@@ -172,7 +172,7 @@ static void test_show(void **state)
                                          counted(&d, &a, shows[i].type)};
         const double want[] = {shows[i].alone, shows[i].mask, shows[i].both};
         for (int k = 0; k < 3; k++) {
-            assert_same(gp_occluders_show(&o[k], &l, 0, 0), want[k],
+            assert_same(gp_occluders_show(&o[k], &l, 0, 0, NULL), want[k],
                         shows[i].name, k);
             assert_same(gp_occluders_sum(&o[k], &l, 0, 1, 0), want[k],
                         shows[i].name, k);
@@ -192,15 +192,15 @@ static void test_odd_runs(void **state)
     assert_same(gp_occluders_sum(&near, &l, 5, -5, 0), 0, "empty", 1);
     assert_same(gp_occluders_sum(&near, &l, INT32_MAX - 9, INT32_MAX, 0), 9,
                 "far", 0);
-    assert_same(gp_occluders_show(&near, &l, INT32_MIN, INT32_MAX), 1, "far",
-                1);
+    assert_same(gp_occluders_show(&near, &l, INT32_MIN, INT32_MAX, NULL), 1,
+                "far", 1);
     for (int i = 0; i < 3; i++) {
         const int x = at[i], y = at[(i + 1) % 3];
         const struct gp_plane d = {{x, y, x + 3, y + 2}, z, NULL};
         const struct gp_occluders o = counted(&d, NULL, Z);
         assert_same(gp_occluders_sum(&o, &l, x - 1, x + 4, y), 4, "top", i);
         assert_same(gp_occluders_sum(&o, &l, x, x + 3, y + 1), 2, "end", i);
-        assert_same(gp_occluders_show(&o, &l, x + 2, y + 1), 0, "end", i);
+        assert_same(gp_occluders_show(&o, &l, x + 2, y + 1, NULL), 0, "end", i);
     }
 }
 
