@@ -9,7 +9,7 @@ enum { MOST = 6 };
 /* A plane of one row over samples that the caller owns. */
 static struct gp_plane row_of(float *v, int n)
 {
-    return (struct gp_plane) {{0, 0, n, 1}, v, NULL};
+    return (struct gp_plane) {{0, 0, n, 1}, v, NULL, false};
 }
 
 static struct gp_occluders counted(const struct gp_plane *depth,
@@ -196,7 +196,7 @@ static void test_odd_runs(void **state)
                 "far", 1);
     for (int i = 0; i < 3; i++) {
         const int x = at[i], y = at[(i + 1) % 3];
-        const struct gp_plane d = {{x, y, x + 3, y + 2}, z, NULL};
+        const struct gp_plane d = {{x, y, x + 3, y + 2}, z, NULL, false};
         const struct gp_occluders o = counted(&d, NULL, Z);
         assert_same(gp_occluders_sum(&o, &l, x - 1, x + 4, y), 4, "top", i);
         assert_same(gp_occluders_sum(&o, &l, x, x + 3, y + 1), 2, "end", i);
