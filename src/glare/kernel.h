@@ -59,17 +59,18 @@ struct gp_kernel {
     struct gp_planes k;   // w * h each
     struct gp_tail *tail; // the rest beyond the core; NULL: nothing; owned
     double sum[3];        // of each channel, with the tail
-    double norm2[3];      // sqrt of the sum of squares of each channel, and
-    double norm1[3];      // sum of magnitudes; no less than those with the tail
+    double norm2[3];      // sqrt of the sum of squares of each channel, and ...
+    double norm1[3];      // ... sum of magnitudes; with a tail, limits of both
     double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0
     struct gp_lit_row *lit; // of row y of channel c: lit[c * h + y]; owned.
-                          // NULL: nothing is known of the samples, as where
-                          // they or the centre were changed: no quarters too
-    double quarter_square[3]; // the least sum of squares of a channel over one
-    double quarter_sum[3];    // of its quarters, its centre's row and column in
-                          // each, and of samples; 0 of a negative kernel
+                          // NULL where nothing is known of the samples: they
+                          // or the centre were changed. No quarters then
+    // A quarter of the kernel has its centre's row and column. Least of the
+    // four, of each channel; 0 of a negative kernel:
+    double quarter_square[3]; // sum of squares
+    double quarter_sum[3];    // sum of samples
     unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
                           // is never taken for known
     struct gp_unturned *unturned; // NULL when the kernel was not rotated, or

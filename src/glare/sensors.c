@@ -98,13 +98,16 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y)
 
 // -- bad pixels, counts, darkness --------------------------------------------
 
+struct row_count {
+    int nonfinite, clamped, bright;
+};
+
 /* Counts one row's bad pixels and, if there are none, its bright ones. No
  * branch and no store, so that it becomes vector code and the frame is only
  * read: bad pixels are rare. */
-GP_CLONES static void count_row(const float *restrict r,
+GP_CLONES static struct row_count count_row(const float *restrict r,
     const float *restrict g, const float *restrict b, int w, float max,
-    const float *restrict weight, float open, int *nonfinite, int *clamped,
-    int *bright)
+    const float *restrict weight, float open)
 {
     int bad = 0, over = 0, lit_up = 0;
     for (int x = 0; x < w; x++) {
@@ -118,9 +121,7 @@ GP_CLONES static void count_row(const float *restrict r,
         over += large;
         lit_up += gp_lit_luminance(weight, vr, vg, vb) > open;
     }
-    *nonfinite = bad;
-    *clamped = over;
-    *bright = lit_up;
+    return (struct row_count) {bad, over, lit_up};
 }
 
 /* Cleans the pixels of a row; +Inf stays until the frame's largest finite value
@@ -156,13 +157,13 @@ static void clean_block(void *ctx, int i, int thread)
         const size_t at = (size_t) y * (size_t) s->w;
         const float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
         const float *const b = s->rgb[2] + at;
-        int bad, over, bright, none;
-        count_row(r, g, b, s->w, s->most, s->rule.weight, s->rule.open, &bad,
-                  &over, &bright);
+        struct row_count n = count_row(r, g, b, s->w, s->most, s->rule.weight,
+                                       s->rule.open);
+        const int bad = n.nonfinite, over = n.clamped;
         if (bad || over) {
             clean_row(s, sum, at);
-            count_row(r, g, b, s->w, s->most, s->rule.weight, s->rule.open,
-                      &none, &none, &bright);
+            n = count_row(r, g, b, s->w, s->most, s->rule.weight,
+                          s->rule.open);
         }
         // the grid's pixels of the row, which is in the cache by now: every
         // k-th pixel of the frame, about GRID in all
@@ -175,7 +176,7 @@ static void clean_block(void *ctx, int i, int thread)
             memcpy(&bits, &lum, sizeof bits);
             s->dark[thread][lum > 0.0f ? bits >> DARK_SHIFT : BLACK]++;
         }
-        s->bright[y] = (uint32_t) bright;
+        s->bright[y] = (uint32_t) n.bright;
         if (!s->again) {
             sum->nonfinite += bad;
             sum->clamped += over;

@@ -544,8 +544,9 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     if (split.step && tail_fits(own, r, &m, field, &split))
         tail = gp_tail_hold(own->tail);
     else if (split.step)
-        GP_TRY(gp_tail_make(log, &split, field->w, field->h, m.tail_grey,
-                            m.tail_even, mix_pixel, &m, &tail));
+        GP_TRY(gp_tail_make(log, &split, field->w, field->h,
+            &(struct gp_tail_kernel) {mix_pixel, &m, m.tail_grey, m.tail_even},
+            &tail));
     GP_TRY(make_core(log, &m, &split, tail, field->luminance, field->w,
                      field->h, &k));
     join_tail(tail, field, &k);

@@ -205,7 +205,7 @@ gp_status gp_splat_upload(const struct gp_log *log, struct gp_splat *s,
 
 gp_status gp_splat_group(const struct gp_log *log, struct gp_splat *s,
     struct gp_rect rect, const struct gp_cells *c, unsigned boxes, float fill,
-    const struct gp_target *parents, int parent_side, struct gp_target *out)
+    const struct gp_splat_parents *parents, struct gp_target *out)
 {
     gp_status st = use_program(log, s, GP_SPLAT_GROUP);
     if (!st)
@@ -214,11 +214,11 @@ gp_status gp_splat_group(const struct gp_log *log, struct gp_splat *s,
         return st;
     const struct gp_uniform uniform[] = {
         {.name = "sources", .texture = &s->sources},
-        {.name = "parents", .texture = parents ? &parents->colour
+        {.name = "parents", .texture = parents ? &parents->cells->colour
                                                : &s->sources},
         {.name = "origin", .v = {c->x - rect.x0, c->y - rect.y0}},
         {.name = "size", .v = {gp_rect_w(rect), gp_rect_h(rect)}},
-        {.name = "side", .v = {c->side, parents ? parent_side / c->side : 0}},
+        {.name = "side", .v = {c->side, parents ? parents->side / c->side : 0}},
         {.name = "boxes", .v = {(int) boxes, 0}},
         {.name = "fill", .floats = 1, .f = {fill}},
         {0},
@@ -454,9 +454,10 @@ static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
     };
     if (clustered) {
         GP_TRY(gp_splat_group(log, s, rect, coarse, k->cluster_blurs,
-                              p->cluster_fill, NULL, 0, &s->clusters));
+                              p->cluster_fill, NULL, &s->clusters));
         GP_TRY(draw_grid(k, &clusters));
     }
+    const struct gp_splat_parents parents = {&s->clusters, p->cluster};
     const struct grid groups = {
         .cells = {p->group, coarse->x, coarse->y,
                   coarse->w * (k->span / p->group),
@@ -466,8 +467,7 @@ static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
         .places = p->group > 1 ? &s->groups.more[0] : NULL,
     };
     GP_TRY(gp_splat_group(log, s, rect, &groups.cells, k->group_blurs, 0.0f,
-                          clustered ? &s->clusters : NULL, p->cluster,
-                          &s->groups));
+                          clustered ? &parents : NULL, &s->groups));
     st = draw_grid(k, &groups);
 out:
     return st;

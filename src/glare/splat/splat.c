@@ -313,9 +313,9 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     if (form != GP_PRIMITIVE_TILE)
         GP_TRY(gp_splat_draw(req, s));
     else if (p->tail)
-        GP_TRY(gp_tiles_draw(req->log, s->gl, req->kernel, p->crop, p->core,
-                             &p->polygons, &p->shrink, req->src->w,
-                             req->src->h, req->layer, &s->tiles, &most));
+        GP_TRY(gp_tiles_draw(req->log, s->gl, &(struct gp_tiles_light) {
+            req->kernel, p->crop, p->core, &p->polygons, &p->shrink,
+            req->src->w, req->src->h}, req->layer, &s->tiles, &most));
     else
         gp_planes_clear(req->layer, 0, pixels);
     if (form == GP_PRIMITIVE_TILE && p->core) {

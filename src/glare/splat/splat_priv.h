@@ -133,19 +133,24 @@ struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
 GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
     struct gp_splat *s, const struct gp_sources *src, struct gp_rect rect);
 
+/* Cells of a side, made by a pass before. */
+struct gp_splat_parents {
+    const struct gp_target *cells;
+    int side;
+};
+
 /* One pass over what gp_splat_upload() left of `rect` (Ando et al. 2007,
  * sections 4.1 and 4.2): makes `out`, at least c->w x c->h, two attachments,
  * as group.frag says.
  *
  *   boxes    bits of the blurs that may be taken
  *   fill     share of bright pixels under which a cell stays shut; 0: none
- *   parents  clusters whose cells stay shut, over the same pixels and of
- *            side parent_side; NULL: none
+ *   parents  clusters whose cells stay shut, over the same pixels; NULL: none
  * Errors: GP_ERR_GL. */
 GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
     struct gp_splat *s, struct gp_rect rect, const struct gp_cells *c,
-    unsigned boxes, float fill, const struct gp_target *parents,
-    int parent_side, struct gp_target *out);
+    unsigned boxes, float fill, const struct gp_splat_parents *parents,
+    struct gp_target *out);
 
 /* -- drawing --------------------------------------------------------------- */
 
@@ -159,14 +164,20 @@ GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
 /* Programs, packed kernels and targets of tiles, kept from frame to frame. */
 struct gp_tiles;
 
-/* Writes the polygons' light to the layer's planes (w x h samples, three
- * planes; what they held is lost), gathered per tile: one fragment pass over a
- * tile sums over the polygons that reach it, so that nothing is blended. The
- * context is current.
+/* What tiles draw. */
+struct gp_tiles_light {
+    const struct gp_kernel *kernel;
+    struct gp_rect crop; // its part that can reach the frame, in its pixels
+    bool tail;           // leave its core out
+    const struct gp_polygons *polygons;
+    const struct gp_shrink *shrink; // reach of each polygon
+    int w, h;                       // of the layer
+};
+
+/* Writes the polygons' light to the layer's planes (what they held is lost),
+ * gathered per tile: one fragment pass over a tile sums over the polygons that
+ * reach it, so that nothing is blended. The context is current.
  *
- *   crop    part of the kernel that can reach the frame, in kernel pixels
- *   tail    leave the kernel's core out
- *   shrink  reach of each polygon
  *   *state  NULL at first; kept by the caller; gp_tiles_free(). Packed kernels
  *           are kept while kernel->serial, crop and tail stay.
  *
@@ -179,10 +190,8 @@ struct gp_tiles;
  * Errors: GP_ERR_GL no context can draw it, or a blurred kernel over the
  * texture limit; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_tiles_draw(const struct gp_log *log,
-    struct gp_gl *gl, const struct gp_kernel *kernel, struct gp_rect crop,
-    bool tail, const struct gp_polygons *polygons,
-    const struct gp_shrink *shrink, int w, int h, struct gp_planes *layer,
-    struct gp_tiles **state, double *roundings);
+    struct gp_gl *gl, const struct gp_tiles_light *light,
+    struct gp_planes *layer, struct gp_tiles **state, double *roundings);
 void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state);
 
 /* Bounds the roundings of a pixel's sum in gp_tiles_draw(), before it runs. */

@@ -454,17 +454,19 @@ static int field_size(int size, int most, int fragment)
 }
 
 gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
-    const struct gp_kernel *kernel, struct gp_rect crop, bool tail,
-    const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
-    int h, struct gp_planes *layer, struct gp_tiles **state, double *roundings)
+    const struct gp_tiles_light *light, struct gp_planes *layer,
+    struct gp_tiles **state, double *roundings)
 {
+    const struct gp_kernel *const kernel = light->kernel;
+    const struct gp_rect crop = light->crop;
+    const int w = light->w, h = light->h;
     struct gathering k = {.log = log, .gl = gl, .kernel = kernel,
-                          .polygons = polygons, .w = w,
+                          .polygons = light->polygons, .w = w,
                           .layer = layer};
     const struct gp_rect frame = {0, 0, w, h};
     gp_status st;
     *roundings = 0.0;
-    if (polygons->n == 0 || gp_rect_empty(crop)) {
+    if (light->polygons->n == 0 || gp_rect_empty(crop)) {
         gp_planes_clear(layer, 0, (size_t) w * (size_t) h);
         return GP_OK;
     }
@@ -476,14 +478,14 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
                               GP_TILE_TEXELS, &(*state)->entries));
     }
     struct gp_tiles *const t = k.t = *state;
-    if (t->serial == 0 || t->serial != kernel->serial || t->tail != tail ||
+    if (t->serial == 0 || t->serial != kernel->serial || t->tail != light->tail ||
         memcmp(&t->crop, &crop, sizeof crop) != 0)
         forget_kernels(gl, t);
     t->serial = kernel->serial;
     t->crop = crop;
-    t->tail = tail;
-    GP_TRY(gp_tile_pieces_make(log, kernel, crop, polygons, shrink, w, h,
-                               &k.pieces));
+    t->tail = light->tail;
+    GP_TRY(gp_tile_pieces_make(log, kernel, crop, light->polygons,
+                               light->shrink, w, h, &k.pieces));
     const int most = gp_gl_info(gl)->max_size;
     const int field_w = field_size(w, most, FRAGMENT_W);
     const int field_h = field_size(h, most, FRAGMENT_H);

@@ -74,9 +74,7 @@ void gp_tail_free(struct gp_tail *t)
 
 struct sampling {
     struct gp_tail *t;
-    gp_tail_sample sample;
-    const void *ctx;
-    bool even;
+    const struct gp_tail_kernel *kernel;
     double *at[3];   // as t->c
     double *fade[2]; // of offsets 0 .. rx, 0 .. ry
 };
@@ -102,16 +100,16 @@ static void sample_row(void *ctx, int i, int thread)
 {
     const struct sampling *const s = ctx;
     const struct gp_tail *const t = s->t;
-    const int step = t->split.step, y = s->even ? i : i - t->ry;
+    const int step = t->split.step, y = s->kernel->even ? i : i - t->ry;
     const size_t row = (size_t) (t->ry + y) * (2 * (size_t) t->rx + 1) +
                        (size_t) t->rx;
     (void) thread;
-    for (int x = s->even ? 0 : -t->rx; x <= t->rx; x++) {
+    for (int x = s->kernel->even ? 0 : -t->rx; x <= t->rx; x++) {
         double v[3];
         const double k = gp_tail_share(&t->split, x * step, y * step) *
                          s->fade[0][abs(x)] * s->fade[1][abs(y)];
         if (k > 0.0)
-            s->sample(s->ctx, x * step, y * step, v);
+            s->kernel->sample(s->kernel->ctx, x * step, y * step, v);
         for (int c = 0; c < (t->grey ? 1 : 3); c++)
             s->at[c][row + (size_t) x] = k > 0.0 ? k * v[c] : 0.0;
     }
@@ -303,11 +301,12 @@ static gp_status find_sum(const struct gp_log *log, struct gp_tail *t, int c,
 }
 
 gp_status gp_tail_make(const struct gp_log *log,
-    const struct gp_tail_split *split, int w, int h, bool grey, bool even,
-    gp_tail_sample sample, const void *ctx, struct gp_tail **out)
+    const struct gp_tail_split *split, int w, int h,
+    const struct gp_tail_kernel *kernel, struct gp_tail **out)
 {
     gp_status st;
-    struct sampling s = {.sample = sample, .ctx = ctx, .even = even};
+    const bool grey = kernel->grey, even = kernel->even;
+    struct sampling s = {.kernel = kernel};
     struct gp_tail *t = NULL;
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *t, &t));
     t->split = *split;

@@ -2,35 +2,42 @@
  *
  *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows
  *
- * The first part is the core, at full rate, and ends without a rim. The second,
- * the tail T, bends on the scale of `share` at least, some 95 pixels, so that
- * samples every 8 pixels hold it. With B the cubic B-spline of step s and
- * j, k nodes of the grid,
+ * The first part is the core. It is summed at full rate and ends without a rim.
+ * The second part is the tail T. It bends on the scale of `share` at least,
+ * some 95 pixels, so that samples every 8 pixels hold it.
+ *
+ * Let B be the cubic B-spline of step s, and j and k nodes of the grid. Then
  *
  *   tail(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
  *
- * where C is T at the nodes with B's own samples divided out, once for each
- * sum, so that at whole steps the two splines give T itself. The middle sum is
- * a convolution of 1/64 of the pixels, by Fourier transforms.
+ * C is T at the nodes, with B's own samples divided out, once for each sum. So
+ * at whole steps the two splines give T itself. The middle sum is a convolution
+ * of 1/64 of the pixels. Fourier transforms make it.
  *
- * The error is periodic in s on each axis: it moves light of one frequency to
- * those 1/s apart. For each frequency f of the coarse band let F
- * be T's samples' transform, times s^2, beta what the splines keep of it, and
- * eps and eta the 2-norm and sum of what they let through of its images, 1/s
- * apart. Then by Parseval the error's norm is at most
+ * The error. It is periodic in s on each axis: light of one frequency moves to
+ * the frequencies 1/s apart, its images. For a frequency f of the coarse band
+ * let
+ *
+ *   F     be the transform of T's samples, times s^2
+ *   beta  what the splines keep of it
+ *   eps   the 2-norm of what they let through of the images
+ *
+ * By Parseval the norm of the error is at most
  *
  *   |source| (max_f F (|1 - beta^2| + beta eps + eps^2) + 2 max_edge F)
  *
- * the last for what T has beyond the band, taken to be no more than what it has
- * in the band's last tenth. Frames of few columns see little of what T does
- * across: light of one column in another is an integral over the frequencies
- * across, so that with eta' the images' sum the norm is also at most, for w
- * columns,
+ * The last term is for what T has beyond the band. It is taken to be no more
+ * than what T has in the band's last tenth.
  *
- *   |source| w / s (max_fy mean_fx F (|1 - beta^2| + 2 beta eta' + eta'^2) +
+ * Frames of few columns see little of what T does across. Light of one column
+ * in another is an integral over the frequencies across. Let eta be the sum of
+ * what the splines let through of the images. For w columns the error is a
+ * matrix of w x w blocks, and its norm is at most
+ *
+ *   |source| w / s (max_fy mean_fx F (|1 - beta^2| + 2 beta eta + eta^2) +
  *                   2 max_edge F)
  *
- * as a matrix of w x w blocks of at most that norm each; the same for rows. */
+ * The same holds for rows. */
 #ifndef GP_GLARE_TAIL_TAIL_H
 #define GP_GLARE_TAIL_TAIL_H
 
@@ -67,6 +74,14 @@ double gp_tail_share(const struct gp_tail_split *s, int x, int y);
 /* The whole kernel's sample at offset (x, y), >= 0; out[0] only where grey. */
 typedef void (*gp_tail_sample)(const void *ctx, int x, int y, double out[3]);
 
+/* A kernel that a tail is made of. */
+struct gp_tail_kernel {
+    gp_tail_sample sample;
+    const void *ctx;
+    bool grey;
+    bool even; // samples at (-x, y) and (x, -y) are those at (x, y)
+};
+
 struct gp_tail {
     struct gp_tail_split split;
     int w, h;           // of the largest frame that it serves, pixels
@@ -82,12 +97,11 @@ struct gp_tail {
 };
 
 /* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
- * `even`: samples at (-x, y) and (x, -y) are those at (x, y).
  * Owned by the caller; free with gp_tail_free(). *out is written only on GP_OK.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_tail_make(const struct gp_log *log,
-    const struct gp_tail_split *split, int w, int h, bool grey, bool even,
-    gp_tail_sample sample, const void *ctx, struct gp_tail **out);
+    const struct gp_tail_split *split, int w, int h,
+    const struct gp_tail_kernel *kernel, struct gp_tail **out);
 /* Returns t with one more holder; each calls gp_tail_free(). */
 struct gp_tail *gp_tail_hold(struct gp_tail *t);
 void gp_tail_free(struct gp_tail *t); // NULL: nothing

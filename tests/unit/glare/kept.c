@@ -64,6 +64,11 @@ static void sequences_remake_what_changes(void **state)
         assert_non_null(k[i].tail);
         assert_true(i == 0 || !rows[i].tail == (k[i].tail != k[i - 1].tail));
         assert_ok(gp_tail_open(NULL, k[i].tail, &tail));
+        struct gp_tail_state *own = NULL;
+        assert_ok(gp_tail_open(NULL, k[i].tail, &own));
+        assert_memory_equal(gp_tail_error_of(tail), gp_tail_error_of(own),
+                            sizeof(struct gp_tail_error));
+        gp_tail_close(&own);
     }
     for (size_t i = 0; i < COUNT(rows); i++)
         gp_kernel_free(&k[i]); // some of them hold one tail

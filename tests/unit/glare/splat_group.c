@@ -148,11 +148,12 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     struct cells clusters = {0};
     if (p->cluster) {
         assert_ok(gp_splat_group(&kept_log, s, frame, &coarse, ~0u, p->fill,
-                                 NULL, 0, &s->clusters));
+                                 NULL, &s->clusters));
         clusters = read_cells(s, coarse, &s->clusters);
     }
     assert_ok(gp_splat_group(&kept_log, s, frame, &fine, ~0u, 0.0f,
-        p->cluster ? &s->clusters : NULL, p->cluster, &s->groups));
+        p->cluster ? &(struct gp_splat_parents) {&s->clusters, p->cluster}
+                   : NULL, &s->groups));
     struct cells groups = read_cells(s, fine, &s->groups);
     assert_int_equal(count_open(&clusters), want.clusters);
     assert_int_equal(count_open(&groups), want.groups);

@@ -30,8 +30,8 @@ static struct made make_tail(int w, int h, bool grey, const double *degrees)
     const struct gp_tail_split split = gp_tail_choose(0.0, 1.0, 0, w, h);
     struct made m = {0};
     assert_true(split.step > 0);
-    assert_ok(gp_tail_make(NULL, &split, w, h, grey, true, veil, degrees,
-                           &m.t));
+    assert_ok(gp_tail_make(NULL, &split, w, h,
+        &(struct gp_tail_kernel) {veil, degrees, grey, true}, &m.t));
     assert_ok(gp_tail_open(NULL, m.t, &m.s));
     return m;
 }
@@ -368,8 +368,8 @@ static gp_status run_making(void)
     const struct gp_tail_split split = gp_tail_choose(0.0, 1.0, 0, 300, 200);
     struct gp_kernel k = {0};
     struct gp_spread_kernel wide = {0};
-    gp_status st = gp_tail_make(&kept_log, &split, 300, 200, false, true, veil,
-                                &fine, &k.tail);
+    gp_status st = gp_tail_make(&kept_log, &split, 300, 200,
+        &(struct gp_tail_kernel) {veil, &fine, false, true}, &k.tail);
     if (!st)
         st = gp_kernel_spread_tail(&kept_log, &k, 1, weight, &wide);
     if (!st) {

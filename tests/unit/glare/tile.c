@@ -69,9 +69,10 @@ static gp_status draw_tiles(struct gp_splat *to, struct gathered *g,
                             struct gp_tiles **tiles, double *roundings)
 {
     scene_clear_layer(&g->s);
-    return gp_tiles_draw(&kept_log, to->gl, &g->s.k, g->crop, g->tail,
-        &g->polygons, &g->shrink, gp_frame_w(&g->s.f), gp_frame_h(&g->s.f),
-        &g->s.f.layer, tiles, roundings);
+    return gp_tiles_draw(&kept_log, to->gl, &(struct gp_tiles_light) {
+        &g->s.k, g->crop, g->tail, &g->polygons, &g->shrink,
+        gp_frame_w(&g->s.f), gp_frame_h(&g->s.f)}, &g->s.f.layer, tiles,
+        roundings);
 }
 
 /* -- the sum --------------------------------------------------------------- */
