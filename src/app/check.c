@@ -329,27 +329,6 @@ static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Checks bench with several numbers of threads. */
-static gp_status check_scaling(const struct gp_log *log,
-                               const struct gp_settings *s)
-{
-    static const char *const tables[] = {"paper", "csv", "plot"};
-    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
-        if (gp_option_given(s, tables[i]))
-            return gp_fail(log, GP_ERR_USAGE, "--%s: not with several numbers "
-                           "of --threads; leave one of the two out", tables[i]);
-    }
-    if (gp_is_dash(s->input.files.at[0]))
-        return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers read the "
-                       "frame several times (found stdin); give a file");
-    for (int i = 0; i < s->run.threads.n; i++) {
-        if (s->run.threads.v[i] < 1)
-            return gp_fail(log, GP_ERR_USAGE, "--threads: 0 among several "
-                           "numbers; give each as 1 to 1024");
-    }
-    return GP_OK;
-}
-
 /* Says that no output is given. Where the last input has a name that can be
  * written, and is not there or of another format than the first, it was meant as
  * the output. */
@@ -407,8 +386,6 @@ static gp_status check_inputs(const struct gp_log *log,
     if (bench && !s->bench.paper && s->input.files.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
             "(found %d); give one", s->input.files.at[1], s->input.files.n);
-    if (bench && s->run.threads.n > 1)
-        return check_scaling(log, s);
     if (!bench && s->input.files.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
                        "frame.exr, or see glarepp --help");
@@ -488,9 +465,6 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "give one topic", s->input.files.at[1]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
-    if (s->command != GP_COMMAND_BENCH && s->run.threads.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "--threads: several numbers are for "
-                       "glarepp bench (found %d); give one", s->run.threads.n);
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
     GP_TRY(check_kernel_size(log, s));

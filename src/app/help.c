@@ -24,7 +24,6 @@ static void option_text(const struct gp_option *o, bool values, char *text,
     const void *const field = (const char *) &gp_defaults + o->at;
     const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
                         o->kind == GP_KIND_COUNT ||
-                        o->kind == GP_KIND_COUNTS ||
                         o->kind == GP_KIND_THRESHOLD;
     char value[64] = ""; // the default; "" for none
     const char *name = NULL, *line;
@@ -36,7 +35,7 @@ static void option_text(const struct gp_option *o, bool values, char *text,
     else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
              isfinite(*single)) // others stand for an option that is not given
         snprintf(value, sizeof value, "%g", (double) *single);
-    else if (o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNTS)
+    else if (o->kind == GP_KIND_INT)
         snprintf(value, sizeof value, "%d", *(const int *) field);
     else if (o->kind == GP_KIND_COUNT)
         snprintf(value, sizeof value, "%lld", *(const long long *) field);

@@ -110,41 +110,6 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     return st;
 }
 
-/* Measures the main job with each of several numbers of threads. */
-static gp_status run_scaling(const struct gp_log *log,
-                             const struct gp_settings *s)
-{
-    gp_status st;
-    struct gp_scaling_request req = {
-        .input = s->input.files.at[0],
-        .threads = s->run.threads,
-        .runs = s->bench.runs,
-        .json = s->bench.json,
-    };
-    char **word = NULL;
-    int words = 0;
-    GP_TRY(gp_alloc_zero(log, "command line", (size_t) s->words.options.n + 1,
-                         sizeof *word, &word));
-    for (int i = 0; i < s->words.options.n; i += 2) {
-        const char *const name = s->words.options.at[i];
-        const char *const value = s->words.options.at[i + 1];
-        const struct gp_option *const o = gp_option_find(name, strlen(name));
-        if (!(o->commands & GP_COMMAND_MAIN) || o->kind == GP_KIND_COUNTS)
-            continue;
-        if (asprintf(&word[words], value ? "--%s=%s" : "--%s", name, value) < 0)
-            GP_TRY(gp_no_memory(log, req.input));
-        words++;
-    }
-    req.word = (const char *const *) word;
-    req.words = words;
-    st = gp_scaling_run(log, &req);
-out:
-    while (words > 0)
-        free(word[--words]);
-    gp_free(word);
-    return st;
-}
-
 static gp_status run_bench(const struct gp_log *log,
                            const struct gp_settings *s)
 {
@@ -244,15 +209,13 @@ int main(int argc, char *argv[])
     signal(SIGXFSZ, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.run.level;
-    gp_set_threads(st ? 1 : s.run.threads.v[0]);
+    gp_set_threads(st ? 1 : s.run.threads);
     voice.file = !st && s.input.files.n ? s.input.files.at[0] : NULL;
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
     if (!st && (s.words.help || s.words.help_table || s.words.version ||
                 s.words.list_flares || s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_BENCH && s.run.threads.n > 1) {
-        st = run_scaling(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH) {
         st = run_bench(&log, &s);
     } else if (!st && s.command == GP_COMMAND_COMPARE) {

@@ -118,7 +118,6 @@ static const struct gp_option_choice gp_plans[] = {
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
                     struct gp_sensor_params *: GP_KIND_THRESHOLD,             \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
-                    struct gp_counts *: GP_KIND_COUNTS,                       \
                     double (*)[2]: GP_KIND_PAIR,                              \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
@@ -414,9 +413,7 @@ const struct gp_option gp_options[] = {
         .choices = gp_plans, .help = "Choose FFT plans this way"),
     OPT(run.threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .aside = true,
-        .help = "Use N threads, 0 for all processors; no output depends on it; "
-        "bench measures the stages of the main job with each number of "
-        "1,2,4"),
+        .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(run.frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
         .hi = GP_FLIGHT_MOST, .aside = true,
         .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "

@@ -26,7 +26,6 @@ enum gp_option_kind {
     GP_KIND_THRESHOLD, // struct gp_sensor_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
-    GP_KIND_COUNTS,  // struct gp_counts, "1,2,4": at most GP_COUNTS
     GP_KIND_PAIR,    // double[2], "x,y"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`

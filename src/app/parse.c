@@ -115,32 +115,6 @@ static gp_status set_threshold(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* Sets a list of whole numbers from "1,2,4". */
-static gp_status set_counts(const struct use *u, void *field)
-{
-    struct gp_counts list = {0};
-    struct gp_option one = *u->option;
-    const char *s = u->value;
-    gp_status st = GP_OK;
-    one.kind = GP_KIND_INT;
-    do {
-        const size_t n = strcspn(s, ",");
-        char word[64];
-        snprintf(word, sizeof word, "%.*s", (int) (n < 63 ? n : 63), s);
-        const struct use w = {u->log, &one, n == strlen(u->value) ? u->value
-                                                                  : word};
-        if (list.n == GP_COUNTS)
-            return gp_fail(u->log, GP_ERR_USAGE, "--%s: too many numbers "
-                           "(found %s); give at most %d", one.name, u->value,
-                           (int) GP_COUNTS);
-        st = set_number(&w, &list.v[list.n++]);
-        s += n;
-    } while (!st && *s++ == ',');
-    if (!st)
-        memcpy(field, &list, sizeof list);
-    return st;
-}
-
 /* Sets two doubles, or a struct gp_numbers, from "x,y,...". */
 static gp_status set_list(const struct use *u, void *field)
 {
@@ -282,8 +256,6 @@ static gp_status set_value(const struct use *u, void *field)
     case GP_KIND_INT:
     case GP_KIND_COUNT:
         return set_number(u, field);
-    case GP_KIND_COUNTS:
-        return set_counts(u, field);
     case GP_KIND_THRESHOLD:
         return set_threshold(u, field);
     case GP_KIND_PAIR:

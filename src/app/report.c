@@ -181,7 +181,6 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         return v;
     case GP_KIND_SET:
         return *(const int *) at == o->set ? json_true() : NULL;
-    case GP_KIND_COUNTS: // of threads, which change no pixel
     case GP_KIND_NAMED:
         break;
     }

@@ -168,8 +168,7 @@ struct gp_compare_settings {
 
 /* How a run goes and what it says. */
 struct gp_run_settings {
-    struct gp_counts threads;          // 0 or none: all processors; several:
-                                       // of bench
+    int threads;                       // 0: all processors
     int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
     const char *report;

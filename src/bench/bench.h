@@ -77,35 +77,6 @@ struct gp_bench_request {
 GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
                                      const struct gp_bench_request *req);
 
-/* The main job with several numbers of threads; all is borrowed. */
-struct gp_scaling_request {
-    const char *input;         // a file
-    struct gp_counts threads;  // each >= 1
-    int runs;                  // >= 1
-    const char *json;          // file, "-" is stdout; NULL: none
-    const char *const *word;   // `words` of the main job's command line, none
-    int words;                 // of outputs, threads or report
-};
-
-/* Runs the main job in processes of its own, from cold, into a PNG that nothing
- * stores, with each number of threads in turn; prints a table, and writes it to
- * req->json. A row is a stage of times_ms, `outside` of all stages (start,
- * plans, the end), or the whole `process`, each with the least wall time of its
- * runs:
- *   cores         CPU time of all threads over wall time
- *   serial share  a / (a + b) of the line a + b / threads through the wall
- *                 times with least squares, neither under 0 (Amdahl 1967), and
- *                 the times that it predicts with 8, 16 and 64 threads; only by
- *                 numbers of threads up to that of the processors that the
- *                 process may use (`processors` in req->json), if two differ
- * and a line where other programs kept over 10 % of these processors busy
- * meanwhile, by /proc/stat and in half a second at least; other_cores in
- * req->json.
- * Errors: GP_ERR_IO no process can be started, or the file cannot be written;
- * the status of a run that fails, which has said why. */
-GP_MUST_CHECK gp_status gp_scaling_run(const struct gp_log *log,
-                                       const struct gp_scaling_request *req);
-
 /* Writes `o`, whose reference it takes, as a file; "-" is stdout.
  * Errors: GP_ERR_IO; GP_ERR_BUG out of memory, also for a NULL `o`. */
 GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,

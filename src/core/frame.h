@@ -62,13 +62,6 @@ struct gp_numbers {
     int n; // 0: not given
 };
 
-/* Whole numbers of one option, "1,2,4". */
-enum { GP_COUNTS = 8 };
-struct gp_counts {
-    int v[GP_COUNTS];
-    int n; // 0: not given
-};
-
 /* Three float planes of one size, w * h samples each, rows from the top,
  * no padding, samples [y * w + x]. All NULL when empty. */
 struct gp_planes {
