@@ -174,7 +174,7 @@ done
 # a frame takes, 60 bytes a pixel.
 cat >flat.py <<'PY'
 import json, subprocess, sys
-program, count, some = sys.argv[1], int(sys.argv[2]), 300
+program, count, some = sys.argv[1], int(sys.argv[2]), 150
 
 def peaks(jobs, count):
     subprocess.run([program, "--frame-jobs", str(jobs), "--threads", "2",

@@ -36,37 +36,37 @@ ONE = f"--threads 1 {FILES} in.exr"
 # writers of most are those of "direct", all of whose allocations fail)
 CONFIGURATIONS = {
     "direct": (f"-e direct {ONE}", (), 1),
-    "fft": (f"-e fft --layer o/l.exr {ONE}", (3,), 8),
-    "auto": (f"{ONE}", (3,), 16),
+    "fft": (f"-e fft --layer o/l.exr {ONE}", (3,), 16),
+    "auto": (f"{ONE}", (3,), 32),
     "sun": (f"-e direct --sun 12,8,3 --sun-color 9,8,7 --flare flare.json "
-            f"--lights lights.json --debug sunmap=o/m.exr {ONE}", (), 16),
-    "kernel": (f"-e direct -k in.exr --rotate 10 --verify {ONE}", (), 16),
-    "threads": (f"-e fft --threads 3 {FILES} in.exr", (3,), 16),
-    "old": (f"-e direct {ONE}", (), 6),
-    "pipe": ("-e direct --threads 1 --hdr - --stdout-format exr -", (), 12),
-    "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 12),
+            f"--lights lights.json --debug sunmap=o/m.exr {ONE}", (), 32),
+    "kernel": (f"-e direct -k in.exr --rotate 10 --verify {ONE}", (), 32),
+    "threads": (f"-e fft --threads 3 {FILES} in.exr", (3,), 32),
+    "old": (f"-e direct {ONE}", (), 12),
+    "pipe": ("-e direct --threads 1 --hdr - --stdout-format exr -", (), 24),
+    "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 24),
     "sequence": ("-e direct --threads 1 --skip-bad-frames -o o/a.#.png "
-                 "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 24),
-    "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 80),
+                 "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 48),
+    "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 160),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
     "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,),
-             24),
+             48),
     "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
-              "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 12),
+              "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 24),
     "views": ("-e direct --threads 1 --hdr o/h.exr "
               "-o o/%V.pfm --light-group key --sun 12,8,3 --sun-color 9,8,7 "
-              "--mask-file in.exr --mask A views.exr", (), 16),
+              "--mask-file in.exr --mask A views.exr", (), 32),
     "b44": ("-e direct --threads 2 --compression b44 --type half "
-            "--hdr o/h.exr --layer o/l.exr in.exr", (), 8),
+            "--hdr o/h.exr --layer o/l.exr in.exr", (), 16),
     "large": ("-e direct --threads 1 --compression none --type float "
               "--hdr o/h.exr big.exr", (), 1),
     "scene": ("-e direct --threads 1 --scene lamp.gltf --light-scale 1 "
-              "--layer o/l.exr in.exr", (), 8),
+              "--layer o/l.exr in.exr", (), 16),
     "flight": ("-e direct --threads 3 --frame-jobs 3 -o o/a.#.png "
                "--hdr o/h.#.exr s.####.exr", (), 1),
     "bridge": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr "
-               "-o o/a.jpg in.exr", (3,), 24),
+               "-o o/a.jpg in.exr", (3,), 48),
 }
 # beginnings of lines about no file: the command line, or all frames
 NO_FILE = ("glarepp: command line: ", "glarepp: --")
