@@ -347,10 +347,13 @@ struct glarepp_layer_params {
     int group, cluster;    // pixels a side, powers of two; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
     float shrink;          // share of light that polygons may leave out
+    bool measure;          // measures FFTW's plans instead of estimating them,
+    const char *wisdom;    // and keeps them in this file; NULL: nowhere
 };
 #define GLAREPP_LAYER_PARAMS                                                  \
     { sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f,  \
-      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f }
+      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f,       \
+      false, NULL }
 
 // -- lights -------------------------------------------------------------------
 
@@ -419,9 +422,11 @@ struct glarepp_lens_params {
                            // frame
     double distance;       // m; 0: by the frame, else far
     double f_number;       // 0: by the frame, else the lens's own
+    int detail;            // of meshes: 1 coarse, 2 fine, 3 the finest, many
+                           // times the time; 0: fine for up to 8 lights
 };
 #define GLAREPP_LENS_PARAMS                                                   \
-    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0 }
+    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0 }
 
 enum glarepp_up { GLAREPP_UP_AUTO, GLAREPP_UP_Y, GLAREPP_UP_Z };
 
@@ -595,10 +600,11 @@ GLAREPP_API int glarepp_frame_run(struct glarepp_frame *frame,
 
 /* Planes of a frame. */
 enum glarepp_view {
-    // set by the caller
+    // set by the caller; GLARE too, to compose another layer
     GLAREPP_DEPTH,     // plane[0], units of the world
     GLAREPP_COVERAGE,  // plane[0], 0 clear to 1 opaque
-    GLAREPP_NORMAL, GLAREPP_ALBEDO,
+    GLAREPP_NORMAL,    // may be turned in place
+    GLAREPP_ALBEDO,
     // made by steps
     GLAREPP_CLEAN,     // the frame after SENSE: no NaN, no infinity
     GLAREPP_SOURCES,
@@ -609,6 +615,7 @@ enum glarepp_view {
     // pictures to look at
     GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
     GLAREPP_SUNMAP, GLAREPP_INTENSITY,
+    GLAREPP_TRUTH,     // the sum in double, after VERIFY of a frame with `details`
     GLAREPP_VIEWS,
 };
 

@@ -93,6 +93,8 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         gp_planes_free(&f->image.shown);
     if (views & 1u << GLAREPP_POLYGONS)
         gp_planes_free(&f->polygons);
+    if (views & 1u << GLAREPP_TRUTH)
+        gp_planes_free(&f->truth);
     for (int i = 0; f->converted && views & 1u << GLAREPP_OUTPUT &&
                     i <= f->groups; i++)
         gp_planes_free(&f->converted[i]);
@@ -580,6 +582,18 @@ static gp_status add_layer(struct glarepp_frame *f)
     return st;
 }
 
+/* Keeps the sum in double as floats, to look at. */
+static gp_status keep_truth(struct glarepp_frame *f, const double *exact)
+{
+    const size_t n = gp_frame_pixels(&f->image);
+    const gp_status st = f->truth.c[0] ? GP_OK
+                                       : gp_planes_make(&f->log, "exact layer",
+                                                        n, &f->truth);
+    for (size_t i = 0; i < 3 * n && !st; i++)
+        f->truth.c[i / n][i % n] = (float) exact[i];
+    return st;
+}
+
 static gp_status verify(struct glarepp_frame *f)
 {
     struct gp_glare_error error;
@@ -604,6 +618,8 @@ static gp_status verify(struct glarepp_frame *f)
             error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
         f->facts.verified = true;
     }
+    if (!st && f->p.details)
+        st = keep_truth(f, exact);
     gp_free(exact);
     return st;
 }
@@ -752,6 +768,26 @@ int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
 
 // -- views --------------------------------------------------------------------
 
+/* Copies another layer over the frame's. */
+static gp_status replace_layer(struct glarepp_frame *f,
+                               const struct glarepp_image *plane)
+{
+    struct gp_frame other;
+    gp_status st = gp_api_import(&f->log, plane, false, &other);
+    if (st)
+        return st;
+    if (memcmp(&other.data, &f->image.data, sizeof other.data) != 0) {
+        st = gp_fail_at(&f->log, GP_ERR_USAGE, "image.data", "%s: its window is "
+                        "not the frame's", other.path);
+    } else {
+        gp_planes_free(&f->image.layer);
+        f->image.layer = other.rgb;
+        other.rgb = (struct gp_planes) {0};
+    }
+    gp_frame_free(&other);
+    return st;
+}
+
 int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
@@ -763,6 +799,10 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
     const int planes =
         view == GLAREPP_NORMAL || view == GLAREPP_ALBEDO ? 3 : 1;
     gp_status st = GP_OK;
+    if (view == GLAREPP_GLARE) {
+        GP_TRY(replace_layer(f, plane));
+        goto out;
+    }
     if (!to)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: this plane cannot "
                           "be set (found %d)", f->sink.name, (int) view));
@@ -865,6 +905,9 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     case GLAREPP_POLYGONS:
         GP_TRY(draw_polygons(f));
         planes = &f->polygons;
+        break;
+    case GLAREPP_TRUTH:
+        planes = &f->truth;
         break;
     case GLAREPP_SUNMAP:
     case GLAREPP_INTENSITY:

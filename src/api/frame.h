@@ -37,7 +37,7 @@ struct glarepp_frame {
     struct gp_made_kernel *kernel; // held; NULL: none was needed
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned
-    struct gp_planes sources_shown, polygons;
+    struct gp_planes sources_shown, polygons, truth;
     struct gp_api_picture sunmap, intensity;
     struct glarepp_share *share;   // facts.light
     struct glarepp_relit *relit;   // facts.relit

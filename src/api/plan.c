@@ -89,12 +89,16 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.splat.cluster = p.cluster;
     plan->glare.splat.cluster_fill = p.cluster_fill;
     plan->glare.splat.shrink = p.shrink;
+    plan->glare.fft_plan =
+        p.measure ? GP_FFT_PLAN_MEASURE : GP_FFT_PLAN_ESTIMATE;
+    plan->glare.wisdom = p.wisdom;
     plan->compose = (struct gp_compose_params) {
         .gain = p.gain,
         .mix = p.mix == GLAREPP_ADD ? GP_MIX_ADD : GP_MIX_SCATTER,
     };
     plan->edges = (enum gp_surround_how) p.edges;
-    return keep(plan, &plan->glare.engine);
+    const gp_status kept = keep(plan, &plan->glare.engine);
+    return kept ? kept : keep(plan, &plan->glare.wisdom);
 }
 
 static struct gp_light_spec spec_of(const struct glarepp_light *l)
