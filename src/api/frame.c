@@ -93,8 +93,10 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         gp_planes_free(&f->image.shown);
     if (views & 1u << GLAREPP_POLYGONS)
         gp_planes_free(&f->polygons);
-    if (views & 1u << GLAREPP_TRUTH)
+    if (views & 1u << GLAREPP_TRUTH) {
         gp_planes_free(&f->truth);
+        GP_FREE(f->exact);
+    }
     for (int i = 0; f->converted && views & 1u << GLAREPP_OUTPUT &&
                     i <= f->groups; i++)
         gp_planes_free(&f->converted[i]);
@@ -220,6 +222,7 @@ static gp_status sense(struct glarepp_frame *f)
     const struct gp_sources *const src = &f->sources;
     const struct gp_kernel_request *const r = f->plan->request;
     double sum[3], squares;
+    glarepp_frame_drop(f, 1u << GLAREPP_SOURCES | 1u << GLAREPP_TRUTH);
     gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
     if (!st && f->groups)
         st = sense_groups(f);
@@ -467,6 +470,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
         field.w += more;
         field.h += more;
     }
+    gp_made_kernel_free(&f->kernel);
     GP_TRY(gp_kernels_take(&f->log, f->plan->kernels, recipe, &field, &made,
                            &f->kernel));
     GP_TRY(warn_of_images(f));
@@ -582,45 +586,42 @@ static gp_status add_layer(struct glarepp_frame *f)
     return st;
 }
 
-/* Keeps the sum in double as floats, to look at. */
-static gp_status keep_truth(struct glarepp_frame *f, const double *exact)
+static gp_status verify(struct glarepp_frame *f)
 {
-    const size_t n = gp_frame_pixels(&f->image);
-    const gp_status st = f->truth.c[0] ? GP_OK
-                                       : gp_planes_make(&f->log, "exact layer",
-                                                        n, &f->truth);
-    for (size_t i = 0; i < 3 * n && !st; i++)
-        f->truth.c[i / n][i % n] = (float) exact[i];
+    const struct gp_surround edges = gp_api_edges(f, &f->sources);
+    struct gp_glare_error error;
+    gp_status st = GP_OK;
+    if (!gp_api_light(f)->n)
+        return GP_OK;
+    if (!f->exact) {
+        GP_TRY(gp_alloc(&f->log, "exact layer",
+                        3 * gp_frame_pixels(&f->image), sizeof *f->exact,
+                        &f->exact));
+        GP_TRY(gp_glare_reference(&f->log, &edges, gp_api_light(f),
+                                  gp_api_kernel(f), f->exact));
+    }
+    gp_glare_measure(&f->image, &f->image.layer, f->exact,
+                     f->plan->compose.gain,
+                     f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
+                                                            : NULL, &error);
+    f->facts.errors = (struct glarepp_errors) {
+        error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
+    f->facts.verified = true;
+out:
+    if (st || !f->p.details)
+        GP_FREE(f->exact);
     return st;
 }
 
-static gp_status verify(struct glarepp_frame *f)
+/* Makes floats of the sum in double, to look at. */
+static gp_status show_truth(struct glarepp_frame *f)
 {
-    struct gp_glare_error error;
-    double *exact;
-    if (!gp_api_light(f)->n)
+    const size_t n = gp_frame_pixels(&f->image);
+    if (!f->exact || f->truth.c[0])
         return GP_OK;
-    gp_status st = gp_alloc(&f->log, "exact layer",
-                            3 * gp_frame_pixels(&f->image), sizeof *exact,
-                            &exact);
-    if (st)
-        return st;
-    const struct gp_surround edges = gp_api_edges(f, &f->sources);
-    st = gp_glare_reference(&f->log, &edges, gp_api_light(f), gp_api_kernel(f),
-                            exact);
-    if (!st) {
-        gp_glare_measure(&f->image, &f->image.layer, exact,
-                         f->plan->compose.gain,
-                         f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
-                                                                : NULL,
-                         &error);
-        f->facts.errors = (struct glarepp_errors) {
-            error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
-        f->facts.verified = true;
-    }
-    if (!st && f->p.details)
-        st = keep_truth(f, exact);
-    gp_free(exact);
+    const gp_status st = gp_planes_make(&f->log, "exact layer", n, &f->truth);
+    for (size_t i = 0; i < 3 * n && !st; i++)
+        f->truth.c[i / n][i % n] = (float) f->exact[i];
     return st;
 }
 
@@ -806,6 +807,7 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
     if (!to)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: this plane cannot "
                           "be set (found %d)", f->sink.name, (int) view));
+    f->hidden = false;
     for (int c = 0; c < planes; c++) {
         gp_plane_free(&to[c]);
         GP_TRY(gp_api_plane(&f->log, plane, c, &to[c]));
@@ -907,6 +909,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         planes = &f->polygons;
         break;
     case GLAREPP_TRUTH:
+        GP_TRY(show_truth(f));
         planes = &f->truth;
         break;
     case GLAREPP_SUNMAP:

@@ -38,6 +38,8 @@ struct glarepp_frame {
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned
     struct gp_planes sources_shown, polygons, truth;
+    double *exact;                 // the layer in double, where it is kept; owned
+    bool hidden;                   // work.suns knows depth and mask
     struct gp_api_picture sunmap, intensity;
     struct glarepp_share *share;   // facts.light
     struct glarepp_relit *relit;   // facts.relit
