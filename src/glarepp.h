@@ -858,6 +858,7 @@ struct glarepp_channel {
 
 struct glarepp_stored {
     size_t size;
+    const char *name;      // for messages; NULL: "image"
     struct glarepp_rect data;
     const struct glarepp_channel *channel;
     int channels;
@@ -893,6 +894,7 @@ struct glarepp_compare_facts {
     struct glarepp_rect window;
     int pairs;              // of channels
     const char *const *pair; // their names
+    const int *in_a, *in_b; // their channels in each; -1: none, 0 everywhere
     double max;             // largest |a - b|, at a pixel of a pair
     int x, y, channel;
     double worst_a, worst_b;
@@ -916,7 +918,8 @@ struct glarepp_compare_facts {
 struct glarepp_compare;
 
 /* Compares two images. They must outlive *out. The same for any number of
- * threads. Errors: DATA windows too far apart; BUG. */
+ * threads. Errors: DATA windows too far apart, or only one is deep; USAGE no
+ * window, or no such exposures; BUG. */
 GLAREPP_API int glarepp_compare(struct glarepp *gp,
     const struct glarepp_compare_params *p, const struct glarepp_stored *a,
     const struct glarepp_stored *b, struct glarepp_compare **out);
