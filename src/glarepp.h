@@ -638,6 +638,7 @@ GLAREPP_API void glarepp_frame_drop(struct glarepp_frame *frame,
 struct glarepp_sense_facts {
     long long sources, nonfinite, clamped; // pixels
     float threshold;         // T as luminance
+    float brightest;         // largest channel of the sources
     double flux[3];          // of the sources
     double faint[3];         // of light under 1.2e-38, which counts as 0
     double flux_clamped[3];  // that max_value took
@@ -800,7 +801,8 @@ struct glarepp_sets_params {
     bool timed;            // `seconds` is given; else the scene's first
     double seconds;
     int w, h;              // of the picture
-    double near;           // surfaces nearer are not drawn
+    double near;           // surfaces nearer are not drawn, unless the camera
+                           // says how near
     double light_scale;    // picture's units a cd or lux
     double ambient;        // light that comes back from white, everywhere
     int map;               // texels, side of a shadow map
@@ -828,14 +830,17 @@ struct glarepp_sets_row {
 struct glarepp_sets {
     struct glarepp_sets_row row[5];
     int objects, lights;
+    double seconds;        // of the scene
     const char *gl;        // renderer
+    const char *const *light;           // names
     const struct glarepp_rect *scissor; // of each light in the last row; empty:
                                         // it lights nothing
-    const char *const *light;           // names
+    const double (*depth)[2];           // ... near and far, along the view axis
     void *own;
 };
 
-/* Draws all rows. Errors: those of reading the scene and of its camera; GL. */
+/* Draws all rows. Errors: those of reading the scene and of its camera; USAGE a
+ * size, map or number of runs that is too small; GL; BUG. */
 GLAREPP_API int glarepp_sets(struct glarepp *gp,
     const struct glarepp_sets_params *p, struct glarepp_sets *out);
 GLAREPP_API void glarepp_sets_end(struct glarepp_sets *sets);

@@ -231,6 +231,7 @@ static gp_status sense(struct glarepp_frame *f)
     *facts = (struct glarepp_sense_facts) {
         .sources = (long long) src->n, .nonfinite = src->nonfinite,
         .clamped = src->clamped, .threshold = src->threshold,
+        .brightest = src->brightest,
     };
     memcpy(facts->flux, src->flux, sizeof facts->flux);
     memcpy(facts->faint, src->faint, sizeof facts->faint);
