@@ -109,7 +109,6 @@ struct gp_sun_settings {
     struct gp_numbers color;           // flux by channel, or one for all
     struct glarepp_light_params p;     // but for its lights; degrees is
                                        // --sun-size
-    int square, bytes;                 // 1: p.square, p.bytes
     const char *depth_file, *mask, *mask_file;
 };
 
@@ -138,13 +137,6 @@ struct gp_scene_settings {
     struct gp_texts relight;           // names of its lights, or all
     enum gp_normal_space normal_space;
     float time;          // seconds, of glarepp sets, where --time is given
-};
-
-/* What glarepp sets draws, besides the scene and its size (making). */
-struct gp_sets_settings {
-    float near, light_scale, ambient;  // as in glarepp_sets_params
-    int map, runs, occluders;
-    bool separate;
 };
 
 /* A view of the config, or a curve where map.config is NULL. */
@@ -209,7 +201,7 @@ struct gp_settings {
     struct gp_tone_settings tone;
     struct gp_making making;
     struct gp_bench_params bench;      // json: of compare and sets too
-    struct gp_sets_settings sets;      // its size is making's
+    struct glarepp_sets_params sets;   // its size is making's
     struct gp_compare_settings compare;
     struct gp_run_settings run;
     struct gp_word_settings words;
