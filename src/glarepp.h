@@ -201,12 +201,14 @@ struct glarepp_kernel_params {
                              // the luminance sums up to 1
     bool normalized;         // ... of a file with a label too, which else is
                              // taken as it is
+    bool recipe;             // one word that is a path is a recipe as well
     double percent;          // frame pixels for 100 of the image, > 0
     double degrees;          // height of the image in the field; 0: by percent
 };
 #define GLAREPP_KERNEL_PARAMS                                                 \
     { sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                    \
-      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false, 100.0, 0.0 }
+      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false,     \
+      false, 100.0, 0.0 }
 
 struct glarepp_kernel;
 
@@ -230,19 +232,20 @@ GLAREPP_API bool glarepp_kernel_path(const char *word, char *path, size_t room);
 /* The frames that kernels are drawn for. */
 struct glarepp_field {
     int w, h;              // pixels of the frame
-    double degrees;        // height of a pixel in the field of view
-    double aspect;         // its width over its height
+    double fov;            // degrees, of its height; 0: 30
+    double aspect;         // width of a pixel over its height; 0: 1
     double rotate;         // degrees, counter-clockwise as seen
     const float *primaries; // NULL: BT.709
     int frame;             // number, for models that move
-    double fps;            // frames a second
+    double fps;            // frames a second; 0: 24
     int radius;            // largest offset that is drawn; 0: all of the frame
     long long most;        // samples that there may be
 };
 
 /* Draws recipes at full rate: offsets up to w - 1, h - 1 or the radius, the
- * centre in the middle. Sets left_out and beyond of *label.
- *   out  planes of float, freed by glarepp_image_end()
+ * centre in the middle.
+ *   out    planes of float, freed by glarepp_image_end()
+ *   label  what a file of them shall say
  * Errors: USAGE a key that this field cannot serve; DATA over `most`; BUG. */
 GLAREPP_API int glarepp_kernel_draw(const struct glarepp_kernel *k,
     const struct glarepp_field *field, struct glarepp_image *out,
