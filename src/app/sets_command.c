@@ -154,7 +154,7 @@ static gp_status save_json(const struct gp_log *log,
 gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
                           const struct gp_settings *s, bool *differ)
 {
-    struct glarepp_sets_params p = GLAREPP_SETS_PARAMS;
+    struct glarepp_sets_params p = s->sets;
     struct glarepp_sets sets = {.own = NULL};
     gp_status st;
     *differ = false;
@@ -164,10 +164,6 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.seconds = (double) s->scene.time;
     p.w = s->making.w;
     p.h = s->making.h;
-    p.map = s->sets.map;
-    p.separate = s->sets.separate;
-    p.runs = s->sets.runs;
-    p.occluders = s->sets.occluders;
     p.gl = s->light.layer.gl;
     GP_TRY(check_names(log, s));
     GP_TRY(glarepp_sets(gp, &p, &sets));
