@@ -147,7 +147,7 @@ static gp_status take_lights(struct glarepp_plan *plan,
         .ndc = (enum gp_ndc) p.ndc, .in_frame = p.in_frame,
         .needed = p.needed, .adapt = p.adapt,
     };
-    plan->lit = from != NULL;
+    plan->lit = p.lights || p.file || p.cameras;
     GP_TRY(keep(plan, &plan->sun.lights));
     GP_TRY(keep(plan, &plan->sun.camera));
     GP_TRY(keep(plan, &plan->sun.flare));
