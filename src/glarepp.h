@@ -541,6 +541,7 @@ struct glarepp_frame_params {
                                  // nothing is copied
     const struct glarepp_image *group; // `groups` layers of its light, which
     int groups;                        // glare in its place, each composed too
+    bool groups_glare;                 // ... and are not composed
     bool numbered;
     int number;
     double fps;
@@ -555,14 +556,14 @@ struct glarepp_frame_params {
                                  // kept for it
     bool layer_ends;             // GLARE is not looked at after COMPOSE
     bool details;                // facts that cost time are wanted: of sense the
-                                 // luminances, of lights low and high
+                                 // luminances, of lights low and high, flux
+                                 // of the layer, the truth
     void *user;                  // of messages about it
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0}, false, \
-      NULL, 0,                                                                \
-      false, 0, 0.0, false, false, {0.0}, {0.0}, GLAREPP_NDC_AUTO, 0.0, 0.0,  \
-      0.0, 0.0, false, false, false, NULL }
+      NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0},              \
+      GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, false, false, false, NULL }
 
 struct glarepp_frame;
 
@@ -614,7 +615,8 @@ enum glarepp_view {
     GLAREPP_GLARE,     // the layer, with flare and ghosts
     GLAREPP_LIT,       // scene-linear
     GLAREPP_SHOWN,     // display-linear BT.709, or as OpenColorIO encodes it
-    GLAREPP_OUTPUT,    // LIT in the tone's output space
+    GLAREPP_OUTPUT,    // LIT in the tone's output space; before COMPOSE, the
+                       // frame itself
     // pictures to look at
     GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
     GLAREPP_SUNMAP, GLAREPP_INTENSITY,
@@ -632,7 +634,8 @@ GLAREPP_API int glarepp_frame_set(struct glarepp_frame *frame,
 GLAREPP_API int glarepp_frame_view(struct glarepp_frame *frame,
     enum glarepp_view view, int group, struct glarepp_image *out);
 
-/* Frees planes that the library made: bits 1 << view. */
+/* Frees planes that the library made, and gives back those that were set: bits
+ * 1 << view. */
 GLAREPP_API void glarepp_frame_drop(struct glarepp_frame *frame,
                                     unsigned views);
 

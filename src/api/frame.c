@@ -75,6 +75,16 @@ out:
 
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
+    if (views & 1u << GLAREPP_DEPTH)
+        gp_plane_free(&f->depth);
+    if (views & 1u << GLAREPP_COVERAGE)
+        gp_plane_free(&f->mask);
+    for (int c = 0; c < 3; c++) {
+        if (views & 1u << GLAREPP_NORMAL)
+            gp_plane_free(&f->normal[c]);
+        if (views & 1u << GLAREPP_ALBEDO)
+            gp_plane_free(&f->albedo[c]);
+    }
     if (views & 1u << GLAREPP_CLEAN) {
         if (f->borrowed)
             f->image.rgb = (struct gp_planes) {0};
@@ -118,12 +128,6 @@ void glarepp_frame_end(struct glarepp_frame **frame)
     }
     gp_free(f->group);
     gp_free(f->converted);
-    gp_plane_free(&f->depth);
-    gp_plane_free(&f->mask);
-    for (int c = 0; c < 3; c++) {
-        gp_plane_free(&f->normal[c]);
-        gp_plane_free(&f->albedo[c]);
-    }
     gp_made_kernel_free(&f->kernel);
     gp_planes_free(&f->sunmap.planes);
     gp_planes_free(&f->intensity.planes);
@@ -654,17 +658,22 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
     return st;
 }
 
+/* Adds up the layer, before composing takes it or, without that, at the end. */
+static void note_flux(struct glarepp_frame *f)
+{
+    double squares;
+    if (f->p.details && f->image.layer.c[0])
+        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
+                      f->facts.layer.flux, &squares);
+}
+
 static gp_status compose(struct glarepp_frame *f)
 {
     struct glarepp_plan *const plan = f->plan;
     struct gp_compose_params p = plan->compose;
-    double squares;
-    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->suns);
     p.last = f->p.layer_ends;
-    if (f->image.layer.c[0])
-        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
-                      f->facts.layer.flux, &squares);
+    note_flux(f);
     if (plan->ocio) {
         pthread_mutex_lock(&plan->lock);
         gp_ocio_note(&f->log, plan->ocio, &f->image);
@@ -672,8 +681,9 @@ static gp_status compose(struct glarepp_frame *f)
     }
     gp_status st = gp_compose(&f->log, &p, &f->sources, &f->image);
     p.last = true;
-    for (int i = 0; i < f->groups && !st; i++)
+    for (int i = 0; i < f->groups && !f->p.groups_glare && !st; i++)
         st = compose_group(f, &f->group[i], &p);
+    f->composed = true;
     return st;
 }
 
@@ -686,6 +696,8 @@ static gp_status show(struct glarepp_frame *f)
 
 static gp_status finish(struct glarepp_frame *f)
 {
+    if (f->work && !f->composed)
+        note_flux(f);
     gp_api_give_back(f->plan, &f->work);
     return GP_OK;
 }
@@ -729,6 +741,7 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
                            (double) step / GLAREPP_STEPS));
     GP_TRY(borrow_work(f, step));
+    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     GP_TRY(steps[step].run(f));
 out:
     return gp_api_end(&call, st);
@@ -822,15 +835,18 @@ out:
     return gp_api_end(&call, st);
 }
 
-/* Makes the lit frame, or a group's, in the output space. */
+/* Makes the lit frame, or a group's, in the output space; of a frame that is not
+ * composed, its own pixels. */
 static gp_status convert(struct glarepp_frame *f, int group)
 {
     struct gp_frame *const image =
         group ? &f->group[group - 1].image : &f->image;
-    return f->converted[group].c[0]
+    const struct gp_planes *const from =
+        f->composed ? &image->lit : &image->rgb;
+    return f->converted[group].c[0] || !from->c[0]
                ? GP_OK
                : gp_ocio_convert(&f->log, f->plan->ocio, image,
-                                 gp_frame_pixels(image), &image->lit,
+                                 gp_frame_pixels(image), from,
                                  &f->converted[group]);
 }
 
@@ -896,7 +912,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         planes = &image->shown;
         break;
     case GLAREPP_OUTPUT:
-        if (f->plan->converts && image->lit.c[0])
+        if (f->plan->converts)
             GP_TRY(convert(f, group));
         planes = f->plan->converts ? &f->converted[group] : &image->lit;
         break;

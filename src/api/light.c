@@ -108,7 +108,13 @@ static gp_status note_shares(struct glarepp_frame *f)
 
 gp_status gp_api_shares(struct glarepp_frame *f)
 {
+    static const char *const methods[] = {
+        [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
+        [GP_SUN_READBACK] = "readback",
+    };
     struct gp_suns *const suns = &f->work->suns;
+    if (f->plan->facts.lights)
+        f->facts.shares_by = methods[f->plan->sun.method];
     if (!f->hidden)
         gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
                      f->mask.v ? &f->mask : NULL, suns);
