@@ -240,6 +240,7 @@ struct glarepp_field {
     double fps;            // frames a second; 0: 24
     int radius;            // largest offset that is drawn; 0: all of the frame
     long long most;        // samples that there may be
+    const char *name;      // for messages; NULL: "kernel"
 };
 
 /* Draws recipes at full rate: offsets up to w - 1, h - 1 or the radius, the

@@ -188,8 +188,9 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "kernel.word", "kernel: an image, "
                           "which has its samples already"));
     if (w < 1 || h < 1 || w * h > field->most)
-        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "field.most", "the kernel is too "
-                          "large (%lldx%lld, at most %lld pixels)", w, h,
+        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "field.most", "%s: the kernel is "
+                          "too large (%lldx%lld, at most %lld pixels)",
+                          field->name ? field->name : "kernel", w, h,
                           field->most));
     // for the whole frame, to know what falls outside of it; where that is too
     // large itself, all light counts as falling inside

@@ -29,15 +29,16 @@ static gp_status read_kernel(struct glarepp *gp, const struct gp_settings *s,
 }
 
 /* Draws the kernel at full rate, as far as it was asked for, as a frame whose
- * centre is pixel (floor(w / 2), floor(h / 2)). */
+ * centre is pixel (floor(w / 2), floor(h / 2)). `name` for messages. */
 static gp_status draw_kernel(const struct glarepp_kernel *k,
-    const struct gp_settings *s, struct gp_frame *out,
+    const struct gp_settings *s, const char *name, struct gp_frame *out,
     struct glarepp_label *label)
 {
     const struct glarepp_field field = {
         .w = s->making.w, .h = s->making.h, .fov = (double) s->kernel.fov,
         .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
         .radius = s->making.radius, .most = s->input.read.max_pixels,
+        .name = name,
     };
     struct glarepp_image image = GLAREPP_IMAGE;
     const gp_status st =
@@ -111,7 +112,7 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
         if (glarepp_kernel_path(words->at[i], path, sizeof path))
             GP_TRY(gp_clobber_input(&clobber, "image of the kernel", path));
     }
-    GP_TRY(draw_kernel(k, s, &f, &label));
+    GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
     GP_TRY(make_texts(log, s, k, &label, &texts));
     write.added = texts.at;
     write.n_added = texts.n;
@@ -213,7 +214,7 @@ static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
         *label = gp_label_of(&own);
     } else {
         GP_TRY(read_kernel(gp, s, &word, 1, &k));
-        GP_TRY(draw_kernel(k, s, out, label));
+        GP_TRY(draw_kernel(k, s, word, out, label));
     }
 out:
     glarepp_kernel_end(&k);
