@@ -216,6 +216,8 @@ static gp_status check_kernels(const struct gp_log *log,
         checks ? &s->making.check : (const char *const *) s->kernel.words.at;
     const int n = checks ? 1 : s->kernel.words.n;
     bool files = false;
+    if (checks && gp_kernel_is_file(at[0]))
+        return GP_OK;
     for (int i = 0; i < n; i++) {
         const bool file = gp_kernel_is_file(at[i]);
         files |= file;
@@ -225,8 +227,6 @@ static gp_status check_kernels(const struct gp_log *log,
                            at[i]);
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
-    if (checks && files)
-        return GP_OK;
     if (s->kernel.size && !files)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
                        "file (found %s); write image:file=PATH,size=DEGREES, "

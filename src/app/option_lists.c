@@ -141,11 +141,11 @@ const char *gp_curve_name(int i, const char **text)
 static bool has_preset(const char *model)
 {
     const char *name;
-    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESETS, i, NULL)); i++) {
-        if (strcmp(name, model) == 0)
-            return true;
-    }
-    return false;
+    int i = 0;
+    while ((name = glarepp_name(NULL, GLAREPP_PRESETS, i, NULL)) &&
+           strcmp(name, model) != 0)
+        i++;
+    return name != NULL;
 }
 
 const char *gp_kernel_word(int i, const char **text)

@@ -109,7 +109,8 @@ static gp_status set_threshold(const struct use *u, void *field)
                        "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
                        u->option->name, u->value);
     p->threshold = (float) v;
-    p->unit = ev ? GLAREPP_EV : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
+    p->unit = ev ? GLAREPP_EV
+              : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
     return GP_OK;
 }
 
