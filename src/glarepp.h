@@ -411,12 +411,13 @@ struct glarepp_light_params {
     float adapt;           // share of the picture that a clear light dims
     int side;              // of a mask, texels, 2 to 256, even
     bool square, bytes;    // of a mask: pattern; summed in 8 bits
+    bool faded;            // a flare of lights may have none with flux
 };
 #define GLAREPP_LIGHT_PARAMS                                                  \
     { sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,               \
       GLAREPP_LIGHT, NULL, 0.533f,                                            \
       GLAREPP_EXACT, GLAREPP_IGNORE, GLAREPP_Z, GLAREPP_NDC_AUTO, false,      \
-      false, 0.0f, 16, false, false }
+      false, 0.0f, 16, false, false, false }
 
 /* Ghosts of a real lens. */
 struct glarepp_lens_params {

@@ -145,7 +145,7 @@ static gp_status take_lights(struct glarepp_plan *plan,
                 .sum = p.bytes ? GP_SUM_BYTE : GP_SUM_FLOAT},
         .depth_type = (enum gp_depth_type) p.depth,
         .ndc = (enum gp_ndc) p.ndc, .in_frame = p.in_frame,
-        .needed = p.needed, .adapt = p.adapt,
+        .needed = p.needed, .adapt = p.adapt, .more_flux = p.faded,
     };
     plan->lit = p.lights || p.file || p.cameras;
     GP_TRY(keep(plan, &plan->sun.lights));
@@ -165,7 +165,7 @@ static gp_status take_scene(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.camera));
     GP_TRY(keep_list(plan, &p.relight, p.relights));
     plan->scene = p;
-    plan->sun.more_flux = p.path && p.light_scale > 0.0;
+    plan->sun.more_flux |= p.path && p.light_scale > 0.0;
 out:
     return st;
 }

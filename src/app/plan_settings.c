@@ -42,6 +42,7 @@ void gp_plan_params(const struct gp_settings *s,
     out->lights.light = &out->light;
     out->lights.lights = s->sun.at.n || s->sun.dir.n;
     out->lights.sun = out->light;
+    out->lights.faded = s->sun.color.n > 0;
 
     out->lens.lens = s->lens.name;
     out->lens.sensor = (double) s->lens.sensor;

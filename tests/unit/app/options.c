@@ -371,7 +371,7 @@ static void suns_are_lights(void **state)
     assert_int_equal(p.light.place, GLAREPP_DIRECTION);
     assert_true(p.light.at[2] == 3.0 && p.light.radius < 0.0);
     assert_true(p.light.degrees == (double) 0.533f && p.light.flux[1] == 4.0f);
-    assert_true(p.lights.needed);
+    assert_true(p.lights.needed && p.lights.faded);
     gp_settings_free(&s);
     assert_ok(parse("--sun 1,2 -o a i", &s));
     gp_plan_params(&s, NULL, &p);
