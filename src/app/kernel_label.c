@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "io/plane.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -151,9 +152,16 @@ static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
         p.words = 1;
         st = (gp_status) glarepp_kernel(quiet, &p, &k);
         glarepp_kernel_end(&k);
-        if (st && strcmp(glarepp_error()->parameter, "params.picture") == 0)
-            st = GP_OK; // a recipe with a picture
-        if (st)
+        const bool picture =
+            st && strcmp(glarepp_error()->parameter, "params.picture") == 0;
+        char path[PATH_MAX];
+        if (picture && glarepp_kernel_path(text, path, sizeof path) &&
+            strcmp(path, text) == 0)
+            st = gp_fail(log, GP_ERR_DATA, "%s: %s: no model of kernels has "
+                         "this name (found %s)", f->path, name, text);
+        else if (picture)
+            st = GP_OK;
+        else if (st)
             st = gp_fail(log, st == GP_ERR_BUG ? st : GP_ERR_DATA,
                          "%s: %s: %s", f->path, name, glarepp_error()->text);
         *share += share_of(text);
