@@ -3,6 +3,7 @@
 #include "app/clobber.h"
 #include "app/kernel_label.h"
 #include "app/options.h"
+#include "app/pictures.h"
 #include "app/plan_settings.h"
 #include "glarepp.h"
 #include "io/file.h"
@@ -174,22 +175,6 @@ static gp_status list_models(const struct gp_log *log)
 
 // -- --check ------------------------------------------------------------------
 
-/* Returns a frame as the library takes it; borrowed. */
-static struct glarepp_image image_of(const struct gp_frame *f, const char *name)
-{
-    struct glarepp_image v = GLAREPP_IMAGE;
-    for (int c = 0; c < 3; c++)
-        v.plane[c] = f->rgb.c[c];
-    v.data = (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1,
-                                    f->data.y1};
-    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
-                                       f->display.x1, f->display.y1};
-    v.aspect = f->pixel_aspect;
-    v.primaries = f->chromaticities;
-    v.name = name;
-    return v;
-}
-
 /* True for a word that is the path of an image. */
 static bool is_path(const char *word)
 {
@@ -237,7 +222,7 @@ static gp_status look_at_frame(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(gp_read_frame(log, &limits, path, &f));
     use->w = gp_frame_w(&f);
     use->h = gp_frame_h(&f);
-    p.image = image_of(&f, path);
+    p.image = gp_image_of(&f, &f.rgb);
     p.in_place = true;
     GP_TRY(glarepp_plan(gp, &how, &plan));
     GP_TRY(glarepp_frame(plan, &p, &frame));
@@ -297,7 +282,8 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     GP_TRY(find_checked(log, gp, s, &f, &use.label));
     if (s->input.files.n)
         GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
-    const struct glarepp_image image = image_of(&f, name);
+    struct glarepp_image image = gp_image_of(&f, &f.rgb);
+    image.name = name;
     if (is_path(name)) // what was drawn is turned already
         use.rotate = (double) s->kernel.rotate;
     GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
