@@ -31,6 +31,11 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
+/* glarepp bench: measures every technique on the input's one frame (bench.h).
+ * Errors: those of gp_bench_run(). */
+GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
+    struct glarepp *gp, const struct gp_settings *s);
+
 /* glarepp compare: compares the two inputs, part by part with --all, and frame by
  * frame where one of them is a pattern: those of --frames, else all that either
  * has on disk. Prints idiff's lines and more to stdout, the last of them PASS,

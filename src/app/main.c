@@ -50,11 +50,16 @@ static void print_line(void *user, const struct gp_line *line)
 }
 
 /* Prints the installed flares to stdout, one a line. */
-static void list_flares(struct glarepp *gp)
+static gp_status list_flares(const struct gp_log *log, struct glarepp *gp)
 {
-    const char *name;
+    const char *name = glarepp_name(gp, GLAREPP_FLARES, 0, NULL);
+    if (!name)
+        return gp_fail(log, GP_ERR_IO, "preset:list: no flares beside the "
+                       "program; install it whole, or name their folder's "
+                       "parent in GLAREPP_EXAMPLES");
     for (int i = 0; (name = glarepp_name(gp, GLAREPP_FLARES, i, NULL)); i++)
         puts(name);
+    return GP_OK;
 }
 
 /* Prints help, versions, the table or flares to stdout. */
@@ -77,7 +82,7 @@ static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
     else if (s->words.help_table)
         gp_help_table(stdout);
     else if (s->words.list_flares)
-        list_flares(gp);
+        st = list_flares(log, gp);
     else {
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
