@@ -392,7 +392,7 @@ static void warn_of(const struct glarepp_frame *f, int first, int last,
 /* Warns, once a plan, of each fault of the kernel that a frame shows, and of an
  * image that was made for another angle than a frame's that is known. */
 static void warn_of_kernel(struct glarepp_frame *f,
-                           const struct gp_kernel_use *use, int worst)
+    const struct gp_field *field, const struct gp_kernel_use *use, int worst)
 {
     const struct gp_kernel_request *const r = f->plan->request;
     const struct gp_kernel_label *const l = &r->label[0];
@@ -407,7 +407,7 @@ static void warn_of_kernel(struct glarepp_frame *f,
     if (r->recipes || !l->present ||
         strcmp(f->facts.kernel.fov_from, "default") == 0)
         return;
-    const struct gp_field *const field = &f->kernel->field;
+    // (an image may be kept from another angle)
     const double made = l->fov / l->h;
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
@@ -484,7 +484,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
         facts->cpu_ms = gp_cpu_ms() - cpu;
     }
     const struct gp_kernel_use use = use_of(f, &worst);
-    warn_of_kernel(f, &use, worst);
+    warn_of_kernel(f, &field, &use, worst);
     const struct gp_kernel *const k = &f->kernel->k;
     facts->recipes = r->recipes;
     facts->modelled = r->recipes || r->label[0].present;
