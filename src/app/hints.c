@@ -66,13 +66,14 @@ static struct kernel_words words_of(const struct gp_settings *s,
 
 void gp_hear(void *user, const struct glarepp_message *m)
 {
-    const struct gp_listener *const to = m->user ? m->user : user;
-    const struct kernel_words words = words_of(to->s, m->parameter);
+    const struct gp_listener *const l = user;
+    const struct gp_log *const to = m->user ? m->user : l->log;
+    const struct kernel_words words = words_of(l->s, m->parameter);
     if (m->level == GLAREPP_ERROR)
-        (void) gp_fail(to->log, (gp_status) m->status, "%s%s%s", words.text,
+        (void) gp_fail(to, (gp_status) m->status, "%s%s%s", words.text,
                        m->text, hint_of(m));
     else
-        gp_say(to->log, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
+        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
                                                  : GP_LEVEL_WARN,
                "%s%s%s", words.text, m->text, hint_of(m));
 }

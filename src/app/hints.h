@@ -14,8 +14,8 @@ struct gp_listener {
 };
 
 /* The message callback of a context, whose user is a struct gp_listener. Prints
- * to the log of the frame's listener, else of the context's, and adds what to
- * do. */
+ * to the log that is a frame's user, else to that of the context's, and adds what
+ * to do. */
 void gp_hear(void *user, const struct glarepp_message *m);
 
 #endif

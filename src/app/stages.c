@@ -18,7 +18,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     const size_t names = (size_t) r->jobs->targets + 1;
     const char *const input = job->input;
     *out = (struct gp_frame_state) {
-        .listener = {log, r->s}, .job = job, .view = index % r->jobs->views,
+        .log = log, .job = job, .view = index % r->jobs->views,
         .facts.job = {
             .numbered = job->numbered, .frame = job->frame, .view = job->view,
             .input = input, .style = r->s->light.style, .settings = r->s,
@@ -89,7 +89,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
     struct glarepp_frame_params p = gp_frame_params_of(fs->job, &fs->file);
     struct glarepp_image *group;
-    gp_status st = gp_alloc(fs->listener.log, "light groups",
+    gp_status st = gp_alloc(fs->log, "light groups",
                             (size_t) fs->groups + 1, sizeof *group, &group);
     if (st)
         return st;
@@ -102,7 +102,7 @@ static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
     p.layer_ends = r->layer_ends;
     p.details = r->details;
-    p.user = &fs->listener;
+    p.user = (void *) (uintptr_t) fs->log;
     st = (gp_status) glarepp_frame(r->plan, &p, &fs->frame);
     gp_free(group);
     return st;
@@ -133,7 +133,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         [GLAREPP_INVERSE] = GP_DEPTH_INVERSE,
         [GLAREPP_NORMALIZED] = GP_DEPTH_NORMALIZED,
     };
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_grow_params p = {
         .left = s->output.grow_pixels, .top = s->output.grow_pixels,
@@ -168,7 +168,7 @@ static gp_status name_depth(const struct gp_run *r, struct gp_frame_state *fs)
     static const char *const types[] = {
         [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
     };
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const char *const asked = r->s->input.depth;
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     enum gp_pixel_type type;
@@ -183,7 +183,7 @@ static gp_status name_depth(const struct gp_run *r, struct gp_frame_state *fs)
 
 static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const struct gp_members *const m = &r->jobs->members;
     const struct gp_texts *const groups = &r->s->input.light_groups;
     const struct glarepp_plan_facts *const plan = glarepp_plan_facts(r->plan);
@@ -382,7 +382,7 @@ static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
                            const struct gp_write_params *p, int views,
                            const char *name, struct gp_write_stats *stats)
 {
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const size_t most =
         (size_t) views * (1 + (size_t) r->s->input.light_groups.n);
     struct gp_hdr_colour *set = NULL;
@@ -449,7 +449,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         kind = GP_PICTURE_SHOWN;
     }
     return st ? st
-              : gp_write_picture(fs->listener.log, &pictures, name, &f, &planes,
+              : gp_write_picture(fs->log, &pictures, name, &f, &planes,
                                  kind, stats);
 }
 
@@ -461,13 +461,13 @@ static gp_status hand_over(const struct gp_run *r, struct gp_frame_state *fs)
     const gp_status st = look_at(fs, untoned(r->s) ? GLAREPP_LIT
                                                    : GLAREPP_SHOWN,
                                  0, &planes, NULL);
-    return st ? st : taker->take(taker->user, fs->listener.log, &fs->file,
+    return st ? st : taker->take(taker->user, fs->log, &fs->file,
                                  &planes);
 }
 
 static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const struct glarepp_plan_facts *const plan = glarepp_plan_facts(r->plan);
     struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->output.write;

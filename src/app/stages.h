@@ -4,7 +4,6 @@
 #define GP_APP_STAGES_H
 
 #include "app/flight.h"
-#include "app/hints.h"
 #include "app/jobs.h"
 #include "app/report.h"
 #include "app/settings.h"
@@ -39,7 +38,7 @@ enum {
 /* One frame in flight and the facts about it. Zeroed is none. It owns its
  * planes and what the facts own. */
 struct gp_frame_state {
-    struct gp_listener listener;   // of messages about this frame
+    const struct gp_log *log;      // of messages about this frame; borrowed
     const struct gp_job *job;      // borrowed
     int view;                      // index among the views of its input
     struct gp_frame file;          // as it was read

@@ -12,7 +12,7 @@ static gp_status read_beside(const struct gp_settings *s,
     const struct gp_frame_state *fs, const char *path, const char *channel,
     bool depth, struct gp_plane *out)
 {
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const struct gp_job *const job = fs->job;
     struct gp_pattern pattern;
     int number = 0;
@@ -42,7 +42,7 @@ static gp_status read_depth(const struct gp_run *r, struct gp_frame_state *fs)
            : s->sun.depth_file
                ? read_beside(s, fs, s->sun.depth_file, s->input.depth, true,
                              &fs->depth)
-               : gp_read_plane(fs->listener.log, &s->input.read, &fs->file,
+               : gp_read_plane(fs->log, &s->input.read, &fs->file,
                                s->input.depth, true, &fs->depth);
 }
 
@@ -63,7 +63,7 @@ static gp_status give(struct gp_frame_state *fs, enum glarepp_view view,
 
 gp_status gp_run_occluders(const struct gp_run *r, struct gp_frame_state *fs)
 {
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st;
@@ -95,7 +95,7 @@ gp_status gp_run_surfaces(const struct gp_run *r, struct gp_frame_state *fs)
                    "diffuse_color", NULL},
         {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}},
     };
-    const struct gp_log *const log = fs->listener.log;
+    const struct gp_log *const log = fs->log;
     gp_status st;
     GP_TRY(read_depth(r, fs));
     if (!fs->depth.v)
