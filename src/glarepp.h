@@ -201,12 +201,14 @@ struct glarepp_kernel_params {
                              // the luminance sums up to 1
     bool normalized;         // ... of a file with a label too, which else is
                              // taken as it is
+    bool recipe;             // one word that is a path is a recipe as well
     double percent;          // frame pixels for 100 of the image, > 0
     double degrees;          // height of the image in the field; 0: by percent
 };
 #define GLAREPP_KERNEL_PARAMS                                                 \
     { sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                    \
-      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false, 100.0, 0.0 }
+      {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false,     \
+      false, 100.0, 0.0 }
 
 struct glarepp_kernel;
 
@@ -230,19 +232,21 @@ GLAREPP_API bool glarepp_kernel_path(const char *word, char *path, size_t room);
 /* The frames that kernels are drawn for. */
 struct glarepp_field {
     int w, h;              // pixels of the frame
-    double degrees;        // height of a pixel in the field of view
-    double aspect;         // its width over its height
+    double fov;            // degrees, of its height; 0: 30
+    double aspect;         // width of a pixel over its height; 0: 1
     double rotate;         // degrees, counter-clockwise as seen
     const float *primaries; // NULL: BT.709
     int frame;             // number, for models that move
-    double fps;            // frames a second
+    double fps;            // frames a second; 0: 24
     int radius;            // largest offset that is drawn; 0: all of the frame
     long long most;        // samples that there may be
+    const char *name;      // for messages; NULL: "kernel"
 };
 
 /* Draws recipes at full rate: offsets up to w - 1, h - 1 or the radius, the
- * centre in the middle. Sets left_out and beyond of *label.
- *   out  planes of float, freed by glarepp_image_end()
+ * centre in the middle.
+ *   out    planes of float, freed by glarepp_image_end()
+ *   label  what a file of them shall say
  * Errors: USAGE a key that this field cannot serve; DATA over `most`; BUG. */
 GLAREPP_API int glarepp_kernel_draw(const struct glarepp_kernel *k,
     const struct glarepp_field *field, struct glarepp_image *out,
@@ -347,10 +351,13 @@ struct glarepp_layer_params {
     int group, cluster;    // pixels a side, powers of two; 1 and 0: off
     float cluster_fill;    // bright share from which an area is one polygon
     float shrink;          // share of light that polygons may leave out
+    bool measure;          // measures FFTW's plans instead of estimating them,
+    const char *wisdom;    // and keeps them in this file; NULL: nowhere
 };
 #define GLAREPP_LAYER_PARAMS                                                  \
     { sizeof(struct glarepp_layer_params), "auto", 1e-3f, 0.0f, false, 1.0f,  \
-      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f }
+      GLAREPP_SCATTER, GLAREPP_EXTEND, GLAREPP_GL_AUTO, 4, 8, 0.9f, 1e-3f,       \
+      false, NULL }
 
 // -- lights -------------------------------------------------------------------
 
@@ -404,12 +411,13 @@ struct glarepp_light_params {
     float adapt;           // share of the picture that a clear light dims
     int side;              // of a mask, texels, 2 to 256, even
     bool square, bytes;    // of a mask: pattern; summed in 8 bits
+    bool faded;            // a flare of lights may have none with flux
 };
 #define GLAREPP_LIGHT_PARAMS                                                  \
     { sizeof(struct glarepp_light_params), NULL, 0, NULL, NULL,               \
       GLAREPP_LIGHT, NULL, 0.533f,                                            \
       GLAREPP_EXACT, GLAREPP_IGNORE, GLAREPP_Z, GLAREPP_NDC_AUTO, false,      \
-      false, 0.0f, 16, false, false }
+      false, 0.0f, 16, false, false, false }
 
 /* Ghosts of a real lens. */
 struct glarepp_lens_params {
@@ -419,9 +427,11 @@ struct glarepp_lens_params {
                            // frame
     double distance;       // m; 0: by the frame, else far
     double f_number;       // 0: by the frame, else the lens's own
+    int detail;            // of meshes: 1 coarse, 2 fine, 3 the finest, many
+                           // times the time; 0: fine for up to 8 lights
 };
 #define GLAREPP_LENS_PARAMS                                                   \
-    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0 }
+    { sizeof(struct glarepp_lens_params), NULL, 0.0, 0.0, 0.0, 0 }
 
 enum glarepp_up { GLAREPP_UP_AUTO, GLAREPP_UP_Y, GLAREPP_UP_Z };
 
@@ -533,6 +543,7 @@ struct glarepp_frame_params {
                                  // nothing is copied
     const struct glarepp_image *group; // `groups` layers of its light, which
     int groups;                        // glare in its place, each composed too
+    bool groups_glare;                 // ... and are not composed
     bool numbered;
     int number;
     double fps;
@@ -547,14 +558,14 @@ struct glarepp_frame_params {
                                  // kept for it
     bool layer_ends;             // GLARE is not looked at after COMPOSE
     bool details;                // facts that cost time are wanted: of sense the
-                                 // luminances, of lights low and high
+                                 // luminances, of lights low and high, flux
+                                 // of the layer, the truth
     void *user;                  // of messages about it
 };
 #define GLAREPP_FRAME_PARAMS                                                  \
     { sizeof(struct glarepp_frame_params), GLAREPP_IMAGE, {0, 0, 0, 0}, false, \
-      NULL, 0,                                                                \
-      false, 0, 0.0, false, false, {0.0}, {0.0}, GLAREPP_NDC_AUTO, 0.0, 0.0,  \
-      0.0, 0.0, false, false, false, NULL }
+      NULL, 0, false, false, 0, 0.0, false, false, {0.0}, {0.0},              \
+      GLAREPP_NDC_AUTO, 0.0, 0.0, 0.0, 0.0, false, false, false, NULL }
 
 struct glarepp_frame;
 
@@ -595,20 +606,23 @@ GLAREPP_API int glarepp_frame_run(struct glarepp_frame *frame,
 
 /* Planes of a frame. */
 enum glarepp_view {
-    // set by the caller
+    // set by the caller; GLARE too, to compose another layer
     GLAREPP_DEPTH,     // plane[0], units of the world
     GLAREPP_COVERAGE,  // plane[0], 0 clear to 1 opaque
-    GLAREPP_NORMAL, GLAREPP_ALBEDO,
+    GLAREPP_NORMAL,    // may be turned in place
+    GLAREPP_ALBEDO,
     // made by steps
     GLAREPP_CLEAN,     // the frame after SENSE: no NaN, no infinity
     GLAREPP_SOURCES,
     GLAREPP_GLARE,     // the layer, with flare and ghosts
     GLAREPP_LIT,       // scene-linear
     GLAREPP_SHOWN,     // display-linear BT.709, or as OpenColorIO encodes it
-    GLAREPP_OUTPUT,    // LIT in the tone's output space
+    GLAREPP_OUTPUT,    // LIT in the tone's output space; before COMPOSE, the
+                       // frame itself
     // pictures to look at
     GLAREPP_POLYGONS,  // Ando et al. 2007, Figure 6, over SHOWN
     GLAREPP_SUNMAP, GLAREPP_INTENSITY,
+    GLAREPP_TRUTH,     // the sum in double, after VERIFY of a frame with `details`
     GLAREPP_VIEWS,
 };
 
@@ -622,7 +636,8 @@ GLAREPP_API int glarepp_frame_set(struct glarepp_frame *frame,
 GLAREPP_API int glarepp_frame_view(struct glarepp_frame *frame,
     enum glarepp_view view, int group, struct glarepp_image *out);
 
-/* Frees planes that the library made: bits 1 << view. */
+/* Frees planes that the library made, and gives back those that were set: bits
+ * 1 << view. */
 GLAREPP_API void glarepp_frame_drop(struct glarepp_frame *frame,
                                     unsigned views);
 
@@ -631,6 +646,7 @@ GLAREPP_API void glarepp_frame_drop(struct glarepp_frame *frame,
 struct glarepp_sense_facts {
     long long sources, nonfinite, clamped; // pixels
     float threshold;         // T as luminance
+    float brightest;         // largest channel of the sources
     double flux[3];          // of the sources
     double faint[3];         // of light under 1.2e-38, which counts as 0
     double flux_clamped[3];  // that max_value took
@@ -793,7 +809,8 @@ struct glarepp_sets_params {
     bool timed;            // `seconds` is given; else the scene's first
     double seconds;
     int w, h;              // of the picture
-    double near;           // surfaces nearer are not drawn
+    double near;           // surfaces nearer are not drawn, unless the camera
+                           // says how near
     double light_scale;    // picture's units a cd or lux
     double ambient;        // light that comes back from white, everywhere
     int map;               // texels, side of a shadow map
@@ -821,14 +838,17 @@ struct glarepp_sets_row {
 struct glarepp_sets {
     struct glarepp_sets_row row[5];
     int objects, lights;
+    double seconds;        // of the scene
     const char *gl;        // renderer
+    const char *const *light;           // names
     const struct glarepp_rect *scissor; // of each light in the last row; empty:
                                         // it lights nothing
-    const char *const *light;           // names
+    const double (*depth)[2];           // ... near and far, along the view axis
     void *own;
 };
 
-/* Draws all rows. Errors: those of reading the scene and of its camera; GL. */
+/* Draws all rows. Errors: those of reading the scene and of its camera; USAGE a
+ * size, map or number of runs that is too small; GL; BUG. */
 GLAREPP_API int glarepp_sets(struct glarepp *gp,
     const struct glarepp_sets_params *p, struct glarepp_sets *out);
 GLAREPP_API void glarepp_sets_end(struct glarepp_sets *sets);
@@ -851,6 +871,7 @@ struct glarepp_channel {
 
 struct glarepp_stored {
     size_t size;
+    const char *name;      // for messages; NULL: "image"
     struct glarepp_rect data;
     const struct glarepp_channel *channel;
     int channels;
@@ -886,6 +907,7 @@ struct glarepp_compare_facts {
     struct glarepp_rect window;
     int pairs;              // of channels
     const char *const *pair; // their names
+    const int *in_a, *in_b; // their channels in each; -1: none, 0 everywhere
     double max;             // largest |a - b|, at a pixel of a pair
     int x, y, channel;
     double worst_a, worst_b;
@@ -909,7 +931,8 @@ struct glarepp_compare_facts {
 struct glarepp_compare;
 
 /* Compares two images. They must outlive *out. The same for any number of
- * threads. Errors: DATA windows too far apart; BUG. */
+ * threads. Errors: DATA windows too far apart, or only one is deep; USAGE no
+ * window, or no such exposures; BUG. */
 GLAREPP_API int glarepp_compare(struct glarepp *gp,
     const struct glarepp_compare_params *p, const struct glarepp_stored *a,
     const struct glarepp_stored *b, struct glarepp_compare **out);

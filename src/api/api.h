@@ -63,6 +63,13 @@ GP_MUST_CHECK gp_status gp_api_picture(struct glarepp *gp,
     const struct gp_log *log, const char *path, struct gp_frame *out,
     struct glarepp_label *label);
 
+/* Reads a scene, whose textures the caller decodes; without a callback they count
+ * as opaque. Errors: those of gp_scene_read(). */
+struct gp_scene;
+GP_MUST_CHECK gp_status gp_api_scene_read(struct glarepp *gp,
+    const struct gp_log *log, const char *path, enum glarepp_up up,
+    struct gp_scene *out);
+
 /* Makes a frame of a view.
  *   borrow  the planes are taken as they are where they are float without gaps
  *   out     gp_frame_free() unless it borrows

@@ -75,6 +75,16 @@ out:
 
 void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
 {
+    if (views & 1u << GLAREPP_DEPTH)
+        gp_plane_free(&f->depth);
+    if (views & 1u << GLAREPP_COVERAGE)
+        gp_plane_free(&f->mask);
+    for (int c = 0; c < 3; c++) {
+        if (views & 1u << GLAREPP_NORMAL)
+            gp_plane_free(&f->normal[c]);
+        if (views & 1u << GLAREPP_ALBEDO)
+            gp_plane_free(&f->albedo[c]);
+    }
     if (views & 1u << GLAREPP_CLEAN) {
         if (f->borrowed)
             f->image.rgb = (struct gp_planes) {0};
@@ -93,6 +103,10 @@ void glarepp_frame_drop(struct glarepp_frame *f, unsigned views)
         gp_planes_free(&f->image.shown);
     if (views & 1u << GLAREPP_POLYGONS)
         gp_planes_free(&f->polygons);
+    if (views & 1u << GLAREPP_TRUTH) {
+        gp_planes_free(&f->truth);
+        GP_FREE(f->exact);
+    }
     for (int i = 0; f->converted && views & 1u << GLAREPP_OUTPUT &&
                     i <= f->groups; i++)
         gp_planes_free(&f->converted[i]);
@@ -114,12 +128,6 @@ void glarepp_frame_end(struct glarepp_frame **frame)
     }
     gp_free(f->group);
     gp_free(f->converted);
-    gp_plane_free(&f->depth);
-    gp_plane_free(&f->mask);
-    for (int c = 0; c < 3; c++) {
-        gp_plane_free(&f->normal[c]);
-        gp_plane_free(&f->albedo[c]);
-    }
     gp_made_kernel_free(&f->kernel);
     gp_planes_free(&f->sunmap.planes);
     gp_planes_free(&f->intensity.planes);
@@ -218,6 +226,7 @@ static gp_status sense(struct glarepp_frame *f)
     const struct gp_sources *const src = &f->sources;
     const struct gp_kernel_request *const r = f->plan->request;
     double sum[3], squares;
+    glarepp_frame_drop(f, 1u << GLAREPP_SOURCES | 1u << GLAREPP_TRUTH);
     gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
     if (!st && f->groups)
         st = sense_groups(f);
@@ -226,6 +235,7 @@ static gp_status sense(struct glarepp_frame *f)
     *facts = (struct glarepp_sense_facts) {
         .sources = (long long) src->n, .nonfinite = src->nonfinite,
         .clamped = src->clamped, .threshold = src->threshold,
+        .brightest = src->brightest,
     };
     memcpy(facts->flux, src->flux, sizeof facts->flux);
     memcpy(facts->faint, src->faint, sizeof facts->faint);
@@ -382,7 +392,7 @@ static void warn_of(const struct glarepp_frame *f, int first, int last,
 /* Warns, once a plan, of each fault of the kernel that a frame shows, and of an
  * image that was made for another angle than a frame's that is known. */
 static void warn_of_kernel(struct glarepp_frame *f,
-                           const struct gp_kernel_use *use, int worst)
+    const struct gp_field *field, const struct gp_kernel_use *use, int worst)
 {
     const struct gp_kernel_request *const r = f->plan->request;
     const struct gp_kernel_label *const l = &r->label[0];
@@ -397,7 +407,7 @@ static void warn_of_kernel(struct glarepp_frame *f,
     if (r->recipes || !l->present ||
         strcmp(f->facts.kernel.fov_from, "default") == 0)
         return;
-    const struct gp_field *const field = &f->kernel->field;
+    // (an image may be kept from another angle)
     const double made = l->fov / l->h;
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
@@ -465,6 +475,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
         field.w += more;
         field.h += more;
     }
+    gp_made_kernel_free(&f->kernel);
     GP_TRY(gp_kernels_take(&f->log, f->plan->kernels, recipe, &field, &made,
                            &f->kernel));
     GP_TRY(warn_of_images(f));
@@ -473,7 +484,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
         facts->cpu_ms = gp_cpu_ms() - cpu;
     }
     const struct gp_kernel_use use = use_of(f, &worst);
-    warn_of_kernel(f, &use, worst);
+    warn_of_kernel(f, &field, &use, worst);
     const struct gp_kernel *const k = &f->kernel->k;
     facts->recipes = r->recipes;
     facts->modelled = r->recipes || r->label[0].present;
@@ -582,29 +593,40 @@ static gp_status add_layer(struct glarepp_frame *f)
 
 static gp_status verify(struct glarepp_frame *f)
 {
+    const struct gp_surround edges = gp_api_edges(f, &f->sources);
     struct gp_glare_error error;
-    double *exact;
+    gp_status st = GP_OK;
     if (!gp_api_light(f)->n)
         return GP_OK;
-    gp_status st = gp_alloc(&f->log, "exact layer",
-                            3 * gp_frame_pixels(&f->image), sizeof *exact,
-                            &exact);
-    if (st)
-        return st;
-    const struct gp_surround edges = gp_api_edges(f, &f->sources);
-    st = gp_glare_reference(&f->log, &edges, gp_api_light(f), gp_api_kernel(f),
-                            exact);
-    if (!st) {
-        gp_glare_measure(&f->image, &f->image.layer, exact,
-                         f->plan->compose.gain,
-                         f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
-                                                                : NULL,
-                         &error);
-        f->facts.errors = (struct glarepp_errors) {
-            error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
-        f->facts.verified = true;
+    if (!f->exact) {
+        GP_TRY(gp_alloc(&f->log, "exact layer",
+                        3 * gp_frame_pixels(&f->image), sizeof *f->exact,
+                        &f->exact));
+        GP_TRY(gp_glare_reference(&f->log, &edges, gp_api_light(f),
+                                  gp_api_kernel(f), f->exact));
     }
-    gp_free(exact);
+    gp_glare_measure(&f->image, &f->image.layer, f->exact,
+                     f->plan->compose.gain,
+                     f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
+                                                            : NULL, &error);
+    f->facts.errors = (struct glarepp_errors) {
+        error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
+    f->facts.verified = true;
+out:
+    if (st || !f->p.details)
+        GP_FREE(f->exact);
+    return st;
+}
+
+/* Makes floats of the sum in double, to look at. */
+static gp_status show_truth(struct glarepp_frame *f)
+{
+    const size_t n = gp_frame_pixels(&f->image);
+    if (!f->exact || f->truth.c[0])
+        return GP_OK;
+    const gp_status st = gp_planes_make(&f->log, "exact layer", n, &f->truth);
+    for (size_t i = 0; i < 3 * n && !st; i++)
+        f->truth.c[i / n][i % n] = (float) f->exact[i];
     return st;
 }
 
@@ -636,17 +658,22 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
     return st;
 }
 
+/* Adds up the layer, before composing takes it or, without that, at the end. */
+static void note_flux(struct glarepp_frame *f)
+{
+    double squares;
+    if (f->p.details && f->image.layer.c[0])
+        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
+                      f->facts.layer.flux, &squares);
+}
+
 static gp_status compose(struct glarepp_frame *f)
 {
     struct glarepp_plan *const plan = f->plan;
     struct gp_compose_params p = plan->compose;
-    double squares;
-    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->suns);
     p.last = f->p.layer_ends;
-    if (f->image.layer.c[0])
-        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
-                      f->facts.layer.flux, &squares);
+    note_flux(f);
     if (plan->ocio) {
         pthread_mutex_lock(&plan->lock);
         gp_ocio_note(&f->log, plan->ocio, &f->image);
@@ -654,8 +681,9 @@ static gp_status compose(struct glarepp_frame *f)
     }
     gp_status st = gp_compose(&f->log, &p, &f->sources, &f->image);
     p.last = true;
-    for (int i = 0; i < f->groups && !st; i++)
+    for (int i = 0; i < f->groups && !f->p.groups_glare && !st; i++)
         st = compose_group(f, &f->group[i], &p);
+    f->composed = true;
     return st;
 }
 
@@ -668,6 +696,8 @@ static gp_status show(struct glarepp_frame *f)
 
 static gp_status finish(struct glarepp_frame *f)
 {
+    if (f->work && !f->composed)
+        note_flux(f);
     gp_api_give_back(f->plan, &f->work);
     return GP_OK;
 }
@@ -711,6 +741,7 @@ int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
     GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
                            (double) step / GLAREPP_STEPS));
     GP_TRY(borrow_work(f, step));
+    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
     GP_TRY(steps[step].run(f));
 out:
     return gp_api_end(&call, st);
@@ -752,6 +783,26 @@ int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
 
 // -- views --------------------------------------------------------------------
 
+/* Copies another layer over the frame's. */
+static gp_status replace_layer(struct glarepp_frame *f,
+                               const struct glarepp_image *plane)
+{
+    struct gp_frame other;
+    gp_status st = gp_api_import(&f->log, plane, false, &other);
+    if (st)
+        return st;
+    if (memcmp(&other.data, &f->image.data, sizeof other.data) != 0) {
+        st = gp_fail_at(&f->log, GP_ERR_USAGE, "image.data", "%s: its window is "
+                        "not the frame's", other.path);
+    } else {
+        gp_planes_free(&f->image.layer);
+        f->image.layer = other.rgb;
+        other.rgb = (struct gp_planes) {0};
+    }
+    gp_frame_free(&other);
+    return st;
+}
+
 int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
                       const struct glarepp_image *plane)
 {
@@ -763,9 +814,14 @@ int glarepp_frame_set(struct glarepp_frame *f, enum glarepp_view view,
     const int planes =
         view == GLAREPP_NORMAL || view == GLAREPP_ALBEDO ? 3 : 1;
     gp_status st = GP_OK;
+    if (view == GLAREPP_GLARE) {
+        GP_TRY(replace_layer(f, plane));
+        goto out;
+    }
     if (!to)
         GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: this plane cannot "
                           "be set (found %d)", f->sink.name, (int) view));
+    f->hidden = false;
     for (int c = 0; c < planes; c++) {
         gp_plane_free(&to[c]);
         GP_TRY(gp_api_plane(&f->log, plane, c, &to[c]));
@@ -779,15 +835,18 @@ out:
     return gp_api_end(&call, st);
 }
 
-/* Makes the lit frame, or a group's, in the output space. */
+/* Makes the lit frame, or a group's, in the output space; of a frame that is not
+ * composed, its own pixels. */
 static gp_status convert(struct glarepp_frame *f, int group)
 {
     struct gp_frame *const image =
         group ? &f->group[group - 1].image : &f->image;
-    return f->converted[group].c[0]
+    const struct gp_planes *const from =
+        f->composed ? &image->lit : &image->rgb;
+    return f->converted[group].c[0] || !from->c[0]
                ? GP_OK
                : gp_ocio_convert(&f->log, f->plan->ocio, image,
-                                 gp_frame_pixels(image), &image->lit,
+                                 gp_frame_pixels(image), from,
                                  &f->converted[group]);
 }
 
@@ -853,7 +912,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
         planes = &image->shown;
         break;
     case GLAREPP_OUTPUT:
-        if (f->plan->converts && image->lit.c[0])
+        if (f->plan->converts)
             GP_TRY(convert(f, group));
         planes = f->plan->converts ? &f->converted[group] : &image->lit;
         break;
@@ -865,6 +924,10 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
     case GLAREPP_POLYGONS:
         GP_TRY(draw_polygons(f));
         planes = &f->polygons;
+        break;
+    case GLAREPP_TRUTH:
+        GP_TRY(show_truth(f));
+        planes = &f->truth;
         break;
     case GLAREPP_SUNMAP:
     case GLAREPP_INTENSITY:

@@ -35,9 +35,12 @@ struct glarepp_frame {
     double mean, white;            // luminance of the picture, and of scene
                                    // value 1 in cd/m2, for eyes
     struct gp_made_kernel *kernel; // held; NULL: none was needed
+    bool composed;                 // image.lit was made
     struct gp_planes *converted;   // lit, in the output space, of the frame and
                                    // of its groups; owned
-    struct gp_planes sources_shown, polygons;
+    struct gp_planes sources_shown, polygons, truth;
+    double *exact;                 // the layer in double, where it is kept; owned
+    bool hidden;                   // work.suns knows depth and mask
     struct gp_api_picture sunmap, intensity;
     struct glarepp_share *share;   // facts.light
     struct glarepp_relit *relit;   // facts.relit

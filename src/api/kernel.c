@@ -75,7 +75,8 @@ static gp_status read_request(struct glarepp *gp,
     if (!(p->percent > 0.0) && !(p->degrees > 0.0))
         return gp_fail_at(&gp->log, GP_ERR_USAGE, "kernel.percent", "kernel: no "
                           "size (found %g %%)", p->percent);
-    const bool one = p->image || (words == 1 && !gp_recipe_is(word[0]));
+    const bool one =
+        p->image || (words == 1 && !p->recipe && !gp_recipe_is(word[0]));
     if (!one)
         return read_recipes(gp, p, word, words, r);
     if (p->image) {
@@ -180,14 +181,16 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     const int reach = field->radius ? field->radius + 1 : INT_MAX;
     const int cut_w = gp_min(field->w, reach), cut_h = gp_min(field->h, reach);
     const long long w = 2LL * cut_w - 1, h = 2LL * cut_h - 1;
+    const double fov = field->fov > 0.0 ? field->fov : GP_USUAL_FOV;
     struct gp_kernel k = {0}, cut = {0};
     gp_status st;
     if (!r->recipes)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "kernel.word", "kernel: an image, "
                           "which has its samples already"));
     if (w < 1 || h < 1 || w * h > field->most)
-        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "field.most", "the kernel is too "
-                          "large (%lldx%lld, at most %lld pixels)", w, h,
+        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "field.most", "%s: the kernel is "
+                          "too large (%lldx%lld, at most %lld pixels)",
+                          field->name ? field->name : "kernel", w, h,
                           field->most));
     // for the whole frame, to know what falls outside of it; where that is too
     // large itself, all light counts as falling inside
@@ -199,15 +202,19 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     gp_luminance_weights(like.chromaticities, like.luminance);
     const struct gp_field own = {
         .w = whole ? field->w : cut_w, .h = whole ? field->h : cut_h,
-        .degrees = field->degrees, .aspect = field->aspect,
+        .degrees = fov / field->h,
+        .aspect = field->aspect > 0.0 ? field->aspect : 1.0,
         .rotate = field->rotate, .chromaticities = like.chromaticities,
-        .luminance = like.luminance, .frame = field->frame, .fps = field->fps,
+        .luminance = like.luminance, .frame = field->frame,
+        .fps = field->fps > 0.0 ? field->fps : 24.0,
     };
     GP_TRY(gp_model_kernel(log, r->recipe, r->recipes, &own, &k));
     GP_TRY(gp_kernel_whole(log, &k, cut_w, cut_h, &cut));
-    label->left_out = cut.left_out;
-    label->beyond = whole ? k.left_out : 0.0;
-    label->share = gp_kernel_request_share(r);
+    *label = (struct glarepp_label) {
+        .present = true, .w = field->w, .h = field->h, .fov = fov,
+        .left_out = cut.left_out, .beyond = whole ? k.left_out : 0.0,
+        .share = gp_kernel_request_share(r),
+    };
     GP_TRY(image_of(log, &cut, out));
 out:
     gp_kernel_free(&k);

@@ -145,10 +145,12 @@ out:
 gp_status gp_api_lens(struct glarepp_frame *f)
 {
     enum { FEW = 8 }; // hidden lights count: nothing changes as they appear
-    const int n = f->work->suns.n;
+    const int n = f->work->suns.n, asked = f->plan->lens_params.detail;
     if (!f->plan->lens_params.lens)
         return GP_OK;
     const gp_status st = f->image.layer.c[0] ? GP_OK : gp_api_dark_layer(f);
-    return st ? st : gp_api_lens_draw(f, n > 0 && n <= FEW ? GP_LENS_FINE
-                                                           : GP_LENS_COARSE);
+    return st ? st
+              : gp_api_lens_draw(f, asked ? (enum gp_lens_detail) (asked - 1)
+                                    : n > 0 && n <= FEW ? GP_LENS_FINE
+                                                        : GP_LENS_COARSE);
 }

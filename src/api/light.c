@@ -74,31 +74,12 @@ gp_status gp_api_place(struct glarepp_frame *f)
     return st;
 }
 
-gp_status gp_api_shares(struct glarepp_frame *f)
-{
-    struct gp_suns *const suns = &f->work->suns;
-    gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
-                 f->mask.v ? &f->mask : NULL, suns);
-    gp_status st = measure_outside(f);
-    if (!st)
-        st = gp_suns_measure(&f->log, suns);
-    if (!st && suns->gl)
-        f->facts.shares_gl = gp_gl_info(suns->gl)->name;
-    return st;
-}
-
-gp_status gp_api_join(struct glarepp_frame *f)
-{
-    bool joined;
-    return gp_suns_join(&f->log, &f->work->suns, &f->image, &f->sources,
-                        &f->joined, &joined);
-}
-
 /* Copies the facts about lights, whose state the next frame reuses. */
 static gp_status note_shares(struct glarepp_frame *f)
 {
     struct gp_suns *const suns = &f->work->suns;
     const struct gp_occluders *const o = &suns->occluders;
+    GP_FREE(f->share);
     const gp_status st = gp_alloc_zero(&f->log, "lights", (size_t) suns->n + 1,
                                        sizeof *f->share, &f->share);
     if (st)
@@ -125,6 +106,34 @@ static gp_status note_shares(struct glarepp_frame *f)
     return GP_OK;
 }
 
+gp_status gp_api_shares(struct glarepp_frame *f)
+{
+    static const char *const methods[] = {
+        [GP_SUN_EXACT] = "exact", [GP_SUN_MASK] = "mask",
+        [GP_SUN_READBACK] = "readback",
+    };
+    struct gp_suns *const suns = &f->work->suns;
+    if (f->plan->facts.lights)
+        f->facts.shares_by = methods[f->plan->sun.method];
+    if (!f->hidden)
+        gp_suns_hide(&f->log, &f->image, f->depth.v ? &f->depth : NULL,
+                     f->mask.v ? &f->mask : NULL, suns);
+    f->hidden = true;
+    gp_status st = measure_outside(f);
+    if (!st)
+        st = gp_suns_measure(&f->log, suns);
+    if (!st && suns->gl)
+        f->facts.shares_gl = gp_gl_info(suns->gl)->name;
+    return st || !f->plan->facts.lights ? st : note_shares(f);
+}
+
+gp_status gp_api_join(struct glarepp_frame *f)
+{
+    bool joined;
+    return gp_suns_join(&f->log, &f->work->suns, &f->image, &f->sources,
+                        &f->joined, &joined);
+}
+
 gp_status gp_api_flare(struct glarepp_frame *f)
 {
     struct gp_suns *const suns = &f->work->suns;
@@ -141,7 +150,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
                                facts);
     f->facts.engines_ms = facts->ms;
     f->facts.engines_cpu_ms = gp_cpu_ms() - cpu;
-    return st || !f->plan->facts.lights ? st : note_shares(f);
+    return st;
 }
 
 // -- flare of bright pixels ---------------------------------------------------

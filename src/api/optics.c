@@ -95,8 +95,7 @@ const char *glarepp_lens_draw(struct glarepp_lens *lens,
     FILE *const f = open_memstream(&own->svg, &size);
     if (!f)
         return NULL;
-    gp_lens_svg(f, &own->lens, drawn);
-    const bool whole = !ferror(f);
+    const bool whole = !gp_lens_svg(NULL, f, &own->lens, drawn) && !ferror(f);
     if (fclose(f) != 0 || !whole) {
         free(own->svg);
         own->svg = NULL;

@@ -89,12 +89,16 @@ static gp_status take_layer(struct glarepp_plan *plan,
     plan->glare.splat.cluster = p.cluster;
     plan->glare.splat.cluster_fill = p.cluster_fill;
     plan->glare.splat.shrink = p.shrink;
+    plan->glare.fft_plan =
+        p.measure ? GP_FFT_PLAN_MEASURE : GP_FFT_PLAN_ESTIMATE;
+    plan->glare.wisdom = p.wisdom;
     plan->compose = (struct gp_compose_params) {
         .gain = p.gain,
         .mix = p.mix == GLAREPP_ADD ? GP_MIX_ADD : GP_MIX_SCATTER,
     };
     plan->edges = (enum gp_surround_how) p.edges;
-    return keep(plan, &plan->glare.engine);
+    const gp_status kept = keep(plan, &plan->glare.engine);
+    return kept ? kept : keep(plan, &plan->glare.wisdom);
 }
 
 static struct gp_light_spec spec_of(const struct glarepp_light *l)
@@ -141,9 +145,9 @@ static gp_status take_lights(struct glarepp_plan *plan,
                 .sum = p.bytes ? GP_SUM_BYTE : GP_SUM_FLOAT},
         .depth_type = (enum gp_depth_type) p.depth,
         .ndc = (enum gp_ndc) p.ndc, .in_frame = p.in_frame,
-        .needed = p.needed, .adapt = p.adapt,
+        .needed = p.needed, .adapt = p.adapt, .more_flux = p.faded,
     };
-    plan->lit = from != NULL;
+    plan->lit = p.lights || p.file || p.cameras;
     GP_TRY(keep(plan, &plan->sun.lights));
     GP_TRY(keep(plan, &plan->sun.camera));
     GP_TRY(keep(plan, &plan->sun.flare));
@@ -161,7 +165,7 @@ static gp_status take_scene(struct glarepp_plan *plan,
     GP_TRY(keep(plan, &p.camera));
     GP_TRY(keep_list(plan, &p.relight, p.relights));
     plan->scene = p;
-    plan->sun.more_flux = p.path && p.light_scale > 0.0;
+    plan->sun.more_flux |= p.path && p.light_scale > 0.0;
 out:
     return st;
 }

@@ -61,7 +61,7 @@ struct glarepp_plan {
     struct gp_glare_params glare;
     struct gp_compose_params compose;
     enum gp_surround_how edges;
-    bool lit;                      // it has parameters of lights
+    bool lit;                      // a frame may have lights
     struct gp_sun_params sun;
     struct gp_light_spec camera_sun; // sun.sun
     struct glarepp_lens_params lens_params; // lens NULL: none

@@ -44,6 +44,15 @@ out:
     return st;
 }
 
+gp_status gp_api_scene_read(struct glarepp *gp, const struct gp_log *log,
+                            const char *path, enum glarepp_up up,
+                            struct gp_scene *out)
+{
+    const struct gp_scene_images images = {gp, read_alpha};
+    return gp_scene_read(log, path, (enum gp_up) up,
+                         gp->params.picture ? &images : NULL, out);
+}
+
 /* Lists the names of a scene's cameras, cut to fit. */
 static void camera_names(const struct gp_scene *s, char *text, size_t size)
 {
@@ -59,14 +68,11 @@ gp_status gp_api_scene_begin(const struct glarepp_plan *plan,
 {
     const struct glarepp_scene_params *const p = &plan->scene;
     const struct gp_log *const log = &plan->log;
-    const struct gp_scene_images images = {plan->gp, read_alpha};
     struct gp_api_scene *const own = &work->scene;
     gp_status st;
     if (!p->path)
         return GP_OK;
-    GP_TRY(gp_scene_read(log, p->path, (enum gp_up) p->up,
-                         plan->gp->params.picture ? &images : NULL,
-                         &own->scene));
+    GP_TRY(gp_api_scene_read(plan->gp, log, p->path, p->up, &own->scene));
     const struct gp_scene *const s = &own->scene;
     const struct gp_scene_camera *const camera =
         gp_scene_find_camera(s, p->camera);

@@ -3,9 +3,7 @@
  * messages. */
 #include "app/options.h"
 
-#include "glare/model/model.h"
 #include "io/file.h"
-#include "tone/tone.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,14 +84,14 @@ static const struct {
 
 unsigned gp_needs_unmet(const struct gp_settings *s)
 {
-    const struct gp_sun_params *const sun = &s->sun;
-    const bool light = gp_suns_wanted(sun) || s->scene.path;
-    const bool config = s->tone.ocio.config != NULL;
-    const bool mask = sun->method == GP_SUN_MASK ||
+    const struct gp_sun_settings *const sun = &s->sun;
+    const bool light = gp_lights_wanted(s);
+    const bool config = s->tone.map.config != NULL;
+    const bool mask = sun->p.method == GLAREPP_MASK ||
                       s->command == GP_COMMAND_BENCH; // runs every method
     const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
-    const char *const engine = s->glare.engine;
-    const struct gp_tone_curve *const curve = gp_tone_find(s->tone.map.curve);
+    const char *const engine = s->light.layer.engine;
+    const char *const curve = s->tone.map.curve;
     const bool chosen = strcmp(engine, "auto") == 0;
     bool stream, files;
     find_outputs(s, &stream, &files);
@@ -105,13 +103,14 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
     met |= !gp_option_given(s, "stdout-format") ||
            s->output.write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
     met |= !sun->at.n ? GP_NEED_NO_PLACE : 0;
-    met |= sun->at.n || sun->dir.n || sun->camera ? GP_NEED_SUN : 0;
+    met |= sun->at.n || sun->dir.n || sun->p.cameras ? GP_NEED_SUN : 0;
     met |= s->output.pictures.n || polygons ? GP_NEED_PICTURE : 0;
     met |= s->output.hdr.n ? GP_NEED_HDR : 0;
     met |= mask ? GP_NEED_MASK : 0;
     met |= mask || s->output.debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
-    met |= config || !curve || curve->map ? GP_NEED_CURVE : 0;
-    met |= config || !curve || curve->reads_white ? GP_NEED_EXTENDED : 0;
+    met |= config || strcmp(curve, "none") != 0 ? GP_NEED_CURVE : 0;
+    met |= config || strcmp(curve, "reinhard-extended") == 0 ? GP_NEED_EXTENDED
+                                                             : 0;
     met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
                                                               : 0;
     met |= chosen ? GP_NEED_AUTO : 0;
@@ -147,18 +146,18 @@ static gp_status check_needs(const struct gp_log *log,
         const char *const name = (unmet & bit) ? first_in_need(s, bit) : NULL;
         if (!name || warns != (bit >= GP_NEED_MASK))
             continue;
-        const char *const value = !needs[i].end ? ""
-                                  : bit == GP_NEED_OWN_FRAMES
-                                      ? s->input.files.at[0]
-                                  : bit == GP_NEED_EXTENDED ? s->tone.map.curve
-                                                            : s->glare.engine;
+        const char *const value =
+            !needs[i].end               ? ""
+            : bit == GP_NEED_OWN_FRAMES ? s->input.files.at[0]
+            : bit == GP_NEED_EXTENDED   ? s->tone.map.curve
+                                        : s->light.layer.engine;
         const char *const end = needs[i].end ? needs[i].end : "";
         if (warns)
             gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
                    value, end);
         else if (bit == GP_NEED_CONFIG && strcmp(name, "view") == 0)
             return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
-                           "for stereo use --views %s", s->tone.ocio.view);
+                           "for stereo use --views %s", s->tone.map.view);
         else
             return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
                            needs[i].text, value, end);
@@ -202,8 +201,46 @@ static gp_status check_kernel_size(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
                        "\"%s\"); give 0.1 to 10000 percent of the image's "
                        "pixels, or its height as 0.001deg to 180deg", word);
-    s->kernel.degrees = degrees ? v : 0.0;
-    s->kernel.percent = degrees ? 100.0 : v;
+    s->kernel.image.degrees = degrees ? v : 0.0;
+    s->kernel.image.percent = degrees ? 100.0 : v;
+    return GP_OK;
+}
+
+/* Checks that each kernel is a recipe or may be a file, and that options of
+ * images have one. */
+static gp_status check_kernels(const struct gp_log *log,
+                               const struct gp_settings *s)
+{
+    const bool checks = s->command == GP_COMMAND_KERNEL && s->making.check;
+    const char *const *const at =
+        checks ? &s->making.check : (const char *const *) s->kernel.words.at;
+    const int n = checks ? 1 : s->kernel.words.n;
+    bool files = false;
+    if (checks && gp_kernel_is_file(at[0]))
+        return GP_OK;
+    for (int i = 0; i < n; i++) {
+        const bool file = gp_kernel_is_file(at[i]);
+        files |= file;
+        if (file && !strpbrk(at[i], "./-") && !gp_file_exists(at[i]))
+            return gp_fail(log, GP_ERR_IO, "%s: neither a model of kernels nor "
+                           "a file; glarepp kernel --list shows the models",
+                           at[i]);
+    }
+    const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
+    if (s->kernel.size && !files)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
+                       "file (found %s); write image:file=PATH,size=DEGREES, "
+                       "or leave it out", s->kernel.size);
+    if (s->kernel.image.centred && !one)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
+                       "several kernels (found %g,%g); write "
+                       "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
+                       s->kernel.image.centre[0], s->kernel.image.centre[1]);
+    if (gp_option_given(s, "kernel-normalize") && !one &&
+        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
+                       "several kernels share out a pixel's light (found "
+                       "luminance); give share=S to each, or leave it out");
     return GP_OK;
 }
 
@@ -243,7 +280,7 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
                        "and -k %s); write only --check %s", m->check,
                        s->kernel.words.at[0], s->kernel.words.at[0]);
-    if (m->check && sized && !gp_recipe_is(m->check))
+    if (m->check && sized && gp_kernel_is_file(m->check))
         return gp_fail(log, GP_ERR_USAGE, "--check: %s is a file, which has "
                        "its size; leave --size, --radius, --fov and --frame "
                        "out", m->check);
@@ -264,7 +301,7 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
                            "sets; give scissor or sets", gp_debugs[i].name);
     }
     if (gp_option_given(s, "runs"))
-        s->table.runs = s->bench.runs;
+        s->sets.runs = s->bench.runs;
     return check_size(log, &s->making, 960, 540);
 }
 
@@ -312,7 +349,7 @@ static bool is_power_of_two(int n)
 
 static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
 {
-    struct gp_splat_params *const splat = &s->glare.splat;
+    struct glarepp_layer_params *const splat = &s->light.layer;
     if (!is_power_of_two(splat->group))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
                        "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
@@ -375,7 +412,7 @@ static gp_status check_inputs(const struct gp_log *log,
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
         wants = wants || s->output.debug[i];
-    if (bench && (s->lens.name || s->sun.flare) && gp_suns_wanted(&s->sun))
+    if (bench && (s->lens.name || s->sun.p.flare) && gp_lights_wanted(s))
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
                        "pixels, and lights by their visibility (found a "
                        "light); leave one out", s->lens.name ? "--lens"
@@ -397,7 +434,7 @@ static gp_status check_inputs(const struct gp_log *log,
 /* Checks numbers of suns and their maps; warns to `warn`. */
 static gp_status check_lights(const struct gp_log *log,
                               const struct gp_log *warn,
-                              const struct gp_sun_params *sun)
+                              const struct gp_sun_settings *sun)
 {
     if (sun->at.n == 3 && sun->at.v[2] < 0.0)
         return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
@@ -405,19 +442,19 @@ static gp_status check_lights(const struct gp_log *log,
     if (sun->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
-    if (sun->map.side % 2)
+    if (sun->p.side % 2)
         return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
-                       "an even number", sun->map.side);
-    if (sun->map.sum == GP_SUM_BYTE && sun->map.side > 16 &&
-        sun->method == GP_SUN_MASK)
+                       "an even number", sun->p.side);
+    if (sun->p.bytes && sun->p.side > 16 && sun->p.method == GLAREPP_MASK)
         gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
-               "round to 0 (found %d); use --sun-map 16", sun->map.side);
+               "round to 0 (found %d); use --sun-map 16", sun->p.side);
     return GP_OK;
 }
 
 /* Checks what is compared. */
 static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
 {
+    enum { MOST_EXPOSURES = 64 };
     struct gp_compare_settings *const p = &s->compare;
     const char *const *const input = s->input.files.at;
     const double *const e = p->flip_exposures.v;
@@ -437,15 +474,15 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
                        "-: stdin holds only one image; give a file as the "
                        "other");
     if (p->flip_exposures.n &&
-        !(e[2] >= 1.0 && e[2] <= GP_FLIP_EXPOSURES_MAX && e[2] == floor(e[2])))
+        !(e[2] >= 1.0 && e[2] <= MOST_EXPOSURES && e[2] == floor(e[2])))
         return gp_fail(log, GP_ERR_USAGE, "--flip-exposures: not a number of "
                        "exposures (found %g); give START,STOP,COUNT with a "
-                       "count of 1 to %d", e[2], GP_FLIP_EXPOSURES_MAX);
+                       "count of 1 to %d", e[2], MOST_EXPOSURES);
     const char *const needs = p->heatmap ? "--heatmap"
                               : p->flip_exposures.n ? "--flip-exposures"
                               : isfinite(p->limits.fail_flip) ? "--fail-flip"
                                                               : NULL;
-    if (p->no_flip && needs)
+    if (!p->limits.flip && needs)
         return gp_fail(log, GP_ERR_USAGE, "--no-flip: %s needs FLIP; leave one "
                        "of the two out", needs);
     if (gp_is_dash(p->heatmap) || gp_is_dash(p->difference))
@@ -459,7 +496,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
     const struct gp_log *const warn = s->run.level < GP_LEVEL_WARN ? NULL : log;
-    const struct gp_sun_params *const sun = &s->sun;
+    struct gp_sun_settings *const sun = &s->sun;
     if (s->command == GP_COMMAND_HELP && s->input.files.n > 1)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
                        "give one topic", s->input.files.at[1]);
@@ -469,16 +506,17 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_compare(log, s);
     GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
-        s->sun.map.outside = GP_OUTSIDE_SCENE;
-    if (!s->scene.path && s->sun.map.outside == GP_OUTSIDE_SCENE)
+        sun->p.outside = GLAREPP_BY_SCENE;
+    if (!s->scene.path && sun->p.outside == GLAREPP_BY_SCENE)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--sun-outside: scene needs --scene "
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
-    s->sun.more_flux = s->scene.path && s->scene.light_scale > 0.0f;
-    s->sun.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
-    s->kernel.image.centered = gp_option_given(s, "kernel-center");
-    if (s->command == GP_COMMAND_KERNEL)
-        return check_making(log, s);
+    sun->p.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
+    s->kernel.image.centred = gp_option_given(s, "kernel-center");
+    if (s->command == GP_COMMAND_KERNEL) {
+        GP_TRY(check_making(log, s));
+        return check_kernels(log, s);
+    }
     if (s->command == GP_COMMAND_LENS)
         return check_lens(log, s);
     if (s->command == GP_COMMAND_SETS)
@@ -493,27 +531,24 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     // Ando et al. spread whole pixels and add the layer
     const bool bench = s->command == GP_COMMAND_BENCH;
     if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
-        s->light.sensor.mode = GP_THRESHOLD_WHOLE;
+        s->light.sense.whole = true;
     if (bench && s->bench.paper && !gp_option_given(s, "mix"))
-        s->light.compose.mix = GP_MIX_ADD;
-    if (s->light.sensor.mode == GP_THRESHOLD_EXCESS &&
-        gp_option_given(s, "knee"))
+        s->light.layer.mix = GLAREPP_ADD;
+    if (!s->light.sense.whole && gp_option_given(s, "knee"))
         return gp_fail(log, GP_ERR_USAGE, "--knee: needs --threshold-mode "
                        "whole (found %g with excess); add it, or leave --knee "
-                       "out", (double) s->light.sensor.knee);
+                       "out", (double) s->light.sense.knee);
     GP_TRY(check_needs(warn, s, true));
     // settings that follow from several others
     if (gp_option_given(s, "raw"))
         s->output.write.stdout_format = GP_STDOUT_RAW;
-    s->output.write.converted = s->tone.ocio.output != NULL;
-    s->tone.ocio.shows =
+    s->output.write.converted = s->tone.map.output != NULL;
+    s->tone.map.shows =
         s->output.pictures.n > 0 || s->output.debug[GP_DEBUG_POLYGONS];
-    s->tone.ocio.context = s->tone.context.at;
-    s->tone.ocio.contexts = s->tone.context.n;
-    s->glare.gain = s->light.compose.gain;
     // what is added to a picture is of its own lights; what is moved is missed
-    if (!gp_option_given(s, "edges") && s->light.compose.mix == GP_MIX_ADD)
-        s->light.edges = GP_SURROUND_BLACK;
+    if (!gp_option_given(s, "edges") && s->light.layer.mix == GLAREPP_ADD)
+        s->light.layer.edges = GLAREPP_BLACK;
+    st = check_kernels(log, s);
 out:
     return st;
 }

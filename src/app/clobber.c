@@ -1,10 +1,10 @@
 #include "app/clobber.h"
-#include "glare/model/model.h"
 
 #include "core/memory.h"
 #include "io/file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,14 +24,14 @@ static const struct single {
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
     SINGLE(making.draw, "--draw", true),
-    SINGLE(sun.camera, "--camera", false),
-    SINGLE(sun.lights, "--lights", false),
-    SINGLE(sun.flare, "--flare", false),
+    SINGLE(sun.p.cameras, "--camera", false),
+    SINGLE(sun.p.file, "--lights", false),
+    SINGLE(sun.p.flare, "--flare", false),
     SINGLE(scene.path, "--scene", false),
     SINGLE(lens.name, "--lens", false),
     SINGLE(sun.depth_file, "--depth-file", false),
     SINGLE(sun.mask_file, "--mask-file", false),
-    SINGLE(tone.ocio.config, "--ocio", false),
+    SINGLE(tone.map.config, "--ocio", false),
 };
 enum { SINGLES = sizeof singles / sizeof singles[0] };
 
@@ -223,10 +223,9 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
 #undef OF
     }
     for (int i = 0; i < c->s->kernel.words.n && !st; i++) {
-        char *const path = gp_kernel_path(c->s->kernel.words.at[i]);
-        if (path)
+        char path[PATH_MAX];
+        if (glarepp_kernel_path(c->s->kernel.words.at[i], path, sizeof path))
             st = gp_clobber_input(c, "--kernel", path);
-        gp_free(path);
     }
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(c->s, i);

@@ -6,8 +6,7 @@
 #include "app/progress.h"
 #include "app/settings.h"
 #include "core/status.h"
-#include "scene/scene.h"
-#include "scene/sets/sets.h"
+#include "glarepp.h"
 
 /* Runs frames through the stages, several in flight at once.
  *
@@ -29,8 +28,13 @@
  * Errors: those of the stages, with their line printed; GP_ERR_FRAMES some
  * frames were skipped as bad. */
 GP_MUST_CHECK gp_status gp_pipeline_run(
-    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
+
+/* glarepp bench: measures every technique on the input's one frame (bench.h).
+ * Errors: those of gp_bench_run(). */
+GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
+    struct glarepp *gp, const struct gp_settings *s);
 
 /* glarepp compare: compares the two inputs, part by part with --all, and frame by
  * frame where one of them is a pattern: those of --frames, else all that either
@@ -42,28 +46,29 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
  * Returns the program's exit status: the worst of all pairs (a frame that cannot
  * be read is a file error, and the next frame is compared); GP_COMPARE_USAGE;
  * GP_ERR_BUG when memory is full. */
-int gp_compare_command(const struct gp_log *log, const struct gp_settings *s);
+int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
+                       const struct gp_settings *s);
 
 /* glarepp kernel: writes kernels with the recipe that made them, makes them
  * again, lists models and checks kernels, as s->making and s->output.pictures ask.
  * *faulty is true where --check finds a fault.
  * Errors: those of reading images, making kernels and writing pictures. */
 GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
-    const struct gp_settings *s, bool *faulty);
+    struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
 /* glarepp lens: lists and checks lenses, and draws them, as s->making asks.
  * *faulty is true where --check finds a lens that does not make what its file
  * claims.
- * Errors: those of gp_lens_read() and gp_lens_focus(); GP_ERR_IO writing. */
+ * Errors: those of glarepp_lens(); GP_ERR_IO writing. */
 GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
-    const struct gp_settings *s, bool *faulty);
+    struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
 /* glarepp styles: lists the styles, or draws the frame without glare and in each
  * of them on a sheet, by a run of the main job for each. The report has a line
  * for each.
  * Errors: those of the main job; GP_ERR_USAGE several frames. */
 GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
-                                          const struct gp_settings *s);
+    struct glarepp *gp, const struct gp_settings *s);
 
 /* glarepp sets: O'Rorke's Table 15-1 for a scene. Reads the scene, draws each
  * row, prints the table, and writes what is asked.
@@ -71,18 +76,6 @@ GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
  *           exit status is 1 then
  * Errors: those of reading the scene, of its camera, of GL, of writing. */
 GP_MUST_CHECK gp_status gp_sets_command(const struct gp_log *log,
-    const struct gp_settings *s, bool *differ);
-
-/* Pictures of --debug, w * h samples in each of three planes, display-linear:
- * outlines of the lights' scissors over the picture, and the scene from above
- * with each object in the colour of its sets. */
-void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
-                           const struct gp_planes *rgb);
-
-/* The scene from above. It shows the eye, lamps and objects but outliers; boxes
- * that leave it end at its edge. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sets_draw_map(const struct gp_log *log,
-    const struct gp_table *t, const struct gp_scene *s,
-    const struct gp_camera *c, int w, int h, const struct gp_planes *rgb);
+    struct glarepp *gp, const struct gp_settings *s, bool *differ);
 
 #endif

@@ -20,6 +20,7 @@ enum { HEATMAP, DIFFERENCE, PICTURES };
 /* A run, and its present pair. */
 struct run {
     const struct gp_log *log;
+    struct glarepp *gp;
     const struct gp_settings *s;
     struct gp_write_params write;        // of pictures
     struct gp_pattern in[2];             // .len 0: a plain file
@@ -88,63 +89,81 @@ static gp_status draw(struct run *r, int which)
     return st;
 }
 
-static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
-                                const struct gp_stored_image *b)
+/* Has the library compare two images, by all limits of the command line. */
+static gp_status measure(const struct run *r, const struct gp_stored_image image[2],
+                         struct glarepp_compare **out)
+{
+    const struct gp_compare_settings *const s = &r->s->compare;
+    const double *const e = s->flip_exposures.v;
+    struct glarepp_compare_params p = s->limits;
+    struct glarepp_stored stored[2];
+    struct glarepp_channel *channel[2] = {NULL, NULL};
+    gp_status st;
+    *out = NULL;
+    p.most = r->s->input.read.max_pixels;
+    p.start = (float) e[0];
+    p.stop = (float) e[1];
+    p.exposures = s->flip_exposures.n ? (int) e[2] : 0;
+    for (int k = 0; k < 2; k++) {
+        const struct gp_stored_image *const m = &image[k];
+        GP_TRY(gp_alloc(r->log, "channels", (size_t) m->channels,
+                        sizeof *channel[k], &channel[k]));
+        for (int i = 0; i < m->channels; i++)
+            channel[k][i] = (struct glarepp_channel) {
+                m->channel[i].name, m->channel[i].v, m->channel[i].is_uint};
+        stored[k] = (struct glarepp_stored) {
+            .size = sizeof stored[k], .name = k ? r->row.b : r->row.a,
+            .data = {m->data.x0, m->data.y0, m->data.x1, m->data.y1},
+            .channel = channel[k], .channels = m->channels, .first = m->first,
+            .integers = m->integers,
+            .light = {m->light[0], m->light[1], m->light[2]},
+            .primaries = m->chromaticities,
+        };
+    }
+    GP_TRY(glarepp_compare(r->gp, &p, &stored[0], &stored[1], out));
+out:
+    gp_free(channel[0]);
+    gp_free(channel[1]);
+    return st;
+}
+
+static gp_status compare_images(struct run *r,
+                                const struct gp_stored_image image[2])
 {
     gp_status st;
-    struct gp_compare_match m;
-    struct gp_compare_figures figures;
-    struct gp_compare_flip flip = {0};
-    bool unwritten = false;
+    struct glarepp_compare *compare;
     const struct gp_compare_settings *const p = &r->s->compare;
-    const double *const e = p->flip_exposures.v;
-    const struct gp_flip_exposures exposures = {(float) e[0], (float) e[1],
-                                                (int) e[2]};
-    GP_TRY(gp_compare_match_make(r->log, a, b, &m));
-    // windows far apart would make a union much larger than both files
-    const long long w = (long long) m.window.x1 - m.window.x0;
-    const long long h = (long long) m.window.y1 - m.window.y0;
-    const long long most = r->s->input.read.max_pixels;
-    if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
-        GP_TRY(gp_fail(r->log, GP_ERR_DATA, "%s: its window and that of %s are "
-                       "too far apart (%lld x %lld pixels over both, at most "
-                       "%lld); crop them, or raise --max-pixels", r->row.a,
-                       r->row.b, w, h, most));
-    GP_TRY(gp_compare_measure(r->log, &p->limits, &m, &figures));
-    if (!p->no_flip)
-        GP_TRY(gp_compare_flip(r->log, p->flip_exposures.n ? &exposures : NULL,
-                               &m, &flip));
-    r->row.match = &m;
-    r->row.figures = &figures;
-    r->row.flip = &flip;
-    if (p->heatmap && !flip.known)
+    bool unwritten = false;
+    GP_TRY(measure(r, image, &compare));
+    const struct glarepp_compare_facts *const f = glarepp_compare_facts(compare);
+    for (int k = 0; k < 2; k++)
+        r->row.image[k] = &image[k];
+    r->row.compare = compare;
+    r->row.facts = f;
+    if (p->heatmap && !f->has_flip)
         gp_say(r->log, GP_LEVEL_WARN, "%s: has no colour for FLIP; --heatmap "
                "is not written", r->row.a);
     else if (p->heatmap && !r->drawn[HEATMAP])
         GP_TRY(draw(r, HEATMAP));
-    if (p->difference && a->deep) {
+    if (p->difference && image[0].deep) {
         gp_say(r->log, GP_LEVEL_WARN, "%s: is deep; --difference is not "
                "written", r->row.a);
     } else if (p->difference && !r->drawn[DIFFERENCE] &&
-               (figures.max > 0.0 || !p->only_different)) {
+               (f->max > 0.0 || !p->only_different)) {
         st = draw(r, DIFFERENCE);
         unwritten = st == GP_ERR_IO;
         GP_TRY(unwritten ? GP_OK : st);
     }
-    if (p->perceptual && m.lit)
-        GP_TRY(gp_compare_see(r->log, &m, &figures.seen));
-    if (!m.lit && (p->perceptual || isfinite(p->limits.fail_flip)))
+    if (!f->lit && (p->limits.perceptual || isfinite(p->limits.fail_flip)))
         report_pair(r, GP_COMPARE_DIFFERENT,
                     "one has no colour, which --perceptual and --fail-flip "
                     "need");
     else
-        report_pair(r, (int) gp_compare_judge(&p->limits, &figures, &flip),
-                    NULL);
+        report_pair(r, f->result, NULL);
     if (unwritten && r->row.result < GP_COMPARE_FAILURE)
         st = GP_ERR_IO; // else the difference is the status, as idiff's
 out:
-    gp_compare_flip_free(&flip);
-    gp_compare_match_free(&m);
+    glarepp_compare_end(&compare);
     return st;
 }
 
@@ -182,7 +201,7 @@ static gp_status compare_frame(struct run *r, int frame)
             report_pair(r, GP_COMPARE_DIFFERENT,
                         "one is deep, the other is not");
         else if (!st)
-            st = compare_images(r, &image[0], &image[1]);
+            st = compare_images(r, image);
         gp_stored_image_free(&image[0]);
         gp_stored_image_free(&image[1]);
     }
@@ -313,10 +332,11 @@ out:
     return st;
 }
 
-int gp_compare_command(const struct gp_log *log, const struct gp_settings *s)
+int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
+                       const struct gp_settings *s)
 {
     struct run r = {
-        .log = log, .s = s, .write = s->output.write,
+        .log = log, .gp = gp, .s = s, .write = s->output.write,
         .wanted = {s->compare.heatmap, s->compare.difference},
     };
     const char *const json = s->bench.json;

@@ -4,15 +4,19 @@
 #define GP_APP_COMPARE_REPORT_H
 
 #include "app/settings.h"
-#include "compare/compare.h"
 #include "core/status.h"
+#include "glarepp.h"
+#include "io/read.h"
 #include "io/write.h"
 
 #include <jansson.h>
 
-/* Exit statuses after those of enum gp_compare_result; a wrong command line has
- * that of sysexits.h, which no difference has. */
+/* Exit statuses: first those of glarepp_compare_facts.result; a wrong command
+ * line has that of sysexits.h, which no difference has. */
 enum {
+    GP_COMPARE_MATCH = 0,
+    GP_COMPARE_WARNING = 1,
+    GP_COMPARE_FAILURE = 2,
     GP_COMPARE_DIFFERENT = 3, // cannot be compared
     GP_COMPARE_FILE = 4,      // a file could not be read or written
     GP_COMPARE_USAGE = 64,
@@ -26,9 +30,9 @@ struct gp_compare_row {
     int result;          // exit status, at most GP_COMPARE_FILE
     const char *why;     // of DIFFERENT and FILE, which have no figures; else
                          // NULL
-    const struct gp_compare_match *match;
-    const struct gp_compare_figures *figures;
-    const struct gp_compare_flip *flip;
+    const struct gp_stored_image *image[2]; // of the files
+    const struct glarepp_compare *compare;
+    const struct glarepp_compare_facts *facts;
 };
 
 /* Returns "match", "warning", ... */

@@ -12,17 +12,17 @@ static const char *variable(const char *name)
     return v && *v ? v : NULL;
 }
 
-void gp_environment_read(struct gp_env *env)
+void gp_environment_read(struct glarepp_params *p)
 {
     const char *const size = variable("GLAREPP_GL_MAX_SIZE");
     const long side = size ? strtol(size, NULL, 10) : 0;
     const char *const cpu = variable("GLAREPP_CPU");
-    env->bridges = variable("GLAREPP_BRIDGES");
-    env->data = variable("GLAREPP_EXAMPLES");
-    env->osmesa = variable("GLAREPP_OSMESA");
-    env->egl = variable("GLAREPP_EGL");
-    env->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
-    env->base_cpu = cpu && strcmp(cpu, "base") == 0;
+    p->bridges = variable("GLAREPP_BRIDGES");
+    p->data = variable("GLAREPP_EXAMPLES");
+    p->osmesa = variable("GLAREPP_OSMESA");
+    p->egl = variable("GLAREPP_EGL");
+    p->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
+    p->base_cpu = cpu && strcmp(cpu, "base") == 0;
 }
 
 void gp_environment_set_gl(int threads)

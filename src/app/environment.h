@@ -2,16 +2,16 @@
 #ifndef GP_APP_ENVIRONMENT_H
 #define GP_APP_ENVIRONMENT_H
 
-#include "core/env.h"
+#include "glarepp.h"
 
-/* Reads variables into *env:
+/* Reads variables into *p:
  *   GLAREPP_BRIDGES   folder that is looked in first for bridges
  *   GLAREPP_EXAMPLES  ... for flares/ and lenses/
  *   GLAREPP_OSMESA, GLAREPP_EGL  file in place of libOSMesa, libEGL
  *   GLAREPP_GL_MAX_SIZE  largest side of a GL texture, for tests of tiling
  *   GLAREPP_CPU=base  no code for later CPUs, for tests of both paths
  * Strings are the environment's. */
-void gp_environment_read(struct gp_env *env);
+void gp_environment_read(struct glarepp_params *p);
 
 /* Sets the variables that Mesa reads, where the user did not: LP_NUM_THREADS,
  * as its CPU rasterizer starts a thread for each processor otherwise, and

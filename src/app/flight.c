@@ -1,6 +1,5 @@
 #include "app/flight.h"
 
-#include "core/env.h"
 #include "core/parallel.h"
 
 #include <limits.h>
@@ -32,7 +31,6 @@ struct scheduler {
     int next_compute;
     int next_read;
     int limit;         // units from here on get no further steps
-    const struct gp_env *env; // of the threads
     gp_status result;  // of work->end() that ended the flight
 };
 
@@ -98,10 +96,10 @@ static void run_steps(struct scheduler *s, bool first_thread)
     pthread_mutex_lock(&s->lock);
     while (!is_over(s)) {
         if (!pick_step(s, first_thread, &unit, &phase)) {
-            gp_parallel_leave(); // another may work while this one waits
+            glarepp_leave(s->p->gp); // another may work while this one waits
             pthread_cond_wait(&s->changed, &s->lock);
             pthread_mutex_unlock(&s->lock);
-            gp_parallel_enter();
+            glarepp_enter(s->p->gp);
             pthread_mutex_lock(&s->lock);
             continue;
         }
@@ -133,10 +131,10 @@ static void run_steps(struct scheduler *s, bool first_thread)
 
 static void *run_thread(void *arg)
 {
-    gp_env_use(((struct scheduler *) arg)->env);
-    gp_parallel_enter();
-    run_steps(arg, false);
-    gp_parallel_leave();
+    struct scheduler *const s = arg;
+    glarepp_enter(s->p->gp);
+    run_steps(s, false);
+    glarepp_leave(s->p->gp);
     return NULL;
 }
 
@@ -145,7 +143,7 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
 {
     pthread_t id[GP_FLIGHT_MOST];
     struct scheduler s = {
-        .p = p, .work = work, .f = f, .limit = INT_MAX, .env = gp_env(),
+        .p = p, .work = work, .f = f, .limit = INT_MAX,
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
     const int most = p->slots < p->units ? p->slots : p->units;
@@ -161,10 +159,10 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
         started++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     run_steps(&s, true);
-    gp_parallel_leave(); // the other threads may still run a step
+    glarepp_leave(p->gp); // the other threads may still run a step
     for (int i = 0; i < started; i++)
         pthread_join(id[i], NULL);
-    gp_parallel_enter();
+    glarepp_enter(p->gp);
     pthread_cond_destroy(&s.changed);
     pthread_mutex_destroy(&s.lock);
     return s.result;

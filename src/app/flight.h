@@ -8,6 +8,7 @@
 #define GP_APP_FLIGHT_H
 
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -20,6 +21,7 @@ enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 enum { GP_FLIGHT_MOST = 64 }; // units in flight
 
 struct gp_flight_params {
+    struct glarepp *gp; // context that threads enter; the caller is in it
     int units;    // >= 0
     int slots;    // units in flight, 1 to GP_FLIGHT_MOST
     bool ordered; // units are written in order

@@ -1,7 +1,6 @@
 #include "app/options.h"
 #include "app/report.h"
 #include "core/minmax.h"
-#include "glare/model/model.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -27,11 +26,11 @@ static void option_text(const struct gp_option *o, bool values, char *text,
                         o->kind == GP_KIND_THRESHOLD;
     char value[64] = ""; // the default; "" for none
     const char *name = NULL, *line;
-    const struct gp_option_choice *c = o->choices;
-    const struct gp_sensor_params *const sensor = field;
+    const struct gp_option_choice *choice;
+    const struct glarepp_sense_params *const sense = field;
     const float *const single = field;
     if (o->kind == GP_KIND_THRESHOLD)
-        snprintf(value, sizeof value, "%g", (double) sensor->threshold);
+        snprintf(value, sizeof value, "%g", (double) sense->threshold);
     else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
              isfinite(*single)) // others stand for an option that is not given
         snprintf(value, sizeof value, "%g", (double) *single);
@@ -41,8 +40,9 @@ static void option_text(const struct gp_option *o, bool values, char *text,
         snprintf(value, sizeof value, "%lld", *(const long long *) field);
     else if (o->kind == GP_KIND_TEXT)
         name = *(const char *const *) field;
-    for (; o->kind == GP_KIND_CHOICE && c->name && !name; c++)
-        name = memcmp(&c->value, field, sizeof c->value) ? NULL : c->name;
+    else if ((o->kind == GP_KIND_CHOICE || o->kind == GP_KIND_EITHER) &&
+             (choice = gp_option_chosen(o, field)))
+        name = choice->name;
     if (name)
         snprintf(value, sizeof value, "%s", name);
     size_t at = (size_t) snprintf(text, size, "%s", o->help);
@@ -439,21 +439,24 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
 // -- the table, for the man page and completions ------------------------------
 
 /* Prints a model of glare and its keys. */
-static void print_model(FILE *f, const struct gp_model *m)
+static void print_model(FILE *f, int model)
 {
-    fprintf(f, "model\t%s\t%s; %s.\n", gp_model_name(m), gp_model_text(m),
-            gp_model_source(m));
-    for (const struct gp_model_key *k = gp_model_keys(m); k->name; k++) {
-        fprintf(f, "key\t%s\t", k->name);
-        for (int i = 0; k->words && k->words[i]; i++)
-            fprintf(f, "%s%s", i ? " " : "", k->words[i]);
-        if (k->file)
-            fprintf(f, "\t%s (a path)\n", k->text);
-        else if (k->words)
-            fprintf(f, "\t%s\n", k->text);
+    const char *text, *source;
+    struct glarepp_key k;
+    const char *const name = glarepp_name(NULL, GLAREPP_MODELS, model, &text);
+    glarepp_name(NULL, GLAREPP_MODEL_SOURCES, model, &source);
+    fprintf(f, "model\t%s\t%s; %s.\n", name, text, source);
+    for (int n = 0; glarepp_key(model, n, &k); n++) {
+        fprintf(f, "key\t%s\t", k.name);
+        for (int i = 0; k.words && k.words[i]; i++)
+            fprintf(f, "%s%s", i ? " " : "", k.words[i]);
+        if (k.file)
+            fprintf(f, "\t%s (a path)\n", k.text);
+        else if (k.words)
+            fprintf(f, "\t%s\n", k.text);
         else
-            fprintf(f, "\t%s (%g to %g; default %g)\n", k->text, k->lo, k->hi,
-                    k->preset);
+            fprintf(f, "\t%s (%g to %g; default %g)\n", k.text, k.lo, k.hi,
+                    k.preset);
     }
 }
 
@@ -486,10 +489,11 @@ void gp_help_table(FILE *f)
                 fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
         }
     }
-    for (int i = 0; gp_models[i]; i++)
-        print_model(f, gp_models[i]);
-    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
-        fprintf(f, "preset\t%s\t%s\n", p->name, p->recipe);
+    for (int i = 0; glarepp_name(NULL, GLAREPP_MODELS, i, NULL); i++)
+        print_model(f, i);
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i,
+                                         &line)); i++)
+        fprintf(f, "preset\t%s\t%s\n", name, line);
 #define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
     GP_STATUS_LIST(ITEM)
 #undef ITEM

@@ -2,10 +2,10 @@
 
 #include "app/clobber.h"
 #include "core/memory.h"
-#include "glare/model/model.h"
 #include "io/file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,12 +94,12 @@ static gp_status add_inputs(const struct gp_log *log,
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
         for (int k = 0; k < s->kernel.words.n && !st && gp_is_dash(path); k++) {
-            char *const file = gp_kernel_path(s->kernel.words.at[k]);
-            if (file && gp_is_dash(file))
+            char file[PATH_MAX];
+            if (glarepp_kernel_path(s->kernel.words.at[k], file, sizeof file) &&
+                gp_is_dash(file))
                 st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
                              "both come from stdin; give one of them as a "
                              "file");
-            gp_free(file);
         }
         GP_TRY(st);
         *patterns = *patterns || in[i].len;
@@ -351,7 +351,7 @@ static gp_status check_beside(const struct gp_log *log,
 
 gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
-    const struct gp_jobs *j, const struct gp_texts *also)
+    const struct gp_jobs *j, const char *const *also, int n)
 {
     gp_status st;
     struct gp_clobber c;
@@ -390,8 +390,8 @@ gp_status gp_jobs_check_names(
         GP_TRY(check_beside(log, &c, "--depth-file", s->sun.depth_file, j));
         GP_TRY(check_beside(log, &c, "--mask-file", s->sun.mask_file, j));
     }
-    for (int i = 0; also && i < also->n; i++)
-        GP_TRY(gp_clobber_input(&c, "another file names", also->at[i]));
+    for (int i = 0; i < n; i++)
+        GP_TRY(gp_clobber_input(&c, "another file names", also[i]));
 out:
     gp_clobber_end(&c);
     return st;
@@ -447,7 +447,7 @@ static gp_status check_outputs(const struct gp_log *log,
             free(name);
         }
     }
-    return st ? st : gp_jobs_check_names(log, s, j, NULL);
+    return st ? st : gp_jobs_check_names(log, s, j, NULL, 0);
 }
 
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
@@ -526,6 +526,12 @@ void gp_jobs_free(struct gp_jobs *j)
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target)
 {
     return gp_pattern_name(&target->name, job->frame, job->view);
+}
+
+bool gp_job_number(const struct gp_job *job, int *number)
+{
+    *number = job->frame;
+    return job->numbered || gp_frame_number(job->input, number);
 }
 
 int gp_jobs_of_frame(const struct gp_jobs *j)

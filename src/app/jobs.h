@@ -4,7 +4,6 @@
 #define GP_APP_JOBS_H
 
 #include "app/settings.h"
-#include "core/frame.h"
 #include "core/status.h"
 #include "io/read.h"
 #include "io/sequence.h"
@@ -120,6 +119,10 @@ int gp_jobs_of_frame(const struct gp_jobs *j);
  * memory is full. */
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 
+/* Finds the number of a frame: the job's, else the one in its file's name.
+ * Returns false where there is none. */
+bool gp_job_number(const struct gp_job *job, int *number);
+
 /* True when p->no_clobber is set, there are outputs and all of the job's exist.
  * With an output that holds all views, those of every view of the frame must
  * exist.
@@ -130,11 +133,11 @@ bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
 
 /* Checks that the run writes no file twice, and none that it reads (clobber.h).
  *
- *   also  files that it reads because another file names them; NULL: none yet
+ *   also  `n` files that it reads because another file names them
  *
  * Errors: GP_ERR_USAGE */
 GP_MUST_CHECK gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
-    const struct gp_jobs *j, const struct gp_texts *also);
+    const struct gp_jobs *j, const char *const *also, int n);
 
 #endif

@@ -3,11 +3,9 @@
 #include "app/clobber.h"
 #include "app/kernel_label.h"
 #include "app/options.h"
-#include "app/stages.h"
-#include "core/colour.h"
-#include "core/minmax.h"
-#include "glare/kernel_check.h"
-#include "glare/sensors.h"
+#include "app/pictures.h"
+#include "app/plan_settings.h"
+#include "glarepp.h"
 #include "io/file.h"
 #include "io/read.h"
 #include "io/write.h"
@@ -16,141 +14,119 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 // -- making -------------------------------------------------------------------
 
-/* All that a kernel is made of, as its file's attributes say. */
-struct making {
-    struct gp_wanted_kernel wanted; // images included
-    struct gp_kernel_label label;
-};
-
-static struct gp_field field_of(const struct gp_kernel_label *l)
+/* Reads recipes and images, as recipes too. */
+static gp_status read_kernel(struct glarepp *gp, const struct gp_settings *s,
+    const char *const *word, int words, struct glarepp_kernel **out)
 {
-    return (struct gp_field) {
-        .w = l->w, .h = l->h, .degrees = l->fov / l->h, .aspect = 1.0,
-        .rotate = l->rotate, .chromaticities = gp_rec709_chromaticities,
-        .luminance = gp_rec709_luminance, .frame = l->frame, .fps = 24.0,
-    };
+    struct glarepp_kernel_params p = gp_kernel_params(s);
+    p.word = word;
+    p.words = words;
+    p.recipe = true;
+    return (gp_status) glarepp_kernel(gp, &p, out);
 }
 
-static gp_status making_of_settings(const struct gp_log *log,
-    const struct gp_settings *s, struct making *m)
+/* Draws the kernel at full rate, as far as it was asked for, as a frame whose
+ * centre is pixel (floor(w / 2), floor(h / 2)). `name` for messages. */
+static gp_status draw_kernel(const struct glarepp_kernel *k,
+    const struct gp_settings *s, const char *name, struct gp_frame *out,
+    struct glarepp_label *label)
 {
-    m->label = (struct gp_kernel_label) {
-        .present = true, .w = s->making.w, .h = s->making.h,
-        .radius = s->making.radius,
-        .fov = s->kernel.fov > 0.0f ? (double) s->kernel.fov : GP_USUAL_FOV,
-        .rotate = (double) s->kernel.image.rotate, .frame = s->making.frame,
-        .compression = s->output.write.compression,
+    const struct glarepp_field field = {
+        .w = s->making.w, .h = s->making.h, .fov = (double) s->kernel.fov,
+        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .radius = s->making.radius, .most = s->input.read.max_pixels,
+        .name = name,
     };
-    return gp_wanted_kernel_read(log, s, &m->wanted);
-}
-
-/* Makes the kernel at full rate, as far as it was asked for, of `most` pixels;
- * sets the label's left_out and beyond. `name` for messages. */
-static gp_status make_kernel(const struct gp_log *log, const char *name,
-    struct making *m, long long most, struct gp_kernel *out)
-{
-    struct gp_kernel_label *const l = &m->label;
-    struct gp_kernel k = {0};
-    struct gp_field field = field_of(l);
-    const int reach = l->radius ? l->radius + 1 : INT_MAX;
-    const int cut_w = gp_min(l->w, reach), cut_h = gp_min(l->h, reach);
-    const long long w = 2LL * cut_w - 1, h = 2LL * cut_h - 1;
-    if (w * h > most)
-        return gp_fail(log, GP_ERR_DATA, "%s: the kernel is too large (%lldx"
-                       "%lld, at most %lld pixels); give a smaller --size, a "
-                       "--radius, or raise --max-pixels", name, w, h, most);
-    // for the whole frame, to know what falls outside of it; where that is too
-    // large itself, all light counts as falling inside
-    const bool whole = (2LL * l->w - 1) * (2LL * l->h - 1) <= most;
-    field.w = whole ? l->w : cut_w;
-    field.h = whole ? l->h : cut_h;
-    gp_status st = gp_model_kernel(log, m->wanted.recipe, m->wanted.recipes,
-                                   &field, &k);
-    if (!st)
-        st = gp_kernel_whole(log, &k, cut_w, cut_h, out);
-    l->left_out = st ? 0.0 : out->left_out;
-    l->beyond = whole ? k.left_out : 0.0;
-    gp_kernel_free(&k);
-    return st;
+    struct glarepp_image image = GLAREPP_IMAGE;
+    const gp_status st =
+        (gp_status) glarepp_kernel_draw(k, &field, &image, label);
+    if (st)
+        return st;
+    *out = gp_frame_blank((struct gp_rect) {image.data.x0, image.data.y0,
+                                            image.data.x1, image.data.y1});
+    out->names_chromaticities = true;
+    for (int c = 0; c < 3; c++)
+        out->rgb.c[c] = image.plane[c];
+    return GP_OK;
 }
 
 // -- -o -----------------------------------------------------------------------
 
-/* Makes a frame of the kernel, whose centre is pixel (floor(w/2),
- * floor(h/2)): with the zero borders that make it symmetric. */
-static gp_status frame_of(const struct gp_log *log, const struct gp_kernel *k,
-                          struct gp_frame *f)
+/* Checks the names of outputs before anything is read. */
+static gp_status check_names(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_write_params *write,
+    struct gp_clobber *clobber)
 {
-    const int rx = gp_max(abs(k->cx), abs(k->w - 1 - k->cx));
-    const int ry = gp_max(abs(k->cy), abs(k->h - 1 - k->cy));
-    const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
-    *f = gp_frame_blank((struct gp_rect) {0, 0, (int) w, (int) h});
-    f->names_chromaticities = true;
-    gp_status st = gp_planes_make(log, "kernel", w * h, &f->rgb);
-    if (st)
-        return st;
-    for (int c = 0; c < 3; c++) {
-        memset(f->rgb.c[c], 0, w * h * sizeof(float));
-        for (int y = 0; y < k->h; y++)
-            memcpy(f->rgb.c[c] + (size_t) (y + ry - k->cy) * w +
-                       (size_t) (rx - k->cx),
-                   k->k.c[c] + (size_t) y * (size_t) k->w,
-                   (size_t) k->w * sizeof(float));
+    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
+    gp_status st;
+    GP_TRY(gp_clobber_begin(log, s, clobber));
+    for (int i = 0; i < s->output.pictures.n; i++) {
+        const char *const path = s->output.pictures.at[i];
+        GP_TRY(gp_write_hdr_check(log, write, keeps, path));
+        GP_TRY(gp_clobber_add(clobber, &(struct gp_clobber_output) {
+            .name = path, .what = "-o", .as = path, .order = i}));
     }
-    return GP_OK;
+    GP_TRY(gp_clobber_settle(clobber));
+out:
+    return st;
 }
 
-static gp_status write_kernel(const struct gp_log *log,
+/* Fills in the attributes of a kernel's file. */
+static gp_status make_texts(const struct gp_log *log,
+    const struct gp_settings *s, const struct glarepp_kernel *k,
+    const struct glarepp_label *label, struct gp_label_texts *out)
+{
+    const char *recipe[GP_LABEL_TEXTS];
+    int n = 0;
+    while (n < GP_LABEL_TEXTS && (recipe[n] = glarepp_kernel_recipe(k, n)))
+        n++;
+    return gp_label_write(log, &(struct gp_kernel_label) {
+        .present = true, .w = label->w, .h = label->h,
+        .radius = s->making.radius, .fov = label->fov,
+        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .compression = s->output.write.compression,
+        .left_out = label->left_out, .beyond = label->beyond}, recipe, n, out);
+}
+
+static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
                               const struct gp_settings *s)
 {
+    const struct gp_texts *const words = &s->kernel.words;
+    const struct gp_texts *const outputs = &s->output.pictures;
     gp_status st;
-    struct making m = {0};
-    struct gp_kernel k = {0};
+    struct glarepp_kernel *k = NULL;
+    struct glarepp_label label;
     struct gp_frame f = {0};
     struct gp_write_params write = s->output.write;
     struct gp_write_stats stats = {0};
     struct gp_clobber clobber = {0};
-    struct gp_label_texts labels = {.n = 0};
-    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
+    struct gp_label_texts texts = {.n = 0};
     write.type = GP_OUT_FLOAT;
-    GP_TRY(gp_clobber_begin(log, s, &clobber));
-    for (int i = 0; i < s->output.pictures.n; i++) {
-        const char *const path = s->output.pictures.at[i];
-        GP_TRY(gp_write_hdr_check(log, &write, keeps, path));
-        GP_TRY(gp_clobber_add(&clobber, &(struct gp_clobber_output) {
-            .name = path, .what = "-o", .as = path, .order = i}));
+    GP_TRY(check_names(log, s, &write, &clobber));
+    GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
+    for (int i = 0; i < words->n; i++) {
+        char path[PATH_MAX];
+        if (glarepp_kernel_path(words->at[i], path, sizeof path))
+            GP_TRY(gp_clobber_input(&clobber, "image of the kernel", path));
     }
-    GP_TRY(gp_clobber_settle(&clobber));
-    GP_TRY(making_of_settings(log, s, &m));
-    for (int i = 0; i < m.wanted.recipes; i++) {
-        if (m.wanted.recipe[i].image)
-            GP_TRY(gp_clobber_input(&clobber, "image of the kernel",
-                                    m.wanted.recipe[i].image->path));
-    }
-    GP_TRY(make_kernel(log, s->output.pictures.at[0], &m,
-                       s->input.read.max_pixels, &k));
-    GP_TRY(frame_of(log, &k, &f));
-    GP_TRY(gp_label_write(log, &m.label, m.wanted.recipe, m.wanted.recipes,
-                          &labels));
-    write.compression = m.label.compression;
-    write.added = labels.at;
-    write.n_added = labels.n;
-    for (int i = 0; i < s->output.pictures.n; i++)
-        GP_TRY(gp_write_picture(log, &write, s->output.pictures.at[i], &f,
-                                &f.rgb, GP_PICTURE_SCENE, &stats));
+    GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
+    GP_TRY(make_texts(log, s, k, &label, &texts));
+    write.added = texts.at;
+    write.n_added = texts.n;
+    for (int i = 0; i < outputs->n; i++)
+        GP_TRY(gp_write_picture(log, &write, outputs->at[i], &f, &f.rgb,
+                                GP_PICTURE_SCENE, &stats));
     gp_say(log, GP_LEVEL_INFO, "%s: %dx%d, %g degrees a pixel, left out %.3g",
-           s->output.pictures.at[0], gp_frame_w(&f), gp_frame_h(&f),
-           m.label.fov / m.label.h, k.left_out);
+           outputs->at[0], gp_frame_w(&f), gp_frame_h(&f),
+           label.fov / label.h, label.left_out);
 out:
     gp_clobber_end(&clobber);
-    gp_label_texts_free(&labels);
-    gp_wanted_kernel_free(&m.wanted);
-    gp_kernel_free(&k);
+    gp_label_texts_free(&texts);
+    glarepp_kernel_end(&k);
     gp_frame_free(&f);
     return st;
 }
@@ -158,7 +134,7 @@ out:
 // -- --list -------------------------------------------------------------------
 
 /* Prints a key with its preset, then the values it takes and its text. */
-static void print_key(const struct gp_model_key *k)
+static void print_key(const struct glarepp_key *k)
 {
     char text[512] = "";
     int used = 0, column = printf("  %s=", k->name);
@@ -179,110 +155,90 @@ static void print_key(const struct gp_model_key *k)
 
 static gp_status list_models(const struct gp_log *log)
 {
+    const char *name, *text, *more;
     printf("Models: -k MODEL:key=value,key=value (keys with their defaults)\n");
-    for (int i = 0; gp_models[i]; i++) {
-        const struct gp_model_key *const keys = gp_model_keys(gp_models[i]);
-        printf("\n%s: %s\n  (%s)\n", gp_model_name(gp_models[i]),
-               gp_model_text(gp_models[i]), gp_model_source(gp_models[i]));
-        for (int k = 0; keys[k].name; k++)
-            print_key(&keys[k]);
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, i, &text)); i++) {
+        struct glarepp_key key;
+        glarepp_name(NULL, GLAREPP_MODEL_SOURCES, i, &more);
+        printf("\n%s: %s\n  (%s)\n", name, text, more);
+        for (int k = 0; glarepp_key(i, k, &key); k++)
+            print_key(&key);
     }
     printf("\nPresets: -k builtin:NAME\n\n");
-    for (const struct gp_model_preset *p = gp_model_presets; p->name; p++)
-        printf("  %-10s %s\n  %-10s %s\n", p->name, p->text, "", p->recipe);
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESETS, i, &text));
+         i++) {
+        glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i, &more);
+        printf("  %-10s %s\n  %-10s %s\n", name, text, "", more);
+    }
     return gp_flush_text(log);
 }
 
 // -- --check ------------------------------------------------------------------
 
-/* A kernel and the frame to check it for. */
-struct checked {
-    struct gp_kernel k;
-    long long nonfinite;    // samples; where there are any, or none is `lit`,
-    bool lit;               // other than 0, `k` is empty
-    const char *name;
-    struct gp_kernel_label label;
-    float chromaticities[8], luminance[3];
-    bool named;             // the chromaticities are
-    struct gp_kernel_use use;
-};
-
-static gp_status check_of_model(const struct gp_log *log,
-                                const struct gp_settings *s, struct checked *c)
+/* True for a word that is the path of an image. */
+static bool is_path(const char *word)
 {
-    struct making m = {0};
-    struct gp_settings own = *s;
-    own.kernel.words = (struct gp_texts) {(const char **) &c->name, 1};
-    gp_status st = making_of_settings(log, &own, &m);
-    if (!st)
-        st = make_kernel(log, c->name, &m, s->input.read.max_pixels, &c->k);
-    c->use.share = gp_wanted_share(&m.wanted);
-    c->lit = true;
-    gp_wanted_kernel_free(&m.wanted);
-    memcpy(c->luminance, gp_rec709_luminance, sizeof c->luminance);
-    memcpy(c->chromaticities, gp_rec709_chromaticities,
-           sizeof c->chromaticities);
-    c->named = true;
-    c->label = m.label;
+    char path[PATH_MAX];
+    return glarepp_kernel_path(word, path, sizeof path) &&
+           strcmp(path, word) == 0;
+}
+
+/* Draws the kernel of a recipe, or reads that of a file. */
+static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
+    const struct gp_settings *s, struct gp_frame *out,
+    struct glarepp_label *label)
+{
+    const char *const word = s->making.check;
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
+    struct glarepp_kernel *k = NULL;
+    struct gp_kernel_label own;
+    gp_status st;
+    if (is_path(word)) {
+        GP_TRY(gp_read_frame(log, &limits, word, out));
+        GP_TRY(gp_label_read(log, out, &own));
+        *label = gp_label_of(&own);
+    } else {
+        GP_TRY(read_kernel(gp, s, &word, 1, &k));
+        GP_TRY(draw_kernel(k, s, word, out, label));
+    }
+out:
+    glarepp_kernel_end(&k);
     return st;
 }
 
-static gp_status check_of_file(const struct gp_log *log,
-                               const struct gp_settings *s, struct checked *c)
+/* Finds the brightest source of a frame, and its size. */
+static gp_status look_at_frame(const struct gp_log *log, struct glarepp *gp,
+    const struct gp_settings *s, const char *path,
+    struct glarepp_kernel_use *use)
 {
     const struct gp_read_params limits = gp_read_limits(&s->input.read);
-    const struct gp_kernel_params p = {
-        .normalize = GP_NORMALIZE_NONE, .rotate = s->kernel.image.rotate,
-        .scale = s->kernel.percent / 100.0,
-    };
-    struct gp_frame f;
-    gp_status st = gp_read_frame(log, &limits, c->name, &f);
-    if (st)
-        return st;
-    for (int i = 0; i < 3; i++) {
-        for (size_t j = 0; j < gp_frame_pixels(&f); j++) {
-            c->nonfinite += !isfinite(f.rgb.c[i][j]);
-            c->lit |= fabsf(f.rgb.c[i][j]) >= FLT_MIN;
-        }
-    }
-    memcpy(c->luminance, f.luminance, sizeof c->luminance);
-    memcpy(c->chromaticities, f.chromaticities, sizeof c->chromaticities);
-    c->named = f.names_chromaticities;
-    st = gp_label_read(log, &f, &c->label);
-    if (!st && !c->nonfinite && c->lit)
-        st = gp_kernel_from_frame(log, &p, &f, &c->k);
-    c->k.left_out = c->label.left_out;
-    c->use.share = c->label.share;
+    struct glarepp_plan_params how = GLAREPP_PLAN_PARAMS;
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_plan *plan = NULL;
+    struct glarepp_frame *frame = NULL;
+    struct gp_frame f = {0};
+    gp_status st;
+    how.sense = &s->light.sense;
+    GP_TRY(gp_read_frame(log, &limits, path, &f));
+    use->w = gp_frame_w(&f);
+    use->h = gp_frame_h(&f);
+    p.image = gp_image_of(&f, &f.rgb);
+    p.in_place = true;
+    GP_TRY(glarepp_plan(gp, &how, &plan));
+    GP_TRY(glarepp_frame(plan, &p, &frame));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_SENSE));
+    use->brightest = (double) glarepp_frame_facts(frame)->sense.brightest;
+out:
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&plan);
     gp_frame_free(&f);
     return st;
 }
 
-/* The brightest source of a frame, and its size. */
-static gp_status look_at_frame(const struct gp_log *log,
-    const struct gp_settings *s, const char *path, double *brightest, int *w,
-    int *h)
+static void print_primaries(const struct gp_frame *f)
 {
-    const struct gp_read_params limits = gp_read_limits(&s->input.read);
-    struct gp_frame f;
-    struct gp_sources src;
-    gp_status st = gp_read_frame(log, &limits, path, &f);
-    if (st)
-        return st;
-    *w = gp_frame_w(&f);
-    *h = gp_frame_h(&f);
-    st = gp_sense(log, &s->light.sensor, &f, &src);
-    if (!st) {
-        *brightest = (double) src.brightest;
-        gp_sources_free(&src);
-    }
-    gp_frame_free(&f);
-    return st;
-}
-
-static void print_primaries(const struct checked *c)
-{
-    const float *const p = c->chromaticities;
-    if (c->named)
+    const float *const p = f->chromaticities;
+    if (f->names_chromaticities)
         printf("primaries  %g,%g %g,%g %g,%g, white %g,%g\n", (double) p[0],
                (double) p[1], (double) p[2], (double) p[3], (double) p[4],
                (double) p[5], (double) p[6], (double) p[7]);
@@ -290,77 +246,65 @@ static void print_primaries(const struct checked *c)
         printf("primaries  not named: used as it is in any frame\n");
 }
 
-static void print_figures(const struct checked *c,
-                          const struct gp_kernel_figures *f)
+static void print_figures(const struct glarepp_kernel_figures *f, bool labelled)
 {
-    const struct gp_kernel *const k = &c->k;
-    const struct gp_kernel_place *const p = &f->place;
-    printf("size       %dx%d, centre %d,%d\n", k->w, k->h, k->cx, k->cy);
+    printf("size       %dx%d, centre %d,%d\n", f->w, f->h, f->centre[0],
+           f->centre[1]);
     printf("sum        %.7g %.7g %.7g, luminance %.7g\n", f->sum[0], f->sum[1],
            f->sum[2], f->light);
-    printf("peak       %.7g at %d,%d\n", p->peak, p->peak_at[0],
-           p->peak_at[1]);
-    printf("centroid   %.4f,%.4f\n", round(1e4 * p->centroid[0]) / 1e4 + 0.0,
-           round(1e4 * p->centroid[1]) / 1e4 + 0.0);
+    printf("peak       %.7g at %d,%d\n", f->peak, f->peak_at[0],
+           f->peak_at[1]);
+    printf("centroid   %.4f,%.4f\n", round(1e4 * f->centroid[0]) / 1e4 + 0.0,
+           round(1e4 * f->centroid[1]) / 1e4 + 0.0);
     printf("own pixel  %.4g %%\n", 100.0 * f->own);
     printf("border     %.3g %%\n", 100.0 * f->border);
     printf("rim        %.3g\n", f->rim);
     printf("negatives  %lld\n", f->negatives);
-    printf("asymmetry  %.3g %%\n", 100.0 * p->asymmetry);
-    if (c->label.present)
+    printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
+    if (labelled)
         printf("left out   %.3g %%, of which %.3g %% in the frame\n",
                f->left_out > (double) FLT_EPSILON ? 100.0 * f->left_out : 0.0,
-               100.0 * c->use.missed);
+               100.0 * f->missed);
 }
 
 /* Prints figures and faults, for a source of 1000 where no frame is given. */
-static gp_status check_kernel(const struct gp_log *log,
+static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
                               const struct gp_settings *s, bool *faulty)
 {
-    struct checked c = {
-        .name = s->making.check,
-        .use = {.add = s->light.compose.mix == GP_MIX_ADD, .brightest = 1000.0},
+    const char *const name = s->making.check;
+    struct glarepp_kernel_use use = {
+        .brightest = 1000.0, .percent = s->kernel.image.percent,
+        .add = s->light.layer.mix == GLAREPP_ADD,
     };
-    struct gp_kernel_figures f = {0};
-    char line[GP_FAULT_BYTES];
-    gp_status st = gp_recipe_is(c.name) ? check_of_model(log, s, &c)
-                                        : check_of_file(log, s, &c);
-    int w = c.label.present ? c.label.w : INT_MAX;
-    int h = c.label.present ? c.label.h : INT_MAX;
-    if (!st && s->input.files.n)
-        st = look_at_frame(log, s, s->input.files.at[0], &c.use.brightest, &w,
-                           &h);
-    if (st)
-        goto out;
-    gp_label_use(&c.label, s->kernel.percent / 100.0, &c.k, w, h, &c.use);
-    c.use.resampled = c.k.unturned || s->kernel.percent != 100.0;
-    printf("kernel     %s\n", gp_printable(c.name).text);
-    print_primaries(&c);
-    f.nonfinite = c.nonfinite;
-    f.measured = !c.nonfinite; // of no light the sums are 0
-    if (!c.nonfinite && c.lit) {
-        gp_kernel_measure(&c.k, c.luminance, &f);
-        print_figures(&c, &f);
-        if (!c.use.as_it_is && f.light > 0.0)
-            f.rim /= f.light; // as a run normalises it
-    }
-    for (int i = 0; i < GP_KERNEL_RULES; i++) {
-        if (!gp_kernel_fault(&f, &c.use, (enum gp_kernel_rule) i, line))
-            continue;
-        printf("fault: %s\n", line);
-        *faulty = true;
-    }
+    struct glarepp_kernel_figures figures;
+    struct gp_frame f = {0};
+    gp_status st;
+    GP_TRY(find_checked(log, gp, s, &f, &use.label));
+    if (s->input.files.n)
+        GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
+    struct glarepp_image image = gp_image_of(&f, &f.rgb);
+    image.name = name;
+    if (is_path(name)) // what was drawn is turned already
+        use.rotate = (double) s->kernel.rotate;
+    GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
+    printf("kernel     %s\n", gp_printable(name).text);
+    print_primaries(&f);
+    if (!figures.nonfinite && figures.lit)
+        print_figures(&figures, use.label.present);
+    for (int i = 0; i < figures.faults; i++)
+        printf("fault: %s\n", figures.fault[i]);
+    *faulty = figures.faults > 0;
     st = gp_flush_stdout(log);
 out:
-    gp_kernel_free(&c.k);
+    gp_frame_free(&f);
     return st;
 }
 
-gp_status gp_kernel_command(const struct gp_log *log,
+gp_status gp_kernel_command(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s, bool *faulty)
 {
     *faulty = false;
     return s->making.list    ? list_models(log)
-           : s->making.check ? check_kernel(log, s, faulty)
-                             : write_kernel(log, s);
+           : s->making.check ? check_kernel(log, gp, s, faulty)
+                             : write_kernel(log, gp, s);
 }

@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "io/plane.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,16 +41,14 @@ static gp_status add_number(const struct gp_log *log, struct gp_label_texts *l,
 }
 
 gp_status gp_label_write(const struct gp_log *log,
-    const struct gp_kernel_label *l, const struct gp_recipe *r, int n,
+    const struct gp_kernel_label *l, const char *const *recipe, int n,
     struct gp_label_texts *out)
 {
     char text[VALUE_BYTES];
     gp_status st = GP_OK;
     for (int i = 0; i < n && !st; i++) {
-        char *const recipe = gp_recipe_text(&r[i]);
         recipe_name(i, text);
-        st = add_text(log, out, text, recipe);
-        gp_free(recipe);
+        st = add_text(log, out, text, recipe[i]);
     }
     const struct gp_option_choice *c = gp_compressions;
     while (c->name && c->value != (int) l->compression)
@@ -123,69 +122,76 @@ static struct gp_kernel_label read_label(const struct gp_frame *f)
     return l;
 }
 
-/* The file and attribute that a message is about. */
-struct place {
-    const struct gp_log *log;
-    const char *path, *attribute;
-};
-
-static void put_place_first(void *user, const struct gp_line *line)
+/* Returns the share that a recipe takes of a pixel's light. */
+static double share_of(const char *recipe)
 {
-    const struct place *const p = user;
-    if (line->level == GP_LEVEL_ERROR || line->level == GP_LEVEL_BARE)
-        (void) gp_fail(p->log, GP_ERR_DATA, "%s: %s: %s", p->path, p->attribute,
-                       line->text);
+    static const char key[] = "share=";
+    for (const char *at = recipe; (at = strstr(at, key)); at++) {
+        if (at > recipe && (at[-1] == ':' || at[-1] == ','))
+            return strtod(at + strlen(key), NULL);
+    }
+    return 1.0;
 }
 
-/* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure. */
-static gp_status read_recipes(const struct gp_log *log,
-    const struct gp_frame *f, struct gp_recipe *r, int *n)
+/* Checks the recipes, and adds up their shares. Their pictures are not read: the
+ * samples are in the file. */
+static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
+                              const struct gp_frame *f, double *share)
 {
     gp_status st = GP_OK;
-    for (*n = 0; *n < GP_RECIPES && !st;) {
+    for (int i = 0; i < GP_LABEL_RECIPES && !st; i++) {
         char name[VALUE_BYTES];
-        struct place place = {log, f->path, name};
-        const struct gp_log placed = {put_place_first, &place, GP_LEVEL_WARN};
-        recipe_name(*n, name);
+        struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
+        struct glarepp_kernel *k;
+        recipe_name(i, name);
         char *const text = gp_frame_text(f, name);
+        const char *const word[] = {text};
         if (!text)
             break;
-        st = gp_recipe_parse(&placed, text, &r[*n]);
-        *n += !st;
+        p.word = word;
+        p.words = 1;
+        st = (gp_status) glarepp_kernel(quiet, &p, &k);
+        glarepp_kernel_end(&k);
+        const bool picture =
+            st && strcmp(glarepp_error()->parameter, "params.picture") == 0;
+        char path[PATH_MAX];
+        if (picture && glarepp_kernel_path(text, path, sizeof path) &&
+            strcmp(path, text) == 0)
+            st = gp_fail(log, GP_ERR_DATA, "%s: %s: no model of kernels has "
+                         "this name (found %s)", f->path, name, text);
+        else if (picture)
+            st = GP_OK;
+        else if (st)
+            st = gp_fail(log, st == GP_ERR_BUG ? st : GP_ERR_DATA,
+                         "%s: %s: %s", f->path, name, glarepp_error()->text);
+        *share += share_of(text);
         gp_free(text);
     }
-    return st == GP_ERR_USAGE ? GP_ERR_DATA : st;
+    *share = fmin(*share, 1.0);
+    return st;
 }
 
 gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
                         struct gp_kernel_label *out)
 {
-    struct gp_recipe r[GP_RECIPES];
-    int n = 0;
+    const struct glarepp_params params = {.size = sizeof params, .threads = 1};
+    struct glarepp *quiet = NULL;
     gp_status st = GP_OK;
     char *const first = gp_frame_text(f, "glarepp:recipe");
     *out = first ? read_label(f) : (struct gp_kernel_label) {.present = false};
     if (first)
-        st = read_recipes(log, f, r, &n);
+        st = (gp_status) glarepp_open(&params, &quiet);
+    if (first && !st)
+        st = read_recipes(log, quiet, f, &out->share);
+    glarepp_close(&quiet);
     gp_free(first);
-    while (n > 0) {
-        out->share = fmin(out->share + r[--n].value[0], 1.0);
-        gp_recipe_free(&r[n]);
-    }
     return st;
 }
 
-// -- use ----------------------------------------------------------------------
-
-void gp_label_use(const struct gp_kernel_label *l, double scale,
-                  const struct gp_kernel *k, int w, int h,
-                  struct gp_kernel_use *use)
+struct glarepp_label gp_label_of(const struct gp_kernel_label *l)
 {
-    const bool covers = k->w >= 2LL * w - 1 && k->h >= 2LL * h - 1;
-    const bool fits = w <= ceil(l->w * scale) && h <= ceil(l->h * scale);
-    use->as_it_is = l->present;
-    use->missed = l->present && !covers
-                      ? fmax(l->left_out - (fits ? l->beyond : 0.0), 0.0)
-                      : 0.0;
-    use->ends = l->present ? use->missed > 1e-5 : !covers;
+    return (struct glarepp_label) {
+        .present = l->present, .w = l->w, .h = l->h, .fov = l->fov,
+        .left_out = l->left_out, .beyond = l->beyond, .share = l->share,
+    };
 }

@@ -3,10 +3,8 @@
 #ifndef GP_APP_KERNEL_LABEL_H
 #define GP_APP_KERNEL_LABEL_H
 
-#include "core/frame.h"
 #include "core/status.h"
-#include "glare/kernel_check.h"
-#include "glare/model/model.h"
+#include "glarepp.h"
 #include "io/write.h"
 
 #include <stdbool.h>
@@ -26,7 +24,7 @@ struct gp_kernel_label {
 };
 
 /* Texts for gp_write_params.added; names and texts are owned. */
-enum { GP_LABEL_TEXTS = GP_RECIPES + 8 };
+enum { GP_LABEL_RECIPES = 8, GP_LABEL_TEXTS = GP_LABEL_RECIPES + 8 };
 struct gp_label_texts {
     struct gp_attribute at[GP_LABEL_TEXTS];
     int n;
@@ -35,7 +33,7 @@ struct gp_label_texts {
 /* Writes the attributes of n recipes. *out is zero before; free it in any case
  * with gp_label_texts_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_label_write(const struct gp_log *log,
-    const struct gp_kernel_label *l, const struct gp_recipe *r, int n,
+    const struct gp_kernel_label *l, const char *const *recipe, int n,
     struct gp_label_texts *out);
 void gp_label_texts_free(struct gp_label_texts *t);
 
@@ -46,13 +44,7 @@ void gp_label_texts_free(struct gp_label_texts *t);
 GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
     const struct gp_frame *f, struct gp_kernel_label *out);
 
-/* Sets how a kernel from the file is used for frames of w x h pixels, where a
- * pixel of the file is `scale` of the frame's: use->missed, what the file leaves
- * out less what falls outside of the frame it was made for (if these are no
- * larger); use->ends, true for an image that does not say how it was made and
- * is smaller than the frames' offsets; use->as_it_is. */
-void gp_label_use(const struct gp_kernel_label *l, double scale,
-                  const struct gp_kernel *k, int w, int h,
-                  struct gp_kernel_use *use);
+/* Returns it as the library takes it. */
+struct glarepp_label gp_label_of(const struct gp_kernel_label *l);
 
 #endif

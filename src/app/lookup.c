@@ -2,6 +2,7 @@
 #include "app/options.h"
 
 #include <float.h>
+#include <limits.h>
 #include <string.h>
 
 // -- commands ----------------------------------------------------------------
@@ -125,6 +126,17 @@ bool gp_option_given(const struct gp_settings *s, const char *name)
     return o && (s->words.given[i / 64] >> i % 64 & 1);
 }
 
+const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
+                                                const void *field)
+{
+    const int v = o->kind == GP_KIND_EITHER ? *(const bool *) field
+                                            : *(const int *) field;
+    const struct gp_option_choice *c = o->choices;
+    while (c->name && c->value != v)
+        c++;
+    return c->name ? c : NULL;
+}
+
 const struct gp_option *gp_option_letter(char letter, unsigned commands)
 {
     for (const struct gp_option *o = gp_options; o->name && letter; o++) {
@@ -132,4 +144,19 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands)
             return o;
     }
     return NULL;
+}
+
+// -- what values ask for -----------------------------------------------------
+
+bool gp_kernel_is_file(const char *word)
+{
+    char path[PATH_MAX];
+    return glarepp_kernel_path(word, path, sizeof path) &&
+           strcmp(path, word) == 0;
+}
+
+bool gp_lights_wanted(const struct gp_settings *s)
+{
+    return s->sun.at.n || s->sun.dir.n || s->sun.p.cameras || s->sun.p.file ||
+           s->scene.path;
 }

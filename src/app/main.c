@@ -2,14 +2,14 @@
 #include "app/commands.h"
 #include "app/compare_report.h"
 #include "app/environment.h"
+#include "app/hints.h"
 #include "app/jobs.h"
 #include "app/options.h"
+#include "app/pictures.h"
 #include "app/progress.h"
-#include "app/stages.h"
 #include "bench/bench.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "gl/gl.h"
 #include "io/file.h"
 #include "io/read.h"
 #include "io/write.h"
@@ -50,17 +50,20 @@ static void print_line(void *user, const struct gp_line *line)
 }
 
 /* Prints the installed flares to stdout, one a line. */
-static gp_status list_flares(const struct gp_log *log)
+static gp_status list_flares(const struct gp_log *log, struct glarepp *gp)
 {
-    char list[4096];
-    const gp_status st = gp_flare_presets(log, "list", "\n", list, sizeof list);
-    if (!st)
-        puts(list);
-    return st;
+    const char *name = glarepp_name(gp, GLAREPP_FLARES, 0, NULL);
+    if (!name)
+        return gp_fail(log, GP_ERR_IO, "preset:list: no flares beside the "
+                       "program; install it whole, or name their folder's "
+                       "parent in GLAREPP_EXAMPLES");
+    for (int i = 0; (name = glarepp_name(gp, GLAREPP_FLARES, i, NULL)); i++)
+        puts(name);
+    return GP_OK;
 }
 
 /* Prints help, versions, the table or flares to stdout. */
-static gp_status print_text(const struct gp_log *log,
+static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s)
 {
     gp_status st = GP_OK;
@@ -79,7 +82,7 @@ static gp_status print_text(const struct gp_log *log,
     else if (s->words.help_table)
         gp_help_table(stdout);
     else if (s->words.list_flares)
-        st = list_flares(log);
+        st = list_flares(log, gp);
     else {
         gp_io_versions(io, sizeof io);
         printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
@@ -91,8 +94,8 @@ static gp_status print_text(const struct gp_log *log,
 
 // -- the commands ------------------------------------------------------------
 
-static gp_status make_frames(const struct gp_log *log, struct voice *voice,
-                             const struct gp_settings *s)
+static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
+                             struct voice *voice, const struct gp_settings *s)
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
@@ -102,58 +105,11 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
         gp_progress_open(&progress, stderr, s->run.progress,
                          s->run.level == GP_LEVEL_ERROR);
         voice->progress = &progress;
-        st = gp_pipeline_run(log, s, &jobs, &progress);
+        st = gp_pipeline_run(log, gp, s, &jobs, &progress);
         voice->progress = NULL;
         gp_progress_close(&progress);
     }
     gp_jobs_free(&jobs);
-    return st;
-}
-
-static gp_status run_bench(const struct gp_log *log,
-                           const struct gp_settings *s)
-{
-    char *const input = s->input.files.n ? (char *) s->input.files.at[0] : NULL;
-    struct gp_job suns = {.input = input};
-    struct gp_sun_files files = {s, &suns};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    struct gp_wanted_kernel wanted = {0};
-    struct gp_bench_layers layers = {0};
-    gp_status st = gp_wanted_kernel_read(log, s, &wanted);
-    if (!st)
-        st = gp_bench_layers_begin(log, s, input, &layers);
-    if (st) {
-        gp_wanted_kernel_free(&wanted);
-        return st;
-    }
-    const struct gp_kernel_params image = gp_wanted_params(s, &wanted);
-    const struct gp_bench_request req = {
-        .params = &s->bench,
-        .input = input,
-        .default_kernel = !gp_option_given(s, "kernel"),
-        .read = &s->input.read,
-        .sensor = &s->light.sensor,
-        .kernel = &image,
-        .kernel_name = gp_option_given(s, "kernel") ? s->kernel.words.at[0]
-                                                    : s->light.style,
-        .kernel_image = &wanted.image[0],
-        .recipe = wanted.recipe,
-        .recipes = wanted.recipes,
-        .fov = (double) s->kernel.fov,
-        .glare = &s->glare,
-        .compose = &s->light.compose,
-        .tone = &s->tone.map,
-        .sun = &s->sun,
-        .reader = &reader,
-        .layer = layers.row,
-        .layers = layers.rows,
-    };
-    st = gp_clobber_check(log, s, "input", input);
-    gp_environment_set_gl(gp_threads()); // while there is one thread
-    if (!st)
-        st = gp_bench_run(log, &req);
-    gp_bench_layers_end(&layers);
-    gp_wanted_kernel_free(&wanted);
     return st;
 }
 
@@ -184,24 +140,73 @@ static char *cache_file(const char *name)
     return path;
 }
 
+/* Opens the library with what the options and the environment say, and enters
+ * it: loops of files run in its threads too. */
+static gp_status open_library(struct gp_listener *user, struct glarepp **out)
+{
+    struct glarepp_params p = GLAREPP_PARAMS;
+    const struct gp_settings *const s = user->s;
+    p.threads = s->run.threads;
+    p.level = s->run.level >= GP_LEVEL_INFO ? GLAREPP_NOTE : GLAREPP_WARNING;
+    p.message = gp_hear; // (reports have warnings that are not printed)
+    p.picture = gp_picture_read;
+    p.release = gp_picture_release;
+    p.user = user;
+    p.keep_memory = true;
+    gp_environment_read(&p);
+    const int st = glarepp_open(&p, out);
+    if (!st)
+        glarepp_enter(*out);
+    return (gp_status) st;
+}
+
+/* Runs a command; *status is that of compare, *differs as commands say. */
+static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
+                             struct voice *voice, const struct gp_settings *s,
+                             int *status, bool *differs)
+{
+    if (s->words.help || s->words.help_table || s->words.version ||
+        s->words.list_flares)
+        return print_text(log, gp, s);
+    switch (s->command) {
+    case GP_COMMAND_HELP:
+        return print_text(log, gp, s);
+    case GP_COMMAND_BENCH:
+        return gp_bench_command(log, gp, s);
+    case GP_COMMAND_COMPARE:
+        *status = gp_compare_command(log, gp, s);
+        return GP_OK;
+    case GP_COMMAND_KERNEL:
+        return gp_kernel_command(log, gp, s, differs);
+    case GP_COMMAND_SETS:
+        gp_environment_set_gl(gp_threads()); // while there is one thread
+        return gp_sets_command(log, gp, s, differs);
+    case GP_COMMAND_STYLES:
+        return gp_styles_command(log, gp, s);
+    case GP_COMMAND_LENS:
+        return gp_lens_command(log, gp, s, differs);
+    case GP_COMMAND_MAIN:
+        break;
+    }
+    return make_frames(log, gp, voice, s);
+}
+
 int main(int argc, char *argv[])
 {
-    static struct gp_env env;
     struct gp_settings s;
+    struct glarepp *gp = NULL;
     char *wisdom = NULL;
     int status = 0;
     bool differs = false; // from a claim, or rows of a table
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
+    struct gp_listener user = {&log, &s};
     // a picture must not get the descriptor of a closed standard stream; that
     // is opened in the wrong direction, so that using it is an error
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
         if (fcntl(fd, F_GETFD) < 0)
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
-    gp_environment_read(&env);
-    gp_env_use(&env);
-    gp_keep_memory();
     gp_write_keep_memory();
     gp_temp_cleanup_on_signal();
     // a write that fails is an error with a message, not a silent death
@@ -209,33 +214,20 @@ int main(int argc, char *argv[])
     signal(SIGXFSZ, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.run.level;
-    gp_set_threads(st ? 1 : s.run.threads);
     voice.file = !st && s.input.files.n ? s.input.files.at[0] : NULL;
-    if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
-        s.glare.wisdom = wisdom = cache_file("fft-wisdom");
-    if (!st && (s.words.help || s.words.help_table || s.words.version ||
-                s.words.list_flares || s.command == GP_COMMAND_HELP)) {
-        st = print_text(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_BENCH) {
-        st = run_bench(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_COMPARE) {
-        status = gp_compare_command(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_KERNEL) {
-        st = gp_kernel_command(&log, &s, &differs);
-    } else if (!st && s.command == GP_COMMAND_SETS) {
-        gp_environment_set_gl(gp_threads()); // while there is one thread
-        st = gp_sets_command(&log, &s, &differs);
-    } else if (!st && s.command == GP_COMMAND_STYLES) {
-        st = gp_styles_command(&log, &s);
-    } else if (!st && s.command == GP_COMMAND_LENS) {
-        st = gp_lens_command(&log, &s, &differs);
-    } else if (!st) {
-        st = make_frames(&log, &voice, &s);
-    }
+    if (!st && s.light.layer.measure)
+        s.light.layer.wisdom = wisdom = cache_file("fft-wisdom");
+    if (!st)
+        st = open_library(&user, &gp);
+    if (!st)
+        st = run_command(&log, gp, &voice, &s, &status, &differs);
     if (s.command == GP_COMMAND_COMPARE && st == GP_ERR_USAGE)
         status = GP_COMPARE_USAGE;
     else if (st || differs)
         status = st ? (int) st : 1;
+    if (gp)
+        glarepp_leave(gp);
+    glarepp_close(&gp);
     gp_settings_free(&s);
     free(wisdom);
     return status;

@@ -1,9 +1,9 @@
-/* Lists that the table of options names: its headings, and values that other
- * rooms list. */
+/* Lists that the table of options names: its headings, and values that the
+ * library and io list. */
 #include "app/options.h"
 
-#include "glare/engine.h"
-#include "tone/tone.h"
+#include <stdio.h>
+#include <string.h>
 
 const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",
@@ -36,9 +36,9 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
 };
 
 const struct gp_option_choice gp_gls[] = {
-    {"auto", GP_GL_AUTO, "osmesa, or egl where OSMesa cannot be opened"},
-    {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
-    {"egl", GP_GL_EGL, "a GPU where there is one, else Mesa's surfaceless "
+    {"auto", GLAREPP_GL_AUTO, "osmesa, or egl where OSMesa cannot be opened"},
+    {"osmesa", GLAREPP_OSMESA, "Mesa's off-screen library, on the CPU"},
+    {"egl", GLAREPP_EGL, "a GPU where there is one, else Mesa's surfaceless "
      "platform on the CPU"},
     {0},
 };
@@ -129,16 +129,42 @@ const char *gp_engine_name(int i, const char **text)
                 "frame alone; whichever keeps the tolerance";
         return "auto";
     }
-    const struct gp_engine *e = gp_engines[i - 1];
-    *text = e ? e->text : NULL;
-    return e ? e->name : NULL;
+    return glarepp_name(NULL, GLAREPP_ENGINES, i - 1, text);
 }
 
 const char *gp_curve_name(int i, const char **text)
 {
-    const struct gp_tone_curve *c = gp_tone_curves[i];
-    *text = c ? c->text : NULL;
-    return c ? c->name : NULL;
+    return glarepp_name(NULL, GLAREPP_CURVES, i, text);
+}
+
+/* Returns true where a preset has the name of a model. */
+static bool has_preset(const char *model)
+{
+    const char *name;
+    int i = 0;
+    while ((name = glarepp_name(NULL, GLAREPP_PRESETS, i, NULL)) &&
+           strcmp(name, model) != 0)
+        i++;
+    return name != NULL;
+}
+
+const char *gp_kernel_word(int i, const char **text)
+{
+    static char word[64];
+    const char *name;
+    int presets = 0;
+    while ((name = glarepp_name(NULL, GLAREPP_PRESETS, presets, text))) {
+        if (presets++ < i)
+            continue;
+        snprintf(word, sizeof word, "builtin:%s", name);
+        return word;
+    }
+    i -= presets;
+    for (int k = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, k, text)); k++) {
+        if (!has_preset(name) && i-- == 0)
+            break;
+    }
+    return name;
 }
 
 const char *gp_grow_word(int i, const char **text)

@@ -2,7 +2,6 @@
 
 #include "app/flight.h"
 #include "app/styles.h"
-#include "glare/model/model.h"
 
 #include <float.h>
 
@@ -12,16 +11,15 @@ const struct gp_settings gp_defaults = {
     .output.write = GP_WRITE_DEFAULTS,
     .light = {
         .style = GP_STYLE_USUAL,
-        .sensor = GP_SENSOR_DEFAULTS,
-        .compose = GP_COMPOSE_DEFAULTS,
-        .edges = GP_SURROUND_EXTEND,
+        .sense = GLAREPP_SENSE_PARAMS,
+        .layer = GLAREPP_LAYER_PARAMS,
     },
-    .glare = GP_GLARE_DEFAULTS,
-    .sun = GP_SUN_DEFAULTS,
-    .tone.map = GP_TONE_DEFAULTS,
+    .kernel.image = GLAREPP_KERNEL_PARAMS,
+    .sun.p = GLAREPP_LIGHT_PARAMS,
+    .tone.map = GLAREPP_TONE_PARAMS,
     .bench = GP_BENCH_DEFAULTS,
-    .table = GP_TABLE_DEFAULTS,
-    .compare = {.limits = GP_COMPARE_DEFAULTS, .scale = 1.0f},
+    .sets = GLAREPP_SETS_PARAMS,
+    .compare = {.limits = GLAREPP_COMPARE_PARAMS, .scale = 1.0f},
     .run.level = GP_LEVEL_WARN,
 };
 
@@ -31,68 +29,68 @@ static const struct gp_option_choice gp_normalizes[] = {
     {"none", GP_NORMALIZE_NONE, "not at all: use the values of the file"}, {0},
 };
 static const struct gp_option_choice gp_mixes[] = {
-    {"scatter", GP_MIX_SCATTER, "add the layer and subtract its light from the "
-     "sources, which conserves energy; a gain over 1 adds light"},
-    {"add", GP_MIX_ADD, "add the layer to the frame"},
+    {"scatter", GLAREPP_SCATTER, "add the layer and subtract its light from "
+     "the sources, which conserves energy; a gain over 1 adds light"},
+    {"add", GLAREPP_ADD, "add the layer to the frame"},
     {0},
 };
 static const struct gp_option_choice gp_edges_ways[] = {
-    {"extend", GP_SURROUND_EXTEND, "with the broad light of its border, without "
+    {"extend", GLAREPP_EXTEND, "with the broad light of its border, without "
      "lamps; the default with --mix scatter"},
-    {"mirror", GP_SURROUND_MIRROR, "with its mirror image, a quarter of its shorter "
-     "side wide, then as extend; takes up to twice the time"},
-    {"black", GP_SURROUND_BLACK, "not at all: light that leaves the picture is "
+    {"mirror", GLAREPP_MIRROR, "with its mirror image, a quarter of its "
+     "shorter side wide, then as extend; takes up to twice the time"},
+    {"black", GLAREPP_BLACK, "not at all: light that leaves the picture is "
      "lost; the default with --mix add"},
     {0},
 };
 static const struct gp_option_choice gp_threshold_modes[] = {
-    {"excess", GP_THRESHOLD_EXCESS, "the part of its luminance Y that is over "
+    {"excess", false, "the part of its luminance Y that is over "
      "T: its colour times (Y - T) / Y"},
-    {"whole", GP_THRESHOLD_WHOLE, "all of its colour, as the sensors of Ando "
+    {"whole", true, "all of its colour, as the sensors of Ando "
      "et al.; the picture has a step at the threshold"},
     {0},
 };
 static const struct gp_option_choice gp_depth_types[] = {
-    {"z", GP_DEPTH_Z, "distance along the view axis"},
-    {"ray", GP_DEPTH_RAY, "distance from the camera"},
-    {"inverse", GP_DEPTH_INVERSE, "1 / z; 0 is empty"},
-    {"normalized", GP_DEPTH_NORMALIZED, "0 near to 1 far, or 1 near to 0 far "
+    {"z", GLAREPP_Z, "distance along the view axis"},
+    {"ray", GLAREPP_RAY, "distance from the camera"},
+    {"inverse", GLAREPP_INVERSE, "1 / z; 0 is empty"},
+    {"normalized", GLAREPP_NORMALIZED, "0 near to 1 far, or 1 near to 0 far "
      "where the background is 0"},
     {0},
 };
 static const struct gp_option_choice gp_sun_methods[] = {
-    {"exact", GP_SUN_EXACT, "the area of every pixel under the disc, in "
+    {"exact", GLAREPP_EXACT, "the area of every pixel under the disc, in "
      "double, on the CPU; no GL"},
-    {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: a sun map of samples, "
-     "added up in a pixel"},
-    {"readback", GP_SUN_READBACK, "read the region under the light back from "
+    {"mask", GLAREPP_MASK, "Maughan's texture masking on GL: a sun map of "
+     "samples, added up in a pixel"},
+    {"readback", GLAREPP_READBACK, "read the region under the light back from "
      "GL and count its clear pixels"},
     {0},
 };
 static const struct gp_option_choice gp_patterns[] = {
-    {"disc", GP_PATTERN_DISC, "equal-area samples of the disc"},
-    {"square", GP_PATTERN_SQUARE, "the square around it, as in the paper"}, {0},
+    {"disc", false, "equal-area samples of the disc"},
+    {"square", true, "the square around it, as in the paper"}, {0},
 };
 static const struct gp_option_choice gp_sums[] = {
-    {"float", GP_SUM_FLOAT, "every texel, in float"},
-    {"8bit", GP_SUM_BYTE, "in 8 bits, 1/255 a texel, as in the paper"},
+    {"float", false, "every texel, in float"},
+    {"8bit", true, "in 8 bits, 1/255 a texel, as in the paper"},
     {0},
 };
 static const struct gp_option_choice gp_outsides[] = {
-    {"ignore", GP_OUTSIDE_IGNORE, "measure only the part inside"},
-    {"visible", GP_OUTSIDE_VISIBLE, "as visible, with its glare and flare"},
-    {"hidden", GP_OUTSIDE_HIDDEN, "as hidden"},
-    {"scene", GP_OUTSIDE_SCENE, "as the objects of --scene hide it, also behind "
-     "the camera; the default with --scene"},
+    {"ignore", GLAREPP_IGNORE, "measure only the part inside"},
+    {"visible", GLAREPP_VISIBLE, "as visible, with its glare and flare"},
+    {"hidden", GLAREPP_HIDDEN, "as hidden"},
+    {"scene", GLAREPP_BY_SCENE, "as the objects of --scene hide it, also "
+     "behind the camera; the default with --scene"},
     {0},
 };
 static const struct gp_option_choice gp_ups[] = {
-    {"auto", GP_UP_AUTO, "the axis by which the scene's camera is nearer to the "
-     "frame's; without one, the axis nearer to the picture's upright; of a frame "
+    {"auto", GLAREPP_UP_AUTO, "the axis by which the scene's camera is nearer "
+     "to the frame's; without one, the axis nearer to the picture's upright; of a frame "
      "without a camera y, and for --relight the one by which its normals fit "
      "its depth"},
-    {"y", GP_UP_Y, "y, as in glTF"},
-    {"z", GP_UP_Z, "z, as in Blender"}, {0},
+    {"y", GLAREPP_UP_Y, "y, as in glTF"},
+    {"z", GLAREPP_UP_Z, "z, as in Blender"}, {0},
 };
 static const struct gp_option_choice gp_spaces[] = {
     {"world", GP_NORMALS_WORLD, "those of the frame's world"},
@@ -100,9 +98,9 @@ static const struct gp_option_choice gp_spaces[] = {
      "worldToCamera has"}, {0},
 };
 static const struct gp_option_choice gp_plans[] = {
-    {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
+    {"estimate", false, "the same plan, so the same bytes, in "
      "every run"},
-    {"measure", GP_FFT_PLAN_MEASURE, "the fastest of a few measured plans, "
+    {"measure", true, "the fastest of a few measured plans, "
      "kept in the cache folder; last bits may differ from run to run"},
     {0},
 };
@@ -116,7 +114,7 @@ static const struct gp_option_choice gp_plans[] = {
 /* A number, flag, pair or free text, by the field's type. */
 #define OPT(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
-                    struct gp_sensor_params *: GP_KIND_THRESHOLD,             \
+                    struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     double (*)[2]: GP_KIND_PAIR,                              \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
@@ -125,11 +123,12 @@ static const struct gp_option_choice gp_plans[] = {
                     const char *(*)[GP_DEBUG_KINDS]: GP_KIND_NAMED),          \
         __VA_ARGS__)
 
-/* CHOICE: an enum or int by the names of `choices`. SET: an enum, set to `set`
- * by an option without a value. */
+/* CHOICE: an enum, int or bool by the names of `choices`. SET: an enum, set to
+ * `set` by an option without a value. */
 #define CHOICE(f, ...)                                                        \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_CHOICE,                     \
-                    int *: GP_KIND_CHOICE), __VA_ARGS__)
+                    int *: GP_KIND_CHOICE, bool *: GP_KIND_EITHER),           \
+        __VA_ARGS__)
 #define SET(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_SET), __VA_ARGS__)
 
@@ -217,19 +216,19 @@ const struct gp_option gp_options[] = {
         .help = "Set kernels, threshold, mix, flare and lens together, but for "
                 "those that are given",
         .usual = "Look like this: glarepp styles lists them"),
-    OPT(light.sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
+    OPT(light.sense, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,
         .help = "Treat pixels over this luminance as light sources: a number, "
                 "a percentile such as 99.9%, or EV over the log-average such "
                 "as +3ev",
         .usual = "Let pixels over this luminance glare"),
-    CHOICE(light.sensor.mode, .name = "threshold-mode", BOTH(LIGHT),
+    CHOICE(light.sense.whole, .name = "threshold-mode", BOTH(LIGHT),
         .arg = "HOW",
         .choices = gp_threshold_modes,
         .help = "Spread this part of a light source"),
-    OPT(light.sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
+    OPT(light.sense.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
         .help = "Ramp --threshold-mode whole smoothly from T(1-K) to T(1+K)"),
-    OPT(light.sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
+    OPT(light.sense.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
     OPT(kernel.words, .name = "kernel", .letter = 'k', LENS(LIGHT),
@@ -246,26 +245,26 @@ const struct gp_option gp_options[] = {
     OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
-    OPT(kernel.image.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
+    OPT(kernel.image.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
                 "centre of the first); without it, the centre of pixel "
                 "(w/2, h/2) rounded down"),
-    CHOICE(kernel.image.normalize, .name = "kernel-normalize", BOTH(LIGHT),
+    CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
         .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel; "
         "without it, a file of glarepp kernel is used as it is"),
-    OPT(kernel.image.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
+    OPT(kernel.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
         .help = "Rotate the kernel about its centre, counter-clockwise"),
-    OPT(light.compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT),
+    OPT(light.layer.gain, .name = "gain", .letter = 'g', BOTH(LIGHT),
         .arg = "G",
         .hi = 1e6, .help = "Scale the glare in pictures and --hdr, not in "
         "--layer; with --mix scatter, 1 moves all light of the sources, and "
         "more than 1 only brightens the glare",
         .usual = "Scale the glare: 0.5 for half of it"),
-    CHOICE(light.compose.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
+    CHOICE(light.layer.mix, .name = "mix", LENS(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
-    CHOICE(light.edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
+    CHOICE(light.layer.edges, .name = "edges", DRAWS(LIGHT), .arg = "HOW",
         .choices = gp_edges_ways,
         .help = "Continue the picture beyond its border this way"),
 
@@ -277,8 +276,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_NO_PLACE, .most = 3, .lo = -1e9, .hi = 1e9,
         .help = "Place the sun by its direction in the world, from the scene "
                 "to the sun, and the frame's worldToNDC matrix or --camera"),
-    OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
-        .needs = GP_NEED_LIGHT, .hi = 90,
+    OPT(sun.p.degrees, .name = "sun-size", BOTH(SUN), .arg = "DEG",
+        .needs = GP_NEED_LIGHT, .lo = FLT_MIN, .hi = 90,
         .help = "Set the sun's diameter in degrees, for --sun-dir and "
                 "--camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
@@ -286,33 +285,33 @@ const struct gp_option gp_options[] = {
         .help = "Set the sun's flux, scene-linear, summed over pixels (one "
                 "number: grey): it adds glare of its own and lights the "
                 "flare; without it, only the frame's bright pixels glare"),
-    OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN), .needs = GP_NEED_LIGHT,
+    OPT(sun.p.in_frame, .name = "sun-in-frame", IN(SUN), .needs = GP_NEED_LIGHT,
         .help = "Treat lights as already drawn in the frame, whose bright "
                 "pixels glare: their flux lights only the flare"),
-    CHOICE(sun.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
+    CHOICE(sun.p.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_sun_methods,
         .help = "Find the visible share of a light this way"),
-    OPT(sun.map.side, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
+    OPT(sun.p.side, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
         .needs = GP_NEED_LIGHT | GP_NEED_MAP, .hi = 256,
         .help = "mask: make sun maps of NxN texels; even"),
-    CHOICE(sun.map.pattern, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
+    CHOICE(sun.p.square, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
         .needs = GP_NEED_LIGHT | GP_NEED_MAP, .choices = gp_patterns,
         .help = "mask: sample this area"),
-    CHOICE(sun.map.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
+    CHOICE(sun.p.bytes, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sums,
         .help = "mask: sum texels this way"),
-    CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
+    CHOICE(sun.p.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),
-    OPT(sun.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
+    OPT(sun.p.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
         .needs = GP_NEED_LIGHT, .help = "Dim the picture by F times the "
         "visible share, as the pupil does"),
-    OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
+    OPT(sun.p.cameras, .name = "camera", BOTH(SUN), .arg = "FILE",
         .help = "Read each frame's camera, and the sun's direction where it is "
                 "there, from a JSON file"),
-    OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
+    OPT(sun.p.file, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
-    OPT(sun.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
+    OPT(sun.p.flare, .name = "flare", BOTH(SUN), .arg = "FILE|preset:NAME",
         .help = "Read lens-flare elements from a JSON file, or take an "
                 "installed flare (preset:list names them); each light that has "
                 "flux draws them, scaled by its visible share, or every bright "
@@ -372,7 +371,7 @@ const struct gp_option gp_options[] = {
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
         .help = "Read depth from this file (or pattern)"),
-    CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
+    CHOICE(sun.p.depth, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
         .choices = gp_depth_types, .help = "Read depth values as this"),
     OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
         .needs = GP_NEED_LIGHT, .help = "Hide lights by this coverage channel, "
@@ -381,35 +380,35 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LIGHT,
         .help = "Read coverage from this file (or pattern)"),
 
-    OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
+    OPT(light.layer.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = gp_engine_name, .help = "Compute the glare layer "
         "with this engine; all make the same layer within their bounds"),
-    OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
+    OPT(light.layer.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
         .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error in "
         "rel_l2: the norm of the layer's error over that of the exact layer"),
-    OPT(glare.tolerance_pixel, .name = "tolerance-pixel", BOTH(ENGINE),
+    OPT(light.layer.tolerance_pixel, .name = "tolerance-pixel", BOTH(ENGINE),
         .arg = "E", .lo = FLT_MIN, .hi = 1, .help = "Allow auto this error in "
         "max_rel: of any pixel of the composite, relative to its luminance "
         "plus 1e-6 of the largest; --report has the bound"),
-    OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
+    OPT(light.layer.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
         "one polygon; a power of two, 1 for none"),
-    OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
+    OPT(light.layer.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw filled areas of "
         "NxN pixels as one polygon; a power of two larger than --group, 0 for "
         "none; without it, none where --group is as large"),
-    OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
+    OPT(light.layer.cluster_fill, .name = "cluster-fill", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "F", .lo = FLT_MIN, .hi = 1,
         .help = "splat: call an area filled from this share of bright pixels"),
-    OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
+    OPT(light.layer.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
         .needs = GP_NEED_SPLAT, .hi = 0.99, .help = "splat: crop polygons "
         "where the kernel's edge is dim, by at most this share of the light; "
         "0 for none"),
-    CHOICE(glare.gl, .name = "gl", .group = GP_GROUP_ENGINE,
+    CHOICE(light.layer.gl, .name = "gl", .group = GP_GROUP_ENGINE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_SETS,
         .arg = "API", .choices = gp_gls,
         .help = "Draw splat, sun maps and scenes in this GL context"),
-    CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
+    CHOICE(light.layer.measure, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
         .choices = gp_plans, .help = "Choose FFT plans this way"),
     OPT(run.threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .aside = true,
@@ -436,29 +435,29 @@ const struct gp_option gp_options[] = {
         .help = "reinhard-extended: map this luminance, after exposure, to "
                 "white; 0 uses the frame's maximum"),
 
-    OPT(tone.ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG",
+    OPT(tone.map.config, .name = "ocio", IN(TONE), .arg = "CONFIG",
         .blank = true,
         .help = "Show pictures through a view of this OpenColorIO config, in "
         "place of --tonemap: a file, env for $OCIO, or ocio://NAME for one "
         "built into OpenColorIO 2.2 or later; trust a config as you would a "
         "program"),
-    OPT(tone.ocio.input, .name = "input-space", IN(TONE), .arg = "S",
+    OPT(tone.map.input, .name = "input-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG, .help = "Read frames as this colour space or "
         "role of the config; those whose files name other chromaticities are "
         "converted to it; without it, scene_linear"),
-    OPT(tone.ocio.any_primaries, .name = "ignore-chromaticities", IN(TONE),
+    OPT(tone.map.any_primaries, .name = "ignore-chromaticities", IN(TONE),
         .needs = GP_NEED_CONFIG, .help = "Read frames as --input-space even "
         "where their files name other chromaticities"),
-    OPT(tone.ocio.display, .name = "display", IN(TONE), .arg = "D",
+    OPT(tone.map.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use this display of the config; without it, its default"),
-    OPT(tone.ocio.view, .name = "view", IN(TONE), .arg = "V",
+    OPT(tone.map.view, .name = "view", IN(TONE), .arg = "V",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use this OCIO view of the display; without it, its default"),
-    OPT(tone.ocio.look, .name = "look", IN(TONE), .arg = "L",
+    OPT(tone.map.look, .name = "look", IN(TONE), .arg = "L",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use these looks in place of those of the view: A, or -A,+B"),
-    OPT(tone.ocio.output, .name = "output-space", IN(TONE), .arg = "S",
+    OPT(tone.map.output, .name = "output-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG | GP_NEED_HDR,
         .help = "Convert --hdr to this colour space of "
         "the config, and write its chromaticities"),
@@ -541,13 +540,13 @@ const struct gp_option gp_options[] = {
     OPT(scene.time, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
         .hi = 1e9, .help = "Draw the scene at this time of its animation; "
         "without it, at its first key"),
-    OPT(table.draw.map, .name = "shadow-size", SETS, .arg = "N", .lo = 8,
+    OPT(sets.map, .name = "shadow-size", SETS, .arg = "N", .lo = 8,
         .hi = 4096, .help = "Draw maps of shadows with N texels a side, six "
         "such squares for a point light"),
-    OPT(table.draw.separate, .name = "separate-shadows", SETS,
+    OPT(sets.separate, .name = "separate-shadows", SETS,
         .help = "Draw a shadow batch for each material of an object, in place "
         "of one for all that is opaque"),
-    OPT(table.occluders, .name = "occluders", SETS, .arg = "N", .hi = 1000000,
+    OPT(sets.occluders, .name = "occluders", SETS, .arg = "N", .hi = 1000000,
         .help = "Draw the N objects that look largest first, to find by their "
         "depth which others are hidden"),
 
@@ -596,7 +595,7 @@ const struct gp_option gp_options[] = {
     OPT(compare.limits.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Warn if any error is over E, whatever "
         "--warnpercent allows"),
-    OPT(compare.perceptual, .name = "perceptual", .letter = 'p', COMPARE,
+    OPT(compare.limits.perceptual, .name = "perceptual", .letter = 'p', COMPARE,
         .help = "Fail pixels whose difference an eye sees (Yee's metric), in "
                 "place of --fail and --warn"),
     OPT(compare.all_parts, .name = "all", .letter = 'a', COMPARE,
@@ -620,7 +619,7 @@ const struct gp_option gp_options[] = {
         .arg = "START,STOP,COUNT", .least = 3, .most = 3, .lo = -64, .hi = 64,
         .help = "Compute HDR-FLIP at these exposures in EV; without it, at "
                 "those that fit the first image"),
-    OPT(compare.no_flip, .name = "no-flip", COMPARE,
+    OPT(compare.limits.flip, .name = "no-flip", COMPARE, .off = true,
         .help = "Leave out FLIP, which takes most of the time"),
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
         .aside = true,

@@ -20,15 +20,16 @@
 /* Kinds of values. The field's type gives the kind; a field of another type
  * does not compile. */
 enum gp_option_kind {
-    GP_KIND_FLAG,    // bool: set true
+    GP_KIND_FLAG,    // bool: set true, or false by `off`
     GP_KIND_SET,     // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
-    GP_KIND_THRESHOLD, // struct gp_sensor_params: "1", "99.9%", "+3ev"
+    GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
     GP_KIND_PAIR,    // double[2], "x,y"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
+    GP_KIND_EITHER,  // bool: one of two `choices`
     GP_KIND_TEXT,    // const char *: one of `list`, or any when `open`
     GP_KIND_TEXTS,   // struct gp_texts: one more at each use
     GP_KIND_NAMED,   // const char *[]: "NAME=FILE", index from `choices`
@@ -98,6 +99,7 @@ struct gp_option {
     unsigned needs;        // bits of enum gp_need
     double lo, hi;         // numbers: inclusive range; NaN is outside
     int set;               // GP_KIND_SET
+    bool off;              // GP_KIND_FLAG
     int least, most;       // GP_KIND_NUMBERS
     const char *arg;       // name of the value in --help; NULL: takes none
     const char *help;      // one line, no full stop
@@ -130,6 +132,10 @@ const char *gp_curve_name(int i, const char **text);
 const char *gp_grow_word(int i, const char **text);
 const char *gp_help_word(int i, const char **text);
 
+/* The i-th word of --kernel that is no file: presets, then models without a
+ * preset of their name. Valid until the next call. */
+const char *gp_kernel_word(int i, const char **text);
+
 /* The range of a number in words: "0 to 1", "0 or more", "any number". */
 struct gp_range_text {
     char text[48];
@@ -143,6 +149,16 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands);
 
 /* True when the command line gave that option, even with its default. */
 bool gp_option_given(const struct gp_settings *s, const char *name);
+
+/* The choice that an option's field holds; NULL when it holds none. */
+const struct gp_option_choice *gp_option_chosen(const struct gp_option *o,
+                                                const void *field);
+
+/* True when a word of --kernel or --check is a path, not a recipe. */
+bool gp_kernel_is_file(const char *word);
+
+/* True when a frame may have lights: an option names one, a file or a scene. */
+bool gp_lights_wanted(const struct gp_settings *s);
 
 /* Reads whole numbers of 0 to 99999 with these characters between them, and
  * nothing else: 1920x1080,255 with "x,". */

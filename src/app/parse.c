@@ -2,7 +2,6 @@
 #include "app/styles.h"
 
 #include "core/memory.h"
-#include "glare/model/model.h"
 
 #include <errno.h>
 #include <float.h>
@@ -94,7 +93,7 @@ static gp_status set_number(const struct use *u, void *field)
 /* Sets the threshold from "1", "99.9%" or "+3ev". */
 static gp_status set_threshold(const struct use *u, void *field)
 {
-    struct gp_sensor_params *const p = field;
+    struct glarepp_sense_params *const p = field;
     const char *end = u->value;
     double v;
     const bool read = read_double(&end, &v);
@@ -110,8 +109,8 @@ static gp_status set_threshold(const struct use *u, void *field)
                        "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
                        u->option->name, u->value);
     p->threshold = (float) v;
-    p->unit = ev        ? GP_THRESHOLD_EV
-              : percent ? GP_THRESHOLD_PERCENT : GP_THRESHOLD_LUMINANCE;
+    p->unit = ev ? GLAREPP_EV
+              : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
     return GP_OK;
 }
 
@@ -194,10 +193,12 @@ static gp_status set_choice(const struct use *u, void *field)
         c++;
     if (!c->name)
         return unknown_value(u, false);
-    if (!named) {
+    if (u->option->kind == GP_KIND_EITHER)
+        *(bool *) field = c->value;
+    else if (!named)
         memcpy(field, &c->value, sizeof c->value);
+    if (!named)
         return GP_OK;
-    }
     if (!u->value[n] || !u->value[n + 1])
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: no file (found \"%s\"); write %s=FILE",
@@ -220,7 +221,7 @@ static gp_status set_text(const struct use *u, void *field)
                                  ? strchr(u->value + 8, ':') : u->value;
     bool known = !o->list ||
                  (keys && o->at == offsetof(struct gp_settings, kernel.words) &&
-                  gp_recipe_is(u->value));
+                  !gp_kernel_is_file(u->value));
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
         known = strcmp(name, u->value) == 0;
     const bool file =
@@ -247,7 +248,7 @@ static gp_status set_value(const struct use *u, void *field)
 {
     switch (u->option->kind) {
     case GP_KIND_FLAG:
-        *(bool *) field = true;
+        *(bool *) field = !u->option->off;
         return GP_OK;
     case GP_KIND_SET:
         memcpy(field, &u->option->set, sizeof u->option->set);
@@ -262,6 +263,7 @@ static gp_status set_value(const struct use *u, void *field)
     case GP_KIND_NUMBERS:
         return set_list(u, field);
     case GP_KIND_CHOICE:
+    case GP_KIND_EITHER:
     case GP_KIND_NAMED:
         return set_choice(u, field);
     case GP_KIND_TEXT:
@@ -441,8 +443,8 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     // each option is two words
     out->words.list_flares = out->command == GP_COMMAND_MAIN &&
                              out->input.files.n == 0 &&
-                             out->words.options.n == 2 && out->sun.flare &&
-                             strcmp(out->sun.flare, "preset:list") == 0;
+                             out->words.options.n == 2 && out->sun.p.flare &&
+                             strcmp(out->sun.p.flare, "preset:list") == 0;
     if (st || out->words.help || out->words.help_table || out->words.version ||
         out->words.list_flares)
         return st;

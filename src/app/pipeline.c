@@ -2,6 +2,7 @@
 
 #include "app/flight.h"
 #include "app/machine.h"
+#include "app/plan_settings.h"
 #include "app/say.h"
 #include "app/stages.h"
 #include "core/clock.h"
@@ -58,7 +59,7 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
            REST = 9 }; // sources, 14 each, and files
     const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
                               GP_HAS_SHOWN};
-    const char *const name = r->s->glare.engine;
+    const char *const name = r->s->light.layer.engine;
     const size_t engine = strcmp(name, "direct") == 0 ? 0
                           : strcmp(name, "fft") == 0 ? FFT : SPLAT;
     unsigned alive = 0;
@@ -86,13 +87,16 @@ static gp_status make_schedule(const struct gp_log *log,
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
     const bool reports = r->s->run.report || r->s->run.level >= GP_LEVEL_INFO;
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
-                      (r->s->run.report ? GP_HAS_FLUX : 0u) |
-                      (reports ? GP_HAS_SHARES : 0u) |
+                      GP_HAS_END | (reports ? GP_HAS_SHARES : 0u) |
                       (r->s->run.verify ? GP_HAS_MEASURED : 0u);
     unsigned needs[GP_STAGES], have = 0;
     for (int i = GP_STAGES - 1; i >= 0; i--) {
         bool writes = gp_stages[i].gives == GP_HAS_FILES;
         needs[i] = gp_stages[i].needs | (writes ? written : 0u);
+        // (composing tells what the layer's flux is)
+        if (gp_stages[i].gives == GP_HAS_END &&
+            (!r->s->run.report || wanted & GP_HAS_LIT))
+            needs[i] = 0;
         p->on[i] = (gp_stages[i].gives & wanted) &&
                    (!gp_stages[i].asked || gp_stages[i].asked(r->s));
         p->dead[i] = ~wanted;
@@ -128,12 +132,12 @@ static size_t carried_bytes(const struct gp_frame *f)
 static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
-    const size_t pixels = gp_frame_pixels(&fs->frame);
+    const size_t pixels = gp_frame_pixels(&fs->file);
     const size_t group =
         (p->s.output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
-    size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->frame);
+    size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
-        bytes += pixels * group + carried_bytes(&fs->group[i].frame);
+        bytes += pixels * group + carried_bytes(&fs->group[i]);
     return bytes;
 }
 
@@ -146,6 +150,58 @@ static void measure_shared(struct pipeline *p)
     if (peak > units && peak - units > atomic_load(&p->shared))
         atomic_store(&p->shared, peak - units);
     atomic_store(&p->lit, true);
+}
+
+/* Runs a stage of a frame, and counts its time: of engines within it as
+ * glare. */
+static gp_status run_stage(struct pipeline *p, const struct gp_stage *stage,
+                           struct gp_frame_state *fs)
+{
+    struct gp_cost_facts *const cost = &fs->facts.cost;
+    const double start = gp_now_ms(), cpu = gp_cpu_ms();
+    double engines = 0.0, engines_cpu = 0.0;
+    const gp_status st =
+        stage->run ? stage->run(&p->run, fs)
+                   : (gp_status) glarepp_frame_run(fs->frame, stage->step);
+    if (st)
+        return st;
+    if (!stage->run) {
+        const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);
+        engines = lib->engines_ms;
+        engines_cpu = lib->engines_cpu_ms;
+        if (stage->step == GLAREPP_KERNEL && lib->kernel.ms > 0.0)
+            gp_cost_add(cost, GP_TIME_KERNEL, lib->kernel.ms,
+                        lib->kernel.cpu_ms);
+    }
+    gp_cost_add(cost, stage->time, gp_now_ms() - start - engines,
+                gp_cpu_ms() - cpu - engines_cpu);
+    if (engines > 0.0)
+        gp_cost_add(cost, GP_TIME_GLARE, engines, engines_cpu);
+    return GP_OK;
+}
+
+/* Runs the stages of a phase for one view. */
+static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
+                          enum gp_phase phase)
+{
+    gp_status st = GP_OK;
+    fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
+    for (int i = 0; i < GP_STAGES && !st; i++) {
+        const struct gp_stage *const stage = &gp_stages[i];
+        if (!p->schedule.on[i] || stage->phase != phase)
+            continue;
+        // skipped frames count neither as done nor in the total
+        const int kept = atomic_load(&p->kept);
+        gp_progress_update(p->progress,
+                           gp_flight_head(&p->flight) * p->jobs->views - kept,
+                           p->jobs->n - kept, fs->job->input, stage->name);
+        st = run_stage(p, stage, fs);
+        if (!st)
+            gp_frame_state_release(fs, p->schedule.dead[i]);
+    }
+    if (st && fs->frame) // the next frame needs what the plan lent
+        (void) glarepp_frame_run(fs->frame, GLAREPP_DONE);
+    return st;
 }
 
 static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
@@ -170,38 +226,13 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
     }
     for (int v = 0; v < u->begun && !st; v++) {
         struct gp_frame_state *const fs = &u->view[v];
-        fs->facts.cost.has_cpu = p->slots == 1; // CPU time is the process's
-        for (int i = 0; i < GP_STAGES; i++) {
-            const struct gp_stage *const stage = &gp_stages[i];
-            if (!p->schedule.on[i] || stage->phase != phase)
-                continue;
-            // skipped frames count neither as done nor in the total
-            const int kept = atomic_load(&p->kept);
-            gp_progress_update(p->progress,
-                               gp_flight_head(&p->flight) * views - kept,
-                               p->jobs->n - kept, fs->job->input, stage->name);
-            const double start = gp_now_ms(), cpu = gp_cpu_ms();
-            st = stage->run(&p->run, fs);
-            if (st)
-                break;
-            gp_cost_add(&fs->facts.cost, stage->time,
-                        gp_now_ms() - start - fs->engine_ms,
-                        gp_cpu_ms() - cpu - fs->engine_cpu_ms);
-            if (fs->engine_ms > 0.0)
-                gp_cost_add(&fs->facts.cost, GP_TIME_GLARE, fs->engine_ms,
-                            fs->engine_cpu_ms);
-            fs->engine_ms = fs->engine_cpu_ms = 0.0;
-            gp_frame_state_release(fs, p->schedule.dead[i]);
-        }
+        st = run_view(p, fs, phase);
         if (phase == GP_PHASE_READ) {
             fs->facts.cost.bytes = frame_bytes(p, fs);
             bytes += fs->facts.cost.bytes;
         }
-        if (phase == GP_PHASE_COMPUTE) {
-            gp_suns_end_frame(&p->run.suns);
-            if (fs->facts.kernel.w > 0)
-                measure_shared(p);
-        }
+        if (phase == GP_PHASE_COMPUTE && fs->facts.lib.kernel.w > 0)
+            measure_shared(p);
     }
     size_t largest = atomic_load(&p->largest);
     while (bytes > largest &&
@@ -249,16 +280,16 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         gp_progress_fail(p->progress, p->jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
         struct gp_facts *const facts = &u->view[v].facts;
-        struct gp_sensor_facts *const sensor = &facts->sensor;
         facts->job.warned = u->log.warned;
         facts->job.warned_bytes = u->log.warned_bytes;
         facts->job.status = st;
         facts->job.error = st ? u->log.last : NULL;
         if (!st) {
-            if (sensor->dark &&
-                (!p->dark || sensor->peak > p->brightest.sensor.peak))
+            if (facts->dark &&
+                (!p->dark ||
+                 facts->lib.sense.peak > p->brightest.lib.sense.peak))
                 p->brightest = *facts;
-            p->dark += sensor->dark;
+            p->dark += facts->dark;
             gp_tally_add(&p->tally, facts);
             p->frames++;
         }
@@ -301,47 +332,34 @@ static bool has_room(void *user, int in_flight)
 // -- all frames --------------------------------------------------------------
 
 /* Makes what all frames share, so that errors of it come before any frame. */
-static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
+static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
+                           struct gp_run *r)
 {
-    struct gp_sun_files files = {.s = r->s};
-    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
-    const struct gp_flare *const flare = &r->suns.flare;
-    struct gp_texts also = {0};
+    const struct glarepp_kernel_params kernel = gp_kernel_params(r->s);
+    struct gp_plan_settings plan;
     gp_status st;
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
-    GP_TRY(gp_run_kernel_begin(log, r));
-    if (r->s->tone.ocio.config)
-        GP_TRY(gp_ocio_open(log, &r->s->tone.ocio, &r->ocio));
-    GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
-    GP_TRY(gp_run_scene_begin(log, r));
-    GP_TRY(gp_run_lens_begin(log, r));
+    GP_TRY((gp_status) glarepp_kernel(gp, &kernel, &r->kernel));
+    gp_plan_params(r->s, r->kernel, &plan);
+    GP_TRY((gp_status) glarepp_plan(gp, &plan.plan, &r->plan));
     // outputs must not replace pictures of --flare or tables of --ocio either
-    const struct gp_ocio_names *const names =
-        r->ocio ? gp_ocio_names(r->ocio) : NULL;
-    const int tables = names ? names->files : 0;
-    GP_TRY(gp_alloc(log, "file names", (size_t) flare->n + (size_t) tables,
-                    sizeof *also.at, &also.at));
-    for (int i = 0; i < flare->n; i++) {
-        if (flare->element[i].path)
-            also.at[also.n++] = flare->element[i].path;
-    }
-    for (int i = 0; i < tables; i++)
-        also.at[also.n++] = names->file[i];
-    if (also.n)
-        GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, &also));
+    const struct glarepp_plan_facts *const facts = glarepp_plan_facts(r->plan);
+    if (facts->files)
+        GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, facts->file,
+                                   facts->files));
     if (r->s->run.report)
         GP_TRY(gp_report_open(log, r->s->run.report,
                               r->s->output.write.create_dir, r->s->run.append,
                               &r->report));
 out:
-    gp_free(also.at);
     return st;
 }
 
-gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
-    const struct gp_jobs *jobs, struct gp_progress *progress)
+gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
+    const struct gp_settings *s, const struct gp_jobs *jobs,
+    struct gp_progress *progress)
 {
     gp_status st;
     char line[GP_LINE_BYTES];
@@ -354,7 +372,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs,
-                .says = person || s->run.level >= GP_LEVEL_INFO},
+                .details = person || s->run.level >= GP_LEVEL_INFO ||
+                           s->run.report},
         .memory = gp_memory_limit(""),
         .most = 1,
         .slots = most < units ? most : units > 0 ? units : 1,
@@ -370,7 +389,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         if (gp_stages[i].gives == GP_HAS_LIT)
             p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
     }
-    GP_TRY(begin_run(log, &p.run));
+    GP_TRY(begin_run(log, gp, &p.run));
     GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
@@ -378,7 +397,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) jobs->views,
                              sizeof *p.unit[i].view, &p.unit[i].view));
     const struct gp_flight_params params = {
-        .units = units, .slots = p.slots, .ordered = p.run.ordered,
+        .gp = gp, .units = units, .slots = p.slots, .ordered = p.run.ordered,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
@@ -402,13 +421,7 @@ out:;
     }
     gp_free(p.unit);
     gp_failures_free(&p.failures);
-    gp_glare_close(&p.run.glare.engines);
-    gp_glare_close(&p.run.groups.engines);
-    gp_run_ghosts_free(&p.run.glare.ghosts);
-    gp_run_ghosts_free(&p.run.groups.ghosts);
-    gp_suns_close(&p.run.suns);
-    gp_run_scene_free(&p.run.scene);
-    gp_ocio_close(&p.run.ocio);
-    gp_run_kernels_free(&p.run.kernel);
+    glarepp_plan_end(&p.run.plan);
+    glarepp_kernel_end(&p.run.kernel);
     return st ? st : closed;
 }

@@ -5,7 +5,6 @@
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/model/model.h"
 #include "io/file.h"
 
 #include <errno.h>
@@ -30,7 +29,7 @@ void gp_facts_dark(const struct gp_facts *f, int frames, char *line,
                    size_t size)
 {
     char of[40] = "";
-    const struct gp_sensor_facts *const s = &f->sensor;
+    const struct glarepp_sense_facts *const s = &f->lib.sense;
     const double t = (double) s->threshold;
     if (frames > 1)
         snprintf(of, sizeof of, " of %d frames", frames);
@@ -86,7 +85,7 @@ static void print_value(FILE *f, const struct gp_option *o, const char *value)
     const char *const file = strstr(value, "file="); // of a kernel's recipe
     if (config && (!*value || strcmp(value, "env") == 0) && getenv("OCIO"))
         value = getenv("OCIO");
-    if (file && o->kind == GP_KIND_TEXTS && gp_recipe_is(value))
+    if (file && o->kind == GP_KIND_TEXTS && !gp_kernel_is_file(value))
         print_word(f, value, (size_t) (file + 5 - value), base_name(file + 5));
     else if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
         print_word(f, "", 0, base_name(value));
@@ -141,6 +140,7 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
     const char *const *const word = at;
     json_t *v = NULL;
     char text[32];
+    int choice;
     switch (o->kind) {
     case GP_KIND_FLAG:
         return json_boolean(*(const bool *) at);
@@ -148,10 +148,10 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
     case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
-        snprintf(text, sizeof text, s->light.sensor.unit == GP_THRESHOLD_EV
-                     ? "%+.7gev" : s->light.sensor.unit == GP_THRESHOLD_PERCENT
-                     ? "%.7g%%" : "%.7g", (double) s->light.sensor.threshold);
-        return s->light.sensor.unit == GP_THRESHOLD_LUMINANCE
+        snprintf(text, sizeof text, s->light.sense.unit == GLAREPP_EV
+                     ? "%+.7gev" : s->light.sense.unit == GLAREPP_PERCENTILE
+                     ? "%.7g%%" : "%.7g", (double) s->light.sense.threshold);
+        return s->light.sense.unit == GLAREPP_LUMINANCE
                    ? json_real(strtod(text, NULL)) : json_string(text);
     case GP_KIND_INT:
         return json_integer(*(const int *) at);
@@ -166,8 +166,11 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
             json_array_append_new(v, json_real(list->v[i]));
         return v;
     case GP_KIND_CHOICE:
+    case GP_KIND_EITHER:
+        choice = o->kind == GP_KIND_EITHER ? *(const bool *) at
+                                           : *(const int *) at;
         for (const struct gp_option_choice *c = o->choices; c->name; c++) {
-            if (c->value == *(const int *) at)
+            if (c->value == choice)
                 return c->text || strspn(c->name, "0123456789") == 0
                            ? json_string(c->name) : json_integer(c->value);
         }
@@ -199,7 +202,7 @@ static json_t *settings_json(const struct gp_settings *s)
         if (!(o->commands & s->command) || !makes_pixels(o) ||
             (o->needs & unmet) ||
             (o->group == GP_GROUP_SUN && !gp_option_given(s, o->name) &&
-             !gp_suns_wanted(&s->sun) && !s->scene.path))
+             !gp_lights_wanted(s)))
             continue;
         snprintf(key, sizeof key, "%s", o->name);
         for (char *c = key; *c; c++)
@@ -234,7 +237,6 @@ enum kind {
     MIB,      // size_t, bytes
     PUPIL,    // double; 0 is null
     INTERVAL, // two doubles, rounded outward
-    RECIPE,   // struct gp_recipe
     WORD,     // enum, index into `words`
     OBJECT,   // of `rows`
     SETTINGS, // const struct gp_settings *
@@ -277,34 +279,35 @@ struct row {
 #define IF(m) BYTES(gp_facts, m)
 #define INTS(many) .size = sizeof(int), .n = many
 #define RGB .size = sizeof(double), .n = 3
+#define MANY(m, many)                                                         \
+    .size = sizeof *((struct gp_facts *) 0)->m, .count = AT(gp_facts, many)
 #define LIST(label, k, m, many, ...)                                          \
-    AS(k, gp_facts, label, m, .pointed = true, .count = AT(gp_facts, many),   \
-       .size = sizeof *((struct gp_facts *) 0)->m, __VA_ARGS__)
+    AS(k, gp_facts, label, m, .pointed = true, MANY(m, many), __VA_ARGS__)
 #define TIME(label, i)                                                        \
     AS(MS, gp_facts, "times_ms." label, cost.ms[i]),                          \
     AS(MS, gp_facts, "cpu_ms." label, cost.cpu_ms[i], IF(cost.has_cpu))
 
 static const struct row relit_rows[] = {
-    OF(gp_relit_facts, "relit.name", name),
-    OF(gp_relit_facts, "relit.pixels", pixels),
-    OF(gp_relit_facts, "relit.rays", rays),
-    OF(gp_relit_facts, "relit.casters", casters),
+    OF(glarepp_relit, "relit.name", name),
+    OF(glarepp_relit, "relit.pixels", pixels),
+    OF(glarepp_relit, "relit.rays", rays),
+    OF(glarepp_relit, "relit.casters", casters),
     {0},
 };
 
-#define PLACED BYTES(gp_light, behind), .unless = true
+#define PLACED BYTES(glarepp_share, behind), .unless = true
 static const struct row light_rows[] = {
-    OF(gp_light, "lights.name", name[0], BYTES(gp_light, name[0])),
-    OF(gp_light, "lights.behind", behind, BYTES(gp_light, behind)),
-    OF(gp_light, "lights.x", x, PLACED, .step = 1e-4),
-    OF(gp_light, "lights.y", y, PLACED, .step = 1e-4),
-    OF(gp_light, "lights.radius", radius, PLACED, .step = 1e-4),
-    OF(gp_light, "lights.visibility", visibility, .step = 1e-6),
-    AS(INTERVAL, gp_light, "lights.interval", low),
+    OF(glarepp_share, "lights.name", name[0], BYTES(glarepp_share, name[0])),
+    OF(glarepp_share, "lights.behind", behind, BYTES(glarepp_share, behind)),
+    OF(glarepp_share, "lights.x", x, PLACED, .step = 1e-4),
+    OF(glarepp_share, "lights.y", y, PLACED, .step = 1e-4),
+    OF(glarepp_share, "lights.radius", radius, PLACED, .step = 1e-4),
+    OF(glarepp_share, "lights.visibility", visibility, .step = 1e-6),
+    AS(INTERVAL, glarepp_share, "lights.interval", low),
     {0},
 };
 
-#define OCIO(m) OF(gp_ocio_names, "ocio." #m, m, BYTES(gp_ocio_names, m))
+#define OCIO(m) OF(glarepp_plan_facts, "ocio." #m, m, BYTES(glarepp_plan_facts, m))
 static const struct row ocio_rows[] = {
     OCIO(config), OCIO(input), OCIO(display), OCIO(view), OCIO(look),
     OCIO(output), {0},
@@ -340,74 +343,77 @@ static const struct row made_rows[] = {
     FACT("window", read.window.x0, INTS(4)),
     FACT("window_read", read.file.x0, IF(read.grown), INTS(4)),
     LIST("light_groups", TEXT, read.group, read.groups, IF(read.groups)),
-    SOME("engine", glare.engine),
-    FACT("engine_why", glare.why[0], IF(glare.engine)),
-    FACT("threshold", sensor.threshold),
-    FACT("sources", sensor.sources),
-    SOME("groups", glare.groups),
-    SOME("clusters", glare.clusters),
-    SOME("polygons", glare.polygons),
-    SOME("cores", glare.cores),
-    FACT("polygon_pixels", glare.polygon_pixels, IF(glare.polygons)),
-    SOME("form", glare.form),
-    SOME("fft_size", glare.fft_w, INTS(2)),
-    SOME("fft_double", glare.fft_double),
-    FACT("flux_in", sensor.flux, RGB),
-    SOME("flux_faint", sensor.faint, RGB),
-    SOME("kernel_faint", kernel.faint, RGB),
-    SOME("deg_per_pixel", kernel.deg_per_pixel),
-    FACT("fov_from", kernel.fov_from, IF(kernel.deg_per_pixel)),
-    LIST("kernel.recipes", RECIPE, kernel.recipe, kernel.recipes,
-         IF(kernel.recipes)),
-    AS(PUPIL, gp_facts, "kernel.pupil_mm", kernel.pupil, IF(kernel.pupil),
-       .size = sizeof(double), .count = AT(gp_facts, kernel.recipes)),
-    SOME("kernel.width", kernel.w),
-    SOME("kernel.height", kernel.h),
-    SOME("kernel.grid", kernel.grid),
-    FACT("kernel.missed", kernel.missed, IF(kernel.modelled), .step = 1e-9),
-    FACT("kernel_left_out", kernel.left_out, IF(kernel.modelled)),
-    FACT("flux_out", layer.flux, RGB),
-    FACT("bound", layer.bound, IF(layer.bounded)),
-    SOME("bound_pixel", glare.bound_pixel),
-    FACT("flare.elements", flare.elements, IF(flare.runs)),
-    SOME("flare.runs", flare.runs),
-    SOME("flare.engine", flare.engine),
-    FACT("flare.bound", flare.bound, IF(flare.runs)),
-    FACT("flare.ms", flare.ms, IF(flare.runs), .step = 1e-3),
-    FACT("measured.rel_l2", layer.error.rel_l2, IF(layer.verified)),
-    FACT("measured.max_rel", layer.error.max_rel, IF(layer.verified)),
-    FACT("measured.max_abs", layer.error.max_abs, IF(layer.verified)),
-    FACT("measured.flux_error", layer.error.flux_error, IF(layer.verified)),
-    FACT("nonfinite", sensor.nonfinite),
-    FACT("clamped", clamp.n.pixels),
+    SOME("engine", lib.layer.engine),
+    FACT("engine_why", lib.layer.why[0], IF(lib.layer.engine)),
+    FACT("threshold", lib.sense.threshold),
+    FACT("sources", lib.sense.sources),
+    SOME("groups", lib.layer.groups),
+    SOME("clusters", lib.layer.clusters),
+    SOME("polygons", lib.layer.polygons),
+    SOME("cores", lib.layer.cores),
+    FACT("polygon_pixels", lib.layer.polygon_pixels, IF(lib.layer.polygons)),
+    SOME("form", lib.layer.form),
+    SOME("fft_size", lib.layer.fft_w, INTS(2)),
+    SOME("fft_double", lib.layer.in_double),
+    FACT("flux_in", lib.sense.flux, RGB),
+    SOME("flux_faint", lib.sense.faint, RGB),
+    SOME("kernel_faint", lib.kernel.faint, RGB),
+    SOME("deg_per_pixel", lib.kernel.deg_per_pixel),
+    FACT("fov_from", lib.kernel.fov_from, IF(lib.kernel.deg_per_pixel)),
+    AS(TEXT, gp_facts, "kernel.recipes", lib.kernel.recipe,
+       MANY(lib.kernel.recipe, lib.kernel.recipes), IF(lib.kernel.recipes)),
+    AS(PUPIL, gp_facts, "kernel.pupil_mm", lib.kernel.pupil,
+       MANY(lib.kernel.pupil, lib.kernel.recipes), IF(lib.kernel.pupil)),
+    SOME("kernel.width", lib.kernel.w),
+    SOME("kernel.height", lib.kernel.h),
+    SOME("kernel.grid", lib.kernel.grid),
+    FACT("kernel.missed", lib.kernel.missed, IF(lib.kernel.modelled),
+         .step = 1e-9),
+    FACT("kernel_left_out", lib.kernel.left_out, IF(lib.kernel.modelled)),
+    FACT("flux_out", lib.layer.flux, RGB),
+    FACT("bound", bound, IF(bounded)),
+    SOME("bound_pixel", lib.layer.bound_pixel),
+    FACT("flare.elements", lib.flare.elements, IF(lib.flare.runs)),
+    SOME("flare.runs", lib.flare.runs),
+    SOME("flare.engine", lib.flare.engine),
+    FACT("flare.bound", lib.flare.bound, IF(lib.flare.runs)),
+    FACT("flare.ms", lib.flare.ms, IF(lib.flare.runs), .step = 1e-3),
+    FACT("measured.rel_l2", lib.errors.rel_l2, IF(lib.verified)),
+    FACT("measured.max_rel", lib.errors.max_rel, IF(lib.verified)),
+    FACT("measured.max_abs", lib.errors.max_abs, IF(lib.verified)),
+    FACT("measured.flux_error", lib.errors.flux_error, IF(lib.verified)),
+    FACT("nonfinite", lib.sense.nonfinite),
+    FACT("clamped", lib.sense.clamped),
     FACT("flux_clamped", clamp.flux, IF(clamp.n), RGB),
     SOME("clamped_out", clamp.n.values),
-    SOME("lens.name", lens.name),
-    FACT("lens.sensor_mm", lens.sensor, IF(lens.name), .step = 1e-3),
-    FACT("lens.sensor_from", lens.sensor_from, IF(lens.name)),
-    FACT("lens.lights", lens.stats.lights, IF(lens.name)),
-    FACT("lens.ghosts", lens.stats.drawn, IF(lens.name)),
-    FACT("lens.ghosts_left_out", lens.stats.left_out, IF(lens.name)),
-    FACT("lens.left_out", lens.stats.dark, IF(lens.name)),
-    FACT("lens.sources_left_out", lens.rest, IF(lens.name)),
-    FACT("lens.flux", lens.stats.light, IF(lens.name), RGB),
-    FACT("lens.lost", lens.stats.lost, IF(lens.name)),
-    FACT("lens.bound", lens.bound, IF(lens.name)),
-    SOME("scene.file", scene.path),
-    FACT("scene.seconds", scene.seconds, IF(scene.path), .step = 1e-6),
-    SOME("scene.camera", scene.camera),
-    FACT("scene.camera_apart", scene.apart, IF(scene.compared), .step = 1e-6),
-    LIST("relit", OBJECT, scene.relit, scene.relits, IF(scene.relits),
+    SOME("lens.name", lib.lens.name),
+    FACT("lens.sensor_mm", lib.lens.sensor, IF(lib.lens.name), .step = 1e-3),
+    FACT("lens.sensor_from", lib.lens.sensor_from, IF(lib.lens.name)),
+    FACT("lens.lights", lib.lens.lights, IF(lib.lens.name)),
+    FACT("lens.ghosts", lib.lens.drawn, IF(lib.lens.name)),
+    FACT("lens.ghosts_left_out", lib.lens.left_out, IF(lib.lens.name)),
+    FACT("lens.left_out", lib.lens.dark, IF(lib.lens.name)),
+    FACT("lens.sources_left_out", lib.lens.rest, IF(lib.lens.name)),
+    FACT("lens.flux", lib.lens.light, IF(lib.lens.name), RGB),
+    FACT("lens.lost", lib.lens.lost, IF(lib.lens.name)),
+    FACT("lens.bound", lib.lens.bound, IF(lib.lens.name)),
+    SOME("scene.file", lib.scene.path),
+    FACT("scene.seconds", lib.scene.seconds, IF(lib.scene.path), .step = 1e-6),
+    SOME("scene.camera", lib.scene.camera),
+    FACT("scene.camera_apart", lib.scene.apart, IF(lib.scene.compared),
+         .step = 1e-6),
+    LIST("relit", OBJECT, lib.relit, lib.relits, IF(lib.relits),
          .rows = relit_rows),
-    SOME("depth.channel", sun.depth),
-    SOME("depth.type", sun.depth_type),
-    SOME("depth.empty", sun.empty[0]),
-    SOME("depth.reversed", sun.reversed),
-    SOME("mask", sun.mask),
-    LIST("lights", OBJECT, sun.light, sun.lights, IF(sun.light),
+    SOME("depth.channel", hidden.depth),
+    SOME("depth.type", hidden.depth_type),
+    SOME("depth.empty", lib.depth_empty[0]),
+    SOME("depth.reversed", lib.depth_reversed),
+    SOME("mask", hidden.mask),
+    LIST("lights", OBJECT, lib.light, lib.lights, IF(lib.light),
          .rows = light_rows),
-    SOME("sun_method", sun.way),
-    AS(WORD, gp_facts, "sun_edges", sun.edges, IF(sun.edges), .words = edges),
+    SOME("sun_method", lib.shares_by),
+    AS(WORD, gp_facts, "sun_edges", hidden.edges, IF(hidden.edges),
+       .words = edges),
     AS(OBJECT, gp_facts, "ocio", ocio, IF(ocio), .pointed = true,
        .rows = ocio_rows),
     TIME("read", GP_TIME_READ),
@@ -425,8 +431,8 @@ static const struct row made_rows[] = {
     AS(MIB, gp_facts, "frame_mib", cost.bytes),
     {.name = "peak_rss_mib", .kind = PEAK},
     {.name = "threads", .kind = THREADS},
-    SOME("gl", sun.gl),
-    SOME("gl", glare.gl),
+    SOME("gl", lib.shares_gl),
+    SOME("gl", lib.layer.gl),
     SOME("settings", job.settings),
     {0},
 };
@@ -466,7 +472,7 @@ static json_t *warnings_json(const struct gp_facts *f)
     char line[GP_LINE_BYTES];
     if (j->views)
         json_array_append_new(list, gp_json_name(j->views));
-    if (f->sensor.dark) {
+    if (f->dark) {
         gp_facts_dark(f, 1, line, sizeof line);
         json_array_append_new(list, gp_json_name(line));
     }
@@ -481,7 +487,6 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
 static json_t *value_at(const struct row *r, const void *at)
 {
     const double *const v = at;
-    char *text;
     json_t *o;
     switch (r->kind) {
     case TEXT: return gp_json_name(*(const char *const *) at);
@@ -498,11 +503,6 @@ static json_t *value_at(const struct row *r, const void *at)
     case INTERVAL:
         return json_pack("[f,f]", floor(v[0] * 1e6) * 1e-6,
                          ceil(v[1] * 1e6) * 1e-6);
-    case RECIPE:
-        text = gp_recipe_text(at);
-        o = gp_json_name(text);
-        gp_free(text);
-        return o;
     case WORD: return gp_json_name(r->words[*(const int *) at]);
     case OBJECT:
         o = json_object();

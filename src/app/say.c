@@ -68,10 +68,10 @@ static void add(struct words *w, const char *fmt, ...)
 /* Adds which part of a frame's light went where. `lit` is false where only the
  * layer is written. */
 static void add_light(struct words *w, const struct gp_settings *s, bool lit,
-                      const struct gp_spread *spread)
+                      const struct glarepp_sense_facts *spread)
 {
-    const double gain = (double) s->light.compose.gain;
-    const bool scatter = s->light.compose.mix == GP_MIX_SCATTER;
+    const double gain = (double) s->light.layer.gain;
+    const bool scatter = s->light.layer.mix == GLAREPP_SCATTER;
     const double moved = scatter ? fmin(gain, 1.0) * spread->bright : 0.0;
     const double added = gain * (spread->bright + spread->lamps) - moved;
     if (!(spread->light > 0.0))
@@ -92,7 +92,7 @@ static void add_light(struct words *w, const struct gp_settings *s, bool lit,
 /* Adds the tone curve or the view of OpenColorIO by which a picture was made,
  * in words where they are wanted. */
 static void add_tones(struct words *w, const struct gp_settings *s,
-                      const struct gp_ocio_names *ocio, bool in_words)
+                      const struct glarepp_plan_facts *ocio, bool in_words)
 {
     if (!ocio && strcmp(s->tone.map.curve, "none") == 0)
         add(w, "linear");
@@ -109,7 +109,7 @@ static bool looks_linear(const struct gp_settings *s, const char *path)
 {
     static const char *const endings[] = {"exr", "hdr", "pfm"};
     char ending[16];
-    if (!s->tone.ocio.config && strcmp(s->tone.map.curve, "none") == 0)
+    if (!s->tone.map.config && strcmp(s->tone.map.curve, "none") == 0)
         return false;
     gp_file_ending(path, ending, sizeof ending);
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
@@ -143,8 +143,8 @@ static void add_reason(struct words *w, const struct gp_settings *s,
 static void say_input(struct words *w, const struct gp_facts *f)
 {
     const struct gp_read_facts *const r = &f->read;
-    const long long nonfinite = f->sensor.nonfinite;
-    const long long clamped = f->clamp.n.pixels;
+    const long long nonfinite = f->lib.sense.nonfinite;
+    const long long clamped = f->lib.sense.clamped;
     add(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
     if (r->taken.layer[0])
         add(w, ", layer %s", r->taken.layer);
@@ -174,23 +174,23 @@ static bool is_lit(const struct gp_write_facts *f)
 static void say_light(struct words *w, const struct gp_facts *f)
 {
     const struct gp_settings *const s = f->job.settings;
-    const long long n = f->sensor.sources;
+    const long long n = f->lib.sense.sources;
     if (n)
         add(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
             count_text(n).text);
     else
         add(w, "no pixel is over");
-    add(w, " the threshold of %.3g", (double) f->sensor.threshold);
-    if (s->light.sensor.unit == GP_THRESHOLD_LUMINANCE)
+    add(w, " the threshold of %.3g", (double) f->lib.sense.threshold);
+    if (s->light.sense.unit == GLAREPP_LUMINANCE)
         add_reason(w, s, "threshold");
     else
-        add(w, s->light.sensor.unit == GP_THRESHOLD_EV ? " (--threshold %+gev)"
+        add(w, s->light.sense.unit == GLAREPP_EV ? " (--threshold %+gev)"
                                                  : " (--threshold %g%%)",
-            (double) s->light.sensor.threshold);
-    if (f->sensor.spread.lamps > 0.0)
+            (double) s->light.sense.threshold);
+    if (f->lib.sense.lamps > 0.0)
         add(w, " and lights");
     if (n)
-        add_light(w, s, is_lit(&f->write), &f->sensor.spread);
+        add_light(w, s, is_lit(&f->write), &f->lib.sense);
     else
         add(w, ": nothing glares");
 }
@@ -217,8 +217,8 @@ static const struct origin *origin(const char *from)
 static void say_kernel(struct words *w, const struct gp_facts *f)
 {
     const struct gp_settings *const s = f->job.settings;
-    const struct gp_kernel_facts *const k = &f->kernel;
-    const struct gp_glare_stats *const g = &f->glare;
+    const struct glarepp_kernel_facts *const k = &f->lib.kernel;
+    const struct glarepp_layer_facts *const g = &f->lib.layer;
     const bool given = gp_option_given(s, "kernel");
     add(w, given ? "kernel " : "kernel of style %s", s->light.style);
     for (int i = 0; given && i < s->kernel.words.n; i++)
@@ -235,7 +235,7 @@ static void say_kernel(struct words *w, const struct gp_facts *f)
             origin(k->fov_from)->note);
     if (g->engine)
         add(w, ", engine %s (%s)", g->engine,
-            strcmp(s->glare.engine, "auto") == 0 ? "chosen by auto"
+            strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
                                                  : "--engine");
     if (g->gl)
         add(w, " on %s", g->gl);
@@ -250,18 +250,19 @@ static void say_lights(struct words *w, const struct gp_facts *f)
         [GP_EDGES_COVERAGE] = "edges by coverage",
         [GP_EDGES_MASK] = "edges by coverage without depth",
     };
-    const struct gp_sun_facts *const s = &f->sun;
-    for (int i = 0; i < s->lights && i < MOST; i++) {
-        const struct gp_light *const l = &s->light[i];
+    const struct gp_occluder_facts *const s = &f->hidden;
+    const int lights = f->lib.lights;
+    for (int i = 0; i < lights && i < MOST; i++) {
+        const struct glarepp_share *const l = &f->lib.light[i];
         add(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
         if (l->behind)
             add(w, "behind the camera");
         else
             add(w, "%s visible", percent_text(l->visibility, 1.0).text);
     }
-    if (s->lights > MOST)
-        add(w, " and %d lights more", s->lights - MOST);
-    if (s->depth && !s->empty[0])
+    if (lights > MOST)
+        add(w, " and %d lights more", lights - MOST);
+    if (s->depth && !f->lib.depth_empty[0])
         add(w, ", depth of %s", s->depth);
     if (s->edges)
         add(w, ", %s", edges[s->edges]);
@@ -269,12 +270,14 @@ static void say_lights(struct words *w, const struct gp_facts *f)
 
 static void say_ghosts(struct words *w, const struct gp_facts *f)
 {
-    if (f->flare.runs)
-        add(w, "flare of bright pixels, %d elements", f->flare.elements);
-    if (f->lens.name)
-        add(w, "%slens %s: %d ghosts of %d light%s", f->flare.runs ? ", " : "",
-            f->lens.name, f->lens.stats.drawn, f->lens.stats.lights,
-            f->lens.stats.lights == 1 ? "" : "s");
+    const struct glarepp_flare_facts *const flare = &f->lib.flare;
+    const struct glarepp_lens_facts *const lens = &f->lib.lens;
+    if (flare->runs)
+        add(w, "flare of bright pixels, %d elements", flare->elements);
+    if (lens->name)
+        add(w, "%slens %s: %d ghosts of %d light%s", flare->runs ? ", " : "",
+            lens->name, lens->drawn, lens->lights,
+            lens->lights == 1 ? "" : "s");
 }
 
 static void say_outputs(struct words *w, const struct gp_facts *f)
@@ -305,7 +308,7 @@ static void say_outputs(struct words *w, const struct gp_facts *f)
 
 void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
 {
-    const struct gp_glare_error *const e = &f->layer.error;
+    const struct glarepp_errors *const e = &f->lib.errors;
     const char *const view = f->job.view;
     const struct {
         bool said;
@@ -313,9 +316,9 @@ void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
     } notes[] = {
         {true, say_input},
         {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
-        {f->kernel.w > 0, say_kernel},
-        {f->sun.lights > 0, say_lights},
-        {f->flare.runs || f->lens.name, say_ghosts},
+        {f->lib.kernel.w > 0, say_kernel},
+        {f->lib.lights > 0, say_lights},
+        {f->lib.flare.runs || f->lib.lens.name, say_ghosts},
         {f->write.n > 0, say_outputs},
     };
     for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
@@ -327,7 +330,7 @@ void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
         gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->job.input,
                view ? " (" : "", view ? view : "", view ? ")" : "", line);
     }
-    if (f->layer.verified)
+    if (f->lib.verified)
         gp_say(log, GP_LEVEL_INFO, "%s: measured rel_l2 %.3g, max_rel %.3g, "
                "max_abs %.3g, flux_error %.3g", f->job.input, e->rel_l2,
                e->max_rel, e->max_abs, e->flux_error);
@@ -338,9 +341,9 @@ void gp_say_frame(const struct gp_log *log, const struct gp_facts *f)
 void gp_tally_add(struct gp_tally *t, const struct gp_facts *f)
 {
     const struct gp_write_facts *const w = &f->write;
-    const struct gp_spread *const spread = &f->sensor.spread;
-    const struct gp_kernel_facts *const k = &f->kernel;
-    const long long n = f->sensor.sources;
+    const struct glarepp_sense_facts *const sense = &f->lib.sense;
+    const struct glarepp_kernel_facts *const k = &f->lib.kernel;
+    const long long n = sense->sources;
     int shown = 0;
     while (shown < w->n && w->kind[shown] != GP_TARGET_PICTURE)
         shown++;
@@ -349,9 +352,9 @@ void gp_tally_add(struct gp_tally *t, const struct gp_facts *f)
                  shown_name(w->name[shown < w->n ? shown : 0]));
     t->fewest = t->made && t->fewest < n ? t->fewest : n;
     t->most = t->most > n ? t->most : n;
-    t->spread.light += spread->light;
-    t->spread.bright += spread->bright;
-    t->spread.lamps += spread->lamps;
+    t->light.light += sense->light;
+    t->light.bright += sense->bright;
+    t->light.lamps += sense->lamps;
     if (k->deg_per_pixel > 0.0) {
         t->narrow = t->wide > 0.0 ? fmin(t->narrow, k->fov) : k->fov;
         t->wide = fmax(t->wide, k->fov);
@@ -391,7 +394,7 @@ void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
     if (t->most == 0)
         add(&w, ": nothing glares");
     else
-        add_light(&w, s, lit, &t->spread);
+        add_light(&w, s, lit, &t->light);
     if (t->wide > 0.0)
         add(&w, ", view of %.3g", t->narrow);
     if (t->wide > t->narrow)

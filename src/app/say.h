@@ -17,10 +17,10 @@ struct gp_tally {
     int made;                    // jobs
     char name[1024];             // of the first one's picture, else output
     long long fewest, most;      // sources
-    struct gp_spread spread;     // sums
+    struct glarepp_sense_facts light; // sums of light, bright, lamps
     double narrow, wide;         // angles of view, degrees; 0: no kernel has any
     const char *fov_from;        // of the last
-    const struct gp_ocio_names *ocio; // borrowed; NULL: tone curves
+    const struct glarepp_plan_facts *ocio; // borrowed; NULL: tone curves
 };
 
 void gp_tally_add(struct gp_tally *t, const struct gp_facts *f);

@@ -4,18 +4,9 @@
 #define GP_APP_SETTINGS_H
 
 #include "bench/bench.h"
-#include "compare/compare.h"
-#include "core/status.h"
-#include "glare/engine.h"
-#include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glarepp.h"
 #include "io/read.h"
 #include "io/write.h"
-#include "scene/scene.h"
-#include "scene/sets/sets.h"
-#include "sun/stage.h"
-#include "tone/ocio.h"
-#include "tone/tone.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -91,22 +82,34 @@ struct gp_output_settings {
     bool no_provenance;                // no glarepp:command in files
 };
 
-/* What glares, and how its layer joins the frame. */
+/* What glares, and how its layer is made and joins the frame. */
 struct gp_light_settings {
     const char *style;                 // of styles.h
-    struct gp_sensor_params sensor;
-    struct gp_compose_params compose;
-    enum gp_surround_how edges;        // where not given: black with add
+    struct glarepp_sense_params sense;
+    struct glarepp_layer_params layer; // edges, where not given: black with add
 };
+
+/* Forms of --kernel-normalize. */
+enum gp_normalize { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
 /* The kernel, and the angles by which models have their size. */
 struct gp_kernel_settings {
     struct gp_texts words;             // files and recipes
-    struct gp_kernel_params image;     // of files
-    float fov;                         // degrees; 0: by the frame
+    struct glarepp_kernel_params image; // of files: centre, percent, degrees
+    enum gp_normalize normalize;       // ... where it is given
     const char *size;                  // as given; NULL: 100 percent
-    double percent;                    // ... as checked
-    double degrees;                    // 0: by percent
+    float fov;                         // degrees; 0: by the frame
+    float rotate;                      // degrees
+};
+
+/* Suns and lamps, and what hides them. */
+struct gp_sun_settings {
+    struct gp_numbers at;              // x, y and maybe radius, pixels
+    struct gp_numbers dir;             // towards the sun, world
+    struct gp_numbers color;           // flux by channel, or one for all
+    struct glarepp_light_params p;     // but for its lights; degrees is
+                                       // --sun-size
+    const char *depth_file, *mask, *mask_file;
 };
 
 /* A real lens, whose ghosts the layer gets. 0: by the frame. */
@@ -128,7 +131,7 @@ struct gp_scene_settings {
     const char *path;    // NULL: none
     const char *camera;  // name; NULL: the only one
     float start;         // number of the frame at the scene's time 0
-    enum gp_up up;
+    enum glarepp_up up;
     float light_scale;   // frame's units a cd or lux; 0: no flux
     float lamp_size;     // radius of lamps whose nodes name none
     struct gp_texts relight;           // names of its lights, or all
@@ -136,11 +139,10 @@ struct gp_scene_settings {
     float time;          // seconds, of glarepp sets, where --time is given
 };
 
-/* A view of the config, or a curve where ocio.config is NULL. */
+/* A view of the config, or a curve where map.config is NULL. */
 struct gp_tone_settings {
-    struct gp_tone_params map;
-    struct gp_ocio_params ocio;
-    struct gp_texts context;           // becomes ocio.context
+    struct glarepp_tone_params map;
+    struct gp_texts context;           // becomes map.context
 };
 
 /* What glarepp kernel and glarepp lens make. */
@@ -156,10 +158,8 @@ struct gp_making {
 
 /* Limits of glarepp compare, and pictures to write. */
 struct gp_compare_settings {
-    struct gp_compare_params limits;
-    bool perceptual;                  // failing: what an eye sees (Yee)
+    struct glarepp_compare_params limits; // flip and perceptual too
     bool all_parts;                   // else the first
-    bool no_flip;
     struct gp_numbers flip_exposures; // start, stop, count; n 0: automatic
     const char *heatmap, *difference; // pictures of FLIP, of a - b; NULL: none
     bool only_different, absolute;    // only of pairs that differ; |a - b|
@@ -194,14 +194,13 @@ struct gp_settings {
     struct gp_output_settings output;
     struct gp_light_settings light;
     struct gp_kernel_settings kernel;
-    struct gp_glare_params glare;      // gain is light.compose's
-    struct gp_sun_params sun;
+    struct gp_sun_settings sun;
     struct gp_lens_settings lens;
     struct gp_scene_settings scene;
     struct gp_tone_settings tone;
     struct gp_making making;
     struct gp_bench_params bench;      // json: of compare and sets too
-    struct gp_table_params table;      // its size is making's
+    struct glarepp_sets_params sets;   // its size is making's
     struct gp_compare_settings compare;
     struct gp_run_settings run;
     struct gp_word_settings words;

@@ -2,8 +2,8 @@
 #ifndef GP_APP_SHEET_H
 #define GP_APP_SHEET_H
 
-#include "core/frame.h"
 #include "core/status.h"
+#include "io/write.h"
 
 /* Tiles are at most so wide, in pixels. */
 enum { GP_SHEET_WIDTH = 640 };

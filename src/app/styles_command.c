@@ -7,7 +7,6 @@
 #include "app/styles.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "gl/gl.h"
 #include "io/file.h"
 #include "io/write.h"
 
@@ -35,7 +34,7 @@ static gp_status take_picture(void *user, const struct gp_log *log,
 
 /* Runs the main job with `first`, an option and its value as one word, before
  * the options that were given. */
-static gp_status make_tile(const struct gp_log *log,
+static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, const char *first, struct tile *t)
 {
     gp_status st;
@@ -69,7 +68,7 @@ static gp_status make_tile(const struct gp_log *log,
                        s->input.files.at[0], jobs.n));
     jobs.taker = &taker;
     gp_progress_open(&none, stderr, GP_PROGRESS_NEVER, true);
-    st = gp_pipeline_run(log, &one, &jobs, &none);
+    st = gp_pipeline_run(log, gp, &one, &jobs, &none);
     gp_progress_close(&none);
 out:
     gp_jobs_free(&jobs);
@@ -101,7 +100,7 @@ static gp_status write_sheet(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_styles_command(const struct gp_log *log,
+gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
                             const struct gp_settings *s)
 {
     struct gp_sheet sheet = {.columns = 3, .tiles = 1};
@@ -118,13 +117,13 @@ gp_status gp_styles_command(const struct gp_log *log,
         sheet.tiles++;
     gp_environment_set_gl(gp_threads()); // while there is one thread
     struct tile t = {&sheet, 0, "no glare"};
-    GP_TRY(make_tile(log, s, "--gain=0", &t));
+    GP_TRY(make_tile(log, gp, s, "--gain=0", &t));
     for (; style->name; style++) {
         char word[64];
         snprintf(word, sizeof word, "--style=%s", style->name);
         t.i++;
         t.caption = style->name;
-        GP_TRY(make_tile(log, s, word, &t));
+        GP_TRY(make_tile(log, gp, s, word, &t));
     }
     st = write_sheet(log, s, &sheet);
     if (!st && s->run.level == GP_LEVEL_WARN && isatty(STDERR_FILENO)) {

@@ -1,10 +1,8 @@
 #include "bench/bench_priv.h"
 
-#include "compare/flip.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "io/file.h"
-#include "io/plane.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,51 +11,105 @@
 #include <strings.h>
 
 static const double LONG_MS = 6e3;  // a run over this is extrapolated
-static const size_t MANY = 10000;   // sources from which a tenth runs first; of
-                                    // ten times as many, a hundredth
 static const double ROW_MS = 15e3;  // no further run is started after this
+enum { MANY = 20000 };              // sources from which direct is thinned
 
 /* A frame, and the exact layer that its rows are compared with. */
 struct bench {
     const struct gp_log *log;
     const struct gp_bench_request *req;
-    const struct gp_kernel *kernel;
+    struct glarepp_kernel *kernel;
     struct gp_frame *f;
-    struct gp_sources src;
-    double *exact;           // the layer, 3 * w * h
-    struct gp_planes shown;  // exact composite, tone mapped; empty: no FLIP
+    struct glarepp_frame_params params; // of f
+    struct glarepp_plan *plan;   // of the truth
+    struct glarepp_frame *truth; // after VERIFY: keeps the sum in double
+    struct glarepp_sense_facts sense;
+    size_t first;                // the first source's pixel, row by row
+    struct gp_planes shown;      // exact composite, tone mapped; empty: no FLIP
+    double *ms;                  // of runs
 };
 
 /* One technique on the frame. */
 struct trial {
-    const struct bench *b;
-    struct gp_glare_params params;
-    const struct gp_engine *engine; // NULL for auto
-    int state;                      // of the engine, in `glare`
-    struct gp_glare glare;
-    struct gp_log log;              // errors of GL go into row->why
+    struct bench *b;
+    struct glarepp_plan *plan;
+    struct gp_log log;           // errors of GL go into row->why
     struct gp_bench_row *row;
-    double *ms;                     // of the runs
 };
 
 /* A run's times, and the sources it had. */
 struct run {
-    double sense_ms, glare_ms, ms; // of the two stages, of both
-    size_t sources;
+    double sense_ms, glare_ms, ms; // of the two steps, of both
+    long long sources;
 };
 
-static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
+/* Makes a plan of the job with another engine's settings; edges are black, as the
+ * table is about the kernel's sum. */
+static gp_status make_plan(const struct bench *b,
+                           const struct gp_bench_technique *t,
+                           struct glarepp_plan **out)
 {
-    struct gp_sources src = {0};
+    struct glarepp_plan_params p = *b->req->plan;
+    struct glarepp_layer_params layer = *p.layer;
+    layer.edges = GLAREPP_BLACK;
+    if (t) {
+        layer.engine = t->engine;
+        layer.group = t->group;
+        layer.cluster = t->cluster;
+        layer.shrink = t->shrink;
+    }
+    p.layer = &layer;
+    p.kernel = b->kernel;
+    p.lights = NULL;
+    p.lens = NULL;
+    p.scene = NULL;
+    return (gp_status) glarepp_plan(b->req->gp, &p, out);
+}
+
+/* Returns a view of a frame's planes. */
+static struct glarepp_image view_of(const struct gp_frame *f)
+{
+    struct glarepp_image v = GLAREPP_IMAGE;
+    for (int c = 0; c < 3; c++)
+        v.plane[c] = f->rgb.c[c];
+    v.data = (struct glarepp_rect) {f->data.x0, f->data.y0, f->data.x1,
+                                    f->data.y1};
+    v.display = (struct glarepp_rect) {f->display.x0, f->display.y0,
+                                       f->display.x1, f->display.y1};
+    v.aspect = f->pixel_aspect;
+    v.primaries = f->names_chromaticities ? f->chromaticities : NULL;
+    v.name = f->path;
+    return v;
+}
+
+/* Runs sensors and glare; *out is the frame after them. */
+static gp_status run_once(struct trial *t, const struct gp_frame *f,
+                          struct run *r, struct glarepp_frame **out)
+{
+    struct glarepp_frame_params p = t->b->params;
+    struct glarepp_frame *frame = NULL;
+    gp_status st;
+    p.image = view_of(f);
+    p.user = &t->log;
+    GP_TRY((gp_status) glarepp_frame(t->plan, &p, &frame));
     const double start = gp_now_ms();
-    gp_status st = gp_sense(&t->log, t->b->req->sensor, f, &src);
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SENSE));
     const double middle = gp_now_ms();
-    if (!st)
-        st = gp_glare_run(&t->log, &t->params, &t->glare, &src,
-                          t->b->kernel, f, &t->row->stats);
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_KERNEL));
+    const double made = gp_now_ms();
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_LAYER));
     const double end = gp_now_ms();
-    *r = (struct run) {middle - start, end - middle, end - start, src.n};
-    gp_sources_free(&src);
+    const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
+    *r = (struct run) {middle - start, end - made,
+                       middle - start + end - made, facts->sense.sources};
+    t->row->facts = facts->layer;
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_DONE));
+    if (out) {
+        *out = frame;
+        frame = NULL;
+    }
+out:
+    glarepp_frame_end(&frame);
     return st;
 }
 
@@ -66,21 +118,20 @@ static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
 
 gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
-    const struct gp_sources *src, int nth, struct gp_frame *out)
+                        size_t first, int nth, struct gp_frame *out)
 {
     const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
-    struct gp_frame thin = {.data = f->data, .display = f->display};
+    struct gp_frame thin = gp_frame_blank(f->data);
+    thin.display = f->display;
     memcpy(thin.luminance, f->luminance, sizeof thin.luminance);
     memcpy(thin.chromaticities, f->chromaticities, sizeof thin.chromaticities);
+    thin.names_chromaticities = f->names_chromaticities;
     gp_status st = gp_planes_make(log, "part of the frame", n, &thin.rgb);
     if (st)
         return st;
     // Rows of blocks start 3 blocks further than the one before, 37 for
     // hundredths, so that the chosen ones make no columns
     const size_t step = nth > 10 ? 37 : 3;
-    size_t first = 0; // row of the first source
-    while (src->n > 0 && src->row[first + 1] == 0)
-        first++;
     for (int c = 0; c < 3; c++) {
         float *const to = thin.rgb.c[c];
         const float *const from = f->rgb.c[c];
@@ -92,10 +143,8 @@ gp_status gp_bench_thin(const struct gp_log *log, const struct gp_frame *f,
                 memcpy(to + at, from + at, run * sizeof *to);
             at += run;
         }
-        if (nth == 0 && src->n > 0) {
-            const size_t at = first * w + (size_t) src->x[0];
-            to[at] = from[at];
-        }
+        if (nth == 0 && first < n)
+            to[first] = from[first];
     }
     *out = thin;
     return GP_OK;
@@ -109,12 +158,12 @@ static gp_status run_thinned(struct trial *t, int nth)
     const struct bench *const b = t->b;
     struct gp_frame thin = {0}, single = {0};
     struct run first, warm, least;
-    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, nth, &thin));
-    GP_TRY(gp_bench_thin(&t->log, b->f, &b->src, 0, &single));
-    GP_TRY(run_once(t, &single, &first)); // makes the state
-    GP_TRY(run_once(t, &single, &least));
-    GP_TRY(run_once(t, &thin, &warm));
-    row->share = (double) warm.sources / (double) b->src.n;
+    GP_TRY(gp_bench_thin(&t->log, b->f, b->first, nth, &thin));
+    GP_TRY(gp_bench_thin(&t->log, b->f, b->first, 0, &single));
+    GP_TRY(run_once(t, &single, &first, NULL)); // makes the state
+    GP_TRY(run_once(t, &single, &least, NULL));
+    GP_TRY(run_once(t, &thin, &warm, NULL));
+    row->share = (double) warm.sources / (double) b->sense.sources;
     if (warm.sources == 0)
         goto out;
     row->extrapolated = true;
@@ -124,95 +173,141 @@ static gp_status run_thinned(struct trial *t, int nth)
     row->ms = warm.sense_ms + base + (warm.glare_ms - base) / row->share;
     row->ms_min = row->ms_max = row->ms;
     row->ms_first = row->ms + fmax(first.ms - least.ms, 0.0);
-    row->polygons = (double) row->stats.polygons / row->share;
-    row->polygon_pixels = row->stats.polygon_pixels / row->share;
+    row->polygons = (double) row->facts.polygons / row->share;
+    row->polygon_pixels = row->facts.polygon_pixels / row->share;
 out:
     gp_frame_free(&thin);
     gp_frame_free(&single);
     return st;
 }
 
-/* Whole runs, or thinned ones when those would take too long. */
-static gp_status time_row(struct trial *t)
+/* Whole runs, or thinned ones when those would take too long; *out is the frame of
+ * the last whole one, NULL: there was none. */
+static gp_status time_row(struct trial *t, const char *engine,
+                          struct glarepp_frame **out)
 {
     const struct bench *const b = t->b;
     struct gp_bench_row *const row = t->row;
+    const long long sources = b->sense.sources;
     // auto chooses what is fast; the work of fft does not grow with the sources
-    const bool grows = t->engine && t->engine != &gp_engine_fft;
+    const bool grows =
+        strcmp(engine, "auto") != 0 && strcmp(engine, "fft") != 0;
     gp_status st = GP_OK;
-    if (grows && b->src.n > MANY)
-        st = run_thinned(t, b->src.n > 10 * MANY ? 100 : 10);
+    if (grows && sources > MANY)
+        st = run_thinned(t, sources > 10 * MANY ? 100 : 10);
     if (st || (row->extrapolated && row->ms > LONG_MS)) {
-        // the whole frame's bound, where the engine has one without a run
         row->bound = NAN;
-        if (!st && t->engine && t->engine->bound)
-            st = t->engine->bound(
-                &(struct gp_glare_request) {
-                    .log = &t->log, .params = &t->params, .src = &b->src,
-                    .kernel = b->kernel, .layer = &b->f->layer,
-                }, &t->glare.state[t->state], &row->bound);
         return st;
     }
     row->extrapolated = false; // faster than that
     struct run r;
-    st = run_once(t, b->f, &r);
-    double total = row->ms_first = t->ms[0] = r.ms;
+    st = run_once(t, b->f, &r, out);
+    double total = row->ms_first = b->ms[0] = r.ms;
     int n = 0;
     while (!st && n < b->req->params->runs && total < ROW_MS) {
-        st = run_once(t, b->f, &r);
-        total += t->ms[n++] = r.ms;
+        glarepp_frame_end(out);
+        st = run_once(t, b->f, &r, out);
+        total += b->ms[n++] = r.ms;
     }
     if (st)
         return st;
     row->runs = n > 0 ? n : 1; // the first took so long that it is the only one
-    row->ms = gp_bench_median(t->ms, row->runs);
-    row->ms_min = t->ms[0];
-    row->ms_max = t->ms[row->runs - 1];
-    row->polygons = (double) row->stats.polygons;
-    row->polygon_pixels = row->stats.polygon_pixels;
-    row->bound = row->stats.bound;
+    row->ms = gp_bench_median(b->ms, row->runs);
+    row->ms_min = b->ms[0];
+    row->ms_max = b->ms[row->runs - 1];
+    row->polygons = (double) row->facts.polygons;
+    row->polygon_pixels = row->facts.polygon_pixels;
+    row->bound = row->facts.bound;
     return GP_OK;
 }
 
-/* Composes and tone maps f->layer. */
-static gp_status show_layer(const struct bench *b)
+// -- errors -------------------------------------------------------------------
+
+/* Composes and tone maps a frame; *out has its picture, borrowed. */
+static gp_status show(struct glarepp_frame *frame, struct glarepp_image *out)
 {
-    gp_status st = gp_compose(b->log, b->req->compose, &b->src, b->f);
-    return st ? st : gp_tone_map(b->log, b->req->tone, b->f, NULL);
+    gp_status st;
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_COMPOSE));
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_TONE));
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_DONE));
+    GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_SHOWN, 0, out));
+out:
+    return st;
 }
 
-static gp_status run_technique(const struct bench *b, double *ms,
+/* Returns a picture as glarepp_compare() takes it. */
+static struct glarepp_stored stored_of(const struct glarepp_image *image,
+                                       const struct glarepp_channel channel[3])
+{
+    return (struct glarepp_stored) {
+        .size = sizeof(struct glarepp_stored), .data = image->data,
+        .channel = channel, .channels = 3, .integers = true,
+        .light = {image->plane[0], image->plane[1], image->plane[2]},
+    };
+}
+
+/* Measures mean LDR-FLIP of a picture against the exact one's. */
+static gp_status measure_flip(const struct bench *b,
+                              const struct glarepp_image *picture, double *flip)
+{
+    struct glarepp_image exact = *picture;
+    struct glarepp_channel channel[2][3];
+    struct glarepp_compare *c = NULL;
+    static const char *const names[] = {"R", "G", "B"};
+    for (int k = 0; k < 3; k++) {
+        exact.plane[k] = b->shown.c[k];
+        channel[0][k] = (struct glarepp_channel) {names[k], exact.plane[k], 0};
+        channel[1][k] =
+            (struct glarepp_channel) {names[k], picture->plane[k], 0};
+    }
+    const struct glarepp_stored pair[2] = {stored_of(&exact, channel[0]),
+                                           stored_of(picture, channel[1])};
+    const gp_status st = (gp_status) glarepp_compare(b->req->gp, NULL, &pair[0],
+                                                     &pair[1], &c);
+    if (!st)
+        *flip = glarepp_compare_facts(c)->flip;
+    glarepp_compare_end(&c);
+    return st;
+}
+
+/* Measures a technique's layer against the sum in double. */
+static gp_status measure_error(const struct bench *b,
+                               struct glarepp_frame *frame,
+                               struct gp_bench_row *row)
+{
+    struct glarepp_image layer, picture;
+    gp_status st;
+    GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_GLARE, 0, &layer));
+    GP_TRY((gp_status) glarepp_frame_set(b->truth, GLAREPP_GLARE, &layer));
+    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_VERIFY));
+    row->error = glarepp_frame_facts(b->truth)->errors;
+    row->measured = true;
+    if (b->shown.c[0]) {
+        GP_TRY(show(frame, &picture));
+        GP_TRY(measure_flip(b, &picture, &row->flip));
+    }
+out:
+    return st;
+}
+
+static gp_status run_technique(struct bench *b,
     const struct gp_bench_technique *technique, struct gp_bench_row *row)
 {
     struct trial t = {
-        .b = b, .params = *b->req->glare, .row = row, .ms = ms,
+        .b = b, .row = row,
         .log = {gp_bench_keep_why, row->why, GP_LEVEL_ERROR},
     };
-    t.params.engine = technique->engine;
-    t.params.splat = technique->splat;
-    for (int i = 0; gp_engines[i]; i++) {
-        if (strcmp(gp_engines[i]->name, technique->engine) == 0) {
-            t.engine = gp_engines[i];
-            t.state = i;
-        }
-    }
-    gp_status st = time_row(&t);
-    if (!st && !row->extrapolated) {
-        gp_glare_measure(
-            b->f, &b->f->layer, b->exact, b->req->compose->gain,
-            b->req->compose->mix == GP_MIX_SCATTER ? &b->src : NULL,
-            &row->error);
-        row->measured = true;
-        if (b->shown.c[0])
-            st = show_layer(b);
-        if (!st && b->shown.c[0])
-            st = gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
-                &b->shown, &b->f->shown, NULL, &row->flip);
-    }
+    struct glarepp_frame *frame = NULL;
+    gp_status st = make_plan(b, technique, &t.plan);
+    if (!st)
+        st = time_row(&t, technique->engine, &frame);
+    if (!st && frame && !row->extrapolated)
+        st = measure_error(b, frame, row);
     // the renderer's name goes with its context
-    snprintf(row->gl, sizeof row->gl, "%s", row->stats.gl ? row->stats.gl : "");
-    row->stats.gl = row->gl;
-    gp_glare_close(&t.glare);
+    snprintf(row->gl, sizeof row->gl, "%s", row->facts.gl ? row->facts.gl : "");
+    row->facts.gl = row->gl;
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&t.plan);
     if (!st)
         row->why[0] = '\0'; // written for a context that another replaced
     else if (!row->why[0])
@@ -232,73 +327,204 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
-/* Measures a layer of its own, and makes its truth where that of `before`, the row
- * before, is another's. */
-static gp_status run_layer(struct bench *b, const struct gp_bench_layer *e,
-    const struct gp_bench_layer *before, double *ms, struct gp_bench_row *row)
+// -- flare of bright pixels, and ghosts of a lens ------------------------------
+
+/* A layer that is no engine's of the kernel: its row, and how its truth is made. */
+static const struct extra {
+    const char *name, *options, *layer;
+    enum glarepp_step step;
+    int detail, true_detail;       // of a lens
+    const char *engine;            // of the truth
+} extras[] = {
+    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0,
+     "direct"},
+    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3, "auto"},
+    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3,
+     "auto"},
+};
+enum { EXTRAS = sizeof extras / sizeof *extras };
+
+/* Makes the plan of an extra layer, or of its truth. */
+static gp_status plan_extra(const struct bench *b, const struct extra *e,
+                            bool exact, struct glarepp_plan **out)
 {
-    const size_t n = gp_frame_pixels(b->f);
-    double total = 0.0;
-    int runs = 0;
+    struct glarepp_plan_params p = *b->req->plan;
+    struct glarepp_layer_params layer = *p.layer;
+    struct glarepp_light_params flare = *p.lights;
+    struct glarepp_lens_params lens = GLAREPP_LENS_PARAMS;
+    if (p.lens)
+        lens = *p.lens;
+    lens.detail = exact ? e->true_detail : e->detail;
+    if (exact)
+        layer.engine = e->engine;
+    p.kernel = b->kernel;
+    p.layer = &layer;
+    p.lights = e->step == GLAREPP_FLARE ? &flare : NULL;
+    p.lens = e->step == GLAREPP_LENS ? &lens : NULL;
+    p.scene = NULL;
+    return (gp_status) glarepp_plan(b->req->gp, &p, out);
+}
+
+/* Draws one; *ms is the time of the step. */
+static gp_status draw_extra(const struct bench *b, const struct extra *e,
+    struct glarepp_plan *plan, struct glarepp_frame **out, double *ms)
+{
+    struct glarepp_frame_params p = b->params;
     gp_status st;
-    if (!before || strcmp(before->layer, e->layer) != 0) {
-        memset(b->exact, 0, 3 * n * sizeof *b->exact);
-        GP_TRY(e->exact(e->user, b->log, &b->src, b->f, b->exact));
-    }
-    for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);
-         i++) {
-        gp_planes_clear(&b->f->layer, 0, n);
-        const double start = gp_now_ms();
-        GP_TRY(e->draw(e->user, b->log, &b->src, b->f, &row->bound));
-        const double took = gp_now_ms() - start;
-        total += took;
-        if (i == 0)
-            row->ms_first = took;
-        else
-            ms[runs++] = took;
-    }
-    row->runs = runs;
-    row->ms = gp_bench_median(ms, runs);
-    row->ms_min = ms[0];
-    row->ms_max = ms[runs - 1];
-    gp_glare_measure(b->f, &b->f->layer, b->exact, b->req->compose->gain, NULL,
-                     &row->error);
-    row->measured = true;
-    gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
-           row->ms, row->error.rel_l2);
+    p.image = view_of(b->f);
+    p.user = (void *) (uintptr_t) b->log;
+    GP_TRY((gp_status) glarepp_frame(plan, &p, out));
+    GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_SENSE));
+    const double start = gp_now_ms();
+    GP_TRY((gp_status) glarepp_frame_run(*out, e->step));
+    *ms = gp_now_ms() - start;
+    GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_DONE));
 out:
     return st;
 }
 
-/* Measures all techniques on a frame into t->frame, in the order of
- * gp_bench_techniques. A run that would take over 6 s is made with a part of
- * the sources (a tenth, or a hundredth where that takes too long as well) and
- * extrapolated; no row takes much over a quarter of a minute. */
+/* Measures a layer against another that counts as exact; the composite is that
+ * over the frame. */
+static void compare_layers(const struct bench *b,
+    const struct glarepp_image *layer, const struct glarepp_image *exact,
+    struct glarepp_errors *out)
+{
+    const size_t n = gp_frame_pixels(b->f);
+    const double gain = (double) b->req->plan->layer->gain;
+    double off = 0.0, all = 0.0, sum[2] = {0}, most = 0.0, worst = 0.0;
+    *out = (struct glarepp_errors) {0};
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < n; i++) {
+            double y = 0.0, dy = 0.0;
+            for (int c = 0; c < 3; c++) {
+                const double is = (double) ((float *) layer->plane[c])[i];
+                const double was = (double) ((float *) exact->plane[c])[i];
+                const double weight = (double) b->f->luminance[c];
+                y += weight * ((double) b->f->rgb.c[c][i] + gain * was);
+                dy += weight * gain * (is - was);
+                if (pass)
+                    continue;
+                off += (is - was) * (is - was);
+                all += was * was;
+                sum[0] += is;
+                sum[1] += was;
+                out->max_abs = fmax(out->max_abs, fabs(is - was));
+            }
+            if (!pass)
+                most = fmax(most, y);
+            else if (y + 1e-6 * most > 0.0)
+                worst = fmax(worst, fabs(dy) / (y + 1e-6 * most));
+        }
+    }
+    out->rel_l2 = all > 0.0 ? sqrt(off / all) : sqrt(off);
+    out->max_rel = worst;
+    out->flux_error = sum[1] > 0.0 ? fabs(sum[0] / sum[1] - 1.0) : 0.0;
+}
+
+static gp_status run_extra(struct bench *b, const struct extra *e,
+                           struct gp_bench_row *row)
+{
+    struct glarepp_plan *plan[2] = {NULL, NULL};
+    struct glarepp_frame *frame[2] = {NULL, NULL};
+    struct glarepp_image layer[2];
+    double took, total = 0.0;
+    int runs = 0;
+    gp_status st;
+    for (int k = 0; k < 2; k++)
+        GP_TRY(plan_extra(b, e, k == 1, &plan[k]));
+    GP_TRY(draw_extra(b, e, plan[1], &frame[1], &took));
+    for (int i = 0; i <= b->req->params->runs && (i < 2 || total < ROW_MS);
+         i++) {
+        glarepp_frame_end(&frame[0]);
+        GP_TRY(draw_extra(b, e, plan[0], &frame[0], &took));
+        total += took;
+        if (i == 0)
+            row->ms_first = took;
+        else
+            b->ms[runs++] = took;
+    }
+    row->runs = runs;
+    row->ms = gp_bench_median(b->ms, runs);
+    row->ms_min = b->ms[0];
+    row->ms_max = b->ms[runs - 1];
+    row->bound = e->step == GLAREPP_FLARE
+                     ? glarepp_frame_facts(frame[0])->flare.bound : (double) NAN;
+    for (int k = 0; k < 2; k++)
+        GP_TRY((gp_status) glarepp_frame_view(frame[k], GLAREPP_GLARE, 0,
+                                              &layer[k]));
+    compare_layers(b, &layer[0], &layer[1], &row->error);
+    row->measured = true;
+    gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
+           row->ms, row->error.rel_l2);
+out:
+    for (int k = 0; k < 2; k++) {
+        glarepp_frame_end(&frame[k]);
+        glarepp_plan_end(&plan[k]);
+    }
+    return st;
+}
+
+// -- a frame ------------------------------------------------------------------
+
+/* Finds the sources and the sum in double, and shows its composite. */
+static gp_status make_truth(struct bench *b)
+{
+    const size_t n = gp_frame_pixels(b->f);
+    struct glarepp_image view;
+    gp_status st;
+    b->params.image = view_of(b->f);
+    b->params.in_place = true;
+    b->params.details = true; // keeps the sum
+    b->params.user = (void *) (uintptr_t) b->log;
+    GP_TRY(make_plan(b, NULL, &b->plan));
+    GP_TRY((gp_status) glarepp_frame(b->plan, &b->params, &b->truth));
+    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_SENSE));
+    b->sense = glarepp_frame_facts(b->truth)->sense;
+    if (!b->sense.sources)
+        return GP_OK;
+    GP_TRY((gp_status) glarepp_frame_view(b->truth, GLAREPP_SOURCES, 0, &view));
+    for (b->first = 0; b->first < n; b->first++) {
+        bool lit = false;
+        for (int c = 0; c < 3; c++)
+            lit |= ((float *) view.plane[c])[b->first] > 0.0f;
+        if (lit)
+            break;
+    }
+    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_KERNEL));
+    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_LAYER));
+    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_VERIFY));
+    // FLIP judges the tone-mapped composite, not light
+    if (strcmp(b->req->plan->tone->curve, "none") == 0)
+        return GP_OK;
+    GP_TRY((gp_status) glarepp_frame_view(b->truth, GLAREPP_TRUTH, 0, &view));
+    GP_TRY((gp_status) glarepp_frame_set(b->truth, GLAREPP_GLARE, &view));
+    GP_TRY(show(b->truth, &view));
+    GP_TRY(gp_planes_make(b->log, "picture", n, &b->shown));
+    for (int c = 0; c < 3; c++)
+        memcpy(b->shown.c[c], view.plane[c], n * sizeof(float));
+out:
+    return st;
+}
+
+/* Measures all techniques on a frame into *out, in the order of
+ * gp_bench_techniques. A run of many sources is made with a part of them (a tenth,
+ * or a hundredth) and extrapolated where it takes over 6 s; no row takes much over
+ * a quarter of a minute. */
 static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
 {
+    const struct glarepp_plan_params *const plan = b->req->plan;
     gp_status st;
-    const size_t n = gp_frame_pixels(b->f);
-    double *ms = NULL;
-    GP_TRY(gp_alloc(b->log, "times", (size_t) b->req->params->runs, sizeof *ms,
-                    &ms));
-    GP_TRY(gp_sense(b->log, b->req->sensor, b->f, &b->src));
+    GP_TRY(gp_alloc(b->log, "times", (size_t) b->req->params->runs + 1,
+                    sizeof *b->ms, &b->ms));
+    GP_TRY(make_truth(b));
     out->width = gp_frame_w(b->f);
     out->height = gp_frame_h(b->f);
-    out->sources = (long long) b->src.n;
-    if (b->src.n > 0) {
-        GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact,
-                        &b->exact));
-        GP_TRY(gp_glare_reference(b->log, NULL, &b->src, b->kernel, b->exact));
-        GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
-    }
-    // FLIP judges the tone-mapped composite, not light
-    if (b->src.n > 0 && strcmp(b->req->tone->curve, "none") != 0) {
-        for (size_t i = 0; i < 3 * n; i++)
-            b->f->layer.c[i / n][i % n] = (float) b->exact[i];
-        GP_TRY(show_layer(b));
-        b->shown = b->f->shown;
-        b->f->shown = (struct gp_planes) {0};
-    }
+    out->sources = b->sense.sources;
+    const struct glarepp_kernel_facts *const kernel =
+        &glarepp_frame_facts(b->truth)->kernel;
+    out->kernel_w = kernel->w;
+    out->kernel_h = kernel->h;
+    out->kernel_left_out = kernel->modelled ? kernel->left_out : (double) NAN;
     for (out->rows = 0; gp_bench_techniques[out->rows].name; out->rows++) {
         const struct gp_bench_technique *const technique =
             &gp_bench_techniques[out->rows];
@@ -307,56 +533,84 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
             .name = technique->name, .share = 1.0, .bound = NAN, .flip = NAN,
             .why = "no pixel is over the threshold",
         };
-        gp_bench_options(technique, b->req->glare->tolerance, row->options,
+        gp_bench_options(technique, plan->layer->tolerance, row->options,
                          sizeof row->options);
-        if (b->src.n == 0) {
+        if (!b->sense.sources) {
             gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
                    row->why);
             continue;
         }
         row->why[0] = '\0';
-        GP_TRY(run_technique(b, ms, technique, row));
+        GP_TRY(run_technique(b, technique, row));
     }
-    for (int i = 0; i < b->req->layers; i++) {
-        const struct gp_bench_layer *const e = &b->req->layer[i];
-        struct gp_bench_row *const row = &out->row[out->rows++];
+    for (int i = 0; i < EXTRAS; i++) {
+        const struct extra *const e = &extras[i];
+        struct gp_bench_row *const row = &out->row[out->rows];
+        if (e->step == GLAREPP_FLARE ? !plan->lights || !plan->lights->flare
+                                     : !plan->lens || !plan->lens->lens)
+            continue;
+        out->rows++;
         *row = (struct gp_bench_row) {
             .name = e->name, .layer = e->layer, .share = 1.0, .bound = NAN,
             .flip = NAN, .why = "no pixel is over the threshold",
         };
         snprintf(row->options, sizeof row->options, "%s", e->options);
-        if (b->src.n == 0)
+        if (!b->sense.sources)
             continue;
         row->why[0] = '\0';
-        GP_TRY(run_layer(b, e, i ? e - 1 : NULL, ms, row));
+        GP_TRY(run_extra(b, e, row));
     }
     gp_bench_mark_pareto(out);
 out:
-    gp_sources_free(&b->src);
-    GP_FREE(b->exact);
+    glarepp_frame_end(&b->truth);
+    glarepp_plan_end(&b->plan);
     gp_planes_free(&b->shown);
-    gp_free(ms);
+    GP_FREE(b->ms);
     return st;
 }
 
-/* The field of a frame as the main job has it: its angle by --fov, by a camera,
- * else the usual one; its time by the frame's number and rate. */
-static struct gp_field field_of(const struct gp_bench_request *req,
-                                const struct gp_suns *suns,
-                                const struct gp_frame *f)
+/* Makes the kernel given, else the paper's own. */
+static gp_status make_kernel(struct bench *b, bool own)
 {
-    struct gp_sun_about about = {0};
-    double fov = req->fov, rate = 0.0;
-    if (!req->params->paper) {
-        req->reader->about(req->reader->user, f, &about);
-        fov = fov > 0.0 ? fov : gp_suns_fov(suns, &about, f);
-        rate = gp_frame_rate(f);
+    struct glarepp_kernel_params p = *b->req->kernel;
+    struct glarepp_image view;
+    struct gp_frame image = {0};
+    gp_status st;
+    if (own) {
+        GP_TRY(gp_paper_kernel(b->log, GP_PAPER_KERNEL, &image));
+        view = view_of(&image);
+        p = (struct glarepp_kernel_params) GLAREPP_KERNEL_PARAMS;
+        p.image = &view;
     }
-    struct gp_field field = gp_field_of(f, fov > 0.0 ? fov : GP_USUAL_FOV);
-    field.rotate = (double) req->kernel->rotate;
-    field.frame = about.number;
-    field.fps = rate > 0.0 ? rate : field.fps;
-    return field;
+    GP_TRY((gp_status) glarepp_kernel(b->req->gp, &p, &b->kernel));
+out:
+    gp_frame_free(&image);
+    return st;
+}
+
+/* Checks the names of outputs first: minutes of measuring must not end at one
+ * that cannot be written. */
+static gp_status check_outputs(const struct gp_log *log,
+                               const struct gp_bench_params *p)
+{
+    const char *const files[] = {p->csv, p->json, p->plot};
+    size_t n = p->plot ? strlen(p->plot) : 0;
+    gp_status st = GP_OK;
+    char *answer;
+    for (int i = 0; i < 3 && !st; i++) {
+        if (files[i] && !gp_is_dash(files[i]))
+            st = gp_file_check(log, files[i], false);
+    }
+    if (st || !p->plot)
+        return st;
+    if (!gp_is_dash(p->plot) &&
+        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
+        return gp_fail(log, GP_ERR_USAGE,
+            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
+    st = gp_gnuplot(log, "exit\n", &answer, &n); // it runs
+    if (!st)
+        free(answer);
+    return st;
 }
 
 gp_status gp_bench_run(const struct gp_log *log,
@@ -365,62 +619,28 @@ gp_status gp_bench_run(const struct gp_log *log,
     gp_status st;
     const struct gp_bench_params *const p = req->params;
     const bool paper = p->paper, own = paper && req->default_kernel;
-    const char *const source = own ? "streaks" : req->kernel_name;
-    const char *const files[] = {p->csv, p->json, p->plot};
-    struct gp_kernel kernel = {0};
     struct gp_frame f = {0};
-    struct bench b = {.log = log, .req = req, .kernel = &kernel, .f = &f};
+    struct bench b = {.log = log, .req = req, .f = &f};
     struct gp_bench_table table = {.runs = p->runs};
-    struct gp_suns suns = {0}; // for the camera
-    char *answer;
-    // first check the names: minutes of measuring must not end at one that
-    // cannot be written
-    for (int i = 0; i < 3; i++) {
-        if (files[i] && !gp_is_dash(files[i]))
-            GP_TRY(gp_file_check(log, files[i], false));
+    GP_TRY(check_outputs(log, p));
+    const struct glarepp_light_params *const l = req->plan->lights;
+    if (!paper && l && (l->lights || l->file || l->cameras || l->needed)) {
+        bool lit = false;
+        st = gp_bench_sun(log, req, &lit);
+        if (st || lit)
+            return st;
     }
-    size_t n = p->plot ? strlen(p->plot) : 0;
-    if (p->plot && !gp_is_dash(p->plot) &&
-        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
-        return gp_fail(log, GP_ERR_USAGE,
-            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
-    if (p->plot) { // check that gnuplot runs
-        GP_TRY(gp_gnuplot(log, "exit\n", &answer, &n));
-        free(answer);
-    }
-    GP_TRY(gp_suns_begin(log, req->sun, req->glare->gl, req->reader, &suns));
-    if (gp_suns_wanted(req->sun) && gp_suns_lit(&suns)) {
-        st = gp_bench_sun(log, req);
-        goto out;
-    }
+    GP_TRY(make_kernel(&b, own));
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
                                       GP_PAPER_H, &f)
                      : gp_read_frame(log, req->read, req->input, &f));
-        // the kernel given, else the paper's own
-        struct gp_frame image = {0};
-        const struct gp_field field = field_of(req, &suns, &f);
-        struct gp_kernel_params of_image = *req->kernel;
-        of_image.chromaticities = f.chromaticities;
-        gp_kernel_free(&kernel);
-        if (own)
-            GP_TRY(gp_paper_kernel(log, GP_PAPER_KERNEL, &image));
-        st = !own && req->recipes
-                 ? gp_model_kernel(log, req->recipe, req->recipes, &field,
-                                   &kernel)
-                 : gp_kernel_from_frame(log, &of_image,
-                                        own ? &image : req->kernel_image,
-                                        &kernel);
-        gp_frame_free(&image);
-        GP_TRY(st);
+        b.params = (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS;
+        if (!paper)
+            GP_TRY(req->describe(req->user, log, &f, &b.params));
         out->input = gp_strdup(f.path);
-        out->kernel = gp_strdup(source);
-        out->kernel_w = kernel.w;
-        out->kernel_h = kernel.h;
-        out->kernel_left_out =
-            !own && (req->recipes || kernel.left_out != 0.0)
-                ? kernel.left_out : (double) NAN;
+        out->kernel = gp_strdup(own ? "streaks" : req->kernel_name);
         out->paper = paper ? &gp_paper_rates[i] : NULL;
         if (!out->input || !out->kernel)
             GP_TRY(gp_no_memory(log, f.path));
@@ -429,9 +649,8 @@ gp_status gp_bench_run(const struct gp_log *log,
     }
     GP_TRY(gp_bench_write(log, p, &table));
 out:
-    gp_suns_close(&suns);
     gp_bench_table_free(&table);
     gp_frame_free(&f);
-    gp_kernel_free(&kernel);
+    glarepp_kernel_end(&b.kernel);
     return st;
 }

@@ -3,13 +3,8 @@
 #define GP_BENCH_BENCH_H
 
 #include "core/status.h"
-#include "glare/engine.h"
-#include "glare/kernel.h"
-#include "glare/model/model.h"
-#include "glare/sensors.h"
+#include "glarepp.h"
 #include "io/read.h"
-#include "sun/stage.h"
-#include "tone/tone.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -22,41 +17,25 @@ struct gp_bench_params {
 };
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
-/* A layer that is no engine's of the kernel: its row, and its truth. */
-struct gp_bench_layer {
-    const char *name, *options;
-    const char *layer;     // rows of the same one are compared, and share exact
-    void *user;
-    /* Adds the layer of the sources to f->layer, which is dark. Sets *bound of
-     * rel_l2. */
-    gp_status (*draw)(void *user, const struct gp_log *log,
-        const struct gp_sources *src, struct gp_frame *f, double *bound);
-    /* Adds the exact one to `out`, 3 * w * h. */
-    gp_status (*exact)(void *user, const struct gp_log *log,
-        const struct gp_sources *src, const struct gp_frame *f, double *out);
-};
-enum { GP_BENCH_LAYERS = 3 };
-
 /* A run; all is borrowed. */
 struct gp_bench_request {
     const struct gp_bench_params *params;
+    struct glarepp *gp;
     const char *input;         // not with params->paper
     bool default_kernel;       // no --kernel: --paper brings its own
-    const struct gp_read_params *read;
-    const struct gp_sensor_params *sensor;
-    const struct gp_kernel_params *kernel; // of an image
     const char *kernel_name;
-    const struct gp_frame *kernel_image;   // used without recipes
-    const struct gp_recipe *recipe;
-    int recipes;
-    double fov;                            // 0: the camera's, or the usual
-    const struct gp_glare_params *glare;
-    const struct gp_compose_params *compose;
-    const struct gp_tone_params *tone;
-    const struct gp_sun_params *sun;
-    const struct gp_sun_reader *reader;  // for the sun and the camera
-    const struct gp_bench_layer *layer;  // up to GP_BENCH_LAYERS
-    int layers;
+    const struct gp_read_params *read;
+    const struct glarepp_kernel_params *kernel;
+    const struct glarepp_plan_params *plan; // of the main job, but for its
+                               // kernel; sense, layer, lights and tone are there
+    /* Fills in what the file of a frame says of it, and gives a frame with lights
+     * its planes. */
+    void *user;
+    gp_status (*describe)(void *user, const struct gp_log *log,
+                          const struct gp_frame *f,
+                          struct glarepp_frame_params *out);
+    gp_status (*planes)(void *user, const struct gp_log *log,
+                        const struct gp_frame *f, struct glarepp_frame *to);
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;
@@ -64,15 +43,16 @@ struct gp_bench_request {
  * technique's time goes from cleaned frame to layer: bright pass and glare
  * stage. With `-` as a file, only that file goes to stdout.
  *
- * With a light in the sun's params the table compares methods of measuring its
- * visibility: exact, readback, masks of 4 to 64 texels a side, disc and square,
- * summed in float and in 8 bits, and one mask on the CPU;
- * the error is the difference to exact over all lights. Without a plot.
+ * With lights the table compares methods of measuring their visibility: exact,
+ * readback, masks of 4 to 64 texels a side, disc and square, summed in float and
+ * in 8 bits; the error is the difference to exact over all lights. Without a
+ * plot.
  *
- * Extra layers are rows after the techniques, each against its own truth.
+ * Flare of bright pixels and ghosts of a lens are rows after the techniques, each
+ * against its own truth.
  *
  * A technique that cannot run here (no GL) is a row that says so.
- * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when
+ * Errors: as reading, writing and the library's; GP_ERR_IO also when
  * gnuplot, which --plot needs, is not installed or fails. */
 GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
                                      const struct gp_bench_request *req);

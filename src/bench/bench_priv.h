@@ -47,16 +47,18 @@ GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log, int size,
 
 // -- table.c: techniques, and their measurements -----------------------------
 
-/* A technique: an engine and its settings. */
+/* A technique: an engine and, of "splat", its settings as in
+ * glarepp_layer_params. */
 struct gp_bench_technique {
     const char *name;
     const char *engine;
-    struct gp_splat_params splat;  // for engine "splat"
+    int group, cluster;
+    float shrink;
 };
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum {
-    GP_BENCH_ROWS = 12,       // of gp_bench_techniques
-    GP_BENCH_MOST = GP_BENCH_ROWS + GP_BENCH_LAYERS,
+    GP_BENCH_ROWS = 10,        // of gp_bench_techniques
+    GP_BENCH_MOST = GP_BENCH_ROWS + 3, // with flare, and a lens in two ways
 };
 
 /* Writes the main command's options for that technique. */
@@ -75,14 +77,14 @@ struct gp_bench_row {
     bool extrapolated;         // from `share` of the sources; ms_min = ms_max
     double share;
 
-    struct gp_glare_stats stats; // its gl is `gl`
+    struct glarepp_layer_facts facts; // its gl is `gl`
     char gl[128];              // renderer; "": no GL
-    double polygons, polygon_pixels; // of stats, extrapolated too
+    double polygons, polygon_pixels; // of facts, extrapolated too
     double bound;              // NaN: not known; INFINITY: no guarantee
     bool measured;             // `error` is known; never when extrapolated
-    struct gp_glare_error error;
+    struct glarepp_errors error;
     double flip;               // mean LDR-FLIP; NaN: not defined
-    const char *layer;         // of gp_bench_layer; NULL: the kernel's
+    const char *layer;         // "flare", "lens"; NULL: the kernel's
     bool pareto;               // no row of the layer is both faster and nearer
 };
 
@@ -93,7 +95,7 @@ struct gp_bench_frame {
     long long sources;
     int kernel_w, kernel_h;
     char *kernel;              // name or path, owned
-    double kernel_left_out;    // as in struct gp_kernel; NaN: no model's
+    double kernel_left_out;    // as in glarepp_kernel_facts; NaN: no model's
     const struct gp_paper_rate *paper; // or NULL
     struct gp_bench_row row[GP_BENCH_MOST];
     int rows;
@@ -123,16 +125,13 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
 
 // -- bench.c -----------------------------------------------------------------
 
-/* For extrapolating: makes *out a frame with the same light in one of `nth`
- * of its 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with
- * only the first source when `nth` is 0.
- *
- *   src  the sources of f
+/* For extrapolating: makes *out a frame with the same light in one of `nth` of its
+ * 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with only the
+ * pixel `first` (row by row) when `nth` is 0.
  *   out  only rgb; free with gp_frame_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_bench_thin(
-    const struct gp_log *log, const struct gp_frame *f,
-    const struct gp_sources *src, int nth, struct gp_frame *out);
+GP_MUST_CHECK gp_status gp_bench_thin(const struct gp_log *log,
+    const struct gp_frame *f, size_t first, int nth, struct gp_frame *out);
 
 // -- table.c: the plot --------------------------------------------------------
 
@@ -156,10 +155,12 @@ GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
 // -- sun.c -------------------------------------------------------------------
 
 /* bench with a light: the paper's table of two rows (masking, locking), grown.
+ * *lit is false, and nothing is printed, where the job has a camera alone.
  * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A
  * method that cannot run is a row that says why. */
 GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
-                                     const struct gp_bench_request *req);
+                                     const struct gp_bench_request *req,
+                                     bool *lit);
 
 /* Sink of a log: keeps errors in `why`, char[GP_BENCH_WHY]. */
 void gp_bench_keep_why(void *why, const struct gp_line *line);

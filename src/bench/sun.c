@@ -1,6 +1,7 @@
 #include "bench/bench_priv.h"
 
 #include "core/clock.h"
+#include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -10,13 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    MASK = 2, ROWS = 23, // the first row of a mask; all
-    PLAIN = ROWS - 1,    // gp_sun_map_reference()
-};
+enum { MASK = 2, ROWS = 22 }; // the first row of a mask; all
 
 struct row {
-    struct gp_sun_params p;
+    struct glarepp_light_params p;
     char name[40];
     char why[GP_BENCH_WHY]; // "": it ran
     double ms, least, most, first;
@@ -28,61 +26,68 @@ struct bench {
     const struct gp_log *log;
     const struct gp_bench_request *req;
     struct gp_frame frame;
-    struct gp_suns suns;
+    struct glarepp_share light; // the first, and
+    int lights;                 // their number
     double *exact;         // visibility of each light
     double *ms;            // runs
     char gl[160];
     struct row row[ROWS];
 };
 
-/* Exact and readback, then masks by side, pattern and sum, and the plain form
- * of one of them. */
+/* Exact and readback, then masks by side, pattern and sum. */
 static void make_rows(struct bench *b)
 {
-    static const char *const sums[] = {
-        [GP_SUM_FLOAT] = "float", [GP_SUM_BYTE] = "8bit",
-    };
     for (int i = 0; i < ROWS; i++) {
         struct row *const r = &b->row[i];
-        struct gp_map_params *const m = &r->p.map;
-        r->p = *b->req->sun;
-        r->p.method = i == 0 ? GP_SUN_EXACT : i == 1 ? GP_SUN_READBACK
-                                                     : GP_SUN_MASK;
-        m->sum = i < MASK ? GP_SUM_FLOAT : (enum gp_sun_sum) ((i - MASK) % 2);
+        r->p = *b->req->plan->lights;
+        r->p.method = i == 0   ? GLAREPP_EXACT
+                      : i == 1 ? GLAREPP_READBACK : GLAREPP_MASK;
+        r->p.bytes = i >= MASK && (i - MASK) % 2;
         if (i < MASK) {
             strcpy(r->name, i ? "readback" : "exact");
             continue;
         }
-        if (i == PLAIN) {
-            m->side = 16;
-            m->pattern = GP_PATTERN_DISC;
-            strcpy(r->name, "mask 16x16 disc, CPU");
-            continue;
-        }
-        m->side = 4 << (i - MASK) / 4;
-        m->pattern = (i - MASK) / 2 % 2 ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
-        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", m->side, m->side,
-                 m->pattern == GP_PATTERN_DISC ? "disc" : "square",
-                 sums[m->sum]);
+        r->p.side = 4 << (i - MASK) / 4;
+        r->p.square = (i - MASK) / 2 % 2;
+        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", r->p.side,
+                 r->p.side, r->p.square ? "square" : "disc",
+                 r->p.bytes ? "8bit" : "float");
     }
 }
 
 // -- measuring ---------------------------------------------------------------
 
+/* A frame of the job in a plan of a row's method, its lights placed. */
+static gp_status begin_row(const struct bench *b, const struct gp_log *log,
+    const struct row *r, struct glarepp_plan **plan,
+    struct glarepp_frame **frame)
+{
+    struct glarepp_plan_params p = *b->req->plan;
+    struct glarepp_frame_params f = GLAREPP_FRAME_PARAMS;
+    gp_status st;
+    p.lights = &r->p;
+    p.lens = NULL;
+    GP_TRY((gp_status) glarepp_plan(b->req->gp, &p, plan));
+    GP_TRY(b->req->describe(b->req->user, log, &b->frame, &f));
+    f.in_place = true;
+    f.user = (void *) (uintptr_t) log;
+    GP_TRY((gp_status) glarepp_frame(*plan, &f, frame));
+    GP_TRY((gp_status) glarepp_frame_run(*frame, GLAREPP_POSE));
+    GP_TRY((gp_status) glarepp_frame_run(*frame, GLAREPP_PLACE));
+    if (glarepp_frame_facts(*frame)->lights)
+        GP_TRY(b->req->planes(b->req->user, log, &b->frame, *frame));
+out:
+    return st;
+}
+
 /* The median of some runs. b->ms holds them sorted. */
-static gp_status time_runs(struct bench *b, const struct gp_log *log,
-                           const struct row *r, int runs, double *ms)
+static gp_status time_runs(struct bench *b, struct glarepp_frame *frame,
+                           int runs, double *ms)
 {
     gp_status st = GP_OK;
-    b->suns.p = &r->p;
     for (int run = 0; run < runs && !st; run++) {
         const double start = gp_now_ms();
-        if (r != &b->row[PLAIN])
-            st = gp_suns_measure(log, &b->suns);
-        else
-            for (int k = 0; k < b->suns.n; k++)
-                b->suns.light[k].visibility = gp_sun_map_reference(
-                    &b->suns.occluders, &r->p.map, &b->suns.light[k], NULL);
+        st = (gp_status) glarepp_frame_run(frame, GLAREPP_SHARES);
         b->ms[run] = gp_now_ms() - start;
     }
     if (!st)
@@ -93,24 +98,30 @@ static gp_status time_runs(struct bench *b, const struct gp_log *log,
 static gp_status measure_row(struct bench *b, struct row *r)
 {
     const struct gp_log log = {gp_bench_keep_why, r->why, GP_LEVEL_ERROR};
+    struct glarepp_plan *plan = NULL;
+    struct glarepp_frame *frame = NULL;
     gp_status st;
     const int runs = b->req->params->runs;
-    GP_TRY(time_runs(b, &log, r, 1, &r->first));
-    GP_TRY(time_runs(b, &log, r, runs, &r->ms));
+    GP_TRY(begin_row(b, &log, r, &plan, &frame));
+    GP_TRY(time_runs(b, frame, 1, &r->first));
+    GP_TRY(time_runs(b, frame, runs, &r->ms));
     r->least = b->ms[0];
     r->most = b->ms[runs - 1];
-    r->visibility = b->suns.n ? b->suns.light[0].visibility : 0.0;
-    for (int i = 0; i < b->suns.n; i++) {
-        const double v = b->suns.light[i].visibility;
-        if (r->p.method == GP_SUN_EXACT)
+    const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
+    r->visibility = facts->lights ? facts->light[0].visibility : 0.0;
+    for (int i = 0; i < b->lights; i++) {
+        const double v = facts->light[i].visibility;
+        if (r->p.method == GLAREPP_EXACT)
             b->exact[i] = v;
         const double off = fabs(v - b->exact[i]);
-        r->mean += off / b->suns.n;
+        r->mean += off / b->lights;
         r->worst = fmax(r->worst, off);
     }
-    if (b->suns.gl)
-        snprintf(b->gl, sizeof b->gl, "%s", gp_gl_info(b->suns.gl)->name);
+    if (facts->shares_gl)
+        snprintf(b->gl, sizeof b->gl, "%s", facts->shares_gl);
 out:
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&plan);
     return st == GP_ERR_GL ? GP_OK : st;
 }
 
@@ -130,8 +141,8 @@ static void print_table(const struct bench *b)
     printf("%s: %dx%d, %d lights, the first at %.2f,%.2f of radius %.2f; "
            "median of %d runs, %d threads\n",
            gp_printable(b->frame.path).text,
-           gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
-           b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
+           gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->lights,
+           b->light.x, b->light.y, b->light.radius,
            b->req->params->runs, gp_threads());
     printf("  %-26s %8s %8s %8s %8s %10s %10s %10s\n", "method", "ms", "min",
            "max", "first", "visible", "mean error", "worst");
@@ -195,31 +206,53 @@ static gp_status save_json(const struct bench *b, const char *path)
                             "error_mean", r->mean, "error_worst", r->worst));
     }
     json_t *const all = json_pack("{so si si si so}", "input",
-        gp_json_name(b->frame.path), "lights", b->suns.n, "runs",
+        gp_json_name(b->frame.path), "lights", b->lights, "runs",
         b->req->params->runs, "threads", gp_threads(), "rows", rows);
     return gp_bench_save_json(b->log, all, path);
 }
 
+/* Finds the lights of the frame. */
+static gp_status find_lights(struct bench *b)
+{
+    struct glarepp_plan *plan = NULL;
+    struct glarepp_frame *frame = NULL;
+    gp_status st;
+    GP_TRY(begin_row(b, b->log, &b->row[0], &plan, &frame));
+    b->lights = glarepp_frame_facts(frame)->lights;
+    if (!b->lights)
+        goto out;
+    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SHARES));
+    b->light = glarepp_frame_facts(frame)->light[0];
+out:
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&plan);
+    return st;
+}
+
 gp_status gp_bench_sun(const struct gp_log *log,
-                       const struct gp_bench_request *req)
+                       const struct gp_bench_request *req, bool *lit)
 {
     gp_status st;
     const struct gp_bench_params *const p = req->params;
+    const struct glarepp_light_params *const lights = req->plan->lights;
     struct bench b = {.log = log, .req = req};
-    if (p->plot)
-        return gp_fail(log, GP_ERR_USAGE,
-            "--plot: cannot plot the sun's table; use --csv or --json");
-    GP_TRY(gp_suns_begin(log, req->sun, req->glare->gl, req->reader, &b.suns));
     GP_TRY(gp_read_frame(log, req->read, req->input, &b.frame));
-    GP_TRY(gp_suns_place(log, req->reader, &b.frame, &b.suns));
-    GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof *b.exact,
-                         &b.exact));
-    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
-    if (!b.suns.n)
+    make_rows(&b);
+    GP_TRY(find_lights(&b));
+    // a camera without suns only says how large angles are
+    *lit = b.lights || lights->needed || lights->lights || lights->file;
+    if (!*lit)
+        goto out;
+    if (p->plot)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--plot: cannot plot the sun's table; "
+                       "use --csv or --json"));
+    if (!b.lights)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: no lights; add one, or give --sun",
-               req->sun->lights ? req->sun->lights : req->sun->camera));
-    make_rows(&b);
+               lights->file ? lights->file : lights->cameras));
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.lights + 1, sizeof *b.exact,
+                         &b.exact));
+    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));
     if (p->csv)
@@ -231,7 +264,6 @@ gp_status gp_bench_sun(const struct gp_log *log,
         GP_TRY(gp_flush_stdout(log));
     }
 out:
-    gp_suns_close(&b.suns);
     gp_frame_free(&b.frame);
     gp_free(b.exact);
     gp_free(b.ms);

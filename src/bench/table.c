@@ -17,29 +17,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define PLAIN .cluster_fill = 0.9f
-#define FULL(...)                                                             \
-    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
-      __VA_ARGS__ }
-
 /* From the exact ones over one step of Ando et al. after the other to all of
- * them together, by primitive. */
+ * them together. */
 const struct gp_bench_technique gp_bench_techniques[] = {
-    {"direct", "direct", GP_SPLAT_EXACT},
-    {"fft", "fft", GP_SPLAT_EXACT},
-    {"splat", "splat", GP_SPLAT_EXACT},
-    {"splat group 2", "splat", {.group = 2, PLAIN}},
-    {"splat group 4", "splat", {.group = 4, PLAIN}},
-    {"splat group 8", "splat", {.group = 8, PLAIN}},
-    {"splat group 4, cluster 8", "splat", {.group = 4, .cluster = 8, PLAIN}},
-    {"splat group 4, shrink 1e-3", "splat",
-     {.group = 4, .shrink = 1e-3f, PLAIN}},
-    {"splat 4/8/1e-3", "splat", GP_SPLAT_DEFAULTS},
-    {"splat 4/8/1e-3 tiles", "splat",
-     FULL(.primitive = GP_PRIMITIVE_TILE)},
-    {"splat 4/8/1e-3 quads", "splat",
-     FULL(.primitive = GP_PRIMITIVE_QUAD)},
-    {"auto", "auto", GP_SPLAT_DEFAULTS},
+    {"direct", "direct", 1, 0, 0.0f},
+    {"fft", "fft", 1, 0, 0.0f},
+    {"splat", "splat", 1, 0, 0.0f},
+    {"splat group 2", "splat", 2, 0, 0.0f},
+    {"splat group 4", "splat", 4, 0, 0.0f},
+    {"splat group 8", "splat", 8, 0, 0.0f},
+    {"splat group 4, cluster 8", "splat", 4, 8, 0.0f},
+    {"splat group 4, shrink 1e-3", "splat", 4, 0, 1e-3f},
+    {"splat 4/8/1e-3", "splat", 4, 8, 1e-3f},
+    {"auto", "auto", 4, 8, 1e-3f},
     {0},
 };
 _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
@@ -48,14 +38,13 @@ _Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                       char *line, size_t size)
 {
-    const struct gp_splat_params *p = &t->splat;
     if (strcmp(t->engine, "auto") == 0)
         snprintf(line, size, "-e auto --tolerance %g", (double) tolerance);
     else if (strcmp(t->engine, "splat") != 0)
         snprintf(line, size, "-e %s", t->engine);
     else
         snprintf(line, size, "-e splat --group %d --cluster %d --shrink %g",
-                 p->group, p->cluster, (double) p->shrink);
+                 t->group, t->cluster, (double) t->shrink);
 }
 
 void gp_bench_mark_pareto(struct gp_bench_frame *f)
@@ -162,7 +151,7 @@ static void print_table(const struct gp_bench_table *t)
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
             if (!r->why[0] && strcmp(r->name, "auto") == 0)
-                printf("  auto took %s: %s\n", r->stats.engine, r->stats.why);
+                printf("  auto took %s: %s\n", r->facts.engine, r->facts.why);
             gl = !gl && r->gl[0] ? r->gl : gl;
         }
         if (gl)
@@ -203,7 +192,7 @@ static void make_cells(const struct gp_bench_frame *f,
 {
     const bool ran = !r->why[0], drew = ran && r->polygons > 0.0;
     const double none = (double) NAN;
-    const struct gp_glare_error *const e = r->measured ? &r->error : NULL;
+    const struct glarepp_errors *const e = r->measured ? &r->error : NULL;
     const struct cell all[CELLS] = {
         {"input", f->input, none, REAL},
         {"name", r->name, none, REAL},
@@ -225,8 +214,8 @@ static void make_cells(const struct gp_bench_frame *f,
         {"polygons", NULL, drew ? r->polygons : none, WHOLE},
         {"polygon_pixels", NULL, drew ? r->polygon_pixels : none, REAL},
         {"pareto", NULL, r->pareto, TRUTH},
-        {"engine", ran ? r->stats.engine : NULL, none, REAL},
-        {"form", ran ? r->stats.form : NULL, none, REAL},
+        {"engine", ran ? r->facts.engine : NULL, none, REAL},
+        {"form", ran ? r->facts.form : NULL, none, REAL},
         {"gl", ran && r->gl[0] ? r->gl : NULL, none, REAL},
         {"why", ran ? NULL : r->why, none, REAL},
     };
@@ -311,7 +300,7 @@ static gp_status save_json(const struct gp_log *log,
             }
             if (!r->why[0] && strcmp(r->name, "auto") == 0)
                 json_object_set_new(row, "engine_why",
-                                    gp_json_name(r->stats.why));
+                                    gp_json_name(r->facts.why));
             json_array_append_new(rows, row);
         }
         json_array_append_new(frames, json_pack(

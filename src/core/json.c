@@ -17,8 +17,8 @@
 
 // -- memory ------------------------------------------------------------------
 
-/* jansson omits what it cannot allocate, and reports some of it as bad JSON: a
- * failed allocation counts on its thread until the next text or file. */
+/* jansson omits what it cannot allocate: where it is watched, a failed allocation
+ * counts on its thread until the next text or file. */
 static _Thread_local bool full;
 
 static void *allocate(size_t size)
@@ -28,8 +28,7 @@ static void *allocate(size_t size)
     return p;
 }
 
-/* Runs before any value is made, in every program that links this. */
-__attribute__((constructor)) static void set_allocator(void)
+void gp_json_watch_memory(void)
 {
     json_set_alloc_funcs(allocate, free);
 }
@@ -194,9 +193,10 @@ gp_status gp_json_parse(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
                        "write an array or an object", path);
     full = false;
+    errno = 0; // bad JSON and a full memory are one code of jansson's
     json_t *const root = json_loadb(
         text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
-    if (full) {
+    if (full || (!root && errno == ENOMEM)) {
         json_decref(root);
         full = false;
         return gp_no_memory(log, path);

@@ -10,14 +10,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Has gp_json_print() see what jansson could not allocate. jansson's allocator is
+ * the process's: for programs, before any value is made. */
+void gp_json_watch_memory(void);
+
 /* A file name or any other bytes: Linux allows any, JSON only UTF-8
  * (RFC 3629). Bytes that are not UTF-8 become U+FFFD. The caller owns it; NULL
  * when memory is full, or was for `s`, which is NULL then. */
 json_t *gp_json_name(const char *s);
 
 /* Returns the text of `o`, whose reference it takes; NULL for a NULL `o`, and
- * when memory was full for any value made on this thread since the last text:
- * calls that build `o` need no check. The caller frees it by free(). `flags`
+ * when memory was full for any value made on this thread since the last text, as
+ * gp_json_watch_memory() sees: calls that build `o` need no check. The caller frees it by free(). `flags`
  * are those of json_dumps(). */
 char *gp_json_print(json_t *o, size_t flags);
 

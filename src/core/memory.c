@@ -1,7 +1,6 @@
 #include "core/core_priv.h"
 #include "core/memory.h"
 
-#include <malloc.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,7 +20,12 @@ enum { ARENA = true };
 
 enum { ARENA_LEAST = 64 << 10 }; // bytes of a block of the arena
 
-static bool arena_on; // set before there are threads
+static atomic_bool arena_on; // never off again
+
+static bool has_arena(void)
+{
+    return atomic_load_explicit(&arena_on, memory_order_relaxed);
+}
 
 // -- allocation --------------------------------------------------------------
 
@@ -44,7 +48,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         return gp_fail_bare(log, GP_ERR_BUG, "%s: size overflows (%zu x %zu "
             "bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
-    if (arena_on && bytes >= ARENA_LEAST)
+    if (has_arena() && bytes >= ARENA_LEAST)
         block = gp_arena_take(bytes);
     if (!block && posix_memalign(&block, GP_ALIGN, bytes) != 0)
         return no_memory(log, what, bytes);
@@ -54,7 +58,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
 
 void gp_free(void *p)
 {
-    if (arena_on && gp_arena_has(p))
+    if (has_arena() && gp_arena_has(p))
         gp_arena_give(p);
     else
         free(p);
@@ -83,20 +87,7 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
 
 void gp_keep_memory(void)
 {
-    arena_on = ARENA;
-    static const int apart = 256 << 10; // mapped by itself
-    static const int ends = 1 << 30; // free bytes that the heap keeps
-    static const int heaps = 1; // a heap for each thread would grow by what
-                                // other threads take from it and free
-#ifdef __GLIBC__
-    mallopt(M_MMAP_THRESHOLD, apart);
-    mallopt(M_TRIM_THRESHOLD, ends);
-    mallopt(M_ARENA_MAX, heaps);
-#else
-    (void) apart;
-    (void) ends;
-    (void) heaps;
-#endif
+    atomic_store_explicit(&arena_on, ARENA, memory_order_relaxed);
 }
 
 unsigned long gp_serial_next(void)

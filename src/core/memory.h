@@ -40,7 +40,7 @@ void gp_free(void *p);
 
 /* Keeps the pages of freed blocks for the next ones, of any size: stages of a
  * frame take turns with them, and so do frames of a sequence (core/arena.c).
- * Call once, before any thread starts. */
+ * It is for the whole process, and for good. */
 void gp_keep_memory(void);
 
 /* Returns a number > 0, unique in this process: caches compare it to see

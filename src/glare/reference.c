@@ -117,10 +117,9 @@ static gp_status sum_plain(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "reference", nx > ny ? nx : ny, 32, &z));
     for (int i = 0; i < 4; i++) {
         const int length = (int) (i % 2 ? ny : nx);
-        plan[i] = lib->plan_dft_1d(length, (void *) z,
-                                   (void *) (z + 2 * length),
-                                   i < 2 ? FFTW_FORWARD : FFTW_BACKWARD,
-                                   FFTW_ESTIMATE | FFTW_UNALIGNED);
+        plan[i] = gp_fftwd_plan(lib, length, z, z + 2 * length,
+                                i < 2 ? FFTW_FORWARD : FFTW_BACKWARD,
+                                FFTW_UNALIGNED);
         if (!plan[i])
             GP_TRY(gp_fail_bare(log, GP_ERR_BUG,
                                 "reference: FFTW has no plan for length %d; "
@@ -159,10 +158,8 @@ static gp_status sum_plain(const struct gp_log *log,
         }
     }
 out:
-    for (int i = 0; i < 4; i++) {
-        if (plan[i])
-            lib->destroy_plan(plan[i]);
-    }
+    for (int i = 0; i < 4; i++)
+        gp_fftwd_end(lib, plan[i]);
     gp_free(a);
     gp_free(b);
     gp_free(z);

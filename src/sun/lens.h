@@ -152,9 +152,9 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
                    struct gp_lens_ghost out[GP_LENS_GHOSTS]);
 
 /* Draws the lens in section as SVG, with the rays of a ghost, which may be
- * NULL. `f` keeps errors of writing. */
-void gp_lens_svg(FILE *f, const struct gp_lens *lens,
-                 const struct gp_lens_ghost *ghost);
+ * NULL. `f` keeps errors of writing. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
+    const struct gp_lens *lens, const struct gp_lens_ghost *ghost);
 
 // -- ghosts of many lights, drawn into a layer (lens_draw.c) -----------------
 

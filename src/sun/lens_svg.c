@@ -1,4 +1,5 @@
 /* A lens in section, with the rays of one ghost, as SVG. */
+#include "core/memory.h"
 #include "sun/lens_priv.h"
 
 #include <math.h>
@@ -62,16 +63,20 @@ static void print_rays(FILE *f, const struct gp_lens_optics *o,
     }
 }
 
-void gp_lens_svg(FILE *f, const struct gp_lens *lens,
-                 const struct gp_lens_ghost *ghost)
+gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
+                      const struct gp_lens *lens,
+                      const struct gp_lens_ghost *ghost)
 {
-    static struct gp_lens_optics o; // 130 KiB: too large for a stack
+    struct gp_lens_optics *o; // 130 KiB: too large for a stack
     double tall = 0.0;
-    gp_lens_optics_make(lens, GP_D_LINE, &o);
+    const gp_status st = gp_alloc(log, lens->name, 1, sizeof *o, &o);
+    if (st)
+        return st;
+    gp_lens_optics_make(lens, GP_D_LINE, o);
     for (int i = 0; i < lens->n; i++)
         tall = fmax(tall, lens->at[i].semi);
-    const double end = o.z[lens->n], side = 0.17 * end, half = 1.25 * tall;
-    const double stop = lens->at[lens->stop].semi, at = o.z[lens->stop];
+    const double end = o->z[lens->n], side = 0.17 * end, half = 1.25 * tall;
+    const double stop = lens->at[lens->stop].semi, at = o->z[lens->stop];
     const double line = 0.002 * end;
     fprintf(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"960\" "
                "viewBox=\"%.3f %.3f %.3f %.3f\">\n"
@@ -84,13 +89,15 @@ void gp_lens_svg(FILE *f, const struct gp_lens *lens,
             2.0 * half);
     fprintf(f, "<line class=\"line\" stroke-dasharray=\"%.3f\" x1=\"%.3f\" "
                "y1=\"0\" x2=\"%.3f\" y2=\"0\"/>\n", 8.0 * line, -side, end);
-    print_glass(f, &o);
+    print_glass(f, o);
     for (int k = -1; k <= 1; k += 2)
         fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
                    "y2=\"%.3f\"/>\n", at, k * stop, at, k * 1.15 * tall);
     fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
                "y2=\"%.3f\"/>\n", end, -tall, end, tall);
     if (ghost)
-        print_rays(f, &o, ghost, 0.05);
+        print_rays(f, o, ghost, 0.05);
     fprintf(f, "</svg>\n");
+    gp_free(o);
+    return GP_OK;
 }

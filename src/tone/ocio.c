@@ -148,12 +148,12 @@ const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio)
 gp_status gp_ocio_open(const struct gp_log *log,
                        const struct gp_ocio_params *p, struct gp_ocio **out)
 {
-    static const struct gp_ocio_api *api; // stays open until the end
     char why[2048];
     struct gp_ocio *o;
     *out = NULL;
-    if (!api)
-        api = gp_bridge_open("glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
+    // stays open until the process ends, so that opening it again is cheap
+    const struct gp_ocio_api *api = gp_bridge_open(
+        "glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
     if (api && api->version != GP_OCIO_API_VERSION) {
         snprintf(why, sizeof why, "glarepp-ocio.so has another version");
         api = NULL;

@@ -1,7 +1,7 @@
 /* Runs the suites of a room; see unit.h. */
 #include "unit.h"
 
-
+#include "core/json.h"
 
 #include <fnmatch.h>
 #include <stdio.h>
@@ -64,6 +64,7 @@ static int run_apart(const struct suite *s)
 int main(int argc, char **argv)
 {
     set_env(NULL, NULL);
+    gp_json_watch_memory(); // as the program does
     const char *const pattern = argc > 1 ? argv[1] : "*";
     int failed = 0, matched = 0;
     for (const struct suite *s = suites; s->name; s++) {

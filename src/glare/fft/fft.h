@@ -36,6 +36,13 @@ GP_MUST_CHECK gp_status gp_fftwf_open(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_fftwd_open(const struct gp_log *log,
                                       const struct gp_fftwd **out);
 
+/* Plans a transform by estimate, with more flags of FFTW; NULL where it has
+ * none. Plans are made and ended by these alone: they hold the planner's lock,
+ * for any thread to call. */
+fftw_plan gp_fftwd_plan(const struct gp_fftwd *lib, int n, void *in, void *out,
+                        int sign, unsigned flags);
+void gp_fftwd_end(const struct gp_fftwd *lib, fftw_plan plan); // NULL: nothing
+
 /* Nanoseconds, about, of one complex transform of length n. */
 double gp_fft_cost(int n, enum gp_fft_plan how);
 
@@ -62,7 +69,7 @@ struct gp_fft_plan_pair {
  * library and the CPU, and are those of known.c where FFTW takes them; measured
  * ones may be faster, may differ in the last bits from run to run, and are read
  * from and added to the wisdom file (NULL: kept nowhere).
- * Call on one thread. Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
+ * Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
 GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);
 

@@ -4,6 +4,7 @@
 
 #include <dlfcn.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +13,10 @@
 
 // -- FFTW ---------------------------------------------------------------------
 
-/* Fills `table`, whose members are function pointers in this order. */
+/* Held while the tables are filled, and around all of FFTW's calls but
+ * execute_dft(): its planner serves one thread at a time, of all contexts. */
+static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
+
 static gp_status load_functions(const struct gp_log *log, const char *file,
     const char *package, const char *without, const char *prefix, void **table)
 {
@@ -21,12 +25,15 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
         "import_wisdom_from_filename", "import_wisdom_from_string",
         "forget_wisdom", "export_wisdom_to_filename",
     };
+    enum { NAMES = sizeof names / sizeof *names };
+    if (table[NAMES - 1])
+        return GP_OK;
     void *const lib = dlopen(file, RTLD_NOW | RTLD_LOCAL);
     if (!lib)
         return gp_fail(log, GP_ERR_IO,
                        "%s: cannot be loaded (%s); install %s (Debian) or "
                        "%s", file, dlerror(), package, without);
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < NAMES; i++) {
         char symbol[64] = "";
         strcat(strcat(symbol, prefix), names[i]);
         table[i] = dlsym(lib, symbol);
@@ -40,18 +47,27 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
     return GP_OK;
 }
 
+/* Fills `table`, whose members are function pointers in the order of the names,
+ * once; the last is NULL until it is whole. */
+static gp_status fill_table(const struct gp_log *log, const char *file,
+    const char *package, const char *without, const char *prefix, void **table)
+{
+    pthread_mutex_lock(&planner);
+    const gp_status st = load_functions(log, file, package, without, prefix,
+                                        table);
+    pthread_mutex_unlock(&planner);
+    return st;
+}
+
 gp_status gp_fftwf_open(const struct gp_log *log, const struct gp_fftwf **out)
 {
     static union {
         struct gp_fftwf table;
         void *slot[sizeof(struct gp_fftwf) / sizeof(void *)];
     } lib;
-    gp_status st = GP_OK;
-    if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3f.so.3", "libfftw3-single3",
-                            "use --engine direct", "fftwf_", lib.slot);
     *out = &lib.table;
-    return st;
+    return fill_table(log, "libfftw3f.so.3", "libfftw3-single3",
+                      "use --engine direct", "fftwf_", lib.slot);
 }
 
 /* `without` says what does without it. */
@@ -62,18 +78,35 @@ static gp_status open_double(const struct gp_log *log, const char *without,
         struct gp_fftwd table;
         void *slot[sizeof(struct gp_fftwd) / sizeof(void *)];
     } lib;
-    gp_status st = GP_OK;
-    if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3", without,
-                            "fftw_", lib.slot);
     *out = &lib.table;
-    return st;
+    return fill_table(log, "libfftw3.so.3", "libfftw3-double3", without,
+                      "fftw_", lib.slot);
 }
 
 gp_status gp_fftwd_open(const struct gp_log *log, const struct gp_fftwd **out)
 {
     return open_double(log, "leave --verify, -k aperture and -k temporal out",
                        out);
+}
+
+fftw_plan gp_fftwd_plan(const struct gp_fftwd *lib, int n, void *in, void *out,
+                        int sign, unsigned flags)
+{
+    pthread_mutex_lock(&planner);
+    lib->forget_wisdom(); // a plan may not depend on those made before
+    const fftw_plan p = lib->plan_dft_1d(n, in, out, sign,
+                                         FFTW_ESTIMATE | flags);
+    pthread_mutex_unlock(&planner);
+    return p;
+}
+
+void gp_fftwd_end(const struct gp_fftwd *lib, fftw_plan plan)
+{
+    if (!plan)
+        return;
+    pthread_mutex_lock(&planner);
+    lib->destroy_plan(plan);
+    pthread_mutex_unlock(&planner);
 }
 
 // -- lengths -----------------------------------------------------------------
@@ -165,6 +198,7 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     GP_TRY(gp_alloc_zero(log, "transform", (size_t) n, 8, &b));
     const int measure = how == GP_FFT_PLAN_MEASURE;
     const unsigned flags = measure ? FFTW_MEASURE : FFTW_ESTIMATE;
+    pthread_mutex_lock(&planner);
     // wisdom is read once for each plan and written back under another name
     // first, so that two runs side by side never see half a file; a cache that
     // cannot be kept is no error
@@ -191,6 +225,7 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
                         rename(other, wisdom) != 0))
             unlink(other);
     }
+    pthread_mutex_unlock(&planner);
     if (!p.forward || !p.backward) {
         gp_fft_plan_free(&p);
         st = fail_plan(log, n);
@@ -214,9 +249,8 @@ gp_status gp_fft_plan_make_double(const struct gp_log *log, int n,
     struct gp_fft_plan_pair p = {.n = n, .in_double = true};
     GP_TRY(gp_alloc_zero(log, "transform", 4 * (size_t) n, sizeof *z, &z));
     void *const a = z, *const b = z + 2 * n; // n is a multiple of 8: aligned
-    lib->forget_wisdom(); // a plan may not depend on those made before
-    p.forward_double = lib->plan_dft_1d(n, a, b, FFTW_FORWARD, FFTW_ESTIMATE);
-    p.backward_double = lib->plan_dft_1d(n, a, b, FFTW_BACKWARD, FFTW_ESTIMATE);
+    p.forward_double = gp_fftwd_plan(lib, n, a, b, FFTW_FORWARD, 0);
+    p.backward_double = gp_fftwd_plan(lib, n, a, b, FFTW_BACKWARD, 0);
     *out = p;
     if (!p.forward_double || !p.backward_double) {
         gp_fft_plan_free(out);
@@ -232,17 +266,17 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p)
     const struct gp_fftwf *lib;
     const struct gp_fftwd *twice;
     if ((p->forward || p->backward) && gp_fftwf_open(NULL, &lib) == GP_OK) {
+        pthread_mutex_lock(&planner);
         if (p->forward)
             lib->destroy_plan(p->forward);
         if (p->backward)
             lib->destroy_plan(p->backward);
+        pthread_mutex_unlock(&planner);
     }
     if ((p->forward_double || p->backward_double) &&
         gp_fftwd_open(NULL, &twice) == GP_OK) {
-        if (p->forward_double)
-            twice->destroy_plan(p->forward_double);
-        if (p->backward_double)
-            twice->destroy_plan(p->backward_double);
+        gp_fftwd_end(twice, p->forward_double);
+        gp_fftwd_end(twice, p->backward_double);
     }
     *p = (struct gp_fft_plan_pair) {0};
 }

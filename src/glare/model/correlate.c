@@ -11,10 +11,8 @@
 
 void gp_transform_free(struct gp_transform *t)
 {
-    if (t->forward)
-        t->lib->destroy_plan(t->forward);
-    if (t->backward)
-        t->lib->destroy_plan(t->backward);
+    gp_fftwd_end(t->lib, t->forward);
+    gp_fftwd_end(t->lib, t->backward);
     gp_free(t->room);
     *t = (struct gp_transform) {0};
 }
@@ -32,8 +30,8 @@ gp_status gp_transform_make(const struct gp_log *log, int n,
     if (st)
         return st;
     void *const from = t.room, *const to = t.room + GP_GROUP * (size_t) n;
-    t.forward = t.lib->plan_dft_1d(n, from, to, FFTW_FORWARD, FFTW_ESTIMATE);
-    t.backward = t.lib->plan_dft_1d(n, from, to, FFTW_BACKWARD, FFTW_ESTIMATE);
+    t.forward = gp_fftwd_plan(t.lib, n, from, to, FFTW_FORWARD, 0);
+    t.backward = gp_fftwd_plan(t.lib, n, from, to, FFTW_BACKWARD, 0);
     *out = t;
     if (t.forward && t.backward)
         return GP_OK;

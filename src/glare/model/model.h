@@ -68,11 +68,6 @@ struct gp_model_preset {
 };
 extern const struct gp_model_preset gp_model_presets[]; // ends with name NULL
 
-/* The i-th word for --kernel and its line of help: the presets, then the models
- * that no preset is named after. NULL after the last; valid until the next
- * call. */
-const char *gp_kernel_word(int i, const char **text);
-
 /* A model and the values of its keys, in their order. */
 struct gp_recipe {
     const struct gp_model *model;

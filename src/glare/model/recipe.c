@@ -49,30 +49,6 @@ const struct gp_model_key *gp_model_keys(const struct gp_model *m)
     return m->keys;
 }
 
-const char *gp_kernel_word(int i, const char **text)
-{
-    static char word[64]; // one at a time
-    const struct gp_model_preset *p = gp_model_presets;
-    for (; p->name; p++) {
-        if (i-- == 0) {
-            *text = p->text;
-            snprintf(word, sizeof word, "builtin:%s", p->name);
-            return word;
-        }
-    }
-    for (const struct gp_model *const *m = gp_models; *m; m++) {
-        for (p = gp_model_presets; p->name; p++) {
-            if (strcmp(p->name, (*m)->name) == 0)
-                break;
-        }
-        if (!p->name && i-- == 0) {
-            *text = (*m)->text;
-            return (*m)->name;
-        }
-    }
-    return NULL;
-}
-
 /* Text up to `end` equals a whole name. */
 static bool is_name(const char *name, const char *text, const char *end)
 {

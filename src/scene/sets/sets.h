@@ -10,6 +10,7 @@
  *   sets      V, L, I, F, S by flags on objects (15.4.3, second way)
  *   draw      the renderer on GL (15.2.2), with maps of shadows from `shadow`
  *   table     Table 15-1
+ *   picture   pictures to look at: scissors, and the sets from above
  *
  * Every set is conservative: an object that a visible point, or a ray from one
  * to a light, meets is in it; some are in it in vain.
@@ -190,5 +191,20 @@ GP_MUST_CHECK gp_status gp_table_make(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_scene *s, const struct gp_camera *c,
     const struct gp_table_params *p, struct gp_table *out);
 void gp_table_free(struct gp_table *t);
+
+// -- pictures -----------------------------------------------------------------
+//
+// w * h samples in each of three planes, display-linear.
+
+/* Draws the outlines of the lights' scissors over the picture. */
+void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
+                           const struct gp_planes *rgb);
+
+/* Draws the scene from above, each object in the colour of its sets. It shows the
+ * eye, lamps and objects but outliers; boxes that leave it end at its edge.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sets_draw_map(const struct gp_log *log,
+    const struct gp_table *t, const struct gp_scene *s,
+    const struct gp_camera *c, int w, int h, const struct gp_planes *rgb);
 
 #endif

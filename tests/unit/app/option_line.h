@@ -6,7 +6,7 @@
 
 #include "kept_log.h"
 
-enum { WORDS = 40 };
+enum { WORDS = 64 };
 
 /* Parses a line of words with single blanks between; '' is an empty word. */
 static inline gp_status parse(const char *line, struct gp_settings *s)

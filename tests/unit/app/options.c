@@ -1,6 +1,9 @@
-/* app/options: what right lines set, and the messages of wrong ones. */
+/* app/options: what right lines set, and the messages of wrong ones; what the
+ * library gets of them. */
 #include "unit.h"
 #include "app/option_line.h"
+
+#include "app/plan_settings.h"
 
 #include <float.h>
 
@@ -13,14 +16,13 @@ static void defaults_hold(void **state)
     assert_string_equal(s.input.files.at[0], "in.exr");
     assert_string_equal(s.output.pictures.at[0], "a.png");
     assert_string_equal(s.light.style, "camera");
-    assert_false(s.kernel.image.centered);
-    assert_string_equal(s.glare.engine, "auto");
-    assert_true(s.light.sensor.threshold == 1.0f &&
-                s.light.sensor.knee == 0.0f);
-    assert_true(s.light.sensor.max_value == 0.0f);
-    assert_true(s.light.compose.gain == 1.0f && s.glare.gain == 1.0f);
-    assert_int_equal(s.light.sensor.mode, GP_THRESHOLD_EXCESS);
-    assert_int_equal(s.light.compose.mix, GP_MIX_SCATTER);
+    assert_false(s.kernel.image.centred);
+    assert_string_equal(s.light.layer.engine, "auto");
+    assert_true(s.light.sense.threshold == 1.0f &&
+                s.light.sense.knee == 0.0f);
+    assert_true(s.light.sense.max_value == 0.0f);
+    assert_true(s.light.layer.gain == 1.0f && !s.light.sense.whole);
+    assert_int_equal(s.light.layer.mix, GLAREPP_SCATTER);
     assert_string_equal(s.tone.map.curve, "neutral");
     assert_int_equal(s.output.write.compression, GP_COMPRESSION_AUTO);
     assert_int_equal(s.run.level, GP_LEVEL_WARN);
@@ -58,7 +60,8 @@ static int line_for(const struct gp_option *o, const char *value, char *line,
                         ? " --sun 1,2 --sun-color 3" : "",
                     o->needs & GP_NEED_CONFIG       ? " --ocio c"
                     : strcmp(o->name, "knee") == 0 ? " --threshold-mode whole"
-                                                   : "");
+                    : strncmp(o->name, "kernel-", 7) == 0 ? " -k k.exr"
+                                                          : "");
 }
 
 /* Puts one value into the line, and checks where it is stored. */
@@ -78,17 +81,18 @@ static void check_stored(const struct gp_option *o, const char *value,
     const double *const pair = at;
     const char *const *const word = at;
     const bool stored =
-        o->kind == GP_KIND_FLAG      ? *(const bool *) at
+        o->kind == GP_KIND_FLAG      ? *(const bool *) at == !o->off
         : o->kind == GP_KIND_SET     ? *(const int *) at == o->set
         : o->kind == GP_KIND_FLOAT   ? *(const float *) at == (float) v
         : o->kind == GP_KIND_THRESHOLD
-            ? ((const struct gp_sensor_params *) at)->threshold == (float) v
+            ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
         : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
         : o->kind == GP_KIND_PAIR    ? pair[0] == 1.0 && pair[1] == 2.0
         : o->kind == GP_KIND_NUMBERS ? list->n == o->least &&
                                            list->v[list->n - 1] == list->n
-        : o->kind == GP_KIND_CHOICE  ? *(const int *) at == choice
+        : o->choices && o->kind != GP_KIND_NAMED
+            ? gp_option_chosen(o, at)->value == choice
         : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
         : o->kind == GP_KIND_TEXTS ? strcmp(texts->at[texts->n - 1], value) == 0
                                      : strcmp(word[choice], "f") == 0;
@@ -111,6 +115,8 @@ static void every_option_is_stored(void **state)
             value[0] = '\0';
         else if (o->arg && strcmp(o->arg, "WxH") == 0)
             snprintf(value, sizeof value, "7x7");
+        else if (strcmp(o->name, "kernel") == 0)
+            snprintf(value, sizeof value, "k.exr");
         else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
             snprintf(value, sizeof value, "%.*s",
                      o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
@@ -170,11 +176,11 @@ static void forms_of_values(void **state)
     assert_string_equal(s.output.pictures.at[1], "b.exr");
     assert_int_equal(s.output.layer.n, 1);
     assert_string_equal(s.output.layer.at[0], "l");
-    assert_true(s.light.sensor.threshold == 2.5f &&
-                s.light.sensor.knee == 0.5f);
-    assert_true(s.tone.map.exposure == -1.5f && s.kernel.image.centered);
-    assert_true(s.kernel.image.center[0] == 3.5 &&
-                s.kernel.image.center[1] == -2.0);
+    assert_true(s.light.sense.threshold == 2.5f &&
+                s.light.sense.knee == 0.5f);
+    assert_true(s.tone.map.exposure == -1.5f && s.kernel.image.centred);
+    assert_true(s.kernel.image.centre[0] == 3.5 &&
+                s.kernel.image.centre[1] == -2.0);
     assert_string_equal(s.run.report, "-");
     assert_int_equal(s.run.level, GP_LEVEL_INFO);
     gp_settings_free(&s);
@@ -186,13 +192,13 @@ static void forms_of_thresholds(void **state)
     static const struct {
         const char *word;
         float v;
-        enum gp_threshold_unit unit;
+        enum glarepp_threshold unit;
     } rows[] = {
-        {"2.5", 2.5f, GP_THRESHOLD_LUMINANCE}, {"0", 0, GP_THRESHOLD_LUMINANCE},
-        {"99.9%", 99.9f, GP_THRESHOLD_PERCENT}, {"0%", 0, GP_THRESHOLD_PERCENT},
-        {"+3ev", 3, GP_THRESHOLD_EV}, {"-1.5ev", -1.5f, GP_THRESHOLD_EV},
-        {"4EV", 4, GP_THRESHOLD_EV}, {"1e3", 1000, GP_THRESHOLD_LUMINANCE},
-        {"1e1ev", 10, GP_THRESHOLD_EV},
+        {"2.5", 2.5f, GLAREPP_LUMINANCE}, {"0", 0, GLAREPP_LUMINANCE},
+        {"99.9%", 99.9f, GLAREPP_PERCENTILE}, {"0%", 0, GLAREPP_PERCENTILE},
+        {"+3ev", 3, GLAREPP_EV}, {"-1.5ev", -1.5f, GLAREPP_EV},
+        {"4EV", 4, GLAREPP_EV}, {"1e3", 1000, GLAREPP_LUMINANCE},
+        {"1e1ev", 10, GLAREPP_EV},
     };
     static const char *const wrong[] = {
         "-1", "101%", "-1%", "65ev", "-65ev", "1ev%", "ev", "%", "1e%", "3e",
@@ -206,10 +212,10 @@ static void forms_of_thresholds(void **state)
                  right ? rows[i].word : wrong[i - COUNT(rows)]);
         const gp_status st = parse(line, &s);
         if (st != (right ? GP_OK : GP_ERR_USAGE) ||
-            (right && (s.light.sensor.threshold != rows[i].v ||
-                       s.light.sensor.unit != rows[i].unit)))
+            (right && (s.light.sense.threshold != rows[i].v ||
+                       s.light.sense.unit != rows[i].unit)))
             fail_msg("%s: status %d, %g", line, st,
-                     (double) s.light.sensor.threshold);
+                     (double) s.light.sense.threshold);
         gp_settings_free(&s);
     }
 }
@@ -224,7 +230,7 @@ static void words_that_look_like_options(void **state)
     assert_ok(parse("i -g 1 -o a -g 2 j -- -k --help", &s));
     assert_int_equal(s.input.files.n, 4); // options stand anywhere before --
     assert_string_equal(s.input.files.at[3], "--help");
-    assert_true(s.light.compose.gain == 2.0f); // the last one holds
+    assert_true(s.light.layer.gain == 2.0f); // the last one holds
     assert_null(s.words.help);
     gp_settings_free(&s);
     assert_ok(parse("--output=--hdr i", &s));
@@ -271,8 +277,8 @@ static void clusters_follow_groups(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_ok(parse(rows[i].line, &s));
-        assert_int_equal(s.glare.splat.group, rows[i].group);
-        assert_int_equal(s.glare.splat.cluster, rows[i].cluster);
+        assert_int_equal(s.light.layer.group, rows[i].group);
+        assert_int_equal(s.light.layer.cluster, rows[i].cluster);
         assert_int_equal(kept_lines, 0);
         gp_settings_free(&s);
     }
@@ -302,6 +308,104 @@ static void commands(void **state)
         assert_int_equal(s.input.files.n, rows[i].inputs);
         assert_int_equal(s.words.help != NULL, rows[i].help);
         assert_true(s.bench.runs == 9 && isinf(s.compare.limits.hard_warn));
+        gp_settings_free(&s);
+    }
+}
+
+// -- what the library gets --------------------------------------------------
+
+/* Each parameter of a plan that is not a field of a struct of the library. */
+static void plans_get_all_settings(void **state)
+{
+    struct gp_settings s;
+    struct gp_plan_settings p;
+    assert_ok(parse("--fov 40 --rotate 5 -t 3 --engine fft --sun 1,2,3 "
+                    "--sun-color 4,5,6 --sun-size 7 --lights l --camera c "
+                    "--lens heliar --sensor-size 8 --focus-distance 9 "
+                    "--f-number 10 --scene s --scene-camera k --scene-start 11 "
+                    "--scene-up z --light-scale 12 --lamp-size 13 "
+                    "--relight all --normal-space camera --ocio o --ocio-context A=B "
+                    "--view v -o a i", &s));
+    gp_plan_params(&s, NULL, &p);
+    assert_true(p.plan.fov == 40.0 && p.plan.rotate == 5.0);
+    assert_true(p.plan.sense->threshold == 3.0f);
+    assert_string_equal(p.plan.layer->engine, "fft");
+    const struct glarepp_light_params *const l = p.plan.lights;
+    assert_int_equal(l->lights, 1);
+    assert_int_equal(l->light->place, GLAREPP_PIXEL);
+    assert_true(l->light->at[0] == 1.0 && l->light->at[1] == 2.0 &&
+                l->light->radius == 3.0);
+    assert_true(l->sun.flux[0] == 4.0f && l->sun.flux[2] == 6.0f &&
+                l->sun.degrees == 7.0 && l->degrees == 7.0f);
+    assert_string_equal(l->sun.name, "sun");
+    assert_string_equal(l->file, "l");
+    assert_string_equal(l->cameras, "c");
+    assert_int_equal(l->outside, GLAREPP_BY_SCENE);
+    assert_string_equal(p.plan.lens->lens, "heliar");
+    assert_true(p.plan.lens->sensor == 8.0 && p.plan.lens->distance == 9.0 &&
+                p.plan.lens->f_number == 10.0);
+    const struct glarepp_scene_params *const scene = p.plan.scene;
+    assert_string_equal(scene->path, "s");
+    assert_string_equal(scene->camera, "k");
+    assert_true(scene->start == 11.0 && scene->light_scale == 12.0 &&
+                scene->lamp_size == 13.0 && scene->camera_normals);
+    assert_int_equal(scene->up, GLAREPP_UP_Z);
+    assert_int_equal(scene->relights, 1);
+    assert_string_equal(scene->relight[0], "all");
+    assert_true(p.plan.tone->contexts == 1 && p.plan.tone->shows);
+    assert_string_equal(p.plan.tone->context[0], "A=B");
+    gp_settings_free(&s);
+}
+
+/* A direction has its size by degrees, grey light all channels; without a light
+ * there is none. */
+static void suns_are_lights(void **state)
+{
+    struct gp_settings s;
+    struct gp_plan_settings p;
+    assert_ok(parse("--sun-dir 1,2,3 --sun-color 4 -o a i", &s));
+    gp_plan_params(&s, NULL, &p);
+    assert_int_equal(p.light.place, GLAREPP_DIRECTION);
+    assert_true(p.light.at[2] == 3.0 && p.light.radius < 0.0);
+    assert_true(p.light.degrees == (double) 0.533f && p.light.flux[1] == 4.0f);
+    assert_true(p.lights.needed && p.lights.faded);
+    gp_settings_free(&s);
+    assert_ok(parse("--sun 1,2 -o a i", &s));
+    gp_plan_params(&s, NULL, &p);
+    assert_true(p.light.radius < 0.0 && p.light.flux[0] == 0.0f); // the default
+    gp_settings_free(&s);
+    assert_ok(parse("-o a i", &s));
+    gp_plan_params(&s, NULL, &p);
+    assert_int_equal(p.lights.lights, 0);
+    assert_null(p.lens.lens);
+    assert_null(p.scene.path);
+    assert_false(p.lights.needed);
+    gp_settings_free(&s);
+}
+
+static void kernels_are_scaled_as_asked(void **state)
+{
+    static const struct {
+        const char *line;
+        bool as_it_is, normalized;
+        double percent, degrees;
+    } rows[] = {
+        {"-o a i -k k.exr", false, false, 100.0, 0.0},
+        {"-o a i -k k.exr --kernel-normalize none", true, false, 100.0, 0.0},
+        {"-o a i -k k.exr --kernel-normalize luminance --kernel-size 50%",
+         false, true, 50.0, 0.0},
+        {"-o a i -k k.exr --kernel-size 2deg", false, false, 100.0, 2.0},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_settings s;
+        assert_ok(parse(rows[i].line, &s));
+        const struct glarepp_kernel_params p = gp_kernel_params(&s);
+        assert_int_equal(p.words, 1);
+        assert_string_equal(p.word[0], "k.exr");
+        assert_int_equal(p.as_it_is, rows[i].as_it_is);
+        assert_int_equal(p.normalized, rows[i].normalized);
+        assert_true(p.percent == rows[i].percent &&
+                    p.degrees == rows[i].degrees);
         gp_settings_free(&s);
     }
 }
@@ -337,9 +441,13 @@ static const char *const wrong[][2] = {
     {"--debug sensors=a --debug sensors=b i", "sensors: "},
     {"--help-ma i", "did you mean --help?"},
     {"-o a i --mask A", "--mask: "},
-    {"-o a i --kernel-size 0", "--kernel-size: "},
-    {"-o a i --kernel-size 2dag", "--kernel-size: "},
-    {"-o a i --kernel-size 200deg", "--kernel-size: "},
+    {"-o a i -k k.exr --kernel-size 0", "--kernel-size: "},
+    {"-o a i -k k.exr --kernel-size 2dag", "--kernel-size: "},
+    {"-o a i -k k.exr --kernel-size 200deg", "--kernel-size: "},
+    {"-o a i --kernel-size 50", "--kernel-size: no kernel is a plain file"},
+    {"-o a i -k k.exr -k star --kernel-center 1,2", "several kernels"},
+    {"bench i -k k.exr -k star --kernel-normalize luminance", "share=S"},
+    {"kernel --check star --kernel-size 50", "--kernel-size: "},
     {"kernel", ""},
     {"kernel --list -o k", ""},
     {"kernel -o k i", "i: "},
@@ -421,4 +529,6 @@ static void warnings(void **state)
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
          commands_make_the_same_picture, forms_of_values,
          forms_of_thresholds, words_that_look_like_options, topics_of_help,
-         clusters_follow_groups, commands, errors_say_what_is_wrong, warnings)
+         clusters_follow_groups, commands, plans_get_all_settings,
+         suns_are_lights, kernels_are_scaled_as_asked,
+         errors_say_what_is_wrong, warnings)

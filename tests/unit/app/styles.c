@@ -2,8 +2,8 @@
  * user's options keep, and how much glare it is by the standard. */
 #include "unit.h"
 #include "app/option_line.h"
-#include "model_scene.h"
 
+#include "app/plan_settings.h"
 #include "app/sheet.h"
 #include "app/styles.h"
 #include "core/memory.h"
@@ -46,11 +46,11 @@ static void styles_set_what_is_not_given(void **state)
     assert_int_equal(s.kernel.words.n, 3);
     gp_settings_free(&s);
     assert_ok(parse("--style mist -o a.png in.exr", &s));
-    assert_true(s.light.sensor.threshold == 0.0f);
+    assert_true(s.light.sense.threshold == 0.0f);
     gp_settings_free(&s);
     // in any order
     assert_ok(parse("-t 3 --style mist -k star -o a.png in.exr", &s));
-    assert_true(s.light.sensor.threshold == 3.0f);
+    assert_true(s.light.sense.threshold == 3.0f);
     assert_int_equal(s.kernel.words.n, 1);
     assert_string_equal(s.kernel.words.at[0], "star");
     gp_settings_free(&s);
@@ -58,7 +58,7 @@ static void styles_set_what_is_not_given(void **state)
     assert_string_equal(s.lens.name, "heliar");
     gp_settings_free(&s);
     assert_ok(parse("bench --style anamorphic in.exr", &s));
-    assert_string_equal(s.sun.flare, "preset:oval");
+    assert_string_equal(s.sun.p.flare, "preset:oval");
     gp_settings_free(&s);
     assert_ok(parse("kernel --style star -o k.exr", &s));
     assert_true(s.kernel.words.n > 1);
@@ -73,31 +73,35 @@ static void styles_set_what_is_not_given(void **state)
  * field, the veiling glare index of ISO 9358. */
 static double glare_index(const char *name, double t)
 {
+    enum { REACH = 20, SIDE = 2 * REACH + 1 };
     const double degrees = 30.0 / 540.0;
-    const struct gp_field f = scene_field(128, 128, degrees, 1.0);
+    const struct glarepp_field field = {
+        .w = 128, .h = 128, .fov = 128 * degrees, .radius = REACH,
+        .most = 1 << 20,
+    };
+    const double weight[] = {0.2126, 0.7152, 0.0722};
+    struct glarepp_kernel_params p;
+    struct glarepp_kernel *k;
+    struct glarepp_image image;
+    struct glarepp_label label;
+    struct glarepp *gp;
     struct gp_settings s;
-    struct gp_recipe recipe[GP_RECIPES];
-    struct gp_kernel k, whole;
     char line[64];
     double within = 0.0;
     snprintf(line, sizeof line, "--style %s -o a.png in.exr", name);
     assert_ok(parse(line, &s));
-    for (int i = 0; i < s.kernel.words.n; i++)
-        recipe[i] = scene_recipe(s.kernel.words.at[i]);
-    assert_ok(gp_model_kernel(&kept_log, recipe, s.kernel.words.n, &f, &k));
-    assert_ok(gp_kernel_whole(&kept_log, &k, f.w, f.h, &whole));
-    for (int y = -20; y <= 20; y++) {
-        for (int x = -20; x <= 20; x++) {
-            if (hypot(x, y) * degrees <= t)
-                within += 0.2126 * sample_at(&whole, 0, x, y) +
-                          0.7152 * sample_at(&whole, 1, x, y) +
-                          0.0722 * sample_at(&whole, 2, x, y);
-        }
+    p = gp_kernel_params(&s);
+    assert_ok(glarepp_open(NULL, &gp));
+    assert_ok(glarepp_kernel(gp, &p, &k));
+    assert_ok(glarepp_kernel_draw(k, &field, &image, &label));
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const int x = i % SIDE - REACH, y = i / SIDE - REACH;
+        for (int c = 0; c < 3 && hypot(x, y) * degrees <= t; c++)
+            within += weight[c] * (double) ((const float *) image.plane[c])[i];
     }
-    for (int i = 0; i < s.kernel.words.n; i++)
-        gp_recipe_free(&recipe[i]);
-    gp_kernel_free(&whole);
-    gp_kernel_free(&k);
+    glarepp_image_end(&image);
+    glarepp_kernel_end(&k);
+    glarepp_close(&gp);
     gp_settings_free(&s);
     return 1.0 - within;
 }

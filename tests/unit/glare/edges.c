@@ -63,6 +63,25 @@ static void assert_stays(const char *word, const struct gp_kernel *k, int w,
     scene_free(&s);
 }
 
+/* The i-th preset, then the models that no preset is named after; NULL after the
+ * last. */
+static const char *word_at(int i)
+{
+    const struct gp_model_preset *const preset = gp_model_presets;
+    for (int p = 0; preset[p].name; p++) {
+        if (i-- == 0)
+            return preset[p].name;
+    }
+    for (const struct gp_model *const *m = gp_models; *m; m++) {
+        int p = 0;
+        while (preset[p].name && strcmp(preset[p].name, gp_model_name(*m)) != 0)
+            p++;
+        if (!preset[p].name && i-- == 0)
+            return gp_model_name(*m);
+    }
+    return NULL;
+}
+
 /* A flat picture of any value comes out flat, of every model and size. */
 static void flat_pictures_stay_flat(void **state)
 {
@@ -74,13 +93,12 @@ static void flat_pictures_stay_flat(void **state)
     static const char *const tinted[] = { // as far as their light goes
         "streak:share=1", "halation:share=.3", "star:share=1", NULL,
     };
-    const char *text, *word;
+    const char *word;
     int words = 0;
     (void) state;
-    while (gp_kernel_word(words, &text))
+    while (word_at(words))
         words++;
-    for (int i = 0; (word = i < words ? gp_kernel_word(i, &text)
-                                      : tinted[i - words]); i++) {
+    for (int i = 0; (word = i < words ? word_at(i) : tinted[i - words]); i++) {
         struct gp_recipe r;
         const bool whole = gp_recipe_parse(NULL, word, &r) == GP_OK;
         if (whole)

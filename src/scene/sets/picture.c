@@ -1,9 +1,7 @@
-/* Pictures of visibility sets. */
-#include "app/commands.h"
-
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "scene/bounds.h"
+#include "scene/sets/sets.h"
 
 #include <math.h>
 #include <stdlib.h>
