@@ -11,6 +11,7 @@ static const struct hint {
     enum glarepp_level level;
     const char *text; // after the message
 } hints[] = {
+    {"compare.most", GLAREPP_ERROR, "; crop them, or raise --max-pixels"},
     {"gl", GLAREPP_ERROR, "; give --engine fft and --sun-method exact"},
     {"kernel.percent", GLAREPP_WARNING,
      " (glarepp kernel with this --fov and --size, or --kernel-size)"},
