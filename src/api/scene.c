@@ -266,13 +266,12 @@ static gp_status check_planes(const struct glarepp_frame *f)
     const struct gp_plane *const plane[] = {&f->depth, f->normal, f->albedo};
     static const char *const name[] = {"depth", "normals", "albedo"};
     if (!f->work->scene.has_camera)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.relight", "%s: "
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.has_ndc", "%s: "
                           "relighting needs a camera, and neither the frame nor "
                           "the scene has one", f->sink.name);
     if (f->plan->sun.depth_type != GP_DEPTH_Z)
         return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
-                          "needs distances along the view axis, and depth of "
-                          "that kind");
+                          "needs distances along the view axis");
     for (int i = 0; i < 3; i++) {
         if (!plane[i]->v)
             return gp_fail_at(&f->log, GP_ERR_USAGE, "scene.relight", "%s: "

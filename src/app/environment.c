@@ -1,6 +1,7 @@
 #include "app/environment.h"
 
 #include <limits.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,16 @@ void gp_environment_read(struct glarepp_params *p)
     p->egl = variable("GLAREPP_EGL");
     p->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
     p->base_cpu = cpu && strcmp(cpu, "base") == 0;
+}
+
+void gp_environment_set_heap(void)
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 256 << 10); // larger blocks are mapped
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);   // free bytes that the heap keeps
+    mallopt(M_ARENA_MAX, 1); // a heap for each thread would grow by what other
+                             // threads take from it and free
+#endif
 }
 
 void gp_environment_set_gl(int threads)

@@ -13,6 +13,9 @@
  * Strings are the environment's. */
 void gp_environment_read(struct glarepp_params *p);
 
+/* Keeps what the heap frees, for runs of many frames. Call it first. */
+void gp_environment_set_heap(void);
+
 /* Sets the variables that Mesa reads, where the user did not: LP_NUM_THREADS,
  * as its CPU rasterizer starts a thread for each processor otherwise, and
  * EGL_LOG_LEVEL, as it warns on stderr. Call it while there is one thread: one

@@ -11,6 +11,8 @@ static const struct hint {
     enum glarepp_level level;
     const char *text; // after the message
 } hints[] = {
+    {"compare.most", GLAREPP_ERROR, "; crop them, or raise --max-pixels"},
+    {"frame.has_ndc", GLAREPP_ERROR, "; give --camera"},
     {"gl", GLAREPP_ERROR, "; give --engine fft and --sun-method exact"},
     {"kernel.percent", GLAREPP_WARNING,
      " (glarepp kernel with this --fov and --size, or --kernel-size)"},
@@ -19,15 +21,15 @@ static const struct hint {
     {"layer.tolerance", GLAREPP_WARNING, "; give a larger --tolerance"},
     {"lights.outside", GLAREPP_ERROR,
      "; give --camera FILE, or --sun-outside ignore"},
-    {"lights.depth", GLAREPP_ERROR, "; give --depth-type z"},
+    {"lights.depth", GLAREPP_ERROR, "; give --depth-type z, and depth of that kind"},
     {"scene.camera", GLAREPP_ERROR, "; give one with --scene-camera"},
-    {"scene.relight", GLAREPP_ERROR,
-     "; check --relight, or give --camera, --depth"},
+    {"scene.camera_normals", GLAREPP_WARNING,
+     "; give --scene-up or --normal-space"},
+    {"scene.relight", GLAREPP_ERROR, "; check --relight"},
     {"scene.relight", GLAREPP_WARNING,
      "; leave it out of --relight, or check --scene-start"},
-    {"scene.start", GLAREPP_WARNING, "; check --scene-start"},
-    {"scene.up", GLAREPP_WARNING,
-     "; check --scene-start, --scene-up and --normal-space"},
+    {"scene.start", GLAREPP_WARNING, "; give --scene-start, the frame at 0 s"},
+    {"scene.up", GLAREPP_WARNING, "; check --scene-start and --scene-up"},
 };
 
 static const char *hint_of(const struct glarepp_message *m)

@@ -8,6 +8,7 @@
 #include "app/pictures.h"
 #include "app/progress.h"
 #include "bench/bench.h"
+#include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -207,7 +208,9 @@ int main(int argc, char *argv[])
         if (fcntl(fd, F_GETFD) < 0)
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
+    gp_environment_set_heap();
     gp_write_keep_memory();
+    gp_json_watch_memory();
     gp_temp_cleanup_on_signal();
     // a write that fails is an error with a message, not a silent death
     signal(SIGPIPE, SIG_IGN);

@@ -85,9 +85,10 @@ static void turn_normals(const struct gp_log *log,
     }
     const int more = only_y > only_z ? only_y : only_z;
     if (more < 4 * (only_y + only_z - more) || 8 * more <= looked) {
-        gp_say_at(log, GP_LEVEL_WARN, "scene.up", "%s: has no camera, and its "
-                  "normals fit its depth y up as well as z up (%d and %d of %d "
-                  "pixels); y up is taken", f->path, only_y, only_z, looked);
+        gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
+                  "camera, and its normals fit its depth y up as well as z up "
+                  "(%d and %d of %d pixels); y up is taken", f->path, only_y,
+                  only_z, looked);
     } else if (only_z == more) {
         const struct gp_plane y = normal[1];
         const size_t n = (size_t) gp_rect_w(y.window) *

@@ -622,13 +622,14 @@ enum { OUT_OF_MEMORY = 0x0505 }; // GL_OUT_OF_MEMORY
 /* The two libraries that contexts come from: how each finds a function, and
  * its glGetError(). */
 static struct {
-    function (*find)(const char *name);
-    unsigned (*error)(void);
-} libraries[2];
+    _Atomic(function (*)(const char *name)) find;
+    _Atomic(unsigned (*)(void)) error;
+} libraries[2]; // opened by any thread
 
 static unsigned answer(int i)
 {
-    return FAILS(error) ? OUT_OF_MEMORY : libraries[i].error();
+    unsigned (*const error)(void) = atomic_load(&libraries[i].error);
+    return FAILS(error) ? OUT_OF_MEMORY : error();
 }
 
 static unsigned osmesa_error(void)
@@ -643,10 +644,11 @@ static unsigned egl_error(void)
 
 static function find_in(int i, const char *name)
 {
-    const function f = libraries[i].find(name);
+    function (*const find)(const char *) = atomic_load(&libraries[i].find);
+    const function f = find(name);
     if (!f || strcmp(name, "glGetError") != 0)
         return f;
-    libraries[i].error = (unsigned (*)(void)) f;
+    atomic_store(&libraries[i].error, (unsigned (*)(void)) f);
     return i ? (function) egl_error : (function) osmesa_error;
 }
 
@@ -671,7 +673,9 @@ DEFINE(void *, dlsym, void *library, const char *name)
                        ? NULL : REAL(dlsym)(library, name);
     for (int i = 0; symbol && i < 2; i++) {
         if (strcmp(name, hooks[i].name) == 0) {
-            memcpy(&libraries[i].find, &symbol, sizeof symbol);
+            function (*find)(const char *);
+            memcpy(&find, &symbol, sizeof symbol);
+            atomic_store(&libraries[i].find, find);
             memcpy(&symbol, &hooks[i].find, sizeof symbol);
             break;
         }

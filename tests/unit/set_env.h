@@ -3,6 +3,7 @@
 #define SET_ENV_H
 
 #include "app/environment.h"
+#include "core/env.h"
 
 #include <stdlib.h>
 
@@ -11,9 +12,14 @@
 static inline int set_env(const char *name, const char *value)
 {
     static struct gp_env env;
+    struct glarepp_params p = GLAREPP_PARAMS;
     const int failed = !name ? 0
                        : value ? setenv(name, value, 1) : unsetenv(name);
-    gp_environment_read(&env);
+    gp_environment_read(&p);
+    env = (struct gp_env) {
+        .bridges = p.bridges, .data = p.data, .osmesa = p.osmesa, .egl = p.egl,
+        .gl_size = p.gl_size, .base_cpu = p.base_cpu,
+    };
     gp_env_use(&env);
     return failed;
 }

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "app/flight.h"
 #include "app/progress.h"
-#include "core/parallel.h"
 
 #include <time.h>
 
@@ -132,12 +131,17 @@ enum { ROWS = COUNT(rows) };
 /* Flies the units; all are ended when the flight is. */
 static void fly(const struct row *r, gp_status want)
 {
-    const struct gp_flight_params p = {r->units, r->slots, seen.ordered};
+    struct glarepp_params params = GLAREPP_PARAMS;
+    struct gp_flight_params p = {NULL, r->units, r->slots, seen.ordered};
     const struct gp_flight_work work = {&seen, step, goes_on, has_room, end};
     seen.slots = r->slots;
     seen.log = (struct gp_log) {note, &seen, GP_LEVEL_INFO};
-    gp_set_threads(r->threads);
+    params.threads = r->threads;
+    assert_ok((gp_status) glarepp_open(&params, &p.gp));
+    glarepp_enter(p.gp);
     assert_int_equal(gp_flight_run(&p, &work, &seen.flight), want);
+    glarepp_leave(p.gp);
+    glarepp_close(&p.gp);
     for (int i = 0; i < r->slots; i++)
         gp_frame_log_close(&seen.logs[i]);
     assert_int_equal(seen.wrong, 0);

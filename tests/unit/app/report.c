@@ -20,18 +20,21 @@ static struct gp_facts full_facts(void)
         .read = {.taken = {"2", "diffuse", "left"}, .width = 640,
                  .height = 480, .window = {-2, 3, 638, 483}, .grown = true},
         .write = {.name = (char **) two_names, .n = 2},
-        .sensor = {.sources = 12, .flux = {1.5, 2.5, 3.5}, .nonfinite = 3},
+        .lib = {
+            .sense = {.sources = 12, .flux = {1.5, 2.5, 3.5}, .nonfinite = 3,
+                      .clamped = 4},
+            .layer = {.engine = "splat", .why = "asked for", .groups = 7,
+                      .clusters = 5, .polygons = 12, .cores = 11,
+                      .polygon_pixels = 1e6, .form = "blended quads",
+                      .fft_w = 1280, .fft_h = 1024,
+                      .gl = "OSMesa: llvmpipe", .flux = {1.25, 2.25, 3.25}},
+            .verified = true,
+            .errors = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
+                       .flux_error = 4e-7},
+        },
+        .bounded = true, .bound = 1e-6,
         .clamp.n = {4, 5},
-        .glare = {.engine = "splat", .why = "asked for", .groups = 7,
-                  .clusters = 5, .polygons = 12, .cores = 11,
-                  .polygon_pixels = 1e6, .form = "blended quads",
-                  .fft_w = 1280, .fft_h = 1024,
-                  .gl = "OSMesa: llvmpipe"},
-        .layer = {.flux = {1.25, 2.25, 3.25}, .bounded = true, .bound = 1e-6,
-                  .verified = true,
-                  .error = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
-                            .flux_error = 4e-7}},
-        .sun = {.depth = depth, .depth_type = "half"},
+        .hidden = {.depth = depth, .depth_type = "half"},
     };
     for (int i = 0; i < GP_TIMES; i++)
         f.cost.ms[i] = i + 0.12345;
@@ -97,7 +100,7 @@ static void all_fields_in_order(void **state)
 static void what_was_not_needed_is_left_out(void **state)
 {
     struct gp_facts facts = {.job.input = "x",
-                             .glare = {.engine = "none", .why = "dark"}};
+                             .lib.layer = {.engine = "none", .why = "dark"}};
     for (int i = 0; i < GP_TIMES; i++)
         facts.cost.ms[i] = i % GP_TIME_TOTAL == GP_TIME_READ ? 1.0 : -1.0;
     static const char *const gone[] = {
@@ -133,12 +136,12 @@ static void a_failed_frame_says_why(void **state)
 /* Lights of --relight, between the scene and the depth. */
 static void lights_of_relight(void **state)
 {
-    struct gp_relit_facts lamps[] = {
+    const struct glarepp_relit lamps[] = {
         {"one", 1LL << 40, 1LL << 50, 3}, {"two", 0, 0, 0},
     };
     struct gp_facts facts = full_facts();
-    facts.scene.relit = lamps;
-    facts.scene.relits = 2;
+    facts.lib.relit = lamps;
+    facts.lib.relits = 2;
     char *text = reported(&facts, 1);
     assert_non_null(strstr(text, "\"relit\":[{\"name\":\"one\",\"pixels\":"
         "1099511627776,\"rays\":1125899906842624,\"casters\":3},{\"name\":"
@@ -157,9 +160,9 @@ static void hard_values_stay_json(void **state)
         "overlong \xc0\xaf", "surrogate \xed\xa0\x80", "\xf4\x90\x80\x80", "",
     };
     struct gp_facts facts = full_facts();
-    facts.layer.error.rel_l2 = NAN;
-    facts.sensor.flux[1] = INFINITY;
-    facts.layer.bound = -INFINITY;
+    facts.lib.errors.rel_l2 = NAN;
+    facts.lib.sense.flux[1] = INFINITY;
+    facts.bound = -INFINITY;
     for (size_t i = 0; i < COUNT(names); i++) {
         facts.job.input = names[i];
         char *text = reported(&facts, 2);

@@ -15,11 +15,13 @@ static struct gp_facts some_facts(const struct gp_settings *s)
         .job = {.input = "in.exr", .settings = s},
         .read = {.width = 64, .height = 48, .window = {0, 0, 64, 48},
                  .file = {0, 0, 64, 48}},
-        .sensor = {.sources = 1183, .spread = {1000.0, 31.0, 0.0},
-                   .threshold = 1.0f},
-        .kernel = {.w = 9, .h = 9, .deg_per_pixel = 0.1, .fov = 30.0,
-                   .fov_from = "default"},
-        .glare = {.engine = "fft", .why = "for 2 sources"},
+        .lib = {
+            .sense = {.sources = 1183, .light = 1000.0, .bright = 31.0,
+                      .threshold = 1.0f},
+            .kernel = {.w = 9, .h = 9, .deg_per_pixel = 0.1, .fov = 30.0,
+                       .fov_from = "default"},
+            .layer = {.engine = "fft", .why = "for 2 sources"},
+        },
         .write = {.name = names, .kind = kinds, .n = 2},
     };
     return f;
@@ -47,8 +49,8 @@ static void line_of(const struct gp_settings *s, const struct gp_facts *f,
     }
     for (int i = 0; i < made; i++) {
         struct gp_facts one = *f;
-        one.sensor.sources += made > 1 && i == made - 1 ? 7 : 0;
-        one.kernel.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
+        one.lib.sense.sources += made > 1 && i == made - 1 ? 7 : 0;
+        one.lib.kernel.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
         gp_tally_add(&t, &one);
     }
     gp_tally_text(&t, s, &jobs, seconds, line, size);
@@ -98,7 +100,7 @@ static void lines_say_what_happened(void **state)
         assert_ok(parse(options, &s));
         struct gp_facts f = some_facts(&s);
         f.write.n = rows[i].targets == 1 ? 1 : 2;
-        f.sensor.sources = rows[i].sources;
+        f.lib.sense.sources = rows[i].sources;
         line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds, line,
                 sizeof line);
         assert_string_equal(line, rows[i].want);
@@ -123,11 +125,11 @@ static void angles_say_where_they_are_from(void **state)
     assert_ok(parse("-o a i", &s));
     struct gp_facts f = some_facts(&s);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        f.kernel.fov_from = rows[i][0];
+        f.lib.kernel.fov_from = rows[i][0];
         line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
         assert_non_null(strstr(line, rows[i][1]));
     }
-    f.kernel.deg_per_pixel = 0.0; // an image of a kernel
+    f.lib.kernel.deg_per_pixel = 0.0; // an image of a kernel
     line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
     assert_null(strstr(line, "view"));
     gp_settings_free(&s);
@@ -168,11 +170,11 @@ static void notes_say_what_and_why(void **state)
         "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
     f.job.view = "left";
-    f.kernel.fov_from = "camera";
+    f.lib.kernel.fov_from = "camera";
     f.write.n = 0;
-    f.sensor.nonfinite = 1000;
-    f.sensor.threshold = 2.5f;
-    f.glare.gl = "llvmpipe";
+    f.lib.sense.nonfinite = 1000;
+    f.lib.sense.threshold = 2.5f;
+    f.lib.layer.gl = "llvmpipe";
     snprintf(f.read.taken.layer, sizeof f.read.taken.layer, "beauty");
     notes_of("-t 99% -k star -k cie -e fft -o a i", &f);
     assert_string_equal(notes,
@@ -186,20 +188,22 @@ static void notes_say_what_and_why(void **state)
 
 static void notes_of_what_else_there_is(void **state)
 {
-    struct gp_light light[2] = {
+    const struct glarepp_share light[2] = {
         {.name = "sun", .visibility = 0.5, .in_frame = true},
         {.visibility = 1.0, .behind = true},
     };
     struct gp_facts f = some_facts(NULL);
-    f.sensor.sources = 0;
-    f.kernel.w = 0;
+    f.lib.sense.sources = 0;
+    f.lib.kernel.w = 0;
     char depth[] = "Z";
-    f.sun = (struct gp_sun_facts) {.light = light, .lights = 2, .depth = depth,
-                                   .edges = GP_EDGES_DEPTH};
-    f.flare.runs = f.flare.elements = 3;
-    f.lens.name = "heliar";
-    f.layer.verified = true;
-    f.layer.error.rel_l2 = 1e-7;
+    f.lib.light = light;
+    f.lib.lights = 2;
+    f.hidden.depth = depth;
+    f.hidden.edges = GP_EDGES_DEPTH;
+    f.lib.flare.runs = f.lib.flare.elements = 3;
+    f.lib.lens.name = "heliar";
+    f.lib.verified = true;
+    f.lib.errors.rel_l2 = 1e-7;
     notes_of("-t +2ev -o a i", &f);
     assert_non_null(strstr(notes, "no pixel is over the threshold of 1 "
                            "(--threshold +2ev): nothing glares\n"));
