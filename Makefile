@@ -74,10 +74,9 @@ BRIDGES := $(B)/glarepp-oiio $(B)/glarepp-ocio.so
 
 OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o
 ROOM_OBJ := $(filter-out %/main.o,$(OBJ))
-LIB_ROOMS := $(if $(wildcard src/glarepp.h),api compare core gl glare scene sun tone)
+LIB_ROOMS := api compare core gl glare scene sun tone
 LIB_OBJ := $(filter $(LIB_ROOMS:%=$(B)/%/%),$(OBJ))
-ARCHIVE := $(if $(LIB_ROOMS),$(B)/libglarepp.a)
-LIBRARY := $(if $(LIB_ROOMS),$(ARCHIVE) $(B)/libglarepp.so.0)
+LIBRARY := $(B)/libglarepp.a $(B)/libglarepp.so.0
 
 .PHONY: all help demo man install uninstall deb deps clean
 all: $(B)/glarepp $(LIBRARY) $(BRIDGES) man compile_commands.json ## first: builds the program, its bridges and the man page
@@ -92,7 +91,7 @@ help: ## first: lists the targets; make TARGET V=1 prints whole commands
 
 # -- build --------------------------------------------------------------------
 
-$(B)/glarepp: $(filter-out $(LIB_OBJ),$(OBJ)) $(ARCHIVE)
+$(B)/glarepp: $(filter-out $(LIB_OBJ),$(OBJ)) $(B)/libglarepp.a
 	$(call say,LD,$@)$(CC) $(LINK) -o $@ $^ $(LIBS)
 
 $(B)/%.o: src/%.c
@@ -113,10 +112,10 @@ $(B)/gl/shaders.o: $(B)/gl/shaders.c
 
 -include $(OBJ:.o=.d)
 
-# The library is all rooms that its header opens; without the header there is none.
-# What glarepp.h declares between `#pragma GCC visibility push(default)` and pop is
-# what the shared library shows: src/api/symbols lists it. (The map hides what gcc
-# shows of functions in copies for several processors.)
+# The library is all rooms that its header opens. What glarepp.h declares between
+# `#pragma GCC visibility push(default)` and pop is what the shared library shows:
+# src/api/symbols lists it. (The map hides what gcc shows of functions in copies for
+# several processors.)
 $(B)/libglarepp.a: $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR,$@)$(AR) rcs $@ $^
@@ -125,10 +124,6 @@ $(B)/libglarepp.so.0: $(LIB_OBJ)
 	$(call say,LD,$@)$(CC) -shared -Wl,-soname,$(@F) $(if $(SAN),,-Wl,-z,defs) \
 	    -Wl,--version-script=src/api/libglarepp.map -pthread -Wl,--as-needed $(SAN) $(HARDEN_SO) \
 	    -o $@ $^ $(call pc,--libs,jansson) -lm -ldl
-
-# (made at each install, whose PREFIX it holds)
-$(B)/glarepp.pc: src/api/glarepp.pc.in all
-	@sed 's|@PREFIX@|$(PREFIX)|; s|@LIB@|$(LIB)|; s|@VERSION@|$(VERSION)|' $< >$@
 
 # C++ is in a helper program and a shared object, which are started and opened only
 # when needed. The helper is built without sanitizers: it exists to contain
@@ -178,26 +173,28 @@ DOC := share/doc/glarepp
 COMPLETIONS := bash=share/bash-completion/completions/glarepp \
     zsh=share/zsh/site-functions/_glarepp fish=share/fish/vendor_completions.d/glarepp.fish
 DOCUMENTS := README.md LICENSE $(wildcard man/*.md) \
-    $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py alley.glb) \
+    $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py alley.glb \
+        embed.c embed_many.c) \
     $(wildcard examples/lenses/*.json examples/flares/*.json)
 INSTALLED = $(B)/glarepp=bin/glarepp $(foreach f,$(BRIDGES),$(f)=lib/glarepp/$(notdir $(f))) \
     $(COMPLETIONS:%=$(B)/completions.%) man/glarepp.1=share/man/man1/glarepp.1 \
     $(foreach f,$(DOCUMENTS),$(f)=$(DOC)/$(f)) \
-    $(if $(LIBRARY),src/glarepp.h=include/glarepp.h $(B)/glarepp.pc=$(LIB)/pkgconfig/glarepp.pc) \
-    $(foreach f,$(LIBRARY),$(f)=$(LIB)/$(notdir $(f)))
-SO_LINK = $(if $(LIBRARY),'$(DESTDIR)$(PREFIX)/$(LIB)/libglarepp.so')
+    src/glarepp.h=include/glarepp.h $(foreach f,$(LIBRARY),$(f)=$(LIB)/$(notdir $(f))) \
+    src/api/glarepp.pc.in=$(LIB)/pkgconfig/glarepp.pc
+AT = '$(DESTDIR)$(PREFIX)/$(LIB)'
 
 $(B)/completions.%: man/completions.awk $(B)/table
 	@LC_ALL=C awk -v shell=$* -f $^ >$@
 
-install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) $(if $(LIBRARY),$(B)/glarepp.pc) ## first: installs program, manual, templates and completions under DESTDIR and PREFIX
+install: all $(foreach s,bash zsh fish,$(B)/completions.$(s)) ## first: installs program, manual, templates and completions under DESTDIR and PREFIX
 	@set -e; for f in $(INSTALLED); do case $${f#*=} in \
 	    bin/* | lib/glarepp/*) mode=755 ;; *) mode=644 ;; esac; \
 	    install -D -m $$mode "$${f%%=*}" '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; \
-	    $(if $(LIBRARY),ln -sf libglarepp.so.0 $(SO_LINK))
+	    sed -i 's|@PREFIX@|$(PREFIX)|; s|@LIB@|$(LIB)|; s|@VERSION@|$(VERSION)|' $(AT)/pkgconfig/glarepp.pc; \
+    ln -sf libglarepp.so.0 $(AT)/libglarepp.so
 
 uninstall: ## install: removes the files of install
-	@for f in $(INSTALLED); do rm -f '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; rm -f $(SO_LINK)
+	@for f in $(INSTALLED); do rm -f '$(DESTDIR)$(PREFIX)'/"$${f#*=}"; done; rm -f $(AT)/libglarepp.so
 	@-cd '$(DESTDIR)$(PREFIX)' 2>/dev/null && rmdir lib/glarepp \
 	    $(DOC)/man $(DOC)/examples/lenses $(DOC)/examples/flares $(DOC)/examples $(DOC) 2>/dev/null
 
@@ -216,7 +213,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
-         clang-tidy clang-format cppcheck
+         clang-tidy clang-format cppcheck lintian strace
 deps: ## install: installs the Debian packages that are missing
 	@.ci/deps.sh "$(DEBIAN)" "$(EXTRA)"
 

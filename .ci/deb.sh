@@ -2,7 +2,7 @@
 # Usage: deb.sh TREE VERSION FOLDER
 # Makes Debian packages FOLDER/NAME_VERSION_ARCH.deb of TREE, a folder in which `make
 # install PREFIX=/usr` has put its files; adds what Debian asks for: libglarepp0,
-# libglarepp-dev where a library is installed, and glarepp, which has all other files.
+# libglarepp-dev, and glarepp, which has all other files.
 # Needs dpkg-deb and dpkg-shlibdeps (package dpkg-dev). The same tree gives the same
 # bytes: all dates are that of the man page, or SOURCE_DATE_EPOCH.
 set -eu
@@ -16,7 +16,7 @@ day=$(sed -n 's/^\.Dd //p' "$root/man/glarepp.1.in")
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(date -u -d "$day" +%s)}
 export SOURCE_DATE_EPOCH
 date=$(date -u -R -d "@$SOURCE_DATE_EPOCH")
-maintainer="${DEBFULLNAME:-glarepp} <${DEBEMAIL:-glarepp@localhost}>"
+maintainer="${DEBFULLNAME:-glarepp} <${DEBEMAIL:-glarepp@example.org}>"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -32,7 +32,7 @@ Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: glarepp
 
 Files: *
-Copyright: the authors of glarepp
+Copyright: ${day##* } the authors of glarepp
 License: GPL-3+
  This program is free software: you can redistribute it and/or modify it
  under the terms of the GNU General Public License as published by the Free
@@ -92,42 +92,38 @@ EOF
 opened="libfftw3-double3, libfftw3-single3"
 gl="Recommends: libosmesa6 | libegl1"
 strip --strip-unneeded "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*
-with=
-if [ -f "$tree/usr/include/glarepp.h" ]; then
-    so=$(find "$tree/usr/lib" -name libglarepp.so.0)
-    lib=${so%/*}
-    lib=${lib#"$tree"}
-    strip --strip-unneeded "$so"
-    strip --strip-debug "$tree$lib/libglarepp.a"
+so=$(find "$tree/usr/lib" -name libglarepp.so.0)
+lib=${so%/*}
+lib=${lib#"$tree"}
+strip --strip-unneeded "$so"
+strip --strip-debug "$tree$lib/libglarepp.a"
 
-    mkdir -p "$work/dev$lib" "$work/run$lib" "$work/run/usr/lib/glarepp"
-    mv "$tree/usr/include" "$work/dev/usr"
-    mv "$tree$lib"/libglarepp.a "$tree$lib"/libglarepp.so "$tree$lib/pkgconfig" \
-        "$work/dev$lib"
-    mv "$tree$lib/libglarepp.so.0" "$work/run$lib"
-    rmdir "$tree$lib"
-    mv "$tree/usr/lib/glarepp/glarepp-ocio.so" "$work/run/usr/lib/glarepp"
+mkdir -p "$work/dev$lib" "$work/run$lib" "$work/run/usr/lib/glarepp"
+mv "$tree/usr/include" "$work/dev/usr"
+mv "$tree$lib"/libglarepp.a "$tree$lib"/libglarepp.so "$tree$lib/pkgconfig" \
+    "$work/dev$lib"
+mv "$tree$lib/libglarepp.so.0" "$work/run$lib"
+rmdir "$tree$lib"
+mv "$tree/usr/lib/glarepp/glarepp-ocio.so" "$work/run/usr/lib/glarepp"
 
-    mkdir -p "$work/run/DEBIAN"
-    echo "libglarepp 0 libglarepp0 (>= $version)" >"$work/run/DEBIAN/shlibs"
-    echo activate-noawait ldconfig >"$work/run/DEBIAN/triggers"
-    depends=$(needs "$work/run$lib/libglarepp.so.0" "$work/run/usr/lib/glarepp/"*)
-    [ -n "$depends" ]
-    package libglarepp0 "$work/run" libs <<EOF
+mkdir -p "$work/run/DEBIAN"
+echo "libglarepp 0 libglarepp0 (>= $version)" >"$work/run/DEBIAN/shlibs"
+echo activate-noawait ldconfig >"$work/run/DEBIAN/triggers"
+depends=$(needs "$work/run$lib/libglarepp.so.0" "$work/run/usr/lib/glarepp/"*)
+[ -n "$depends" ]
+package libglarepp0 "$work/run" libs <<EOF
 Depends: $depends, $opened
 $gl
 Description: glare of bright light in HDR images (shared library)
  libglarepp adds the glare that bright light makes in an eye or a lens to images
  in memory, and says how wrong it is.
 EOF
-    package libglarepp-dev "$work/dev" libdevel <<EOF
+package libglarepp-dev "$work/dev" libdevel <<EOF
 Depends: libglarepp0 (= $version), libjansson-dev
 Description: glare of bright light in HDR images (development files)
  The header, the archive and the pkg-config file of libglarepp, which adds the
  glare that bright light makes in an eye or a lens to images in memory.
 EOF
-    with=", libglarepp0 (= $version)"
-fi
 
 # -- the program ------------------------------------------------------------------
 
@@ -138,7 +134,7 @@ gzip -9n "$tree/usr/share/man/man1/glarepp.1"
 depends=$(needs "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*)
 [ -n "$depends" ]
 package glarepp "$tree" graphics <<EOF
-Depends: $depends, $opened$with
+Depends: $depends, $opened, libglarepp0 (= $version)
 $gl
 Suggests: gnuplot
 Description: add the glare of bright light to HDR frames

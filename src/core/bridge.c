@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <link.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,11 +14,20 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* The program's folder; "" where /proc is not mounted. */
-static void find_program(char folder[PATH_MAX])
+/* The folder of the shared library that has this code, else of the program; ""
+ * where /proc is not mounted. */
+static void find_home(char folder[PATH_MAX])
 {
-    const ssize_t at = readlink("/proc/self/exe", folder, PATH_MAX - 1);
-    folder[at > 0 ? at : 0] = '\0';
+    static const char here;
+    Dl_info info;
+    struct link_map *map = NULL; // a program's has no name
+    folder[0] = '\0';
+    if (dladdr1(&here, &info, (void **) &map, RTLD_DL_LINKMAP) && map->l_name[0])
+        (void) !realpath(map->l_name, folder);
+    if (!folder[0]) {
+        const ssize_t at = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+        folder[at > 0 ? at : 0] = '\0';
+    }
     char *const slash = strrchr(folder, '/');
     *(slash ? slash : folder) = '\0';
 }
@@ -40,23 +50,24 @@ static bool find_in(const char *const (*place)[2], size_t n, const char *name,
 
 bool gp_bridge_find(const char *name, char *path, size_t size)
 {
-    char program[PATH_MAX];
-    find_program(program);
+    char home[PATH_MAX];
+    find_home(home);
     const char *const place[][2] = {
-        {gp_env()->bridges, ""}, {program, ""},
-        {program, "/../lib/glarepp"}, {GP_BRIDGE_DIR, ""},
+        {gp_env()->bridges, ""}, {home, ""}, {home, "/../lib/glarepp"},
+        {home, "/../glarepp"}, // of lib/x86_64-linux-gnu
+        {GP_BRIDGE_DIR, ""},
     };
     return find_in(place, sizeof place / sizeof *place, name, path, size);
 }
 
 bool gp_example_find(const char *name, char *path, size_t size)
 {
-    char program[PATH_MAX];
-    find_program(program);
+    char home[PATH_MAX];
+    find_home(home);
     const char *const place[][2] = {
-        {gp_env()->data, ""},
-        {program, "/../share/doc/glarepp/examples"},
-        {program, "/../examples"}, {program, "/../../examples"},
+        {gp_env()->data, ""}, {home, "/../share/doc/glarepp/examples"},
+        {home, "/../examples"}, {home, "/../../examples"},
+        {home, "/../../share/doc/glarepp/examples"},
         {GP_BRIDGE_DIR, "/../../share/doc/glarepp/examples"},
     };
     return find_in(place, sizeof place / sizeof *place, name, path, size);

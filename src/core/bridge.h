@@ -9,15 +9,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Finds a file of this program: the first that exists in gp_env()->bridges, the
- * program's folder, ../lib/glarepp from there, and the installed folder. False
+/* Finds a file that is installed beside this code: the first that exists in
+ * gp_env()->bridges, the folder of the program or shared library that has this
+ * code, ../lib/glarepp and ../glarepp from there, and the installed folder. False
  * when there is none. */
 bool gp_bridge_find(const char *name, char *path, size_t size);
 
 /* Finds an installed example, e.g. "lenses/heliar.json": the first that exists
- * in gp_env()->data, ../share/doc/glarepp/examples from the program's
- * folder, the examples of the source tree that it was built in, and the
- * installed folder. False when there is none. */
+ * in gp_env()->data, share/doc/glarepp/examples of the prefix that this code is
+ * in, the examples of the source tree that it was built in, and the installed
+ * folder. False when there is none. */
 bool gp_example_find(const char *name, char *path, size_t size);
 
 /* Opens the shared object of that file name, never closes it, and returns the

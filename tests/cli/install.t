@@ -27,19 +27,19 @@ own()
 lib/glarepp/glarepp-oiio
 share/bash-completion/completions/glarepp
 share/fish/vendor_completions.d/glarepp.fish'
-    [ -f "$root/src/glarepp.h" ] && [ "$1" = deb ] ||
-        echo lib/glarepp/glarepp-ocio.so
+    [ "$1" = deb ] || echo lib/glarepp/glarepp-ocio.so
     (cd "$root" && ls README.md LICENSE man/*.md examples/lenses/*.json \
         examples/flares/*.json) | sed 's|^|share/doc/glarepp/|'
-    for file in alley.glb blender_camera.py openjd.yaml parallel.sh slurm.sh; do
+    for file in alley.glb blender_camera.py embed.c embed_many.c openjd.yaml \
+        parallel.sh slurm.sh; do
         echo share/doc/glarepp/examples/$file
     done
 }
 
-# library: what it installs, once it has a header
+# library: what it installs
 library()
 {
-    [ ! -f "$root/src/glarepp.h" ] || echo 'include/glarepp.h
+    echo 'include/glarepp.h
 lib/libglarepp.a
 lib/libglarepp.so
 lib/libglarepp.so.0
@@ -115,8 +115,8 @@ package()
         'what the package holds'
     is "$(dpkg-deb -f first.deb Version)" "$version" 'its version'
     depends=$(dpkg-deb -f first.deb Depends)
-    for library in libc6 libopenexr libpng16 libopenimageio libopencolorio \
-        libjansson4 libfftw3-single3 libfftw3-double3; do
+    for library in libc6 libopenexr libpng16 libopenimageio libjansson4 \
+        libfftw3-single3 libfftw3-double3 libglarepp0; do
         like "$depends" "*$library*" "it depends on $library"
     done
     is "$(gzip -dc tree/usr/share/man/man1/glarepp.1.gz | cmp - \
@@ -130,6 +130,28 @@ package()
         'the unpacked program runs'
     [ ! -f f.exr ] || ok 'and finds its bridge' \
         tree/usr/bin/glarepp -o deb.tif f.exr
+
+    lib=lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
+    packs libglarepp0 "lib/glarepp/glarepp-ocio.so $lib/libglarepp.so.0"
+    like "$(dpkg-deb -f "$deb" Depends)" '*libjansson4*libopencolorio*libfftw3*' \
+        'what it depends on'
+    packs libglarepp-dev "include/glarepp.h $lib/libglarepp.a $lib/libglarepp.so \
+        $lib/pkgconfig/glarepp.pc"
+    if command -v lintian >/dev/null; then
+        is "$(lintian --allow-root --fail-on none --display-level '>=warning' \
+            "$build"/*"glarepp"*"_${version}_"*.deb 2>&1)" '' 'lintian has nothing to say'
+    else
+        skip 1 'no lintian'
+    fi
+}
+
+# packs PACKAGE "FILES": what it holds
+packs()
+{
+    deb=$build/$1_${version}_$(dpkg --print-architecture).deb
+    dpkg-deb -x "$deb" "$1"
+    is "$(files "$1/usr")" "$(printf '%s\n' $2 share/doc/$1/changelog.gz \
+        share/doc/$1/copyright)" "what $1 holds"
 }
 
 # dpkg itself, into a root where nothing else is
