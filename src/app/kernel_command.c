@@ -1,6 +1,7 @@
 #include "app/commands.h"
 
 #include "app/clobber.h"
+#include "app/hints.h"
 #include "app/kernel_label.h"
 #include "app/options.h"
 #include "app/stages.h"
@@ -322,7 +323,7 @@ static gp_status check_kernel(const struct gp_log *log,
         .use = {.add = s->light.compose.mix == GP_MIX_ADD, .brightest = 1000.0},
     };
     struct gp_kernel_figures f = {0};
-    char line[GP_FAULT_BYTES];
+    struct gp_fault fault;
     gp_status st = gp_recipe_is(c.name) ? check_of_model(log, s, &c)
                                         : check_of_file(log, s, &c);
     int w = c.label.present ? c.label.w : INT_MAX;
@@ -345,9 +346,10 @@ static gp_status check_kernel(const struct gp_log *log,
             f.rim /= f.light; // as a run normalises it
     }
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
-        if (!gp_kernel_fault(&f, &c.use, (enum gp_kernel_rule) i, line))
+        if (!gp_kernel_fault(&f, &c.use, (enum gp_kernel_rule) i, &fault))
             continue;
-        printf("fault: %s\n", line);
+        printf("fault: %s%s\n", fault.line,
+               gp_hint(fault.parameter, fault.line));
         *faulty = true;
     }
     st = gp_flush_stdout(log);

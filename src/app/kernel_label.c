@@ -133,8 +133,8 @@ static void put_place_first(void *user, const struct gp_line *line)
 {
     const struct place *const p = user;
     if (line->level == GP_LEVEL_ERROR || line->level == GP_LEVEL_BARE)
-        (void) gp_fail(p->log, GP_ERR_DATA, "%s: %s: %s", p->path, p->attribute,
-                       line->text);
+        (void) gp_fail_at(p->log, GP_ERR_DATA, line->parameter, "%s: %s: %s",
+                          p->path, p->attribute, line->text);
 }
 
 /* Reads the recipes, up to GP_RECIPES, to r; *n counts them, also on failure. */

@@ -2,6 +2,7 @@
 #include "app/commands.h"
 #include "app/compare_report.h"
 #include "app/environment.h"
+#include "app/hints.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/progress.h"
@@ -39,9 +40,10 @@ static void print_line(void *user, const struct gp_line *line)
     const struct voice *const voice = user;
     const bool names = line->level == GP_LEVEL_BARE && voice->file;
     char whole[2 * GP_LINE_BYTES];
-    snprintf(whole, sizeof whole, "glarepp: %s%s%s%s",
+    snprintf(whole, sizeof whole, "glarepp: %s%s%s%s%s",
              line->level == GP_LEVEL_WARN ? "warning: " : "",
-             names ? voice->file : "", names ? ": " : "", line->text);
+             names ? voice->file : "", names ? ": " : "", line->text,
+             gp_hint(line->parameter, line->text));
     gp_make_printable(whole);
     if (voice->progress)
         gp_progress_say(voice->progress, stderr, whole);

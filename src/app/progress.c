@@ -1,5 +1,6 @@
 #include "app/progress.h"
 
+#include "app/hints.h"
 #include "core/clock.h"
 #include "core/json.h"
 #include "core/memory.h"
@@ -253,13 +254,13 @@ static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
     enum gp_level level = message->level;
-    const char *line = message->text;
-    char named[GP_LINE_BYTES];
-    if (level == GP_LEVEL_BARE) {
-        snprintf(named, sizeof named, "%s: %s", l->name, line);
-        line = named;
+    const bool bare = level == GP_LEVEL_BARE;
+    char line[GP_LINE_BYTES];
+    snprintf(line, sizeof line, "%s%s%s%s", bare ? l->name : "",
+             bare ? ": " : "", message->text,
+             gp_hint(message->parameter, message->text));
+    if (bare)
         level = GP_LEVEL_ERROR;
-    }
     if (level == GP_LEVEL_WARN) { // for the report
         const size_t n = strlen(line) + 1;
         char *const warned = realloc(l->warned, l->warned_bytes + n);

@@ -367,13 +367,13 @@ static void warn_of_faults(struct gp_run *r, const struct gp_frame_state *fs,
     const struct kernel_words all = words_of(r->s, 0, GP_RECIPES);
     const struct kernel_words one = words_of(r->s, worst, worst + 1);
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
-        char line[GP_FAULT_BYTES];
+        struct gp_fault fault;
         if (r->kernel.faults_said >> i & 1 ||
             !gp_kernel_fault(&r->kernel.made[0]->figures, use,
-                             (enum gp_kernel_rule) i, line))
+                             (enum gp_kernel_rule) i, &fault))
             continue;
-        gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
-               i == GP_RULE_LEFT_OUT ? one.text : all.text, line);
+        gp_say_at(fs->log, GP_LEVEL_WARN, fault.parameter, "%s: %s",
+                  i == GP_RULE_LEFT_OUT ? one.text : all.text, fault.line);
         r->kernel.faults_said |= 1u << i;
     }
 }
@@ -410,7 +410,7 @@ static gp_status warn_of_images(struct gp_run *r,
         const struct gp_kernel_use use = use_of_image(recipe);
         struct gp_kernel_figures f;
         struct gp_kernel k;
-        char line[GP_FAULT_BYTES];
+        struct gp_fault fault;
         if (strcmp(gp_model_name(recipe->model), "image") != 0)
             continue;
         const gp_status st = gp_kernel_from_frame(fs->log, &p, recipe->image,
@@ -420,9 +420,9 @@ static gp_status warn_of_images(struct gp_run *r,
         gp_kernel_measure(&k, recipe->image->luminance, &f);
         gp_kernel_free(&k);
         for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
-            if (gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule, line))
-                gp_say(fs->log, GP_LEVEL_WARN, "%s: %s",
-                       words_of(r->s, i, i + 1).text, line);
+            if (gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule, &fault))
+                gp_say_at(fs->log, GP_LEVEL_WARN, fault.parameter, "%s: %s",
+                          words_of(r->s, i, i + 1).text, fault.line);
         }
     }
     r->kernel.faults_said |= bit;

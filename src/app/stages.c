@@ -347,10 +347,16 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     p.taken = r->s->light.compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
     p.edges = edges_of(r, fs, &fs->sources);
     p.last = fs->job - r->jobs->job == r->jobs->n - 1;
-    if (light->n > 0)
-        return gp_glare_run(fs->log, &p, &r->glare.engines, light,
-                            gp_run_kernel_of(fs), &fs->frame, &fs->facts.glare);
-    fs->facts.glare = (struct gp_glare_stats) {
+    struct gp_glare_stats *const stats = &fs->facts.glare;
+    if (light->n > 0) {
+        const gp_status st = gp_glare_run(fs->log, &p, &r->glare.engines, light,
+                                          gp_run_kernel_of(fs), &fs->frame,
+                                          stats);
+        if (!st && !stats->why[0])
+            snprintf(stats->why, sizeof stats->why, "named by --engine");
+        return st;
+    }
+    *stats = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
     };
     return GP_OK;

@@ -12,9 +12,10 @@
 
 // -- FFTW ---------------------------------------------------------------------
 
-/* Fills `table`, whose members are function pointers in this order. */
+/* Fills `table`, whose members are function pointers in this order.
+ * `parameter` is that of the message where there is no such library. */
 static gp_status load_functions(const struct gp_log *log, const char *file,
-    const char *package, const char *without, const char *prefix, void **table)
+    const char *package, const char *parameter, const char *prefix, void **table)
 {
     static const char *const names[] = {
         "plan_dft_1d", "execute_dft", "destroy_plan",
@@ -23,9 +24,9 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
     };
     void *const lib = dlopen(file, RTLD_NOW | RTLD_LOCAL);
     if (!lib)
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: cannot be loaded (%s); install %s (Debian) or "
-                       "%s", file, dlerror(), package, without);
+        return gp_fail_at(log, GP_ERR_IO, parameter,
+                          "%s: cannot be loaded (%s); install %s (Debian)",
+                          file, dlerror(), package);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char symbol[64] = "";
         strcat(strcat(symbol, prefix), names[i]);
@@ -49,13 +50,12 @@ gp_status gp_fftwf_open(const struct gp_log *log, const struct gp_fftwf **out)
     gp_status st = GP_OK;
     if (!lib.table.export_wisdom_to_filename)
         st = load_functions(log, "libfftw3f.so.3", "libfftw3-single3",
-                            "use --engine direct", "fftwf_", lib.slot);
+                            "layer.engine.fft", "fftwf_", lib.slot);
     *out = &lib.table;
     return st;
 }
 
-/* `without` says what does without it. */
-static gp_status open_double(const struct gp_log *log, const char *without,
+static gp_status open_double(const struct gp_log *log, const char *parameter,
                              const struct gp_fftwd **out)
 {
     static union {
@@ -64,16 +64,15 @@ static gp_status open_double(const struct gp_log *log, const char *without,
     } lib;
     gp_status st = GP_OK;
     if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3", without,
-                            "fftw_", lib.slot);
+        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3",
+                            parameter, "fftw_", lib.slot);
     *out = &lib.table;
     return st;
 }
 
 gp_status gp_fftwd_open(const struct gp_log *log, const struct gp_fftwd **out)
 {
-    return open_double(log, "leave --verify, -k aperture and -k temporal out",
-                       out);
+    return open_double(log, "layer.in_double", out);
 }
 
 // -- lengths -----------------------------------------------------------------
@@ -147,9 +146,8 @@ int gp_fft_row_length(int n, int rows, int ny)
 
 static gp_status fail_plan(const struct gp_log *log, int n)
 {
-    return gp_fail_bare(log, GP_ERR_BUG,
-                        "transform: FFTW has no plan for length %d; use "
-                        "--engine direct", n);
+    return gp_fail_bare_at(log, GP_ERR_BUG, "layer.engine.fft",
+                           "transform: FFTW has no plan for length %d", n);
 }
 
 gp_status gp_fft_plan_make(const struct gp_log *log, int n,
@@ -207,7 +205,7 @@ gp_status gp_fft_plan_make_double(const struct gp_log *log, int n,
                                   struct gp_fft_plan_pair *out)
 {
     const struct gp_fftwd *lib;
-    gp_status st = open_double(log, "use --engine direct", &lib);
+    gp_status st = open_double(log, "layer.engine.fft", &lib);
     if (st)
         return st;
     double *z = NULL;
