@@ -71,7 +71,10 @@ enum glarepp_level { GLAREPP_ERROR, GLAREPP_WARNING, GLAREPP_NOTE };
 struct glarepp_message {
     enum glarepp_level level;
     int status;            // of an error
-    const char *parameter; // field that is wrong, "plan.tolerance"; "": none
+    const char *parameter; // field that is wrong or helps, "layer.tolerance";
+                           // "": none. A word may follow, where messages about
+                           // one field differ: "layer.gl.osmesa". Of kernels I
+                           // to before J of a plan, "kernel.word I J FIELD"
     const char *text;      // one sentence: what is wrong (what was found)
     void *user;            // of the frame it is about; NULL: none
 };
@@ -275,7 +278,8 @@ struct glarepp_kernel_figures {
     double asymmetry;      // share without a counterpart opposite
     long long negatives, nonfinite;
     bool lit;              // a sample is not 0
-    const char *const *fault; // `faults` lines
+    const char *const *fault; // `faults` lines, and
+    const char *const *parameter; // what helps, as in glarepp_message
     int faults;
 };
 
@@ -672,7 +676,7 @@ struct glarepp_kernel_facts {
 
 struct glarepp_layer_facts {
     const char *engine;      // that ran; NULL: none
-    char why[256];
+    char why[256];           // "": it was named
     double bound;            // of rel_l2, guaranteed before the run
     double bound_pixel;      // of max_rel; 0: not asked for
     int fft_w, fft_h;        // transform; 0: none

@@ -382,11 +382,12 @@ static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
 
 /* A warning about the kernels [first, last) of the request. */
 static void warn_of(const struct glarepp_frame *f, int first, int last,
-                    const char *line)
+                    const struct gp_fault *fault)
 {
     char parameter[64];
-    snprintf(parameter, sizeof parameter, "kernel.word %d %d", first, last);
-    gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", line);
+    snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first, last,
+             fault->parameter);
+    gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
 }
 
 /* Warns, once a plan, of each fault of the kernel that a frame shows, and of an
@@ -396,13 +397,14 @@ static void warn_of_kernel(struct glarepp_frame *f,
 {
     const struct gp_kernel_request *const r = f->plan->request;
     const struct gp_kernel_label *const l = &r->label[0];
-    char line[GP_FAULT_BYTES];
+    struct gp_fault fault;
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
         const bool one = i == GP_RULE_LEFT_OUT;
         if (gp_kernel_fault(&f->kernel->figures, use, (enum gp_kernel_rule) i,
-                            line) &&
+                            &fault) &&
             gp_api_says(f->plan, 1u << i))
-            warn_of(f, one ? worst : 0, one ? worst + 1 : GP_RECIPES, line);
+            warn_of(f, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
+                    &fault);
     }
     if (r->recipes || !l->present ||
         strcmp(f->facts.kernel.fov_from, "default") == 0)
@@ -411,9 +413,9 @@ static void warn_of_kernel(struct glarepp_frame *f,
     const double made = l->fov / l->h;
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
-        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.percent", "made for %.4g "
-                  "degrees a pixel, used at %.4g; make it again for this angle "
-                  "and size, or use %.4g%% of it", made, used,
+        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.percent.angle", "made for "
+                  "%.4g degrees a pixel, used at %.4g (%.4g%% of it would fit); "
+                  "make it again for this angle and size", made, used,
                   100.0 * made / field->degrees);
 }
 
@@ -432,7 +434,7 @@ static gp_status warn_of_images(struct glarepp_frame *f)
         const struct gp_kernel_use use = use_of_image(recipe);
         struct gp_kernel_figures figures;
         struct gp_kernel k;
-        char line[GP_FAULT_BYTES];
+        struct gp_fault fault;
         if (strcmp(gp_model_name(recipe->model), "image") != 0)
             continue;
         const gp_status st =
@@ -443,8 +445,8 @@ static gp_status warn_of_images(struct glarepp_frame *f)
         gp_kernel_free(&k);
         for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
             if (gp_kernel_fault(&figures, &use, (enum gp_kernel_rule) rule,
-                                line))
-                warn_of(f, i, i + 1, line);
+                                &fault))
+                warn_of(f, i, i + 1, &fault);
         }
     }
     return GP_OK;

@@ -224,10 +224,10 @@ out:
 
 // -- checks -------------------------------------------------------------------
 
-/* Lines of the last check of a thread. */
+/* Faults of the last check of a thread. */
 static _Thread_local struct {
-    char text[GP_KERNEL_RULES][GP_FAULT_BYTES];
-    const char *line[GP_KERNEL_RULES];
+    struct gp_fault found[GP_KERNEL_RULES];
+    const char *line[GP_KERNEL_RULES], *parameter[GP_KERNEL_RULES];
 } faults;
 
 /* Counts the samples that are not finite; returns whether any is light. */
@@ -248,12 +248,14 @@ static void judge(struct gp_kernel_figures *f, const struct gp_kernel_use *use,
 {
     int n = 0;
     for (int i = 0; i < GP_KERNEL_RULES; i++) {
-        if (!gp_kernel_fault(f, use, (enum gp_kernel_rule) i, faults.text[n]))
+        if (!gp_kernel_fault(f, use, (enum gp_kernel_rule) i, &faults.found[n]))
             continue;
-        faults.line[n] = faults.text[n];
+        faults.line[n] = faults.found[n].line;
+        faults.parameter[n] = faults.found[n].parameter;
         n++;
     }
     out->fault = faults.line;
+    out->parameter = faults.parameter;
     out->faults = n;
 }
 

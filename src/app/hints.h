@@ -18,4 +18,9 @@ struct gp_listener {
  * to do. */
 void gp_hear(void *user, const struct glarepp_message *m);
 
+/* Returns words to put after the text of a message about that parameter: "; use
+ * --engine fft", or ", or use --engine fft" where the text gives advice already.
+ * "": none are needed. */
+const char *gp_hint(const char *parameter, const char *text);
+
 #endif

@@ -1,6 +1,7 @@
 #include "app/commands.h"
 
 #include "app/clobber.h"
+#include "app/hints.h"
 #include "app/kernel_label.h"
 #include "app/options.h"
 #include "app/pictures.h"
@@ -292,7 +293,8 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     if (!figures.nonfinite && figures.lit)
         print_figures(&figures, use.label.present);
     for (int i = 0; i < figures.faults; i++)
-        printf("fault: %s\n", figures.fault[i]);
+        printf("fault: %s%s\n", figures.fault[i],
+               gp_hint(figures.parameter[i], figures.fault[i]));
     *faulty = figures.faults > 0;
     st = gp_flush_stdout(log);
 out:

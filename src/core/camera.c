@@ -44,11 +44,10 @@ static gp_status check_finite(const struct gp_log *log, const char *path,
 {
     for (int i = 0; i < 16; i++) {
         if (!isfinite(m[i]))
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: %s is not finite (row %d, column %d is %s); "
-                           "repair the header or give --camera",
-                           path, name, i / 4, i % 4,
-                           isnan(m[i]) ? "NaN" : "Inf");
+            return gp_fail_at(log, GP_ERR_DATA, "lights.cameras",
+                              "%s: %s is not finite (row %d, column %d is "
+                              "%s); repair the header", path, name, i / 4,
+                              i % 4, isnan(m[i]) ? "NaN" : "Inf");
     }
     return GP_OK;
 }
@@ -83,11 +82,9 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                        "3 is %g, %g, %g); give the light's pixel",
                        path, a[0], a[1], a[2]);
     if (!spans(x_column, y_column, axis))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToNDC is singular (its columns x, y and w are "
-                       "linearly dependent); repair the header or give "
-                       "--camera",
-                       path);
+        return gp_fail_at(log, GP_ERR_DATA, "lights.cameras",
+                          "%s: worldToNDC is singular (its columns x, y and w "
+                          "are linearly dependent); repair the header", path);
 
     if (ndc == GP_NDC_AUTO) { // by the image of the view axis
         static const double reach = 0.2;
@@ -96,11 +93,10 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
         const double clip = fmax(fabs(x), fabs(y));
         if (!(fmin(spec, clip) <= reach))
-            GP_TRY(gp_fail(
-                log, GP_ERR_DATA,
+            GP_TRY(gp_fail_at(
+                log, GP_ERR_DATA, "lights.ndc",
                 "%s: worldToNDC follows neither convention (it maps the view "
-                "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0); "
-                "give --camera",
+                "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0)",
                 path, x, y));
         ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
     }
@@ -116,11 +112,10 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         if (most > 1e30 ||
             !spans(gp_column(to_camera, 0), gp_column(to_camera, 1),
                    gp_column(to_camera, 2)))
-            return gp_fail(
-                log, GP_ERR_DATA,
+            return gp_fail_at(
+                log, GP_ERR_DATA, "lights.cameras",
                 "%s: worldToCamera is singular (its largest entry is %g); "
-                "repair the header or give --camera",
-                path, most);
+                "repair the header", path, most);
         memcpy(c.to_camera, to_camera, sizeof c.to_camera);
     }
     *out = c;

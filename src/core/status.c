@@ -112,6 +112,13 @@ gp_status (gp_fail_at)(const struct gp_log *log, gp_status status,
     return status;
 }
 
+gp_status (gp_fail_bare_at)(const struct gp_log *log, gp_status status,
+                            const char *parameter, const char *fmt, ...)
+{
+    SEND(log, GP_LEVEL_BARE, status, parameter, NULL);
+    return status;
+}
+
 static const char no_memory[] = "%s: out of memory; close other programs";
 
 gp_status (gp_no_memory)(const struct gp_log *log, const char *file)

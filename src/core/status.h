@@ -40,8 +40,8 @@ enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 struct gp_line {
     enum gp_level level;
     gp_status status;      // of an error
-    const char *parameter; // of the library's caller that it is about, as its
-                           // field in glarepp.h; "": none
+    const char *parameter; // of the library's caller that is wrong or helps, as
+                           // its field in glarepp.h; "": none
     const char *text;      // one line, without its newline
 };
 
@@ -66,10 +66,17 @@ gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
 gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
                        const char *fmt, ...) GP_PRINTF(3, 4);
 
-/* The same for what is wrong with a parameter: the line does not say what to do,
- * as only the caller's caller knows where the parameter comes from. */
+/* The same for what is wrong with a parameter, or what a parameter helps with.
+ * The line names no option: only the caller's caller knows where the parameter
+ * comes from. A word after the field tells messages apart that need other help:
+ * "layer.gl.osmesa". */
 gp_status gp_fail_at(const struct gp_log *log, gp_status status,
                      const char *parameter, const char *fmt, ...)
+    GP_PRINTF(4, 5);
+
+/* Both: about a parameter, and GP_LEVEL_BARE. */
+gp_status gp_fail_bare_at(const struct gp_log *log, gp_status status,
+                          const char *parameter, const char *fmt, ...)
     GP_PRINTF(4, 5);
 
 /* The one line for a full memory: "FILE: out of memory; close other programs".
@@ -85,6 +92,8 @@ gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
     ((void) (gp_fail_bare)(log, status, __VA_ARGS__), (status))
 #define gp_fail_at(log, status, parameter, ...)                               \
     ((void) (gp_fail_at)(log, status, parameter, __VA_ARGS__), (status))
+#define gp_fail_bare_at(log, status, parameter, ...)                          \
+    ((void) (gp_fail_bare_at)(log, status, parameter, __VA_ARGS__), (status))
 #define gp_no_memory(log, file) ((void) (gp_no_memory)(log, file), GP_ERR_BUG)
 #define gp_no_memory_bare(log, what)                                          \
     ((void) (gp_no_memory_bare)(log, what), GP_ERR_BUG)

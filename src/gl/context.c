@@ -60,10 +60,9 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
 #define LOAD(field, symbol)                                                   \
     *(void **) &o->field = dlsym(library, symbol);                            \
     if (!o->field)                                                            \
-        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
-                       "OSMesa: " symbol " is missing; OSMesa 11.2 or newer " \
-                       "is needed (Debian package libosmesa6), or use --gl " \
-                       "egl"))
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",                  \
+                          "OSMesa: " symbol " is missing; install OSMesa "    \
+                          "11.2 or newer (Debian package libosmesa6)"))
     LOAD(create, "OSMesaCreateContextAttribs");
     LOAD(make_current, "OSMesaMakeCurrent");
     LOAD(destroy, "OSMesaDestroyContext");
@@ -73,10 +72,10 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
     if (!o->context)
         o->context = o->create(any, NULL);
     if (!o->context)
-        GP_TRY(gp_fail(log, GP_ERR_GL,
-                       "OSMesa: cannot make a context (neither 4.5 core nor "
-                       "any other); install the Debian package libosmesa6, or "
-                       "use --gl egl"));
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.osmesa",
+                          "OSMesa: cannot make a context (neither 4.5 core nor "
+                          "any other); install the Debian package "
+                          "libosmesa6"));
     *window = o;
     return GP_OK;
 out:
@@ -189,10 +188,10 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
 {
     const char *extensions = e->f.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     if (!e->f.get_display || !extensions)
-        return gp_fail(log, GP_ERR_GL,
-                       "EGL: no platform extensions (needs EGL 1.5 or "
-                       "EGL_EXT_platform_base); install the Debian package "
-                       "libegl-mesa0, or use --gl osmesa");
+        return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
+                          "EGL: no platform extensions (needs EGL 1.5 or "
+                          "EGL_EXT_platform_base); install the Debian package "
+                          "libegl-mesa0");
     // the first device with a context that is neither Mesa's rasterizer nor
     // one that does not say
     EGLDeviceEXT device[MAX_DEVICES];
@@ -214,10 +213,10 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
         try_display(e, e->f.get_display(EGL_PLATFORM_SURFACELESS_MESA,
                                         EGL_DEFAULT_DISPLAY, NULL)))
         return GP_OK;
-    return gp_fail(log, GP_ERR_GL,
-                   "EGL: cannot make a context, neither on a GPU device nor on "
-                   "Mesa's surfaceless platform; install the Debian packages "
-                   "libegl-mesa0 and libgl1-mesa-dri, or use --gl osmesa");
+    return gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",
+                      "EGL: cannot make a context, neither on a GPU device nor "
+                      "on Mesa's surfaceless platform; install the Debian "
+                      "packages libegl-mesa0 and libgl1-mesa-dri");
 }
 
 static void close_egl(void *window)
@@ -240,10 +239,9 @@ static gp_status open_egl(const struct gp_log *log, void *library,
 #define LOAD(type, field, name)                                               \
     f->field = (type) dlsym(library, name);                                   \
     if (!f->field || !f->proc)                                                \
-        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
-                       "EGL: " name " is missing; install the Debian "        \
-                       "packages libegl1 and libegl-mesa0, or use --gl "     \
-                       "osmesa"));
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.gl.egl",                     \
+                          "EGL: " name " is missing; install the Debian "     \
+                          "packages libegl1 and libegl-mesa0"));
     EGL_FUNCTIONS(LOAD)
 #undef LOAD
     f->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) f->proc(
@@ -323,9 +321,9 @@ static gp_status open_library(const struct gp_log *log,
             text += length + 2;
         snprintf(why, sizeof why, "%s", text);
     }
-    return gp_fail(log, GP_ERR_GL,
-                   "%s: cannot be loaded (%s); install the Debian package %s, "
-                   "or use --engine fft", list[0], why, system->package);
+    return gp_fail_at(log, GP_ERR_GL, "layer.engine",
+                      "%s: cannot be loaded (%s); install the Debian package "
+                      "%s", list[0], why, system->package);
 }
 
 /* -- making a context current --------------------------------------------- */
@@ -345,10 +343,9 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
     // before the new one is made current, or a later return to it is missed
     release_current();
     if (!gl->system->make_current(gl->window))
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: the context cannot be made current; use the other "
-                       "--gl (osmesa or egl), or --engine fft",
-                       gl->system->name);
+        return gp_fail_at(log, GP_ERR_GL, "layer.gl",
+                          "%s: the context cannot be made current",
+                          gl->system->name);
     current = gl;
     return GP_OK;
 }
@@ -367,9 +364,9 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     PFNGLGETSTRINGPROC get =
         (PFNGLGETSTRINGPROC) gl->system->proc(gl->window, "glGetString");
     if (!get)
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: glGetString is missing; install a complete Mesa, "
-                       "or use --engine fft", gl->system->name);
+        return gp_fail_at(log, GP_ERR_GL, "layer.engine",
+                          "%s: glGetString is missing; install a complete "
+                          "Mesa", gl->system->name);
     const char *version = (const char *) get(GL_VERSION);
     const char *renderer = (const char *) get(GL_RENDERER);
     // "4.5 (Core Profile) Mesa 22.3.6"
@@ -378,10 +375,10 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     const long minor = dot && *dot == '.' ? strtol(dot + 1, &end, 10) : -1;
     if (major < 1 || major > 99 || minor < 0 || minor > 9 || end == dot + 1 ||
         major * 10 + minor < GL_NEED)
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: needs OpenGL 4.5 (found %s); install a newer Mesa "
-                       "or driver, or use --engine fft", gl->system->name,
-                       version ? version : "nothing");
+        return gp_fail_at(log, GP_ERR_GL, "layer.engine",
+                          "%s: needs OpenGL 4.5 (found %s); install a newer "
+                          "Mesa or driver", gl->system->name,
+                          version ? version : "nothing");
     char *const name = gl->info.name;
     snprintf(name, sizeof gl->info.name, "%s: %s", gl->system->name,
              renderer ? renderer : "unnamed renderer");
@@ -426,9 +423,9 @@ static gp_status open_system(const struct gp_log *log,
 #define LOAD(type, function)                                                  \
     gl->f.function = (type) system->proc(gl->window, "gl" #function);         \
     if (!gl->f.function)                                                      \
-        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
-                       "%s: gl" #function " is missing; install a newer "     \
-                       "Mesa or driver, or use --engine fft", gl->info.name));
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",                     \
+                          "%s: gl" #function " is missing; install a newer "  \
+                          "Mesa or driver", gl->info.name));
     GP_GL_FUNCTIONS(LOAD)
 #undef LOAD
 
@@ -482,7 +479,8 @@ gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
         if (open_system(&quiet, systems[i], out) == GP_OK)
             return GP_OK;
     }
-    return gp_fail(log, GP_ERR_GL, "no GL context: %s; %s", why[0], why[1]);
+    return gp_fail_at(log, GP_ERR_GL, "layer.engine", "no GL context: %s; %s",
+                      why[0], why[1]);
 }
 
 void gp_gl_close(struct gp_gl **gl)
@@ -528,6 +526,6 @@ gp_status gp_gl_check(const struct gp_log *log, const struct gp_gl *gl,
         name = names[i].flag == first ? names[i].name : name;
     for (int i = 0; i < FLAGS && gl->f.GetError() != GL_NO_ERROR; i++)
         continue;
-    return gp_fail(log, GP_ERR_GL, "%s: %s while %s; use --engine fft",
-        gl->info.name, name, what);
+    return gp_fail_at(log, GP_ERR_GL, "layer.engine", "%s: %s while %s",
+                      gl->info.name, name, what);
 }

@@ -10,10 +10,10 @@ static gp_status check_size(const struct gp_log *log, const struct gp_gl *gl,
     const int limit = gl->info.max_size;
     if (w >= 1 && h >= 1 && w <= limit && h <= limit)
         return GP_OK;
-    return gp_fail_bare(log, GP_ERR_GL,
-                        "%s: %s: %dx%d texels do not fit into a texture "
-                        "(1x1 to %dx%d do); use --engine fft or direct",
-                        gl->info.name, what, w, h, limit, limit);
+    return gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
+                           "%s: %s: %dx%d texels do not fit into a texture "
+                           "(1x1 to %dx%d do)", gl->info.name, what, w, h,
+                           limit, limit);
 }
 
 gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
@@ -107,10 +107,10 @@ static gp_status make_target(const struct gp_log *log, const struct gp_gl *gl,
     GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
-        st = gp_fail_bare(log, GP_ERR_GL,
-                          "%s: %s: the driver cannot draw to this kind of "
-                          "texture (framebuffer status 0x%04x); use --engine "
-                          "fft or direct", gl->info.name, what, state);
+        st = gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
+                             "%s: %s: the driver cannot draw to this kind of "
+                             "texture (framebuffer status 0x%04x)",
+                             gl->info.name, what, state);
         goto out;
     }
     GP_TRY(gp_gl_check(log, gl, what));
@@ -192,11 +192,11 @@ gp_status gp_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
     const int limit = block ? gl->info.max_block / ENTRY_BYTES
                             : gl->info.max_texel_buffer;
     if (n < 1 || n > limit)
-        return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %d entries do not fit into a %s (1 to %d "
-                            "do); use --engine fft or direct", gl->info.name,
-                            what, n, block ? "uniform block" : "buffer texture",
-                            limit);
+        return gp_fail_bare_at(log, GP_ERR_GL, "layer.engine",
+                               "%s: %s: %d entries do not fit into a %s (1 to "
+                               "%d do)", gl->info.name, what, n,
+                               block ? "uniform block" : "buffer texture",
+                               limit);
     struct gp_buffer b = {0};
     gl->f.CreateBuffers(1, &b.id);
     gl->f.NamedBufferStorage(b.id, (GLsizeiptr) n * ENTRY_BYTES, NULL,
@@ -258,9 +258,9 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
         char text[LOG_BYTES] = "";
         gl->f.GetShaderInfoLog(shader, sizeof text, NULL, text);
         gl->f.DeleteShader(shader);
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: shader %s does not compile (%s); report this, and "
-                       "use --engine fft", gl->info.name, file->name, text);
+        return gp_fail_at(log, GP_ERR_GL, "layer.engine",
+                          "%s: shader %s does not compile (%s); report this",
+                          gl->info.name, file->name, text);
     }
     *out = shader;
     return GP_OK;
@@ -284,9 +284,9 @@ gp_status gp_program_from_text(const struct gp_log *log, const struct gp_gl *gl,
     if (!linked) {
         char text[LOG_BYTES] = "";
         gl->f.GetProgramInfoLog(p.id, sizeof text, NULL, text);
-        GP_TRY(gp_fail(log, GP_ERR_GL,
-                       "%s: program %s does not link (%s); report this, and "
-                       "use --engine fft", gl->info.name, vert->name, text));
+        GP_TRY(gp_fail_at(log, GP_ERR_GL, "layer.engine",
+                          "%s: program %s does not link (%s); report this",
+                          gl->info.name, vert->name, text));
     }
     GP_TRY(gp_gl_check(log, gl, vert->name));
     *out = p;

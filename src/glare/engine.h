@@ -64,7 +64,7 @@ struct gp_glare_params {
 /* Facts about a run, for the report. Zero and NULL fields were not needed. */
 struct gp_glare_stats {
     const char *engine;     // the engine that ran
-    char why[256];          // engine_why
+    char why[256];          // reason for the engine; "": it was named
     int fft_w, fft_h;       // transform size
     bool fft_double;        // in double
     int fft_core[2];        // radii of the kernel's part that went direct, in

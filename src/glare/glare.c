@@ -88,10 +88,10 @@ static gp_status double_layer(const struct gp_log *log, const char *path,
     gp_parallel_do(h, double_row, &d);
     if (memchr(d.over, 1, (size_t) h)) {
         *bound = INFINITY;
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: the layer overflows and has no bound (limited to %.3g, the "
-               "largest float); lower --max-value or normalise the kernel",
-               path, (double) FLT_MAX);
+        gp_say_at(log, GP_LEVEL_WARN, "sense.max_value",
+                  "%s: the layer overflows and has no bound (limited to %.3g, "
+                  "the largest float); normalise the kernel",
+                  path, (double) FLT_MAX);
     }
     gp_free(d.over);
     return GP_OK;
@@ -137,9 +137,9 @@ static void warn_of_hours(const struct gp_glare_request *req, const char *path)
     const double s =
         PRODUCT_S * gp_direct_work(req->src, k->w, k->h, k->cx, k->cy);
     if (s > LONG_S)
-        gp_say(req->log, GP_LEVEL_WARN,
-               "%s: --engine direct will take about %.0f s for %zu sources; "
-               "use --engine fft, or raise --threshold", path, s, req->src->n);
+        gp_say_at(req->log, GP_LEVEL_WARN, "sense.threshold",
+                  "%s: engine direct will take about %.0f s for %zu sources",
+                  path, s, req->src->n);
 }
 
 /* Returns the number of an engine; -1: none has the name. */
@@ -225,7 +225,6 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
         GP_TRY(gp_plan(req, g, d->path, &floor, out));
         req->stats->bound = out->bound;
     } else {
-        snprintf(req->stats->why, sizeof req->stats->why, "named by --engine");
         if (d->params.tolerance_pixel > 0.0f)
             GP_TRY(gp_plan_pixel(req, g, named, &floor, &out->pixel));
         if (gp_engines[named] == &gp_engine_direct)
@@ -544,8 +543,8 @@ gp_status gp_compose(const struct gp_log *log,
     gp_free(m.line);
     const long long over = atomic_load(&m.over);
     if (over)
-        gp_say(log, GP_LEVEL_WARN, "%s: %lld samples overflow with their glare "
-               "(limited to %.3g, the largest float); lower --gain or give "
-               "--max-value", f->path, over, (double) FLT_MAX);
+        gp_say_at(log, GP_LEVEL_WARN, "layer.gain", "%s: %lld samples overflow "
+                  "with their glare (limited to %.3g, the largest float)",
+                  f->path, over, (double) FLT_MAX);
     return GP_OK;
 }

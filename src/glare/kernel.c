@@ -148,10 +148,10 @@ static gp_status find_factor(const struct gp_log *log,
         sum += (double) raw->luminance[c] * all->sum[c];
     // (a tiny sum of large lobes would leave the range of float)
     if (!(sum > 0.0) || !((double) all->peak / sum <= (double) FLT_MAX))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the kernel cannot be normalised (its luminance "
-                       "sums to %g, its peak is %g); use --kernel-normalize "
-                       "none", raw->name, sum, (double) all->peak);
+        return gp_fail_at(log, GP_ERR_DATA, "kernel.as_it_is",
+                          "%s: the kernel cannot be normalised (its luminance "
+                          "sums to %g, its peak is %g)", raw->name, sum,
+                          (double) all->peak);
     *factor = 1.0 / sum;
     return GP_OK;
 }

@@ -6,6 +6,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -399,132 +400,133 @@ static double rounded(double v)
     return round(1e4 * v) / 1e4 + 0.0;
 }
 
+static void say(struct gp_fault *out, const char *parameter, const char *fmt,
+                ...) GP_PRINTF(3, 4);
+static void say(struct gp_fault *out, const char *parameter, const char *fmt,
+                ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(out->line, sizeof out->line, fmt, args);
+    va_end(args);
+    out->parameter = parameter;
+}
+
 /* No light at all, a channel without light, or light that is made or lost. */
 static void check_sum(const struct gp_kernel_figures *f, bool as_it_is,
-                      char line[GP_FAULT_BYTES])
+                      struct gp_fault *out)
 {
     const double most = fmax(f->sum[0], fmax(f->sum[1], f->sum[2]));
     const double whole = f->light + f->left_out;
     if (!(most > 0.0))
-        snprintf(line, GP_FAULT_BYTES, "its light sums to %.3g; use an image "
-                 "that has light, with lobes smaller than it", f->light);
-    for (int c = 0; c < 3 && !line[0]; c++) {
+        say(out, "", "its light sums to %.3g; use an image that has light, with "
+            "lobes smaller than it", f->light);
+    for (int c = 0; c < 3 && !out->line[0]; c++) {
         if (!has_light(f, c))
-            snprintf(line, GP_FAULT_BYTES, "its %s sums to %.3g, another "
-                     "channel to %.3g: white light loses a colour; give it "
-                     "that channel", channel_names[c], f->sum[c], most);
+            say(out, "", "its %s sums to %.3g, another channel to %.3g: white "
+                "light loses a colour; give it that channel", channel_names[c],
+                f->sum[c], most);
     }
-    if (!line[0] && as_it_is && !(fabs(whole - 1.0) <= 0.01))
-        snprintf(line, GP_FAULT_BYTES, "its light sums to %.4g, with what it "
-                 "leaves out to %.4g, not 1: it was changed after it was made; "
-                 "make it again, or use --kernel-normalize luminance",
-                 f->light, whole);
+    if (!out->line[0] && as_it_is && !(fabs(whole - 1.0) <= 0.01))
+        say(out, "kernel.normalized", "its light sums to %.4g, with what it "
+            "leaves out to %.4g, not 1: it was changed after it was made; make "
+            "it again", f->light, whole);
 }
 
 /* A peak beside the centre: of one channel, or of the light. */
-static void check_peak(const struct gp_kernel_figures *f,
-                       char line[GP_FAULT_BYTES])
+static void check_peak(const struct gp_kernel_figures *f, struct gp_fault *out)
 {
     const int c = find_beside(f, is_peak_beside);
     const struct gp_kernel_place *const p = c < 0 ? &f->place : &f->channel[c];
     if (c >= 0)
-        snprintf(line, GP_FAULT_BYTES, "the peak of its %s is %d,%d pixels "
-                 "from its centre: lights would get coloured fringes; align "
-                 "its channels", channel_names[c], p->peak_at[0],
-                 p->peak_at[1]);
+        say(out, "", "the peak of its %s is %d,%d pixels from its centre: "
+            "lights would get coloured fringes; align its channels",
+            channel_names[c], p->peak_at[0], p->peak_at[1]);
     else if (is_peak_beside(p))
-        snprintf(line, GP_FAULT_BYTES, "its peak is %d,%d pixels from its "
-                 "centre: all light would move; set --kernel-center, or crop "
-                 "the image about its peak", p->peak_at[0], p->peak_at[1]);
+        say(out, "kernel.centre", "its peak is %d,%d pixels from its centre: "
+            "all light would move; crop the image about its peak",
+            p->peak_at[0], p->peak_at[1]);
 }
 
 /* A centroid beside the centre: of one channel, or of the light. */
 static void check_centroid(const struct gp_kernel_figures *f, bool resampled,
-                           char line[GP_FAULT_BYTES])
+                           struct gp_fault *out)
 {
     const int c = find_beside(f, is_moved);
     const struct gp_kernel_place *const p = c < 0 ? &f->place : &f->channel[c];
     const double x = rounded(p->centroid[0]), y = rounded(p->centroid[1]);
     if (c >= 0)
-        snprintf(line, GP_FAULT_BYTES, "the centroid of its %s is %.3g,%.3g "
-                 "pixels from its centre, and it is symmetric about that: "
-                 "lights would get coloured fringes; align its channels",
-                 channel_names[c], x, y);
+        say(out, "", "the centroid of its %s is %.3g,%.3g pixels from its "
+            "centre, and it is symmetric about that: lights would get coloured "
+            "fringes; align its channels", channel_names[c], x, y);
     else if (is_moved(p))
-        snprintf(line, GP_FAULT_BYTES, "its centroid is %.3g,%.3g pixels from "
-                 "its centre, and it is symmetric about that: all light would "
-                 "move; set --kernel-center, or crop the image about it", x, y);
+        say(out, "kernel.centre", "its centroid is %.3g,%.3g pixels from its "
+            "centre, and it is symmetric about that: all light would move; crop "
+            "the image about it", x, y);
     else if (!resampled && is_half_beside(p) &&
              find_beside(f, is_peak_beside) < 0)
-        snprintf(line, GP_FAULT_BYTES, "its centroid is half a pixel from the "
-                 "centre of its pixel (%.3g,%.3g); use an odd number of "
-                 "pixels", x, y);
+        say(out, "", "its centroid is half a pixel from the centre of its "
+            "pixel (%.3g,%.3g); use an odd number of pixels", x, y);
 }
 
 /* Rules about all figures. */
 static void check_figures(const struct gp_kernel_figures *f,
     const struct gp_kernel_use *use, enum gp_kernel_rule rule,
-    char line[GP_FAULT_BYTES])
+    struct gp_fault *out)
 {
     if (rule == GP_RULE_SIZE && f->w == 1 && f->h == 1)
-        snprintf(line, GP_FAULT_BYTES, "it is a single sample, which spreads "
-                 "no light; use a larger kernel");
+        say(out, "", "it is a single sample, which spreads no light; use a "
+            "larger kernel");
     if (rule == GP_RULE_SUM)
-        check_sum(f, use->as_it_is, line);
+        check_sum(f, use->as_it_is, out);
     if (rule == GP_RULE_NEGATIVE && f->negatives > 0)
-        snprintf(line, GP_FAULT_BYTES, "%lld samples are negative, which "
-                 "darkens pixels near light; clamp them to 0", f->negatives);
+        say(out, "", "%lld samples are negative, which darkens pixels near "
+            "light; clamp them to 0", f->negatives);
     if (use->centred)
         return;
     if (rule == GP_RULE_PEAK)
-        check_peak(f, line);
+        check_peak(f, out);
     if (rule == GP_RULE_CENTROID)
-        check_centroid(f, use->resampled, line);
+        check_centroid(f, use->resampled, out);
     if (rule == GP_RULE_BORDER && use->ends &&
         f->border > fmax(0.01, 0.25 * f->outermost))
-        snprintf(line, GP_FAULT_BYTES, "%.3g %% of its light is in its "
-                 "outermost rows and columns: it is cut off; use a larger "
-                 "kernel", 100.0 * f->border);
+        say(out, "", "%.3g %% of its light is in its outermost rows and "
+            "columns: it is cut off; use a larger kernel", 100.0 * f->border);
     if (rule == GP_RULE_SYMMETRY && f->place.asymmetry > 0.5)
-        snprintf(line, GP_FAULT_BYTES, "%.3g %% of the light that it spreads "
-                 "has no counterpart opposite to it: glare falls to one side; "
-                 "set --kernel-center, or centre the image",
-                 100.0 * f->place.asymmetry);
+        say(out, "kernel.centre", "%.3g %% of the light that it spreads has no "
+            "counterpart opposite to it: glare falls to one side; centre the "
+            "image", 100.0 * f->place.asymmetry);
 }
 
 bool gp_kernel_fault(const struct gp_kernel_figures *f,
                      const struct gp_kernel_use *use, enum gp_kernel_rule rule,
-                     char line[GP_FAULT_BYTES])
+                     struct gp_fault *out)
 {
     const double glow = f->rim * use->brightest;
     const double beyond = f->left_out - use->missed;
-    line[0] = '\0';
+    *out = (struct gp_fault) {.parameter = ""};
     if (f->nonfinite > 0) {
         if (rule == GP_RULE_NONFINITE)
-            snprintf(line, GP_FAULT_BYTES, "%lld samples are NaN or infinite; "
-                     "replace them", f->nonfinite);
-        return line[0] != '\0';
+            say(out, "", "%lld samples are NaN or infinite; replace them",
+                f->nonfinite);
+        return out->line[0] != '\0';
     }
     if (f->measured)
-        check_figures(f, use, rule, line);
+        check_figures(f, use, rule, out);
     if (rule == GP_RULE_OWN && use->add && f->own < 0.05)
-        snprintf(line, GP_FAULT_BYTES, "%.2g %% of its light stays in its "
-                 "pixel: added to the frame that is a second, blurred frame; "
-                 "use --mix scatter", 100.0 * f->own);
+        say(out, "layer.mix", "%.2g %% of its light stays in its pixel: added "
+            "to the frame that is a second, blurred frame", 100.0 * f->own);
     if (rule == GP_RULE_RIM && use->ends && glow > half_code)
-        snprintf(line, GP_FAULT_BYTES, "its edge shows: %.2g beside a source "
-                 "of %.3g, over half a code value of 8 bits (%.2g); use a "
-                 "larger kernel, or one that fades to 0", glow, use->brightest,
-                 half_code);
+        say(out, "", "its edge shows: %.2g beside a source of %.3g, over half a "
+            "code value of 8 bits (%.2g); use a larger kernel, or one that "
+            "fades to 0", glow, use->brightest, half_code);
     if (rule == GP_RULE_LEFT_OUT && use->missed > 0.01)
-        snprintf(line, GP_FAULT_BYTES, "%.2g %% of its model's light falls in "
-                 "the frame but outside of the kernel; make it again with a "
-                 "larger --size or --radius", 100.0 * use->missed);
+        say(out, "field.radius", "%.2g %% of its model's light falls in the "
+            "frame but outside of the kernel", 100.0 * use->missed);
     if (rule == GP_RULE_BEYOND && beyond > 0.01 && beyond > 0.1 * use->share)
-        snprintf(line, GP_FAULT_BYTES, "%.2g %% of the light that it takes "
-                 "from a pixel falls outside of the frame, wherever the source "
-                 "is, and is lost; choose keys or a kernel that falls faster "
-                 "with the angle, or check --fov",
-                 100.0 * beyond / fmax(use->share, beyond));
-    return line[0] != '\0';
+        say(out, "plan.fov", "%.2g %% of the light that it takes from a pixel "
+            "falls outside of the frame, wherever the source is, and is lost; "
+            "choose keys or a kernel that falls faster with the angle",
+            100.0 * beyond / fmax(use->share, beyond));
+    return out->line[0] != '\0';
 }

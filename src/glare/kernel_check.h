@@ -83,12 +83,17 @@ enum gp_kernel_rule {
     GP_RULE_BEYOND,
     GP_KERNEL_RULES,
 };
-enum { GP_FAULT_BYTES = 256 };
 
-/* Writes the fault against a rule as one line that says what to do. False, with
- * `line` empty, where the kernel keeps the rule, or was not measured for it. */
+/* A fault as one line, with a parameter as in struct gp_line. */
+struct gp_fault {
+    char line[256];
+    const char *parameter;
+};
+
+/* Writes the fault against a rule. False, with an empty line, where the kernel
+ * keeps the rule, or was not measured for it. */
 bool gp_kernel_fault(const struct gp_kernel_figures *f,
                      const struct gp_kernel_use *use, enum gp_kernel_rule rule,
-                     char line[GP_FAULT_BYTES]);
+                     struct gp_fault *out);
 
 #endif

@@ -113,10 +113,9 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
     }
     const double w = box[2] - box[0] + 1.0, h = box[3] - box[1] + 1.0;
     if (w * h > GP_ROTATED_PIXELS)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: the rotated kernel is too large (%.0fx%.0f); use a "
-                       "smaller kernel, or --rotate 0, 90, 180 or 270", name, w,
-                       h);
+        return gp_fail_at(log, GP_ERR_USAGE, "plan.rotate",
+                          "%s: the rotated kernel is too large (%.0fx%.0f); "
+                          "use a smaller kernel", name, w, h);
     struct gp_rotated t = {
         .w = (int) w, .h = (int) h, .cx = -(int) box[0], .cy = -(int) box[1],
     };

@@ -171,17 +171,16 @@ static void warn(const struct gp_glare_request *req, const char *path,
     const struct gp_glare_params *const p = req->params;
     const char *const name = gp_engines[c->engine]->name;
     if (c->bound <= (double) p->tolerance)
-        gp_say(req->log, GP_LEVEL_WARN,
-               "%s: no engine guarantees --tolerance-pixel %.3g (the lowest "
-               "bound is %.2g, of %s, which runs); raise it", path,
-               (double) p->tolerance_pixel, c->pixel, name);
+        gp_say_at(req->log, GP_LEVEL_WARN, "layer.tolerance_pixel",
+                  "%s: no engine guarantees a tolerance of %.3g in a pixel (the "
+                  "lowest bound is %.2g, of %s, which runs)", path,
+                  (double) p->tolerance_pixel, c->pixel, name);
     else
-        gp_say(req->log, GP_LEVEL_WARN,
-               "%s: no engine guarantees --tolerance %.3g (the lowest bound is "
-               "%.2g, of %s, which runs); %sa larger tolerance may be faster",
-               path, (double) p->tolerance, c->bound, name,
-               req->kernel->tail ? "--engine direct sums the kernel without "
-                                   "its coarse far part; " : "");
+        gp_say_at(req->log, GP_LEVEL_WARN,
+                  req->kernel->tail ? "layer.tolerance.far" : "layer.tolerance",
+                  "%s: no engine guarantees a tolerance of %.3g (the lowest "
+                  "bound is %.2g, of %s, which runs)", path,
+                  (double) p->tolerance, c->bound, name);
 }
 
 gp_status gp_plan(const struct gp_glare_request *req, struct gp_glare *g,

@@ -233,10 +233,10 @@ static void warn_of_clamping(const struct gp_log *log, const char *path,
         }
     }
     if (worst >= 0)
-        gp_say(log, GP_LEVEL_WARN, "%s: --max-value removes %.3g %% of the "
-               "frame's %s light (%lld pixels over %g); raise it, or leave it "
-               "out", path ? path : "frame", 100.0 * share, name[worst],
-               o->clamped, (double) s->p->max_value);
+        gp_say_at(log, GP_LEVEL_WARN, "sense.max_value.low", "%s: the limit of "
+                  "values removes %.3g %% of the frame's %s light (%lld pixels "
+                  "over %g)", path ? path : "frame", 100.0 * share, name[worst],
+                  o->clamped, (double) s->p->max_value);
 }
 
 // -- the bright pixels of a row -----------------------------------------------

@@ -87,7 +87,7 @@ static void turn_normals(const struct gp_log *log,
     if (more < 4 * (only_y + only_z - more) || 8 * more <= looked) {
         gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
                   "camera, and its normals fit its depth y up as well as z up "
-                  "(%d and %d of %d pixels); y up is taken", f->path, only_y,
+                  "(%d and %d of %d pixels), y up is taken", f->path, only_y,
                   only_z, looked);
     } else if (only_z == more) {
         const struct gp_plane y = normal[1];
@@ -179,8 +179,8 @@ static gp_status find_lights(const struct gp_log *log, const struct gp_scene *s,
             found |= is;
         }
         if (!found)
-            return gp_fail_at(log, GP_ERR_USAGE, "scene.relight", "%s has no "
-                              "light of that name (found \"%s\"); it has %d, "
+            return gp_fail_at(log, GP_ERR_USAGE, "scene.relight", "%s: has no "
+                              "light of that name (found \"%s\"), it has %d, "
                               "the first is %s", s->path, name[k], s->lights,
                               s->lights ? s->light[0].name : "none");
     }
@@ -201,9 +201,9 @@ static void warn_of_dark(const struct lighting *l, const char *const *name,
             dark |= l->out[i].pixels == 0 &&
                     strcmp(l->out[i].name, name[k]) == 0;
         if (dark)
-            gp_say_at(l->log, GP_LEVEL_WARN, "scene.relight", "%s: %s lights no "
-                      "pixel: out of reach, hidden, or on albedo of 0",
-                      l->f->path, gp_printable(name[k]).text);
+            gp_say_at(l->log, GP_LEVEL_WARN, "scene.relight.dark", "%s: %s "
+                      "lights no pixel: out of reach, hidden, or on albedo of "
+                      "0", l->f->path, gp_printable(name[k]).text);
     }
 }
 

@@ -181,16 +181,16 @@ gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
     const double y = m.a + m.b * far, slope = m.c + m.d * far;
     const double gap = -y / slope;
     if (!(slope < 0.0 && gap > 0.0 && gap <= 1e5))
-        return gp_fail(log, GP_ERR_USAGE, "%s: makes no image of an object %g "
-                       "m away; give a longer --focus-distance", lens->name,
-                       distance * 1e-3);
+        return gp_fail_at(log, GP_ERR_USAGE, "lens.distance", "%s: makes no "
+                          "image of an object %g m away", lens->name,
+                          distance * 1e-3);
     lens->at[lens->n - 1].gap = gap;
     const double own = focal / (2.0 * lens->at[lens->stop].semi /
                                 fabs(to_stop.a));
     if (f_number > 0.0 && f_number < own * 0.995)
-        return gp_fail(log, GP_ERR_USAGE, "%s: opens to f/%.4g only (found "
-                       "f/%g); give a larger --f-number", lens->name, own,
-                       f_number);
+        return gp_fail_at(log, GP_ERR_USAGE, "lens.f_number", "%s: opens to "
+                          "f/%.4g only (found f/%g)", lens->name, own,
+                          f_number);
     if (f_number > own)
         lens->at[lens->stop].semi *= own / f_number;
     return GP_OK;

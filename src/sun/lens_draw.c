@@ -304,8 +304,8 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
                                                    true);
     d.scale = m.b - m.a * figures.pupil_at;
     if (!mesh.cells || !(d.scale > 0.0 && d.scale < 1e9))
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: no light reaches its image; "
-                       "check it by glarepp lens --check", lens->name));
+        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark", "%s: no light "
+                          "reaches its image", lens->name));
     gp_lens_bands_make(view->chromaticities, mesh.flux, d.band);
     for (int i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)

@@ -149,10 +149,10 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     struct gp_projected at = {.x = spec->at[0], .y = spec->at[1]};
     if (spec->place != GP_PLACE_PIXEL) {
         if (!c)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: a light's \"%s\" needs a camera (the frame "
-                           "has no worldToNDC); give --camera FILE, or the "
-                           "light's pixel", path, places[spec->place].key);
+            return gp_fail_at(log, GP_ERR_USAGE, "lights.cameras",
+                              "%s: a light's \"%s\" needs a camera (the frame "
+                              "has no worldToNDC); give the light's pixel",
+                              path, places[spec->place].key);
         at = gp_camera_project(c, display, spec->at,
                                spec->place == GP_PLACE_WORLD ? 1.0 : 0.0);
     }

@@ -78,13 +78,11 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     if (p->sun)
         lit |= p->camera && has_flux(p->sun);
     if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
-        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--flare: %s has elements of lights, "
-                       "and there is no light with flux; give %s, or \"source\""
-                       ": \"bright\" in the file", p->flare,
-                       gp_suns_wanted(p)
-                           ? "--sun-color, e.g. --sun-color 5e4"
-                           : "--sun and --sun-color, --lights, --scene and "
-                             "--light-scale"));
+        GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
+                          gp_suns_wanted(p) ? "lights.sun" : "lights.flare",
+                          "%s: has elements of lights, and there is no light "
+                          "with flux; write \"source\": \"bright\" in it",
+                          p->flare));
     // images of flare elements become light: no NaN, no negative values
     for (int k = 0; k < out->flare.n; k++) {
         struct gp_flare_element *const e = &out->flare.element[k];
@@ -141,9 +139,9 @@ static gp_status find_entry(const struct gp_log *log,
     *out = gp_camera_frame_find(&suns->cameras,
                                 about->numbered ? about->number : -1);
     if (!*out && about->numbered)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: no camera for frame %d of %s; add it, or leave "
-                       "--camera out", path, about->number, about->name);
+        return gp_fail_at(log, GP_ERR_DATA, "lights.cameras.frame",
+                          "%s: no camera for frame %d of %s; add it", path,
+                          about->number, about->name);
     if (!*out)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: %s has no frame number to find its camera by; "
@@ -203,9 +201,9 @@ static gp_status place_lights(const struct gp_log *log,
                        p->lights ? p->lights : f->path, all + sun,
                        GP_LIGHTS_MAX));
     if (entry && p->needed && !(all + sun))
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: frame %lld has no sun_dir_world; give --sun, "
-                       "--sun-dir or --lights", p->camera, entry->frame));
+        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "lights.needed",
+                          "%s: frame %lld has no sun_dir_world", p->camera,
+                          entry->frame));
     GP_TRY(gp_alloc(log, "lights", (size_t) (all + sun),
                     sizeof *suns->light, &suns->light));
     for (int i = -(int) sun; i < all; i++) {
@@ -267,9 +265,9 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_frame *f,
     if (!any || suns->depth.v || suns->mask.v || suns->warned_clear)
         return;
     suns->warned_clear = true;
-    gp_say(log, GP_LEVEL_WARN,
-           "%s: no depth channel and no --mask: nothing hides the lights%s",
-           f->path, scene ? " inside the frame" : "");
+    gp_say_at(log, GP_LEVEL_WARN, "frame.coverage",
+              "%s: no depth channel and no mask: nothing hides the lights%s",
+              f->path, scene ? " inside the frame" : "");
 }
 
 gp_status gp_suns_find(const struct gp_log *log,

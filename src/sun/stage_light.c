@@ -213,10 +213,10 @@ static gp_status make_sprite(const struct gp_log *log,
     struct gp_disc_pixels d;
     struct gp_spread_kernel core, tail;
     if (radius > SPRITE_RADIUS)
-        return gp_fail_bare(log, GP_ERR_DATA,
+        return gp_fail_bare_at(log, GP_ERR_DATA, "lights.in_frame",
             "a light of radius %g pixels is too large for glare of its own at "
-            "the frame's edge (the limit is %d); leave its flux out, or add "
-            "--sun-in-frame", radius, SPRITE_RADIUS);
+            "the frame's edge (the limit is %d); leave its flux out", radius,
+            SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
     if (s->n && s->radius == radius && s->kernel == k->serial &&
         s->height == height)

@@ -125,9 +125,9 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
             snprintf(names + used, sizeof names - used, "%s%s",
                      used ? ", " : "", (*c)->name);
         }
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--tonemap: no operator of this name (%s); use %s",
-                       p->curve, names);
+        return gp_fail_at(log, GP_ERR_USAGE, "tone.curve",
+                          "tone curve: none has this name (found %s); use %s",
+                          p->curve, names);
     }
     if (!f->shown.c[0]) {
         gp_status st = gp_planes_make(log, "shown frame", pixels, &f->shown);

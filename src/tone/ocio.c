@@ -107,9 +107,10 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
     const char *const config = opened->names.config;
     double m[9];
     if (opened->names.output && !ocio->has_primaries && !ocio->noted_output)
-        gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
-               "linear, or %s has no role aces_interchange); --hdr gets no "
-               "chromaticities", opened->names.output, config);
+        gp_say_at(log, GP_LEVEL_WARN, "tone.output.primaries", "output space "
+                  "%s: primaries unknown (not linear, or %s has no role "
+                  "aces_interchange); the lit frame gets no chromaticities",
+                  opened->names.output, config);
     ocio->noted_output = true;
     const bool usable = gp_rgb_to_rgb(f->chromaticities,
                                       opened->input_light.known
@@ -120,17 +121,17 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
         return;
     ocio->noted = true;
     if (usable)
-        gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: it is "
-               "read as %s, whose primaries are unknown (not linear, or %s has "
-               "no role aces_interchange); check --input-space", f->path,
-               opened->names.input, config);
+        gp_say_at(log, GP_LEVEL_WARN, "tone.input", "%s: its chromaticities are "
+                  "ignored: it is read as %s, whose primaries are unknown (not "
+                  "linear, or %s has no role aces_interchange)", f->path,
+                  opened->names.input, config);
     else
-        gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: they "
-               "are no colours (red %g,%g, white %g,%g); it is read as %s; "
-               "correct them, or give --ignore-chromaticities", f->path,
-               (double) f->chromaticities[0], (double) f->chromaticities[1],
-               (double) f->chromaticities[6], (double) f->chromaticities[7],
-               opened->names.input);
+        gp_say_at(log, GP_LEVEL_WARN, "tone.any_primaries", "%s: its "
+                  "chromaticities are ignored: they are no colours (red %g,%g, "
+                  "white %g,%g); it is read as %s; correct them", f->path,
+                  (double) f->chromaticities[0], (double) f->chromaticities[1],
+                  (double) f->chromaticities[6], (double) f->chromaticities[7],
+                  opened->names.input);
 }
 
 const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
@@ -149,6 +150,7 @@ gp_status gp_ocio_open(const struct gp_log *log,
                        const struct gp_ocio_params *p, struct gp_ocio **out)
 {
     char why[2048];
+    struct gp_ocio_fault fault;
     struct gp_ocio *o;
     *out = NULL;
     // stays open until the process ends, so that opening it again is cheap
@@ -159,17 +161,16 @@ gp_status gp_ocio_open(const struct gp_log *log,
         api = NULL;
     }
     if (!api)
-        return gp_fail(log, GP_ERR_IO,
-                       "--ocio: the OpenColorIO bridge cannot be opened (%s); "
-                       "put it beside the program", why);
+        return gp_fail_at(log, GP_ERR_IO, "params.bridges", "OpenColorIO: the "
+                          "bridge cannot be opened (%s)", why);
     gp_status st = gp_alloc_zero(log, "OCIO", 1, sizeof *o, &o);
     if (st)
         return st;
     o->api = api;
-    st = (gp_status) api->open(p, &o->opened, why, sizeof why);
+    st = (gp_status) api->open(p, &o->opened, &fault);
     if (st) {
         gp_free(o);
-        return gp_fail(log, st, "%s", why);
+        return gp_fail_at(log, st, fault.parameter, "%s", fault.line);
     }
     o->any_primaries = p->any_primaries;
     o->has_primaries = name_primaries(&o->opened.output_light, o->primaries);

@@ -27,9 +27,10 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// An error line and its status.
+// An error line, its status and the parameter that it is about.
 struct Refusal {
     int status;
+    const char *parameter;
     std::string line;
 };
 
@@ -79,25 +80,26 @@ std::string list_names(const Names &names)
     return line;
 }
 
-[[noreturn]] void refuse_name(const char *option, const Asked &a,
+[[noreturn]] void refuse_name(const char *parameter, const Asked &a,
                               const std::string &what,
                               const std::string &found, const Names &names)
 {
-    const std::string line = std::string(option) + ": " + a.own->config +
-                             " has no such " + what + " (found \"" + found +
-                             "\"); ";
-    throw Refusal{GP_ERR_USAGE,
-                  line + (names.empty() ? "it has none, leave the option out"
-                                        : "give one of " + list_names(names))};
+    const std::string line = a.own->config + ": has no such " + what +
+                             " (found \"" + found + "\"";
+    throw Refusal{GP_ERR_USAGE, parameter,
+                  line + (names.empty()
+                              ? ", it has none)"
+                              : "); give one of " + list_names(names))};
 }
 
 // -- the config --------------------------------------------------------------
 
 OCIO::ConstConfigRcPtr read_config(const std::string &name)
 {
+    const char *const file = "tone.config.file";
     const bool builtin = name.compare(0, 7, "ocio://") == 0;
     if (builtin && OCIO::GetVersionHex() < 0x02020000)
-        throw Refusal{GP_ERR_USAGE,
+        throw Refusal{GP_ERR_USAGE, file,
                       name + ": OpenColorIO " + OCIO::GetVersion() +
                           " has no built-in configs (2.2 was the first); "
                           "give a config file"};
@@ -108,14 +110,15 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
                          name.compare(name.size() - 6, 6, ".ocioz") == 0;
     struct stat s;
     if (!builtin && stat(name.c_str(), &s) != 0)
-        throw Refusal{GP_ERR_IO, name + ": cannot read the OCIO config (" +
-                                     std::strerror(errno) +
-                                     "); check the name"};
+        throw Refusal{GP_ERR_IO, file,
+                      name + ": cannot read the OCIO config (" +
+                          std::strerror(errno) + "); check the name"};
     if (!builtin && !S_ISREG(s.st_mode))
-        throw Refusal{GP_ERR_IO, name + ": an OCIO config is a file (found "
-                                     "something else); name config.ocio"};
+        throw Refusal{GP_ERR_IO, file,
+                      name + ": an OCIO config is a file (found something "
+                             "else); name config.ocio"};
     if (!builtin && s.st_size > most && !archive)
-        throw Refusal{GP_ERR_DATA,
+        throw Refusal{GP_ERR_DATA, file,
                       name + ": too large for an OCIO config (" +
                           std::to_string(s.st_size) +
                           " bytes); check the name"};
@@ -129,12 +132,12 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
         if (why.compare(0, head.size(), head) == 0)
             why.erase(0, head.size());
         if (why == std::bad_alloc().what()) // of what it has caught
-            throw Refusal{GP_ERR_BUG,
+            throw Refusal{GP_ERR_BUG, "",
                           name + ": out of memory; close other programs"};
-        throw Refusal{GP_ERR_DATA, name + ": OpenColorIO " +
-                                       OCIO::GetVersion() + " refuses it (" +
-                                       one_line(why) +
-                                       "); use a config that it can read"};
+        throw Refusal{GP_ERR_DATA, file,
+                      name + ": OpenColorIO " + OCIO::GetVersion() +
+                          " refuses it (" + one_line(why) +
+                          "); use a config that it can read"};
     }
 }
 
@@ -149,7 +152,7 @@ Names all(int n, const std::function<const char *(int)> &name)
 }
 
 // As the config spells it; roles, aliases and inactive ones count.
-std::string find_space(const Asked &a, const char *option, const char *name)
+std::string find_space(const Asked &a, const char *parameter, const char *name)
 {
     const OCIO::ConstColorSpaceRcPtr space = a.config->getColorSpace(name);
     if (space)
@@ -160,7 +163,7 @@ std::string find_space(const Asked &a, const char *option, const char *name)
     });
     for (int i = 0; i < c->getNumRoles(); i++)
         names.push_back(std::string(c->getRoleName(i)) + " (role)");
-    refuse_name(option, a, "colour space", name, names);
+    refuse_name(parameter, a, "colour space", name, names);
 }
 
 std::string find_view(const Asked &a, const std::string &display)
@@ -179,7 +182,7 @@ std::string find_view(const Asked &a, const std::string &display)
                 return name;
         }
     }
-    refuse_name("--view", a, "view of display " + display, a.p->view,
+    refuse_name("tone.view", a, "view of display " + display, a.p->view,
                 all(c->getNumViews(d), [&](int i) {
                     return c->getView(d, i);
                 }));
@@ -190,10 +193,10 @@ std::string find_view(const Asked &a, const std::string &display)
 [[noreturn]] void refuse_transform(const Asked &a, const std::string &what,
                                    const std::exception &e)
 {
-    throw Refusal{GP_ERR_DATA,
+    throw Refusal{GP_ERR_DATA, "tone.context",
                   a.own->config + ": OpenColorIO " + OCIO::GetVersion() +
                       " cannot make " + what + " (" + one_line(e.what()) +
-                      "); check the config, its files and --ocio-context"};
+                      "); check the config and its files"};
 }
 
 OCIO::ConstCPUProcessorRcPtr keep(Owned *own,
@@ -217,7 +220,7 @@ void make_view(const Asked &a)
             own->display = c->getDisplayAll(i);
     }
     if (own->display.empty())
-        refuse_name("--display", a, "display", display,
+        refuse_name("tone.display", a, "display", display,
                     all(c->getNumDisplays(), [&](int i) {
                         return c->getDisplay(i);
                     }));
@@ -232,7 +235,7 @@ void make_view(const Asked &a)
         std::string name = own->look.substr(first, end - first);
         name.erase(name.find_last_not_of(' ') + 1);
         if (!a.config->getLook(name.c_str()))
-            refuse_name("--look", a, "look", name,
+            refuse_name("tone.look", a, "look", name,
                         all(a.config->getNumLooks(), [&](int i) {
                             return a.config->getLookNameByIndex(i);
                         }));
@@ -410,16 +413,16 @@ const char *text_or_null(const std::string &s)
     return s.empty() ? nullptr : s.c_str();
 }
 
-int put_line(int status, const std::string &line, char *why,
-             std::size_t why_size)
+int put(const Refusal &r, gp_ocio_fault *fault)
 {
-    const std::string text = line.substr(0, why_size - 1);
-    std::memcpy(why, text.c_str(), text.size() + 1);
-    return status;
+    const std::string text = r.line.substr(0, sizeof fault->line - 1);
+    std::memcpy(fault->line, text.c_str(), text.size() + 1);
+    std::strcpy(fault->parameter, r.parameter);
+    return r.status;
 }
 
-int open_config(const gp_ocio_params *p, gp_ocio_opened *out, char *why,
-                std::size_t why_size)
+int open_config(const gp_ocio_params *p, gp_ocio_opened *out,
+                gp_ocio_fault *fault)
 try {
     *out = {};
     auto own = std::make_unique<Owned>();
@@ -428,8 +431,8 @@ try {
     const bool named = p->config[0] && std::strcmp(p->config, "env") != 0;
     const char *const config = named ? p->config : std::getenv("OCIO");
     if (!config || !config[0])
-        throw Refusal{GP_ERR_USAGE, "--ocio: $OCIO is not set; set it, or "
-                                    "give a config file"};
+        throw Refusal{GP_ERR_USAGE, "tone.config",
+                      "OpenColorIO: $OCIO is not set; set it"};
     own->config = config;
     Asked a{p, read_config(own->config), nullptr, own.get()};
     const OCIO::ContextRcPtr context =
@@ -438,9 +441,9 @@ try {
         const std::string text = p->context[i];
         const std::size_t is = text.find('=');
         if (is == 0 || is == std::string::npos)
-            throw Refusal{GP_ERR_USAGE, "--ocio-context: no setting (found "
-                                        "\"" + text +
-                                        "\"); write NAME=VALUE"};
+            throw Refusal{GP_ERR_USAGE, "tone.context",
+                          "OpenColorIO: no setting of a context (found \"" +
+                              text + "\")"};
         context->setStringVar(text.substr(0, is).c_str(),
                               text.substr(is + 1).c_str());
     }
@@ -450,7 +453,7 @@ try {
         if (!space && a.config->hasRole(role))
             space = role;
     }
-    own->input = find_space(a, "--input-space",
+    own->input = find_space(a, "tone.input",
                             space ? space : "scene_linear"); // lists all
     if (p->shows) {
         make_view(a);
@@ -459,7 +462,7 @@ try {
     if (!p->any_primaries || p->output)
         out->input_light = light_of(a, own->input);
     if (p->output) {
-        own->wanted = find_space(a, "--output-space", p->output);
+        own->wanted = find_space(a, "tone.output", p->output);
         try {
             own->output = keep(own.get(), a.config->getProcessor(
                 a.context, own->input.c_str(), own->wanted.c_str()));
@@ -483,14 +486,12 @@ try {
     out->own = own.release();
     return GP_OK;
 } catch (const Refusal &r) {
-    return put_line(r.status, r.line, why, why_size);
+    return put(r, fault);
 } catch (const std::exception &e) {
-    return put_line(GP_ERR_BUG, std::string("--ocio: OpenColorIO failed (") +
-                                    one_line(e.what()) +
-                                    "); use another config", why, why_size);
+    return put({GP_ERR_BUG, "tone.config", "OpenColorIO: failed (" +
+                one_line(e.what()) + ")"}, fault);
 } catch (...) {
-    return put_line(GP_ERR_BUG, "--ocio: OpenColorIO failed; use another "
-                                "config", why, why_size);
+    return put({GP_ERR_BUG, "tone.config", "OpenColorIO: failed"}, fault);
 }
 
 void close_config(gp_ocio_opened *opened)

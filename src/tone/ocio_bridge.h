@@ -61,27 +61,31 @@ struct gp_ocio_opened {
     void *own;
 };
 
+/* An error, with a parameter as in struct gp_line; both always terminated. */
+struct gp_ocio_fault {
+    char parameter[32], line[2048];
+};
+
 /* The functions of the bridge. It never throws and never prints. */
 struct gp_ocio_api {
     int version;  // GP_OCIO_API_VERSION
 
     /* Reads the config and makes what `p` asks for. Returns GP_OK, or another
-     * enum gp_status with the whole error line in `why`, always terminated
-     * (1 KiB holds it); *out is empty then.
+     * enum gp_status with the error in *fault; *out is empty then.
      *   GP_ERR_USAGE  a name that the config does not have (lists those it
      *                 has), $OCIO unset, ocio:// without built-in configs
      *   GP_ERR_IO     the config cannot be read
      *   GP_ERR_DATA   OpenColorIO refuses the config or a file of it
      */
     int (*open)(const struct gp_ocio_params *p, struct gp_ocio_opened *out,
-                char *why, size_t why_size);
+                struct gp_ocio_fault *fault);
     void (*close)(struct gp_ocio_opened *opened);
 
     /* n pixels in place, float32, plane by plane. 0, or -1 when OpenColorIO
      * fails (out of memory). */
     int (*apply)(const void *processor, float *r, float *g, float *b, size_t n);
 };
-enum { GP_OCIO_API_VERSION = 3 };
+enum { GP_OCIO_API_VERSION = 4 };
 
 /* The one symbol of the bridge. */
 const struct gp_ocio_api *gp_ocio_api(void);

@@ -16,6 +16,7 @@ SRC = os.path.join(ROOT, "src")
 
 # A room may include its own headers, those of the rooms named here, and the
 # single headers named here.
+INSIDE = ["glare", "sun", "scene", "tone", "compare", "gl", "core"]
 MIDDLE = ["glare", "sun", "scene", "tone", "compare", "io"]
 ROOMS = {
     "core": [],
@@ -26,6 +27,7 @@ ROOMS = {
     "tone": ["gl", "core"],
     "io": ["gl", "core"],
     "compare": ["core"],
+    "api": INSIDE,
     "bench": MIDDLE + ["gl", "core"],
     "app": ["bench"] + MIDDLE + ["gl", "core"],
 }
@@ -79,6 +81,15 @@ def check_includes(files):
             if name.endswith("_priv.h") and \
                     os.path.dirname(name) != os.path.dirname(path):
                 fault("private", f"{path} includes {name} of another folder")
+
+
+def check_words(files):
+    """Messages of the library name no option: who calls it has others."""
+    for path, text in files.items():
+        joined = re.sub(r'"[\s\\]*"', "", text)
+        if path.split("/")[0] in ["api"] + INSIDE:
+            for line in re.findall(r'"[^"\n]*--[a-zA-Z][^"\n]*', joined):
+                fault("words", f"{path} names an option: {line}")
 
 
 def check_tags(files):
@@ -193,6 +204,7 @@ def check_subjects():
 def main():
     files = dict(sources())
     check_includes(files)
+    check_words(files)
     check_tags(files)
     check_sizes(files)
     defined, taken = symbols(files)

@@ -17,8 +17,10 @@
  * execute_dft(): its planner serves one thread at a time, of all contexts. */
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 
+/* Fills `table`, whose members are function pointers in this order.
+ * `parameter` is that of the message where there is no such library. */
 static gp_status load_functions(const struct gp_log *log, const char *file,
-    const char *package, const char *without, const char *prefix, void **table)
+    const char *package, const char *parameter, const char *prefix, void **table)
 {
     static const char *const names[] = {
         "plan_dft_1d", "execute_dft", "destroy_plan",
@@ -30,9 +32,9 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
         return GP_OK;
     void *const lib = dlopen(file, RTLD_NOW | RTLD_LOCAL);
     if (!lib)
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: cannot be loaded (%s); install %s (Debian) or "
-                       "%s", file, dlerror(), package, without);
+        return gp_fail_at(log, GP_ERR_IO, parameter,
+                          "%s: cannot be loaded (%s); install %s (Debian)",
+                          file, dlerror(), package);
     for (size_t i = 0; i < NAMES; i++) {
         char symbol[64] = "";
         strcat(strcat(symbol, prefix), names[i]);
@@ -50,10 +52,10 @@ static gp_status load_functions(const struct gp_log *log, const char *file,
 /* Fills `table`, whose members are function pointers in the order of the names,
  * once; the last is NULL until it is whole. */
 static gp_status fill_table(const struct gp_log *log, const char *file,
-    const char *package, const char *without, const char *prefix, void **table)
+    const char *package, const char *parameter, const char *prefix, void **table)
 {
     pthread_mutex_lock(&planner);
-    const gp_status st = load_functions(log, file, package, without, prefix,
+    const gp_status st = load_functions(log, file, package, parameter, prefix,
                                         table);
     pthread_mutex_unlock(&planner);
     return st;
@@ -67,11 +69,10 @@ gp_status gp_fftwf_open(const struct gp_log *log, const struct gp_fftwf **out)
     } lib;
     *out = &lib.table;
     return fill_table(log, "libfftw3f.so.3", "libfftw3-single3",
-                      "use --engine direct", "fftwf_", lib.slot);
+                      "layer.engine.fft", "fftwf_", lib.slot);
 }
 
-/* `without` says what does without it. */
-static gp_status open_double(const struct gp_log *log, const char *without,
+static gp_status open_double(const struct gp_log *log, const char *parameter,
                              const struct gp_fftwd **out)
 {
     static union {
@@ -79,14 +80,13 @@ static gp_status open_double(const struct gp_log *log, const char *without,
         void *slot[sizeof(struct gp_fftwd) / sizeof(void *)];
     } lib;
     *out = &lib.table;
-    return fill_table(log, "libfftw3.so.3", "libfftw3-double3", without,
+    return fill_table(log, "libfftw3.so.3", "libfftw3-double3", parameter,
                       "fftw_", lib.slot);
 }
 
 gp_status gp_fftwd_open(const struct gp_log *log, const struct gp_fftwd **out)
 {
-    return open_double(log, "leave --verify, -k aperture and -k temporal out",
-                       out);
+    return open_double(log, "layer.in_double", out);
 }
 
 fftw_plan gp_fftwd_plan(const struct gp_fftwd *lib, int n, void *in, void *out,
@@ -180,9 +180,8 @@ int gp_fft_row_length(int n, int rows, int ny)
 
 static gp_status fail_plan(const struct gp_log *log, int n)
 {
-    return gp_fail_bare(log, GP_ERR_BUG,
-                        "transform: FFTW has no plan for length %d; use "
-                        "--engine direct", n);
+    return gp_fail_bare_at(log, GP_ERR_BUG, "layer.engine.fft",
+                           "transform: FFTW has no plan for length %d", n);
 }
 
 gp_status gp_fft_plan_make(const struct gp_log *log, int n,
@@ -242,7 +241,7 @@ gp_status gp_fft_plan_make_double(const struct gp_log *log, int n,
                                   struct gp_fft_plan_pair *out)
 {
     const struct gp_fftwd *lib;
-    gp_status st = open_double(log, "use --engine direct", &lib);
+    gp_status st = open_double(log, "layer.engine.fft", &lib);
     if (st)
         return st;
     double *z = NULL;

@@ -36,8 +36,8 @@ gp_status gp_transform_make(const struct gp_log *log, int n,
     if (t.forward && t.backward)
         return GP_OK;
     gp_transform_free(out);
-    return gp_fail_bare(log, GP_ERR_BUG, "kernel: FFTW has no plan for length "
-                        "%d; use another --fov", n);
+    return gp_fail_bare_at(log, GP_ERR_BUG, "plan.fov", "kernel: FFTW has no "
+                           "plan for length %d", n);
 }
 
 void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,

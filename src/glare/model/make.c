@@ -527,11 +527,10 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     struct gp_tail *tail = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: no kernel has this angle (a pixel of %g degrees, "
-                       "turned by %g); give --fov from 0.001 to 180 and a "
-                       "finite --rotate", gp_model_name(r->model),
-                       field->degrees, field->rotate);
+        return gp_fail_at(log, GP_ERR_USAGE, "field.degrees",
+                          "%s: no kernel has this angle (a pixel of %g degrees, "
+                          "turned by %g)", gp_model_name(r->model),
+                          field->degrees, field->rotate);
     if (!*kept) {
         st = gp_alloc_zero(log, "kernel", 1, sizeof **kept, kept);
         if (st)

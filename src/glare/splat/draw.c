@@ -599,10 +599,10 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s)
     }
     k.field_side = gp_min(k.patch_side, gl->max_size - 2 * k.margin);
     if (k.patch_side / span < 1 || k.field_side < 1)
-        return gp_fail_bare(req->log, GP_ERR_GL,
-                            "%s: groups of %d do not fit into a texture (the "
-                            "limit is %d pixels); use --engine fft or direct",
-                            gl->name, span, k.patch_side);
+        return gp_fail_bare_at(req->log, GP_ERR_GL, "layer.engine",
+                               "%s: groups of %d do not fit into a texture (the "
+                               "limit is %d pixels)", gl->name, span,
+                               k.patch_side);
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)

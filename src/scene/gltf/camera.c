@@ -47,12 +47,12 @@ gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
                                        comma, c->name));
     }
     if (n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has %d cameras "
-                       "of that name (found \"%s\"); give the number of a "
-                       "node, one of: %s", s->path, n, name, names);
-    return gp_fail(log, GP_ERR_USAGE, "--scene-camera: %s has no camera of "
-                   "that name (found \"%s\"); use one of: %s", s->path, name,
-                   names);
+        return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d "
+                          "cameras of that name (found \"%s\"), and these "
+                          "numbers of nodes: %s", s->path, n, name, names);
+    return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has no camera of "
+                      "that name (found \"%s\"), but: %s", s->path, name,
+                      names);
 }
 
 gp_status gp_scene_camera_make(const struct gp_log *log,

@@ -298,11 +298,11 @@ static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
             break;
     }
     if (frame.x1 > EXACT_IN_FLOAT || frame.y1 > EXACT_IN_FLOAT || rows > most)
-        return gp_fail_bare(log, GP_ERR_GL,
-                            "sun map: the pixels under %d lights in a frame of "
-                            "%dx%d do not fit into a texture (the limit is "
-                            "%dx%d texels); use --sun-method exact", n,
-                            frame.x1, frame.y1, wide, most);
+        return gp_fail_bare_at(log, GP_ERR_GL, "lights.method",
+                               "sun map: the pixels under %d lights in a frame "
+                               "of %dx%d do not fit into a texture (the limit "
+                               "is %dx%d texels)", n, frame.x1, frame.y1, wide,
+                               most);
     GP_TRY(fit_texture(log, gl, "pixels under the lights", wide, (int) rows,
                        &s->pixels));
     GP_TRY(gp_alloc_zero(log, "pixels under the lights",
@@ -365,11 +365,10 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
     const int limit = gp_gl_info(gl)->max_size;
     const int w = cells.x1 * p->side, h = cells.y1 * p->side;
     if (w > limit || h > limit || (long long) w * h > MOST)
-        return gp_fail_bare(log, GP_ERR_GL,
+        return gp_fail_bare_at(log, GP_ERR_GL, "lights.side",
             "sun map: %d maps of %dx%d texels do not fit into a texture (the "
-            "limit is %d texels wide and high, and %d in all); use a smaller "
-            "--sun-map or --sun-method exact", n, p->side, p->side, limit,
-            MOST);
+            "limit is %d texels wide and high, and %d in all)", n, p->side,
+            p->side, limit, MOST);
     gp_status st = fit_target(log, gl, "sun maps", GP_TEXEL_FLOAT, w, h,
                               &s->atlas);
     if (!st)

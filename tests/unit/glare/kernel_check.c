@@ -258,13 +258,13 @@ static void each_rule_finds_its_fault(void **state)
         gp_kernel_measure(&k, gp_rec709_luminance, &f);
         unsigned faults = 0;
         for (int rule = 0; rule < GP_KERNEL_RULES; rule++) {
-            char line[GP_FAULT_BYTES];
+            struct gp_fault fault;
             const bool broken = gp_kernel_fault(&f, &rows[i].use,
                                                 (enum gp_kernel_rule) rule,
-                                                line);
-            assert_true(broken == (line[0] != '\0'));
-            if (broken && !strchr(line, ';'))
-                fail_msg("does not say what to do: %s", line);
+                                                &fault);
+            assert_true(broken == (fault.line[0] != '\0'));
+            if (broken && !strchr(fault.line, ';') && !fault.parameter[0])
+                fail_msg("does not say what to do: %s", fault.line);
             faults |= broken ? 1u << rule : 0u;
         }
         if (faults != rows[i].faults)
@@ -286,10 +286,10 @@ static void each_rule_finds_its_fault(void **state)
         const struct gp_kernel_figures f = {.left_out = outside[i].left_out};
         const struct gp_kernel_use use = {.missed = outside[i].missed,
                                           .share = outside[i].share};
-        char line[GP_FAULT_BYTES];
-        const bool broken = gp_kernel_fault(&f, &use, GP_RULE_BEYOND, line);
-        if (broken != outside[i].fault || (broken && !strchr(line, ';')))
-            fail_msg("outside %zu: %s", i, line);
+        struct gp_fault fault;
+        const bool broken = gp_kernel_fault(&f, &use, GP_RULE_BEYOND, &fault);
+        if (broken != outside[i].fault || (broken && !strchr(fault.line, ';')))
+            fail_msg("outside %zu: %s", i, fault.line);
         found |= broken ? BIT(BEYOND) : 0u;
     }
     // NaN makes no kernel: its count is all there is
@@ -297,9 +297,9 @@ static void each_rule_finds_its_fault(void **state)
     const struct gp_kernel_use use = {.add = true, .ends = true, .missed = 1.0,
                                       .as_it_is = true, .brightest = 1.0};
     for (int rule = 0; rule < GP_KERNEL_RULES; rule++) {
-        char line[GP_FAULT_BYTES];
+        struct gp_fault fault;
         const bool broken =
-            gp_kernel_fault(&bad, &use, (enum gp_kernel_rule) rule, line);
+            gp_kernel_fault(&bad, &use, (enum gp_kernel_rule) rule, &fault);
         assert_true(broken == (rule == GP_RULE_NONFINITE));
         found |= broken ? 1u << rule : 0u;
     }
@@ -364,12 +364,13 @@ static void a_fault_names_its_channel(void **state)
         for (int centroid = 0; centroid < 2; centroid++) {
             const char *const wanted = centroid ? rows[i].centroid
                                                 : rows[i].peak;
-            char line[GP_FAULT_BYTES];
+            struct gp_fault fault;
             gp_kernel_fault(&f, &use, centroid ? GP_RULE_CENTROID
-                                               : GP_RULE_PEAK, line);
-            if (strncmp(line, wanted, strlen(wanted)) != 0 ||
-                (line[0] != '\0') != (wanted[0] != '\0'))
-                fail_msg("row %zu: \"%s\", not \"%s\"", i, line, wanted);
+                                               : GP_RULE_PEAK, &fault);
+            if (strncmp(fault.line, wanted, strlen(wanted)) != 0 ||
+                (fault.line[0] != '\0') != (wanted[0] != '\0'))
+                fail_msg("row %zu: \"%s\", not \"%s\"", i, fault.line,
+                         wanted);
         }
         gp_kernel_free(&k);
     }
@@ -383,11 +384,11 @@ static void a_glance_is_not_a_measurement(void **state)
     struct gp_kernel k = make(lobe, 16, scale);
     struct gp_kernel_figures f;
     const struct gp_kernel_use use = {.ends = true, .brightest = 1.0};
-    char line[GP_FAULT_BYTES];
+    struct gp_fault fault;
     gp_kernel_glance(&k, gp_rec709_luminance, &f);
     for (int rule = 0; rule < GP_KERNEL_RULES; rule++)
         assert_false(gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule,
-                                     line));
+                                     &fault));
     gp_kernel_free(&k);
 
     const struct gp_field field = scene_field(400, 300, 0.05, 1.0);

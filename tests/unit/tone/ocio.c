@@ -241,15 +241,16 @@ static void wrong_names_list_the_right_ones(void **state)
     static const char *const blank[] = {"=x"};
     const struct {
         struct gp_ocio_params p;
-        const char *option, *offers;
+        const char *parameter, *offers;
     } rows[] = {
-        {{.input = "x"}, "\"x\"", "scene_linear (role)"},
-        {{.output = "x"}, "--output-space: ", "lin, half, turned, shot, "},
+        {{.input = "x"}, "tone.input", "scene_linear (role)"},
+        {{.output = "x"}, "tone.output", "lin, half, turned, shot, "},
         {{.display = "Hidden", .view = "Half", .shows = true},
-         "Hidden (found \"Half\")", " Plain"},
-        {{.look = "twice, x", .shows = true}, "--look: ",
+         "tone.view", "Hidden (found \"Half\"); give one of Plain"},
+        {{.look = "twice, x", .shows = true}, "tone.look",
          "\"x\"); give one of twice"},
-        {{.context = blank, .contexts = 1}, "--ocio-context: ", "NAME=VALUE"},
+        {{.context = blank, .contexts = 1}, "tone.context",
+         "(found \"=x\")"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_ocio_params p = rows[i].p;
@@ -257,7 +258,7 @@ static void wrong_names_list_the_right_ones(void **state)
         p.config = wf_path("c.ocio");
         assert_int_equal(gp_ocio_open(&kept_all, &p, &o), GP_ERR_USAGE);
         assert_null(o);
-        assert_kept(rows[i].option);
+        assert_string_equal(kept_parameter, rows[i].parameter);
         assert_kept(rows[i].offers);
         assert_null(strchr(kept_line, '\n'));
     }
