@@ -21,7 +21,8 @@ static const struct hint {
     {"layer.tolerance", GLAREPP_WARNING, "; give a larger --tolerance"},
     {"lights.outside", GLAREPP_ERROR,
      "; give --camera FILE, or --sun-outside ignore"},
-    {"lights.depth", GLAREPP_ERROR, "; give --depth-type z, and depth of that kind"},
+    {"lights.depth", GLAREPP_ERROR,
+     "; give --depth-type z, and depth of that kind"},
     {"scene.camera", GLAREPP_ERROR, "; give one with --scene-camera"},
     {"scene.camera_normals", GLAREPP_WARNING,
      "; give --scene-up or --normal-space"},
@@ -72,10 +73,9 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_log *const to = m->user ? m->user : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
     if (m->level == GLAREPP_ERROR)
-        (void) gp_fail(to, (gp_status) m->status, "%s%s%s", words.text,
-                       m->text, hint_of(m));
+        (void) gp_fail(to, (gp_status) m->status, "%s%s%s", words.text, m->text,
+                       hint_of(m));
     else
-        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
-                                                 : GP_LEVEL_WARN,
+        gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO : GP_LEVEL_WARN,
                "%s%s%s", words.text, m->text, hint_of(m));
 }
