@@ -235,6 +235,7 @@ static gp_status take_kernel(struct glarepp_plan *plan,
     struct gp_field field = gp_field_of(&square, 0.0);
     field.chromaticities = gp_rec709_chromaticities;
     field.luminance = gp_rec709_luminance;
+    field.rotate = plan->rotate;
     GP_TRY(gp_kernels_take(&plan->log, plan->kernels, NULL, &field, &made,
                            &first));
     const struct gp_kernel *const k = &first->k;

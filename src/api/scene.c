@@ -234,6 +234,25 @@ out:
     return st;
 }
 
+/* Checks what relighting needs but planes, which are read only then. */
+static gp_status check_relight(const struct glarepp_frame *f)
+{
+    const struct glarepp_scene_params *const p = &f->plan->scene;
+    const struct gp_api_scene *const own = &f->work->scene;
+    const gp_status st = gp_relit_find(&f->log, &own->scene, p->relight,
+                                       p->relights, NULL);
+    if (st || !p->relights)
+        return st;
+    if (!own->has_camera)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "frame.has_ndc", "%s: "
+                          "relighting needs a camera, and neither the frame nor "
+                          "the scene has one", f->sink.name);
+    if (f->plan->sun.depth_type != GP_DEPTH_Z)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "lights.depth", "relighting "
+                          "needs distances along the view axis");
+    return GP_OK;
+}
+
 gp_status gp_api_pose(struct glarepp_frame *f)
 {
     struct gp_api_scene *const own = &f->work->scene;
@@ -244,7 +263,9 @@ gp_status gp_api_pose(struct glarepp_frame *f)
     gp_scene_pose(&own->scene, seconds);
     f->facts.scene.path = f->plan->scene.path;
     f->facts.scene.seconds = seconds;
-    const gp_status st = find_camera(f);
+    gp_status st = find_camera(f);
+    if (!st)
+        st = check_relight(f);
     if (st)
         return st;
     const struct gp_camera *const c =

@@ -6,16 +6,15 @@
 #include "core/status.h"
 #include "glarepp.h"
 
-/* Who a message of the library is for: the user of a context's callbacks, and of
- * a frame's messages. */
+/* Who messages and pictures of the library are for: the user of a context. */
 struct gp_listener {
     const struct gp_log *log;
     const struct gp_settings *s;
 };
 
 /* The message callback of a context, whose user is a struct gp_listener. Prints
- * to the log that is a frame's user, else to that of the context's, and adds what
- * to do. */
+ * to the log that is the user of a frame, else to the context's, and adds what to
+ * do. */
 void gp_hear(void *user, const struct glarepp_message *m);
 
 /* Returns words to put after the text of a message about that parameter: "; use

@@ -307,7 +307,8 @@ static const struct row light_rows[] = {
     {0},
 };
 
-#define OCIO(m) OF(glarepp_plan_facts, "ocio." #m, m, BYTES(glarepp_plan_facts, m))
+#define OCIO(m)                                                               \
+    OF(glarepp_plan_facts, "ocio." #m, m, BYTES(glarepp_plan_facts, m))
 static const struct row ocio_rows[] = {
     OCIO(config), OCIO(input), OCIO(display), OCIO(view), OCIO(look),
     OCIO(output), {0},

@@ -154,7 +154,7 @@ void gp_nearest_try(struct gp_nearest *search, const char *name);
 /* Runs `expr`; when it fails, jumps to the label `out` with `st` set. */
 #define GP_TRY(expr)                                                          \
     do {                                                                      \
-        st = (expr);                                                          \
+        st = (gp_status) (expr);                                              \
         if (st)                                                               \
             goto out;                                                         \
     } while (0)

@@ -187,6 +187,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
         gp_model_kept_free(&k->kept);
     struct gp_kernel_params p = r->params;
     p.aspect = field->aspect;
+    p.rotate = (float) field->rotate;
     p.scale = gp_kernel_request_scale(r, field);
     p.chromaticities = field->chromaticities;
     st = r->recipes ? gp_model_kernel_next(log, m->recipe, r->recipes, field,

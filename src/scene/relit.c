@@ -166,8 +166,7 @@ static gp_status add_lights(struct lighting *l)
     return GP_OK;
 }
 
-/* Finds the lights that are named: sets asked[i]. */
-static gp_status find_lights(const struct gp_log *log, const struct gp_scene *s,
+gp_status gp_relit_find(const struct gp_log *log, const struct gp_scene *s,
     const char *const *name, int names, unsigned char *asked)
 {
     for (int k = 0; k < names; k++) {
@@ -175,7 +174,8 @@ static gp_status find_lights(const struct gp_log *log, const struct gp_scene *s,
         bool found = all;
         for (int i = 0; i < s->lights; i++) {
             const bool is = all || strcmp(name[k], s->light[i].name) == 0;
-            asked[i] |= is;
+            if (asked)
+                asked[i] |= is;
             found |= is;
         }
         if (!found)
@@ -241,7 +241,7 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
                     GP_RELIGHT_PASSES * sizeof *l.list, &l.list));
     GP_TRY(gp_alloc(log, "lights", (size_t) s->lights + 1, sizeof *l.out,
                     &l.out));
-    GP_TRY(find_lights(log, s, name, names, asked));
+    GP_TRY(gp_relit_find(log, s, name, names, asked));
     if (f->up_unknown && !f->normal_of_camera)
         turn_normals(log, f, &l.surfaces);
     const struct gp_sets_view view = {

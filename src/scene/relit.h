@@ -26,6 +26,13 @@ struct gp_relit_light {
     int casters;                   // objects that may cast its shadows
 };
 
+/* Finds the lights that are named, of which "all" is every one.
+ *   asked  set where a light is; zero before; NULL: not wanted
+ * Errors: GP_ERR_USAGE no such light. */
+GP_MUST_CHECK gp_status gp_relit_find(const struct gp_log *log,
+    const struct gp_scene *s, const char *const *name, int names,
+    unsigned char *asked);
+
 /* Adds the light of scene lights named in `name` (or "all") to rgb.
  *   s, meshes  posed; meshes are kept from call to call
  *   out        owned by the caller, gp_free(); *lit of them, in the scene's
