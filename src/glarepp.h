@@ -46,10 +46,10 @@
 extern "C" {
 #endif
 
-#define GLAREPP_API __attribute__((visibility("default")))
+#pragma GCC visibility push(default)
 
 /* Returns "0.1.0", the version of the library that runs. */
-GLAREPP_API const char *glarepp_version(void);
+const char *glarepp_version(void);
 
 // -- context ------------------------------------------------------------------
 
@@ -127,20 +127,20 @@ struct glarepp_params {
 struct glarepp; // a context
 
 /* Opens a context; *p may go afterwards. Errors: USAGE threads, BUG. */
-GLAREPP_API int glarepp_open(const struct glarepp_params *p,
+int glarepp_open(const struct glarepp_params *p,
                              struct glarepp **out);
 /* Ends it. Its plans, kernels and frames must be ended before. */
-GLAREPP_API void glarepp_close(struct glarepp **gp);
+void glarepp_close(struct glarepp **gp);
 
 /* Counts this thread among those at work in a context until glarepp_leave(), and
  * waits while as many others as it has threads are. Calls do so by themselves;
  * a caller with threads of its own, which works in them between calls, does it
  * once around both. */
-GLAREPP_API void glarepp_enter(struct glarepp *gp);
-GLAREPP_API void glarepp_leave(struct glarepp *gp);
+void glarepp_enter(struct glarepp *gp);
+void glarepp_leave(struct glarepp *gp);
 
 /* Returns the last error of this thread; text "" where there was none. */
-GLAREPP_API const struct glarepp_message *glarepp_error(void);
+const struct glarepp_message *glarepp_error(void);
 
 // -- images -------------------------------------------------------------------
 
@@ -173,7 +173,7 @@ struct glarepp_image {
       {0, 0, 0, 0}, {0, 0, 0, 0}, 0.0f, NULL, NULL }
 
 /* Frees planes that the library made, as the function that made them says. */
-GLAREPP_API void glarepp_image_end(struct glarepp_image *image);
+void glarepp_image_end(struct glarepp_image *image);
 
 // -- kernels ------------------------------------------------------------------
 
@@ -218,19 +218,19 @@ struct glarepp_kernel;
 /* Reads recipes, and images by params.picture. Copies all that it needs.
  * Errors: USAGE no such model or key, or a value out of its range; DATA an image
  * without light, or with NaN; those of params.picture. */
-GLAREPP_API int glarepp_kernel(struct glarepp *gp,
+int glarepp_kernel(struct glarepp *gp,
     const struct glarepp_kernel_params *p, struct glarepp_kernel **out);
-GLAREPP_API void glarepp_kernel_end(struct glarepp_kernel **kernel);
+void glarepp_kernel_end(struct glarepp_kernel **kernel);
 
 /* Returns the i-th recipe with every key that is not at its preset: parsing it
  * gives the same kernel, byte for byte. NULL after the last, or of an image.
  * Valid as long as the kernel. */
-GLAREPP_API const char *glarepp_kernel_recipe(const struct glarepp_kernel *k,
+const char *glarepp_kernel_recipe(const struct glarepp_kernel *k,
                                               int i);
 
 /* Copies to `path` the path that a word of glarepp_kernel_params names, itself
  * or in a recipe; false: it names none, or has no room. */
-GLAREPP_API bool glarepp_kernel_path(const char *word, char *path, size_t room);
+bool glarepp_kernel_path(const char *word, char *path, size_t room);
 
 /* The frames that kernels are drawn for. */
 struct glarepp_field {
@@ -251,7 +251,7 @@ struct glarepp_field {
  *   out    planes of float, freed by glarepp_image_end()
  *   label  what a file of them shall say
  * Errors: USAGE a key that this field cannot serve; DATA over `most`; BUG. */
-GLAREPP_API int glarepp_kernel_draw(const struct glarepp_kernel *k,
+int glarepp_kernel_draw(const struct glarepp_kernel *k,
     const struct glarepp_field *field, struct glarepp_image *out,
     struct glarepp_label *label);
 
@@ -286,7 +286,7 @@ struct glarepp_kernel_figures {
 /* Measures the samples of a kernel, and judges them for a use.
  *   out  its lines stay until the thread's next call
  * Errors: USAGE no image; BUG. */
-GLAREPP_API int glarepp_kernel_check(struct glarepp *gp,
+int glarepp_kernel_check(struct glarepp *gp,
     const struct glarepp_image *kernel, const struct glarepp_kernel_use *use,
     struct glarepp_kernel_figures *out);
 
@@ -298,7 +298,7 @@ struct glarepp_key {
     bool file;               // a path
 };
 /* Returns true and fills in the k-th key of the i-th of GLAREPP_MODELS. */
-GLAREPP_API bool glarepp_key(int model, int k, struct glarepp_key *out);
+bool glarepp_key(int model, int k, struct glarepp_key *out);
 
 /* Lists of names, in the order of the manual. */
 enum glarepp_list {
@@ -308,7 +308,7 @@ enum glarepp_list {
 /* Returns the i-th name, and its line of text; NULL after the last. Of
  * GLAREPP_FLARES and GLAREPP_LENSES those in params.data of `gp`, valid as long
  * as it; of the others `gp` may be NULL. */
-GLAREPP_API const char *glarepp_name(struct glarepp *gp,
+const char *glarepp_name(struct glarepp *gp,
     enum glarepp_list list, int i, const char **text);
 
 // -- sources and layer --------------------------------------------------------
@@ -505,9 +505,9 @@ struct glarepp_plan;
 /* Makes a plan, reads the files that it names, and copies the parameters.
  * Kernels are made at the first frame of a field, and kept.
  * Errors: USAGE parameters that do not fit; those of reading. */
-GLAREPP_API int glarepp_plan(struct glarepp *gp,
+int glarepp_plan(struct glarepp *gp,
     const struct glarepp_plan_params *p, struct glarepp_plan **out);
-GLAREPP_API void glarepp_plan_end(struct glarepp_plan **plan);
+void glarepp_plan_end(struct glarepp_plan **plan);
 
 /* Facts of a plan. Strings live as long as it. */
 struct glarepp_plan_facts {
@@ -520,7 +520,7 @@ struct glarepp_plan_facts {
                                    // known
     bool lights;                   // a frame may have lights
 };
-GLAREPP_API const struct glarepp_plan_facts *
+const struct glarepp_plan_facts *
 glarepp_plan_facts(const struct glarepp_plan *plan);
 
 /* Adds glare: sources, layer and composing in one call.
@@ -531,7 +531,7 @@ glarepp_plan_facts(const struct glarepp_plan *plan);
  * Errors: USAGE images that do not fit; DATA; GL of engine "splat"; CANCELLED:
  * `out` is unchanged; BUG. */
 struct glarepp_facts;
-GLAREPP_API int glarepp_execute(struct glarepp_plan *plan,
+int glarepp_execute(struct glarepp_plan *plan,
     const struct glarepp_image *in, const struct glarepp_image *out,
     struct glarepp_facts *facts);
 
@@ -574,13 +574,13 @@ struct glarepp_frame_params {
 struct glarepp_frame;
 
 /* Begins a frame. Any thread may begin and end it. */
-GLAREPP_API int glarepp_frame(struct glarepp_plan *plan,
+int glarepp_frame(struct glarepp_plan *plan,
     const struct glarepp_frame_params *p, struct glarepp_frame **out);
-GLAREPP_API void glarepp_frame_end(struct glarepp_frame **frame);
+void glarepp_frame_end(struct glarepp_frame **frame);
 
 /* Pixels that the kernel of a frame reaches left, up, right and down, to grow a
  * frame by: of models, which have no end, as far as their core. */
-GLAREPP_API struct glarepp_rect glarepp_frame_reach(
+struct glarepp_rect glarepp_frame_reach(
     struct glarepp_frame *frame);
 
 /* Steps, in their order. One that the plan has nothing to do for is free. */
@@ -605,7 +605,7 @@ enum glarepp_step {
 /* Runs a step. Steps before it that others do not need may be left out: without
  * LAYER, COMPOSE gives the frame as it is.
  * Errors: those of the plan's parts; CANCELLED. */
-GLAREPP_API int glarepp_frame_run(struct glarepp_frame *frame,
+int glarepp_frame_run(struct glarepp_frame *frame,
                                   enum glarepp_step step);
 
 /* Planes of a frame. */
@@ -631,18 +631,18 @@ enum glarepp_view {
 };
 
 /* Gives a frame a plane, borrowed until it ends. Errors: USAGE no such plane. */
-GLAREPP_API int glarepp_frame_set(struct glarepp_frame *frame,
+int glarepp_frame_set(struct glarepp_frame *frame,
     enum glarepp_view view, const struct glarepp_image *plane);
 
 /* Looks at a plane: a view that is valid until the frame ends or drops it.
  *   group  0 the frame, 1 and on its groups (of LIT and OUTPUT)
  * Errors: USAGE the step that makes it was not run; BUG of pictures. */
-GLAREPP_API int glarepp_frame_view(struct glarepp_frame *frame,
+int glarepp_frame_view(struct glarepp_frame *frame,
     enum glarepp_view view, int group, struct glarepp_image *out);
 
 /* Frees planes that the library made, and gives back those that were set: bits
  * 1 << view. */
-GLAREPP_API void glarepp_frame_drop(struct glarepp_frame *frame,
+void glarepp_frame_drop(struct glarepp_frame *frame,
                                     unsigned views);
 
 // -- facts --------------------------------------------------------------------
@@ -760,7 +760,7 @@ struct glarepp_facts {
     int relits;
     double engines_ms, engines_cpu_ms; // of the last step, by engines
 };
-GLAREPP_API const struct glarepp_facts *
+const struct glarepp_facts *
 glarepp_frame_facts(const struct glarepp_frame *frame);
 
 // -- lenses -------------------------------------------------------------------
@@ -792,13 +792,13 @@ struct glarepp_lens {
 
 /* Reads a prescription: JSON, or an installed name.
  * Errors: IO; DATA it is none; USAGE it cannot be focused. */
-GLAREPP_API int glarepp_lens(struct glarepp *gp, const char *lens,
+int glarepp_lens(struct glarepp *gp, const char *lens,
                              struct glarepp_lens *out);
-GLAREPP_API void glarepp_lens_end(struct glarepp_lens *lens);
+void glarepp_lens_end(struct glarepp_lens *lens);
 
 /* Draws it in section, with the rays of a ghost (or NULL), as SVG. Returns the
  * text, which glarepp_lens_end() frees; NULL where memory is full. */
-GLAREPP_API const char *glarepp_lens_draw(struct glarepp_lens *lens,
+const char *glarepp_lens_draw(struct glarepp_lens *lens,
                                           const struct glarepp_ghost *ghost);
 
 // -- visibility sets ----------------------------------------------------------
@@ -853,14 +853,14 @@ struct glarepp_sets {
 
 /* Draws all rows. Errors: those of reading the scene and of its camera; USAGE a
  * size, map or number of runs that is too small; GL; BUG. */
-GLAREPP_API int glarepp_sets(struct glarepp *gp,
+int glarepp_sets(struct glarepp *gp,
     const struct glarepp_sets_params *p, struct glarepp_sets *out);
-GLAREPP_API void glarepp_sets_end(struct glarepp_sets *sets);
+void glarepp_sets_end(struct glarepp_sets *sets);
 
 /* Looks at a picture of w x h: GLAREPP_LIT what was drawn; GLAREPP_SHOWN the
  * outlines of the scissors over it; GLAREPP_SOURCES the scene from above, each
  * object in the colour of its sets, display-linear. Valid until the next one. */
-GLAREPP_API int glarepp_sets_view(struct glarepp_sets *sets,
+int glarepp_sets_view(struct glarepp_sets *sets,
     enum glarepp_view view, struct glarepp_image *out);
 
 // -- comparison ---------------------------------------------------------------
@@ -937,12 +937,12 @@ struct glarepp_compare;
 /* Compares two images. They must outlive *out. The same for any number of
  * threads. Errors: DATA windows too far apart, or only one is deep; USAGE no
  * window, or no such exposures; BUG. */
-GLAREPP_API int glarepp_compare(struct glarepp *gp,
+int glarepp_compare(struct glarepp *gp,
     const struct glarepp_compare_params *p, const struct glarepp_stored *a,
     const struct glarepp_stored *b, struct glarepp_compare **out);
-GLAREPP_API void glarepp_compare_end(struct glarepp_compare **compare);
+void glarepp_compare_end(struct glarepp_compare **compare);
 
-GLAREPP_API const struct glarepp_compare_facts *
+const struct glarepp_compare_facts *
 glarepp_compare_facts(const struct glarepp_compare *compare);
 
 /* Makes a picture of the window, freed by glarepp_image_end().
@@ -950,8 +950,10 @@ glarepp_compare_facts(const struct glarepp_compare *compare);
  *             that pair, in plane[0], times `scale`, and its magnitude where
  *             `absolute`
  * Errors: USAGE deep images; no FLIP; BUG. */
-GLAREPP_API int glarepp_compare_view(const struct glarepp_compare *compare,
+int glarepp_compare_view(const struct glarepp_compare *compare,
     int pair, bool absolute, float scale, struct glarepp_image *out);
+
+#pragma GCC visibility pop
 
 #ifdef __cplusplus
 }
