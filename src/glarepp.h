@@ -205,13 +205,15 @@ struct glarepp_kernel_params {
     bool normalized;         // ... of a file with a label too, which else is
                              // taken as it is
     bool recipe;             // one word that is a path is a recipe as well
+    bool unread;             // words are recipes, whose images are not read: for
+                             // their text and share only
     double percent;          // frame pixels for 100 of the image, > 0
     double degrees;          // height of the image in the field; 0: by percent
 };
 #define GLAREPP_KERNEL_PARAMS                                                 \
     { sizeof(struct glarepp_kernel_params), NULL, 0, NULL,                    \
       {false, 0, 0, 0.0, 0.0, 0.0, 0.0}, false, {0.0, 0.0}, false, false,     \
-      false, 100.0, 0.0 }
+      false, false, 100.0, 0.0 }
 
 struct glarepp_kernel;
 
@@ -227,6 +229,9 @@ void glarepp_kernel_end(struct glarepp_kernel **kernel);
  * Valid as long as the kernel. */
 const char *glarepp_kernel_recipe(const struct glarepp_kernel *k,
                                               int i);
+
+/* Returns the share of a pixel's light that it takes and spreads. */
+double glarepp_kernel_share(const struct glarepp_kernel *k);
 
 /* Copies to `path` the path that a word of glarepp_kernel_params names, itself
  * or in a recipe; false: it names none, or has no room. */

@@ -41,12 +41,13 @@ static gp_status read_recipes(struct glarepp *gp,
     gp_status st = GP_OK;
     for (int i = 0; i < words && !st; i++) {
         struct gp_recipe *const recipe = &r->recipe[i];
-        st = gp_recipe_is(word[i])
+        st = p->unread || gp_recipe_is(word[i])
                  ? gp_recipe_parse(&gp->log, word[i], recipe)
                  : gp_recipe_of_image(&gp->log, word[i], p->degrees,
                                       p->percent, recipe);
         r->recipes += !st;
-        const char *const file = st ? NULL : gp_recipe_file(recipe);
+        const char *const file =
+            st || p->unread ? NULL : gp_recipe_file(recipe);
         if (!file)
             continue;
         st = read_image(gp, r, i, file);
@@ -76,7 +77,8 @@ static gp_status read_request(struct glarepp *gp,
         return gp_fail_at(&gp->log, GP_ERR_USAGE, "kernel.percent", "kernel: no "
                           "size (found %g %%)", p->percent);
     const bool one =
-        p->image || (words == 1 && !p->recipe && !gp_recipe_is(word[0]));
+        p->image || (words == 1 && !p->recipe && !p->unread &&
+                     !gp_recipe_is(word[0]));
     if (!one)
         return read_recipes(gp, p, word, words, r);
     if (p->image) {
@@ -133,6 +135,11 @@ void glarepp_kernel_end(struct glarepp_kernel **kernel)
 const char *glarepp_kernel_recipe(const struct glarepp_kernel *k, int i)
 {
     return i >= 0 && i < k->request.recipes ? k->text[i] : NULL;
+}
+
+double glarepp_kernel_share(const struct glarepp_kernel *k)
+{
+    return gp_kernel_request_share(&k->request);
 }
 
 bool glarepp_kernel_path(const char *word, char *path, size_t room)

@@ -70,6 +70,7 @@ static const struct hint hints[] = {
     HINT("sense.max_value", "lower --max-value")
     HINT("sense.max_value.low", "raise --max-value, or leave it out")
     HINT("sense.threshold", "use --engine fft, or raise --threshold")
+    HINT("sets.camera", "name it with --scene-camera")
     HINT("tone.any_primaries", "give --ignore-chromaticities")
     HINT("tone.config", "give --ocio another config, e.g. --ocio config.ocio")
     HINT("tone.context", "give --ocio-context NAME=VALUE")

@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "io/plane.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,18 +121,7 @@ static struct gp_kernel_label read_label(const struct gp_frame *f)
     return l;
 }
 
-/* Returns the share that a recipe takes of a pixel's light. */
-static double share_of(const char *recipe)
-{
-    static const char key[] = "share=";
-    for (const char *at = recipe; (at = strstr(at, key)); at++) {
-        if (at > recipe && (at[-1] == ':' || at[-1] == ','))
-            return strtod(at + strlen(key), NULL);
-    }
-    return 1.0;
-}
-
-/* Checks the recipes, and adds up their shares. Their pictures are not read: the
+/* Checks the recipes, and adds up their shares. Their images are not read: the
  * samples are in the file. */
 static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
                               const struct gp_frame *f, double *share)
@@ -150,21 +138,14 @@ static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
             break;
         p.word = word;
         p.words = 1;
+        p.unread = true;
         st = (gp_status) glarepp_kernel(quiet, &p, &k);
-        glarepp_kernel_end(&k);
-        const bool picture =
-            st && strcmp(glarepp_error()->parameter, "params.picture") == 0;
-        char path[PATH_MAX];
-        if (picture && glarepp_kernel_path(text, path, sizeof path) &&
-            strcmp(path, text) == 0)
-            st = gp_fail(log, GP_ERR_DATA, "%s: %s: no model of kernels has "
-                         "this name (found %s)", f->path, name, text);
-        else if (picture)
-            st = GP_OK;
-        else if (st)
+        if (st)
             st = gp_fail(log, st == GP_ERR_BUG ? st : GP_ERR_DATA,
                          "%s: %s: %s", f->path, name, glarepp_error()->text);
-        *share += share_of(text);
+        else
+            *share += glarepp_kernel_share(k);
+        glarepp_kernel_end(&k);
         gp_free(text);
     }
     *share = fmin(*share, 1.0);

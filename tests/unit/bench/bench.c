@@ -3,10 +3,6 @@
 #include "bench/bench_priv.h"
 #include "kept_log.h"
 
-static const struct gp_sensor_params whole_pixels = {
-    .threshold = 1.0f, .max_value = 1e9f,
-};
-
 static void the_front_is_what_nothing_beats(void **state)
 {
     static const struct {
@@ -92,29 +88,24 @@ static void parts_are_even_and_untouched(void **state)
     };
     for (size_t r = 0; r < COUNT(rows); r++) {
         struct gp_frame f = grey(rows[r].w, rows[r].h, 2.0f), part;
-        const struct gp_sensor_params p = whole_pixels;
-        struct gp_sources all = {0}, some = {0};
-        assert_ok(gp_sense(NULL, &p, &f, &all));
-        assert_ok(gp_bench_thin(NULL, &f, &all, rows[r].parts, &part));
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+        const size_t n = gp_frame_pixels(&f);
+        size_t lit = 0;
+        assert_ok(gp_bench_thin(NULL, &f, 0, rows[r].parts, &part));
+        assert_true(part.data.x0 == -9 && part.data.y0 == 5);
+        for (size_t i = 0; i < n; i++) {
             const float v = part.rgb.c[1][i];
             assert_true(v == 0.0f || v == f.rgb.c[1][i]);
+            lit += v > 0.0f;
         }
-        assert_ok(gp_sense(NULL, &p, &part, &some));
-        assert_true(some.x0 == -9 && some.y0 == 5);
-        const double share = (double) some.n / (double) all.n;
+        const double share = (double) lit / (double) n;
         if (!(share >= rows[r].least && share <= rows[r].most))
             fail_msg("row %zu: a share of %g", r, share);
-        gp_sources_free(&some);
         gp_frame_free(&part);
         // and one source alone: the first
-        assert_ok(gp_bench_thin(NULL, &f, &all, 0, &part));
-        assert_ok(gp_sense(NULL, &p, &part, &some));
-        assert_int_equal(some.n, 1);
-        assert_int_equal(some.x[0], all.x[0]);
-        assert_true(some.rgb[0][0] == all.rgb[0][0]);
-        gp_sources_free(&some);
-        gp_sources_free(&all);
+        assert_ok(gp_bench_thin(NULL, &f, n / 3, 0, &part));
+        for (size_t i = 0; i < n; i++)
+            assert_true(part.rgb.c[1][i] ==
+                        (i == n / 3 ? f.rgb.c[1][i] : 0.0f));
         gp_frame_free(&part);
         gp_frame_free(&f);
     }
@@ -123,18 +114,10 @@ static void parts_are_even_and_untouched(void **state)
 static void no_light_has_a_part_without_any(void **state)
 {
     struct gp_frame f = grey(40, 30, -9.0f), part;
-    const struct gp_sensor_params p = whole_pixels;
-    struct gp_sources none = {0}, some = {0};
-    assert_ok(gp_sense(NULL, &p, &f, &none));
-    assert_int_equal(none.n, 0);
-    for (int parts = 0; parts <= 10; parts += 10) {
-        assert_ok(gp_bench_thin(NULL, &f, &none, parts, &part));
-        assert_ok(gp_sense(NULL, &p, &part, &some));
-        assert_int_equal(some.n, 0);
-        gp_sources_free(&some);
-        gp_frame_free(&part);
-    }
-    gp_sources_free(&none);
+    assert_ok(gp_bench_thin(NULL, &f, gp_frame_pixels(&f), 0, &part));
+    for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+        assert_true(part.rgb.c[0][i] == 0.0f);
+    gp_frame_free(&part);
     gp_frame_free(&f);
 }
 
