@@ -16,7 +16,6 @@ SRC = os.path.join(ROOT, "src")
 
 # A room may include its own headers, those of the rooms named here, and the
 # single headers named here.
-MIDDLE = ["glare", "sun", "scene", "tone", "compare", "io"]
 ROOMS = {
     "core": [],
     "gl": ["core"],
@@ -26,8 +25,10 @@ ROOMS = {
     "tone": ["gl", "core"],
     "io": ["gl", "core"],
     "compare": ["core"],
-    "bench": MIDDLE + ["gl", "core"],
-    "app": ["bench"] + MIDDLE + ["gl", "core"],
+    "api": ["glare", "sun", "scene", "tone", "compare", "gl", "core"],
+    # the program sees the library as any other caller, by <glarepp.h>
+    "bench": ["io", "core"],
+    "app": ["bench", "io", "core"],
 }
 # Only one room may include a library's headers.
 LIBRARIES = [
