@@ -144,7 +144,8 @@ const struct glarepp_facts *glarepp_frame_facts(const struct glarepp_frame *f)
 
 // -- sources ------------------------------------------------------------------
 
-const struct gp_sources *gp_api_light(const struct glarepp_frame *f)
+/* The sources of the engines: bright pixels, and lights whose share is known. */
+static const struct gp_sources *all_light(const struct glarepp_frame *f)
 {
     return f->joined.n ? &f->joined : &f->sources;
 }
@@ -532,8 +533,9 @@ struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
 
 // -- layer --------------------------------------------------------------------
 
-struct gp_surround gp_api_edges(const struct glarepp_frame *f,
-                                const struct gp_sources *own)
+/* How the picture goes on for `own`, a part of its sources. */
+static struct gp_surround edges_of(const struct glarepp_frame *f,
+                                   const struct gp_sources *own)
 {
     return (struct gp_surround) {f->plan->edges, &f->sources, own};
 }
@@ -573,7 +575,7 @@ static gp_status add_layer(struct glarepp_frame *f)
     gp_status st = gp_api_join(f);
     if (st)
         return st;
-    const struct gp_sources *const light = gp_api_light(f);
+    const struct gp_sources *const light = all_light(f);
     f->facts.sense.sources = (long long) light->n;
     memcpy(f->facts.sense.flux, light->flux, sizeof light->flux);
     memcpy(f->facts.sense.faint, light->faint, sizeof light->faint);
@@ -582,7 +584,7 @@ static gp_status add_layer(struct glarepp_frame *f)
                                    luminance_of(&f->image, light->flux) -
                                f->facts.sense.bright;
     p.taken = f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources : NULL;
-    p.edges = gp_api_edges(f, &f->sources);
+    p.edges = edges_of(f, &f->sources);
     p.last = f->p.last;
     if (light->n > 0) {
         stats = (struct gp_glare_stats) {0};
@@ -595,16 +597,16 @@ static gp_status add_layer(struct glarepp_frame *f)
 
 static gp_status verify(struct glarepp_frame *f)
 {
-    const struct gp_surround edges = gp_api_edges(f, &f->sources);
+    const struct gp_surround edges = edges_of(f, &f->sources);
     struct gp_glare_error error;
     gp_status st = GP_OK;
-    if (!gp_api_light(f)->n)
+    if (!all_light(f)->n)
         return GP_OK;
     if (!f->exact) {
         GP_TRY(gp_alloc(&f->log, "exact layer",
                         3 * gp_frame_pixels(&f->image), sizeof *f->exact,
                         &f->exact));
-        GP_TRY(gp_glare_reference(&f->log, &edges, gp_api_light(f),
+        GP_TRY(gp_glare_reference(&f->log, &edges, all_light(f),
                                   gp_api_kernel(f), f->exact));
     }
     gp_glare_measure(&f->image, &f->image.layer, f->exact,
@@ -643,7 +645,7 @@ static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
     struct gp_glare_params glare = f->plan->glare;
     const double start = gp_now_ms(), cpu = gp_cpu_ms();
     gp_status st = GP_OK;
-    glare.edges = gp_api_edges(f, &g->sources);
+    glare.edges = edges_of(f, &g->sources);
     if (g->sources.n > 0)
         st = gp_glare_run(&f->log, &glare, &f->work->group_engines, &g->sources,
                           gp_api_kernel(f), &g->image, &stats);

@@ -47,15 +47,8 @@ struct glarepp_frame {
     struct glarepp_facts facts;
 };
 
-/* The sources of the engines: bright pixels, and lights whose share is known. */
-const struct gp_sources *gp_api_light(const struct glarepp_frame *f);
-
 /* The kernel of a frame; empty where none was needed. */
 const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f);
-
-/* How the picture goes on for `own`, a part of its sources. */
-struct gp_surround gp_api_edges(const struct glarepp_frame *f,
-                                const struct gp_sources *own);
 
 /* Makes image.layer, all 0, unless it is there. */
 GP_MUST_CHECK gp_status gp_api_dark_layer(struct glarepp_frame *f);
@@ -87,9 +80,5 @@ struct gp_api_stop {
 };
 /* Finds it; false: no lens, or it cannot be focused so, an error of the step. */
 bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out);
-
-/* Adds ghosts of the lens to image.layer, which is made. */
-GP_MUST_CHECK gp_status gp_api_lens_draw(struct glarepp_frame *f,
-                                         enum gp_lens_detail detail);
 
 #endif

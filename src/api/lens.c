@@ -98,7 +98,8 @@ static void note_lens(struct glarepp_lens_facts *facts,
     memcpy(facts->steps, s->steps, sizeof facts->steps);
 }
 
-gp_status gp_api_lens_draw(struct glarepp_frame *f, enum gp_lens_detail detail)
+/* Adds ghosts of the lens to image.layer, which is made. */
+static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
 {
     struct gp_frame *const image = &f->image;
     struct glarepp_lens_facts *const facts = &f->facts.lens;
@@ -150,7 +151,6 @@ gp_status gp_api_lens(struct glarepp_frame *f)
         return GP_OK;
     const gp_status st = f->image.layer.c[0] ? GP_OK : gp_api_dark_layer(f);
     return st ? st
-              : gp_api_lens_draw(f, asked ? (enum gp_lens_detail) (asked - 1)
-                                    : n > 0 && n <= FEW ? GP_LENS_FINE
-                                                        : GP_LENS_COARSE);
+              : draw(f, asked ? (enum gp_lens_detail) (asked - 1)
+                        : n > 0 && n <= FEW ? GP_LENS_FINE : GP_LENS_COARSE);
 }

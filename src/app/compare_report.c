@@ -228,7 +228,7 @@ static gp_status subtract(const struct gp_compare_row *r,
     const struct gp_compare_settings *s, int pair, size_t pixels, float *to)
 {
     struct glarepp_image d;
-    const gp_status st = glarepp_compare_view(r->compare, pair, s->absolute,
+    const gp_status st = (gp_status) glarepp_compare_view(r->compare, pair, s->absolute,
                                               s->scale, &d);
     if (!st)
         memcpy(to, d.plane[0], pixels * sizeof *to);

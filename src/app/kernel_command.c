@@ -85,7 +85,7 @@ static gp_status make_texts(const struct gp_log *log,
     int n = 0;
     while (n < GP_LABEL_TEXTS && (recipe[n] = glarepp_kernel_recipe(k, n)))
         n++;
-    return gp_label_write(log, &(struct gp_kernel_label) {
+    return gp_label_write(log, &(struct gp_file_label) {
         .present = true, .w = label->w, .h = label->h,
         .radius = s->making.radius, .fov = label->fov,
         .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
@@ -192,7 +192,7 @@ static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
     const char *const word = s->making.check;
     const struct gp_read_params limits = gp_read_limits(&s->input.read);
     struct glarepp_kernel *k = NULL;
-    struct gp_kernel_label own;
+    struct gp_file_label own;
     gp_status st;
     if (is_path(word)) {
         GP_TRY(gp_read_frame(log, &limits, word, out));

@@ -40,7 +40,7 @@ static gp_status add_number(const struct gp_log *log, struct gp_label_texts *l,
 }
 
 gp_status gp_label_write(const struct gp_log *log,
-    const struct gp_kernel_label *l, const char *const *recipe, int n,
+    const struct gp_file_label *l, const char *const *recipe, int n,
     struct gp_label_texts *out)
 {
     char text[VALUE_BYTES];
@@ -97,9 +97,9 @@ static bool read_option(const struct gp_frame *f, const char *name,
     return read_number(f, name, o->lo, o->hi, v);
 }
 
-static struct gp_kernel_label read_label(const struct gp_frame *f)
+static struct gp_file_label read_label(const struct gp_frame *f)
 {
-    struct gp_kernel_label l = {.present = true};
+    struct gp_file_label l = {.present = true};
     const double slack = 1e-3; // sums of floats
     double frame = 0.0;
     int v[3] = {0};
@@ -116,7 +116,7 @@ static struct gp_kernel_label read_label(const struct gp_frame *f)
         !read_option(f, "glarepp:frame", "frame", &frame) ||
         !read_number(f, "glarepp:left_out", -slack, 1.0 + slack, &l.left_out) ||
         !read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond))
-        return (struct gp_kernel_label) {.present = false};
+        return (struct gp_file_label) {.present = false};
     l.frame = (int) frame;
     return l;
 }
@@ -153,13 +153,13 @@ static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
 }
 
 gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
-                        struct gp_kernel_label *out)
+                        struct gp_file_label *out)
 {
     const struct glarepp_params params = {.size = sizeof params, .threads = 1};
     struct glarepp *quiet = NULL;
     gp_status st = GP_OK;
     char *const first = gp_frame_text(f, "glarepp:recipe");
-    *out = first ? read_label(f) : (struct gp_kernel_label) {.present = false};
+    *out = first ? read_label(f) : (struct gp_file_label) {.present = false};
     if (first)
         st = (gp_status) glarepp_open(&params, &quiet);
     if (first && !st)
@@ -169,7 +169,7 @@ gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
     return st;
 }
 
-struct glarepp_label gp_label_of(const struct gp_kernel_label *l)
+struct glarepp_label gp_label_of(const struct gp_file_label *l)
 {
     return (struct glarepp_label) {
         .present = l->present, .w = l->w, .h = l->h, .fov = l->fov,

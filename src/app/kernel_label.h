@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 /* All but the recipes. */
-struct gp_kernel_label {
+struct gp_file_label {
     bool present;        // read from a file of glarepp kernel, or to be written
     int w, h;            // pixels of the frame it is for
     int radius;          // most of an offset; 0: all that the frame meets
@@ -33,7 +33,7 @@ struct gp_label_texts {
 /* Writes the attributes of n recipes. *out is zero before; free it in any case
  * with gp_label_texts_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_label_write(const struct gp_log *log,
-    const struct gp_kernel_label *l, const char *const *recipe, int n,
+    const struct gp_file_label *l, const char *const *recipe, int n,
     struct gp_label_texts *out);
 void gp_label_texts_free(struct gp_label_texts *t);
 
@@ -42,9 +42,9 @@ void gp_label_texts_free(struct gp_label_texts *t);
  * Errors: GP_ERR_DATA a recipe that this program does not know, with the file's
  * and the attribute's name; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
-    const struct gp_frame *f, struct gp_kernel_label *out);
+    const struct gp_frame *f, struct gp_file_label *out);
 
 /* Returns it as the library takes it. */
-struct glarepp_label gp_label_of(const struct gp_kernel_label *l);
+struct glarepp_label gp_label_of(const struct gp_file_label *l);
 
 #endif

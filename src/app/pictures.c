@@ -75,7 +75,7 @@ int gp_picture_read(void *user, const struct glarepp_picture *p,
 {
     const struct gp_listener *const l = user;
     const struct gp_read_params limits = gp_read_limits(&l->s->input.read);
-    struct gp_kernel_label own;
+    struct gp_file_label own;
     if (p->alpha)
         return (int) read_alpha(l, p, out);
     gp_status st = gp_read_frame(l->log, &limits, p->path, &lent);

@@ -67,7 +67,7 @@ static gp_status write_pictures(const struct gp_log *log,
         struct glarepp_image image;
         if (!path)
             continue;
-        st = glarepp_sets_view(sets, i < outputs    ? GLAREPP_LIT
+        st = (gp_status) glarepp_sets_view(sets, i < outputs    ? GLAREPP_LIT
                                      : i == outputs ? GLAREPP_SHOWN
                                                     : GLAREPP_SOURCES, &image);
         if (st)

@@ -90,13 +90,13 @@ struct gp_light_settings {
 };
 
 /* Forms of --kernel-normalize. */
-enum gp_normalize { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
+enum gp_kernel_sum { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
 /* The kernel, and the angles by which models have their size. */
 struct gp_kernel_settings {
     struct gp_texts words;             // files and recipes
     struct glarepp_kernel_params image; // of files: centre, percent, degrees
-    enum gp_normalize normalize;       // ... where it is given
+    enum gp_kernel_sum normalize;      // ... where it is given
     const char *size;                  // as given; NULL: 100 percent
     float fov;                         // degrees; 0: by the frame
     float rotate;                      // degrees
