@@ -167,7 +167,7 @@ static void statuses_have_texts(void **state)
         assert_int_equal(rows[i].status, rows[i].code);
         assert_string_equal(gp_status_text(rows[i].status), rows[i].text);
     }
-    static const int others[] = {-1, 1, 7, 69, 71, 255, INT_MAX, INT_MIN};
+    static const int others[] = {-1, 1, 8, 69, 71, 255, INT_MAX, INT_MIN};
     for (size_t i = 0; i < COUNT(others); i++)
         assert_string_equal(gp_status_text((gp_status) others[i]),
                             "unknown status");
