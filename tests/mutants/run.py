@@ -27,7 +27,7 @@ import threading
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SECONDS = 300  # of a suite: a mutant may wait for ever
-WHOLE = ("glare/splat", "glare/tile")  # suites whose quick form leaves out GL
+WHOLE = ("glare/splat", "glare/tile", "library.t")  # suites whose quick form leaves out more
 
 
 def read_list(path):
@@ -67,7 +67,8 @@ class Tree:
 
     def __init__(self, build):
         self.at = tempfile.mkdtemp(prefix="mutants.")
-        for name in ("src", "tests", "examples", "man", "Makefile", "README.md"):
+        for name in ("src", "tests", "examples", "man", "Makefile", "README.md",
+                     "LICENSE"):
             path = os.path.join(ROOT, name)
             (shutil.copytree if os.path.isdir(path) else shutil.copy2)(
                 path, os.path.join(self.at, name))
