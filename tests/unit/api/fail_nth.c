@@ -1,6 +1,6 @@
 /* Memory that is full, a file that cannot be read, or a GL that refuses, twice
- * for each path of callers, through whole runs of the library: the documented status, one message, no
- * block lost. The next run gives the same picture. */
+ * for each path of callers, through whole runs of the library: the documented
+ * status and one message, or the same picture; no block lost. */
 #include "fail.h"
 #include "unit.h"
 
