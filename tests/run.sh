@@ -100,9 +100,9 @@ chosen()
 # One more at a time than there are processors, as tests that kill, stop or count on
 # a clock leave theirs idle; printed in the order of the list
 first='hardcases-.*|faults\.t|flight\.t|check-(tidy|clang|cppcheck)|formats\.t'
-first="$first|glare-splat_form|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
-first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|glare-splat_data"
-first="$first|compare\.t|engines\.t|glare-rim|glare-model_aperture|scene-sets"
+first="$first|glare-tail|bench\.t|determinism\.t|soak\.t|fuzz\.t"
+first="$first|lens\.t|names\.t|farm\.t|install\.t|sun-lens_draw|api-fail_nth"
+first="$first|compare\.t|engines\.t|glare-edges|scene-sets"
 tasks=()
 for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do

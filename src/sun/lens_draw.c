@@ -232,7 +232,7 @@ static gp_status make_accumulators(struct drawing *d)
     for (int i = 0; i < d->items && !st; i++) {
         const int l = d->item[i].level;
         if (l >= 0 && !d->level[l].v)
-            st = gp_lens_steps_make(d->log, gp_rect_w(d->view->frame),
+            st = gp_lens_steps_make(NULL, gp_rect_w(d->view->frame),
                                     gp_rect_h(d->view->frame), 1 << l,
                                     &d->level[l]);
     }
@@ -319,10 +319,13 @@ gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     for (int i = 0; i < n * d.kept_n; i += d.items) {
         d.first = i;
         d.items = gp_min(n * d.kept_n - i, CHUNK);
-        GP_TRY(run_chunk(&d, &stats));
+        // one message, however many threads fail
+        if (run_chunk(&d, &stats))
+            GP_TRY(gp_no_memory(log, "ghosts"));
     }
-    GP_TRY(gp_lens_steps_add(d.level, gp_rect_w(view->frame),
-                             gp_rect_h(view->frame), layer));
+    if (gp_lens_steps_add(d.level, gp_rect_w(view->frame),
+                          gp_rect_h(view->frame), layer))
+        GP_TRY(gp_no_memory(log, "ghosts"));
     const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;
     *out = stats;

@@ -56,9 +56,6 @@ taskset -c 0 "$build/bench/stage" "$frames/w2_1024.exr" "$frames/k512.exr" \
 echo "# plans of lengths, measured once"
 "$build/bench/plans" 1 2>&1 >/dev/null
 
-echo "# ways to hide rounding: error of a pixel, CPU time over that in float"
-taskset -c 0 "$build/bench/split" "$frames/w2_1024.exr" "$frames/k512.exr"
-
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
 

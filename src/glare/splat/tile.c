@@ -29,7 +29,7 @@ enum {
                               // each of two mixes
 };
 /* Milliseconds of a pixel of a tile's entry, and of the entry itself, on Mesa
- * 22.3's llvmpipe and two cores: `build/tests/glare pairs --time splat`. */
+ * 22.3's llvmpipe and two cores. */
 static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
 static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
 

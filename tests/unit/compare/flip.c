@@ -6,8 +6,6 @@
 
 #include <float.h>
 
-#include "starved.h"
-
 /* Single precision under a square root: a feature of 1e-9 counts 3e-5. */
 static const double NEAR = 3e-4;
 
@@ -339,37 +337,10 @@ static void what_makes_no_sense_is_refused(void **state)
     free_pair(&p);
 }
 
-// -- memory ------------------------------------------------------------------
-
-static struct pair starved;
-static double found;
-
-static gp_status run_ldr(void)
-{
-    return gp_flip_ldr(&kept_log, starved.w, starved.h, &starved.a, &starved.b,
-                       NULL, &found);
-}
-
-static gp_status run_hdr(void)
-{
-    return gp_flip_hdr(&kept_log, starved.w, starved.h, &starved.a, &starved.b,
-                       NULL, NULL, &found);
-}
-
-static void memory_is_full(void **state)
-{
-    gp_set_threads(2);
-    starved = pattern(33, 21);
-    starve("LDR-FLIP", run_ldr, &found, 2);
-    starve("HDR-FLIP", run_hdr, &found, 8);
-    free_pair(&starved);
-    gp_set_threads(0);
-}
-
 SUITE_OF(flip, NULL, NULL, flat_colours_are_as_far_as_they_are,
          patterns_agree_with_the_plain_form, laws_hold_at_any_size,
          one_pixel_is_seen_near_it_alone, threads_change_nothing,
          exposures_fit_the_reference, the_median_decides_where_exposures_stop,
          dark_and_hostile_references_have_exposures,
-         the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused,
-         memory_is_full)
+         the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused)
+

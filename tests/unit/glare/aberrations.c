@@ -62,59 +62,6 @@ static void aberrations_dim_the_peak(void **state)
     gp_kernel_free(&sharp);
 }
 
-/* Means over the disc of products of two polynomials, by the middles of squares
- * of 1/500: 1 of a polynomial by itself, else 0. Slopes are no steeper than
- * said, and as steep somewhere. */
-static void zernikes_polynomials_are_orthonormal(void **state)
-{
-    (void) state;
-    enum { N = 500, TERMS = GP_ZERNIKE_LAST + 1 };
-    double mean[TERMS][TERMS] = {{0}}, steep[TERMS] = {0};
-    long long n = 0;
-    for (int y = -N; y < N; y++) {
-        for (int x = -N; x < N; x++) {
-            const double u = (x + 0.5) / N, v = (y + 0.5) / N;
-            double z[TERMS] = {[1] = 1.0};
-            if (u * u + v * v > 1.0)
-                continue;
-            n++;
-            for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++) {
-                z[j] = gp_zernike(j, u, v);
-                const double a = gp_zernike(j, u + 1e-5, v) - z[j];
-                const double b = gp_zernike(j, u, v + 1e-5) - z[j];
-                steep[j] = fmax(steep[j], hypot(a, b) / 1e-5);
-            }
-            for (int j = 1; j < TERMS; j++) {
-                for (int k = 1; k <= j; k++)
-                    mean[j][k] += z[j] * z[k];
-            }
-        }
-    }
-    for (int j = 1; j < TERMS; j++) {
-        for (int k = 1; k <= j; k++) {
-            const double is = mean[j][k] / (double) n, wanted = j == k;
-            if (!(fabs(is - wanted) < 1e-3))
-                fail_msg("Z%d Z%d have a mean of %g, not %g", j, k, is, wanted);
-        }
-        if (j > 1 && !(fabs(steep[j] / gp_zernike_slope(j) - 1.0) < 0.01))
-            fail_msg("Z%d is as steep as %g, not %g", j, steep[j],
-                     gp_zernike_slope(j));
-    }
-    // Noll's table I, at r = 0.5 and 60 degrees, sine of it 0.866
-    const double x = 0.25, y = 0.5 * sin(M_PI / 3.0);
-    const double z[TERMS] = {
-        [2] = 0.5, [3] = 0.8660254, [4] = -0.8660254,
-        [5] = 0.5303301, [6] = -0.3061862, [7] = -1.5309311,
-        [8] = -0.8838835, [9] = 0.0, [10] = -0.3535534,
-        [11] = -0.2795085, [12] = 0.7905694, [13] = -1.3693064,
-        [14] = -0.0988212, [15] = -0.1711633,
-    };
-    for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++) {
-        if (!(fabs(gp_zernike(j, x, y) - z[j]) < 1e-6))
-            fail_msg("Z%d is %.7f, not %.7f", j, gp_zernike(j, x, y), z[j]);
-    }
-}
-
 /* Light in `turns` sectors of a circle from 0 degrees on, over the mean. */
 static void find_sectors(const struct gp_kernel *k, int turns, double *light)
 {
@@ -190,4 +137,5 @@ static void aberrations_have_their_symmetry(void **state)
 }
 
 SUITE_OF(aberrations, NULL, NULL, aberrations_dim_the_peak,
-    zernikes_polynomials_are_orthonormal, aberrations_have_their_symmetry)
+         aberrations_have_their_symmetry)
+

@@ -155,37 +155,6 @@ static void layers_are_the_plain_sum(void **state)
     }
 }
 
-/* The share that is outside, sample by sample. */
-static void shares_are_counted(void **state)
-{
-    const int w = 23, h = 17;
-    struct scene s = sensed(w, h, FLAT);
-    struct gp_kernel k = scene_kernel(15, 12, 2, 9, TINTED);
-    const struct gp_surround edges = {GP_SURROUND_EXTEND, &s.src, NULL};
-    const struct gp_surround none = {GP_SURROUND_BLACK, &s.src, NULL};
-    struct gp_planes with = layer_of(&s.src, &edges, &k, "direct", NULL);
-    struct gp_planes without = layer_of(&s.src, &none, &k, "direct", NULL);
-    (void) state;
-    for (int i = 0; i < 3 * w * h; i++) {
-        const int c = i / (w * h), x = i % w, y = i / w % h;
-        double share = 0.0;
-        for (int j = 0; j < k.w * k.h; j++) {
-            const int sx = x - (j % k.w - k.cx), sy = y - (j / k.w - k.cy);
-            if (sx < 0 || sx >= w || sy < 0 || sy >= h)
-                share += (double) k.k.c[c][j];
-        }
-        const double got = (double) with.c[c][i % (w * h)] -
-                           (double) without.c[c][i % (w * h)];
-        if (!(fabs(got - share) <= 1e-6))
-            fail_msg("%d, %d of %d: %g, not %g", x, y, c, got, share);
-        assert_true(share > 0.0 || got == 0.0);
-    }
-    gp_planes_free(&with);
-    gp_planes_free(&without);
-    gp_kernel_free(&k);
-    scene_free(&s);
-}
-
 /* Pixels that the kernel does not join with the border keep their bits: with
  * overscan as wide as the kernel reaches nothing changes. */
 static void overscan_makes_no_difference(void **state)
@@ -216,76 +185,6 @@ static void overscan_makes_no_difference(void **state)
         gp_planes_free(&got);
     }
     gp_planes_free(&want);
-    gp_kernel_free(&k);
-    scene_free(&s);
-}
-
-/* A mirror image is that of the pixels. */
-static void mirrors_are_plain(void **state)
-{
-    const int w = 29, h = 21, reach = gp_mirror_reach(29, 21);
-    struct scene s = sensed(w, h, ALL);
-    struct gp_kernel k = scene_kernel(2 * reach + 1, 2 * reach + 1, MID, MID,
-                                      TINTED);
-    const struct gp_surround edges = {GP_SURROUND_MIRROR, &s.src, NULL};
-    struct gp_planes got = layer_of(&s.src, &edges, &k, "direct", NULL);
-    struct gp_planes light;
-    (void) state;
-    assert_ok(gp_sources_planes(NULL, &s.src, &light));
-    for (int i = 0; i < 3 * w * h; i++) {
-        const int c = i / (w * h), x = i % w, y = i / w % h;
-        double want = 0.0;
-        for (int j = 0; j < k.w * k.h; j++) {
-            int sx = x - (j % k.w - k.cx), sy = y - (j / k.w - k.cy);
-            sx = sx < 0 ? -1 - sx : sx < w ? sx : 2 * w - 1 - sx;
-            sy = sy < 0 ? -1 - sy : sy < h ? sy : 2 * h - 1 - sy;
-            want += (double) light.c[c][sy * w + sx] * (double) k.k.c[c][j];
-        }
-        assert_close((double) got.c[c][i % (w * h)], want, 1e-6);
-    }
-    gp_planes_free(&light);
-    gp_planes_free(&got);
-    gp_kernel_free(&k);
-    scene_free(&s);
-}
-
-/* Parts of a picture that add up to it add up beyond its border too. */
-static void parts_add_up(void **state)
-{
-    const int w = 120, h = 80;
-    struct scene s = sensed(w, h, ALL);
-    struct gp_kernel k = kernel_for("eye", w, h);
-    struct gp_sources part[2];
-    struct gp_planes layer[3];
-    (void) state;
-    for (int i = 0; i < 2; i++) {
-        assert_ok(gp_sources_make(NULL, &s.src, s.src.n, &part[i]));
-        for (int y = 0; y < h; y++) {
-            for (uint32_t j = s.src.row[y]; j < s.src.row[y + 1]; j++) {
-                const float to = scene_noise((int) j);
-                const float share = i ? 1.0f - to : to;
-                const float rgb[3] = {share * s.src.rgb[0][j],
-                                      share * s.src.rgb[1][j],
-                                      share * s.src.rgb[2][j]};
-                gp_sources_add(&part[i], s.src.x[j], y, rgb);
-            }
-        }
-        gp_sources_finish(&part[i]);
-    }
-    for (int i = 0; i < 3; i++) {
-        const struct gp_sources *const own = i < 2 ? &part[i] : &s.src;
-        const struct gp_surround edges = {GP_SURROUND_EXTEND, &s.src, own};
-        layer[i] = layer_of(own, &edges, &k, "direct", NULL);
-    }
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < w * h; i++)
-            assert_close((double) layer[0].c[c][i] + (double) layer[1].c[c][i],
-                         (double) layer[2].c[c][i], 2e-6);
-    }
-    for (int i = 0; i < 3; i++)
-        gp_planes_free(&layer[i]);
-    gp_sources_free(&part[0]);
-    gp_sources_free(&part[1]);
     gp_kernel_free(&k);
     scene_free(&s);
 }
@@ -335,61 +234,6 @@ static void leaving_lamps_fade(void **state)
     }
 }
 
-/* A frame of `sky`, w wide, with a lamp of 1000 at x. */
-static struct scene lamp_at(int w, int h, double x, double radius, float sky)
-{
-    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 0);
-    for (int p = 0; p < w * h; p++) {
-        const double r = hypot(p % w + 0.5 - x, p / w + 0.5 - 0.5 * h);
-        const double in = fmin(fmax(radius + 0.5 - r, 0.0), 1.0);
-        for (int c = 0; c < 3; c++)
-            f.rgb.c[c][p] = sky + (float) (1000.0 * in);
-    }
-    return scene_sense(f, (struct gp_kernel) {0}, &usual);
-}
+SUITE_OF(edges, NULL, NULL, flat_pictures_stay_flat, layers_are_the_plain_sum,
+         overscan_makes_no_difference, leaving_lamps_fade)
 
-/* A lamp that the border cuts adds nothing beyond it, by night and before a sky:
- * no pixel gets more light than of the whole picture, by 2 %. */
-static void cut_lamps_add_nothing(void **state)
-{
-    static const char *const models[] = {
-        "moffat:share=.06,fwhm=.1,beta=2.5", "star", "streak", "aperture", "eye",
-    };
-    const int w = 320, h = 180, more = 160;
-    (void) state;
-    for (size_t i = 0; i < 4 * COUNT(models); i++) {
-        const float sky = i % 2 ? 3.0f : 0.02f;
-        const double radius = i % 4 < 2 ? 8.0 : 14.0;
-        struct gp_kernel k = kernel_for(models[i / 4], w + more, h);
-        struct scene cut = lamp_at(w, h, w + 3.0, radius, sky);
-        struct scene whole = lamp_at(w + more, h, w + 3.0, radius, sky);
-        const struct gp_surround ends = {GP_SURROUND_EXTEND, &cut.src, NULL};
-        const struct gp_surround far = {GP_SURROUND_EXTEND, &whole.src, NULL};
-        struct gp_planes got = layer_of(&cut.src, &ends, &k, "fft", NULL);
-        struct gp_planes want = layer_of(&whole.src, &far, &k, "fft", NULL);
-        for (int p = 0; p < w * h; p++) {
-            for (int c = 0; c < 3; c++) {
-                const float a = got.c[c][p];
-                const float b = want.c[c][p / w * (w + more) + p % w];
-                if (a > 1.02f * b + 1e-3f)
-                    fail_msg("%s, sky %g, %d %d: %g, not %g", models[i / 4],
-                             (double) sky, p % w, p / w, (double) a, (double) b);
-            }
-        }
-        gp_planes_free(&got);
-        gp_planes_free(&want);
-        gp_kernel_free(&k);
-        scene_free(&cut);
-        scene_free(&whole);
-    }
-}
-
-SUITE_OF(edges, NULL, NULL,
-    flat_pictures_stay_flat,
-    layers_are_the_plain_sum,
-    shares_are_counted,
-    overscan_makes_no_difference,
-    mirrors_are_plain,
-    parts_add_up,
-    leaving_lamps_fade,
-    cut_lamps_add_nothing)

@@ -79,47 +79,5 @@ static void sequences_remake_what_changes(void **state)
     gp_frame_free(&f);
 }
 
-/* After an error the next kernel is made as if the one before had not been
- * kept, or with it. */
-static void errors_leave_no_trace(void **state)
-{
-    struct gp_recipe r[2];
-    struct gp_model_kept *kept = NULL;
-    struct gp_kernel k;
-    struct gp_frame f = scene_frame(430, 310, 0, 0, DARK, 0);
-    struct gp_frame dot = scene_frame(3, 3, 0, 0, ALL, 0);
-    struct gp_field field = gp_field_of(&f, 10.0);
-    (void) state;
-    assert_ok(gp_recipe_parse(NULL, "cie", &r[0]));
-    assert_ok(gp_recipe_of_image(NULL, "dot", 0.0, 100.0, &r[1]));
-    for (int i = 0; i < 3; i++) {
-        const double degrees = field.degrees;
-        r[1].image = NULL; // the second recipe fails, after the first
-        field.frame = i;
-        field.h = 310 - i;
-        field.degrees = i == 2 ? degrees * 2.0 : degrees;
-        kept_clear();
-        // an image that is kept is not asked for
-        const gp_status st =
-            gp_model_kernel_next(&kept_log, r, 2, &field, &kept, &k);
-        assert_int_equal(st, i == 1 ? GP_OK : GP_ERR_USAGE);
-        if (!st)
-            gp_kernel_free(&k);
-        r[1].image = &dot;
-        field.degrees = -1.0;
-        assert_int_equal(gp_model_kernel_next(&kept_log, r, 2, &field, &kept,
-                                              &k), GP_ERR_USAGE);
-        field.degrees = degrees;
-        assert_ok(gp_model_kernel_next(NULL, r, 2, &field, &kept, &k));
-        assert_same_kernel(r, 2, &field, &k);
-        gp_kernel_free(&k);
-    }
-    gp_model_kept_free(&kept);
-    gp_recipe_free(&r[0]);
-    gp_recipe_free(&r[1]);
-    gp_frame_free(&dot);
-    gp_frame_free(&f);
-}
+SUITE_OF(kept, NULL, NULL, sequences_remake_what_changes)
 
-SUITE_OF(kept, NULL, NULL, sequences_remake_what_changes,
-    errors_leave_no_trace)

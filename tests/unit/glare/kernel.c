@@ -108,42 +108,6 @@ static void image_borders_are_cut(void **state)
     }
 }
 
-static void image_is_cut_to_the_union_of_its_channels(void **state)
-{
-    struct gp_frame f = blank(0, 0, 9, 8);
-    set_sample(&f, 1, 5, 1, -0.0f, 0);
-    set_sample(&f, 6, 2, 0, 2, 0);
-    set_sample(&f, 3, 6, 0, 0, -3);
-    set_sample(&f, 8, 7, -0.0f, 0, 0);
-    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
-    assert_int_equal(k.w, 6);
-    assert_int_equal(k.h, 5);
-    assert_int_equal(k.cx, 4 - 1);
-    assert_int_equal(k.cy, 4 - 2);
-    assert_true(k.k.c[0][3 * 6 + 0] == 1.0f);
-    assert_true(k.k.c[1][0 * 6 + 5] == 2.0f);
-    assert_true(k.k.c[2][4 * 6 + 2] == -3.0f);
-    assert_true(k.sum[2] == -3.0 && k.norm1[2] == 3.0 && k.norm2[2] == 3.0);
-    gp_kernel_free(&k);
-    gp_frame_free(&f);
-}
-
-static void image_of_any_size_is_normalised(void **state)
-{
-    static const float peaks[] = {1e-45f, 1e-38f, 1e-3f, 65504.0f, 1e30f,
-                                  FLT_MAX};
-    for (size_t i = 0; i < COUNT(peaks); i++) {
-        struct gp_frame f = blank(0, 0, 2, 1);
-        set_sample(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
-        set_sample(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
-        struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
-        assert_close(k.sum[0], 1.0, 1e-6);
-        assert_true(k.grey);
-        gp_kernel_free(&k);
-        gp_frame_free(&f);
-    }
-}
-
 static void bad_images_are_refused(void **state)
 {
     static const struct {
@@ -180,33 +144,6 @@ static void bad_images_are_refused(void **state)
     struct gp_kernel k;
     assert_int_equal(gp_kernel_from_frame(&kept_log, &p, &none, &k),
                      GP_ERR_DATA);
-}
-
-/* Samples under FLT_MIN are 0 and counted; those at it stay. */
-static void faint_samples_are_zero(void **state)
-{
-    struct gp_frame f = blank(0, 0, 3, 1);
-    set_sample(&f, 0, 0, 1e-39f, -1e-39f, 0);
-    set_sample(&f, 1, 0, 1, FLT_MIN, 2);
-    set_sample(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
-    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
-    assert_true(k.k.c[0][0] == 0.0f && k.k.c[1][0] == 0.0f);
-    assert_true(k.k.c[1][1] == FLT_MIN && k.k.c[2][2] == -FLT_MIN);
-    assert_true(k.faint[0] == (double) 1e-39f + (double) 1e-40f);
-    assert_true(k.faint[1] == (double) 1e-39f && k.faint[2] == 0.0);
-    assert_true(k.sum[0] == 1.0 && k.negative);
-    gp_kernel_free(&k);
-    gp_frame_free(&f);
-}
-
-static void negative_kernels_pass_unnormalised(void **state)
-{
-    struct gp_frame f = blank(0, 0, 1, 1);
-    set_sample(&f, 0, 0, -2, -2, -2);
-    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
-    assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
-    gp_kernel_free(&k);
-    gp_frame_free(&f);
 }
 
 static const float angles[] = {0.5f, 30.0f, 45.0f, 89.999f, 135.0f, 200.0f,
@@ -324,25 +261,6 @@ static void right_angles_move_samples(void **state)
         gp_kernel_free(&flat);
         gp_frame_free(&f);
     }
-}
-
-static void turned_kernels_are_normalised(void **state)
-{
-    struct gp_frame f = image(9, 8, false, false);
-    for (size_t a = 0; a < COUNT(angles); a++) {
-        struct gp_kernel k = kernel_of(&f, angles[a], GP_NORMALIZE_LUMINANCE,
-                                       NULL);
-        double sum[3] = {0}, luminance = 0.0;
-        for (int c = 0; c < 3; c++) {
-            for (int i = 0; i < k.w * k.h; i++)
-                sum[c] += (double) k.k.c[c][i];
-            luminance += (double) gp_rec709_luminance[c] * sum[c];
-            assert_true(fabs(sum[c] - k.sum[c]) < 1e-6);
-        }
-        assert_true(fabs(luminance - 1.0) < 1e-6);
-        gp_kernel_free(&k);
-    }
-    gp_frame_free(&f);
 }
 
 /* A line of 40,000 pixels turned by 45 degrees has a box of 28,000 squared;
@@ -516,45 +434,9 @@ static void sizes_keep_light_and_place(void **state)
     }
 }
 
-/* Files whose pixel aspect cannot be true have square pixels. */
-static void pixel_aspects_that_cannot_be_are_one(void **state)
-{
-    static const float none[] = {0, -2, NAN, INFINITY, 1e-6f, 17.0f};
-    struct gp_frame f = {0};
-    assert_true(gp_kernel_aspect(NULL) == 1.0f);
-    for (size_t i = 0; i < COUNT(none); i++) {
-        f.pixel_aspect = none[i];
-        assert_true(gp_kernel_aspect(&f) == 1.0f);
-    }
-    f.pixel_aspect = 2.0f;
-    assert_true(gp_kernel_aspect(&f) == 2.0f);
-}
+SUITE_OF(kernel, NULL, NULL, image_keeps_the_ratios_of_its_channels,
+         image_borders_are_cut, bad_images_are_refused,
+         samples_are_the_unturned_ones, right_angles_move_samples,
+         what_cannot_be_is_refused, halos_are_round_on_the_screen,
+         sizes_keep_light_and_place)
 
-/* The exact engines see the turned kernel. */
-static void engines_agree(void **state)
-{
-    static const char *const engines[] = {"direct", "fft"};
-    struct gp_frame f = image(21, 30, false, false);
-    struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7),
-        kernel_of(&f, 30.0f, GP_NORMALIZE_LUMINANCE, NULL), &usual);
-    for (size_t i = 0; i < COUNT(engines); i++) {
-        struct gp_glare g = {0};
-        struct gp_glare_stats stats;
-        assert_ok(scene_run(engines[i], &s, &g, &stats));
-        const double rel_l2 = scene_rel_l2(&s);
-        if (!(rel_l2 < 1e-6))
-            fail_msg("%s: rel_l2 %g", engines[i], rel_l2);
-        gp_glare_close(&g);
-    }
-    scene_free(&s);
-    gp_frame_free(&f);
-}
-
-SUITE_OF(kernel, NULL, NULL,
-    image_keeps_the_ratios_of_its_channels, image_borders_are_cut,
-    image_is_cut_to_the_union_of_its_channels, image_of_any_size_is_normalised,
-    bad_images_are_refused, faint_samples_are_zero,
-    negative_kernels_pass_unnormalised, samples_are_the_unturned_ones,
-    right_angles_move_samples, turned_kernels_are_normalised,
-    what_cannot_be_is_refused, engines_agree, halos_are_round_on_the_screen,
-    sizes_keep_light_and_place, pixel_aspects_that_cannot_be_are_one)

@@ -376,30 +376,6 @@ static void a_fault_names_its_channel(void **state)
     }
 }
 
-/* A run looks only at what it can afford: of models not even at the rim. */
-static void a_glance_is_not_a_measurement(void **state)
-{
-    (void) state;
-    const double scale[3] = WHITE;
-    struct gp_kernel k = make(lobe, 16, scale);
-    struct gp_kernel_figures f;
-    const struct gp_kernel_use use = {.ends = true, .brightest = 1.0};
-    struct gp_fault fault;
-    gp_kernel_glance(&k, gp_rec709_luminance, &f);
-    for (int rule = 0; rule < GP_KERNEL_RULES; rule++)
-        assert_false(gp_kernel_fault(&f, &use, (enum gp_kernel_rule) rule,
-                                     &fault));
-    gp_kernel_free(&k);
-
-    const struct gp_field field = scene_field(400, 300, 0.05, 1.0);
-    struct gp_recipe r = scene_recipe("circle:size=2");
-    assert_ok(gp_model_kernel(NULL, &r, 1, &field, &k));
-    gp_kernel_glance(&k, gp_rec709_luminance, &f);
-    assert_true(f.rim == 0.0 && fabs(f.light - 1.0) < 1e-4);
-    gp_kernel_free(&k);
-    gp_recipe_free(&r);
-}
-
 SUITE_OF(kernel_check, NULL, NULL, each_rule_finds_its_fault,
-    a_fault_names_its_channel, figures_are_those_of_the_samples,
-    a_glance_is_not_a_measurement)
+         a_fault_names_its_channel, figures_are_those_of_the_samples)
+

@@ -116,86 +116,6 @@ static struct gp_frame row_of(float sample[3][N], const float *chromaticities)
     return image_of(&k, chromaticities);
 }
 
-/* White light stays white, and its luminance stays where it is. */
-static void channels_keep_their_sums(void **state)
-{
-    static const float *const all[] = {gp_rec709_chromaticities, rec2020, ap1,
-                                       xyz};
-    // in all primaries' gamut
-    float v[3][N] = {{0.3f, 0.5f, 0.2f}, {0.25f, 0.5f, 0.25f},
-                     {0.2f, 0.5f, 0.3f}};
-    for (size_t i = 0; i < COUNT(all) * COUNT(all); i++) {
-        const float *const from = all[i / COUNT(all)];
-        const float *const to = all[i % COUNT(all)];
-        struct gp_frame f = row_of(v, from);
-        float weight[3];
-        gp_luminance_weights(to, weight);
-        struct gp_kernel k = kernel_in(&f, to, GP_NORMALIZE_NONE);
-        for (int c = 0; c < 3; c++)
-            assert_true(fabs(k.sum[c] - 1.0) < 1e-6);
-        for (int x = 0; x < W; x++) {
-            double y[2] = {0.0, 0.0};
-            for (int c = 0; c < 3; c++) {
-                y[0] += (double) f.luminance[c] * (double) v[c][x];
-                y[1] += (double) weight[c] * (double) k.k.c[c][x];
-            }
-            if (!(fabs(y[1] / y[0] - 1.0) < 2e-4)) // by four digits of BT.709
-                fail_msg("%zu: luminance %g, not %g", i, y[1], y[0]);
-        }
-        gp_kernel_free(&k);
-        k = kernel_in(&f, to, GP_NORMALIZE_LUMINANCE);
-        assert_true(fabs(gp_luminance_of(weight, k.sum) - 1.0) < 1e-6);
-        gp_kernel_free(&k);
-    }
-}
-
-/* Images that name no primaries, grey ones, and those of the frame's own stay
- * as they are. */
-static void other_images_stay(void **state)
-{
-    float v[3][N] = {{0.6f, 0.3f, 0.1f}, {0.3f, 0.5f, 0.2f},
-                     {0.1f, 0.7f, 0.2f}};
-    for (int i = 0; i < 3; i++) {
-        struct gp_frame f = row_of(v, gp_rec709_chromaticities);
-        f.names_chromaticities = i > 0;
-        if (i == 2) {
-            memcpy(v[1], v[0], sizeof v[0]);
-            memcpy(v[2], v[0], sizeof v[0]);
-        }
-        struct gp_kernel k =
-            kernel_in(&f, i == 1 ? gp_rec709_chromaticities : rec2020,
-                      GP_NORMALIZE_NONE);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(k.k.c[c], v[c], sizeof v[c]);
-        assert_int_equal(k.grey, i == 2);
-        gp_kernel_free(&k);
-    }
-}
-
-/* A green that BT.709 does not hold becomes one of its luminance that it does;
- * a lobe is no colour, and stays the linear one. */
-static void colours_are_folded_but_not_lobes(void **state)
-{
-    float v[3][N] = {{0.0f, 1.0f, 0.0f}, {0.5f, 0.5f, 0.0f},
-                     {0.0f, 0.9f, -0.1f}};
-    double m[9];
-    struct gp_frame f = row_of(v, rec2020);
-    struct gp_kernel k =
-        kernel_in(&f, gp_rec709_chromaticities, GP_NORMALIZE_NONE);
-    assert_true(gp_spectrum_to_spectrum(rec2020, gp_rec709_chromaticities, m));
-    assert_true(m[1] < -0.5);
-    double y = 0.0;
-    for (int c = 0; c < 3; c++) {
-        assert_true(k.k.c[c][0] >= 0.0f);
-        y += (double) gp_rec709_luminance[c] * (double) k.k.c[c][0];
-        assert_true(fabs((double) k.k.c[c][2] - m[3 * c + 2] *
-                         (double) v[2][2]) < 1e-7);
-    }
-    assert_true(k.k.c[0][0] < 1e-6f && k.k.c[1][0] > k.k.c[2][0]);
-    assert_true(fabs(y / (0.5 * (double) f.luminance[1]) - 1.0) < 1e-3);
-    gp_kernel_free(&k);
-}
-
 static void primaries_that_are_none_are_refused(void **state)
 {
     static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f,
@@ -222,5 +142,5 @@ static void primaries_that_are_none_are_refused(void **state)
 }
 
 SUITE_OF(kernel_colour, NULL, NULL, images_are_the_models_in_other_primaries,
-         channels_keep_their_sums, other_images_stay,
-         colours_are_folded_but_not_lobes, primaries_that_are_none_are_refused)
+         primaries_that_are_none_are_refused)
+

@@ -109,99 +109,6 @@ static void messages_are_short(void **state)
     free(text);
 }
 
-/* Every model writes all its keys' ranges so that presets are inside. */
-static void presets_are_in_range(void **state)
-{
-    (void) state;
-    for (int i = 0; gp_models[i]; i++) {
-        const struct gp_model_key *key = gp_model_keys(gp_models[i]);
-        assert_string_equal(key->name, "share");
-        int n = 0;
-        for (; key->name; key++, n++)
-            assert_true(key->file ||
-                        (key->preset >= key->lo && key->preset <= key->hi));
-        assert_true(n <= GP_MODEL_KEYS);
-    }
-    for (int i = 0; gp_model_presets[i].name; i++) {
-        struct gp_recipe r = scene_recipe(gp_model_presets[i].name);
-        gp_recipe_free(&r);
-    }
-}
-
-static void power_law(const void *ctx, double t, double out[3])
-{
-    out[0] = pow(t + *(const double *) ctx, -3.0);
-}
-
-/* The integral of (t + a)^-3 outside of a w x h rectangle about the light, by
- * rays of its eighths: beyond R it is (a + 2 R) / (2 (a + R)^2) an angle. */
-static double outside(double a, double w, double h)
-{
-    const struct gp_gauss *const g = gp_gauss_rule(16);
-    const double side[2] = {0.5 * w, 0.5 * h};
-    double sum = 0.0;
-    for (int e = 0; e < 2; e++) {
-        const double corner = atan2(side[1 - e], side[e]);
-        for (int k = 0; k < g->n; k++) {
-            const double r = side[e] / cos(corner * (0.5 + g->node[k]));
-            sum += 4.0 * corner * g->weight[k] * (a + 2.0 * r) /
-                   (2.0 * (a + r) * (a + r));
-        }
-    }
-    return sum;
-}
-
-/* The pixels of a square, whose outermost ones meet half of the light's own
- * pixel at their edges, against the closed form: over the plane pi / a. */
-static void pixels_add_up(void **state)
-{
-    (void) state;
-    const double pi = acos(-1.0);
-    static const struct {
-        double a, degrees, aspect;
-    } rows[] = {
-        {0.02, 1.0 / 36.0, 1.0}, {0.02, 0.2, 1.0}, {0.002, 1.0 / 36.0, 2.0},
-        {0.02, 0.001, 0.5}, {0.005, 0.05, 1.0},
-    };
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        enum { N = 20 };
-        const double a = rows[i].a;
-        const struct gp_field f =
-            scene_field(1, 1, rows[i].degrees, rows[i].aspect);
-        struct gp_shape s;
-        double sum = 0.0;
-        assert_ok(gp_radial_shape(NULL, power_law, &a, 1, 0.0, &f, &s));
-        for (int y = -N; y <= N; y++) {
-            double row[2 * N + 1];
-            double *const out[3] = {row, NULL, NULL};
-            s.row(s.state, -N, y, 2 * N + 1, out);
-            for (int x = 0; x <= 2 * N; x++)
-                sum += row[x];
-        }
-        s.free(s.state);
-        // the light outside, mean over the places of the light's pixel: those of
-        // a tent about the square's edge
-        const struct gp_gauss *const g = gp_gauss_rule(8);
-        double rest = 0.0;
-        for (int j = 0; j < g->n; j++) {
-            for (int k = 0; k < g->n; k++) {
-                // four corners: rectangles that are not centred, in quarters
-                double quarters = 0.0;
-                for (int c = 0; c < 4; c++) {
-                    const double dx = c & 1 ? g->node[k] : -g->node[k];
-                    const double dy = c & 2 ? g->node[j] : -g->node[j];
-                    quarters += 0.25 *
-                        outside(a, (2 * N + 1 + 2 * dx) * f.degrees * f.aspect,
-                                (2 * N + 1 + 2 * dy) * f.degrees);
-                }
-                rest += g->weight[j] * g->weight[k] * quarters;
-            }
-        }
-        if (!(fabs((sum + rest) * a / pi - 1.0) < 1e-7))
-            fail_msg("row %zu: %.12g of %.12g", i, sum + rest, pi / a);
-    }
-}
-
 static double luminance_of(const double v[3], bool grey)
 {
     double y = 0.0;
@@ -363,45 +270,6 @@ static void images_are_recipes(void **state)
     gp_recipe_free(&r[1]);
 }
 
-/* The same bytes with one thread and with several, whole or not. */
-static void threads_do_not_matter(void **state)
-{
-    (void) state;
-    const struct gp_field f = scene_field(700, 60, 0.05, 1.5);
-    for (int i = 0; gp_models[i] != &gp_model_image; i++) {
-        struct gp_recipe r = scene_recipe(gp_model_name(gp_models[i]));
-        struct gp_kernel one, many, whole;
-        gp_set_threads(1);
-        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &one));
-        gp_set_threads(3);
-        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &many));
-        assert_ok(gp_kernel_whole(NULL, &one, f.w, f.h, &whole));
-        const size_t n = (size_t) one.w * (size_t) one.h * sizeof(float);
-        assert_int_equal(one.w, many.w);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(one.k.c[c], many.k.c[c], n);
-        gp_kernel_free(&one);
-        gp_kernel_free(&many);
-        gp_kernel_free(&whole);
-        gp_recipe_free(&r);
-        gp_set_threads(0);
-    }
-}
-
-/* Fills a kernel of a recipe made for these primaries. */
-static void make_for(const char *text, double degrees, const float ch[8],
-                     struct gp_kernel *k)
-{
-    float weight[3];
-    struct gp_recipe r = scene_recipe(text);
-    struct gp_field f = scene_field(81, 61, degrees, 1.0);
-    gp_luminance_weights(ch, weight);
-    f.chromaticities = ch;
-    f.luminance = weight;
-    assert_ok(gp_model_kernel(NULL, &r, 1, &f, k));
-    gp_recipe_free(&r);
-}
-
 /* The light of channel c that is farther than t degrees. */
 static double light_beyond(const struct gp_kernel *k, double degrees, int c,
                            double t)
@@ -452,62 +320,7 @@ static void halation_is_of_film(void **state)
     gp_kernel_free(&k);
 }
 
-/* A kernel of spectra for the primaries of CIE XYZ, which hold every colour,
- * converted to BT.709, is the one made for BT.709 where that holds the colour:
- * the sum over wavelengths is folded in, and not each wavelength. */
-static void colours_are_those_of_any_primaries(void **state)
-{
-    (void) state;
-    static const struct {
-        const char *text;
-        double degrees;
-    } rows[] = {
-        {"ring:share=1", 0.1}, {"star:share=1", 0.1},
-        {"streak:share=1,red=1,green=1,blue=1,dispersion=1", 0.3},
-        {"aperture:share=1", 0.02}, {"aperture:share=1,blades=0", 0.02},
-    };
-    static const float xyz[8] = {1, 0, 0, 1, 0, 0, 0.3127f, 0.3290f};
-    double from[9], to[9], back[9], m[9];
-    assert_true(gp_rgb_to_xyz(xyz, from));
-    assert_true(gp_rgb_to_xyz(gp_rec709_chromaticities, to));
-    gp_invert3(to, back);
-    gp_multiply3(back, from, m);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_kernel a, b;
-        int held = 0;
-        double worst = 0.0;
-        make_for(rows[i].text, rows[i].degrees, xyz, &a);
-        make_for(rows[i].text, rows[i].degrees, gp_rec709_chromaticities, &b);
-        assert_true(a.w == b.w && a.h == b.h);
-        for (int k = 0; k < a.w * a.h; k++) {
-            double v[3], most = 0.0, least = INFINITY;
-            for (int c = 0; c < 3; c++) {
-                v[c] = 0.0;
-                for (int d = 0; d < 3; d++)
-                    v[c] += m[3 * c + d] * (double) a.k.c[d][k];
-                most = fmax(most, v[c]);
-                least = fmin(least, v[c]);
-            }
-            // the rounding of floats is relative to the brightest sample
-            if (!(least > 0.0) || !(most > 1e-6))
-                continue;
-            held++;
-            for (int c = 0; c < 3; c++)
-                worst = fmax(worst, fabs((double) b.k.c[c][k] - v[c]) / most);
-        }
-        if (!(worst < 0.01) || held < 100)
-            fail_msg("%s: %g apart in %d samples", rows[i].text, worst, held);
-        gp_kernel_free(&a);
-        gp_kernel_free(&b);
-    }
-}
+SUITE_OF(model, NULL, NULL, halation_is_of_film, recipes_are_read,
+         messages_are_short, resolution_does_not_matter, light_is_kept,
+         recipes_add_up, images_are_recipes)
 
-SUITE_OF(model, NULL, NULL,
-    halation_is_of_film, colours_are_those_of_any_primaries,
-    recipes_are_read, messages_are_short,
-    presets_are_in_range,
-    pixels_add_up,
-    resolution_does_not_matter,
-    light_is_kept,
-    recipes_add_up, images_are_recipes,
-    threads_do_not_matter)

@@ -100,26 +100,6 @@ static void knee_is_smooth(void **state)
     }
 }
 
-/* The part over T: nothing at T, so no step there, and all of it at 0. */
-static void excess_is_the_part_over(void **state)
-{
-    static const float thresholds[] = {0.0f, FLT_MIN, 1.0f, 3.7f, 1e30f};
-    for (size_t i = 0; i < COUNT(thresholds); i++) {
-        const float t = thresholds[i], next = nextafterf(t, INFINITY);
-        const struct gp_sensor_params p = {
-            .threshold = t, .max_value = FLT_MAX, .mode = GP_THRESHOLD_EXCESS,
-        };
-        assert_true(gp_bright_pass(&p, t) == 0.0f);
-        assert_true(gp_bright_pass(&p, next) == (next - t) / next);
-        assert_true(gp_bright_pass(&p, INFINITY) == 1.0f);
-        for (double y = (double) t * 1.001 + 1e-30; y < 1e38; y *= 1.7) {
-            const double over = ((double) (float) y - (double) t);
-            assert_true(fabs((double) gp_bright_pass(&p, (float) y) * y -
-                             over) <= 2e-7 * y);
-        }
-    }
-}
-
 /* The list has it too, for each pixel over T. */
 static void sources_hold_the_excess(void **state)
 {
@@ -161,51 +141,6 @@ static void sources_hold_the_excess(void **state)
 }
 
 /* -- of the whole frame -----------------------------------------------------*/
-
-/* A low percentile of what light there is: black counts for nothing, and a
- * few dark pixels do not pull it down. */
-static void darkest_is_robust(void **state)
-{
-    struct gp_frame f = scene_frame(300, 200, 0, 0, DARK, 3u);
-    const size_t n = gp_frame_pixels(&f);
-    struct gp_sources src;
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < n; i++)
-            f.rgb.c[c][i] = i < n / 2 ? 0.0f : 0.25f + (float) (i % 7);
-        f.rgb.c[c][n - 1] = 1e-30f;
-    }
-    assert_ok(gp_sense(NULL, &usual, &f, &src));
-    assert_true(src.darkest <= 0.25 && src.darkest >= 0.25 * 15 / 16 * 15 / 16);
-    gp_sources_free(&src);
-    for (int c = 0; c < 3; c++)
-        memset(f.rgb.c[c], 0, n * sizeof(float));
-    assert_ok(gp_sense(NULL, &usual, &f, &src));
-    assert_true(src.darkest == 0.0 && src.n == 0);
-    gp_sources_free(&src);
-    gp_frame_free(&f);
-}
-
-/* The frame's own weights decide, negative ones too. */
-static void weights_are_the_frames(void **state)
-{
-    struct gp_frame f = scene_frame(8, 4, 0, 0, BLACK, 5u);
-    const float weights[3] = {0.0f, -1.0f, 2.0f};
-    struct gp_sources src;
-    memcpy(f.luminance, weights, sizeof weights);
-    f.rgb.c[0][1] = 100.0f;                        // no luminance
-    f.rgb.c[2][2] = 0.6f;                          // 1.2
-    f.rgb.c[2][3] = 0.6f;                          // 0.9
-    f.rgb.c[1][3] = 0.3f;
-    f.rgb.c[2][4] = 0.6f;                          // 1.2: negative is no light
-    f.rgb.c[1][4] = -9.0f;
-    assert_ok(gp_sense(NULL, &usual, &f, &src));
-    assert_int_equal(src.n, 2);
-    assert_int_equal(src.x[0], 2);
-    assert_int_equal(src.x[1], 4);
-    assert_true(src.rgb[1][1] == 0.0f && f.rgb.c[1][4] == -9.0f);
-    gp_sources_free(&src);
-    gp_frame_free(&f);
-}
 
 static void add_source(const struct gp_sources *s, uint32_t i, double flux[3],
                        double energy[3], uint32_t *count)
@@ -254,63 +189,6 @@ static void assert_list(const struct gp_sources *s, const char *what)
             fail_msg("%s: flux %g or energy %g of channel %d", what,
                      s->flux[c], s->energy[c], c);
     }
-}
-
-static void lists_are_whole(void **state)
-{
-    for (int i = 0; i < HARD_CASES; i++) {
-        struct scene s = hard_sense(&hard_cases[i]);
-        assert_list(&s.src, hard_cases[i].name);
-        if (hard_cases[i].sources)
-            assert_int_equal(s.src.n, hard_cases[i].sources);
-        scene_free(&s);
-    }
-}
-
-static void bins_are_half_octaves(void **state)
-{
-    for (int b = 0; b < GP_SOURCE_BINS - 3; b++) {
-        const float start = gp_source_bin_start(b);
-        const float end = gp_source_bin_start(b + 1);
-        assert_true(end > start && isfinite(start));
-        assert_true(b < 2 || end / start <= 1.5f);
-        assert_int_equal(gp_source_bin(start), b);
-        assert_int_equal(gp_source_bin(nextafterf(end, 0.0f)), b);
-    }
-    assert_true(gp_source_bin_start(0) == 0.0f);
-    assert_true(gp_source_bin(FLT_MAX) < GP_SOURCE_BINS);
-}
-
-/* Each source is in one part, in its order. */
-static void parts_hold_all(void **state)
-{
-    static const float limits[] = {0.0f, 1.1f, 2.0f, 100.0f, 1e6f, INFINITY};
-    struct scene s = hard_sense(&hard_cases[6]);
-    for (size_t k = 0; k < COUNT(limits); k++) {
-        struct gp_sources part[2]; // hot, rest
-        uint32_t at[2] = {0, 0};
-        assert_ok(
-            gp_sources_split(NULL, &s.src, limits[k], &part[0], &part[1]));
-        for (int y = 0; y < s.src.h; y++) {
-            for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
-                const int cold = !(s.src.rgb[0][i] >= limits[k] ||
-                                   s.src.rgb[1][i] >= limits[k] ||
-                                   s.src.rgb[2][i] >= limits[k]);
-                const struct gp_sources *const p = &part[cold];
-                assert_true(at[cold] < p->row[y + 1]);
-                assert_int_equal(p->x[at[cold]], s.src.x[i]);
-                for (int c = 0; c < 3; c++)
-                    assert_true(p->rgb[c][at[cold]] == s.src.rgb[c][i]);
-                at[cold]++;
-            }
-        }
-        for (int c = 0; c < 2; c++) {
-            assert_int_equal(at[c], part[c].n);
-            assert_list(&part[c], c ? "rest" : "hot");
-            gp_sources_free(&part[c]);
-        }
-    }
-    scene_free(&s);
 }
 
 static struct gp_sources dark_list(void)
@@ -379,7 +257,6 @@ static void light_joins(void **state)
 }
 
 SUITE_OF(sensors, NULL, NULL, bad_pixels_stay_alone, threshold_is_shut,
-         knee_is_smooth, excess_is_the_part_over, sources_hold_the_excess,
-         darkest_is_robust,
-         weights_are_the_frames, lists_are_whole, bins_are_half_octaves,
-         parts_hold_all, light_outside_is_refused, light_joins)
+         knee_is_smooth, sources_hold_the_excess, light_outside_is_refused,
+         light_joins)
+

@@ -1,14 +1,8 @@
 /* Every form of drawing groups and clusters against the plain form in double,
- * and against each other.
- *
- *   build/tests/glare splat_form --hash   prints checksums of layers (the tests
- *                                         call it) */
+ * and against each other. */
 #include "unit.h"
 #include "plain_groups.h"
 #include "splat_scene.h"
-
-#include <sys/wait.h>
-#include <unistd.h>
 
 /* -- the forms ------------------------------------------------------------- */
 
@@ -120,24 +114,6 @@ static void small_targets_change_nothing(void **state)
     }
 }
 
-static void runs_give_the_same_bytes(void **state)
-{
-    for (int i = 0; i < FORMS; i += 5) { // contexts cost time
-        struct drawn d = make_drawn(&forms[i]);
-        for (int p = 0; p < PRIMITIVES; p++) {
-            void *one = open_or_skip(GP_GL_AUTO), *two = NULL;
-            how.primitive = primitives[p];
-            assert_ok(splat(GP_GL_AUTO, &d.s, &one));
-            const uint64_t hash = scene_hash(&d.s);
-            assert_ok(splat(GP_GL_AUTO, &d.s, &two));
-            assert_true(scene_hash(&d.s) == hash);
-            gp_engine_splat.close(&one);
-            gp_engine_splat.close(&two);
-        }
-        free_drawn(&d);
-    }
-}
-
 /* -- rotation -------------------------------------------------------------- */
 
 /* Quads that turn with the unturned kernel give what the turned kernel gives
@@ -195,106 +171,15 @@ static void quads_turn_as_the_kernel_does(void **state)
     gp_engine_splat.close(&kept);
 }
 
-/* Samples of a single tap, turned by half a right angle, each as far off as its
- * place may be: over half of what the bound adds to one light's roundings. */
-static void places_of_turned_samples_are_in_the_bound(void **state)
-{
-    const double place = 0x1p-23, half = sqrt(0.5);
-    const double roundings = 2.0 * (1.0 + 1.0 + 9.0) * 0x1p-24;
-    struct gp_frame f = scene_frame(9, 9, 0, 0, BLACK, 0);
-    void *kept = open_or_skip(GP_GL_AUTO);
-    double wrong = 0.0, square = 0.0;
-    for (int c = 0; c < 3; c++)
-        f.rgb.c[c][4 * 9 + 4] = 5.0f;
-    struct scene s = scene_sense(
-        f, scene_kernel_times(scene_kernel(1, 1, 0, 0, BOX), 1.0, 45.0f),
-        &open_all);
-    how = (struct gp_splat_params) GP_SPLAT_EXACT;
-    how.primitive = GP_PRIMITIVE_QUAD;
-    assert_ok(splat(GP_GL_AUTO, &s, &kept));
-    for (int i = 0; i < 9; i++) {
-        const double x = fabs(half * (i / 3 - 1) - half * (i % 3 - 1));
-        const double y = fabs(half * (i / 3 - 1) + half * (i % 3 - 1));
-        if (x < 1.0 && y < 1.0) {
-            wrong += pow(place * (2.0 - x - y), 2.0);
-            square += pow((1.0 - x) * (1.0 - y), 2.0);
-        }
-    }
-    const double share =
-        sqrt(wrong / square) / (stats.bound - roundings / (1.0 - roundings));
-    print_message("places: %.3f of the bound\n", share);
-    assert_true(share > 0.5 && share <= 1.0);
-    gp_engine_splat.close(&kept);
-    scene_free(&s);
-}
-
-/* -- threads --------------------------------------------------------------- */
-
-/* A line with the sums of layers with overlaps, chunks and several fields: the
- * exact one and grouped ones. */
-static int print_hash(void)
-{
-    void *kept = NULL;
-    struct scene s =
-        splat_scene(1100, 47, MANY, scene_kernel(64, 61, MID, 0, PEAK));
-    for (int i = 0; i < 2 * PRIMITIVES; i++) {
-        how = i < PRIMITIVES ? (struct gp_splat_params) GP_SPLAT_EXACT
-                             : (struct gp_splat_params) GP_SPLAT_DEFAULTS;
-        how.primitive = primitives[i % PRIMITIVES];
-        if (splat(GP_GL_AUTO, &s, &kept) != GP_OK)
-            return 77;
-        printf("%016llx ", (unsigned long long) scene_hash(&s));
-    }
-    puts("");
-    gp_engine_splat.close(&kept);
-    scene_free(&s);
-    return 0;
-}
-
-/* The line that print_hash() prints with so many threads of llvmpipe, which
- * reads their number at its start only; and its status, or -1. */
-static int hash_with(const char *threads, char *line, int size)
-{
-    char self[4096] = "", command[4200];
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return -1;
-    snprintf(command, sizeof command,
-             "LP_NUM_THREADS=%s '%s' splat_form --hash", threads, self);
-    FILE *p = popen(command, "r");
-    assert_non_null(p);
-    const bool text = fgets(line, size, p) != NULL;
-    const int status = pclose(p);
-    return WIFEXITED(status) && (text || WEXITSTATUS(status))
-               ? WEXITSTATUS(status) : -1;
-}
-
-static void threads_change_no_byte(void **state)
-{
-    static const char *const threads[] = {"2", "7"};
-    char first[256], line[256];
-    const int status = hash_with("0", first, sizeof first);
-    if (status == 77)
-        skip_for("no GL");
-    assert_int_equal(status, 0);
-    for (size_t i = 0; i < COUNT(threads); i++) {
-        assert_int_equal(hash_with(threads[i], line, sizeof line), 0);
-        assert_string_equal(line, first);
-    }
-}
-
 SUITE(splat_form)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(forms_equal_the_plain_form),
         cmocka_unit_test(small_targets_change_nothing),
-        cmocka_unit_test(runs_give_the_same_bytes),
         cmocka_unit_test(quads_turn_as_the_kernel_does),
-        cmocka_unit_test(places_of_turned_samples_are_in_the_bound),
-        cmocka_unit_test(threads_change_no_byte),
     };
-    if (argc > 1 && strcmp(argv[1], "--hash") == 0)
-        return print_hash();
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
         cmocka_set_test_filter("forms_equal*");
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
+

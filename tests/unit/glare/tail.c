@@ -4,7 +4,6 @@
 #include "core/parallel.h"
 #include "glare/tail/tail_priv.h"
 #include "hard_cases.h"
-#include "starved.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
  * `degrees` wide gets, so far from its source. */
@@ -164,84 +163,6 @@ static void sums_are_those_of_the_kernel(void **state)
     }
 }
 
-/* Stripes of the periods at which most is lost reach a tenth of the limit, so
- * that one ten times less is broken. Light that is never negative has over half
- * of its norm in its mean, of which nothing is lost. */
-static void limits_are_reached(void **state)
-{
-    enum { W = 640, H = 400 };
-    struct made m = make_tail(W, H, true, &fine);
-    double most = 0.0;
-    (void) state;
-    for (int period = 38; period <= 90; period += 20) {
-        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 0);
-        struct scene s;
-        for (int i = 0; i < W * H; i++) {
-            const double turn = 2.0 * acos(-1.0) * (i % W) / period;
-            for (int c = 0; c < 3; c++)
-                f.rgb.c[c][i] = (float) (1.0 + cos(turn));
-        }
-        s = scene_sense(f, scene_kernel(3, 3, MID, 0, PEAK), &open_all);
-        const struct error e = compare(&m, &s.src, &fine);
-        print_message("stripes of %d: %.2g of the norm, %.2g of a pixel\n",
-                      period, e.norm, e.pixel);
-        assert_true(e.norm <= 1.0 && e.pixel <= 1.0);
-        most = fmax(most, e.norm);
-        scene_free(&s);
-    }
-    assert_true(most > 0.1);
-    drop_tail(&m);
-}
-
-static void laws_hold(void **state)
-{
-    enum { W = 300, H = 250 };
-    struct made m = make_tail(W, H, false, &fine);
-    const int step = m.t->split.step;
-    struct gp_sources a = lights(W, H, 60, 1.0f, 1u), half, moved, one;
-    (void) state;
-    // light that is halved halves every bit
-    struct gp_planes p = added(&m, &a), q;
-    assert_ok(gp_sources_halve(NULL, &a, 1, &half));
-    q = added(&m, &half);
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < W * H; i++)
-            assert_true(p.c[c][i] == 2.0f * q.c[c][i]);
-    }
-    gp_planes_free(&q);
-    gp_planes_free(&p);
-    // light that moves by (dx, dy) moves the layer, within both limits
-    for (int dx = 0; dx <= step; dx += 3) {
-        const int dy = step - dx, x0 = 20, y0 = 30;
-        struct gp_source at[2] = {{x0, y0, {1.0f, 2.0f, 3.0f}},
-                                  {x0 + dx, y0 + dy, {1.0f, 2.0f, 3.0f}}};
-        const struct gp_sources like = {.w = W, .h = H};
-        struct gp_sources none;
-        assert_ok(gp_sources_make(NULL, &like, 0, &none));
-        gp_sources_finish(&none);
-        assert_ok(gp_sources_join(NULL, &none, &at[0], 1, &one));
-        assert_ok(gp_sources_join(NULL, &none, &at[1], 1, &moved));
-        p = added(&m, &one);
-        q = added(&m, &moved);
-        for (int c = 0; c < 3; c++) {
-            const double limit = 2.0 * gp_tail_pixel_error(m.s, m.t, &one, c);
-            for (int y = 0; y < H - dy; y++) {
-                for (int x = 0; x < W - dx; x++)
-                    assert_true(fabs((double) q.c[c][(y + dy) * W + x + dx] -
-                                     (double) p.c[c][y * W + x]) <= limit);
-            }
-        }
-        gp_planes_free(&q);
-        gp_planes_free(&p);
-        gp_sources_free(&one);
-        gp_sources_free(&moved);
-        gp_sources_free(&none);
-    }
-    gp_sources_free(&a);
-    gp_sources_free(&half);
-    drop_tail(&m);
-}
-
 /* The sum that a tail says it has is that of its samples, and light in the
  * middle leaves a frame's part of it. */
 static void sums_are_kept(void **state)
@@ -259,26 +180,6 @@ static void sums_are_kept(void **state)
         gp_kernel_free(&k);
         drop_tail(&m);
     }
-}
-
-static void threads_change_nothing(void **state)
-{
-    enum { W = 500, H = 300 };
-    struct got { uint64_t layer; struct gp_tail_error error; } got[3];
-    (void) state;
-    for (int i = 0; i < 3; i++) {
-        gp_set_threads(1 + 3 * i);
-        struct made m = make_tail(W, H, i % 2, &fine);
-        struct gp_sources s = lights(W, H, 4000, 1.0f, 7u);
-        struct gp_planes p = added(&m, &s);
-        got[i] = (struct got) {hash_layer(&p, W * H), *gp_tail_error_of(m.s)};
-        gp_planes_free(&p);
-        gp_sources_free(&s);
-        drop_tail(&m);
-    }
-    gp_set_threads(0);
-    assert_memory_equal(&got[0], &got[2], sizeof *got);
-    assert_true(got[0].layer != got[1].layer);
 }
 
 /* A disc's tail at the grid's own pixels is the plain sum over the disc. */
@@ -321,26 +222,6 @@ static void discs_have_tails(void **state)
     drop_tail(&m);
 }
 
-static void splits_are_for_smooth_kernels(void **state)
-{
-    (void) state;
-    assert_int_equal(gp_tail_choose(INFINITY, 1.0, 0, 1920, 1080).step, 0);
-    assert_int_equal(gp_tail_choose(0.0, 1.0, 0, 128, 72).step, 0);
-    assert_int_equal(gp_tail_choose(1500.0, 1.0, 0, 1920, 1080).step, 0);
-    assert_int_equal(gp_tail_choose(0.0, 1.0, 0, 1920, 1080).step, 8);
-    assert_int_equal(gp_tail_choose(0.0, 1.0, 0, 16384, 1).step, 32);
-    const struct gp_tail_split s = gp_tail_choose(150.0, 1.0, 0, 1920, 1080);
-    double before = 0.0;
-    assert_true(s.from >= 150.0);
-    for (int x = 0; x < 1920; x++) {
-        const double share = gp_tail_share(&s, x, 0);
-        assert_true(share >= before && share <= 1.0);
-        assert_true(x > s.from || share == 0.0);
-        assert_true(x < s.to || share == 1.0);
-        before = share;
-    }
-}
-
 static void larger_frames_are_refused(void **state)
 {
     struct made m = make_tail(300, 200, true, &fine);
@@ -357,38 +238,6 @@ static void larger_frames_are_refused(void **state)
     drop_tail(&m);
 }
 
-// -- without memory -----------------------------------------------------------
+SUITE_OF(tail, NULL, NULL, sums_are_those_of_the_kernel, sums_are_kept,
+         discs_have_tails, larger_frames_are_refused)
 
-static double made_sum;
-
-static gp_status run_making(void)
-{
-    static const float weight[9] = {0.1f, 0.1f, 0.1f, 0.1f, 0.2f,
-                                    0.1f, 0.1f, 0.1f, 0.1f};
-    const struct gp_tail_split split = gp_tail_choose(0.0, 1.0, 0, 300, 200);
-    struct gp_kernel k = {0};
-    struct gp_spread_kernel wide = {0};
-    gp_status st = gp_tail_make(&kept_log, &split, 300, 200,
-        &(struct gp_tail_kernel) {veil, &fine, false, true}, &k.tail);
-    if (!st)
-        st = gp_kernel_spread_tail(&kept_log, &k, 1, weight, &wide);
-    if (!st) {
-        made_sum = k.tail->sum[0] + (double) wide.k.c[1][wide.w * 40 + 50];
-        gp_planes_free(&wide.k);
-    }
-    gp_tail_free(k.tail);
-    return st;
-}
-
-static void full_memory_is_an_error(void **state)
-{
-    (void) state;
-    gp_set_threads(1);
-    starve("making", run_making, &made_sum, 8);
-    gp_set_threads(0);
-}
-
-SUITE_OF(tail, NULL, NULL, sums_are_those_of_the_kernel, limits_are_reached,
-    laws_hold, sums_are_kept, threads_change_nothing, discs_have_tails,
-    splits_are_for_smooth_kernels, larger_frames_are_refused,
-    full_memory_is_an_error)

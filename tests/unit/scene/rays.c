@@ -5,7 +5,6 @@
 #include "kept_log.h"
 #include "scene/scene_priv.h"
 #include "scene_made.h"
-#include "starved.h"
 
 /* The first triangle that a ray meets, by each of the scene's. */
 struct truth {
@@ -176,31 +175,6 @@ static void flat_objects_hide(void **state)
     }
 }
 
-static struct gp_scene many;
-static double triangles;
-
-static gp_status one_tree(void)
-{
-    static const int object[] = {0, 3, 5, 7, 9};
-    struct gp_meshes meshes = {0};
-    struct gp_rays rays = {0};
-    const gp_status st =
-        gp_rays_make(&kept_log, &many, &meshes, object, 5, &rays);
-    if (!st)
-        triangles = (double) rays.triangles;
-    gp_rays_free(&rays);
-    gp_meshes_free(&meshes);
-    return st;
-}
-
-static void full_memory_is_an_error(void **state)
-{
-    uint64_t seed = 5;
-    many = made_random_scene(&seed, 12, 0);
-    starve("trees", one_tree, &triangles, 12);
-    made_free(&many);
-}
-
 /* Places that no number holds stop nothing, and hide no other object. */
 static void places_without_end(void **state)
 {
@@ -249,4 +223,5 @@ static void empty_trees_stop_nothing(void **state)
 }
 
 SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says, flat_objects_hide,
-         places_without_end, empty_trees_stop_nothing, full_memory_is_an_error)
+         places_without_end, empty_trees_stop_nothing)
+

@@ -7,7 +7,6 @@
 #include "scene/rays.h"
 #include "scene/relight.h"
 #include "scene_made.h"
-#include "starved.h"
 
 enum { W = 61, H = 37 };
 
@@ -391,33 +390,8 @@ static void passes_of_a_call_are_calls(void **state)
     assert_int_equal(facts[3].pixels, 0);
 }
 
-static double lit;
+SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found,
+         light_is_that_of_the_formula, edges_have_the_shares_of_the_frame,
+         light_follows_albedo, settings_of_a_pass_count,
+         passes_of_a_call_are_calls)
 
-static gp_status light_once(void)
-{
-    struct gp_meshes own = {0};
-    struct gp_relit facts;
-    const struct gp_relight_pass pass = {
-        .light = &scene.light[0], .light_scale = 2.0, .caster = every,
-        .casters = 2, .cut = all, .far = INFINITY,
-    };
-    const gp_status st = gp_relight(&kept_log, &scene, &own, &surfaces, &pass, 1,
-                                    &facts);
-    if (!st)
-        lit = (double) facts.pixels;
-    gp_meshes_free(&own);
-    return st;
-}
-
-static void full_memory_lights_nothing(void **state)
-{
-    made_point(&scene, (struct gp_v3) {0.4, 0.2, 6}, 100.0, 20.0);
-    gp_set_threads(1);
-    starve("relight", light_once, &lit, 10);
-    gp_set_threads(0);
-}
-
-SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found, light_is_that_of_the_formula,
-    edges_have_the_shares_of_the_frame, light_follows_albedo,
-    settings_of_a_pass_count,
-    passes_of_a_call_are_calls, full_memory_lights_nothing)

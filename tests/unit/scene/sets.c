@@ -6,7 +6,6 @@
 #include "scene/sets/sets_priv.h"
 
 #include "scene_shot.h"
-#include "starved.h"
 
 #include <time.h>
 
@@ -254,38 +253,6 @@ static int count_set(const struct gp_scene *s, const struct gp_sets *sets,
     return n;
 }
 
-// -- a full memory -----------------------------------------------------------
-
-static struct gp_scene *starving;
-static struct shot *starving_shot;
-static double found;
-
-static gp_status find_all(void)
-{
-    gp_status st;
-    struct gp_sets *sets = NULL;
-    const struct gp_sets_view view = shot_view(starving_shot);
-    const struct gp_log *const log = &kept_log;
-    GP_TRY(gp_sets_open(log, starving, &view, GP_SETS_ALL, &sets));
-    gp_sets_light(sets, 0);
-    found = 1.0 + count_set(starving, sets, GP_SET_F) +
-            count_set(starving, sets, GP_SET_S);
-out:
-    gp_sets_close(&sets);
-    return st;
-}
-
-static void memory_is_full(void **state)
-{
-    static struct shot shot;
-    uint64_t seed = first_seed();
-    struct gp_scene s = random_shot(&seed, true, 16, 1, &shot);
-    starving = &s;
-    starving_shot = &shot;
-    starve("sets", find_all, &found, 5);
-    made_free(&s);
-}
-
 // -- the paper's figures -----------------------------------------------------
 
 /* A ground, a camera at (0, -10, 2) that looks along y, and `things` boxes of
@@ -462,7 +429,7 @@ SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
         nothing_is_lost, many_tiles, depths_show_more_than_objects,
-        memory_is_full, figure_15_1, figure_15_2, example_of_98,
+        figure_15_1, figure_15_2, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
@@ -474,3 +441,4 @@ SUITE(sets)
                                 "figure_15_1, figure_15_2, example_of_98",
                                 NULL, NULL, NULL, NULL);
 }
+

@@ -3,7 +3,7 @@
 #include "core/colour.h"
 #include "core/luminance.h"
 #include "core/parallel.h"
-#include "starved.h"
+#include "kept_log.h"
 #include "tone/tone.h"
 #include "tone_forms.h"
 
@@ -333,29 +333,10 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
-static struct gp_frame starved;
-static double found;
-
-static gp_status run_map(void)
-{
-    const struct gp_tone_params p = GP_TONE_DEFAULTS;
-    const gp_status st = gp_tone_map(&kept_log, &p, &starved, NULL);
-    for (size_t i = 0; !st && i < gp_frame_pixels(&starved); i++)
-        found += (double) starved.shown.c[i % 3][i];
-    gp_planes_free(&starved.shown);
-    return st;
-}
-
-static void memory_is_full(void **state)
-{
-    starved = make_frame(33, 21);
-    starve("tone map", run_map, &found, 1);
-    gp_frame_free(&starved);
-}
-
 SUITE_OF(tone, NULL, NULL, curves_are_listed, unknown_curve_is_refused,
          one_stop_is_a_factor_of_two, none_copies, primaries_become_bt709,
          white_stays_white, white_zero_is_the_frames_maximum,
          log_average_skips_what_is_not_light, log_average_of_few_pixels,
          auto_exposure_sets_the_key, exposure_of_any_size_is_finite,
-         threads_change_nothing, memory_is_full)
+         threads_change_nothing)
+
