@@ -140,7 +140,7 @@ static int steps(struct glarepp *gp, const struct run *run)
 static int kernels(struct glarepp *gp, const struct run *run)
 {
     const struct glarepp_field field = {
-        .w = 40, .h = 30, .degrees = 1.0 / 36.0, .aspect = 1.0, .rotate = 30.0,
+        .w = 40, .h = 30, .fov = 30.0 / 36.0, .aspect = 1.0, .rotate = 30.0,
         .frame = 3, .fps = 24.0, .most = 1 << 20,
     };
     struct glarepp_kernel *kernel = NULL;
