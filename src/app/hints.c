@@ -58,8 +58,8 @@ static const struct hint hints[] = {
     HINT("lights.outside", "give --camera FILE, or --sun-outside ignore")
     HINT("lights.side", "use a smaller --sun-map, or --sun-method exact")
     HINT("lights.sun", "give --sun-color, e.g. --sun-color 5e4")
-    HINT("params.bridges", "put it beside the program")
-    HINT("plan.fov", "give another --fov")
+    HINT("params.bridges", "put it beside the program, or leave --ocio out")
+    HINT("plan.fov", "check --fov")
     HINT("plan.rotate", "use --rotate 0, 90, 180 or 270")
     HINT("scene.camera", "give one of them to --scene-camera")
     HINT("scene.camera_normals", "give --scene-up or --normal-space")
@@ -72,7 +72,7 @@ static const struct hint hints[] = {
     HINT("sense.threshold", "use --engine fft, or raise --threshold")
     HINT("sets.camera", "name it with --scene-camera")
     HINT("tone.any_primaries", "give --ignore-chromaticities")
-    HINT("tone.config", "give --ocio another config, e.g. --ocio config.ocio")
+    HINT("tone.config", "give another config, e.g. --ocio config.ocio")
     HINT("tone.context", "give --ocio-context NAME=VALUE")
     HINT("tone.display", "leave --display out")
     HINT("tone.input", "check --input-space")
@@ -89,7 +89,8 @@ static int compare(const void *parameter, const void *hint)
 
 const char *gp_hint(const char *parameter, const char *text)
 {
-    const char *const space = strrchr(parameter, ' '); // "kernel.word I J FIELD"
+    // "kernel.word I J FIELD"
+    const char *const space = strrchr(parameter, ' ');
     const struct hint *const h =
         bsearch(space ? space + 1 : parameter, hints,
                 sizeof hints / sizeof *hints, sizeof *hints, compare);

@@ -22,7 +22,7 @@ done
 # direct with a coarse far part is no better there: auto sums the whole one
 frame few.exr size=2x90000 lights=5 type=float
 run --style eye --tolerance 1e-7 --layer few.layer.exr few.exr
-like "$(cat err)" '*--engine direct sums the kernel*' 'no engine within: what is nearest'
+like "$(cat err)" '*use --engine direct, which sums the kernel*' 'no engine within: what is nearest'
 run -q --style eye --tolerance 1e-5 --verify --report few.json --layer few.layer.exr few.exr
 is "$("$python" -c 'import json
 r = json.load(open("few.json"))
@@ -108,7 +108,7 @@ is "$(dark_lamps --tolerance-pixel 1e-6)" 'fft True True' \
     'lamps in the light: auto takes fft in double for --tolerance-pixel 1e-6'
 run -k kernel302.exr --tolerance-pixel 1e-9 --layer l.exr dark.exr
 like "$(cat err)" \
-    '*warning: dark.exr: no engine guarantees --tolerance-pixel 1e-09 *' \
+    '*warning: dark.exr: no engine guarantees a tolerance of 1e-09 in a pixel *; raise --tolerance-pixel*' \
     '--tolerance-pixel that nothing keeps: one line says so'
 
 # -- turned kernels -------------------------------------------------------------

@@ -31,7 +31,7 @@ is "$(field r.json 'o["engine"], "whole kernel" in o["engine_why"]')" \
 is "$(field r.json 'o["measured"]["rel_l2"] <= o["bound"] <= 3e-6')" True \
     'within its bound'
 run -k eye --tolerance 1e-9 --layer l.exr --report r.json wide.exr
-like "$(cat err)" '*no engine guarantees --tolerance 1e-09*' \
+like "$(cat err)" '*no engine guarantees a tolerance of 1e-09 *; *--tolerance*' \
     'and one that none keeps'
 
 # sizes that come back have the kernel that was made for them, in the same bytes

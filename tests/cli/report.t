@@ -141,12 +141,13 @@ is "$(field r.json 'o["clamped"], o["nonfinite"], o["sources"]')" '(1, 0, 1)' \
     'a value over --max-value is counted'
 is "$(field r.json 'o["flux_clamped"]')" '[934496.0, 934496.0, 934496.0]' \
     'light that --max-value takes is in the report'
-like "$(cat err)" '*hot.exr: --max-value *93.4 %*' \
+like "$(cat err)" '*hot.exr: the limit of values *93.4 %*; raise --max-value*' \
     'a warning: much light is taken'
 run -q -o out.png --max-value 991000 --report r.json hot.exr
 is "$(field r.json 'o["warnings"]')" '[]' '0.9 % of the light: no warning'
 run -q -o out.png --max-value 989000 --report r.json hot.exr
-is "$(field r.json 'o["warnings"][0][:33]')" 'hot.exr: --max-value removes 1.1 ' \
+is "$(field r.json 'o["warnings"][0][:40], o["warnings"][0][-36:]')" \
+    "('hot.exr: the limit of values removes 1.1', '; raise --max-value, or leave it out')" \
     '1.1 % of the light: a warning'
 run -o out.png --report r.json hot.exr
 is "$(field r.json 'o["clamped"], "flux_clamped" in o')" '(0, False)' \

@@ -60,7 +60,7 @@ like "$(field s.json 'o["sun_edges"]'; cat err)" \
 is "$(field s.json '"0.02" in o["sun_edges"]')" False \
     'the error with depth is not that without'
 run --scene $street --scene-camera top -o o.png in.exr
-fails_with 2 'use one of: cam' 'a camera that is not there'
+fails_with 2 'it has: cam; give one of them to --scene-camera' 'a camera that is not there'
 
 # -- flux -------------------------------------------------------------------------
 

@@ -48,11 +48,11 @@ gp_status gp_scene_no_camera(const struct gp_log *log, const struct gp_scene *s,
     }
     if (n > 1)
         return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has %d "
-                          "cameras of that name (found \"%s\"), and these "
-                          "numbers of nodes: %s", s->path, n, name, names);
+                          "cameras of that name (found \"%s\"), tell them "
+                          "apart by node: %s", s->path, n, name, names);
     return gp_fail_at(log, GP_ERR_USAGE, "scene.camera", "%s: has no camera of "
-                      "that name (found \"%s\"), but: %s", s->path, name,
-                      names);
+                      "that name (found \"%s\"), it has: %s", s->path,
+                      name, names);
 }
 
 gp_status gp_scene_camera_make(const struct gp_log *log,
