@@ -4,7 +4,8 @@
  *   image.c    views of a caller's pixels
  *   kernel.c   kernels: words and images, drawing, checks
  *   plan.c     plans: parameters of the rooms, and what frames share
- *   frame.c    frames: the steps, views and facts
+ *   frame.c    frames: beginning and end, views and facts
+ *   steps.c    their steps, in order
  *   light.c    suns and lamps of a frame, their shares and flare
  *   lens.c     ghosts of a lens
  *   scene.c    the scene of a frame, and its light

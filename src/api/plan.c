@@ -325,11 +325,6 @@ void gp_api_give_back(struct glarepp_plan *plan, struct gp_api_work **work)
     *work = NULL;
 }
 
-bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
-{
-    return !(atomic_fetch_or(&plan->said, bit) & bit);
-}
-
 /* Lists the files that a plan was read from, and the names of OpenColorIO. */
 static gp_status fill_facts(struct glarepp_plan *plan,
                             const struct gp_api_work *w)

@@ -93,7 +93,10 @@ GP_MUST_CHECK gp_status gp_api_lend(struct glarepp_plan *plan,
 void gp_api_give_back(struct glarepp_plan *plan, struct gp_api_work **work);
 
 /* Returns true, once a plan, for a warning. */
-bool gp_api_says(struct glarepp_plan *plan, unsigned bit);
+static inline bool gp_api_says(struct glarepp_plan *plan, unsigned bit)
+{
+    return !(atomic_fetch_or(&plan->said, bit) & bit);
+}
 
 /* Reads the scene of a plan; light.c and scene.c. */
 GP_MUST_CHECK gp_status gp_api_scene_begin(const struct glarepp_plan *plan,

@@ -148,6 +148,7 @@ static gp_status open_library(struct gp_listener *user, struct glarepp **out)
     struct glarepp_params p = GLAREPP_PARAMS;
     const struct gp_settings *const s = user->s;
     p.threads = s->run.threads;
+    gp_set_threads(p.threads); // of loops outside of the library's calls too
     p.level = s->run.level >= GP_LEVEL_INFO ? GLAREPP_NOTE : GLAREPP_WARNING;
     p.message = gp_hear; // (reports have warnings that are not printed)
     p.picture = gp_picture_read;

@@ -36,10 +36,8 @@ GP_MUST_CHECK gp_status gp_compare_match_make(
     const struct gp_stored_image *b, struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
 
-/* Returns the name of a pair's channel; its value in a or b, 0 outside. */
+/* Returns the name of a pair's channel. */
 const char *gp_compare_name(const struct gp_compare_match *m, int pair);
-double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
-                        int x, int y);
 
 /* Limits, idiff's and our own. A value counts when it is over an absolute limit
  * and the relative one; errors are of stored values. */

@@ -109,7 +109,7 @@ static double value_at(const struct gp_stored_channel *c, int64_t at)
                     : (double) ((const float *) c->v)[at];
 }
 
-double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
+static double pair_value(const struct gp_compare_match *m, bool of_b, int pair,
                         int x, int y)
 {
     const struct gp_compare_pair *const p = &m->pair[pair];
@@ -413,8 +413,8 @@ void gp_compare_subtract(const struct gp_compare_match *m, int pair,
 {
     for (int y = m->window.y0; y < m->window.y1; y++) {
         for (int x = m->window.x0; x < m->window.x1; x++) {
-            const float d = (float) (gp_compare_value(m, false, pair, x, y) -
-                                     gp_compare_value(m, true, pair, x, y));
+            const float d = (float) (pair_value(m, false, pair, x, y) -
+                                     pair_value(m, true, pair, x, y));
             *to++ = (absolute ? fabsf(d) : d) * scale;
         }
     }

@@ -41,7 +41,8 @@ double gp_kernel_request_share(const struct gp_kernel_request *r)
     return taken / fmax(all, 1.0);
 }
 
-bool gp_kernel_request_moves(const struct gp_kernel_request *r)
+/* Returns true where the kernel depends on the frame's number. */
+static bool moves_in_time(const struct gp_kernel_request *r)
 {
     bool moves = false;
     for (int i = 0; i < r->recipes; i++)
@@ -118,7 +119,7 @@ static bool is_same(const struct gp_kernel_request *r,
     if (!r->recipes)
         return a->degrees == b->degrees || !(r->degrees > 0.0);
     return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
-           (!gp_kernel_request_moves(r) ||
+           (!moves_in_time(r) ||
             (a->frame == b->frame && a->fps == b->fps));
 }
 
@@ -135,7 +136,7 @@ static size_t bytes_of(const struct gp_kernel *k)
 static void put_aside(struct gp_kernels *k)
 {
     size_t bytes = 0;
-    if (!k->last || gp_kernel_request_moves(k->request)) {
+    if (!k->last || moves_in_time(k->request)) {
         gp_made_kernel_free(&k->last);
         return;
     }

@@ -39,9 +39,6 @@ void gp_kernel_request_free(struct gp_kernel_request *r);
 /* Returns the share of a pixel's light that the kernel takes and spreads. */
 double gp_kernel_request_share(const struct gp_kernel_request *r);
 
-/* Returns true where the kernel depends on the frame's number. */
-bool gp_kernel_request_moves(const struct gp_kernel_request *r);
-
 /* Returns frame pixels for one of image[0], in the field's height. */
 double gp_kernel_request_scale(const struct gp_kernel_request *r,
                                const struct gp_field *field);

@@ -135,12 +135,6 @@ GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
                                       const char *word, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
-/* Writes the names of the installed flares, in order and with `between` after
- * each but the last; a list of more than `size` bytes is cut off. Errors:
- * GP_ERR_IO none is installed; the line names "preset:NAME". */
-GP_MUST_CHECK gp_status gp_flare_presets(const struct gp_log *log,
-    const char *name, const char *between, char *list, size_t size);
-
 /* Adds all elements of lights, for every light, to `layer` (w * h of `frame`):
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */

@@ -312,7 +312,9 @@ static int is_preset(const struct dirent *d)
     return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
 }
 
-gp_status gp_flare_presets(const struct gp_log *log, const char *name,
+/* Writes the names of the installed flares, in order and with `between` after each
+ * but the last; a list of more than `size` bytes is cut off. */
+static gp_status list_presets(const struct gp_log *log, const char *name,
                            const char *between, char *list, size_t size)
 {
     char folder[PATH_MAX];
@@ -341,7 +343,7 @@ gp_status gp_flare_presets(const struct gp_log *log, const char *name,
 static gp_status refuse_preset(const struct gp_log *log, const char *name)
 {
     char list[512] = "";
-    const gp_status st = gp_flare_presets(log, name, ", ", list, sizeof list);
+    const gp_status st = list_presets(log, name, ", ", list, sizeof list);
     return st ? st
               : gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
                         "this name; use one of %s, or give a file", name, list);

@@ -8,19 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-bool gp_suns_wanted(const struct gp_sun_params *p)
-{
-    return p->at.n || p->dir.n || p->camera || p->lights;
-}
-
-bool gp_suns_lit(const struct gp_suns *suns)
-{
-    bool lit = suns->p->needed || suns->specs > 0 || suns->p->lights;
-    for (int i = 0; i < suns->cameras.n; i++)
-        lit |= suns->cameras.at[i].has_sun;
-    return lit;
-}
-
 /* The sun of --sun or --sun-dir. */
 static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
 {
@@ -79,7 +66,7 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         lit |= p->camera && has_flux(p->sun);
     if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
-                          gp_suns_wanted(p) ? "lights.sun" : "lights.flare",
+                          p->specs || p->camera || p->lights ? "lights.sun" : "lights.flare",
                           "%s: has elements of lights, and there is no light "
                           "with flux; write \"source\": \"bright\" in it",
                           p->flare));
@@ -304,24 +291,6 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
     };
     warn_of_clear(log, f, suns);
     gp_occluders_count(&suns->occluders);
-}
-
-gp_status gp_suns_place(const struct gp_log *log,
-                        const struct gp_sun_reader *reader,
-                        const struct gp_frame *f, struct gp_suns *suns)
-{
-    struct gp_sun_about about = {0};
-    gp_status st;
-    reader->about(reader->user, f, &about);
-    GP_TRY(place_lights(log, &about, f, suns));
-    if (suns->n)
-        GP_TRY(reader->planes(reader->user, log, f, &suns->depth,
-                              &suns->mask));
-    warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
-    warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
-    gp_suns_hide(log, f, &suns->depth, &suns->mask, suns);
-out:
-    return st;
 }
 
 // -- visibility ---------------------------------------------------------------

@@ -1,7 +1,7 @@
 /* The sun's stage: places the suns and lamps of a run in each frame, measures
  * their visibility, and adds their light.
  *
- * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
+ * For each frame, in this order: gp_suns_find(), gp_suns_hide(), gp_suns_measure(),
  * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). Files
  * are read through a gp_sun_reader. */
 #ifndef GP_SUN_STAGE_H
@@ -59,7 +59,7 @@ struct gp_sun_about {
 };
 
 /* Lights and a camera of a frame that the caller knows, of a scene. Borrowed
- * from gp_suns_place() to the end of the frame. */
+ * from gp_suns_find() to the end of the frame. */
 struct gp_suns_more {
     const struct gp_light_spec *spec; // join those of the run
     int specs;
@@ -105,19 +105,12 @@ struct gp_suns {
     struct gp_sun_map *map;
     struct gp_sun_sprite sprite; // of the last light beyond a frame
     // of the frame
-    struct gp_suns_more more;   // set by the caller, before gp_suns_place()
+    struct gp_suns_more more;   // set by the caller, before gp_suns_find()
     struct gp_plane depth, mask;
     struct gp_occluders occluders;
     struct gp_light *light;     // owned
     int n;
 };
-
-/* Returns true when the command line names a light, or a camera, which may. */
-bool gp_suns_wanted(const struct gp_sun_params *p);
-
-/* Returns true when there is a light in some frame, or p->needed asks for one;
- * after gp_suns_begin(). */
-bool gp_suns_lit(const struct gp_suns *suns);
 
 /* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out
@@ -139,22 +132,15 @@ GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
 /* Gives each light its place; then tells what may hide them. Planes are borrowed
  * to the end of the frame, NULL where there are none; one with a name is of
  * another file, and a warning says so where it does not cover the frame.
- * Errors of the first as of gp_suns_place(). */
+ * Errors of the first: GP_ERR_USAGE, and GP_ERR_DATA a frame that the cameras do
+ * not have, or one without a sun there where p->needed and no other light is
+ * given. */
 GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
     const struct gp_sun_about *about, const struct gp_frame *f,
     struct gp_suns *suns);
 void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   struct gp_suns *suns);
-
-/* Gives each light its place and, where there are lights, reads the frame's
- * depth and coverage.
- * Errors: GP_ERR_USAGE, GP_ERR_DATA, GP_ERR_IO of the readers; GP_ERR_DATA a
- * frame that --camera does not have, or one without a sun there where
- * p->needed and no other light is given. */
-GP_MUST_CHECK gp_status gp_suns_place(
-    const struct gp_log *log, const struct gp_sun_reader *reader,
-    const struct gp_frame *f, struct gp_suns *suns);
 
 /* Measures the visibility of each light. Errors: GP_ERR_GL, GP_ERR_BUG. */
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,

@@ -1,0 +1,622 @@
+/* The steps of a frame that are not its lights', its lens's and its scene's; and
+ * the order of all. */
+#include "api/frame.h"
+
+#include "core/clock.h"
+#include "core/colour.h"
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "glare/splat/polygons.h"
+#include "tone/tone.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// -- sources ------------------------------------------------------------------
+
+/* The sources of the engines: bright pixels, and lights whose share is known. */
+static const struct gp_sources *all_light(const struct glarepp_frame *f)
+{
+    return f->joined.n ? &f->joined : &f->sources;
+}
+
+/* Finds the sources of each group, and replaces the frame's own by their
+ * union. */
+static gp_status sense_groups(struct glarepp_frame *f)
+{
+    struct gp_sources *const src = &f->sources;
+    struct gp_sources none = {0}, all = {0};
+    struct gp_sensor_params sense = f->plan->sense;
+    struct gp_source *list = NULL;
+    size_t n = 0;
+    gp_status st;
+    sense.threshold = src->threshold; // the frame's, for all of them
+    sense.unit = GP_THRESHOLD_LUMINANCE;
+    memset(src->faint, 0, sizeof src->faint);
+    for (int i = 0; i < f->groups; i++) {
+        struct gp_sources *const own = &f->group[i].sources;
+        GP_TRY(gp_sense(&f->log, &sense, &f->group[i].image, own));
+        src->nonfinite += own->nonfinite;
+        src->clamped += own->clamped;
+        for (int c = 0; c < 3; c++) {
+            src->faint[c] += own->faint[c];
+            src->flux_clamped[c] += own->flux_clamped[c];
+        }
+        n += own->n;
+    }
+    GP_TRY(gp_alloc(&f->log, "light of the groups", n, sizeof *list, &list));
+    n = 0;
+    for (int g = 0; g < f->groups; g++) {
+        const struct gp_sources *const s = &f->group[g].sources;
+        for (int y = 0; y < s->h; y++) {
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+                list[n++] = (struct gp_source) {
+                    s->x[i], y, {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
+                };
+        }
+    }
+    // keep the frame's geometry and counts, replace its light
+    GP_TRY(gp_sources_make(&f->log, src, 0, &none));
+    gp_sources_finish(&none);
+    GP_TRY(gp_sources_join(&f->log, &none, list, n, &all));
+    gp_sources_free(src);
+    *src = all;
+out:
+    gp_sources_free(&none);
+    gp_free(list);
+    return st;
+}
+
+/* Returns the luminance of a sum over pixels of the frame. */
+static double luminance_of(const struct gp_frame *image, const double sum[3])
+{
+    double y = 0.0;
+    for (int c = 0; c < 3; c++)
+        y += (double) image->luminance[c] * sum[c];
+    return y;
+}
+
+/* Finds the largest luminance of a frame without sources. */
+static void find_peak(struct glarepp_frame *f)
+{
+    struct glarepp_sense_facts *const facts = &f->facts.sense;
+    for (int i = f->groups ? 0 : -1; i < f->groups; i++) {
+        int at[2];
+        const float peak = gp_luminance_peak(
+            i < 0 ? &f->image : &f->group[i].image, at);
+        if (i <= 0 || peak > facts->peak) {
+            facts->peak = peak;
+            memcpy(facts->peak_at, at, sizeof at);
+        }
+    }
+}
+
+static gp_status sense(struct glarepp_frame *f)
+{
+    struct glarepp_sense_facts *const facts = &f->facts.sense;
+    const struct gp_sources *const src = &f->sources;
+    const struct gp_kernel_request *const r = f->plan->request;
+    double sum[3], squares;
+    glarepp_frame_drop(f, 1u << GLAREPP_SOURCES | 1u << GLAREPP_TRUTH);
+    gp_status st = gp_sense(&f->log, &f->plan->sense, &f->image, &f->sources);
+    if (!st && f->groups)
+        st = sense_groups(f);
+    if (st)
+        return st;
+    *facts = (struct glarepp_sense_facts) {
+        .sources = (long long) src->n, .nonfinite = src->nonfinite,
+        .clamped = src->clamped, .threshold = src->threshold,
+        .brightest = src->brightest,
+    };
+    memcpy(facts->flux, src->flux, sizeof facts->flux);
+    memcpy(facts->faint, src->faint, sizeof facts->faint);
+    memcpy(facts->flux_clamped, src->flux_clamped, sizeof facts->flux_clamped);
+    if (!src->n)
+        find_peak(f);
+    for (int i = 0; i < r->recipes; i++) {
+        if (!gp_recipe_adapts(&r->recipe[i]))
+            continue;
+        f->white = f->p.white > 0.0 ? f->p.white : GP_USUAL_WHITE;
+        f->mean = gp_mean_luminance(&f->image, &f->image.rgb);
+        break;
+    }
+    if (f->p.details) {
+        gp_planes_sum(&f->image.rgb, gp_frame_pixels(&f->image), sum, &squares);
+        facts->light = luminance_of(&f->image, sum);
+        facts->bright = gp_kernel_request_share(r) *
+                        luminance_of(&f->image, src->flux);
+    }
+    return GP_OK;
+}
+
+// -- kernel -------------------------------------------------------------------
+
+/* The field of a frame: its angle of view is the plan's, else its camera's or
+ * scene's, else its lens's, else the usual one. */
+static struct gp_field find_field(struct glarepp_frame *f)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->request;
+    double fov = gp_api_camera_fov(f);
+    facts->fov_from = f->plan->fov > 0.0 ? "option" : "camera";
+    if (!(fov > 0.0)) {
+        struct gp_api_stop stop = {.fov = GP_USUAL_FOV};
+        facts->fov_from = gp_api_lens_stop(f, &stop) ? "lens" : "default";
+        fov = stop.fov;
+    }
+    struct gp_field field = gp_field_of(&f->image, fov);
+    field.rotate = f->plan->rotate;
+    field.fps = f->p.fps > 0.0 ? f->p.fps : field.fps;
+    field.frame = f->p.numbered ? f->p.number : 0;
+    const bool angled = r->recipes || r->degrees > 0.0;
+    facts->deg_per_pixel = angled ? field.degrees : 0.0;
+    facts->fov = fov;
+    return field;
+}
+
+/* Widens the field so that lights outside of the frame light all of it, up to
+ * three frames: in steps, as a light that moves must not remake the kernel for
+ * each frame. */
+static void reach_lights(const struct glarepp_frame *f, struct gp_field *field)
+{
+    enum { STEP = 128, MOST = 8192 }; // twice that is what all GL drivers draw
+    int offset[2], *const size[2] = {&field->w, &field->h};
+    gp_suns_offsets(&f->work->suns, f->image.data, offset);
+    for (int i = 0; i < 2; i++) {
+        const int most = gp_min(3 * *size[i], MOST);
+        if (offset[i] >= *size[i])
+            *size[i] = gp_max(*size[i], gp_min(most, (offset[i] / STEP + 1) *
+                                                         STEP));
+    }
+}
+
+/* Gives openings the stop of the lens, but for keys that are written. */
+static void fit_lens(const struct gp_api_stop *stop, int recipes,
+                     struct gp_recipe recipe[GP_RECIPES])
+{
+    for (int i = 0; i < recipes; i++) {
+        struct gp_recipe *const k = &recipe[i];
+        if (strcmp(gp_model_name(k->model), "aperture") != 0)
+            continue;
+        gp_recipe_preset(k, "blades", stop->blades);
+        gp_recipe_preset(k, "roundness", 0.0);
+        gp_recipe_preset(k, "rotation", stop->turn);
+        gp_recipe_preset(k, "fnumber", stop->f_number);
+        gp_recipe_preset(k, "focal", stop->focal);
+    }
+}
+
+/* The frame's use of its kernel: of several recipes, with the light that files
+ * among them miss; *worst is the one that misses most. */
+static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
+{
+    const struct gp_kernel_request *const r = f->plan->request;
+    const struct gp_field *const field = &f->kernel->field;
+    const double scale =
+        r->recipes ? 1.0 : gp_kernel_request_scale(r, field);
+    struct gp_kernel_use use = {0};
+    double shares = 0.0, missed = 0.0, most = 0.0;
+    *worst = 0;
+    for (int i = 0; i < gp_max(r->recipes, 1); i++) {
+        const double share = r->recipes ? r->recipe[i].value[0] : 1.0;
+        gp_kernel_label_use(&r->label[i], scale, &f->kernel->k,
+                            gp_frame_w(&f->image), gp_frame_h(&f->image), &use);
+        missed += share * use.missed;
+        *worst = share * use.missed > most ? i : *worst;
+        most = fmax(most, share * use.missed);
+        shares += share;
+    }
+    use.missed = missed / fmax(shares, 1.0);
+    use.share = gp_kernel_request_share(r);
+    use.ends = use.ends && !r->recipes;
+    if (!r->recipes) {
+        use.as_it_is =
+            use.as_it_is && r->params.normalize == GP_NORMALIZE_NONE;
+        use.centred = r->params.centered;
+        use.resampled = f->kernel->k.unturned || field->aspect != 1.0 ||
+                        scale != 1.0;
+    }
+    use.add = f->plan->compose.mix == GP_MIX_ADD;
+    use.brightest =
+        (double) f->sources.brightest * (double) f->plan->compose.gain;
+    return use;
+}
+
+/* The use of an image that a recipe names, by its keys. */
+static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
+{
+    const struct gp_model_key *const keys = gp_model_keys(recipe->model);
+    struct gp_kernel_use use = {.as_it_is = recipe->as_it_is};
+    for (int i = 0; keys[i].name; i++) {
+        if (keys[i].file || recipe->value[i] == keys[i].preset)
+            continue;
+        use.centred |= strcmp(keys[i].name, "x") == 0 ||
+                       strcmp(keys[i].name, "y") == 0;
+        use.resampled |= strcmp(keys[i].name, "size") == 0 ||
+                         strcmp(keys[i].name, "percent") == 0;
+    }
+    return use;
+}
+
+/* A warning about the kernels [first, last) of the request. */
+static void warn_of(const struct glarepp_frame *f, int first, int last,
+                    const struct gp_fault *fault)
+{
+    char parameter[64];
+    snprintf(parameter, sizeof parameter, "kernel.word %d %d %s", first, last,
+             fault->parameter);
+    gp_say_at(&f->log, GP_LEVEL_WARN, parameter, "%s", fault->line);
+}
+
+/* Warns, once a plan, of each fault of the kernel that a frame shows, and of an
+ * image that was made for another angle than a frame's that is known. */
+static void warn_of_kernel(struct glarepp_frame *f,
+    const struct gp_field *field, const struct gp_kernel_use *use, int worst)
+{
+    const struct gp_kernel_request *const r = f->plan->request;
+    const struct gp_kernel_label *const l = &r->label[0];
+    struct gp_fault fault;
+    for (int i = 0; i < GP_KERNEL_RULES; i++) {
+        const bool one = i == GP_RULE_LEFT_OUT;
+        if (gp_kernel_fault(&f->kernel->figures, use, (enum gp_kernel_rule) i,
+                            &fault) &&
+            gp_api_says(f->plan, 1u << i))
+            warn_of(f, one ? worst : 0, one ? worst + 1 : GP_RECIPES,
+                    &fault);
+    }
+    if (r->recipes || !l->present ||
+        strcmp(f->facts.kernel.fov_from, "default") == 0)
+        return;
+    // (an image may be kept from another angle)
+    const double made = l->fov / l->h;
+    const double used = field->degrees * gp_kernel_request_scale(r, field);
+    if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
+        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.percent.angle", "made for "
+                  "%.4g degrees a pixel, used at %.4g (%.4g%% of it would fit); "
+                  "make it again for this angle and size", made, used,
+                  100.0 * made / field->degrees);
+}
+
+/* Warns, once a plan, of the faults of the samples of images among several
+ * kernels. */
+static gp_status warn_of_images(struct glarepp_frame *f)
+{
+    const struct gp_kernel_request *const r = f->plan->request;
+    if (!r->recipes || !gp_api_says(f->plan, GP_SAID_IMAGES))
+        return GP_OK;
+    for (int i = 0; i < r->recipes; i++) {
+        const struct gp_recipe *const recipe = &r->recipe[i];
+        const struct gp_kernel_params p = {
+            .normalize = GP_NORMALIZE_NONE, .left_out = r->label[i].left_out,
+        };
+        const struct gp_kernel_use use = use_of_image(recipe);
+        struct gp_kernel_figures figures;
+        struct gp_kernel k;
+        struct gp_fault fault;
+        if (strcmp(gp_model_name(recipe->model), "image") != 0)
+            continue;
+        const gp_status st =
+            gp_kernel_from_frame(&f->log, &p, recipe->image, &k);
+        if (st)
+            return st;
+        gp_kernel_measure(&k, recipe->image->luminance, &figures);
+        gp_kernel_free(&k);
+        for (int rule = GP_RULE_SIZE; rule <= GP_RULE_SYMMETRY; rule++) {
+            if (gp_kernel_fault(&figures, &use, (enum gp_kernel_rule) rule,
+                                &fault))
+                warn_of(f, i, i + 1, &fault);
+        }
+    }
+    return GP_OK;
+}
+
+static gp_status make_kernel(struct glarepp_frame *f)
+{
+    struct glarepp_kernel_facts *const facts = &f->facts.kernel;
+    const struct gp_kernel_request *const r = f->plan->request;
+    const double from = gp_now_ms(), cpu = gp_cpu_ms();
+    struct gp_recipe recipe[GP_RECIPES];
+    struct gp_api_stop stop;
+    bool made;
+    int worst;
+    gp_status st;
+    if (!f->sources.n && !gp_suns_glare(&f->work->suns))
+        return GP_OK;
+    struct gp_field field = find_field(f);
+    memcpy(recipe, r->recipe, sizeof recipe);
+    if (gp_api_lens_stop(f, &stop))
+        fit_lens(&stop, r->recipes, recipe);
+    for (int i = 0; i < r->recipes; i++)
+        gp_recipe_adapt(&recipe[i], f->mean, f->white);
+    reach_lights(f, &field);
+    if (f->plan->edges == GP_SURROUND_MIRROR) {
+        const int more = 2 * gp_mirror_reach(gp_frame_w(&f->image),
+                                             gp_frame_h(&f->image));
+        field.w += more;
+        field.h += more;
+    }
+    gp_made_kernel_free(&f->kernel);
+    GP_TRY(gp_kernels_take(&f->log, f->plan->kernels, recipe, &field, &made,
+                           &f->kernel));
+    GP_TRY(warn_of_images(f));
+    if (made) {
+        facts->ms = gp_now_ms() - from;
+        facts->cpu_ms = gp_cpu_ms() - cpu;
+    }
+    const struct gp_kernel_use use = use_of(f, &worst);
+    warn_of_kernel(f, &field, &use, worst);
+    const struct gp_kernel *const k = &f->kernel->k;
+    facts->recipes = r->recipes;
+    facts->modelled = r->recipes || r->label[0].present;
+    facts->w = k->w;
+    facts->h = k->h;
+    facts->grid = k->tail ? k->tail->split.step : 0;
+    facts->left_out = fmax(k->left_out, 0.0);
+    facts->missed = use.missed;
+    memcpy(facts->faint, k->faint, sizeof facts->faint);
+    for (int i = 0; i < r->recipes; i++) {
+        facts->pupil[i] = gp_recipe_pupil(&f->kernel->recipe[i],
+                                          &f->kernel->field);
+        facts->recipe[i] = f->kernel->text[i];
+    }
+out:
+    return st;
+}
+
+struct glarepp_rect glarepp_frame_reach(struct glarepp_frame *f)
+{
+    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    const struct gp_kernel_request *const r = f->plan->request;
+    const struct gp_rect reach = f->plan->reach;
+    double down = 1.0, across = 1.0;
+    if (f->work || gp_api_lend(f->plan, &f->work) == GP_OK) {
+        const struct gp_field field = find_field(f);
+        // in degrees, the first kernel is of the image's own size
+        down = !r->recipes && r->degrees > 0.0
+                   ? gp_kernel_request_scale(r, &field) : 1.0;
+        across = down / field.aspect;
+    }
+    gp_api_give_back(f->plan, &f->work);
+    (void) gp_api_end(&call, GP_OK);
+    const double high = down == 1.0 ? 0.0 : 1.0;   // resampling reaches into
+    const double wide = across == 1.0 ? 0.0 : 1.0; // one pixel more
+    return (struct glarepp_rect) {
+        gp_max((int) (reach.x0 * across + wide), 0),
+        gp_max((int) (reach.y0 * down + high), 0),
+        gp_max((int) (reach.x1 * across + wide), 0),
+        gp_max((int) (reach.y1 * down + high), 0),
+    };
+}
+
+// -- layer --------------------------------------------------------------------
+
+/* How the picture goes on for `own`, a part of its sources. */
+static struct gp_surround edges_of(const struct glarepp_frame *f,
+                                   const struct gp_sources *own)
+{
+    return (struct gp_surround) {f->plan->edges, &f->sources, own};
+}
+
+static void note_layer(struct glarepp_frame *f, const struct gp_glare_stats *s)
+{
+    struct glarepp_layer_facts *const facts = &f->facts.layer;
+    *facts = (struct glarepp_layer_facts) {
+        .engine = s->engine, .bound = s->bound, .bound_pixel = s->bound_pixel,
+        .fft_w = s->fft_w, .fft_h = s->fft_h, .in_double = s->fft_double,
+        .far_step = s->tail_step, .near = {s->fft_core[0], s->fft_core[1]},
+        .hot = (long long) s->hot, .groups = (long long) s->groups,
+        .clusters = (long long) s->clusters,
+        .polygons = (long long) s->polygons, .cores = (long long) s->cores,
+        .polygon_pixels = s->polygon_pixels, .form = s->form, .gl = s->gl,
+    };
+    memcpy(facts->why, s->why, sizeof facts->why);
+}
+
+static gp_status add_layer(struct glarepp_frame *f)
+{
+    struct gp_glare_stats stats = {
+        .engine = "none", .why = "no pixel is over the threshold",
+    };
+    struct gp_glare_params p = f->plan->glare;
+    gp_status st = gp_api_join(f);
+    if (st)
+        return st;
+    const struct gp_sources *const light = all_light(f);
+    f->facts.sense.sources = (long long) light->n;
+    memcpy(f->facts.sense.flux, light->flux, sizeof light->flux);
+    memcpy(f->facts.sense.faint, light->faint, sizeof light->faint);
+    if (f->p.details)
+        f->facts.sense.lamps = gp_kernel_request_share(f->plan->request) *
+                                   luminance_of(&f->image, light->flux) -
+                               f->facts.sense.bright;
+    p.taken = f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources : NULL;
+    p.edges = edges_of(f, &f->sources);
+    p.last = f->p.last;
+    if (light->n > 0) {
+        stats = (struct gp_glare_stats) {0};
+        st = gp_glare_run(&f->log, &p, &f->work->engines, light,
+                          gp_api_kernel(f), &f->image, &stats);
+    }
+    note_layer(f, &stats);
+    return st;
+}
+
+static gp_status verify(struct glarepp_frame *f)
+{
+    const struct gp_surround edges = edges_of(f, &f->sources);
+    struct gp_glare_error error;
+    gp_status st = GP_OK;
+    if (!all_light(f)->n)
+        return GP_OK;
+    if (!f->exact) {
+        GP_TRY(gp_alloc(&f->log, "exact layer",
+                        3 * gp_frame_pixels(&f->image), sizeof *f->exact,
+                        &f->exact));
+        GP_TRY(gp_glare_reference(&f->log, &edges, all_light(f),
+                                  gp_api_kernel(f), f->exact));
+    }
+    gp_glare_measure(&f->image, &f->image.layer, f->exact,
+                     f->plan->compose.gain,
+                     f->plan->compose.mix == GP_MIX_SCATTER ? &f->sources
+                                                            : NULL, &error);
+    f->facts.errors = (struct glarepp_errors) {
+        error.rel_l2, error.max_rel, error.max_abs, error.flux_error};
+    f->facts.verified = true;
+out:
+    if (st || !f->p.details)
+        GP_FREE(f->exact);
+    return st;
+}
+
+// -- composing ----------------------------------------------------------------
+
+/* Adds glare to a group, so that groups which add up to the frame still do. */
+static gp_status compose_group(struct glarepp_frame *f, struct gp_api_group *g,
+                               const struct gp_compose_params *p)
+{
+    struct gp_glare_stats stats = {0};
+    struct glarepp_flare_facts flare = {0};
+    struct gp_glare_params glare = f->plan->glare;
+    const double start = gp_now_ms(), cpu = gp_cpu_ms();
+    gp_status st = GP_OK;
+    glare.edges = edges_of(f, &g->sources);
+    if (g->sources.n > 0)
+        st = gp_glare_run(&f->log, &glare, &f->work->group_engines, &g->sources,
+                          gp_api_kernel(f), &g->image, &stats);
+    if (!st)
+        st = gp_api_ghosts_add(f, &g->sources, &f->work->group_ghosts,
+                               &g->image, &flare);
+    if (g->sources.n > 0) {
+        f->facts.engines_ms += gp_now_ms() - start;
+        f->facts.engines_cpu_ms += gp_cpu_ms() - cpu;
+    }
+    if (!st)
+        st = gp_compose(&f->log, p, &g->sources, &g->image);
+    gp_planes_free(&g->image.layer);
+    return st;
+}
+
+/* Adds up the layer, before composing takes it or, without that, at the end. */
+static void note_flux(struct glarepp_frame *f)
+{
+    double squares;
+    if (f->p.details && f->image.layer.c[0])
+        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
+                      f->facts.layer.flux, &squares);
+}
+
+static gp_status compose(struct glarepp_frame *f)
+{
+    struct glarepp_plan *const plan = f->plan;
+    struct gp_compose_params p = plan->compose;
+    p.dim = plan->sun.adapt * (float) gp_suns_mean(&f->work->suns);
+    p.last = f->p.layer_ends;
+    note_flux(f);
+    if (plan->ocio) {
+        pthread_mutex_lock(&plan->lock);
+        gp_ocio_note(&f->log, plan->ocio, &f->image);
+        pthread_mutex_unlock(&plan->lock);
+    }
+    gp_status st = gp_compose(&f->log, &p, &f->sources, &f->image);
+    p.last = true;
+    for (int i = 0; i < f->groups && !f->p.groups_glare && !st; i++)
+        st = compose_group(f, &f->group[i], &p);
+    f->composed = true;
+    return st;
+}
+
+static gp_status show(struct glarepp_frame *f)
+{
+    return f->plan->ocio ? gp_ocio_show(&f->log, f->plan->ocio,
+                                        &f->plan->tone, &f->image)
+                         : gp_tone_map(&f->log, &f->plan->tone, &f->image, NULL);
+}
+
+static gp_status finish(struct glarepp_frame *f)
+{
+    if (f->work && !f->composed)
+        note_flux(f);
+    gp_api_give_back(f->plan, &f->work);
+    return GP_OK;
+}
+
+// -- steps --------------------------------------------------------------------
+
+static const struct {
+    const char *name;
+    gp_status (*run)(struct glarepp_frame *f);
+} steps[GLAREPP_STEPS] = {
+    [GLAREPP_POSE] = {"scene", gp_api_pose},
+    [GLAREPP_RELIGHT] = {"relight", gp_api_relight},
+    [GLAREPP_PLACE] = {"lights", gp_api_place},
+    [GLAREPP_SHARES] = {"shares", gp_api_shares},
+    [GLAREPP_SENSE] = {"sensors", sense},
+    [GLAREPP_KERNEL] = {"kernel", make_kernel},
+    [GLAREPP_LAYER] = {"glare", add_layer},
+    [GLAREPP_VERIFY] = {"verify", verify},
+    [GLAREPP_FLARE] = {"flare", gp_api_flare},
+    [GLAREPP_LENS] = {"lens", gp_api_lens},
+    [GLAREPP_COMPOSE] = {"compose", compose},
+    [GLAREPP_TONE] = {"tonemap", show},
+    [GLAREPP_DONE] = {"done", finish},
+};
+
+/* Lends work to a frame, for the steps that need it. */
+static gp_status borrow_work(struct glarepp_frame *f, enum glarepp_step step)
+{
+    const bool idle = step == GLAREPP_TONE || step == GLAREPP_DONE ||
+                      step == GLAREPP_VERIFY || step == GLAREPP_SENSE;
+    return f->work || idle ? GP_OK : gp_api_lend(f->plan, &f->work);
+}
+
+int glarepp_frame_run(struct glarepp_frame *f, enum glarepp_step step)
+{
+    const struct gp_api_call call = gp_api_begin(f->plan->gp);
+    gp_status st;
+    if (step >= GLAREPP_STEPS)
+        GP_TRY(gp_fail_at(&f->log, GP_ERR_USAGE, "step", "frame: no such step "
+                          "(found %d)", (int) step));
+    GP_TRY(gp_api_progress(f->plan->gp, steps[step].name,
+                           (double) step / GLAREPP_STEPS));
+    GP_TRY(borrow_work(f, step));
+    f->facts.engines_ms = f->facts.engines_cpu_ms = 0.0;
+    GP_TRY(steps[step].run(f));
+out:
+    return gp_api_end(&call, st);
+}
+
+int glarepp_execute(struct glarepp_plan *plan, const struct glarepp_image *in,
+                    const struct glarepp_image *out,
+                    struct glarepp_facts *facts)
+{
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_frame *f = NULL;
+    int st;
+    p.image = *in;
+    st = glarepp_frame(plan, &p, &f);
+    if (!st && plan->scene.path)
+        st = glarepp_frame_run(f, GLAREPP_POSE);
+    if (!st && plan->facts.lights)
+        st = glarepp_frame_run(f, GLAREPP_PLACE);
+    for (int i = GLAREPP_SHARES; i <= GLAREPP_DONE && !st; i++) {
+        const bool idle = (i == GLAREPP_SHARES && !plan->facts.lights) ||
+                          i == GLAREPP_VERIFY || i == GLAREPP_TONE ||
+                          (i == GLAREPP_LENS && !plan->lens_params.lens);
+        if (!idle)
+            st = glarepp_frame_run(f, (enum glarepp_step) i);
+    }
+    if (!st) {
+        const struct gp_api_call call = gp_api_begin(plan->gp);
+        st = gp_api_end(&call, gp_api_export(&f->log, &f->image.lit,
+                                             f->image.data, out));
+    }
+    if (!st && facts) {
+        *facts = f->facts;
+        facts->light = NULL; // these end with the frame
+        facts->lights = 0;
+    }
+    glarepp_frame_end(&f);
+    return st;
+}
