@@ -17,7 +17,7 @@
 #include "glarepp.h"
 
 #include "core/env.h"
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 /* The receiver of a log: a context's messages, of a frame or of none. */
@@ -61,7 +61,7 @@ GP_MUST_CHECK gp_status gp_api_params(const struct gp_log *log,
 /* Asks the caller to decode a picture; *out has planes of its own.
  * Errors: GP_ERR_USAGE no picture callback; its own. */
 GP_MUST_CHECK gp_status gp_api_picture(struct glarepp *gp,
-    const struct gp_log *log, const char *path, struct gp_frame *out,
+    const struct gp_log *log, const char *path, struct gp_image *out,
     struct glarepp_label *label);
 
 /* Reads a scene, whose textures the caller decodes; without a callback they count
@@ -73,10 +73,10 @@ GP_MUST_CHECK gp_status gp_api_scene_read(struct glarepp *gp,
 
 /* Makes a frame of a view.
  *   borrow  the planes are taken as they are where they are float without gaps
- *   out     gp_frame_free() unless it borrows
+ *   out     gp_image_free() unless it borrows
  * Errors: GP_ERR_USAGE a view that is none; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_api_import(const struct gp_log *log,
-    const struct glarepp_image *view, bool borrow, struct gp_frame *out);
+    const struct glarepp_image *view, bool borrow, struct gp_image *out);
 
 /* Takes one plane of a view, borrowed where it is float without gaps. */
 GP_MUST_CHECK gp_status gp_api_plane(const struct gp_log *log,
@@ -90,6 +90,6 @@ GP_MUST_CHECK gp_status gp_api_export(const struct gp_log *log,
 
 /* Returns a view of planes of `data`, of a frame or (NULL) of none. */
 struct glarepp_image gp_api_view(const struct gp_planes *planes,
-                                 struct gp_rect data, const struct gp_frame *f);
+                                 struct gp_rect data, const struct gp_image *f);
 
 #endif

@@ -21,7 +21,7 @@ struct glarepp_compare {
 static gp_status view_of(const struct gp_log *log,
     const struct glarepp_stored *from, struct gp_stored_image *to)
 {
-    struct gp_frame blank;
+    struct gp_image blank;
     struct glarepp_stored s = {.size = sizeof s};
     gp_status st = gp_api_params(log, "stored", &s, sizeof s, from);
     if (st)
@@ -33,7 +33,7 @@ static gp_status view_of(const struct gp_log *log,
                           "pixels (found %d,%d to %d,%d)",
                           s.name ? s.name : "image", data.x0, data.y0, data.x1,
                           data.y1);
-    blank = gp_frame_blank(data);
+    blank = gp_image_blank(data);
     *to = (struct gp_stored_image) {
         .data = data, .display = data, .channels = s.channels,
         .deep = s.first != NULL, .first = (int64_t *) s.first,
@@ -180,8 +180,8 @@ int glarepp_compare_view(const struct glarepp_compare *c, int pair,
 {
     const struct gp_api_call call = gp_api_begin(c->gp);
     const struct gp_log *const log = &c->gp->log;
-    const struct gp_frame f = gp_frame_blank(c->match.window);
-    const size_t pixels = gp_frame_pixels(&f);
+    const struct gp_image f = gp_image_blank(c->match.window);
+    const size_t pixels = gp_image_pixels(&f);
     struct gp_planes p = {0};
     gp_status st;
     *out = (struct glarepp_image) GLAREPP_IMAGE;

@@ -124,7 +124,7 @@ void glarepp_frame_end(struct glarepp_frame **frame)
         if (g->borrowed)
             g->image.rgb = (struct gp_planes) {0};
         gp_sources_free(&g->sources);
-        gp_frame_free(&g->image);
+        gp_image_free(&g->image);
     }
     gp_free(f->group);
     gp_free(f->converted);
@@ -133,7 +133,7 @@ void glarepp_frame_end(struct glarepp_frame **frame)
     gp_planes_free(&f->intensity.planes);
     gp_free(f->share);
     gp_free(f->relit);
-    gp_frame_free(&f->image);
+    gp_image_free(&f->image);
     GP_FREE(*frame);
 }
 
@@ -160,7 +160,7 @@ double gp_api_camera_fov(const struct glarepp_frame *f)
 gp_status gp_api_dark_layer(struct glarepp_frame *f)
 {
     struct gp_planes *const p = &f->image.layer;
-    const size_t n = gp_frame_pixels(&f->image);
+    const size_t n = gp_image_pixels(&f->image);
     const gp_status st = p->c[0] ? GP_OK
                                  : gp_planes_make(&f->log, "layer", n, p);
     if (!st)
@@ -173,7 +173,7 @@ gp_status gp_api_dark_layer(struct glarepp_frame *f)
 /* Makes floats of the sum in double, to look at. */
 static gp_status show_truth(struct glarepp_frame *f)
 {
-    const size_t n = gp_frame_pixels(&f->image);
+    const size_t n = gp_image_pixels(&f->image);
     if (!f->exact || f->truth.c[0])
         return GP_OK;
     const gp_status st = gp_planes_make(&f->log, "exact layer", n, &f->truth);
@@ -186,7 +186,7 @@ static gp_status show_truth(struct glarepp_frame *f)
 static gp_status replace_layer(struct glarepp_frame *f,
                                const struct glarepp_image *plane)
 {
-    struct gp_frame other;
+    struct gp_image other;
     gp_status st = gp_api_import(&f->log, plane, false, &other);
     if (st)
         return st;
@@ -198,7 +198,7 @@ static gp_status replace_layer(struct glarepp_frame *f,
         f->image.layer = other.rgb;
         other.rgb = (struct gp_planes) {0};
     }
-    gp_frame_free(&other);
+    gp_image_free(&other);
     return st;
 }
 
@@ -238,21 +238,21 @@ out:
  * composed, its own pixels. */
 static gp_status convert(struct glarepp_frame *f, int group)
 {
-    struct gp_frame *const image =
+    struct gp_image *const image =
         group ? &f->group[group - 1].image : &f->image;
     const struct gp_planes *const from =
         f->composed ? &image->lit : &image->rgb;
     return f->converted[group].c[0] || !from->c[0]
                ? GP_OK
                : gp_ocio_convert(&f->log, f->plan->ocio, image,
-                                 gp_frame_pixels(image), from,
+                                 gp_image_pixels(image), from,
                                  &f->converted[group]);
 }
 
 /* Draws outlines of polygons over the picture. */
 static gp_status draw_polygons(struct glarepp_frame *f)
 {
-    const size_t n = gp_frame_pixels(&f->image);
+    const size_t n = gp_image_pixels(&f->image);
     const struct gp_planes *const under =
         f->image.shown.c[0] ? &f->image.shown : &f->image.lit;
     gp_status st = GP_OK;
@@ -286,7 +286,7 @@ int glarepp_frame_view(struct glarepp_frame *f, enum glarepp_view view,
 {
     const struct gp_api_call call = gp_api_begin(f->plan->gp);
     const bool grouped = group > 0 && group <= f->groups;
-    struct gp_frame *const image =
+    struct gp_image *const image =
         grouped ? &f->group[group - 1].image : &f->image;
     struct gp_rect data = image->data;
     const struct gp_planes *planes = NULL;

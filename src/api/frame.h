@@ -7,7 +7,7 @@
 /* A layer of a frame's light. With groups only these glare, each compared with
  * the threshold by itself. */
 struct gp_api_group {
-    struct gp_frame image;
+    struct gp_image image;
     bool borrowed;                 // image.rgb is the caller's
     struct gp_sources sources;
 };
@@ -24,7 +24,7 @@ struct glarepp_frame {
     struct gp_log log;
     struct glarepp_frame_params p; // image, group and matrices are in:
     struct gp_sun_about about;
-    struct gp_frame image;
+    struct gp_image image;
     bool borrowed;                 // image.rgb is the caller's
     struct gp_api_group *group;    // owned
     int groups;
@@ -69,7 +69,7 @@ gp_status gp_api_lens(struct glarepp_frame *f);
 /* Adds flare of bright pixels for `src` to an image's layer. */
 GP_MUST_CHECK gp_status gp_api_ghosts_add(struct glarepp_frame *f,
     const struct gp_sources *src, struct gp_api_ghosts *ghosts,
-    struct gp_frame *image, struct glarepp_flare_facts *facts);
+    struct gp_image *image, struct glarepp_flare_facts *facts);
 
 /* The stop of the lens as it is focused and closed for a frame. */
 struct gp_api_stop {

@@ -92,12 +92,12 @@ static void read_row(void *ctx, int i, int thread)
 }
 
 gp_status gp_api_import(const struct gp_log *log,
-    const struct glarepp_image *view, bool borrow, struct gp_frame *out)
+    const struct glarepp_image *view, bool borrow, struct gp_image *out)
 {
     gp_status st = check_view(log, view, 3);
     if (st)
         return st;
-    struct gp_frame f = gp_frame_blank(rect_of(view->data));
+    struct gp_image f = gp_image_blank(rect_of(view->data));
     const struct gp_rect display = rect_of(view->display);
     f.display = gp_rect_empty(display) ? f.data : display;
     f.pixel_aspect = view->aspect > 0.0f ? view->aspect : 1.0f;
@@ -110,10 +110,10 @@ gp_status gp_api_import(const struct gp_log *log,
         for (int c = 0; c < 3; c++)
             f.rgb.c[c] = view->plane[c];
     } else {
-        struct copying c = {.view = view, .w = (size_t) gp_frame_w(&f),
-                            .h = gp_frame_h(&f)};
+        struct copying c = {.view = view, .w = (size_t) gp_image_w(&f),
+                            .h = gp_image_h(&f)};
         strides_of(view, &c.pixel, &c.row);
-        st = gp_planes_make(log, "image", gp_frame_pixels(&f), &f.rgb);
+        st = gp_planes_make(log, "image", gp_image_pixels(&f), &f.rgb);
         c.planes = f.rgb;
         if (!st)
             gp_parallel_do(3 * c.h, read_row, &c);
@@ -123,7 +123,7 @@ gp_status gp_api_import(const struct gp_log *log,
     if (!st && !f.path)
         st = gp_no_memory_bare(log, "image");
     if (st)
-        gp_frame_free(&f);
+        gp_image_free(&f);
     else
         *out = f;
     return st;
@@ -157,7 +157,7 @@ gp_status gp_api_plane(const struct gp_log *log,
 }
 
 gp_status gp_api_picture(struct glarepp *gp, const struct gp_log *log,
-                         const char *path, struct gp_frame *out,
+                         const char *path, struct gp_image *out,
                          struct glarepp_label *label)
 {
     const struct glarepp_params *const p = &gp->params;
@@ -228,7 +228,7 @@ gp_status gp_api_export(const struct gp_log *log,
 }
 
 struct glarepp_image gp_api_view(const struct gp_planes *planes,
-                                 struct gp_rect data, const struct gp_frame *f)
+                                 struct gp_rect data, const struct gp_image *f)
 {
     struct glarepp_image v = GLAREPP_IMAGE;
     for (int c = 0; c < 3; c++)

@@ -203,7 +203,7 @@ int glarepp_kernel_draw(const struct glarepp_kernel *kernel,
     // large itself, all light counts as falling inside
     const bool whole =
         (2LL * field->w - 1) * (2LL * field->h - 1) <= field->most;
-    struct gp_frame like = gp_frame_blank((struct gp_rect) {0, 0, 1, 1});
+    struct gp_image like = gp_image_blank((struct gp_rect) {0, 0, 1, 1});
     if (field->primaries)
         memcpy(like.chromaticities, field->primaries, sizeof like.chromaticities);
     gp_luminance_weights(like.chromaticities, like.luminance);
@@ -238,11 +238,11 @@ static _Thread_local struct {
 } faults;
 
 /* Counts the samples that are not finite; returns whether any is light. */
-static bool look_at(const struct gp_frame *f, long long *nonfinite)
+static bool look_at(const struct gp_image *f, long long *nonfinite)
 {
     bool lit = false;
     for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+        for (size_t i = 0; i < gp_image_pixels(f); i++) {
             *nonfinite += !isfinite(f->rgb.c[c][i]);
             lit |= fabsf(f->rgb.c[c][i]) >= FLT_MIN;
         }
@@ -281,7 +281,7 @@ int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
     };
     struct gp_kernel_figures f = {0};
     struct gp_kernel k = {0};
-    struct gp_frame image = {0};
+    struct gp_image image = {0};
     gp_status st;
     *out = (struct glarepp_kernel_figures) {0};
     GP_TRY(gp_api_import(&gp->log, kernel, false, &image));
@@ -313,6 +313,6 @@ int glarepp_kernel_check(struct glarepp *gp, const struct glarepp_image *kernel,
     judge(&f, &use, out);
 out:
     gp_kernel_free(&k);
-    gp_frame_free(&image);
+    gp_image_free(&image);
     return gp_api_end(&call, st);
 }

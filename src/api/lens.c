@@ -65,7 +65,7 @@ static double sensor_width(struct glarepp_frame *f, const struct gp_lens *lens)
 
 bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
 {
-    const struct gp_frame *const image = &f->image;
+    const struct gp_image *const image = &f->image;
     struct gp_lens_figures figures;
     struct gp_lens lens;
     if (!f->plan->lens_params.lens || focus(f, NULL, &lens))
@@ -101,7 +101,7 @@ static void note_lens(struct glarepp_lens_facts *facts,
 /* Adds ghosts of the lens to image.layer, which is made. */
 static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
 {
-    struct gp_frame *const image = &f->image;
+    struct gp_image *const image = &f->image;
     struct glarepp_lens_facts *const facts = &f->facts.lens;
     const struct gp_suns *const suns = &f->work->suns;
     struct gp_lens_light *light = NULL;
@@ -133,7 +133,7 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
         GP_TRY(gp_lens_draw(&f->log, &lens, &view, light, n, &image->layer,
                             &stats));
         // all ghosts are light: the exact layer is no less than one without some
-        gp_planes_sum(&image->layer, gp_frame_pixels(image), sum, &squares);
+        gp_planes_sum(&image->layer, gp_image_pixels(image), sum, &squares);
         facts->bound =
             stats.missing > 0.0 ? stats.missing / sqrt(squares) : 0.0;
     }

@@ -157,8 +157,8 @@ gp_status gp_api_flare(struct glarepp_frame *f)
 
 /* A run's layer, to be added to the frame's, row by row. */
 struct adding {
-    const struct gp_frame *from; // of the run's window
-    struct gp_frame *to;
+    const struct gp_image *from; // of the run's window
+    struct gp_image *to;
     double *sum;                 // of squares, for each row of `from`: of all
                                  // pixels, then of those of the frame
 };
@@ -192,9 +192,9 @@ static void add_row(void *ctx, int y, int thread)
 /* Adds the layer of a run to that of an image. Returns the squared norms of the
  * whole and of the image's part in norm2[0] and [1]. */
 static gp_status add_layer(const struct gp_log *log,
-    const struct gp_frame *from, struct gp_frame *image, double norm2[2])
+    const struct gp_image *from, struct gp_image *image, double norm2[2])
 {
-    const int h = gp_frame_h(from);
+    const int h = gp_image_h(from);
     struct adding a = {from, image, NULL};
     const gp_status st = gp_alloc(log, "flare of bright pixels",
                                   2 * (size_t) h, sizeof *a.sum, &a.sum);
@@ -211,11 +211,11 @@ static gp_status add_layer(const struct gp_log *log,
 
 /* Adds one run's layer; norm2 and *stats stay 0 where it has no light. */
 static gp_status add_run(struct glarepp_frame *f, const struct gp_sources *src,
-    struct gp_api_ghosts *ghosts, int i, struct gp_frame *image,
+    struct gp_api_ghosts *ghosts, int i, struct gp_image *image,
     double norm2[2], struct gp_glare_stats *stats)
 {
     const struct gp_ghost *const run = &ghosts->set.run[i];
-    struct gp_frame window = {.path = image->path, .display = image->display};
+    struct gp_image window = {.path = image->path, .display = image->display};
     struct gp_glare_params p = f->plan->glare;
     struct gp_sources moved = {0};
     gp_status st = gp_ghost_move(&f->log, &ghosts->set, run, src, &moved);
@@ -234,7 +234,7 @@ static gp_status add_run(struct glarepp_frame *f, const struct gp_sources *src,
 
 gp_status gp_api_ghosts_add(struct glarepp_frame *f,
     const struct gp_sources *src, struct gp_api_ghosts *ghosts,
-    struct gp_frame *image, struct glarepp_flare_facts *facts)
+    struct gp_image *image, struct glarepp_flare_facts *facts)
 {
     const struct gp_flare *const flare = &f->work->suns.flare;
     const double start = gp_now_ms();
@@ -250,9 +250,9 @@ gp_status gp_api_ghosts_add(struct glarepp_frame *f,
                              sizeof *ghosts->engine, &ghosts->engine));
     ghosts->engines = ghosts->set.n;
     if (!image->layer.c[0]) {
-        GP_TRY(gp_planes_make(&f->log, "layer", gp_frame_pixels(image),
+        GP_TRY(gp_planes_make(&f->log, "layer", gp_image_pixels(image),
                               &image->layer));
-        gp_planes_clear(&image->layer, 0, gp_frame_pixels(image));
+        gp_planes_clear(&image->layer, 0, gp_image_pixels(image));
     }
     for (int i = 0; i < ghosts->set.n; i++) {
         const struct gp_ghost *const run = &ghosts->set.run[i];

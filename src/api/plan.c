@@ -218,7 +218,7 @@ enum { MODEL_REACH = 2 * GP_TAIL_CORE + 1 };
 static gp_status take_kernel(struct glarepp_plan *plan,
                              const struct glarepp_plan_params *p)
 {
-    static const struct gp_frame square = {.data = {0, 0, 1, 1}};
+    static const struct gp_image square = {.data = {0, 0, 1, 1}};
     struct gp_made_kernel *first;
     gp_status st = GP_OK;
     bool made;
@@ -281,7 +281,7 @@ static void free_work(struct gp_api_work **work)
 }
 
 static gp_status read_picture(void *user, const struct gp_log *log,
-                              const char *path, struct gp_frame *out)
+                              const char *path, struct gp_image *out)
 {
     const struct glarepp_plan *const plan = user;
     return gp_api_picture(plan->gp, log, path, out, NULL);

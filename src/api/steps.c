@@ -70,7 +70,7 @@ out:
 }
 
 /* Returns the luminance of a sum over pixels of the frame. */
-static double luminance_of(const struct gp_frame *image, const double sum[3])
+static double luminance_of(const struct gp_image *image, const double sum[3])
 {
     double y = 0.0;
     for (int c = 0; c < 3; c++)
@@ -123,7 +123,7 @@ static gp_status sense(struct glarepp_frame *f)
         break;
     }
     if (f->p.details) {
-        gp_planes_sum(&f->image.rgb, gp_frame_pixels(&f->image), sum, &squares);
+        gp_planes_sum(&f->image.rgb, gp_image_pixels(&f->image), sum, &squares);
         facts->light = luminance_of(&f->image, sum);
         facts->bright = gp_kernel_request_share(r) *
                         luminance_of(&f->image, src->flux);
@@ -202,7 +202,7 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
     for (int i = 0; i < gp_max(r->recipes, 1); i++) {
         const double share = r->recipes ? r->recipe[i].value[0] : 1.0;
         gp_kernel_label_use(&r->label[i], scale, &f->kernel->k,
-                            gp_frame_w(&f->image), gp_frame_h(&f->image), &use);
+                            gp_image_w(&f->image), gp_image_h(&f->image), &use);
         missed += share * use.missed;
         *worst = share * use.missed > most ? i : *worst;
         most = fmax(most, share * use.missed);
@@ -332,8 +332,8 @@ static gp_status make_kernel(struct glarepp_frame *f)
         gp_recipe_adapt(&recipe[i], f->mean, f->white);
     reach_lights(f, &field);
     if (f->plan->edges == GP_SURROUND_MIRROR) {
-        const int more = 2 * gp_mirror_reach(gp_frame_w(&f->image),
-                                             gp_frame_h(&f->image));
+        const int more = 2 * gp_mirror_reach(gp_image_w(&f->image),
+                                             gp_image_h(&f->image));
         field.w += more;
         field.h += more;
     }
@@ -452,7 +452,7 @@ static gp_status verify(struct glarepp_frame *f)
         return GP_OK;
     if (!f->exact) {
         GP_TRY(gp_alloc(&f->log, "exact layer",
-                        3 * gp_frame_pixels(&f->image), sizeof *f->exact,
+                        3 * gp_image_pixels(&f->image), sizeof *f->exact,
                         &f->exact));
         GP_TRY(gp_glare_reference(&f->log, &edges, all_light(f),
                                   gp_api_kernel(f), f->exact));
@@ -503,7 +503,7 @@ static void note_flux(struct glarepp_frame *f)
 {
     double squares;
     if (f->p.details && f->image.layer.c[0])
-        gp_planes_sum(&f->image.layer, gp_frame_pixels(&f->image),
+        gp_planes_sum(&f->image.layer, gp_image_pixels(&f->image),
                       f->facts.layer.flux, &squares);
 }
 

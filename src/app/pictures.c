@@ -5,7 +5,7 @@
 #include "core/memory.h"
 #include "io/plane.h"
 
-struct glarepp_image gp_image_of(const struct gp_frame *f,
+struct glarepp_image gp_decoded_of(const struct gp_frame *f,
                                  const struct gp_planes *planes)
 {
     struct glarepp_image v = GLAREPP_IMAGE;
@@ -33,7 +33,7 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
 {
     struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
     double size[2] = {0};
-    p.image = gp_image_of(f, &f->rgb);
+    p.image = gp_decoded_of(f, &f->rgb);
     p.file = (struct glarepp_rect) {f->read.x0, f->read.y0, f->read.x1,
                                     f->read.y1};
     p.numbered = gp_job_number(job, &p.number);
@@ -86,7 +86,7 @@ int gp_picture_read(void *user, const struct glarepp_picture *p,
         return (int) st;
     }
     *label = gp_label_of(&own);
-    *out = gp_image_of(&lent, &lent.rgb);
+    *out = gp_decoded_of(&lent, &lent.rgb);
     return GP_OK;
 }
 

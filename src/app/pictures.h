@@ -8,7 +8,7 @@
 
 /* Returns a view of planes of a frame, as its file describes them. It borrows
  * from both. */
-struct glarepp_image gp_image_of(const struct gp_frame *f,
+struct glarepp_image gp_decoded_of(const struct gp_frame *f,
                                  const struct gp_planes *planes);
 
 /* Returns what a job and its file say of a frame, and a view of its pixels. */

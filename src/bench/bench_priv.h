@@ -3,7 +3,7 @@
 #define GP_BENCH_BENCH_PRIV_H
 
 #include "bench/bench.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/json.h"
 
 #include <stddef.h>

@@ -15,7 +15,7 @@
 #ifndef GP_COMPARE_FLIP_H
 #define GP_COMPARE_FLIP_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 enum { GP_FLIP_EXPOSURES_MAX = 64 };

@@ -3,7 +3,7 @@
 #ifndef GP_CORE_CAMERA_H
 #define GP_CORE_CAMERA_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <math.h>

@@ -54,7 +54,7 @@ void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
 // -- the mean ----------------------------------------------------------------
 
 struct mean_sums {
-    const struct gp_frame *f;
+    const struct gp_image *f;
     const struct gp_planes *p;
     struct gp_rect seen;        // of the data window
     double band[GP_FRAME_BANDS];
@@ -65,7 +65,7 @@ static void sum_rows(void *ctx, int band, int thread)
     struct mean_sums *const s = ctx;
     const struct gp_rect *const at = &s->seen, *const data = &s->f->data;
     const size_t rows = (size_t) (at->y1 - at->y0);
-    const size_t w = (size_t) gp_frame_w(s->f);
+    const size_t w = (size_t) gp_image_w(s->f);
     double sum = 0.0;
     (void) thread;
     for (size_t y = gp_band_start(rows, band);
@@ -83,7 +83,7 @@ static void sum_rows(void *ctx, int band, int thread)
     s->band[band] = sum;
 }
 
-double gp_mean_luminance(const struct gp_frame *f, const struct gp_planes *p)
+double gp_mean_luminance(const struct gp_image *f, const struct gp_planes *p)
 {
     const struct gp_rect *const a = &f->data, *const b = &f->display;
     struct mean_sums s = {.f = f, .p = p, .seen = {
@@ -146,9 +146,9 @@ static void measure_log(void *ctx, int band, int thread)
     m->band[band] = s;
 }
 
-double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
+double gp_log_average(const struct gp_image *f, const struct gp_planes *p)
 {
-    struct log_measure m = {.p = p, .pixels = gp_frame_pixels(f)};
+    struct log_measure m = {.p = p, .pixels = gp_image_pixels(f)};
     for (int c = 0; c < 3; c++)
         m.weight[c] = (double) f->luminance[c];
     gp_parallel_do(GP_FRAME_BANDS, measure_log, &m);
@@ -167,12 +167,12 @@ double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
 enum { HALF_BITS = 16, HALF_BINS = 1 << HALF_BITS };
 
 struct ranking {
-    const struct gp_frame *f;
+    const struct gp_image *f;
     uint32_t (*count)[HALF_BINS]; // of each thread
     uint32_t upper;               // bin that is refined; HALF_BINS: none
 };
 
-static float luminance_at(const struct gp_frame *f, size_t i)
+static float luminance_at(const struct gp_image *f, size_t i)
 {
     const float y = gp_lit_luminance(f->luminance, f->rgb.c[0][i],
                                      f->rgb.c[1][i], f->rgb.c[2][i]);
@@ -182,7 +182,7 @@ static float luminance_at(const struct gp_frame *f, size_t i)
 static void count_band(void *ctx, int band, int thread)
 {
     const struct ranking *const r = ctx;
-    const struct gp_rect data = r->f->data, read = gp_frame_read(r->f);
+    const struct gp_rect data = r->f->data, read = gp_image_read(r->f);
     const size_t w = (size_t) gp_rect_w(read), all = (size_t) gp_rect_w(data);
     const size_t pixels = w * (size_t) gp_rect_h(read);
     const size_t first = (size_t) (read.y0 - data.y0) * all +
@@ -222,9 +222,9 @@ static uint32_t find_bin(struct ranking *r, uint64_t *rank)
 }
 
 gp_status gp_luminance_percentile(const struct gp_log *log,
-    const struct gp_frame *f, double percent, float *out)
+    const struct gp_image *f, double percent, float *out)
 {
-    const struct gp_rect read = gp_frame_read(f);
+    const struct gp_rect read = gp_image_read(f);
     const size_t pixels = (size_t) gp_rect_w(read) * (size_t) gp_rect_h(read);
     struct ranking r = {.f = f, .upper = HALF_BINS};
     gp_status st = gp_alloc(log, "percentile", (size_t) gp_threads(),
@@ -245,14 +245,14 @@ gp_status gp_luminance_percentile(const struct gp_log *log,
 // -- the largest -------------------------------------------------------------
 
 struct peaks {
-    const struct gp_frame *f;
+    const struct gp_image *f;
     size_t at[GP_FRAME_BANDS]; // first of the largest of each band
 };
 
 static void find_peak(void *ctx, int band, int thread)
 {
     struct peaks *const p = ctx;
-    const size_t pixels = gp_frame_pixels(p->f);
+    const size_t pixels = gp_image_pixels(p->f);
     const size_t start = gp_band_start(pixels, band);
     const size_t end = gp_band_start(pixels, band + 1);
     float largest = -1.0f;
@@ -264,7 +264,7 @@ static void find_peak(void *ctx, int band, int thread)
     }
 }
 
-float gp_luminance_peak(const struct gp_frame *f, int at[2])
+float gp_luminance_peak(const struct gp_image *f, int at[2])
 {
     struct peaks p = {.f = f};
     size_t first = 0;
@@ -273,7 +273,7 @@ float gp_luminance_peak(const struct gp_frame *f, int at[2])
         if (luminance_at(f, p.at[i]) > luminance_at(f, first))
             first = p.at[i];
     }
-    at[0] = f->data.x0 + (int) (first % (size_t) gp_frame_w(f));
-    at[1] = f->data.y0 + (int) (first / (size_t) gp_frame_w(f));
+    at[0] = f->data.x0 + (int) (first % (size_t) gp_image_w(f));
+    at[1] = f->data.y0 + (int) (first / (size_t) gp_image_w(f));
     return luminance_at(f, first);
 }

@@ -4,7 +4,7 @@
 #ifndef GP_CORE_LUMINANCE_H
 #define GP_CORE_LUMINANCE_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 /* Bands of a frame, each summed by itself; fixed, so that sums are the same for
@@ -39,12 +39,12 @@ void gp_planes_sum(const struct gp_planes *p, size_t pixels, double sum[3],
 /* The mean luminance over f's display window, where pixels outside of the data
  * window are black; negative channels count as they are, the result is >= 0.
  * `p` has the planes of f's size. */
-double gp_mean_luminance(const struct gp_frame *f, const struct gp_planes *p);
+double gp_mean_luminance(const struct gp_image *f, const struct gp_planes *p);
 
 /* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
  * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);
  * delta 1e-6. 0 when no pixel counts. `p` has the planes of f's size. */
-double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
+double gp_log_average(const struct gp_image *f, const struct gp_planes *p);
 
 /* Finds the luminance that `percent` of the pixels are not over, the nearest
  * rank: the k-th smallest of N, k = ceil(percent / 100 * N), at least the
@@ -55,9 +55,9 @@ double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
  *   out      finite, >= 0; written only on GP_OK
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_luminance_percentile(const struct gp_log *log,
-    const struct gp_frame *f, double percent, float *out);
+    const struct gp_image *f, double percent, float *out);
 
 /* The largest luminance of the same, and its first pixel in EXR pixel space. */
-float gp_luminance_peak(const struct gp_frame *f, int at[2]);
+float gp_luminance_peak(const struct gp_image *f, int at[2]);
 
 #endif

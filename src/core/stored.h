@@ -2,7 +2,7 @@
 #ifndef GP_CORE_STORED_H
 #define GP_CORE_STORED_H
 
-#include "core/frame.h"
+#include "core/image.h"
 
 /* One channel at full resolution: a value for each pixel of the data window,
  * rows from the top; subsampled ones are repeated. Of deep data, one for each
@@ -30,7 +30,7 @@ struct gp_stored_image {
      * three is missing. */
     const float *light[3];
     struct gp_planes own;
-    float chromaticities[8], luminance[3]; // as in struct gp_frame
+    float chromaticities[8], luminance[3]; // as in struct gp_image
 };
 
 #endif

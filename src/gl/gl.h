@@ -12,7 +12,7 @@
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdbool.h>

@@ -32,7 +32,7 @@
 #ifndef GP_GLARE_EDGES_H
 #define GP_GLARE_EDGES_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
 

@@ -8,7 +8,7 @@
 #ifndef GP_GLARE_ENGINE_H
 #define GP_GLARE_ENGINE_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "gl/gl.h"
@@ -160,7 +160,7 @@ struct gp_glare {
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_frame *f, struct gp_glare_stats *stats);
+    struct gp_image *f, struct gp_glare_stats *stats);
 void gp_glare_close(struct gp_glare *g);
 
 /* The truth: the same sum in double, plain loops when n sources times the
@@ -178,7 +178,7 @@ GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
 struct gp_glare_error {
     double rel_l2, max_rel, max_abs, flux_error;
 };
-void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
+void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     const double *exact, float gain, const struct gp_sources *taken,
     struct gp_glare_error *out);
 
@@ -206,6 +206,6 @@ struct gp_compose_params {
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
     const struct gp_compose_params *p, const struct gp_sources *src,
-    struct gp_frame *f);
+    struct gp_image *f);
 
 #endif

@@ -89,7 +89,7 @@ gp_status gp_floor_find(const struct gp_glare_request *req,
 
 struct floors {
     const struct gp_glare_request *req;
-    const struct gp_frame *f;
+    const struct gp_image *f;
     double centre[3];   // kernel samples that a source's own pixel gets
     struct gp_bound_cells cells;
     double *least, *most; // of each cell
@@ -102,7 +102,7 @@ static double own_luminance(const struct floors *m, size_t x, size_t y,
 {
     const struct gp_glare_params *const p = m->req->params;
     const struct gp_sources *const t = p->taken, *const s = m->req->src;
-    const size_t at = y * (size_t) gp_frame_w(m->f) + x;
+    const size_t at = y * (size_t) gp_image_w(m->f) + x;
     const double gain = (double) p->gain;
     double sum = 0.0;
     const bool gives = t && *taken < t->row[y + 1] &&
@@ -127,7 +127,7 @@ static void bound_row(void *ctx, int row, int thread)
     const struct floors *const m = ctx;
     const struct gp_sources *const t = m->req->params->taken;
     const int side = m->cells.side;
-    const size_t w = (size_t) gp_frame_w(m->f);
+    const size_t w = (size_t) gp_image_w(m->f);
     const size_t end = (size_t) gp_min((row + 1) * side, m->cells.h);
     const size_t first = (size_t) row * (size_t) m->cells.columns;
     (void) thread;
@@ -147,7 +147,7 @@ static void bound_row(void *ctx, int row, int thread)
 }
 
 gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
-    const struct gp_frame *f, struct gp_pixel_floor *out)
+    const struct gp_image *f, struct gp_pixel_floor *out)
 {
     const struct gp_kernel *const k = req->kernel;
     struct floors m = {.req = req, .f = f};

@@ -54,7 +54,7 @@ static gp_status halve_kernel(const struct gp_log *log,
 }
 
 struct doubling {
-    const struct gp_frame *f;
+    const struct gp_image *f;
     int times;
     uint8_t *over; // one a row: a sample overflowed
 };
@@ -62,7 +62,7 @@ struct doubling {
 static void double_row(void *ctx, int y, int thread)
 {
     const struct doubling *const d = ctx;
-    const size_t w = (size_t) gp_frame_w(d->f);
+    const size_t w = (size_t) gp_image_w(d->f);
     (void) thread;
     for (int c = 0; c < 3; c++) {
         float *const v = d->f->layer.c[c] + (size_t) y * w;
@@ -78,10 +78,10 @@ static void double_row(void *ctx, int y, int thread)
  * warning is printed and the bound is INFINITY. Errors: GP_ERR_BUG out of
  * memory. */
 static gp_status double_layer(const struct gp_log *log, const char *path,
-    const struct gp_frame *f, int times, double *bound)
+    const struct gp_image *f, int times, double *bound)
 {
     struct doubling d = {f, times, NULL};
-    const int h = gp_frame_h(f);
+    const int h = gp_image_h(f);
     gp_status st = gp_alloc_zero(log, "layer", (size_t) h, 1, &d.over);
     if (st)
         return st;
@@ -172,7 +172,7 @@ struct drawing {
     const struct gp_sources *src;   // as bright as the frame is
     const struct gp_kernel *kernel; // with its tail, if it has one
     const struct gp_kernel *drawn;  // that, or the whole of it
-    struct gp_frame *f;
+    struct gp_image *f;
     const char *path;
     struct gp_sources less;         // halved, or empty
     struct gp_kernel small;
@@ -289,7 +289,7 @@ out:
 static gp_status run_picture(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_frame *f, struct gp_glare_stats *stats)
+    struct gp_image *f, struct gp_glare_stats *stats)
 {
     gp_status st = GP_OK;
     struct gp_choice taken;
@@ -304,11 +304,11 @@ static gp_status run_picture(const struct gp_log *log,
                        "%s: no engine of this name; use auto, direct, fft or "
                        "splat", p->engine);
     if (!f->layer.c[0])
-        st = gp_planes_make(log, "layer", gp_frame_pixels(f), &f->layer);
+        st = gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer);
     if (st)
         return st;
     if (!src->n) {
-        gp_planes_clear(&f->layer, 0, gp_frame_pixels(f));
+        gp_planes_clear(&f->layer, 0, gp_image_pixels(f));
         return GP_OK;
     }
     if (kernel->tail && named >= 0 && gp_engines[named] == &gp_engine_direct)
@@ -348,14 +348,14 @@ static void cut_planes(const struct gp_planes *from, int reach, int w, int h,
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct gp_frame *f, struct gp_glare_stats *stats)
+    struct gp_image *f, struct gp_glare_stats *stats)
 {
     gp_status st;
     if (p->edges.how != GP_SURROUND_MIRROR || !src->n)
         return run_picture(log, p, g, src, kernel, f, stats);
     struct gp_mirrored m = {0};
     struct gp_glare_params params = *p;
-    struct gp_frame wide = {.path = f->path};
+    struct gp_image wide = {.path = f->path};
     const int w = src->w, h = src->h;
     const bool pixel = p->tolerance_pixel > 0.0f;
     memcpy(wide.luminance, f->luminance, sizeof wide.luminance);
@@ -367,7 +367,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     params.taken = p->taken ? m.edges.picture : NULL;
     GP_TRY(run_picture(log, &params, g, &m.src, kernel, &wide, stats));
     if (!f->layer.c[0])
-        GP_TRY(gp_planes_make(log, "layer", gp_frame_pixels(f), &f->layer));
+        GP_TRY(gp_planes_make(log, "layer", gp_image_pixels(f), &f->layer));
     cut_planes(&wide.layer, m.reach, w, h, &f->layer);
 out:
     gp_planes_free(&wide.layer);
@@ -397,7 +397,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     const struct gp_sources frame = {
         .w = w, .h = h, .luminance = {0.3f, 0.6f, 0.1f},
     };
-    struct gp_frame f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
+    struct gp_image f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare engines = {0};
     struct gp_glare_stats stats;
@@ -432,7 +432,7 @@ out:
 // Rows share nothing, so the result is the same for any number of threads.
 
 struct composing {
-    struct gp_frame *f;
+    struct gp_image *f;
     const struct gp_sources *src;
     const struct gp_planes *layer;
     float *line;  // of each thread, a row: f->lit is the layer; else NULL
@@ -475,8 +475,8 @@ GP_CLONES static int count_over(const float *in, const float *out, size_t n)
 static void compose_row(void *ctx, int y, int thread)
 {
     struct composing *m = ctx;
-    const struct gp_frame *f = m->f;
-    const size_t w = (size_t) gp_frame_w(f);
+    const struct gp_image *f = m->f;
+    const size_t w = (size_t) gp_image_w(f);
     const size_t at = (size_t) y * w;
     for (int c = 0; c < 3; c++) {
         const float *in = f->rgb.c[c] + at;
@@ -510,7 +510,7 @@ static void compose_row(void *ctx, int y, int thread)
 
 gp_status gp_compose(const struct gp_log *log,
                      const struct gp_compose_params *p,
-                     const struct gp_sources *src, struct gp_frame *f)
+                     const struct gp_sources *src, struct gp_image *f)
 {
     gp_status st = GP_OK;
     struct composing m = {
@@ -519,13 +519,13 @@ gp_status gp_compose(const struct gp_log *log,
         .taken = p->mix == GP_MIX_SCATTER && src->n > 0
                      ? gp_minf(p->gain, 1.0f) : 0.0f,
     };
-    const size_t w = (size_t) gp_frame_w(f);
+    const size_t w = (size_t) gp_image_w(f);
 
-    if (m.taken > 0.0f && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))
+    if (m.taken > 0.0f && (src->w != gp_image_w(f) || src->h != gp_image_h(f)))
         return gp_fail(log, GP_ERR_BUG,
                        "%s: the sources are those of another frame (%dx%d, "
                        "the frame is %dx%d); report this", f->path, src->w,
-                       src->h, gp_frame_w(f), gp_frame_h(f));
+                       src->h, gp_image_w(f), gp_image_h(f));
     if (!f->lit.c[0] && p->last && f->layer.c[0]) {
         st = gp_alloc(log, "lit row", (size_t) gp_threads() * w,
                       sizeof *m.line, &m.line);
@@ -535,11 +535,11 @@ gp_status gp_compose(const struct gp_log *log,
             m.layer = &f->lit;
         }
     } else if (!f->lit.c[0]) {
-        st = gp_planes_make(log, "lit frame", gp_frame_pixels(f), &f->lit);
+        st = gp_planes_make(log, "lit frame", gp_image_pixels(f), &f->lit);
     }
     if (st)
         return st;
-    gp_parallel_do(gp_frame_h(f), compose_row, &m);
+    gp_parallel_do(gp_image_h(f), compose_row, &m);
     gp_free(m.line);
     const long long over = atomic_load(&m.over);
     if (over)

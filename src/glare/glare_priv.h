@@ -2,7 +2,7 @@
 #ifndef GP_GLARE_GLARE_PRIV_H
 #define GP_GLARE_GLARE_PRIV_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
@@ -71,7 +71,7 @@ struct gp_pixel_floor {
                            // the border is wrong by
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
-    const struct gp_frame *f, struct gp_pixel_floor *out);
+    const struct gp_image *f, struct gp_pixel_floor *out);
 
 /* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
  * most share * gain * layer + gain * sum of weight * of, and the composite Y is

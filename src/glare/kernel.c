@@ -440,12 +440,12 @@ static gp_status find_center(const struct gp_log *log,
 }
 
 gp_status gp_kernel_from_frame(const struct gp_log *log,
-    const struct gp_kernel_params *p, const struct gp_frame *image,
+    const struct gp_kernel_params *p, const struct gp_image *image,
     struct gp_kernel *out)
 {
     struct raw_kernel raw = {
         .name = image->path ? image->path : "kernel",
-        .w = gp_frame_w(image), .h = gp_frame_h(image),
+        .w = gp_image_w(image), .h = gp_image_h(image),
         .in = image->rgb, .luminance = image->luminance,
     };
     if (raw.w < 1 || raw.h < 1)

@@ -2,7 +2,7 @@
 #ifndef GP_GLARE_KERNEL_H
 #define GP_GLARE_KERNEL_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdbool.h>
@@ -85,7 +85,7 @@ struct gp_kernel {
 
 /* Returns the width of a pixel over its height; 1 where the file says less than
  * 1/16 or more than 16, which cannot be true. */
-float gp_kernel_aspect(const struct gp_frame *frame);
+float gp_kernel_aspect(const struct gp_image *frame);
 
 /* Makes a kernel from planes that were read from a file.
  *
@@ -108,7 +108,7 @@ float gp_kernel_aspect(const struct gp_frame *frame);
  * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
  * is not finite, a rotated or resampled kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
-    const struct gp_kernel_params *p, const struct gp_frame *image,
+    const struct gp_kernel_params *p, const struct gp_image *image,
     struct gp_kernel *out);
 
 /* Makes a kernel of planes as they are, w * h each, its centre pixel

@@ -25,7 +25,7 @@ void gp_kernel_request_free(struct gp_kernel_request *r)
     for (int i = 0; i < GP_RECIPES; i++) {
         if (i < r->recipes)
             gp_recipe_free(&r->recipe[i]);
-        gp_frame_free(&r->image[i]);
+        gp_image_free(&r->image[i]);
     }
     *r = (struct gp_kernel_request) {0};
 }
@@ -54,7 +54,7 @@ double gp_kernel_request_scale(const struct gp_kernel_request *r,
                                const struct gp_field *field)
 {
     return r->degrees > 0.0 && field->degrees > 0.0
-               ? r->degrees / (field->degrees * gp_frame_h(&r->image[0]))
+               ? r->degrees / (field->degrees * gp_image_h(&r->image[0]))
                : r->percent / 100.0;
 }
 

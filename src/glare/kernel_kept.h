@@ -23,7 +23,7 @@ struct gp_kernel_label {
 /* Recipes, or one image. */
 struct gp_kernel_request {
     struct gp_recipe recipe[GP_RECIPES];
-    struct gp_frame image[GP_RECIPES]; // of the recipe's file, or of the kernel
+    struct gp_image image[GP_RECIPES]; // of the recipe's file, or of the kernel
     struct gp_kernel_label label[GP_RECIPES]; // of image[i] as a kernel
     int recipes;                       // 0: image[0] is the kernel
     struct gp_kernel_params params;    // of image[0]; its aspect, scale and

@@ -130,7 +130,7 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
 
 // -- resampling ---------------------------------------------------------------
 
-float gp_kernel_aspect(const struct gp_frame *frame)
+float gp_kernel_aspect(const struct gp_image *frame)
 {
     const float a = frame ? frame->pixel_aspect : 1.0f;
     return a >= 1.0f / 16.0f && a <= 16.0f ? a : 1.0f;

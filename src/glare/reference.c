@@ -222,10 +222,10 @@ static double worse(double a, double b)
 
 /* Returns the luminance of the exact composite in pixel i. *next is the first
  * source at or after that pixel. */
-static double composite_at(const struct gp_frame *f, const double *exact,
+static double composite_at(const struct gp_image *f, const double *exact,
     double gain, const struct gp_sources *taken, size_t i, size_t *next)
 {
-    const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
+    const size_t n = gp_image_pixels(f), w = (size_t) gp_image_w(f);
     const bool source = taken && *next < taken->row[i / w + 1] &&
                         (size_t) taken->x[*next] == i % w;
     double sum = 0.0;
@@ -239,11 +239,11 @@ static double composite_at(const struct gp_frame *f, const double *exact,
     return sum;
 }
 
-void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
+void gp_glare_measure(const struct gp_image *f, const struct gp_planes *layer,
     const double *exact, float gain, const struct gp_sources *taken,
     struct gp_glare_error *out)
 {
-    const size_t n = gp_frame_pixels(f);
+    const size_t n = gp_image_pixels(f);
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
     double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
     for (size_t i = 0, next = 0; i < n; i++) {

@@ -455,7 +455,7 @@ static void set_rule(const struct gp_sensor_params *p, struct bright_rule *r)
 /* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
  * GP_ERR_BUG out of memory. */
 static gp_status clean_frame(const struct gp_log *log, struct sense *s,
-    int blocks, const struct gp_frame *f, struct gp_sensor_params *p)
+    int blocks, const struct gp_image *f, struct gp_sensor_params *p)
 {
     gp_status st = GP_OK;
     const bool relative = p->unit != GP_THRESHOLD_LUMINANCE;
@@ -487,12 +487,12 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
 }
 
 gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
-                   struct gp_frame *f, struct gp_sources *out)
+                   struct gp_image *f, struct gp_sources *out)
 {
     gp_status st;
     struct gp_sensor_params found = *p; // its threshold in luminance
     const struct gp_sources like = {
-        .w = gp_frame_w(f), .h = gp_frame_h(f),
+        .w = gp_image_w(f), .h = gp_image_h(f),
         .x0 = f->data.x0, .y0 = f->data.y0,
         .luminance = {f->luminance[0], f->luminance[1], f->luminance[2]},
     };

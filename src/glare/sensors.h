@@ -8,7 +8,7 @@
 #ifndef GP_GLARE_SENSORS_H
 #define GP_GLARE_SENSORS_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
 
@@ -49,6 +49,6 @@ struct gp_sensor_params {
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
                                  const struct gp_sensor_params *p,
-                                 struct gp_frame *f, struct gp_sources *out);
+                                 struct gp_image *f, struct gp_sources *out);
 
 #endif

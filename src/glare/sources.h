@@ -3,7 +3,7 @@
 #ifndef GP_GLARE_SOURCES_H
 #define GP_GLARE_SOURCES_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdint.h>

@@ -2,7 +2,7 @@
 #ifndef GP_IO_CHANNELS_H
 #define GP_IO_CHANNELS_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 
 #include <stdbool.h>

@@ -7,7 +7,7 @@
 #define GP_IO_GROW_H
 
 #include "core/depth.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 
 struct gp_grow_params {

@@ -2,10 +2,10 @@
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 #include "io/exr/exr.h"
-#include "io/image.h"
+#include "io/decoded.h"
 #include "io/read.h"
 #include "io/stream.h"
 #include "io/write.h"
@@ -30,7 +30,7 @@ struct gp_reader {
     // opens a picture as gp_png_open() does
     gp_status (*open)(const struct gp_log *log, const char *path,
                       const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_image *out);
+                      long long max_pixels, struct gp_decoded *out);
     // sets *length to the bytes of the image that `data` begins with; leaves it
     // when they are unknown; fails, without a line, only when memory is full.
     // NULL: the image must be the only one of a stream
@@ -53,12 +53,12 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
 
 /* Opens picture `part` of a stream of any format (of EXR, those with DWA); its
  * first bytes choose the reader. The stream stays the caller's and must live
- * until gp_image_close().
+ * until gp_decoded_close().
  * Errors: GP_ERR_IO no helper program; GP_ERR_DATA damaged, truncated, over
  * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
-    const struct gp_stream *stream, int part, struct gp_image *out);
+    const struct gp_stream *stream, int part, struct gp_decoded *out);
 
 /* gp_read_frame() for an open stream, from its first bytes on; takes the
  * stream over: it is closed, or lives on in the frame. */
@@ -131,7 +131,7 @@ void gp_quantize_linear_dither(const struct gp_quantizer *q, const float *value,
 
 /* Opens a PNG of any colour type, depth and interlacing.
  *
- *   stream  stays the caller's and must live until gp_image_close()
+ *   stream  stays the caller's and must live until gp_decoded_close()
  *   part    must be 0: there is one picture
  *   out     written only on GP_OK. Channels Y, YA, RGB or RGBA: palettes and
  *           transparent colours are resolved, alpha is associated as
@@ -150,7 +150,7 @@ void gp_quantize_linear_dither(const struct gp_quantizer *q, const float *value,
  * Source: W3C PNG (third edition). */
 GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
-                                    long long max_pixels, struct gp_image *out);
+                                    long long max_pixels, struct gp_decoded *out);
 
 /* gp_write_picture() for PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha
  * channel (picture.h says what alpha means where light has none).
@@ -171,7 +171,7 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
  * display window. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
-                                    long long max_pixels, struct gp_image *out);
+                                    long long max_pixels, struct gp_decoded *out);
 GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
                                       uint64_t *length);
 GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,

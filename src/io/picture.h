@@ -2,7 +2,7 @@
 #ifndef GP_IO_PICTURE_H
 #define GP_IO_PICTURE_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 #include "io/write.h"
 

@@ -493,7 +493,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     gp_status st;
     struct gp_stream stream;
     struct gp_input *in = NULL;
-    struct gp_image image = {0};
+    struct gp_decoded image = {0};
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
     struct gp_plane plane = {0};
@@ -514,14 +514,14 @@ gp_status gp_read_plane_file(const struct gp_log *log,
         GP_TRY(from_part(log, p, path, in, &at, &plane));
     } else {
         GP_TRY(make_samples(log, image.data, &plane));
-        GP_TRY(gp_image_channel(log, &image, at.channel, plane.v));
+        GP_TRY(gp_decoded_channel(log, &image, at.channel, plane.v));
     }
     *out = plane;
     plane = (struct gp_plane) {0};
 out:
     gp_plane_free(&plane);
     gp_plane_list_free(&list);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     gp_input_free(in);
     gp_stream_close(&stream);
     return st;
@@ -530,7 +530,7 @@ out:
 /* -- the alpha of a picture ------------------------------------------------ */
 
 /* Reads an open picture. */
-static gp_status read_alpha(const struct gp_log *log, struct gp_image *image,
+static gp_status read_alpha(const struct gp_log *log, struct gp_decoded *image,
                             long long most, struct gp_coverage *out)
 {
     struct gp_coverage a = {1, 1, NULL};
@@ -553,7 +553,7 @@ static gp_status read_alpha(const struct gp_log *log, struct gp_image *image,
     a.code[0] = GP_COVERED;
     if (channel >= 0) {
         GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *v, &v));
-        GP_TRY(gp_image_channel(log, image, channel, v));
+        GP_TRY(gp_decoded_channel(log, image, channel, v));
         for (long long i = 0; i < texels; i++) { // NaN is 0
             const float covered = v[i] > 0.0f ? v[i] < 1.0f ? v[i] : 1.0f : 0.0f;
             a.code[i] = (uint16_t) (covered * (float) GP_COVERED + 0.5f);
@@ -573,7 +573,7 @@ gp_status gp_read_coverage(const struct gp_log *log,
 {
     struct gp_read_params limits = gp_read_limits(p);
     struct gp_stream stream = gp_stream_of(bytes, n);
-    struct gp_image image = {0};
+    struct gp_decoded image = {0};
     gp_status st;
     if (!bytes)
         GP_TRY(gp_stream_open_regular(log, path, &stream));
@@ -584,7 +584,7 @@ gp_status gp_read_coverage(const struct gp_log *log,
     GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
     st = read_alpha(log, &image, most, out);
 out:
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     gp_stream_close(&stream);
     return st;
 }

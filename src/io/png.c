@@ -271,7 +271,7 @@ static void sample_row(void *ctx, int y, int thread)
     }
 }
 
-static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
                            int y, float *to)
 {
     struct png_input *const in = image->own;
@@ -289,7 +289,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
     return GP_OK;
 }
 
-static void close_input(struct gp_image *image)
+static void close_input(struct gp_decoded *image)
 {
     struct png_input *const in = image->own;
     png_destroy_read_struct(&in->png, &in->info, NULL);
@@ -300,7 +300,7 @@ static void close_input(struct gp_image *image)
 
 gp_status gp_png_open(const struct gp_log *log, const char *path,
                       const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_image *out)
+                      long long max_pixels, struct gp_decoded *out)
 {
     static const char *const names[][4] = {
         {"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"},
@@ -314,7 +314,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     if (st)
         return st;
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
-    struct gp_image image = {
+    struct gp_decoded image = {
         .path = path, .rows = read_rows, .close = close_input, .own = in,
     };
     in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in, on_read_error,
@@ -329,7 +329,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
         in->st = list_attributes(in, &image.attributes);
     if (in->st) {
         st = in->st;
-        gp_image_close(&image);
+        gp_decoded_close(&image);
         return st;
     }
     *out = image;

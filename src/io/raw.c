@@ -87,12 +87,12 @@ struct pfm_input {
     struct header header;
 };
 
-static void close_input(struct gp_image *image)
+static void close_input(struct gp_decoded *image)
 {
     gp_free(image->own);
 }
 
-static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
                            int y, float *to)
 {
     const struct pfm_input *const in = image->own;
@@ -122,7 +122,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
 
 gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                       const struct gp_stream *stream, int part,
-                      long long max_pixels, struct gp_image *out)
+                      long long max_pixels, struct gp_decoded *out)
 {
     static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
     uint8_t first[HEADER_BYTES] = {0};
@@ -150,7 +150,7 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
         return st;
     *own = (struct pfm_input) {stream, h};
     const struct gp_rect window = {0, 0, h.width, h.height};
-    *out = (struct gp_image) {
+    *out = (struct gp_decoded) {
         .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,
         .channels = h.channels, .channel_name = h.channels == 3 ? rgb : grey,
         .colour_space = "", .rows = read_rows, .close = close_input,

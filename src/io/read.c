@@ -255,7 +255,7 @@ gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
 
 gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
-    const struct gp_stream *stream, int part, struct gp_image *out)
+    const struct gp_stream *stream, int part, struct gp_decoded *out)
 {
     uint8_t first[GP_FIRST_BYTES] = {0};
     const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
@@ -274,7 +274,7 @@ gp_status gp_read_stream(const struct gp_log *log,
                          struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
-    struct gp_image image = {0};
+    struct gp_decoded image = {0};
     bool exr;
     int part = 0;
     GP_TRY(check_start(log, path, stream, &exr));
@@ -295,9 +295,9 @@ gp_status gp_read_stream(const struct gp_log *log,
     if (!gp_rect_empty(image.display)) // else it is the data window
         GP_TRY(gp_window_check(log, path, "display", gp_rect_w(image.display),
                gp_rect_h(image.display), p->max_pixels));
-    GP_TRY(gp_image_frame(log, p->layer, &image, out));
+    GP_TRY(gp_decoded_frame(log, p->layer, &image, out));
 out:
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     gp_stream_close(stream);
     return st;
 }

@@ -5,7 +5,7 @@
 #ifndef GP_IO_READ_H
 #define GP_IO_READ_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 #include "core/stored.h"
 #include "io/sequence.h"

@@ -134,11 +134,11 @@ static gp_status read_other(const struct gp_log *log,
     struct gp_stored_image *out)
 {
     gp_status st;
-    struct gp_image image = {0};
+    struct gp_decoded image = {0};
     struct gp_frame frame = {0};
     GP_TRY(gp_read_image(log, p, f->path, &f->stream, part, &image));
-    GP_TRY(gp_image_load(log, &image));
-    GP_TRY(gp_image_frame(log, NULL, &image, &frame));
+    GP_TRY(gp_decoded_load(log, &image));
+    GP_TRY(gp_decoded_frame(log, NULL, &image, &frame));
     copy_header(&frame, out);
     out->integers = image.bits > 0;
     out->own = frame.rgb;
@@ -157,7 +157,7 @@ static gp_status read_other(const struct gp_log *log,
     }
 out:
     gp_frame_free(&frame);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     return st;
 }
 
@@ -172,10 +172,10 @@ gp_status gp_stored_open(const struct gp_log *log,
     };
     gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
     if (!st && !exr) { // a TIFF may hold several images
-        struct gp_image image = {0};
+        struct gp_decoded image = {0};
         st = gp_read_image(log, p, path, &f->stream, 0, &image);
         f->parts = image.parts > 1 ? image.parts : 1;
-        gp_image_close(&image);
+        gp_decoded_close(&image);
     }
     if (st || !exr)
         return st;

@@ -2,7 +2,7 @@
 #ifndef GP_IO_WRITE_H
 #define GP_IO_WRITE_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 
 #include <stdbool.h>

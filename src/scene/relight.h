@@ -4,7 +4,7 @@
 #ifndef GP_SCENE_RELIGHT_H
 #define GP_SCENE_RELIGHT_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "scene/rays.h"
 #include "scene/scene.h"
 

@@ -62,7 +62,7 @@
 #ifndef GP_SUN_FLARE_H
 #define GP_SUN_FLARE_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "sun/lights.h"
 

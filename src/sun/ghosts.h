@@ -17,7 +17,7 @@
 #ifndef GP_SUN_GHOSTS_H
 #define GP_SUN_GHOSTS_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"

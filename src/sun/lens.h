@@ -31,7 +31,7 @@
 #ifndef GP_SUN_LENS_H
 #define GP_SUN_LENS_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdbool.h>

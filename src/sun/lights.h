@@ -12,7 +12,7 @@
 
 #include "core/camera.h"
 #include "core/depth.h"
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdbool.h>

@@ -15,7 +15,7 @@
 #ifndef GP_SUN_OCCLUDER_H
 #define GP_SUN_OCCLUDER_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "sun/lights.h"
 

@@ -38,7 +38,7 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     enum gp_gl_api api, const struct gp_sun_reader *reader, struct gp_suns *out)
 {
     struct gp_light_spec *lamps = NULL;
-    struct gp_frame image = {0};
+    struct gp_image image = {0};
     int n = 0;
     gp_status st = GP_OK;
     out->p = p;
@@ -76,8 +76,8 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         if (!e->path)
             continue;
         GP_TRY(reader->picture(reader->user, log, e->path, &image));
-        const int w = gp_frame_w(&image), h = gp_frame_h(&image);
-        const size_t pixels = gp_frame_pixels(&image);
+        const int w = gp_image_w(&image), h = gp_image_h(&image);
+        const size_t pixels = gp_image_pixels(&image);
         for (int c = 0; c < 3; c++) {
             float *const v = image.rgb.c[c];
             for (size_t i = 0; i < pixels; i++)
@@ -87,7 +87,7 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
             .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
         };
         image.rgb = (struct gp_planes) {0};
-        gp_frame_free(&image);
+        gp_image_free(&image);
     }
 out:
     gp_free(lamps);
@@ -97,7 +97,7 @@ out:
 // -- places of the lights ----------------------------------------------------
 
 double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
-                   const struct gp_frame *f)
+                   const struct gp_image *f)
 {
     const struct gp_camera_frame *const entry = gp_camera_frame_find(
         &suns->cameras, about->numbered ? about->number : -1);
@@ -139,7 +139,7 @@ static gp_status find_entry(const struct gp_log *log,
 
 gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
                          const struct gp_sun_about *about,
-                         const struct gp_frame *f, struct gp_camera *out,
+                         const struct gp_image *f, struct gp_camera *out,
                          bool *found)
 {
     const struct gp_camera_frame *entry;
@@ -158,7 +158,7 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
 
 static gp_status place_lights(const struct gp_log *log,
                               const struct gp_sun_about *about,
-                              const struct gp_frame *f, struct gp_suns *suns)
+                              const struct gp_image *f, struct gp_suns *suns)
 {
     static const struct gp_sun_params usual = GP_SUN_DEFAULTS;
     const struct gp_sun_params *const p = suns->p;
@@ -220,9 +220,9 @@ out:
 /* Warns of a plane from another file that does not cover the frame: it may be
  * the wrong file. */
 static void warn_of_window(const struct gp_log *log, const char *path,
-    const struct gp_plane *p, const struct gp_frame *f, struct gp_suns *suns)
+    const struct gp_plane *p, const struct gp_image *f, struct gp_suns *suns)
 {
-    const struct gp_rect own = gp_frame_read(f);
+    const struct gp_rect own = gp_image_read(f);
     const struct gp_rect common = gp_rect_meet(p->window, own);
     if (!path || !p->v || suns->warned_window ||
         memcmp(&common, &own, sizeof common) == 0)
@@ -237,7 +237,7 @@ static void warn_of_window(const struct gp_log *log, const char *path,
 
 /* Warns once of lights before which the frame has nothing. Those that a scene
  * measures outside of it do not count. */
-static void warn_of_clear(const struct gp_log *log, const struct gp_frame *f,
+static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                           struct gp_suns *suns)
 {
     const bool scene = suns->p->map.outside == GP_OUTSIDE_SCENE;
@@ -259,12 +259,12 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_frame *f,
 
 gp_status gp_suns_find(const struct gp_log *log,
                        const struct gp_sun_about *about,
-                       const struct gp_frame *f, struct gp_suns *suns)
+                       const struct gp_image *f, struct gp_suns *suns)
 {
     return place_lights(log, about, f, suns);
 }
 
-void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
+void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   struct gp_suns *suns)
 {
@@ -286,7 +286,7 @@ void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
         .type = suns->p->depth_type,
         // a scene knows what is outside the file's pixels, and in the display
         .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
-                     ? gp_frame_read(f)
+                     ? gp_image_read(f)
                      : gp_rect_join(f->data, f->display),
     };
     warn_of_clear(log, f, suns);

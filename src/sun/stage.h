@@ -7,7 +7,7 @@
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "gl/gl.h"
 #include "glare/kernel.h"
@@ -70,12 +70,12 @@ struct gp_suns_more {
 struct gp_sun_reader {
     void *user;
     gp_status (*picture)(void *user, const struct gp_log *log,
-                         const char *path, struct gp_frame *out);
-    void (*about)(void *user, const struct gp_frame *f,
+                         const char *path, struct gp_image *out);
+    void (*about)(void *user, const struct gp_image *f,
                   struct gp_sun_about *out);
     // depth and coverage of a frame; empty where it has none
     gp_status (*planes)(void *user, const struct gp_log *log,
-                        const struct gp_frame *f, struct gp_plane *depth,
+                        const struct gp_image *f, struct gp_plane *depth,
                         struct gp_plane *mask);
 };
 
@@ -127,7 +127,7 @@ GP_MUST_CHECK gp_status gp_suns_begin(
  * gp_camera_make(). */
 GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_sun_about *about,
-    const struct gp_frame *f, struct gp_camera *out, bool *found);
+    const struct gp_image *f, struct gp_camera *out, bool *found);
 
 /* Gives each light its place; then tells what may hide them. Planes are borrowed
  * to the end of the frame, NULL where there are none; one with a name is of
@@ -136,9 +136,9 @@ GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
  * not have, or one without a sun there where p->needed and no other light is
  * given. */
 GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
-    const struct gp_sun_about *about, const struct gp_frame *f,
+    const struct gp_sun_about *about, const struct gp_image *f,
     struct gp_suns *suns);
-void gp_suns_hide(const struct gp_log *log, const struct gp_frame *f,
+void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   struct gp_suns *suns);
 
@@ -149,7 +149,7 @@ GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
 /* The vertical angle of the picture in degrees, by --camera, by the frame's own
  * attributes, or by suns->more_fov; 0 where none says so. */
 double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
-                   const struct gp_frame *f);
+                   const struct gp_image *f);
 
 /* Returns true when a light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
@@ -167,14 +167,14 @@ bool gp_suns_add_light(const struct gp_suns *suns);
  * engines: none that reaches beyond the frame. Sets *joined when *out was
  * made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
-    const struct gp_suns *suns, const struct gp_frame *f,
+    const struct gp_suns *suns, const struct gp_image *f,
     const struct gp_sources *src, struct gp_sources *out, bool *joined);
 
 /* Adds lens flare, and the glare of lights that did not go through the engines,
  * to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;
  * those of gp_kernel_spread(). */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
-    struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_frame *f);
+    struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_image *f);
 
 /* Returns the mean visibility, weighted by flux where lights have any. */
 double gp_suns_mean(const struct gp_suns *suns);

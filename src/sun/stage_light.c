@@ -141,7 +141,7 @@ bool gp_suns_add_light(const struct gp_suns *suns)
 }
 
 gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
-                       const struct gp_frame *f, const struct gp_sources *src,
+                       const struct gp_image *f, const struct gp_sources *src,
                        struct gp_sources *out, bool *joined)
 {
     gp_status st;
@@ -242,7 +242,7 @@ out:
 // -- drawing -----------------------------------------------------------------
 
 gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
-                       const struct gp_kernel *kernel, struct gp_frame *f)
+                       const struct gp_kernel *kernel, struct gp_image *f)
 {
     gp_status st = GP_OK;
     struct gp_light *some = NULL; // those of other radii without flux

@@ -21,7 +21,7 @@ enum {
 #define SCALE_MAX 0x1p60f    // GP_LIGHT_MAX times it stays finite
 
 struct mapping {
-    const struct gp_frame *f;
+    const struct gp_image *f;
     const struct gp_tone_curve *curve;
     float scale, white;
     bool mixed;              // the primaries are not those of BT.709
@@ -60,7 +60,7 @@ GP_CLONES static void make_light(const struct mapping *m, size_t at, size_t n,
 static void measure_peak(void *ctx, int band, int thread)
 {
     struct mapping *m = ctx;
-    const size_t pixels = gp_frame_pixels(m->f);
+    const size_t pixels = gp_image_pixels(m->f);
     const size_t end = gp_band_start(pixels, band + 1);
     float scratch[3][SCRATCH];
     double peak = 0.0; // in double: it must map to white exactly
@@ -81,7 +81,7 @@ static void measure_peak(void *ctx, int band, int thread)
                                                  : GP_LIGHT_MAX;
 }
 
-float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
+float gp_tone_scale(const struct gp_tone_params *p, const struct gp_image *f)
 {
     double scale = exp2((double) p->exposure);
     if (p->auto_exposure) {
@@ -95,8 +95,8 @@ float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
 static void map_block(void *ctx, int block, int thread)
 {
     const struct mapping *m = ctx;
-    const struct gp_frame *f = m->f;
-    const size_t at = (size_t) block * BLOCK, left = gp_frame_pixels(f) - at;
+    const struct gp_image *f = m->f;
+    const size_t at = (size_t) block * BLOCK, left = gp_image_pixels(f) - at;
     const size_t n = left < BLOCK ? left : BLOCK;
     float *const out[3] = {
         f->shown.c[0] + at, f->shown.c[1] + at, f->shown.c[2] + at,
@@ -112,12 +112,12 @@ static void map_block(void *ctx, int block, int thread)
 }
 
 gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
-                      struct gp_frame *f, float *scale)
+                      struct gp_image *f, float *scale)
 {
     struct mapping m = {
         .f = f, .curve = gp_tone_find(p->curve), .scale = 1.0f, .white = 1.0f,
     };
-    const size_t pixels = gp_frame_pixels(f);
+    const size_t pixels = gp_image_pixels(f);
     if (!m.curve) {
         char names[256] = "";
         for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {

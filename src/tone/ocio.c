@@ -81,7 +81,7 @@ static bool name_primaries(const struct gp_ocio_light *light, float out[8])
 
 /* Finds the matrix from the frame's RGB to the input space's. False where they
  * are the same or either is unknown. */
-static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
+static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_image *f,
                          float out[9])
 {
     static const double unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -101,7 +101,7 @@ static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
 }
 
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
-                  const struct gp_frame *f)
+                  const struct gp_image *f)
 {
     const struct gp_ocio_opened *const opened = &ocio->opened;
     const char *const config = opened->names.config;
@@ -226,7 +226,7 @@ static gp_status pass_block(void *ctx, int block, int thread)
 
 /* Makes `out` where it is empty, named `what` in errors, and runs the pass. */
 static gp_status run_pass(const struct gp_log *log, const char *what,
-                          const struct gp_ocio *ocio, const struct gp_frame *f,
+                          const struct gp_ocio *ocio, const struct gp_image *f,
                           struct ocio_pass *p)
 {
     p->api = ocio->api;
@@ -245,17 +245,17 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
 }
 
 gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
-                       const struct gp_tone_params *p, struct gp_frame *f)
+                       const struct gp_tone_params *p, struct gp_image *f)
 {
     return run_pass(log, "shown frame", ocio, f, &(struct ocio_pass) {
         .processor = ocio->opened.view, .in = &f->lit, .out = &f->shown,
-        .pixels = gp_frame_pixels(f),
+        .pixels = gp_image_pixels(f),
         .scale = gp_tone_scale(p, f),
     });
 }
 
 gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
-                          const struct gp_frame *f, size_t n,
+                          const struct gp_image *f, size_t n,
                           const struct gp_planes *in, struct gp_planes *out)
 {
     const char *const what = "converted frame";

@@ -3,7 +3,7 @@
 #ifndef GP_TONE_OCIO_H
 #define GP_TONE_OCIO_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "tone/ocio_bridge.h"
 #include "tone/tone.h"
@@ -32,7 +32,7 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
  * the first such frame, that a frame's chromaticities are ignored, as they or
  * the input space's are unusable. Call it for one frame after the other. */
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
-                  const struct gp_frame *f);
+                  const struct gp_image *f);
 
 /* Returns the chromaticities of gp_ocio_params.output, rx ry gx gy bx by wx wy:
  * the published ones of the space, else those that give the same light with the
@@ -58,7 +58,7 @@ const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio);
  */
 GP_MUST_CHECK gp_status gp_ocio_show(
     const struct gp_log *log, const struct gp_ocio *ocio,
-    const struct gp_tone_params *p, struct gp_frame *f);
+    const struct gp_tone_params *p, struct gp_image *f);
 
 /* Makes *out from *in, `n` pixels of colour of a layer of f's part: the same
  * light in the space that gp_ocio_params.output names; no exposure. *out is made
@@ -66,7 +66,7 @@ GP_MUST_CHECK gp_status gp_ocio_show(
  * GP_ERR_BUG no memory, or no such space was asked for; *out is empty then. */
 GP_MUST_CHECK gp_status gp_ocio_convert(
     const struct gp_log *log, const struct gp_ocio *ocio,
-    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    const struct gp_image *f, size_t n, const struct gp_planes *in,
     struct gp_planes *out);
 
 #endif

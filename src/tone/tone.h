@@ -6,7 +6,7 @@
 #ifndef GP_TONE_TONE_H
 #define GP_TONE_TONE_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 
 #include <stdbool.h>
@@ -54,10 +54,10 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
  * Errors: GP_ERR_USAGE unknown curve (lists them); GP_ERR_BUG no memory.
  */
 GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
-    const struct gp_tone_params *p, struct gp_frame *f, float *scale);
+    const struct gp_tone_params *p, struct gp_image *f, float *scale);
 
 /* The factor that exposure and auto-exposure of f->lit make, within 2^-140 and
  * 2^60. Same value for any thread count. */
-float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f);
+float gp_tone_scale(const struct gp_tone_params *p, const struct gp_image *f);
 
 #endif

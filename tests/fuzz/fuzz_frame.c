@@ -1,6 +1,6 @@
 /* A frame from memory: read, look for its depth and coverage, find its light,
  * write it again. */
-#include "core/frame.h"
+#include "io/frame.h"
 #include "glare/sensors.h"
 #include "harness.h"
 #include "io/plane.h"

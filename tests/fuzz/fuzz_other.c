@@ -3,7 +3,7 @@
  * again; a file that was cut is one line, or the whole file's picture. The
  * fuzzer does not see into the helper, so the changes are made here. */
 #include "core/bridge.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "harness.h"
 #include "io/io_priv.h"
 

@@ -1,5 +1,5 @@
 /* A file of its own for depth or coverage, from disk. */
-#include "core/frame.h"
+#include "io/frame.h"
 #include "harness.h"
 #include "io/plane.h"
 

@@ -5,7 +5,7 @@
 #ifndef GP_TESTS_HARD_FILES_LOSSY_H
 #define GP_TESTS_HARD_FILES_LOSSY_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 
 /* PXR24 keeps a float's sign, exponent and 15 of its 23 bits, rounded: of the
  * value, at most 2^-16. Below the normal range, of the least normal value. */

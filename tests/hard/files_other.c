@@ -129,7 +129,7 @@ static struct hard_picture by_itself(const struct format *t,
     struct gp_shared pixels;
     struct gp_stream file;
     const struct gp_rect all = {0, 0, codes->w, codes->h};
-    const struct gp_image img = {
+    const struct gp_decoded img = {
         .path = t->name, .data = all, .display = all, .channels = 3,
         .channel_name = names, .colour_space = "sRGB",
     };

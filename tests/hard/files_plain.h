@@ -5,7 +5,7 @@
 #include "files_read.h"
 #include "hash.h"
 
-#include "core/frame.h"
+#include "io/frame.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef GP_TESTS_HASH_H
 #define GP_TESTS_HASH_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 
 #include <stdint.h>
 

@@ -2,7 +2,7 @@
 #ifndef READING_H
 #define READING_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "folder.h"
 #include "io/read.h"
 #include "kept_log.h"

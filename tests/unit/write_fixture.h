@@ -4,7 +4,7 @@
 
 #include "unit.h"
 #include "core/colour.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/memory.h"
 #include "core/half.h"
 #include "io/oiio/oiio.h"

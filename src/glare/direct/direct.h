@@ -3,7 +3,7 @@
 #define GP_GLARE_DIRECT_DIRECT_H
 
 #include "core/cpu.h"
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"

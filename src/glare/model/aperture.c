@@ -204,7 +204,7 @@ struct iris {
     double turn;        // radians counter-clockwise as seen
     double grating, fibres;
     double path[GP_ZERNIKE_LAST + 1]; // nm rms, by Noll's number
-    const struct gp_frame *mask;
+    const struct gp_image *mask;
     int stains;
     struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_STAINS];
 };
@@ -248,9 +248,9 @@ static double opening(const struct iris *s, double x, double y, double cell)
 }
 
 /* Luminance of the mask's pixel nearest to (x, y). */
-static double mask_pixel(const struct gp_frame *m, int x, int y)
+static double mask_pixel(const struct gp_image *m, int x, int y)
 {
-    const int w = gp_frame_w(m), h = gp_frame_h(m);
+    const int w = gp_image_w(m), h = gp_image_h(m);
     const size_t at = (size_t) gp_clamp(y, 0, h - 1) * (size_t) w +
                       (size_t) gp_clamp(x, 0, w - 1);
     double sum = 0.0;
@@ -261,10 +261,10 @@ static double mask_pixel(const struct gp_frame *m, int x, int y)
 
 /* The mean of the mask over a cell around (x, y); its longer side is the
  * opening's diameter. */
-static double mask_share(const struct gp_frame *m, double x, double y,
+static double mask_share(const struct gp_image *m, double x, double y,
                          double cell)
 {
-    const double w = gp_frame_w(m), h = gp_frame_h(m);
+    const double w = gp_image_w(m), h = gp_image_h(m);
     const double scale = 0.5 * fmax(w, h);
     const int points = (int) fmin(ceil(2.0 * cell * scale), 8.0);
     const double inside =
@@ -453,7 +453,7 @@ static gp_status open_aperture(const struct gp_log *log,
     struct iris *s;
     const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
     const int blades = (int) gp_recipe_value(r, "blades");
-    const struct gp_frame *const mask = r->image;
+    const struct gp_image *const mask = r->image;
     if (blades == 1 || blades == 2)
         return gp_fail(log, GP_ERR_USAGE, "aperture: %d blades make no "
                        "opening; give 0 or 3 to 32", blades);

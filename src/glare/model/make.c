@@ -455,10 +455,10 @@ static void join_tail(struct gp_tail *t, const struct gp_field *field,
         k->beyond[c] = k->left_out;
 }
 
-struct gp_field gp_field_of(const struct gp_frame *f, double fov)
+struct gp_field gp_field_of(const struct gp_image *f, double fov)
 {
     return (struct gp_field) {
-        .w = gp_frame_w(f), .h = gp_frame_h(f),
+        .w = gp_image_w(f), .h = gp_image_h(f),
         .degrees = fov / gp_max(gp_rect_h(f->display), 1),
         .aspect = (double) gp_kernel_aspect(f), .fps = 24.0,
         .chromaticities = f->chromaticities, .luminance = f->luminance,

@@ -32,7 +32,7 @@
 #ifndef GP_GLARE_MODEL_MODEL_H
 #define GP_GLARE_MODEL_MODEL_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/kernel.h"
 
@@ -74,7 +74,7 @@ struct gp_recipe {
     double value[GP_MODEL_KEYS];
     bool written[GP_MODEL_KEYS];   // in a recipe or preset
     char *file[GP_MODEL_KEYS];     // owned; NULL where not given
-    const struct gp_frame *image;  // of its file; borrowed, set by the
+    const struct gp_image *image;  // of its file; borrowed, set by the
                                    // caller before a kernel is made
     bool as_it_is;                 // an image of shares of light, as of a model:
                                    // not normalised to a luminance of 1
@@ -143,7 +143,7 @@ struct gp_field {
 
 /* The field of a frame whose display window is fov degrees high. Borrows from
  * the frame. */
-struct gp_field gp_field_of(const struct gp_frame *f, double fov);
+struct gp_field gp_field_of(const struct gp_image *f, double fov);
 
 /* The diameter of the recipe's pupil in a field, mm; 0: the model has none. */
 double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);

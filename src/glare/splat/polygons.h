@@ -6,7 +6,7 @@
 #ifndef GP_GLARE_SPLAT_POLYGONS_H
 #define GP_GLARE_SPLAT_POLYGONS_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"

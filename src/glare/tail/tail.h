@@ -41,7 +41,7 @@
 #ifndef GP_GLARE_TAIL_TAIL_H
 #define GP_GLARE_TAIL_TAIL_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/status.h"
 #include "glare/sources.h"
 

@@ -9,7 +9,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/half.h"
-#include "io/image.h"
+#include "io/decoded.h"
 #include "io/oiio/oiio.h"
 
 #include <libdeflate.h>
@@ -333,7 +333,7 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const struct gp_stream *s = &cs->input->stream;
     const int channels = cs->channel->num_channels;
     const size_t w = (size_t) cs->w, h = (size_t) cs->h;
-    struct gp_image image = {0};
+    struct gp_decoded image = {0};
     float *row = NULL;
     for (int i = 0; i < channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
@@ -352,7 +352,7 @@ static gp_status decode_by_oiio(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: OpenImageIO found %d x %d pixels (%d x %d in the header); "
                "render the file again", cs->path, wide, high, cs->w, cs->h));
-    GP_TRY(gp_image_load(log, &image));
+    GP_TRY(gp_decoded_load(log, &image));
 
     // its channels may be in another order
     const size_t step = (size_t) image.channels;
@@ -386,7 +386,7 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     }
 out:
     gp_free(row);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     return st;
 }
 

@@ -492,7 +492,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
             s, w, h, (uint8_t *) pixels.at + at, step, row, half);
         at += gp_type_size(s->type);
     }
-    const struct gp_image image = {
+    const struct gp_decoded image = {
         .path = path, .data = img->data, .display = img->data,
         .channels = img->sources, .channel_name = names, .colour_space = "",
     };

@@ -7,7 +7,7 @@
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 #include "io/read.h"
 #include "io/stream.h"

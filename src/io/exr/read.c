@@ -4,7 +4,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/image.h"
+#include "io/decoded.h"
 
 #include <string.h>
 

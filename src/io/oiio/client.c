@@ -377,7 +377,7 @@ static bool next_attribute(const char **at, const char *end,
  * fault. */
 static gp_status make_image(const struct gp_log *log,
     const struct gp_oiio_reply *reply, long long max_pixels, struct input *in,
-    struct gp_image *image)
+    struct gp_decoded *image)
 {
     gp_status st;
     const struct gp_oiio_spec *const s = &reply->spec;
@@ -431,7 +431,7 @@ out:
     return st;
 }
 
-static void close_image(struct gp_image *image)
+static void close_image(struct gp_decoded *image)
 {
     struct input *const in = image->own;
     struct helper *const h = in->helper;
@@ -452,14 +452,14 @@ static void close_image(struct gp_image *image)
 
 /* Returns the place of the block that begins at row y: every other one in
  * its half. */
-static size_t place_of(const struct gp_image *image, int y)
+static size_t place_of(const struct gp_decoded *image, int y)
 {
     const struct input *const in = image->own;
     return y / image->block % 2 ? in->row * (size_t) image->block : 0;
 }
 
 /* Asks for the next block. */
-static bool ask_rows(struct gp_image *image)
+static bool ask_rows(struct gp_decoded *image)
 {
     struct input *const in = image->own;
     struct helper *const h = in->helper;
@@ -475,7 +475,7 @@ static bool ask_rows(struct gp_image *image)
 }
 
 /* While the caller works on a block the helper decodes the next one. */
-static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
                            int y, float *to)
 {
     struct input *const in = image->own;
@@ -512,7 +512,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
 
 gp_status gp_oiio_open(const struct gp_log *log, const char *path,
                        const struct gp_stream *stream, const char *reader,
-                       int part, long long max_pixels, struct gp_image *out)
+                       int part, long long max_pixels, struct gp_decoded *out)
 {
     gp_status st;
     struct input *in;
@@ -524,7 +524,7 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
     if (st)
         return st;
-    struct gp_image image = {
+    struct gp_decoded image = {
         .path = path, .rows = read_rows, .close = close_image, .own = in,
     };
     in->fd = -1;
@@ -559,7 +559,7 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     }
 out:
     if (st)
-        gp_image_close(&image);
+        gp_decoded_close(&image);
     else
         *out = image;
     return st;
@@ -567,7 +567,7 @@ out:
 
 // -- writing ------------------------------------------------------------------
 
-gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
+gp_status gp_oiio_write(const struct gp_log *log, const struct gp_decoded *image,
     const int *types, const struct gp_shared *pixels, const char *ending,
     const char *type, const char *compression, struct gp_stream *out)
 {

@@ -15,9 +15,9 @@
 #define GP_IO_OIIO_OIIO_H
 
 #include "core/bridge.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
-#include "io/image.h"
+#include "io/decoded.h"
 #include "io/stream.h"
 #include "io/write.h"
 
@@ -26,7 +26,7 @@
 /* -- reading --------------------------------------------------------------- */
 
 /* Opens picture `part` (0: the first) of a stream, which stays the caller's
- * and must live until gp_image_close(). Of EXR, channels that are stored as
+ * and must live until gp_decoded_close(). Of EXR, channels that are stored as
  * uint32 come as those 32 bits in the place of the float, and each four
  * channels count on their own for max_pixels.
  *
@@ -40,7 +40,7 @@
  * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     const struct gp_stream *stream, const char *reader, int part,
-    long long max_pixels, struct gp_image *out);
+    long long max_pixels, struct gp_decoded *out);
 
 /* -- writing --------------------------------------------------------------- */
 
@@ -64,7 +64,7 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
  * Errors: GP_ERR_IO no helper, or OpenImageIO refuses or fails; GP_ERR_BUG out
  * of memory. */
 GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
-    const struct gp_image *image, const int *types,
+    const struct gp_decoded *image, const int *types,
     const struct gp_shared *pixels, const char *ending, const char *type,
     const char *compression, struct gp_stream *out);
 

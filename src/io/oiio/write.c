@@ -216,7 +216,7 @@ gp_status gp_oiio_picture_write(const struct gp_log *log,
                           .to = pixels.at};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
-    const struct gp_image image = {
+    const struct gp_decoded image = {
         .path = gp_file_path(file), .data = {0, 0, pic.width, pic.height},
         .display = {0, 0, pic.width, pic.height},
         .channels = pic.channels, .channel_name = names,

@@ -24,7 +24,7 @@
 #ifndef GP_SCENE_SETS_H
 #define GP_SCENE_SETS_H
 
-#include "core/frame.h"
+#include "core/image.h"
 #include "gl/gl.h"
 #include "scene/scene.h"
 

@@ -9,9 +9,9 @@
 
 enum { W = 37, H = 27, N = W * H };
 
-static struct gp_frame make_frame(uint32_t seed, float scale)
+static struct gp_image make_frame(uint32_t seed, float scale)
 {
-    struct gp_frame f = {.data = {-5, 9, W - 5, H + 9},
+    struct gp_image f = {.data = {-5, 9, W - 5, H + 9},
                          .luminance = {0.2126f, 0.7152f, 0.0722f}};
     assert_ok(gp_planes_make(NULL, "test", N, &f.rgb));
     for (int i = 0; i < 3 * N; i++) {
@@ -24,7 +24,7 @@ static struct gp_frame make_frame(uint32_t seed, float scale)
 
 static void sums_are_the_same_for_any_threads(void **state)
 {
-    struct gp_frame f = make_frame(11u, 1.0f);
+    struct gp_image f = make_frame(11u, 1.0f);
     long double want[4] = {0};
     double first[4];
     for (int i = 0; i < 3 * N; i++) {
@@ -44,14 +44,14 @@ static void sums_are_the_same_for_any_threads(void **state)
         memcpy(first, sum, sizeof sum);
     }
     gp_set_threads(0);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 /* Over the display window, of which parts may be black, or cut off. */
 static void mean_is_over_the_display_window(void **state)
 {
     (void) state;
-    struct gp_frame f = make_frame(5u, 2.0f);
+    struct gp_image f = make_frame(5u, 2.0f);
     static const struct gp_rect displays[] = {
         {-5, 9, W - 5, H + 9}, {-5, 9, 2 * W - 5, H + 9},
         {0, 12, 20, 30}, {-100, -100, 100, 100}, {W, 0, W + 1, 1},
@@ -74,7 +74,7 @@ static void mean_is_over_the_display_window(void **state)
         assert_true(fabs(one - want) <= 1e-12 * want);
     }
     gp_set_threads(0);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 static int by_value(const void *a, const void *b)
@@ -90,7 +90,7 @@ static void percentiles_are_exact_ranks(void **state)
                                       100};
     static const float scales[] = {1.0f, 1e-30f, 3e38f, 0.0f};
     for (size_t i = 0; i < COUNT(percents) * COUNT(scales); i++) {
-        struct gp_frame f = make_frame((uint32_t) i, scales[i % COUNT(scales)]);
+        struct gp_image f = make_frame((uint32_t) i, scales[i % COUNT(scales)]);
         const double percent = percents[i / COUNT(scales)];
         float y[N], got;
         for (int p = 0; p < N; p++)
@@ -107,21 +107,21 @@ static void percentiles_are_exact_ranks(void **state)
                          (double) y[k > 0 ? k - 1 : 0]);
         }
         gp_set_threads(0);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
 /* The first of equals, where the window says. */
 static void peak_is_the_largest(void **state)
 {
-    struct gp_frame f = make_frame(3u, 1.0f);
+    struct gp_image f = make_frame(3u, 1.0f);
     int at[2];
     f.rgb.c[1][4 * W + 7] = f.rgb.c[1][20 * W + 1] = 50.0f;
     f.rgb.c[0][4 * W + 7] = f.rgb.c[0][20 * W + 1] = 0.0f;
     f.rgb.c[2][4 * W + 7] = f.rgb.c[2][20 * W + 1] = -9.0f;
     assert_true(gp_luminance_peak(&f, at) == 0.7152f * 50.0f);
     assert_true(at[0] == 7 - 5 && at[1] == 4 + 9);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 SUITE_OF(luminance, NULL, NULL, sums_are_the_same_for_any_threads,

@@ -2,7 +2,7 @@
  * that stay from frame to frame without adding to what was in use. */
 #include "unit.h"
 #include "core/core_priv.h"
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/memory.h"
 #include "fail.h"
 #include "kept_log.h"

@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "core/bridge.h"
 #include "core/cpu.h"
-#include "core/frame.h"
+#include "core/image.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "fail.h"
@@ -25,8 +25,8 @@ static void frames_own_what_they_hold(void **state)
     static const char *const names[] = {"R", "Z", "depth.Z"};
     static const char *const absent[] = {"z", "", "depth", "depth.Z2"};
     const long blocks = fail_blocks();
-    struct gp_frame f = {0};
-    gp_frame_free(&f); // an empty one
+    struct gp_image f = {0};
+    gp_image_free(&f); // an empty one
     assert_null(gp_frame_channel(&f, "Z"));
     assert_ok(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
                                    &f.channel));
@@ -42,8 +42,8 @@ static void frames_own_what_they_hold(void **state)
         assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
     for (int i = 0; i < 4; i++)
         assert_null(gp_frame_channel(&f, absent[i]));
-    gp_frame_free(&f);
-    gp_frame_free(&f);
+    gp_image_free(&f);
+    gp_image_free(&f);
     assert_int_equal(origins, 1);
     struct gp_plane p = {.name = gp_strdup("Z")};
     gp_plane_free(&p);

@@ -44,8 +44,8 @@ struct toy {
 static bool open_toy(const struct toy *t, struct scene *s)
 {
     struct gp_kernel_params kp = {0};
-    struct gp_frame image = scene_frame(t->kw, t->kh, 0, 0, BLACK, 0);
-    struct gp_frame f = scene_frame(t->w, t->h, 0, 0, BLACK, 0);
+    struct gp_image image = scene_frame(t->kw, t->kh, 0, 0, BLACK, 0);
+    struct gp_image f = scene_frame(t->w, t->h, 0, 0, BLACK, 0);
     const int lights = (int) strlen(t->light), taps = (int) strlen(t->taps);
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < t->w * t->h; i++)
@@ -59,7 +59,7 @@ static bool open_toy(const struct toy *t, struct scene *s)
     kp.center[1] = t->cy + 0.5;
     *s = (struct scene) {.f = f};
     const gp_status st = gp_kernel_from_frame(NULL, &kp, &image, &s->k);
-    gp_frame_free(&image);
+    gp_image_free(&image);
     if (!st && !gp_sense(NULL, &open_all, &s->f, &s->src) && s->src.n) {
         scene_find_exact(s);
         return true;
@@ -115,7 +115,7 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
     e->close(&state);
     if (scope == LAYER)
         return scene_rel_l2(s) / bound;
-    const size_t n = gp_frame_pixels(&s->f);
+    const size_t n = gp_image_pixels(&s->f);
     for (size_t i = 0; i < 3 * n; i++) {
         const double exact = s->exact[i];
         const double wrong = fabs((double) s->f.layer.c[i / n][i % n] - exact);
@@ -127,7 +127,7 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
 
 static double group_ratio(const struct gp_splat_params *p, struct scene *s)
 {
-    const size_t n = 3 * gp_frame_pixels(&s->f);
+    const size_t n = 3 * gp_image_pixels(&s->f);
     double *const layer = scene_alloc(n, sizeof *layer);
     struct gp_polygons q;
     struct gp_shrink shrink;
@@ -155,7 +155,7 @@ static double least_ratio(bool anywhere, const struct scene *s)
     assert_ok(gp_layer_least(NULL, &s->src, &s->k, &least));
     if (anywhere)
         least = gp_fft_least(&s->src, &q);
-    return least / norm_of(s->exact, 3 * gp_frame_pixels(&s->f));
+    return least / norm_of(s->exact, 3 * gp_image_pixels(&s->f));
 }
 
 /* The bounds, and the sides of the frames that are searched. */
@@ -189,7 +189,7 @@ static double measure(enum bound b, const struct toy *t)
     double ratio = 0.0;
     if (!open_toy(t, &s))
         return 0.0;
-    if (norm_of(s.exact, 3 * gp_frame_pixels(&s.f)) > 0.0)
+    if (norm_of(s.exact, 3 * gp_image_pixels(&s.f)) > 0.0)
         ratio = bounds[b].engine ? engine_ratio(bounds[b].engine,
                                                  bounds[b].scope, &s)
                 : b >= LEAST ? least_ratio(b == FFT_LEAST, &s)

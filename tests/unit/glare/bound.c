@@ -51,10 +51,10 @@ static float light_of(enum content what, int x, int y, int step, uint32_t *seed)
     }
 }
 
-static struct gp_frame make_frame(enum content what, int w, int h,
+static struct gp_image make_frame(enum content what, int w, int h,
                                   uint32_t *seed)
 {
-    struct gp_frame f = scene_frame(w, h, between(seed, -70, 70),
+    struct gp_image f = scene_frame(w, h, between(seed, -70, 70),
                                     between(seed, -70, 70), DARK, 1u);
     const int step = between(seed, 2, 12), tint = between(seed, 0, 2);
     for (int y = 0; y < h; y++) {
@@ -188,7 +188,7 @@ enum { CASES = 400, QUICK_CASES = 40 };
 /* Norms of the exact layer and of what the polygons are wrong by. */
 static void measure(struct trial *t, double *norm, double *wrong)
 {
-    const size_t n = 3 * gp_frame_pixels(&t->s.f);
+    const size_t n = 3 * gp_image_pixels(&t->s.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     scene_find_exact(&t->s);
     plain_groups(&t->s.src, &t->s.k, &t->p, &t->q, &t->shrink, layer);

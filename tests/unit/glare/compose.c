@@ -3,9 +3,9 @@
 #include "glare_scene.h"
 
 /* Noise in [0, 1) and, once in `every` pixels, light of up to 1 + bright. */
-static struct gp_frame noise_frame(int w, int h, int every, float bright)
+static struct gp_image noise_frame(int w, int h, int every, float bright)
 {
-    struct gp_frame f = scene_frame(w, h, -3, 5, BLACK, 1u);
+    struct gp_image f = scene_frame(w, h, -3, 5, BLACK, 1u);
     uint32_t seed = 1;
     for (int i = 0; i < 3 * w * h; i++) {
         const float u = scene_random(&seed);
@@ -17,11 +17,11 @@ static struct gp_frame noise_frame(int w, int h, int every, float bright)
 
 /* Takes the frame: light over 1 is a source, its whole pixel; the layer is
  * noise. */
-static struct scene noise_scene(struct gp_frame f)
+static struct scene noise_scene(struct gp_image f)
 {
     const struct gp_sensor_params p = WHOLE(1, 0, 1e10f);
     struct scene s = scene_sense(f, scene_kernel(1, 1, MID, 0, BOX), &p);
-    const size_t n = gp_frame_pixels(&f);
+    const size_t n = gp_image_pixels(&f);
     uint32_t seed = 2;
     scene_clear_layer(&s);
     for (size_t i = 0; i < 3 * n; i++)
@@ -29,10 +29,10 @@ static struct scene noise_scene(struct gp_frame f)
     return s;
 }
 
-static double total(const struct gp_frame *f, const struct gp_planes *p, int c)
+static double total(const struct gp_image *f, const struct gp_planes *p, int c)
 {
     double sum = 0.0;
-    for (size_t i = 0; i < gp_frame_pixels(f); i++)
+    for (size_t i = 0; i < gp_image_pixels(f); i++)
         sum += (double) p->c[c][i];
     return sum;
 }
@@ -83,7 +83,7 @@ static void scatter_conserves_energy(void **state)
         const struct gp_compose_params p = {
             gains[g], GP_MIX_SCATTER, 0.0f, false,
         };
-        struct gp_frame f = noise_frame(W, H, W + 1, 100.0f); // a diagonal
+        struct gp_image f = noise_frame(W, H, W + 1, 100.0f); // a diagonal
         for (int i = 0; i < 3 * W * H; i++) {
             const int x = i % W, y = i / W % H;
             if (x < 1 || x > W - 2 || y < 1 || y > H - 2)

@@ -10,7 +10,7 @@ static struct gp_planes layer_of(const struct gp_sources *src,
     const struct gp_surround *edges, const struct gp_kernel *k,
     const char *engine, double *bound)
 {
-    struct gp_frame f = {.data = {0, 0, src->w, src->h}};
+    struct gp_image f = {.data = {0, 0, src->w, src->h}};
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare g = {0};
     struct gp_glare_stats stats;
@@ -45,7 +45,7 @@ static void assert_stays(const char *word, const struct gp_kernel *k, int w,
                          int h, float value, enum gp_surround_how how)
 {
     const struct gp_compose_params compose = GP_COMPOSE_DEFAULTS;
-    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 0);
+    struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 0);
     for (int c = 0; c < 3; c++) {
         for (int p = 0; p < w * h; p++)
             f.rgb.c[c][p] = value;
@@ -141,7 +141,7 @@ static void layers_are_the_plain_sum(void **state)
         };
         const size_t e = model ? 2 * (i % 2) : i % COUNT(engines);
         double bound, black;
-        s.exact = scene_alloc(3 * gp_frame_pixels(&s.f), sizeof *s.exact);
+        s.exact = scene_alloc(3 * gp_image_pixels(&s.f), sizeof *s.exact);
         assert_ok(gp_glare_reference(NULL, NULL, &s.src, &s.k, s.exact));
         s.f.layer = layer_of(&s.src, &edges, &s.k, engines[e], &bound);
         black = scene_rel_l2(&s);
@@ -204,7 +204,7 @@ static void leaving_lamps_fade(void **state)
         struct gp_kernel k = kernel_for(models[i / 2], w, h);
         double first[2] = {0}, before[2] = {0};
         for (int frame = 0; frame < FRAMES; frame++) {
-            struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 0);
+            struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 0);
             const double x = w - 2 * RADIUS + 30.0 * frame / FRAMES;
             for (int p = 0; p < w * h; p++) {
                 const double r = hypot(p % w - x, p / w - 80.0);

@@ -5,7 +5,7 @@
 
 static int is_dark(const struct scene *s)
 {
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&s->f); i++) {
+    for (size_t i = 0; i < 3 * gp_image_pixels(&s->f); i++) {
         if (s->exact[i] != 0.0)
             return 0;
     }
@@ -20,14 +20,14 @@ static struct scene beside(float rest)
 {
     enum { SIDE = 9, N = SIDE * SIDE };
     struct gp_kernel_params p = {0};
-    struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
-    struct gp_frame f = scene_frame(33, 31, 0, 0, BLACK, 1);
+    struct gp_image image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
+    struct gp_image f = scene_frame(33, 31, 0, 0, BLACK, 1);
     struct gp_kernel k;
     p.normalize = GP_NORMALIZE_NONE;
     for (int i = 0; i < 3 * N; i++)
         image.rgb.c[i / N][i % N] = i % N == 0 ? 1.0f : rest;
     assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
-    gp_frame_free(&image);
+    gp_image_free(&image);
     for (int c = 0; c < 3; c++)
         f.rgb.c[c][33 + 1] = 1.0f; // its upper left is outside
     return scene_make(f, k, &open_all);
@@ -71,8 +71,8 @@ static void overflows_are_limited(void **state)
     struct gp_kernel_params p = {0};
     p.normalize = GP_NORMALIZE_NONE;
     for (size_t r = 0; r < COUNT(rows); r++) {
-        struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
-        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1);
+        struct gp_image image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
+        struct gp_image f = scene_frame(W, H, 0, 0, BLACK, 1);
         struct gp_kernel k;
         for (int i = 0; i < 3 * SIDE * SIDE; i++)
             image.rgb.c[i % 3][i / 3] =
@@ -80,7 +80,7 @@ static void overflows_are_limited(void **state)
         for (int i = 0; i < 3 * W * H; i++)
             f.rgb.c[i % 3][i / 3] = rows[r].light;
         assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
-        gp_frame_free(&image);
+        gp_image_free(&image);
         struct scene s = scene_sense(f, k, &open_all);
         for (int i = 0; gp_engines[i]; i++) {
             struct gp_glare_stats stats;

@@ -6,12 +6,12 @@
 #include "plain_groups.h"
 
 /* Takes the frame. */
-static struct gp_sources sources_of(struct gp_frame f,
+static struct gp_sources sources_of(struct gp_image f,
                                     const struct gp_sensor_params *p)
 {
     struct gp_sources s;
     assert_ok(gp_sense(NULL, p, &f, &s));
-    gp_frame_free(&f);
+    gp_image_free(&f);
     return s;
 }
 
@@ -41,7 +41,7 @@ static double spread_of(int box, const struct gp_polygon *q)
 /* Sources of a frame of w x h grey pixels. */
 static struct gp_sources grey_sources(int w, int h, const float *grey)
 {
-    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 1u);
     for (int c = 0; c < 3; c++)
         memcpy(f.rgb.c[c], grey, (size_t) (w * h) * sizeof *grey);
     return sources_of(f, &open_all);

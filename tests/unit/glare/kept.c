@@ -46,7 +46,7 @@ static void sequences_remake_what_changes(void **state)
     struct gp_recipe r[COUNT(words)];
     struct gp_model_kept *kept = NULL;
     struct gp_kernel k[COUNT(rows)];
-    struct gp_frame f = scene_frame(430, 310, 0, 0, DARK, 0);
+    struct gp_image f = scene_frame(430, 310, 0, 0, DARK, 0);
     struct gp_field field = gp_field_of(&f, 30.0);
     struct gp_tail_state *tail = NULL;
     (void) state;
@@ -76,7 +76,7 @@ static void sequences_remake_what_changes(void **state)
     gp_tail_close(&tail);
     for (size_t i = 0; i < COUNT(words); i++)
         gp_recipe_free(&r[i]);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 SUITE_OF(kept, NULL, NULL, sequences_remake_what_changes)

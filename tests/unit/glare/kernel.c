@@ -9,22 +9,22 @@
 // -- kernels from images ------------------------------------------------------
 
 /* A frame of w x h zeros whose corner is at (x0, y0). */
-static struct gp_frame blank(int x0, int y0, int w, int h)
+static struct gp_image blank(int x0, int y0, int w, int h)
 {
-    struct gp_frame f = scene_frame(w, h, x0, y0, BLACK, 1u);
+    struct gp_image f = scene_frame(w, h, x0, y0, BLACK, 1u);
     f.path = strdup("k.exr");
     return f;
 }
 
-static void set_sample(struct gp_frame *f, int x, int y, float r, float g,
+static void set_sample(struct gp_image *f, int x, int y, float r, float g,
                        float b)
 {
     const float v[3] = {r, g, b};
     for (int c = 0; c < 3; c++)
-        f->rgb.c[c][y * gp_frame_w(f) + x] = v[c];
+        f->rgb.c[c][y * gp_image_w(f) + x] = v[c];
 }
 
-static struct gp_kernel kernel_of(const struct gp_frame *f, float degrees,
+static struct gp_kernel kernel_of(const struct gp_image *f, float degrees,
                                   enum gp_normalize normalize, const double *at)
 {
     struct gp_kernel_params p = {0};
@@ -41,7 +41,7 @@ static struct gp_kernel kernel_of(const struct gp_frame *f, float degrees,
 
 static void image_keeps_the_ratios_of_its_channels(void **state)
 {
-    struct gp_frame f = blank(0, 0, 3, 3);
+    struct gp_image f = blank(0, 0, 3, 3);
     set_sample(&f, 0, 0, 4, 1, -1);
     set_sample(&f, 1, 1, 4, 5, 4);
     set_sample(&f, 2, 2, 0, 2, 1);
@@ -69,7 +69,7 @@ static void image_keeps_the_ratios_of_its_channels(void **state)
         assert_memory_equal(k.k.c[c], f.rgb.c[c], 9 * sizeof(float));
     assert_true(k.sum[0] == 8.0 && k.sum[1] == 8.0 && k.sum[2] == 4.0);
     gp_kernel_free(&k);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 static void image_borders_are_cut(void **state)
@@ -92,7 +92,7 @@ static void image_borders_are_cut(void **state)
         {5, 5, 4, 4, false, {0}, 10, -8, -2, -2},   // window moves nothing
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_frame f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
+        struct gp_image f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
         set_sample(&f, rows[i].x, rows[i].y, 0, 0, 3);
         struct gp_kernel k =
             kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE,
@@ -104,7 +104,7 @@ static void image_borders_are_cut(void **state)
         assert_close((double) k.k.c[2][0], 1.0 / 0.0722, 1e-6);
         assert_true(k.k.c[0][0] == 0.0f && !k.grey);
         gp_kernel_free(&k);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
@@ -127,7 +127,7 @@ static void bad_images_are_refused(void **state)
     };
     struct gp_kernel_params p = {0};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_frame f = blank(0, 0, 4, 3);
+        struct gp_image f = blank(0, 0, 4, 3);
         struct gp_kernel k = {.w = 77};
         const float v = rows[i].other;
         p.normalize = rows[i].normalize;
@@ -138,9 +138,9 @@ static void bad_images_are_refused(void **state)
                          GP_ERR_DATA);
         assert_kept("k.exr: ");
         assert_int_equal(k.w, 77);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
-    struct gp_frame none = {.path = NULL};
+    struct gp_image none = {.path = NULL};
     struct gp_kernel k;
     assert_int_equal(gp_kernel_from_frame(&kept_log, &p, &none, &k),
                      GP_ERR_DATA);
@@ -150,9 +150,9 @@ static const float angles[] = {0.5f, 30.0f, 45.0f, 89.999f, 135.0f, 200.0f,
                                -22.5f, 359.0f, -1000.0f};
 
 /* A frame of random samples; lobes below 0 on request. */
-static struct gp_frame image(int w, int h, bool grey, bool lobes)
+static struct gp_image image(int w, int h, bool grey, bool lobes)
 {
-    struct gp_frame f = scene_frame(w, h, 0, 0, DARK, (uint32_t) (w * 131 + h));
+    struct gp_image f = scene_frame(w, h, 0, 0, DARK, (uint32_t) (w * 131 + h));
     for (int i = 0; i < 3 * w * h; i++) {
         const int c = grey ? 0 : i / (w * h);
         f.rgb.c[i / (w * h)][i % (w * h)] =
@@ -197,7 +197,7 @@ static const struct {
 static void samples_are_the_unturned_ones(void **state)
 {
     for (size_t i = 0; i < COUNT(kernels); i++) {
-        struct gp_frame f = image(kernels[i].w, kernels[i].h, kernels[i].grey,
+        struct gp_image f = image(kernels[i].w, kernels[i].h, kernels[i].grey,
                                   kernels[i].lobes);
         for (size_t a = 0; a < 2 * COUNT(angles); a++) {
             struct gp_kernel k =
@@ -223,7 +223,7 @@ static void samples_are_the_unturned_ones(void **state)
             gp_kernel_free(&k);
             assert_null(k.unturned);
         }
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
@@ -235,7 +235,7 @@ static void right_angles_move_samples(void **state)
                                   -720.0f, 0.0f, 360.0f, -0.0f};
     static const int quarters[] = {1, 2, 3, 3, 1, 0, 0, 0, 0};
     for (size_t i = 0; i < COUNT(kernels); i++) {
-        struct gp_frame f = image(kernels[i].w, kernels[i].h, false, false);
+        struct gp_image f = image(kernels[i].w, kernels[i].h, false, false);
         const double *const center =
             kernels[i].centered ? kernels[i].center : NULL;
         struct gp_kernel flat = kernel_of(&f, 0.0f, GP_NORMALIZE_NONE, center);
@@ -259,7 +259,7 @@ static void right_angles_move_samples(void **state)
             gp_kernel_free(&k);
         }
         gp_kernel_free(&flat);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
@@ -267,7 +267,7 @@ static void right_angles_move_samples(void **state)
  * angles that are none are refused. */
 static void what_cannot_be_is_refused(void **state)
 {
-    struct gp_frame line = image(40000, 1, true, false);
+    struct gp_image line = image(40000, 1, true, false);
     struct gp_kernel_params p = {0};
     struct gp_kernel k = {.w = 77};
     static const float bad[] = {45.0f, NAN, INFINITY, -INFINITY};
@@ -282,7 +282,7 @@ static void what_cannot_be_is_refused(void **state)
     assert_ok(gp_kernel_from_frame(&kept_log, &p, &line, &k));
     assert_int_equal(k.h, 40000);
     gp_kernel_free(&k);
-    gp_frame_free(&line);
+    gp_image_free(&line);
 }
 
 /* On pixels `aspect` times as wide as high a halo is as wide as it is high on
@@ -298,7 +298,7 @@ static void halos_are_round_on_the_screen(void **state)
         for (size_t i = 0; i < 2 * COUNT(aspects); i++) {
             const double aspect = (double) aspects[i / 2];
             struct gp_kernel_params p = {0};
-            struct gp_frame f = blank(0, 0, 61, 61);
+            struct gp_image f = blank(0, 0, 61, 61);
             struct gp_kernel k, square;
             double across = 0.0, down = 0.0, middle = 0.0;
             for (int j = 0; j < 61 * 61 && !names[n]; j++) { // a disc
@@ -349,7 +349,7 @@ static void halos_are_round_on_the_screen(void **state)
                          sqrt(down / k.sum[1]));
             gp_kernel_free(&k);
             gp_kernel_free(&square);
-            gp_frame_free(&f);
+            gp_image_free(&f);
         }
     }
 }
@@ -367,7 +367,7 @@ static void find_centroid(const struct gp_kernel *k, int c, double at[2])
 
 /* The kernel of f in another size has the sums of the one in its own, and its
  * centroids at the same places of the screen. */
-static void check_size(const struct gp_frame *f, double scale, double aspect)
+static void check_size(const struct gp_image *f, double scale, double aspect)
 {
     const struct gp_kernel_params p = {
         .normalize = GP_NORMALIZE_NONE, .scale = scale, .aspect = aspect,
@@ -382,7 +382,7 @@ static void check_size(const struct gp_frame *f, double scale, double aspect)
             !(fabs(to[0] - scale / aspect * from[0]) < 1e-3) ||
             !(fabs(to[1] - scale * from[1]) < 1e-3))
             fail_msg("%dx%d by %g, aspect %g: sum %g of %g, centroid %g,%g of "
-                     "%g,%g", gp_frame_w(f), gp_frame_h(f), scale, aspect,
+                     "%g,%g", gp_image_w(f), gp_image_h(f), scale, aspect,
                      k.sum[c], flat.sum[c], to[0], to[1],
                      scale / aspect * from[0], scale * from[1]);
     }
@@ -391,9 +391,9 @@ static void check_size(const struct gp_frame *f, double scale, double aspect)
 }
 
 /* Moves the light of a frame to one sample, in each channel another. */
-static void keep_points(struct gp_frame *f)
+static void keep_points(struct gp_image *f)
 {
-    const int w = gp_frame_w(f), h = gp_frame_h(f);
+    const int w = gp_image_w(f), h = gp_image_h(f);
     for (int c = 0; c < 3; c++) {
         memset(f->rgb.c[c], 0, (size_t) w * (size_t) h * sizeof(float));
         f->rgb.c[c][(h * (c + 1) / 4) * w + w * (3 - c) / 4] = 1.0f;
@@ -412,25 +412,25 @@ static void sizes_keep_light_and_place(void **state)
         const int *const size = sizes[n / COUNT(scales)];
         const double scale = scales[n % COUNT(scales)];
         for (size_t a = 0; a < COUNT(aspects); a++) {
-            struct gp_frame f = image(size[0], size[1], false, false);
+            struct gp_image f = image(size[0], size[1], false, false);
             f.data = (struct gp_rect) {-7, 5, size[0] - 7, size[1] + 5};
             check_size(&f, scale, aspects[a]);
             keep_points(&f);
             check_size(&f, scale, aspects[a]);
-            gp_frame_free(&f);
+            gp_image_free(&f);
         }
         const struct gp_kernel_params p = {
             .normalize = GP_NORMALIZE_NONE, .scale = scale,
         };
         struct gp_kernel k;
-        struct gp_frame f = blank(0, 0, size[0], size[1]);
+        struct gp_image f = blank(0, 0, size[0], size[1]);
         set_sample(&f, size[0] / 2, size[1] / 2, 1, 1, 1);
         assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
         assert_int_equal(k.w % 2, 1);
         assert_true(k.cx == k.w / 2 && k.cy == k.h / 2);
         assert_true(scale > 1.0 || k.w * k.h == 1);
         gp_kernel_free(&k);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 

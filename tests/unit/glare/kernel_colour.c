@@ -23,17 +23,17 @@ static struct gp_field field_in(const float *chromaticities, float luminance[3])
 }
 
 /* An image of a kernel's samples, which it borrows, in primaries. */
-static struct gp_frame image_of(const struct gp_kernel *k,
+static struct gp_image image_of(const struct gp_kernel *k,
                                 const float *chromaticities)
 {
-    struct gp_frame f = {.path = (char *) "k.exr", .data = {0, 0, k->w, k->h},
+    struct gp_image f = {.path = (char *) "k.exr", .data = {0, 0, k->w, k->h},
                          .rgb = k->k, .names_chromaticities = true};
     memcpy(f.chromaticities, chromaticities, sizeof f.chromaticities);
     gp_luminance_weights(chromaticities, f.luminance);
     return f;
 }
 
-static struct gp_kernel kernel_in(const struct gp_frame *f,
+static struct gp_kernel kernel_in(const struct gp_image *f,
                                   const float *chromaticities,
                                   enum gp_normalize normalize)
 {
@@ -92,7 +92,7 @@ static void images_are_the_models_in_other_primaries(void **state)
         model_make(rows[i].model, &from, &made);
         model_make(rows[i].model, &to, &wanted);
         assert_null(made.tail); // all samples are in the image
-        struct gp_frame f = image_of(&made, rows[i].from);
+        struct gp_image f = image_of(&made, rows[i].from);
         struct gp_kernel got = kernel_in(&f, rows[i].to, GP_NORMALIZE_NONE);
         got.cx = made.cx, got.cy = made.cy;
         const double after = distance(&wanted, &got);
@@ -108,7 +108,7 @@ static void images_are_the_models_in_other_primaries(void **state)
 enum { W = 3, N = 3 };
 
 /* Three samples in a row that add up to 1 in each channel. */
-static struct gp_frame row_of(float sample[3][N], const float *chromaticities)
+static struct gp_image row_of(float sample[3][N], const float *chromaticities)
 {
     const struct gp_kernel k = {
         .w = W, .h = 1, .k = {{sample[0], sample[1], sample[2]}},
@@ -123,7 +123,7 @@ static void primaries_that_are_none_are_refused(void **state)
     float v[3][N] = {{0.6f, 0.3f, 0.1f}, {0.3f, 0.5f, 0.2f},
                      {0.1f, 0.7f, 0.2f}};
     for (int i = 0; i < 2; i++) {
-        struct gp_frame f = row_of(v, i ? flat : rec2020);
+        struct gp_image f = row_of(v, i ? flat : rec2020);
         const struct gp_kernel_params p = {.chromaticities = i ? rec2020
                                                                : flat};
         struct gp_kernel k = {.w = 77};
@@ -134,7 +134,7 @@ static void primaries_that_are_none_are_refused(void **state)
         assert_int_equal(k.w, 77);
     }
     v[1][2] = NAN; // the message has its channel, not one it is spread to
-    struct gp_frame f = row_of(v, gp_rec709_chromaticities);
+    struct gp_image f = row_of(v, gp_rec709_chromaticities);
     const struct gp_kernel_params p = {.chromaticities = rec2020};
     struct gp_kernel k;
     assert_int_equal(gp_kernel_from_frame(&kept_log, &p, &f, &k), GP_ERR_DATA);

@@ -242,7 +242,7 @@ static void images_are_recipes(void **state)
     struct gp_recipe r[2] = {scene_recipe("image:file=f,share=0.25,size=2"),
                              scene_recipe("gaussian:share=0.5,fwhm=0.2")};
     float v[3][48] = {{0}};
-    const struct gp_frame image = {
+    const struct gp_image image = {
         .data = {5, -3, 13, 3}, .rgb = {{v[0], v[1], v[2]}},
         .luminance = {0.2126f, 0.7152f, 0.0722f},
     };

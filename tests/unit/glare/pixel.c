@@ -16,7 +16,7 @@ static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
     struct gp_kernel k;
     if (n < 4)
         return scene_model(names[n], 67, 0.0);
-    struct gp_frame f = scene_frame(31, 24, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(31, 24, 0, 0, BLACK, 1u);
     for (int i = 0; i < 31 * 24; i++) {
         for (int c = 0; c < 3 - (n == 5); c++)
             f.rgb.c[c][i] = scene_random(seed) < 0.05f ? scene_random(seed)
@@ -26,7 +26,7 @@ static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
     p.center[0] = -7.5;
     p.center[1] = 60.5;
     assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
-    gp_frame_free(&f);
+    gp_image_free(&f);
     return k;
 }
 
@@ -40,7 +40,7 @@ static void no_light_where_no_light_reaches(void **state)
     enum { W = 211, H = 134 };
     for (uint32_t i = 0; i < 6 * COUNT(light); i++) {
         uint32_t seed = 77u + i;
-        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1u);
+        struct gp_image f = scene_frame(W, H, 0, 0, BLACK, 1u);
         for (int n = 0; n < light[i / 6].lamps; n++) {
             const int at = (int) (W * H * scene_random(&seed));
             for (int c = 0; c < 3; c++)
@@ -82,8 +82,8 @@ static struct scene search_scene(uint32_t *seed)
     const float dark = scene_random(seed) < 0.5f ? 0.0f : 1e-3f;
     const int side = 1 + (int) (60.0f * scene_random(seed));
     const float holes = scene_random(seed), peak = scene_random(seed);
-    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 1u);
-    struct gp_frame image = scene_frame(side, side, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(w, h, 0, 0, BLACK, 1u);
+    struct gp_image image = scene_frame(side, side, 0, 0, BLACK, 1u);
     struct gp_kernel_params p = {0};
     struct gp_kernel k;
     for (int i = 0; i < w * h; i++) {
@@ -99,7 +99,7 @@ static struct scene search_scene(uint32_t *seed)
                   (i == side * side / 2 ? 1000.0f * (peak > 0.7f) : 0.0f);
     }
     assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
-    gp_frame_free(&image);
+    gp_image_free(&image);
     return scene_make(f, k, &usual);
 }
 
@@ -143,7 +143,7 @@ static struct scene limits_scene(uint32_t i)
     if (i == 0)
         return scene_make(scene_frame(90, 70, 0, 0, ALL, 1u),
                           scene_kernel(61, 61, MID, 0, BOX), &usual);
-    struct gp_frame f = scene_frame(200, 160, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(200, 160, 0, 0, BLACK, 1u);
     for (int y = 0; y < 3 * 160; y++)
         f.rgb.c[y / 160][y % 160 * 200] = 5.0f;
     return scene_make(f, scene_kernel(199, 321, 0, 160, BOX), &usual);
@@ -156,7 +156,7 @@ static void composites_keep_their_limits(void **state)
     double nearest = 0.0;
     for (uint32_t i = 0; i < 40; i++) {
         struct scene s = limits_scene(i);
-        const size_t n = gp_frame_pixels(&s.f);
+        const size_t n = gp_image_pixels(&s.f);
         for (int scatter = 0; scatter < 2; scatter++) {
             struct gp_glare_params p = GP_GLARE_DEFAULTS;
             const struct gp_glare_request req = {
@@ -197,10 +197,10 @@ static void composites_keep_their_limits(void **state)
 }
 
 /* A frame in which each fifth pixel is a lamp and the others are black. */
-static struct gp_frame lamps(void)
+static struct gp_image lamps(void)
 {
     uint32_t seed = 5u;
-    struct gp_frame f = scene_frame(200, 150, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(200, 150, 0, 0, BLACK, 1u);
     for (int i = 0; i < 200 * 150; i++) {
         const bool lit = scene_random(&seed) < 0.2f;
         for (int c = 0; c < 3; c++)

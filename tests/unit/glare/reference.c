@@ -10,7 +10,7 @@ static void check_samples(const struct scene *s, const double *layer, int step,
                           double bar, const char *what)
 {
     const int w = s->src.w, h = s->src.h;
-    const size_t n = gp_frame_pixels(&s->f);
+    const size_t n = gp_image_pixels(&s->f);
     double peak = 0.0, worst = 0.0;
     struct gp_planes image;
     assert_ok(gp_sources_planes(NULL, &s->src, &image));
@@ -39,9 +39,9 @@ static void plain_loops_are_the_sum(void **state)
         if (!hard_is_quick(h))
             continue;
         struct scene s = hard_sense(h);
-        double *const layer = scene_alloc(3 * gp_frame_pixels(&s.f),
+        double *const layer = scene_alloc(3 * gp_image_pixels(&s.f),
                                           sizeof *layer);
-        memset(layer, 0xff, 3 * gp_frame_pixels(&s.f) * sizeof *layer);
+        memset(layer, 0xff, 3 * gp_image_pixels(&s.f) * sizeof *layer);
         gp_glare_reference_direct(&s.src, &s.k, layer);
         check_samples(&s, layer, quick ? 7 : 1, 1e-13, h->name);
         free(layer);
@@ -82,7 +82,7 @@ static struct scene measured(int w, int h, float light, double exact,
                              float layer)
 {
     struct scene s = {.f = scene_frame(w, h, 0, 0, DARK, 1u)};
-    const size_t n = gp_frame_pixels(&s.f);
+    const size_t n = gp_image_pixels(&s.f);
     s.exact = scene_alloc(3 * n, sizeof *s.exact);
     assert_ok(gp_planes_make(NULL, "layer", n, &s.f.layer));
     for (size_t i = 0; i < 3 * n; i++) {

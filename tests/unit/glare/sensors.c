@@ -36,8 +36,8 @@ static void bad_pixels_stay_alone(void **state)
         const struct gp_sensor_params limited =
             WHOLE(1.0f, 0.0f, rows[i / 3].limit);
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
-        struct gp_frame f = scene_frame(w, h, 0, 0, DARK, 9u);
-        struct gp_frame was = scene_frame(w, h, 0, 0, DARK, 9u);
+        struct gp_image f = scene_frame(w, h, 0, 0, DARK, 9u);
+        struct gp_image was = scene_frame(w, h, 0, 0, DARK, 9u);
         const size_t at = (size_t) w * (size_t) h / 2;
         struct gp_sources src;
         for (int c = 0; c < 3; c++) {
@@ -47,13 +47,13 @@ static void bad_pixels_stay_alone(void **state)
         assert_ok(gp_sense(NULL, &limited, &f, &src));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(f.rgb.c[c], was.rgb.c[c],
-                                gp_frame_pixels(&f) * sizeof(float));
+                                gp_image_pixels(&f) * sizeof(float));
         assert_int_equal(src.nonfinite, rows[i / 3].nonfinite);
         assert_int_equal(src.clamped, rows[i / 3].clamped);
         gp_sources_free(&src);
         gp_sources_free(&src);
-        gp_frame_free(&f);
-        gp_frame_free(&was);
+        gp_image_free(&f);
+        gp_image_free(&was);
     }
 }
 
@@ -104,8 +104,8 @@ static void knee_is_smooth(void **state)
 static void sources_hold_the_excess(void **state)
 {
     static const float thresholds[] = {0.0f, 0.3f, 1.0f, 3.7f};
-    struct gp_frame f = scene_frame(67, 41, 0, 0, DARK, 5u);
-    const size_t n = gp_frame_pixels(&f);
+    struct gp_image f = scene_frame(67, 41, 0, 0, DARK, 5u);
+    const size_t n = gp_image_pixels(&f);
     uint32_t seed = 17;
     for (size_t i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
@@ -137,7 +137,7 @@ static void sources_hold_the_excess(void **state)
         assert_true(at == src.n && over <= src.n && over > n / 5);
         gp_sources_free(&src);
     }
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 /* -- of the whole frame -----------------------------------------------------*/

@@ -56,7 +56,7 @@ static struct drawn make_drawn(const struct form *f)
     };
     struct gp_polygons polygons;
     struct gp_shrink shrink;
-    d.want = scene_alloc(3 * gp_frame_pixels(&d.s.f), sizeof *d.want);
+    d.want = scene_alloc(3 * gp_image_pixels(&d.s.f), sizeof *d.want);
     if (gp_polygons_make(NULL, &d.s.src, &how, &polygons) ||
         gp_shrink_make(NULL, &d.s.k, &how, &polygons, &shrink))
         abort();

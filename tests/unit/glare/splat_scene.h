@@ -73,7 +73,7 @@ static inline void *open_small_or_skip(const char *side)
 static inline double splat_error(struct scene *s)
 {
     free(s->exact);
-    s->exact = scene_alloc(3 * gp_frame_pixels(&s->f), sizeof *s->exact);
+    s->exact = scene_alloc(3 * gp_image_pixels(&s->f), sizeof *s->exact);
     gp_glare_reference_direct(&s->src, &s->k, s->exact);
     return scene_rel_l2(s);
 }

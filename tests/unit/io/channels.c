@@ -1,6 +1,6 @@
 /* io/channels: depth, colour and ids by names; samples at full resolution. */
 #include "unit.h"
-#include "core/frame.h"
+#include "io/frame.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 #include "io/write.h"

@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "core/half.h"
-#include "io/image.h"
+#include "io/decoded.h"
 #include "io/io_priv.h"
 #include "exr_fixture.h"
 #include "reading.h"
@@ -11,22 +11,22 @@
 static const char *const rgba[] = {"R", "G", "B", "A"};
 
 /* A row of pixels; its windows are right. */
-static struct gp_image row_of(const char *const *names, int channels,
+static struct gp_decoded row_of(const char *const *names, int channels,
                               float *pixels, int w)
 {
-    return (struct gp_image) {
+    return (struct gp_decoded) {
         .path = "a.tif", .data = {0, 0, w, 1}, .display = {0, 0, w, 1},
         .channels = channels, .channel_name = names, .pixels = pixels,
         .colour_space = "",
     };
 }
 
-static gp_status make_frame_of(const char *layer, struct gp_image *image,
+static gp_status make_frame_of(const char *layer, struct gp_decoded *image,
                       struct gp_frame *f)
 {
     kept_clear();
     *f = (struct gp_frame) {0};
-    return gp_image_frame(&kept_log, layer, image, f);
+    return gp_decoded_frame(&kept_log, layer, image, f);
 }
 
 /* Values from the curves' definitions, by another program. 0.5 lies between
@@ -55,7 +55,7 @@ static void curves(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         float pixels[] = {0.5f, 0.5f, 0.5f, 0.5f, code, code, code, code};
-        struct gp_image image = row_of(rgba, 4, pixels, 2);
+        struct gp_decoded image = row_of(rgba, 4, pixels, 2);
         struct gp_frame f;
         image.colour_space = row[i].space;
         image.bits = row[i].bits;
@@ -80,7 +80,7 @@ static void no_such_layer(void **state)
     static const char *const chroma[] = {"sky.BY", "sky.RY", "sky.Y", "A"};
     float pixels[4] = {0};
     for (int i = 0; i < 2; i++) {
-        struct gp_image image = row_of(i ? chroma : rgba, 4, pixels, 1);
+        struct gp_decoded image = row_of(i ? chroma : rgba, 4, pixels, 1);
         struct gp_frame f;
         assert_int_equal(make_frame_of("sky", &image, &f), GP_ERR_USAGE);
         assert_int_equal(kept_errors, 1);
@@ -102,7 +102,7 @@ static void windows_and_attributes(void **state)
     };
     for (size_t i = 0; i < COUNT(aspect); i++) {
         float pixels[] = {1.0f, 2.0f, 3.0f, 0.333333f};
-        struct gp_image image = row_of(rgba, 4, pixels, 1);
+        struct gp_decoded image = row_of(rgba, 4, pixels, 1);
         struct gp_frame f;
         image.data = (struct gp_rect) {-7, 3, -6, 4};
         image.half = true;
@@ -176,11 +176,11 @@ static size_t make_pfm(const char *head, bool swapped, uint8_t to[256])
 }
 
 static gp_status open_bytes(const uint8_t *bytes, size_t n,
-                            struct gp_image *image)
+                            struct gp_decoded *image)
 {
     static struct gp_stream s;
     s = gp_stream_of(bytes, n);
-    *image = (struct gp_image) {0};
+    *image = (struct gp_decoded) {0};
     kept_clear();
     return gp_pfm_open(&kept_log, "a.pfm", &s, 0, MOST, image);
 }
@@ -201,17 +201,17 @@ static void headers(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         uint8_t bytes[256];
-        struct gp_image image;
+        struct gp_decoded image;
         uint64_t length = 0;
         const size_t n = make_pfm(row[i].head, row[i].swapped, bytes);
         assert_ok(gp_pfm_length(bytes, n + 9, &length));
         assert_int_equal(length, n);
-        if (open_bytes(bytes, n, &image) || gp_image_load(&kept_log, &image))
+        if (open_bytes(bytes, n, &image) || gp_decoded_load(&kept_log, &image))
             fail_msg("row %zu: %s", i, kept_line);
         assert_int_equal(image.channels, 3);
         for (int k = 0; k < 6; k++)
             assert_true(image.pixels[k] == sample[k / 3][k % 3] * row[i].scale);
-        gp_image_close(&image);
+        gp_decoded_close(&image);
     }
 }
 
@@ -227,7 +227,7 @@ static void damaged_headers(void **state)
     };
     for (size_t i = 0; i < COUNT(head); i++) {
         uint8_t bytes[256] = {0};
-        struct gp_image image;
+        struct gp_decoded image;
         uint64_t length = 0;
         const size_t all = make_pfm(head[i], false, bytes);
         const size_t n = i < 4 ? strlen(head[i]) : all; // right up to there
@@ -241,7 +241,7 @@ static void damaged_headers(void **state)
     }
     // cut off anywhere
     uint8_t bytes[256];
-    struct gp_image image;
+    struct gp_decoded image;
     const size_t size = make_pfm("PF\n1 2\n-1.0\n", false, bytes);
     for (size_t n = 0; n < size; n++) {
         uint64_t length = 0;

@@ -210,18 +210,18 @@ static void await_end(void)
         usleep(1000);
 }
 
-static gp_status open_ppm(struct gp_image *image)
+static gp_status open_ppm(struct gp_decoded *image)
 {
     static struct gp_stream s;
     s = gp_stream_of(ppm, sizeof ppm - 1);
     kept_clear();
-    *image = (struct gp_image) {0};
+    *image = (struct gp_decoded) {0};
     return gp_oiio_open(&kept_log, "a.ppm", &s, "pnm", 0, MOST, image);
 }
 
-static void assert_sound(struct gp_image *image)
+static void assert_sound(struct gp_decoded *image)
 {
-    assert_ok(gp_image_load(&kept_log, image));
+    assert_ok(gp_decoded_load(&kept_log, image));
     for (int y = 0; y < H; y++)
         assert_true(image->pixels[y * W] == image->pixels[0] +
                                                 (float) (y / BLOCK * BLOCK));
@@ -243,7 +243,7 @@ static void helpers_that_fail(void **state)
     for (size_t i = 0; i < COUNT(row) + LIES; i++) {
         const size_t lie = i - COUNT(row);
         char part[32];
-        struct gp_image image;
+        struct gp_decoded image;
         snprintf(part, sizeof part, "%zu", lie);
         cast(lie < LIES ? part : row[i].part);
         const long blocks = fail_blocks();
@@ -257,11 +257,11 @@ static void helpers_that_fail(void **state)
         await_end(); // the next one is started
     }
     cast("ends in rows");
-    struct gp_image image;
+    struct gp_decoded image;
     assert_ok(open_ppm(&image));
-    assert_int_equal(gp_image_load(&kept_log, &image), GP_ERR_DATA);
+    assert_int_equal(gp_decoded_load(&kept_log, &image), GP_ERR_DATA);
     assert_int_equal(kept_errors, 1);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
 }
 
 static void helpers_that_write_nothing(void **state)
@@ -270,7 +270,7 @@ static void helpers_that_write_nothing(void **state)
                                        "writes nothing", "refuses"};
     static const char *const grey[] = {"Y"};
     float v[6] = {0};
-    const struct gp_image image = image_of(v, 3, 2, grey, 1, "");
+    const struct gp_decoded image = image_of(v, 3, 2, grey, 1, "");
     for (int i = 0; i < 5; i++) {
         cast(part[i]);
         assert_int_equal(write_image("none/a", "tif", &image, "half", ""),
@@ -284,7 +284,7 @@ static void helpers_that_write_nothing(void **state)
 static void one_helper_each(void **state)
 {
     enum { N = 3 };
-    struct gp_image image[N];
+    struct gp_decoded image[N];
     float process[N];
     cast("is sound");
     for (int i = 0; i < N; i++)
@@ -299,7 +299,7 @@ static void one_helper_each(void **state)
             assert_true(process[k] != process[i]);
     }
     for (int i = 0; i < N; i++)
-        gp_image_close(&image[i]);
+        gp_decoded_close(&image[i]);
     for (int i = 0; i < 2 * N; i++) {
         assert_ok(open_ppm(&image[0]));
         if (i % 2) // else closed before its rows, or amid them
@@ -311,7 +311,7 @@ static void one_helper_each(void **state)
         for (int k = 0; k < N && !known; k++)
             known = process[k] == image[0].pixels[0];
         assert_true(known);
-        gp_image_close(&image[0]);
+        gp_decoded_close(&image[0]);
     }
 }
 
@@ -323,14 +323,14 @@ static void calls_that_fail(void **state)
     for (int c = 0; c < 2; c++) {
         bool came = true;
         for (long n = 1; came; n++) {
-            struct gp_image image;
+            struct gp_decoded image;
             const long blocks = fail_blocks();
             fail_at(class[c], n);
             gp_status st = open_ppm(&image);
             if (!st)
-                st = gp_image_load(&kept_log, &image);
+                st = gp_decoded_load(&kept_log, &image);
             came = fail_end();
-            gp_image_close(&image);
+            gp_decoded_close(&image);
             assert_int_equal(kept_errors, st != GP_OK);
             if (st && st != GP_ERR_BUG && st != GP_ERR_IO)
                 fail_msg("call %ld: %s", n, kept_line);
@@ -413,13 +413,13 @@ static void it_is_confined(void **state)
     assert_int_equal(l.rlim_max, 0);
     assert_int_equal(prlimit(helper, RLIMIT_NOFILE, NULL, &l), 0);
     assert_int_equal(l.rlim_max, 64);
-    struct gp_image image; // and yet it reads
+    struct gp_decoded image; // and yet it reads
     assert_ok(open_ppm(&image));
     assert_int_equal(prlimit(helper, RLIMIT_DATA, NULL, &l), 0);
     assert_true(l.rlim_cur < (rlim_t) 2 << 30);
     assert_int_equal(prlimit(helper, RLIMIT_CPU, NULL, &l), 0);
     assert_true(l.rlim_cur < 1 << 20);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
 }
 
 SUITE(oiio_client)

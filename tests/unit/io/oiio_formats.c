@@ -30,7 +30,7 @@ static float code_value(int x, int y, int c)
     return c == 2 ? 1.0f - v : v;
 }
 
-static struct gp_image picture(float *pixels, int channels, const char *space)
+static struct gp_decoded picture(float *pixels, int channels, const char *space)
 {
     static const char *const grey[] = {"Y"};
     for (int i = 0; i < PIXELS; i++) {
@@ -66,7 +66,7 @@ static void written_formats_come_back(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         float pixels[3 * PIXELS];
         const int n = row[i].channels;
-        struct gp_image image = picture(pixels, n, row[i].space);
+        struct gp_decoded image = picture(pixels, n, row[i].space);
         struct gp_frame f;
         snprintf(path, sizeof path, "%s/a.%s", folder, row[i].format);
         assert_ok(write_image(path, row[i].format, &image, row[i].type, ""));
@@ -159,10 +159,10 @@ static void cut_off(void **state)
         {"hdr", "float", ""},     {"exr", "half", "dwaa"},
     };
     float pixels[3 * PIXELS];
-    const struct gp_image image = picture(pixels, 3, "");
+    const struct gp_decoded image = picture(pixels, 3, "");
     need_oiio();
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_image a;
+        struct gp_decoded a;
         size_t size;
         in_folder("cut");
         assert_ok(write_image(path, row[i].format, &image, row[i].type,
@@ -170,7 +170,7 @@ static void cut_off(void **state)
         uint8_t *const bytes = wf_read(path, &size);
         if (read_bytes(bytes, size, PIXELS, &a))
             fail_msg("%s", kept_line);
-        gp_image_close(&a);
+        gp_decoded_close(&a);
         // Targa's footer and JPEG's last mark may be cut without loss
         const bool tga = strcmp(row[i].format, "tga") == 0;
         const size_t most = tga ? 18 + 3 * PIXELS - 1 : size - 3;
@@ -212,7 +212,7 @@ static void readers_that_are_never_asked(void **state)
         "softimage", "zfile", "tif", "mp4", "a.tif", "",
     };
     float pixels[3 * PIXELS];
-    const struct gp_image image = picture(pixels, 3, "");
+    const struct gp_decoded image = picture(pixels, 3, "");
     need_oiio();
     in_folder("a.tif");
     assert_ok(write_image(path, "tif", &image, "uint8", ""));
@@ -220,21 +220,21 @@ static void readers_that_are_never_asked(void **state)
     uint8_t *const bytes = wf_read(path, &size);
     struct gp_stream s = gp_stream_of(bytes, size);
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_image got = {0};
+        struct gp_decoded got = {0};
         const gp_status st = gp_oiio_open(&kept_log, path, &s, row[i], 0,
                                           PIXELS, &got);
         if (st != GP_ERR_DATA || !strstr(kept_line, "not a format"))
             fail_msg("%s: status %d, %s", row[i], (int) st, kept_line);
     }
     for (const struct gp_reader *r = gp_readers; r->format; r++) {
-        struct gp_image got = {0};
+        struct gp_decoded got = {0};
         const bool tiff = r->oiio && strcmp(r->oiio, "tiff") == 0;
         const gp_status st = r->oiio ? gp_oiio_open(&kept_log, path, &s,
             r->oiio, 0, PIXELS, &got) : GP_ERR_DATA;
         if (st != (tiff ? GP_OK : GP_ERR_DATA) ||
             (r->oiio && !tiff && strstr(kept_line, "not a format")))
             fail_msg("%s: status %d, %s", r->format, (int) st, kept_line);
-        gp_image_close(&got);
+        gp_decoded_close(&got);
     }
     free(bytes);
 }

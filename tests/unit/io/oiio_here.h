@@ -28,28 +28,28 @@ static inline int open_oiio(void **state)
 
 /* Part 0 with its pixels; what is wrong goes to kept_line. */
 static inline gp_status read_stream(const char *path, const struct gp_stream *s,
-    long long max_pixels, struct gp_image *out)
+    long long max_pixels, struct gp_decoded *out)
 {
     kept_clear();
-    *out = (struct gp_image) {0};
+    *out = (struct gp_decoded) {0};
     const struct gp_read_params p = {.max_pixels = max_pixels};
     gp_status st = gp_read_image(&kept_log, &p, path, s, 0, out);
     if (!st)
-        st = gp_image_load(&kept_log, out);
+        st = gp_decoded_load(&kept_log, out);
     if (st)
-        gp_image_close(out);
+        gp_decoded_close(out);
     return st;
 }
 
 static inline gp_status read_bytes(const void *bytes, size_t n,
-                                   long long max_pixels, struct gp_image *out)
+                                   long long max_pixels, struct gp_decoded *out)
 {
     const struct gp_stream s = gp_stream_of(bytes, n);
     return read_stream("-", &s, max_pixels, out);
 }
 
 static inline gp_status read_image(const char *path, long long max_pixels,
-                                   struct gp_image *out)
+                                   struct gp_decoded *out)
 {
     struct gp_stream s;
     assert_ok(gp_stream_open(NULL, path, 1, &s));
@@ -61,7 +61,7 @@ static inline gp_status read_image(const char *path, long long max_pixels,
 /* One line, and no image. */
 static inline void refused(const char *name, const void *bytes, size_t n)
 {
-    struct gp_image image;
+    struct gp_decoded image;
     if (read_bytes(bytes, n, 1 << 20, &image) != GP_ERR_DATA || image.own)
         fail_msg("%s was read: %s", name, kept_line);
     assert_int_equal(kept_errors, 1);
@@ -69,7 +69,7 @@ static inline void refused(const char *name, const void *bytes, size_t n)
 
 /* image->pixels as a file of `format` at `path`. */
 static inline gp_status write_image(const char *path, const char *format,
-    const struct gp_image *image, const char *type, const char *compression)
+    const struct gp_decoded *image, const char *type, const char *compression)
 {
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
@@ -98,10 +98,10 @@ static inline gp_status write_image(const char *path, const char *format,
 }
 
 /* A picture of w x h for write_image(). */
-static inline struct gp_image image_of(float *pixels, int w, int h,
+static inline struct gp_decoded image_of(float *pixels, int w, int h,
     const char *const *names, int channels, const char *space)
 {
-    return (struct gp_image) {
+    return (struct gp_decoded) {
         .path = "image", .data = {0, 0, w, h}, .display = {0, 0, w, h},
         .channels = channels, .channel_name = names, .pixels = pixels,
         .colour_space = space,

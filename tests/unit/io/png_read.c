@@ -65,24 +65,24 @@ static void put_pixels(struct made *m, const void *data, size_t n, int part)
 
 /* All of a picture; the caller closes it, where it can be read. */
 static gp_status read_png(const void *bytes, size_t size,
-                          struct gp_image *image)
+                          struct gp_decoded *image)
 {
     const struct gp_stream s = gp_stream_of(bytes, size);
     kept_clear();
-    *image = (struct gp_image) {0};
+    *image = (struct gp_decoded) {0};
     gp_status st = gp_png_open(&kept_all, "in", &s, 0, 1 << 20, image);
     if (!st)
-        st = gp_image_load(&kept_all, image);
+        st = gp_decoded_load(&kept_all, image);
     if (st)
-        gp_image_close(image);
+        gp_decoded_close(image);
     return st;
 }
 
 static gp_status check_png(const void *bytes, size_t size)
 {
-    struct gp_image image;
+    struct gp_decoded image;
     const gp_status st = read_png(bytes, size, &image);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     return st;
 }
 
@@ -189,7 +189,7 @@ static void kinds(void **state)
                 put_chunk(&m, "tRNS", type == 3 ? (const void *) "M" : extra,
                           type == 3 ? 1 : 2 * (size_t) samples);
             put_pixels(&m, raw, n, 100);
-            struct gp_image image;
+            struct gp_decoded image;
             if (read_png(m.bytes, m.n, &image))
                 fail_msg("type %d, %d bits: %s", type, bits, kept_line);
             assert_int_equal(image.bits, bits == 16 ? 16 : 8);
@@ -210,7 +210,7 @@ static void kinds(void **state)
                             type, bits, i, c, (double) (*v * max), code[c]);
                 }
             }
-            gp_image_close(&image);
+            gp_decoded_close(&image);
             made++;
         }
     }
@@ -253,7 +253,7 @@ static void chunks(void **state)
     };
     static struct made m;
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_image image;
+        struct gp_decoded image;
         put_head(&m, 1, 1, 8, 0, false);
         put_chunk(&m, row[i].type, row[i].data, row[i].n);
         put_pixels(&m, "\0\x80", 2, 100);
@@ -269,17 +269,17 @@ static void chunks(void **state)
             assert_string_equal(image.attribute[0].name, row[i].name);
             assert_string_equal(image.attribute[0].text, row[i].text);
         }
-        gp_image_close(&image);
+        gp_decoded_close(&image);
     }
     // alpha is associated on codes, with a gamma by its power
-    struct gp_image image;
+    struct gp_decoded image;
     put_head(&m, 1, 1, 8, 6, false);
     put_chunk(&m, "gAMA", "\0\0\xb1\x8f", 4);
     put_pixels(&m, "\0\xc8\x64\0\x80", 5, 100);
     assert_ok(read_png(m.bytes, m.n, &image));
     assert_true(fabsf(image.pixels[0] * 255.0f - 43.0f) < 0.01f);
     assert_true(fabsf(image.pixels[1] * 255.0f - 21.0f) < 0.01f);
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     // of two texts of one name the later counts, and there is no other part
     put_head(&m, 1, 1, 8, 0, false);
     put_chunk(&m, "tEXt", "shot\0one", 8);
@@ -288,7 +288,7 @@ static void chunks(void **state)
     assert_ok(read_png(m.bytes, m.n, &image));
     assert_int_equal(image.attributes, 1);
     assert_string_equal(image.attribute[0].text, "two");
-    gp_image_close(&image);
+    gp_decoded_close(&image);
     const struct gp_stream s = gp_stream_of(m.bytes, m.n);
     assert_int_equal(gp_png_open(&kept_all, "in", &s, 1, 1, &image),
                      GP_ERR_DATA);

@@ -283,7 +283,7 @@ static void planes_of_other_formats(void **state)
         const int n = row[i].channels;
         for (int k = 0; k < n * N; k++)
             v[k] = (float) k / (float) (n * N - 1) * (real ? 1e10f : 1.0f);
-        const struct gp_image image = image_of(v, 16, 16, n == 3 ? rgb : grey,
+        const struct gp_decoded image = image_of(v, 16, 16, n == 3 ? rgb : grey,
                                                n, n == 3 ? "Linear" : "sRGB");
         struct gp_plane p;
         snprintf(path, sizeof path, "%s/p.%s", folder, row[i].format);

@@ -96,7 +96,7 @@ static double add_run(const struct sky *s, const struct gp_ghosts *g,
     struct gp_glare glare = {0};
     struct gp_glare_stats stats;
     struct gp_sources moved;
-    struct gp_frame f = {.display = s->display};
+    struct gp_image f = {.display = s->display};
     const size_t n = (size_t) gp_rect_w(s->data) * (size_t) gp_rect_h(s->data);
     double norm2 = 0.0;
     params.engine = engine;
@@ -106,7 +106,7 @@ static double add_run(const struct sky *s, const struct gp_ghosts *g,
     assert_ok(gp_glare_run(&kept_log, &params, &glare, &moved, &run->kernel,
                            &f, &stats));
     for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+        for (size_t i = 0; i < gp_image_pixels(&f); i++) {
             const double v = (double) f.layer.c[c][i];
             const int x = f.data.x0 + (int) i % moved.w - s->data.x0;
             const int y = f.data.y0 + (int) i / moved.w - s->data.y0;

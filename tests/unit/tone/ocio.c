@@ -54,9 +54,9 @@ static struct gp_ocio_params ask(void)
 }
 
 /* A frame of w x h with light in `lit`; (0, 0) has `first` in its red. */
-static struct gp_frame lit_frame(int w, int h, float first)
+static struct gp_image lit_frame(int w, int h, float first)
 {
-    struct gp_frame f = wf_frame((struct gp_rect) {-3, 2, w - 3, h + 2},
+    struct gp_image f = wf_frame((struct gp_rect) {-3, 2, w - 3, h + 2},
                                  (struct gp_rect) {0, 0, 8, 8}, wf_rgb);
     f.lit = f.rgb;
     f.rgb = (struct gp_planes) {0};
@@ -91,7 +91,7 @@ static void view_of_every_pixel(void **state)
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_frame f = lit_frame(rows[i].w, rows[i].h, rows[i].first);
+        struct gp_image f = lit_frame(rows[i].w, rows[i].h, rows[i].first);
         struct gp_tone_params tone = GP_TONE_DEFAULTS;
         tone.exposure = rows[i].ev;
         tone.auto_exposure = rows[i].automatic;
@@ -100,7 +100,7 @@ static void view_of_every_pixel(void **state)
                                               : exp2f(rows[i].ev);
         assert_true(scale > 0.0f && (scale != 1.0f || !rows[i].automatic));
         assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
-        for (size_t k = 0; k < 3 * gp_frame_pixels(&f); k++) {
+        for (size_t k = 0; k < 3 * gp_image_pixels(&f); k++) {
             const float x = f.lit.c[k % 3][k / 3];
             const float y = 0.5f * (x * scale) + 0.25f;
             const float got = f.shown.c[k % 3][k / 3];
@@ -108,7 +108,7 @@ static void view_of_every_pixel(void **state)
                 fail_msg("row %zu, sample %zu: %g of %g, wanted %g", i, k,
                          (double) got, (double) x, (double) y);
         }
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
     gp_ocio_close(&o);
 }
@@ -120,14 +120,14 @@ static void bad_pixels_stay_alone(void **state)
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
     for (size_t i = 0; i < COUNT(bad); i++) {
-        struct gp_frame f = lit_frame(5, 5, bad[i]);
+        struct gp_image f = lit_frame(5, 5, bad[i]);
         struct gp_tone_params tone = GP_TONE_DEFAULTS;
         tone.exposure = 8;
         assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
         for (size_t k = 1; k < 25; k++)
             assert_true(f.shown.c[0][k] == 128.0f * f.lit.c[0][k] + 0.25f);
         assert_true(isnan(bad[i]) || isfinite(f.shown.c[0][0]));
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
     gp_ocio_close(&o);
 }
@@ -138,8 +138,8 @@ static void same_for_any_threads(void **state)
     p.view = "Twice";
     p.output = "turned";
     struct gp_ocio *o = opened(&p);
-    struct gp_frame f = lit_frame(301, 97, 0.1f);
-    const size_t n = gp_frame_pixels(&f);
+    struct gp_image f = lit_frame(301, 97, 0.1f);
+    const size_t n = gp_image_pixels(&f);
     const struct gp_tone_params tone = {.exposure = 0.3f, .key = 0.18f,
                                         .auto_exposure = true};
     float *first = malloc(n * sizeof *first);
@@ -148,7 +148,7 @@ static void same_for_any_threads(void **state)
         struct gp_planes out = {0};
         gp_set_threads(threads);
         assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
-        assert_ok(gp_ocio_convert(&kept_all, o, &f, gp_frame_pixels(&f),
+        assert_ok(gp_ocio_convert(&kept_all, o, &f, gp_image_pixels(&f),
                                   &f.lit, &out));
         if (threads == 1)
             memcpy(first, f.shown.c[2], n * sizeof *first);
@@ -158,7 +158,7 @@ static void same_for_any_threads(void **state)
     }
     gp_set_threads(0);
     free(first);
-    gp_frame_free(&f);
+    gp_image_free(&f);
     gp_ocio_close(&o);
 }
 
@@ -166,17 +166,17 @@ static void same_for_any_threads(void **state)
 static void only_what_was_asked(void **state)
 {
     struct gp_ocio_params p = ask();
-    struct gp_frame f = lit_frame(2, 2, 1.0f);
+    struct gp_image f = lit_frame(2, 2, 1.0f);
     struct gp_planes out = {0};
     const struct gp_tone_params tone = GP_TONE_DEFAULTS;
     p.shows = false;
     struct gp_ocio *o = opened(&p);
     assert_null(gp_ocio_names(o)->view);
     assert_int_equal(gp_ocio_show(&kept_all, o, &tone, &f), GP_ERR_BUG);
-    assert_int_equal(gp_ocio_convert(&kept_all, o, &f, gp_frame_pixels(&f),
+    assert_int_equal(gp_ocio_convert(&kept_all, o, &f, gp_image_pixels(&f),
                                   &f.lit, &out), GP_ERR_BUG);
     assert_null(out.c[0]);
-    gp_frame_free(&f);
+    gp_image_free(&f);
     gp_ocio_close(&o);
 }
 
@@ -184,11 +184,11 @@ static void only_what_was_asked(void **state)
 static float shown_red(const struct gp_ocio_params *p, float light)
 {
     struct gp_ocio *o = opened(p);
-    struct gp_frame f = lit_frame(1, 1, light);
+    struct gp_image f = lit_frame(1, 1, light);
     const struct gp_tone_params tone = GP_TONE_DEFAULTS;
     assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
     const float red = f.shown.c[0][0];
-    gp_frame_free(&f);
+    gp_image_free(&f);
     gp_ocio_close(&o);
     assert_null(o);
     return red;

@@ -9,23 +9,23 @@
 
 #include <float.h>
 
-static struct gp_frame make_frame(int w, int h)
+static struct gp_image make_frame(int w, int h)
 {
-    struct gp_frame f = gp_frame_blank((struct gp_rect) {-7, 3, w - 7, h + 3});
+    struct gp_image f = gp_image_blank((struct gp_rect) {-7, 3, w - 7, h + 3});
     f.path = strdup("test");
-    assert_ok(gp_planes_make(NULL, "t", gp_frame_pixels(&f), &f.lit));
+    assert_ok(gp_planes_make(NULL, "t", gp_image_pixels(&f), &f.lit));
     for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+        for (size_t i = 0; i < gp_image_pixels(&f); i++)
             f.lit.c[c][i] = (float) exp2(20.0 * noise() - 12.0);
     }
     return f;
 }
 
 /* A frame of one grey. */
-static struct gp_frame make_flat(int w, int h, float v)
+static struct gp_image make_flat(int w, int h, float v)
 {
-    struct gp_frame f = make_frame(w, h);
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++)
+    struct gp_image f = make_frame(w, h);
+    for (size_t i = 0; i < 3 * gp_image_pixels(&f); i++)
         f.lit.c[i % 3][i / 3] = v;
     return f;
 }
@@ -55,14 +55,14 @@ static void curves_are_listed(void **state)
 
 static void unknown_curve_is_refused(void **state)
 {
-    struct gp_frame f = make_frame(2, 2);
+    struct gp_image f = make_frame(2, 2);
     struct gp_tone_params p = {.curve = "filmic"};
     assert_int_equal(gp_tone_map(&kept_log, &p, &f, NULL), GP_ERR_USAGE);
     assert_kept("filmic");
     assert_kept("reinhard, reinhard-extended");
     assert_kept("none");
     assert_null(f.shown.c[0]);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 static void one_stop_is_a_factor_of_two(void **state)
@@ -71,10 +71,10 @@ static void one_stop_is_a_factor_of_two(void **state)
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         for (size_t e = 0; (*c)->map && e < COUNT(exposures); e++) {
             seed = 3;
-            struct gp_frame a = make_frame(97, 31);
+            struct gp_image a = make_frame(97, 31);
             seed = 3;
-            struct gp_frame b = make_frame(97, 31);
-            const size_t n = gp_frame_pixels(&a);
+            struct gp_image b = make_frame(97, 31);
+            const size_t n = gp_image_pixels(&a);
             a.chromaticities[0] = b.chromaticities[0] = 0.7f; // mixed, too
             for (int k = 0; k < 3; k++) {
                 for (size_t i = 0; i < n; i++)
@@ -96,15 +96,15 @@ static void one_stop_is_a_factor_of_two(void **state)
             if (exposures[e] == truncf(exposures[e])) // exact powers of two
                 assert_memory_equal(a.shown.c[1], b.shown.c[1],
                                     n * sizeof(float));
-            gp_frame_free(&a);
-            gp_frame_free(&b);
+            gp_image_free(&a);
+            gp_image_free(&b);
         }
     }
 }
 
 static void none_copies(void **state)
 {
-    struct gp_frame f = make_frame(61, 7);
+    struct gp_image f = make_frame(61, 7);
     struct gp_tone_params p = {.curve = "none", .exposure = 3.0f,
                                .auto_exposure = true, .key = 0.18f};
     float scale = 0.0f;
@@ -115,14 +115,14 @@ static void none_copies(void **state)
     assert_true(scale == 1.0f);
     for (int c = 0; c < 3; c++)
         assert_memory_equal(f.shown.c[c], f.lit.c[c], 61 * 7 * sizeof(float));
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 /* One colour through `linear` at -2 EV. */
 static void show_colour(const float chromaticities[8], const double in[3],
                         double out[3])
 {
-    struct gp_frame f = make_frame(1, 1);
+    struct gp_image f = make_frame(1, 1);
     struct gp_tone_params p = {.curve = "linear", .exposure = -2.0f};
     memcpy(f.chromaticities, chromaticities, sizeof f.chromaticities);
     for (int c = 0; c < 3; c++)
@@ -130,7 +130,7 @@ static void show_colour(const float chromaticities[8], const double in[3],
     assert_ok(gp_tone_map(NULL, &p, &f, NULL));
     for (int c = 0; c < 3; c++)
         out[c] = 4.0 * (double) f.shown.c[c][0];
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 static void primaries_become_bt709(void **state)
@@ -193,7 +193,7 @@ static void white_stays_white(void **state)
 static void white_zero_is_the_frames_maximum(void **state)
 {
     for (int mixed = 0; mixed < 2; mixed++) {
-        struct gp_frame f = make_frame(131, 77);
+        struct gp_image f = make_frame(131, 77);
         struct gp_tone_params p = {.curve = "reinhard-extended",
                                    .exposure = 1.5f};
         if (mixed)
@@ -202,7 +202,7 @@ static void white_zero_is_the_frames_maximum(void **state)
             f.lit.c[c][5000] = 3000.0f;
         assert_ok(gp_tone_map(NULL, &p, &f, NULL));
         int ones = 0;
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+        for (size_t i = 0; i < gp_image_pixels(&f); i++) {
             const double shown[3] = {(double) f.shown.c[0][i],
                                      (double) f.shown.c[1][i],
                                      (double) f.shown.c[2][i]};
@@ -210,20 +210,20 @@ static void white_zero_is_the_frames_maximum(void **state)
         }
         assert_true(f.shown.c[1][5000] > 0.999999f);
         assert_int_equal(ones, 1);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
-    struct gp_frame black = make_flat(5, 5, 0.0f);
+    struct gp_image black = make_flat(5, 5, 0.0f);
     struct gp_tone_params p = {.curve = "reinhard-extended"};
     assert_ok(gp_tone_map(NULL, &p, &black, NULL));
     assert_true(black.shown.c[2][24] == 0.0f);
-    gp_frame_free(&black);
+    gp_image_free(&black);
 }
 
 static void log_average_skips_what_is_not_light(void **state)
 {
     static const float bad[] = {0.0f, -0.0f, -5.0f, NAN, INFINITY, -INFINITY};
-    struct gp_frame f = make_frame(301, 203);
-    const size_t n = gp_frame_pixels(&f);
+    struct gp_image f = make_frame(301, 203);
+    const size_t n = gp_image_pixels(&f);
     double sum = 0.0;
     long long count = 0;
     for (size_t i = 0; i < n; i++) {
@@ -241,7 +241,7 @@ static void log_average_skips_what_is_not_light(void **state)
     double want = exp(sum / (double) count);
     double got = gp_log_average(&f, &f.lit);
     assert_true(fabs(got / want - 1.0) < 1e-12);
-    gp_frame_free(&f);
+    gp_image_free(&f);
 }
 
 static void log_average_of_few_pixels(void **state)
@@ -256,10 +256,10 @@ static void log_average_of_few_pixels(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (int w = 1; w < 4; w++) {
-            struct gp_frame f = make_flat(w, 1, rows[i].v);
+            struct gp_image f = make_flat(w, 1, rows[i].v);
             double got = gp_log_average(&f, &f.lit);
             assert_true(fabs(got - rows[i].want) <= 1e-6 * rows[i].want);
-            gp_frame_free(&f);
+            gp_image_free(&f);
         }
     }
 }
@@ -271,14 +271,14 @@ static void auto_exposure_sets_the_key(void **state)
         {-1.0f, 0.0f, 2.0}, // no light to measure: exposure alone
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_frame f = make_flat(40, 30, rows[i].light);
+        struct gp_image f = make_flat(40, 30, rows[i].light);
         struct gp_tone_params p = {.curve = "linear", .exposure = 1.0f,
                                    .auto_exposure = true, .key = 0.18f};
         float scale;
         assert_ok(gp_tone_map(NULL, &p, &f, &scale));
         assert_true(fabs((double) scale / rows[i].scale - 1.0) < 1e-5);
         assert_true(fabsf(f.shown.c[0][77] - rows[i].shown) < 1e-3f);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
@@ -286,7 +286,7 @@ static void exposure_of_any_size_is_finite(void **state)
 {
     static const float exposures[] = {-1e30f, -200.0f, 200.0f, 1e30f};
     for (size_t e = 0; e < COUNT(exposures); e++) {
-        struct gp_frame f = make_frame(3, 1);
+        struct gp_image f = make_frame(3, 1);
         struct gp_tone_params p = {.curve = "reinhard",
                                    .exposure = exposures[e]};
         float scale;
@@ -307,7 +307,7 @@ static void exposure_of_any_size_is_finite(void **state)
             assert_true(f.shown.c[0][1] > 0.99f);
             assert_true(f.shown.c[1][2] > 0.99f); // green, not NaN
         }
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
 }
 
@@ -320,14 +320,14 @@ static void threads_change_nothing(void **state)
                                        .auto_exposure = true};
             seed = 5;
             gp_set_threads(threads);
-            struct gp_frame f = make_frame(211, 83);
+            struct gp_image f = make_frame(211, 83);
             assert_ok(gp_tone_map(NULL, &p, &f, NULL));
             for (int k = 0; k < 3; k++) {
                 if (threads == 1)
                     memcpy(first[k], f.shown.c[k], sizeof first[k]);
                 assert_memory_equal(f.shown.c[k], first[k], sizeof first[k]);
             }
-            gp_frame_free(&f);
+            gp_image_free(&f);
         }
     }
     gp_set_threads(0);

@@ -1,90 +1,9 @@
-/* The frame that flows through the program, and its planes.
- *
- * Each plane has one writer, named beside it. A stage reads what earlier
- * stages wrote and never writes there. */
-#ifndef GP_CORE_FRAME_H
-#define GP_CORE_FRAME_H
+/* A frame of a file: its picture, and all else that the file holds and that
+ * outputs carry on. */
+#ifndef GP_IO_FRAME_H
+#define GP_IO_FRAME_H
 
-#include "core/status.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-/* Half-open pixel rectangle: x in [x0, x1), y in [y0, y1); x right, y down.
- * Empty when x1 <= x0 or y1 <= y0. */
-struct gp_rect {
-    int x0, y0, x1, y1;
-};
-
-static inline int gp_rect_w(struct gp_rect r)
-{
-    return r.x1 > r.x0 ? r.x1 - r.x0 : 0;
-}
-
-static inline int gp_rect_h(struct gp_rect r)
-{
-    return r.y1 > r.y0 ? r.y1 - r.y0 : 0;
-}
-
-/* Returns the middle of a window on axis k, 0 x or 1 y. */
-static inline double gp_rect_middle(struct gp_rect r, int k)
-{
-    return k == 0 ? 0.5 * ((double) r.x0 + (double) r.x1)
-                  : 0.5 * ((double) r.y0 + (double) r.y1);
-}
-
-static inline bool gp_rect_empty(struct gp_rect r)
-{
-    return r.x1 <= r.x0 || r.y1 <= r.y0;
-}
-
-static inline struct gp_rect gp_rect_meet(struct gp_rect a, struct gp_rect b)
-{
-    return (struct gp_rect) {
-        a.x0 > b.x0 ? a.x0 : b.x0, a.y0 > b.y0 ? a.y0 : b.y0,
-        a.x1 < b.x1 ? a.x1 : b.x1, a.y1 < b.y1 ? a.y1 : b.y1,
-    };
-}
-
-/* The smallest rectangle that holds both. */
-static inline struct gp_rect gp_rect_join(struct gp_rect a, struct gp_rect b)
-{
-    return (struct gp_rect) {
-        a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0,
-        a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1,
-    };
-}
-
-/* Numbers of one option, "1,2,3". */
-struct gp_numbers {
-    double v[4];
-    int n; // 0: not given
-};
-
-/* Three float planes of one size, w * h samples each, rows from the top,
- * no padding, samples [y * w + x]. All NULL when empty. */
-struct gp_planes {
-    float *c[3];
-};
-
-/* One plane of samples with its own window: depth, coverage. w * h floats of
- * `window`, rows from the top, no padding; NaN and Inf stay as they were read.
- * Empty: v is NULL. */
-struct gp_plane {
-    struct gp_rect window; // EXR pixel space
-    float *v;              // owned
-    char *name;            // channel it came from, for the report; owned
-    bool borrowed;         // v is not its own
-};
-
-enum gp_pixel_type { GP_UINT, GP_HALF, GP_FLOAT };
-
-/* Bytes of one sample: 4, 2, 4. */
-static inline size_t gp_type_size(enum gp_pixel_type type)
-{
-    return type == GP_HALF ? 2 : 4;
-}
+#include "core/image.h"
 
 /* One channel of the part that holds the colour, in the file's order.
  *
@@ -134,10 +53,7 @@ struct gp_frame {
     int part;                      // index of the part that holds the colour
     int parts;
 
-    struct gp_planes rgb;    // io reads; sensors clean (NaN, Inf, limit)
-    struct gp_planes layer;  // glare
-    struct gp_planes lit;    // compose: rgb with glare, scene-linear
-    struct gp_planes shown;  // tone: display-referred
+    struct gp_planes rgb;
 
     struct gp_channel *channel;  // all channels of the part, file order
     int channels;
@@ -169,19 +85,6 @@ static inline size_t gp_frame_pixels(const struct gp_frame *f)
 {
     return (size_t) gp_frame_w(f) * (size_t) gp_frame_h(f);
 }
-
-/* Allocates three planes of w * h uninitialised samples, each at GP_ALIGN, in
- * one block. `what` is for the message. On failure *p is empty. Free with
- * gp_planes_free(). */
-GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
-    const char *what, size_t samples, struct gp_planes *p);
-void gp_planes_free(struct gp_planes *p);
-
-/* Sets samples [from, from + n) of each plane to 0. */
-void gp_planes_clear(const struct gp_planes *p, size_t from, size_t n);
-
-/* Frees what it owns and clears it; an empty one is fine. */
-void gp_plane_free(struct gp_plane *p);
 
 /* Returns a frame of that window without pixels: floats, square, in Rec.709,
  * of one part. */

@@ -1,4 +1,4 @@
-#include "io/image.h"
+#include "io/decoded.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
@@ -15,7 +15,7 @@
 
 enum curve { LINEAR, SRGB, REC709, CINEON, GAMMA };
 
-static enum curve curve_of(const struct gp_image *image, float *gamma)
+static enum curve curve_of(const struct gp_decoded *image, float *gamma)
 {
     const char *space = image->colour_space;
     *gamma = 1.0f;
@@ -72,7 +72,7 @@ enum { CODES = 65536 };
 /* -- planes --------------------------------------------------------------- */
 
 struct split {
-    const struct gp_image *image;
+    const struct gp_decoded *image;
     const float *pixels; // rows from y0 on
     int y0;
     struct gp_frame *f;
@@ -113,7 +113,7 @@ static void split_row(void *ctx, int y, int thread)
 }
 
 /* Fills all planes, from the pixels or from the file, a block at a time. */
-static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
+static gp_status split_planes(const struct gp_log *log, struct gp_decoded *image,
                               struct gp_frame *f)
 {
     gp_status st;
@@ -148,7 +148,7 @@ out:
     return st;
 }
 
-gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
+gp_status gp_decoded_load(const struct gp_log *log, struct gp_decoded *image)
 {
     const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
     const size_t row = (size_t) w * (size_t) image->channels;
@@ -167,7 +167,7 @@ gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
     return st;
 }
 
-gp_status gp_image_channel(const struct gp_log *log, struct gp_image *image,
+gp_status gp_decoded_channel(const struct gp_log *log, struct gp_decoded *image,
                            int channel, float *to)
 {
     const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
@@ -185,12 +185,12 @@ gp_status gp_image_channel(const struct gp_log *log, struct gp_image *image,
     return st;
 }
 
-void gp_image_close(struct gp_image *image)
+void gp_decoded_close(struct gp_decoded *image)
 {
     gp_free(image->pixels);
     if (image->close)
         image->close(image);
-    *image = (struct gp_image) {0};
+    *image = (struct gp_decoded) {0};
 }
 
 /* -- the frame ------------------------------------------------------------ */
@@ -198,7 +198,7 @@ void gp_image_close(struct gp_image *image)
 /* Chooses the layer's colour; without a layer, by the channels' names; where no
  * name is a colour's, the first three are RGB, or the first one is grey. */
 static gp_status choose_colour(const struct gp_log *log, const char *layer,
-    const struct gp_image *image, struct gp_colour_choice *out)
+    const struct gp_decoded *image, struct gp_colour_choice *out)
 {
     const char *const *name = image->channel_name;
     char list[GP_CHANNEL_LIST] = "";
@@ -225,8 +225,8 @@ static gp_status choose_colour(const struct gp_log *log, const char *layer,
                    "layers", image->path, layer, list);
 }
 
-gp_status gp_image_frame(const struct gp_log *log, const char *layer,
-                         struct gp_image *image, struct gp_frame *out)
+gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
+                         struct gp_decoded *image, struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {0};

@@ -1,13 +1,13 @@
 /* A picture as its file stores it, of any format but EXR, and the frame made
  * from it. */
-#ifndef GP_IO_IMAGE_H
-#define GP_IO_IMAGE_H
+#ifndef GP_IO_DECODED_H
+#define GP_IO_DECODED_H
 
-#include "core/frame.h"
+#include "io/frame.h"
 #include "core/status.h"
 
 /* An open picture. The reader owns what it points to, until close(). */
-struct gp_image {
+struct gp_decoded {
     const char *path;            // for messages
     struct gp_rect data, display; // display empty: it is `data`
     float pixel_aspect;          // of width to height; not in (1e-6, 1e6): 1
@@ -30,24 +30,24 @@ struct gp_image {
      * Errors: GP_ERR_DATA, GP_ERR_IO, GP_ERR_BUG out of memory. */
     float *pixels;
     int block;
-    gp_status (*rows)(const struct gp_log *log, struct gp_image *image, int y,
+    gp_status (*rows)(const struct gp_log *log, struct gp_decoded *image, int y,
                       float *to);
-    void (*close)(struct gp_image *image);
+    void (*close)(struct gp_decoded *image);
     void *own;
 };
 
 /* Frees a picture; one that is all zero is fine. */
-void gp_image_close(struct gp_image *image);
+void gp_decoded_close(struct gp_decoded *image);
 
 /* Reads all rows into image->pixels, where they are not there yet. Errors:
  * those of rows(). */
-GP_MUST_CHECK gp_status gp_image_load(const struct gp_log *log,
-                                      struct gp_image *image);
+GP_MUST_CHECK gp_status gp_decoded_load(const struct gp_log *log,
+                                      struct gp_decoded *image);
 
 /* Reads the samples of one channel of a picture that is not loaded to `to`, w * h
  * of them, a block of rows at a time. Errors: those of rows(). */
-GP_MUST_CHECK gp_status gp_image_channel(const struct gp_log *log,
-    struct gp_image *image, int channel, float *to);
+GP_MUST_CHECK gp_status gp_decoded_channel(const struct gp_log *log,
+    struct gp_decoded *image, int channel, float *to);
 
 /* Makes a frame from a picture, which stays the caller's. Chooses colour and
  * makes it linear as io/read.h says.
@@ -56,8 +56,8 @@ GP_MUST_CHECK gp_status gp_image_channel(const struct gp_log *log,
  *   out    written only on GP_OK
  *
  * Errors: those of rows(); GP_ERR_USAGE no such layer. */
-GP_MUST_CHECK gp_status gp_image_frame(const struct gp_log *log,
-    const char *layer, struct gp_image *image, struct gp_frame *out);
+GP_MUST_CHECK gp_status gp_decoded_frame(const struct gp_log *log,
+    const char *layer, struct gp_decoded *image, struct gp_frame *out);
 
 /* Refuses a window of `w` x `h` pixels that is empty, has more than
  * max_pixels, or edges that int cannot hold four times. `which` is "data" or
