@@ -1,11 +1,11 @@
 /* A frame from memory: read, look for its depth and coverage, find its light,
  * write it again. */
-#include "io/frame.h"
 #include "glare/sensors.h"
 #include "harness.h"
 #include "io/plane.h"
 #include "io/io_priv.h"
 #include "io/write.h"
+#include "../unit/views.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +51,7 @@ static void write_again(const struct gp_hdr_colour *set, int n)
     fuzz_line(gp_write_hdr(&fuzz_log, &w, "/dev/null", set, n, &stats));
 }
 
-static void sense(struct gp_frame *f)
+static void sense(struct gp_image *f)
 {
     struct gp_sources sources;
     const struct gp_sensor_params s = GP_SENSOR_DEFAULTS;
@@ -84,7 +84,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!fuzz_line(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
         touch_frame(&f);
         look_at_planes(&p, &f);
-        sense(&f);
+        struct gp_image v = view_of(&f);
+        sense(&v);
         write_again(&(struct gp_hdr_colour) {&f, &f.rgb}, 1);
         for (int i = 0; i < f.channels && i < 3; i++)
             look_at_layer(&p, &f, f.channel[i].name);

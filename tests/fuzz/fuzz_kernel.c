@@ -2,8 +2,9 @@
 #include "glare/kernel.h"
 #include "harness.h"
 #include "io/io_priv.h"
+#include "../unit/views.h"
 
-static void make_kernel(const struct gp_frame *f, uint8_t choice)
+static void make_kernel(const struct gp_image *f, uint8_t choice)
 {
     struct gp_kernel k;
     struct gp_kernel_params p = {0};
@@ -26,7 +27,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gp_frame f = {0};
     fuzz_begin();
     if (!fuzz_line(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
-        make_kernel(&f, data[size - 1]);
+        const struct gp_image v = view_of(&f);
+        make_kernel(&v, data[size - 1]);
         gp_frame_free(&f);
     }
     fuzz_end(fuzz_allowed(data, size));

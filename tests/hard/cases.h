@@ -6,6 +6,7 @@
 
 #include "glare_scene.h"
 #include "io/grow.h"
+#include "views.h"
 #include "sun/occluder.h"
 
 /* Contents of the depth plane. Background and surfaces are in blocks. */
@@ -281,19 +282,21 @@ static inline uint32_t hard_own(const struct hard_case *h)
 }
 
 /* Sunny rows may differ in nothing else: their suns may be hidden, outside. */
-static inline struct gp_frame hard_frame(const struct hard_case *h)
+static inline struct gp_image hard_frame(const struct hard_case *h)
 {
-    struct gp_frame f = scene_frame(h->w, h->h, h->x0, h->y0, h->light,
+    struct gp_image f = scene_frame(h->w, h->h, h->x0, h->y0, h->light,
                                     hard_is_sunny(h) ? hard_own(h) : 20071u);
     if (!gp_rect_empty(h->display))
         f.display = h->display;
     if (h->grown) {
         const struct gp_grow_params none = {0};
-        if (gp_grow(NULL, &none, gp_grow_window(&none, &f), &f))
+        struct gp_frame grown = frame_of(&f, &f.rgb);
+        if (gp_grow(NULL, &none, gp_grow_window(&none, &grown), &grown))
             abort();
+        f = view_of(&grown);
     }
     for (int c = 0; c < 3 && h->light_gain > 0.0; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+        for (size_t i = 0; i < gp_image_pixels(&f); i++)
             f.rgb.c[c][i] = (float) ((double) f.rgb.c[c][i] * h->light_gain);
     }
     return f;

@@ -88,12 +88,12 @@ static float *fitted(const struct gp_frame *f, float most)
     for (size_t i = 0; i < n; i++) {
         double largest = 0.0;
         for (int c = 0; c < 3; c++) {
-            v[(size_t) c * n + i] = f->lit.c[c][i];
-            if (isfinite(f->lit.c[c][i]))
-                largest = fmax(largest, (double) f->lit.c[c][i]);
+            v[(size_t) c * n + i] = f->rgb.c[c][i];
+            if (isfinite(f->rgb.c[c][i]))
+                largest = fmax(largest, (double) f->rgb.c[c][i]);
         }
         for (int c = 0; c < 3 && largest > (double) most; c++) {
-            if (isfinite(f->lit.c[c][i]))
+            if (isfinite(f->rgb.c[c][i]))
                 v[(size_t) c * n + i] *= (float) ((double) most / largest);
         }
     }
@@ -147,7 +147,7 @@ static double exr_error(const struct format *t, const char *path,
                                                                  : FLT_MAX);
     struct gp_frame got, fit = *from, *const f = &fit;
     for (size_t c = 0; c < 3; c++)
-        fit.lit.c[c] = light + c * pixels;
+        fit.rgb.c[c] = light + c * pixels;
     double worst = 0.0;
     if (gp_read_frame(&kept_log, &limits, path, &got))
         hard_die(path, kept_line);
@@ -160,7 +160,7 @@ static double exr_error(const struct format *t, const char *path,
     const size_t n = gp_frame_pixels(f);
     for (size_t i = 0; !t->lossy && worst < HARD_NO_BAR && i < 3 * n; i++)
         worst = hard_worse(worst, sample_error(t, got.rgb.c[i / n][i % n],
-                                               f->lit.c[i / n][i % n]));
+                                               f->rgb.c[i / n][i % n]));
     free(light);
     gp_frame_free(&got);
     return worst;
@@ -204,9 +204,9 @@ static void write_as(const struct format *t, const char *path,
 {
     struct gp_write_stats stats = {0};
     const gp_status st = t->ending[0]
-        ? gp_write_picture(&kept_log, &t->p, path, f, &f->lit,
+        ? gp_write_picture(&kept_log, &t->p, path, f, &f->rgb,
                            GP_PICTURE_SHOWN, &stats)
-        : gp_raw_write(&kept_log, &t->p, path, f, &f->lit, GP_PICTURE_SHOWN,
+        : gp_raw_write(&kept_log, &t->p, path, f, &f->rgb, GP_PICTURE_SHOWN,
                        &stats);
     if (st)
         hard_die(path, kept_line);
@@ -222,7 +222,7 @@ static void print_errors(void)
         double error[COLUMNS] = {0};
         if (!hard_is_run(&hard_cases[row]))
             continue;
-        struct gp_frame f = hard_lit(&hard_cases[row]);
+        struct gp_frame f = hard_filed(&hard_cases[row]);
         for (int i = 0; i < FORMATS; i++) {
             const struct format *const t = &formats[i];
             char path[64];
@@ -244,7 +244,7 @@ static void print_errors(void)
 /* Files of a row that differ from those of one thread, by column. */
 static void count_differing(int row, int threads, double *differ)
 {
-    struct gp_frame f = hard_lit(&hard_cases[row]);
+    struct gp_frame f = hard_filed(&hard_cases[row]);
     for (int i = 0; i < FORMATS; i++) {
         char path[64];
         uint64_t hash[2];

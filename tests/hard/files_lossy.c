@@ -12,7 +12,7 @@ static double worst_of(const struct gp_frame *got, const struct gp_frame *f,
     double worst = 0.0;
     for (size_t i = 0; i < 3 * n; i++)
         worst = hard_worse(worst, one(got->rgb.c[i / n][i % n],
-                                      f->lit.c[i / n][i % n]));
+                                      f->rgb.c[i / n][i % n]));
     return worst;
 }
 
@@ -71,7 +71,7 @@ double hard_b44_error(const struct gp_frame *got, const struct gp_frame *f)
     for (int c = 0; c < 3; c++) {
         for (int y = 0; y < h; y += 4) {
             for (int x = 0; x < w; x += 4)
-                worst = hard_worse(worst, b44_block(got->rgb.c[c], f->lit.c[c],
+                worst = hard_worse(worst, b44_block(got->rgb.c[c], f->rgb.c[c],
                                                     w, h, x, y));
         }
     }

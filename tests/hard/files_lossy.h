@@ -1,5 +1,5 @@
 /* Limits of the change by lossy EXR compressions, from their encoders. Each
- * gives the largest error of `got`, a frame as it was read back, against f.lit,
+ * gives the largest error of `got`, a frame as it was read back, against f.rgb,
  * or HARD_NO_BAR where a value is lost. Sources: OpenEXR 3.1.5,
  * ImfPxr24Compressor, ImfB44Compressor, ImfDwaCompressor. */
 #ifndef GP_TESTS_HARD_FILES_LOSSY_H

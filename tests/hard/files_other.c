@@ -59,7 +59,7 @@ static gp_status write_as(const char *path, int bits, const struct gp_frame *f)
     struct gp_write_stats stats = {0};
     p.depth_bits = bits;
     p.dither = GP_DITHER_NEVER;
-    return gp_write_picture(&kept_log, &p, path, f, &f->lit,
+    return gp_write_picture(&kept_log, &p, path, f, &f->rgb,
                             GP_PICTURE_SHOWN, &stats);
 }
 
@@ -221,7 +221,7 @@ static void print_errors(const struct hard_column *columns)
         struct hard_picture codes = {0};
         if (!hard_is_run(&hard_cases[row]))
             continue;
-        struct gp_frame f = hard_lit(&hard_cases[row]);
+        struct gp_frame f = hard_filed(&hard_cases[row]);
         name_of("codes", "png", path);
         if (write_as(path, 8, &f))
             hard_die(path, kept_line);
@@ -255,7 +255,7 @@ static bool differs_by_threads(const struct format *t, int threads,
 
 static void count_differing(int row, int threads, double *differ)
 {
-    struct gp_frame f = hard_lit(&hard_cases[row]);
+    struct gp_frame f = hard_filed(&hard_cases[row]);
     for (int i = 0; i < FORMATS; i++) {
         if (!is_too_large(&formats[i], &f))
             differ[i] += differs_by_threads(&formats[i], threads, &f);

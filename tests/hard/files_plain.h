@@ -5,7 +5,8 @@
 #include "files_read.h"
 #include "hash.h"
 
-#include "io/frame.h"
+#include "hardcases.h"
+#include "views.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,14 +25,23 @@ static inline double hard_code_error(double got, float from, int bits)
     return fabs(got - hard_srgb(v) * max);
 }
 
-/* The sample of f.lit at a place, 0 outside the data window. */
+/* The sample of f.rgb at a place, 0 outside the data window. */
 static inline float hard_lit_at(const struct gp_frame *f, int c, int x, int y)
 {
     const struct gp_rect d = f->data;
     if (x < d.x0 || x >= d.x1 || y < d.y0 || y >= d.y1)
         return 0.0f;
-    return f->lit.c[c][(size_t) (y - d.y0) * (size_t) gp_rect_w(d) +
+    return f->rgb.c[c][(size_t) (y - d.y0) * (size_t) gp_rect_w(d) +
                        (size_t) (x - d.x0)];
+}
+
+/* The light of a row with its layer, as a file's frame; the caller frees it. */
+static inline struct gp_frame hard_filed(const struct hard_case *h)
+{
+    struct gp_image v = hard_lit(h);
+    const struct gp_frame f = frame_of(&v, &v.lit);
+    gp_planes_free(&v.rgb);
+    return f;
 }
 
 /* Of all bytes of a file. */

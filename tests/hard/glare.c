@@ -38,10 +38,10 @@ static bool run_way(int way, struct scene *s, struct gp_glare *g,
     if (w->gl && (hard_quick || no_gl))
         return false;
     if (!s->f.layer.c[0] &&
-        gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
+        gp_planes_make(NULL, "layer", gp_image_pixels(&s->f), &s->f.layer))
         abort();
     for (int c = 0; c < 3; c++) // every sample must be written
-        memset(s->f.layer.c[c], 0xff, gp_frame_pixels(&s->f) * sizeof(float));
+        memset(s->f.layer.c[c], 0xff, gp_image_pixels(&s->f) * sizeof(float));
     const gp_status st =
         gp_glare_run(&kept_log, &p, g, &s->src, &s->k, &s->f, stats);
     if (st == GP_ERR_GL && w->gl && strstr(kept_line, "install the Debian")) {
@@ -74,7 +74,7 @@ struct result {
 
 static bool is_dark(const struct scene *s)
 {
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&s->f); i++) {
+    for (size_t i = 0; i < 3 * gp_image_pixels(&s->f); i++) {
         if (s->exact[i] != 0.0)
             return false;
     }

@@ -37,11 +37,11 @@ void hard_thread_rows(int columns, int rows, hard_picked picked,
 /* The frame as it was made, not cleaned, and in f.lit that plus its exact
  * layer: what tone curves and files get, NaN and Inf included. The caller
  * frees it. */
-static inline struct gp_frame hard_lit(const struct hard_case *h)
+static inline struct gp_image hard_lit(const struct hard_case *h)
 {
     struct scene s = hard_scene(h);
-    struct gp_frame f = hard_frame(h);
-    const size_t n = gp_frame_pixels(&f);
+    struct gp_image f = hard_frame(h);
+    const size_t n = gp_image_pixels(&f);
     if (gp_planes_make(NULL, "lit", n, &f.lit))
         abort();
     for (size_t i = 0; i < 3 * n; i++)

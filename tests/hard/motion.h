@@ -41,7 +41,7 @@ static inline void motion_place(int step, double place[2])
 
 /* Adds light at a place that is no pixel's, by bilinear weights, which keep
  * its sum and its centroid. */
-static inline void motion_add(struct gp_frame *f, double x, double y,
+static inline void motion_add(struct gp_image *f, double x, double y,
                               float light)
 {
     const int x0 = (int) floor(x), y0 = (int) floor(y);
@@ -55,10 +55,10 @@ static inline void motion_add(struct gp_frame *f, double x, double y,
 
 /* A black frame with the shape at a step: a sixteenth of a pixel apart, so
  * that each step moves the same samples as a whole. */
-static inline struct gp_frame motion_frame(enum motion_shape shape, int step)
+static inline struct gp_image motion_frame(enum motion_shape shape, int step)
 {
     enum { FINE = 16 };
-    struct gp_frame f = scene_frame(MOTION_SIZE, MOTION_SIZE, 0, 0, BLACK, 1u);
+    struct gp_image f = scene_frame(MOTION_SIZE, MOTION_SIZE, 0, 0, BLACK, 1u);
     double place[2];
     motion_place(step, place);
     for (int y = -8 * FINE; y <= 8 * FINE; y++) {

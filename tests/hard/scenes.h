@@ -35,7 +35,7 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
     const struct gp_light l = hard_light_of(h);
     const double r = fmax(l.radius, 1e-3);
     const struct gp_rect d = s->f.data, box = hard_box_of(d, &l);
-    struct gp_source *const list = scene_alloc(gp_frame_pixels(&s->f),
+    struct gp_source *const list = scene_alloc(gp_image_pixels(&s->f),
                                               sizeof *list);
     struct gp_sources all;
     size_t n = 0;
@@ -58,7 +58,7 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
 
 /* The row's kernel: normalised, times the row's gain, or that of its recipe. */
 static inline struct gp_kernel hard_kernel(const struct hard_case *h,
-                                           const struct gp_frame *f)
+                                           const struct gp_image *f)
 {
     struct gp_kernel k;
     if (h->recipe) {

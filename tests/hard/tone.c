@@ -25,7 +25,7 @@ static const double light_max = 1e15, scale_min = 0x1p-140, scale_max = 0x1p60;
 
 // -- plain forms --------------------------------------------------------------
 
-static double luminance_of(const struct gp_frame *f, size_t i)
+static double luminance_of(const struct gp_image *f, size_t i)
 {
     double y = 0.0;
     for (int c = 0; c < 3; c++)
@@ -35,9 +35,9 @@ static double luminance_of(const struct gp_frame *f, size_t i)
 
 /* Reinhard et al. 2002, eq. 1, over pixels whose luminance is a number over
  * 0. */
-static double plain_scale(const struct way *w, const struct gp_frame *f)
+static double plain_scale(const struct way *w, const struct gp_image *f)
 {
-    const size_t n = gp_frame_pixels(f);
+    const size_t n = gp_image_pixels(f);
     double sum = 0.0, count = 0.0, scale = exp2((double) w->exposure);
     for (size_t i = 0; i < n && w->metered; i++) {
         const double y = luminance_of(f, i);
@@ -53,7 +53,7 @@ static double plain_scale(const struct way *w, const struct gp_frame *f)
 
 /* The light of a pixel that a curve gets: negative light is none, but for those
  * that mix it into wider primaries first; NaN is the lower end. */
-static void plain_light(const struct way *w, const struct gp_frame *f,
+static void plain_light(const struct way *w, const struct gp_image *f,
                         double scale, size_t i, double out[3])
 {
     const struct tone_form *const form = tone_form_of(w->curve);
@@ -65,11 +65,11 @@ static void plain_light(const struct way *w, const struct gp_frame *f,
 }
 
 /* A float, as the white that the option takes; no less than FLT_MIN. */
-static double plain_white(const struct way *w, const struct gp_frame *f,
+static double plain_white(const struct way *w, const struct gp_image *f,
                           double scale)
 {
     double peak = 0.0, v[3];
-    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+    for (size_t i = 0; i < gp_image_pixels(f); i++) {
         plain_light(w, f, scale, i, v);
         peak = fmax(peak, luminance(v));
     }
@@ -85,7 +85,7 @@ static double bar_of(const struct way *w)
     return form ? form->tolerance : 0.0;
 }
 
-static void map(const struct way *w, struct gp_frame *f)
+static void map(const struct way *w, struct gp_image *f)
 {
     struct gp_tone_params p = GP_TONE_DEFAULTS;
     p.curve = w->curve;
@@ -96,16 +96,16 @@ static void map(const struct way *w, struct gp_frame *f)
 }
 
 /* `none` must give the bytes back. */
-static double copy_error(const struct gp_frame *f)
+static double copy_error(const struct gp_image *f)
 {
-    const size_t n = gp_frame_pixels(f);
+    const size_t n = gp_image_pixels(f);
     double differ = 0.0;
     for (int c = 0; c < 3; c++)
         differ += memcmp(f->lit.c[c], f->shown.c[c], n * sizeof(float)) != 0;
     return differ;
 }
 
-static double map_error(const struct way *w, struct gp_frame *f)
+static double map_error(const struct way *w, struct gp_image *f)
 {
     const struct tone_form *const form = tone_form_of(w->curve);
     map(w, f);
@@ -113,7 +113,7 @@ static double map_error(const struct way *w, struct gp_frame *f)
         return copy_error(f);
     const double scale = plain_scale(w, f), white = plain_white(w, f, scale);
     double worst = 0.0;
-    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+    for (size_t i = 0; i < gp_image_pixels(f); i++) {
         double v[3], want[3];
         plain_light(w, f, scale, i, v);
         form->map(v, white, want);
@@ -138,10 +138,10 @@ static void fill_ways(void)
 }
 
 /* A row whose light is that of another row would prove nothing. */
-static void check_own(int row, const struct gp_frame *f)
+static void check_own(int row, const struct gp_image *f)
 {
     static uint64_t hash[HARD_CASES];
-    hash[row] = hash_layer(&f->lit, gp_frame_pixels(f));
+    hash[row] = hash_layer(&f->lit, gp_image_pixels(f));
     for (int i = 0; i < row; i++) {
         if (hard_is_run(&hard_cases[i]) && hash[i] == hash[row])
             hard_die(hard_cases[row].name, "is the frame of another row");
@@ -156,12 +156,12 @@ static void print_errors(const struct hard_column *column)
         const struct hard_case *const h = &hard_cases[row];
         if (!hard_is_run(h))
             continue;
-        struct gp_frame f = hard_lit(h);
+        struct gp_image f = hard_lit(h);
         check_own(row, &f);
         hard_row(h->name);
         for (int i = 0; i < WAYS; i++)
             hard_cell(map_error(&ways[i], &f), column[i].bar);
-        gp_frame_free(&f);
+        gp_image_free(&f);
     }
     hard_table_end();
 }
@@ -169,8 +169,8 @@ static void print_errors(const struct hard_column *column)
 static bool differs_by_threads(const struct way *w, int row, int threads)
 {
     const struct hard_case *const h = &hard_cases[row];
-    struct gp_frame a = hard_lit(h), b = hard_lit(h);
-    const size_t bytes = gp_frame_pixels(&a) * sizeof(float);
+    struct gp_image a = hard_lit(h), b = hard_lit(h);
+    const size_t bytes = gp_image_pixels(&a) * sizeof(float);
     bool differs = false;
     gp_set_threads(1);
     map(w, &a);
@@ -179,8 +179,8 @@ static bool differs_by_threads(const struct way *w, int row, int threads)
     gp_set_threads(0);
     for (int c = 0; c < 3; c++)
         differs |= memcmp(a.shown.c[c], b.shown.c[c], bytes) != 0;
-    gp_frame_free(&a);
-    gp_frame_free(&b);
+    gp_image_free(&a);
+    gp_image_free(&b);
     return differs;
 }
 

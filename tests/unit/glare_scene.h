@@ -59,7 +59,7 @@ static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
 static const struct gp_sensor_params open_all = WHOLE(0.0f, 0.0f, 1e30f);
 
 struct scene {
-    struct gp_frame f;
+    struct gp_image f;
     struct gp_sources src;
     struct gp_kernel k;
     double *exact; // 3 * w * h
@@ -172,11 +172,11 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
 }
 
 /* A frame with its data window's corner at (x0, y0). */
-static inline struct gp_frame scene_frame(int w, int h, int x0, int y0,
+static inline struct gp_image scene_frame(int w, int h, int x0, int y0,
                                           enum light light, uint32_t seed)
 {
-    struct gp_frame f =
-        gp_frame_blank((struct gp_rect) {x0, y0, x0 + w, y0 + h});
+    struct gp_image f =
+        gp_image_blank((struct gp_rect) {x0, y0, x0 + w, y0 + h});
     f.display = (struct gp_rect) {0, 0, w, h};
     if (gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb))
         abort();
@@ -252,7 +252,7 @@ static inline struct gp_kernel scene_model(const char *recipe, int size,
 static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
                                             enum shape shape)
 {
-    struct gp_frame image = gp_frame_blank((struct gp_rect) {0, 0, w, h});
+    struct gp_image image = gp_image_blank((struct gp_rect) {0, 0, w, h});
     struct gp_kernel k;
     struct gp_kernel_params p = {0};
     p.normalize = shape == DIPOLE ? GP_NORMALIZE_NONE : GP_NORMALIZE_LUMINANCE;
@@ -287,10 +287,10 @@ static inline struct gp_kernel scene_kernel_times(struct gp_kernel k,
         .centered = true, .center = {k.cx + 0.5, k.cy + 0.5},
         .normalize = GP_NORMALIZE_NONE, .rotate = rotate,
     };
-    struct gp_frame image = {.data = {0, 0, k.w, k.h}, .rgb = k.k};
+    struct gp_image image = {.data = {0, 0, k.w, k.h}, .rgb = k.k};
     struct gp_kernel out;
     for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(&image); i++)
+        for (size_t i = 0; i < gp_image_pixels(&image); i++)
             k.k.c[c][i] = (float) ((double) k.k.c[c][i] * gain);
     }
     if (gp_kernel_from_frame(NULL, &p, &image, &out))
@@ -333,7 +333,7 @@ static inline void scene_limit(struct gp_sources *src)
 }
 
 /* Takes the frame and the kernel; senses. No exact layer. */
-static inline struct scene scene_sense(struct gp_frame f, struct gp_kernel k,
+static inline struct scene scene_sense(struct gp_image f, struct gp_kernel k,
                                        const struct gp_sensor_params *p)
 {
     struct scene s = {.f = f, .k = k};
@@ -344,13 +344,13 @@ static inline struct scene scene_sense(struct gp_frame f, struct gp_kernel k,
 
 static inline void scene_find_exact(struct scene *s)
 {
-    s->exact = scene_alloc(3 * gp_frame_pixels(&s->f), sizeof *s->exact);
+    s->exact = scene_alloc(3 * gp_image_pixels(&s->f), sizeof *s->exact);
     if (gp_glare_reference(NULL, NULL, &s->src, &s->k, s->exact))
         abort();
 }
 
 /* Both. */
-static inline struct scene scene_make(struct gp_frame f, struct gp_kernel k,
+static inline struct scene scene_make(struct gp_image f, struct gp_kernel k,
                                       const struct gp_sensor_params *p)
 {
     struct scene s = scene_sense(f, k, p);
@@ -360,7 +360,7 @@ static inline struct scene scene_make(struct gp_frame f, struct gp_kernel k,
 
 static inline void scene_free(struct scene *s)
 {
-    gp_frame_free(&s->f);
+    gp_image_free(&s->f);
     gp_sources_free(&s->src);
     gp_kernel_free(&s->k);
     free(s->exact);
@@ -377,7 +377,7 @@ static inline double scene_rel_l2(const struct scene *s)
 /* Largest luminance error of a pixel over its own composite value. */
 static inline double scene_own_error(const struct scene *s)
 {
-    const size_t n = gp_frame_pixels(&s->f);
+    const size_t n = gp_image_pixels(&s->f);
     double worst = 0.0;
     for (size_t i = 0; i < n; i++) {
         double wrong = 0.0, own = 0.0;
@@ -401,7 +401,7 @@ static float scene_gain = 1.0f; // of the layer in the composite
  * must be written. */
 static inline void scene_clear_layer(struct scene *s)
 {
-    const size_t n = gp_frame_pixels(&s->f);
+    const size_t n = gp_image_pixels(&s->f);
     if (!s->f.layer.c[0] && gp_planes_make(NULL, "layer", n, &s->f.layer))
         abort();
     for (int c = 0; c < 3; c++)
@@ -423,7 +423,7 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
 /* FNV-1a of the layer's bytes. */
 static inline uint64_t scene_hash(const struct scene *s)
 {
-    return hash_layer(&s->f.layer, gp_frame_pixels(&s->f));
+    return hash_layer(&s->f.layer, gp_image_pixels(&s->f));
 }
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef GP_TESTS_HASH_H
 #define GP_TESTS_HASH_H
 
-#include "io/frame.h"
+#include "core/image.h"
 
 #include <stdint.h>
 

@@ -3,6 +3,7 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "tone/ocio.h"
+#include "views.h"
 #include "write_fixture.h"
 
 /* View Half is x / 2 + 1/4; Turned has red in green, green in blue. Look twice
@@ -56,8 +57,9 @@ static struct gp_ocio_params ask(void)
 /* A frame of w x h with light in `lit`; (0, 0) has `first` in its red. */
 static struct gp_image lit_frame(int w, int h, float first)
 {
-    struct gp_image f = wf_frame((struct gp_rect) {-3, 2, w - 3, h + 2},
-                                 (struct gp_rect) {0, 0, 8, 8}, wf_rgb);
+    const struct gp_frame of = wf_frame((struct gp_rect) {-3, 2, w - 3, h + 2},
+                                        (struct gp_rect) {0, 0, 8, 8}, wf_rgb);
+    struct gp_image f = view_of(&of);
     f.lit = f.rgb;
     f.rgb = (struct gp_planes) {0};
     f.lit.c[0][0] = first;
