@@ -129,8 +129,9 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_log *const to = m->user ? m->user : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
     if (m->level == GLAREPP_ERROR)
-        (void) gp_fail(to, (gp_status) m->status, "%s%s%s", words.text,
-                       m->text, gp_hint(m->parameter, m->text));
+        (void) (m->bare ? gp_fail_bare : gp_fail)(
+            to, (gp_status) m->status, "%s%s%s", words.text, m->text,
+            gp_hint(m->parameter, m->text));
     else
         gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
                                                  : GP_LEVEL_WARN,
