@@ -11,9 +11,8 @@
 /* The program is not told of these, or the text says it all. */
 static const char *const wordless[] = {
     "frame.albedo", "frame.groups", "frame.normal", "image.data", "image.plane",
-    "kernel.percent", "kernel.word", "lights.lights", "params.picture",
-    "params.threads", "tone.config.file", "tone.curve",
-    "tone.output.primaries",
+    "kernel.word", "lights.lights", "params.picture", "params.threads",
+    "tone.config.file", "tone.curve", "tone.output.primaries",
 };
 
 static char parameter[256][40]; // of src/, each once
