@@ -22,6 +22,7 @@ static const struct hint hints[] = {
     HINT("field.radius", "make it again with a larger --size or --radius")
     HINT("frame.coverage", "give --mask FILE")
     HINT("frame.depth", "name a channel with --depth")
+    HINT("frame.has_ndc", "give --camera FILE")
     HINT("kernel.as_it_is", "use --kernel-normalize none")
     HINT("kernel.centre", "set --kernel-center")
     HINT("kernel.normalized", "use --kernel-normalize luminance")
