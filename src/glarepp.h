@@ -76,6 +76,7 @@ struct glarepp_message {
                            // one field differ: "layer.gl.osmesa". Of kernels I
                            // to before J of a plan, "kernel.word I J FIELD"
     const char *text;      // one sentence: what is wrong (what was found)
+    bool bare;             // an error that names no file
     void *user;            // of the frame it is about; NULL: none
 };
 

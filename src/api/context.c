@@ -45,7 +45,8 @@ static void receive(void *user, const struct gp_line *line)
     struct glarepp_message m = {
         .level = bare ? GLAREPP_ERROR : (enum glarepp_level) line->level,
         .status = (int) line->status, .parameter = line->parameter,
-        .text = line->text, .user = sink->user,
+        .text = line->text, .bare = bare && !sink->name,
+        .user = sink->user,
     };
     if (bare && sink->name) {
         snprintf(named, sizeof named, "%s: %s", sink->name, line->text);
@@ -145,15 +146,15 @@ static gp_status keep_text(const struct gp_log *log, const char **text,
 int glarepp_open(const struct glarepp_params *p, struct glarepp **out)
 {
     struct glarepp_params own = GLAREPP_PARAMS;
-    struct glarepp *gp;
-    gp_status st = gp_alloc_zero(NULL, "context", 1, sizeof *gp, &gp);
+    struct glarepp *gp = NULL, first = {.params = own, .sink.gp = &first};
+    gp_status st;
     *out = NULL;
-    if (st)
-        return (int) st;
+    first.log = gp_api_log(&first.sink);
+    GP_TRY(gp_api_params(&first.log, "params", &own, sizeof own, p));
+    first.params = own;
+    first.log = gp_api_log(&first.sink);
+    GP_TRY(gp_alloc_zero(&first.log, "context", 1, sizeof *gp, &gp));
     gp->sink.gp = gp;
-    gp->params = own;
-    gp->log = gp_api_log(&gp->sink);
-    GP_TRY(gp_api_params(&gp->log, "params", &own, sizeof own, p));
     gp->params = own;
     gp->log = gp_api_log(&gp->sink);
     if (own.threads < 0)

@@ -106,7 +106,11 @@ gp_status gp_api_import(const struct gp_log *log,
         gp_luminance_weights(f.chromaticities, f.luminance);
         f.names_chromaticities = true;
     }
-    if (borrow && is_packed(view)) {
+    // (before planes are borrowed, which a failure would free)
+    f.path = gp_strdup(view->name ? view->name : "image");
+    if (!f.path) {
+        st = gp_no_memory_bare(log, "image");
+    } else if (borrow && is_packed(view)) {
         for (int c = 0; c < 3; c++)
             f.rgb.c[c] = view->plane[c];
     } else {
@@ -118,10 +122,6 @@ gp_status gp_api_import(const struct gp_log *log,
         if (!st)
             gp_parallel_do(3 * c.h, read_row, &c);
     }
-    if (!st)
-        f.path = gp_strdup(view->name ? view->name : "image");
-    if (!st && !f.path)
-        st = gp_no_memory_bare(log, "image");
     if (st)
         gp_image_free(&f);
     else

@@ -2,7 +2,6 @@
 #include "app/commands.h"
 
 #include "app/clobber.h"
-#include "app/environment.h"
 #include "app/options.h"
 #include "app/pictures.h"
 #include "app/plan_settings.h"

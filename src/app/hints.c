@@ -22,6 +22,7 @@ static const struct hint hints[] = {
     HINT("field.radius", "make it again with a larger --size or --radius")
     HINT("frame.coverage", "give --mask FILE")
     HINT("frame.depth", "name a channel with --depth")
+    HINT("frame.has_ndc", "give --camera FILE")
     HINT("kernel.as_it_is", "use --kernel-normalize none")
     HINT("kernel.centre", "set --kernel-center")
     HINT("kernel.normalized", "use --kernel-normalize luminance")
@@ -129,8 +130,9 @@ void gp_hear(void *user, const struct glarepp_message *m)
     const struct gp_log *const to = m->user ? m->user : l->log;
     const struct kernel_words words = words_of(l->s, m->parameter);
     if (m->level == GLAREPP_ERROR)
-        (void) gp_fail(to, (gp_status) m->status, "%s%s%s", words.text,
-                       m->text, gp_hint(m->parameter, m->text));
+        (void) (m->bare ? gp_fail_bare : gp_fail)(
+            to, (gp_status) m->status, "%s%s%s", words.text, m->text,
+            gp_hint(m->parameter, m->text));
     else
         gp_say(to, m->level == GLAREPP_NOTE ? GP_LEVEL_INFO
                                                  : GP_LEVEL_WARN,

@@ -100,7 +100,6 @@ static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
-    gp_environment_set_gl(gp_threads()); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
         gp_progress_open(&progress, stderr, s->run.progress,
@@ -167,9 +166,13 @@ static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
                              struct voice *voice, const struct gp_settings *s,
                              int *status, bool *differs)
 {
+    const unsigned may_open_gl = GP_COMMAND_MAIN | GP_COMMAND_BENCH |
+                                 GP_COMMAND_SETS | GP_COMMAND_STYLES;
     if (s->words.help || s->words.help_table || s->words.version ||
         s->words.list_flares)
         return print_text(log, gp, s);
+    if (s->command & may_open_gl)
+        gp_environment_set_gl(gp_threads()); // while there is one thread
     switch (s->command) {
     case GP_COMMAND_HELP:
         return print_text(log, gp, s);
@@ -181,7 +184,6 @@ static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
     case GP_COMMAND_KERNEL:
         return gp_kernel_command(log, gp, s, differs);
     case GP_COMMAND_SETS:
-        gp_environment_set_gl(gp_threads()); // while there is one thread
         return gp_sets_command(log, gp, s, differs);
     case GP_COMMAND_STYLES:
         return gp_styles_command(log, gp, s);

@@ -1,12 +1,10 @@
 #include "app/commands.h"
 
-#include "app/environment.h"
 #include "app/options.h"
 #include "app/sheet.h"
 #include "app/stages.h"
 #include "app/styles.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "io/file.h"
 #include "io/write.h"
 
@@ -115,7 +113,6 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
     }
     while (gp_styles[sheet.tiles - 1].name)
         sheet.tiles++;
-    gp_environment_set_gl(gp_threads()); // while there is one thread
     struct tile t = {&sheet, 0, "no glare"};
     GP_TRY(make_tile(log, gp, s, "--gain=0", &t));
     for (; style->name; style++) {

@@ -10,10 +10,12 @@ enum { W = 61, H = 43, PIXELS = W * H };
 
 static int errors; // messages since
 static char text[512];
+static bool bare;  // of the last
 
 static void keep(void *user, const struct glarepp_message *m)
 {
     errors += m->level == GLAREPP_ERROR;
+    bare = m->bare;
     if (m->level == GLAREPP_ERROR)
         snprintf(text, sizeof text, "%s", m->text);
 }
@@ -182,6 +184,21 @@ static int scene(struct glarepp *gp, const struct run *run)
     return st;
 }
 
+/* Planes that a frame borrows stay the caller's. */
+static int borrow(struct glarepp *gp, const struct run *run)
+{
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_plan *plan = NULL;
+    struct glarepp_frame *frame = NULL;
+    p.image = view_of(in, 3);
+    p.in_place = true;
+    int st = glarepp_plan(gp, NULL, &plan);
+    st = st ? st : glarepp_frame(plan, &p, &frame);
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&plan);
+    return st;
+}
+
 static const struct run runs[] = {
     {"image, few", execute, .engine = "direct", .lamps = true},
     {"image, all", execute, .engine = "direct"},
@@ -189,7 +206,7 @@ static const struct run runs[] = {
     {"image, splat", execute, .engine = "splat", .lamps = true, .gl = true},
     {"image, clusters", execute, .engine = "splat", .gl = true},
     {"eye", execute, .word = "eye", .lamps = true},
-    {"steps", steps, .lamps = true},
+    {"borrow", borrow, .lamps = true}, {"steps", steps, .lamps = true},
     {"steps, mask", steps, .lamps = true, .gl = true},
     {"eye", kernels, .word = "eye"}, {"night", kernels, .word = "eye-night"},
     {"aperture", kernels, .word = "aperture:wavelengths=2,coma=0.1,lashes=0.1"},
@@ -260,6 +277,9 @@ static void runs_end_well(void **state)
     p.threads = 2;
     p.message = keep;
     p.data = "examples";
+    fail_at(FAIL_ALLOC, 1);
+    assert_int_equal(glarepp_open(&p, &gp), GLAREPP_ERR_BUG);
+    assert_true(fail_end() && errors == 1 && bare);
     assert_int_equal(glarepp_open(&p, &gp), GLAREPP_OK);
     for (size_t i = 0; i < COUNT(runs); i++) {
         if (!runs[i].gl || !getenv("GLAREPP_TEST_QUICK"))

@@ -11,9 +11,8 @@
 /* The program is not told of these, or the text says it all. */
 static const char *const wordless[] = {
     "frame.albedo", "frame.groups", "frame.normal", "image.data", "image.plane",
-    "kernel.percent", "kernel.word", "kernel.words", "lights.lights",
-    "params.picture", "params.threads", "tone.config.file", "tone.curve",
-    "tone.output.primaries",
+    "kernel.word", "lights.lights", "params.picture", "params.threads",
+    "tone.config.file", "tone.curve", "tone.output.primaries",
 };
 
 static char parameter[256][40]; // of src/, each once
@@ -118,16 +117,16 @@ static void messages_name_options_and_kernels(void **state)
         struct glarepp_message m;
         const char *want;
     } rows[] = {
-        {{GLAREPP_ERROR, 2, "", "a.exr: wrong", NULL}, "a.exr: wrong"},
-        {{GLAREPP_ERROR, 2, "lights.outside", "a.exr: none", NULL},
+        {{GLAREPP_ERROR, 2, "", "a.exr: wrong", false, NULL}, "a.exr: wrong"},
+        {{GLAREPP_ERROR, 2, "lights.outside", "a.exr: none", false, NULL},
          "a.exr: none; give --camera FILE, or --sun-outside ignore"},
-        {{GLAREPP_WARNING, 0, "kernel.word 0 2", "uneven", NULL},
+        {{GLAREPP_WARNING, 0, "kernel.word 0 2", "uneven", false, NULL},
          "star and eye: uneven"},
-        {{GLAREPP_WARNING, 0, "kernel.word 1 2", "uneven", NULL},
+        {{GLAREPP_WARNING, 0, "kernel.word 1 2", "uneven", false, NULL},
          "eye: uneven"},
-        {{GLAREPP_WARNING, 0, "kernel.word 7 9", "uneven", NULL},
+        {{GLAREPP_WARNING, 0, "kernel.word 7 9", "uneven", false, NULL},
          "--kernel: uneven"},
-        {{GLAREPP_NOTE, 0, "", "a note", NULL}, "a note"},
+        {{GLAREPP_NOTE, 0, "", "a note", false, NULL}, "a note"},
     };
     struct gp_settings s;
     assert_ok(parse("-k star -k eye -o a i", &s));
@@ -148,7 +147,7 @@ static void frames_have_logs_of_their_own(void **state)
     struct gp_settings s;
     assert_ok(parse("-o a i", &s));
     struct gp_listener user = {NULL, &s};
-    struct glarepp_message m = {GLAREPP_WARNING, 0, "", "of a frame",
+    struct glarepp_message m = {GLAREPP_WARNING, 0, "", "of a frame", false,
                                 (void *) (uintptr_t) &kept_all};
     kept_clear();
     gp_hear(&user, &m);
@@ -156,6 +155,30 @@ static void frames_have_logs_of_their_own(void **state)
     gp_settings_free(&s);
 }
 
-SUITE_OF(hints, NULL, NULL, messages_name_options_and_kernels,          frames_have_logs_of_their_own,
+static void keep_level(void *user, const struct gp_line *line)
+{
+    *(enum gp_level *) user = line->level;
+}
+
+/* The log's user puts its file before messages that name none. */
+static void messages_without_a_file_are_bare(void **state)
+{
+    enum gp_level level;
+    const struct gp_log log = {keep_level, &level, GP_LEVEL_WARN};
+    struct gp_settings s;
+    assert_ok(parse("-o a i", &s));
+    struct gp_listener user = {&log, &s};
+    struct glarepp_message m = {GLAREPP_ERROR, 70, "", "plan: full", true,
+                                NULL};
+    gp_hear(&user, &m);
+    assert_int_equal(level, GP_LEVEL_BARE);
+    m.bare = false;
+    gp_hear(&user, &m);
+    assert_int_equal(level, GP_LEVEL_ERROR);
+    gp_settings_free(&s);
+}
+
+SUITE_OF(hints, NULL, NULL, messages_name_options_and_kernels,
+         messages_without_a_file_are_bare, frames_have_logs_of_their_own,
          each_parameter_has_words,
          words_name_options_that_exist, advice_is_joined)
