@@ -17,6 +17,7 @@ enum { MANY = 20000 };              // sources from which direct is thinned
 /* A frame, and the exact layer that its rows are compared with. */
 struct bench {
     const struct gp_log *log;
+    struct gp_log errors;        // the same, without advice about the frame
     const struct gp_bench_request *req;
     struct glarepp_kernel *kernel;
     struct gp_frame *f;
@@ -372,7 +373,6 @@ static gp_status draw_extra(const struct bench *b, const struct extra *e,
     struct glarepp_frame_params p = b->params;
     gp_status st;
     p.image = view_of(b->f);
-    p.user = (void *) (uintptr_t) b->log;
     GP_TRY((gp_status) glarepp_frame(plan, &p, out));
     GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_SENSE));
     const double start = gp_now_ms();
@@ -475,7 +475,7 @@ static gp_status make_truth(struct bench *b)
     b->params.image = view_of(b->f);
     b->params.in_place = true;
     b->params.details = true; // keeps the sum
-    b->params.user = (void *) (uintptr_t) b->log;
+    b->params.user = &b->errors;
     GP_TRY(make_plan(b, NULL, &b->plan));
     GP_TRY((gp_status) glarepp_frame(b->plan, &b->params, &b->truth));
     GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_SENSE));
@@ -620,7 +620,10 @@ gp_status gp_bench_run(const struct gp_log *log,
     const struct gp_bench_params *const p = req->params;
     const bool paper = p->paper, own = paper && req->default_kernel;
     struct gp_frame f = {0};
-    struct bench b = {.log = log, .req = req, .f = &f};
+    struct bench b = {
+        .log = log, .errors = {log->sink, log->user, GP_LEVEL_ERROR},
+        .req = req, .f = &f,
+    };
     struct gp_bench_table table = {.runs = p->runs};
     GP_TRY(check_outputs(log, p));
     const struct glarepp_light_params *const l = req->plan->lights;
