@@ -335,13 +335,10 @@ static const struct extra {
     const char *name, *options, *layer;
     enum glarepp_step step;
     int detail, true_detail;       // of a lens
-    const char *engine;            // of the truth
 } extras[] = {
-    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0,
-     "direct"},
-    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3, "auto"},
-    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3,
-     "auto"},
+    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0},
+    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3},
+    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3},
 };
 enum { EXTRAS = sizeof extras / sizeof *extras };
 
@@ -356,8 +353,10 @@ static gp_status plan_extra(const struct bench *b, const struct extra *e,
     if (p.lens)
         lens = *p.lens;
     lens.detail = exact ? e->true_detail : e->detail;
-    if (exact)
-        layer.engine = e->engine;
+    if (exact && e->step == GLAREPP_FLARE) {
+        layer.engine = "fft";
+        layer.in_double = true;
+    }
     p.kernel = b->kernel;
     p.layer = &layer;
     p.lights = e->step == GLAREPP_FLARE ? &flare : NULL;
