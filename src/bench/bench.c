@@ -17,6 +17,7 @@ enum { MANY = 20000 };              // sources from which direct is thinned
 /* A frame, and the exact layer that its rows are compared with. */
 struct bench {
     const struct gp_log *log;
+    struct gp_log errors;        // the same, without advice about the frame
     const struct gp_bench_request *req;
     struct glarepp_kernel *kernel;
     struct gp_frame *f;
@@ -334,13 +335,10 @@ static const struct extra {
     const char *name, *options, *layer;
     enum glarepp_step step;
     int detail, true_detail;       // of a lens
-    const char *engine;            // of the truth
 } extras[] = {
-    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0,
-     "direct"},
-    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3, "auto"},
-    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3,
-     "auto"},
+    {"flare of bright pixels", "--flare", "flare", GLAREPP_FLARE, 0, 0},
+    {"lens, of many lights", "--lens", "lens", GLAREPP_LENS, 1, 3},
+    {"lens, of up to 8 lights", "--lens --lights", "lens", GLAREPP_LENS, 2, 3},
 };
 enum { EXTRAS = sizeof extras / sizeof *extras };
 
@@ -355,8 +353,10 @@ static gp_status plan_extra(const struct bench *b, const struct extra *e,
     if (p.lens)
         lens = *p.lens;
     lens.detail = exact ? e->true_detail : e->detail;
-    if (exact)
-        layer.engine = e->engine;
+    if (exact && e->step == GLAREPP_FLARE) {
+        layer.engine = "fft";
+        layer.in_double = true;
+    }
     p.kernel = b->kernel;
     p.layer = &layer;
     p.lights = e->step == GLAREPP_FLARE ? &flare : NULL;
@@ -372,7 +372,6 @@ static gp_status draw_extra(const struct bench *b, const struct extra *e,
     struct glarepp_frame_params p = b->params;
     gp_status st;
     p.image = view_of(b->f);
-    p.user = (void *) (uintptr_t) b->log;
     GP_TRY((gp_status) glarepp_frame(plan, &p, out));
     GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_SENSE));
     const double start = gp_now_ms();
@@ -475,7 +474,7 @@ static gp_status make_truth(struct bench *b)
     b->params.image = view_of(b->f);
     b->params.in_place = true;
     b->params.details = true; // keeps the sum
-    b->params.user = (void *) (uintptr_t) b->log;
+    b->params.user = &b->errors;
     GP_TRY(make_plan(b, NULL, &b->plan));
     GP_TRY((gp_status) glarepp_frame(b->plan, &b->params, &b->truth));
     GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_SENSE));
@@ -620,7 +619,10 @@ gp_status gp_bench_run(const struct gp_log *log,
     const struct gp_bench_params *const p = req->params;
     const bool paper = p->paper, own = paper && req->default_kernel;
     struct gp_frame f = {0};
-    struct bench b = {.log = log, .req = req, .f = &f};
+    struct bench b = {
+        .log = log, .errors = {log->sink, log->user, GP_LEVEL_ERROR},
+        .req = req, .f = &f,
+    };
     struct gp_bench_table table = {.runs = p->runs};
     GP_TRY(check_outputs(log, p));
     const struct glarepp_light_params *const l = req->plan->lights;

@@ -51,7 +51,7 @@ static void options_ask_for_the_technique(void **state)
     } rows[] = {
         {"direct", "-e direct"}, {"fft", "-e fft"},
         {"splat group 8", "-e splat --group 8 --cluster 0 --shrink 0"},
-        {"splat 4/8/1e-3 quads",
+        {"splat 4/8/1e-3",
          "-e splat --group 4 --cluster 8 --shrink 0.001"},
         {"auto", "-e auto --tolerance 0.25"},
     };
