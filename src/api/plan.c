@@ -3,7 +3,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -211,7 +211,7 @@ out:
 
 /* Pixels that kernels of models, which have no end, grow a frame by: farther out
  * only their smooth part is left. */
-enum { MODEL_REACH = 2 * GP_TAIL_CORE + 1 };
+enum { MODEL_REACH = 2 * GP_FAR_CORE + 1 };
 
 /* Takes the kernel; of an image makes the first one, as a bad one is an error
  * whatever the frames hold. */

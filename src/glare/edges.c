@@ -6,7 +6,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/kernel.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <float.h>
 #include <math.h>
@@ -410,10 +410,10 @@ static int kernel_from(long long p, int c, int n)
 /* Facts of a kernel for pictures of one size. */
 struct gp_outside {
     struct box_sums sums;
-    struct gp_tail_rows *tail; // of light 1 everywhere; NULL: no tail
+    struct gp_far_rows *tail; // of light 1 everywhere; NULL: no tail
     int w, h, threads;
     unsigned long serial;              // of the kernel
-    const struct gp_tail_state *state; // what `tail` is of
+    const struct gp_far_state *state; // what `tail` is of
     double *box;   // pitch of the kernel for each thread
     float *share;  // 2 w of the picture for each thread: w; the tail inside
     float *inner;  // w of each channel: of rows that all of the kernel's meet
@@ -505,7 +505,7 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     float *const row = a->layer->c[c] + (size_t) y * w;
     if (o->tail) {
         float *const inside = o->share + ((size_t) thread * 2 + 1) * w;
-        gp_tail_row(o->tail, from, y, thread, inside);
+        gp_far_row(o->tail, from, y, thread, inside);
         add_tails_light(row, share, inside, (float) k->tail->sum[from], above,
                         above + w, down, b->w);
     } else if (share == o->inner + (size_t) from * w) {
@@ -557,7 +557,7 @@ void gp_outside_free(struct gp_outside **outside)
 {
     struct gp_outside *const o = *outside;
     if (o) {
-        gp_tail_rows_free(&o->tail);
+        gp_far_rows_free(&o->tail);
         gp_free(o->sums.at);
         gp_free(o->box);
         gp_free(o->share);
@@ -586,7 +586,7 @@ static void find_inner(struct gp_outside *o)
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
-    const struct gp_tail_state *tail, int w, int h, struct gp_outside **outside)
+    const struct gp_far_state *tail, int w, int h, struct gp_outside **outside)
 {
     gp_status st;
     struct gp_outside *o = *outside;
@@ -609,7 +609,7 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
                     sizeof *o->inner, &o->inner));
     find_inner(o);
     if (k->tail)
-        GP_TRY(gp_tail_flat(log, k->tail, tail, w, h, &o->tail));
+        GP_TRY(gp_far_flat(log, k->tail, tail, w, h, &o->tail));
     *outside = o;
     o = NULL;
 out:

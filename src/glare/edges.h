@@ -58,7 +58,7 @@ struct gp_surround {
 };
 
 struct gp_kernel;
-struct gp_tail_state;
+struct gp_far_state;
 
 /* The broad light of a border: b. */
 struct gp_beyond;
@@ -81,7 +81,7 @@ struct gp_outside;
  * Free with gp_outside_free(). Errors: GP_ERR_BUG out of memory; *outside is NULL
  * then. */
 GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
-    const struct gp_kernel *k, const struct gp_tail_state *tail, int w, int h,
+    const struct gp_kernel *k, const struct gp_far_state *tail, int w, int h,
     struct gp_outside **outside);
 void gp_outside_free(struct gp_outside **outside);
 

@@ -15,7 +15,7 @@
 #include "glare/edges.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <stdbool.h>
 
@@ -98,7 +98,7 @@ struct gp_glare_request {
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
     struct gp_layer_rest *rest;       // or NULL
-    const struct gp_tail_state *tail; // open for the kernel's tail, which is
+    const struct gp_far_state *tail; // open for the kernel's tail, which is
                    // added to what engines draw; NULL: the kernel has none
     const struct gp_beyond *beyond; // light from beyond the border, or NULL:
                    // what the tail's error adds to it counts
@@ -140,8 +140,8 @@ extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     bool warned;     // that no engine keeps the tolerance
-    struct gp_floor *floor; // NULL at first
-    struct gp_tail_state *tail;
+    struct gp_error_floor *floor; // NULL at first
+    struct gp_far_state *tail;
     struct gp_outside *outside; // NULL at first
     struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size
     unsigned long whole_of;

@@ -153,7 +153,7 @@ static int find_engine(const char *name)
 
 /* Light that is added to the rows that an engine draws. */
 struct rest {
-    struct gp_tail_rows *tail;       // or NULL
+    struct gp_far_rows *tail;       // or NULL
     struct gp_beyond_adding *beyond; // or NULL
 };
 
@@ -161,7 +161,7 @@ static void add_rest(void *ctx, int i, int thread)
 {
     const struct rest *const r = ctx;
     if (r->tail)
-        gp_tail_add_row(r->tail, i, thread);
+        gp_far_add_row(r->tail, i, thread);
     if (r->beyond)
         gp_beyond_add_row(r->beyond, i, thread);
 }
@@ -213,7 +213,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
     *out = (struct gp_choice) {.engine = named};
-    GP_TRY(gp_floor_find(req, &g->floor, &req->floor));
+    GP_TRY(gp_error_floor_find(req, &g->floor, &req->floor));
     if (d->params.tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is
         whole.src = d->src;
@@ -250,13 +250,13 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     gp_status st = GP_OK;
     struct gp_glare *const g = d->g;
     struct gp_glare_request *const req = &d->req;
-    struct gp_tail_rows *rows = NULL;
+    struct gp_far_rows *rows = NULL;
     struct rest parts = {0};
     struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
     struct gp_beyond_adding adding = {.b = d->beyond, .layer = &d->f->layer};
     const int h = d->src->h;
     if (req->tail) {
-        GP_TRY(gp_tail_find(log, d->kernel->tail, g->tail, req->src,
+        GP_TRY(gp_far_find(log, d->kernel->tail, g->tail, req->src,
                             &d->f->layer, &rows));
         parts.tail = rows;
         req->stats->tail_step = d->kernel->tail->split.step;
@@ -281,7 +281,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
             gp_parallel_do(3 * h, gp_beyond_add_row, &adding);
     }
 out:
-    gp_tail_rows_free(&rows);
+    gp_far_rows_free(&rows);
     return st;
 }
 
@@ -314,7 +314,7 @@ static gp_status run_picture(const struct gp_log *log,
     if (kernel->tail && named >= 0 && gp_engines[named] == &gp_engine_direct)
         GP_TRY(find_whole(log, g, kernel, src->w, src->h, &d.drawn));
     else if (kernel->tail)
-        GP_TRY(gp_tail_open(log, kernel->tail, &g->tail));
+        GP_TRY(gp_far_open(log, kernel->tail, &g->tail));
     d.req = (struct gp_glare_request) {
         .log = log, .params = &d.params, .src = src, .kernel = d.drawn,
         .tail = d.drawn->tail ? g->tail : NULL, .layer = &f->layer,
@@ -379,9 +379,9 @@ void gp_glare_close(struct gp_glare *g)
 {
     for (int i = 0; gp_engines[i]; i++)
         gp_engines[i]->close(&g->state[i]);
-    gp_floor_free(&g->floor);
+    gp_error_floor_free(&g->floor);
     gp_outside_free(&g->outside);
-    gp_tail_close(&g->tail);
+    gp_far_close(&g->tail);
     gp_kernel_free(&g->whole);
     g->whole_of = 0;
 }

@@ -57,7 +57,7 @@ GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
 GP_MUST_CHECK gp_status gp_resample(const struct gp_log *log, const char *name,
     double across, double down, bool grey, struct gp_rotated *k);
 
-// -- floor.c: errors that no engine bounds ------------------------------------
+// -- error_floor.c: errors that no engine bounds ------------------------------------
 
 /* Limits of the exact composite, known before it is made. */
 struct gp_pixel_floor {
@@ -85,10 +85,10 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
  * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
  * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
  * *keep is NULL at first and kept from frame to frame. */
-struct gp_floor;
-GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_request *req,
-                                      struct gp_floor **keep, double *floor);
-void gp_floor_free(struct gp_floor **f);
+struct gp_error_floor;
+GP_MUST_CHECK gp_status gp_error_floor_find(const struct gp_glare_request *req,
+                                      struct gp_error_floor **keep, double *floor);
+void gp_error_floor_free(struct gp_error_floor **f);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 #include "glare/kernel_rows.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <float.h>
 #include <limits.h>
@@ -484,7 +484,7 @@ void gp_kernel_free(struct gp_kernel *k)
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);
-    gp_tail_free(k->tail);
+    gp_far_free(k->tail);
     gp_free(k->lit);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};

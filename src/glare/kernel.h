@@ -39,7 +39,7 @@ struct gp_unturned {
     double cos, sin;      // of the angle
 };
 
-struct gp_tail; // glare/tail/tail.h
+struct gp_far_field; // glare/far_field/far_field.h
 
 /* The samples of a row of one channel that are not 0. */
 struct gp_lit_row {
@@ -57,7 +57,7 @@ struct gp_kernel {
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
-    struct gp_tail *tail; // the rest beyond the core; NULL: nothing; owned
+    struct gp_far_field *tail; // the rest beyond the core; NULL: nothing; owned
     double sum[3];        // of each channel, with the tail
     double norm2[3];      // sqrt of the sum of squares of each channel, and ...
     double norm1[3];      // ... sum of magnitudes; with a tail, limits of both
@@ -141,7 +141,7 @@ GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
 
 /* The same of k's tail, which there must be, where `k` above is its core:
  * samples every out->step pixels, between which it is linear within 1 %. */
-GP_MUST_CHECK gp_status gp_kernel_spread_tail(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_kernel_spread_far(const struct gp_log *log,
     const struct gp_kernel *k, int reach, const float *weight,
     struct gp_spread_kernel *out);
 

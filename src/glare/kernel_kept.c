@@ -2,7 +2,7 @@
 
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -125,7 +125,7 @@ static bool is_same(const struct gp_kernel_request *r,
 
 static size_t bytes_of(const struct gp_kernel *k)
 {
-    const struct gp_tail *const t = k->tail;
+    const struct gp_far_field *const t = k->tail;
     const size_t nodes =
         t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1) : 0;
     return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + nodes);

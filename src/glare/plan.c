@@ -116,7 +116,7 @@ static gp_status try_whole(const struct gp_glare_request *req,
     // the layer of the core is no more than that of the whole
     whole.tail = NULL;
     memset(own.tail, 0, sizeof own.tail);
-    gp_status st = gp_floor_find(&whole, &g->floor, &whole.floor);
+    gp_status st = gp_error_floor_find(&whole, &g->floor, &whole.floor);
     if (!st)
         st = find_bounds(&whole, g, &own, &c);
     if (!st && is_within(req->params, &c))

@@ -122,7 +122,7 @@ gp_status gp_write_hdr_check(const struct gp_log *log,
     return gp_write_check(log, p, path);
 }
 
-bool gp_write_would_clobber(const struct gp_write_params *p, const char *path)
+bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path)
 {
     return p->no_clobber && strcmp(path, "-") != 0 && gp_file_exists(path);
 }
@@ -142,7 +142,7 @@ gp_status gp_write_picture(const struct gp_log *log,
     struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
-    if (gp_write_would_clobber(p, path))
+    if (gp_write_would_overwrite(p, path))
         return GP_OK;
     return find_writer(p, path, ending)->write(log, p, path, f, planes, kind,
                                                stats);
@@ -153,7 +153,7 @@ gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
     gp_status st = gp_write_hdr_check(log, p, GP_HDR_KEEPS, path);
-    if (st || gp_write_would_clobber(p, path))
+    if (st || gp_write_would_overwrite(p, path))
         return st;
     return gp_exr_write_hdr(log, p, path, set, n, stats);
 }

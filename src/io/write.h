@@ -191,7 +191,7 @@ bool gp_write_has_alpha(const struct gp_write_params *p, const char *path);
 
 /* True when no_clobber is set and a regular file of that name exists: then the
  * writing functions skip it and return GP_OK. */
-bool gp_write_would_clobber(const struct gp_write_params *p, const char *path);
+bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path);
 
 /* Checks before any frame is read that `path` could be written with these
  * params: folder exists (or create_dir), ending known. Same errors. */

@@ -229,7 +229,7 @@ static gp_status make_sprite(const struct gp_log *log,
     *s = (struct gp_sun_sprite) {radius, k->serial, height,
                                  {element_of(&core, height)}, 1};
     if (k->tail) {
-        GP_TRY(gp_kernel_spread_tail(log, k, d.m, d.weight, &tail));
+        GP_TRY(gp_kernel_spread_far(log, k, d.m, d.weight, &tail));
         s->element[s->n++] = element_of(&tail, height);
     }
 out:

@@ -1,5 +1,5 @@
 /* The command line, a word a line. */
-#include "app/options.h"
+#include "cli/options.h"
 #include "harness.h"
 
 #include <stdlib.h>

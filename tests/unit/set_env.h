@@ -2,7 +2,7 @@
 #ifndef SET_ENV_H
 #define SET_ENV_H
 
-#include "app/environment.h"
+#include "cli/environment.h"
 #include "core/env.h"
 
 #include <stdlib.h>

@@ -272,12 +272,12 @@ out:
     return st;
 }
 
-/* Returns the norms of gp_fft_tail_norms(), which are found once a kernel. */
+/* Returns the norms of gp_fft_far_norms(), which are found once a kernel. */
 static const double *find_tail_norms(struct fft_state *s,
                                      const struct gp_kernel *k)
 {
     if (!gp_fft_is_of(s->tail_kernel, k)) {
-        gp_fft_tail_norms(k, s->tail);
+        gp_fft_far_norms(k, s->tail);
         s->tail_kernel = k->serial;
     }
     return s->tail;

@@ -209,7 +209,7 @@ static inline bool gp_fft_same_core(struct gp_fft_core a, struct gp_fft_core b)
 
 /* Norms of the kernel without its core (and its tail), largest channel, one a
  * core. */
-void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
+void gp_fft_far_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
 
 struct gp_fft_split {
     struct gp_fft_core core; // of gp_fft_cores
@@ -235,7 +235,7 @@ struct gp_fft_split {
  * figures are 1e-5, and 0.5 % of the layer where only that part is left, for half
  * of the transform or 5 ms, 2e-3 and, for what double takes, 1e-4; of a black
  * frame the layer counts as what shows.
- *   tail       from gp_fft_tail_norms()
+ *   tail       from gp_fft_far_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform in float
  *   gain       of the layer in the composite, > 0

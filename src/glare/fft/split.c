@@ -166,7 +166,7 @@ GP_CLONES static double box_squares(const float *v, int pitch, int w, int h)
     return sum;
 }
 
-void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
+void gp_fft_far_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
     double all[3]; // of the kernel's own samples, without its tail
     for (int c = 0; c < 3; c++)

@@ -4,7 +4,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 
 #include <limits.h>
 #include <math.h>
@@ -251,19 +251,19 @@ static void mix_far(const struct mixture *m, int x, int y, int n,
 /* Samples of offsets -rx .. rx, -ry .. ry; less the tail's share of each. */
 struct filling {
     const struct mixture *m;
-    const struct gp_tail_split *split; // step 0: no tail
+    const struct gp_far_split *split; // step 0: no tail
     int rx, ry;
     struct gp_planes k;
 };
 
 /* Takes the tail's share of n samples from (x, y) on from them. */
 static void take_tail(const struct mixture *m,
-    const struct gp_tail_split *split, int x, int y, int n,
+    const struct gp_far_split *split, int x, int y, int n,
     double sum[3][GP_SHAPE_STRIP])
 {
     double share[GP_SHAPE_STRIP], far[3][GP_SHAPE_STRIP], most = 0.0;
     for (int k = 0; k < n; k++) {
-        share[k] = gp_tail_share(split, x + k, y);
+        share[k] = gp_far_share(split, x + k, y);
         most = fmax(most, share[k]);
     }
     if (!(most > 0.0))
@@ -318,7 +318,7 @@ static void make_row(void *ctx, int i, int thread)
  * Errors: GP_ERR_USAGE the tail has that tint. */
 static gp_status find_tint(const struct gp_log *log, struct mixture *m,
     const struct gp_planes *k, size_t n, size_t centre,
-    const struct gp_tail *tail, const float weight[3])
+    const struct gp_far_field *tail, const float weight[3])
 {
     double sum[3], squares, all = 0.0, middle = 0.0, least = 0.0;
     m->tint = (struct tint) {.known = true};
@@ -363,7 +363,7 @@ static void use_tint(const struct tint *t, const float weight[3], size_t n,
 /* Makes the samples of a mixture at up to those offsets; the tail, or NULL, has
  * the rest. `weight` is of luminance. */
 static gp_status make_planes(const struct gp_log *log, struct mixture *m,
-    const struct gp_tail_split *split, const struct gp_tail *tail,
+    const struct gp_far_split *split, const struct gp_far_field *tail,
     const float weight[3], int rx, int ry, struct gp_kernel *out)
 {
     struct filling f = {.m = m, .split = split, .rx = rx, .ry = ry};
@@ -395,7 +395,7 @@ static void mix_pixel(const void *ctx, int x, int y, double out[3])
 }
 
 /* True where the tail is nowhere more than each shape that has one. */
-static bool is_within(const struct mixture *m, const struct gp_tail_split *s)
+static bool is_within(const struct mixture *m, const struct gp_far_split *s)
 {
     for (int i = 0; i < m->n; i++) {
         const struct gp_shape *const one = &m->shape[i];
@@ -403,7 +403,7 @@ static bool is_within(const struct mixture *m, const struct gp_tail_split *s)
             continue;
         for (int r = (int) s->from; r <= s->to; r++) {
             // neither falls with the distance
-            if (gp_tail_share(s, r + 1, 0) > one->least(one->state, r))
+            if (gp_far_share(s, r + 1, 0) > one->least(one->state, r))
                 return false;
         }
     }
@@ -411,14 +411,14 @@ static bool is_within(const struct mixture *m, const struct gp_tail_split *s)
 }
 
 /* Chooses the split of a mixture; step 0: no tail. */
-static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
+static struct gp_far_split choose_split(const struct mixture *m, int w, int h)
 {
-    struct gp_tail_split s = {0};
+    struct gp_far_split s = {0};
     if (!m->tails || m->negative)
         return s;
     double smooth = m->smooth;
     do {
-        s = gp_tail_choose(smooth, m->stretch, m->sharp, w, h);
+        s = gp_far_choose(smooth, m->stretch, m->sharp, w, h);
         smooth = s.from + 1.0;
     } while (s.step && !is_within(m, &s));
     return s;
@@ -427,7 +427,7 @@ static struct gp_tail_split choose_split(const struct mixture *m, int w, int h)
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
  * gives to the tail, if its step is not 0; `weight` as make_planes(). */
 static gp_status make_core(const struct gp_log *log, struct mixture *m,
-    const struct gp_tail_split *split, const struct gp_tail *tail,
+    const struct gp_far_split *split, const struct gp_far_field *tail,
     const float *weight, int w, int h, struct gp_kernel *out)
 {
     const int far = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
@@ -438,7 +438,7 @@ static gp_status make_core(const struct gp_log *log, struct mixture *m,
 
 /* Joins a tail, which the kernel then owns, to its core; NULL: there is none.
  * Finds the light that is left out. */
-static void join_tail(struct gp_tail *t, const struct gp_field *field,
+static void join_tail(struct gp_far_field *t, const struct gp_field *field,
                       struct gp_kernel *k)
 {
     k->tail = t;
@@ -472,7 +472,7 @@ struct gp_model_kept {
     struct mixture m;
     struct gp_field field;
     float chromaticities[8], luminance[3]; // the field's
-    struct gp_tail *tail;                  // held; NULL: none
+    struct gp_far_field *tail;                  // held; NULL: none
     int opened;                            // shapes, by the last call
 };
 
@@ -480,7 +480,7 @@ void gp_model_kept_free(struct gp_model_kept **kept)
 {
     if (*kept) {
         close_mixture(&(*kept)->m);
-        gp_tail_free((*kept)->tail);
+        gp_far_free((*kept)->tail);
     }
     GP_FREE(*kept);
 }
@@ -494,9 +494,9 @@ int gp_model_opened(const struct gp_model_kept *kept)
  * are the same, and so is its split. */
 static bool tail_fits(const struct gp_model_kept *kept,
     const struct gp_recipe *r, const struct mixture *m,
-    const struct gp_field *field, const struct gp_tail_split *split)
+    const struct gp_field *field, const struct gp_far_split *split)
 {
-    const struct gp_tail *const t = kept->tail;
+    const struct gp_far_field *const t = kept->tail;
     const bool later = kept->field.frame != field->frame ||
                        kept->field.fps != field->fps;
     bool moves = false;
@@ -524,7 +524,7 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     gp_status st;
     struct mixture m = {0};
     struct gp_kernel k = {0};
-    struct gp_tail *tail = NULL;
+    struct gp_far_field *tail = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
         return gp_fail_at(log, GP_ERR_USAGE, "field.degrees",
@@ -539,12 +539,12 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     struct gp_model_kept *const own = *kept;
     GP_TRY(open_mixture(log, r, n, field, own->m.n == n ? &own->m : NULL,
                         &own->field, &own->opened, &m));
-    const struct gp_tail_split split = choose_split(&m, field->w, field->h);
+    const struct gp_far_split split = choose_split(&m, field->w, field->h);
     if (split.step && tail_fits(own, r, &m, field, &split))
-        tail = gp_tail_hold(own->tail);
+        tail = gp_far_hold(own->tail);
     else if (split.step)
-        GP_TRY(gp_tail_make(log, &split, field->w, field->h,
-            &(struct gp_tail_kernel) {mix_pixel, &m, m.tail_grey, m.tail_even},
+        GP_TRY(gp_far_make(log, &split, field->w, field->h,
+            &(struct gp_far_kernel) {mix_pixel, &m, m.tail_grey, m.tail_even},
             &tail));
     GP_TRY(make_core(log, &m, &split, tail, field->luminance, field->w,
                      field->h, &k));
@@ -554,16 +554,16 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     k.origin->tint = m.tint;
     k.free_origin = free_origin;
     close_mixture(&own->m);
-    gp_tail_free(own->tail);
+    gp_far_free(own->tail);
     own->m = m;
     m = (struct mixture) {0};
-    own->tail = k.tail ? gp_tail_hold(k.tail) : NULL;
+    own->tail = k.tail ? gp_far_hold(k.tail) : NULL;
     keep_field(own, field);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
     close_mixture(&m);
-    gp_tail_free(tail);
+    gp_far_free(tail);
     gp_kernel_free(&k);
     return st;
 }
@@ -580,7 +580,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
 gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                           int w, int h, struct gp_kernel *out)
 {
-    static const struct gp_tail_split whole = {0};
+    static const struct gp_far_split whole = {0};
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
     int opened;

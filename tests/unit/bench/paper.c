@@ -1,6 +1,7 @@
 /* bench/paper.c: the synthetic frames are what they say they are, and the same
  * bytes everywhere. */
 #include "unit.h"
+#include "views.h"
 #include "bench/bench_priv.h"
 #include "glare/sensors.h"
 
@@ -60,7 +61,8 @@ static void light_is_as_it_is_named(void **state)
         };
         struct gp_frame f = paper_scene(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
         struct gp_sources s = {0};
-        assert_ok(gp_sense(NULL, &p, &f, &s));
+        struct gp_image v = view_of(&f);
+        assert_ok(gp_sense(NULL, &p, &v, &s));
         const double share = (double) s.n / (double) gp_frame_pixels(&f);
         assert_true(share >= rows[i].least && share <= rows[i].most);
         assert_true(s.nonfinite == 0 && s.clamped == 0);

@@ -1,4 +1,4 @@
-/* core's small files: frames and what they own, messages, JSON's text, the
+/* core's small files: messages, JSON's text, the
  * program's other files, the CPU. */
 #include "unit.h"
 #include "core/bridge.h"
@@ -11,45 +11,6 @@
 
 #include <limits.h>
 #include <unistd.h>
-
-static int origins;
-
-static void free_origin(void *origin)
-{
-    assert_ptr_equal(origin, &origins);
-    origins++;
-}
-
-static void frames_own_what_they_hold(void **state)
-{
-    static const char *const names[] = {"R", "Z", "depth.Z"};
-    static const char *const absent[] = {"z", "", "depth", "depth.Z2"};
-    const long blocks = fail_blocks();
-    struct gp_image f = {0};
-    gp_image_free(&f); // an empty one
-    assert_null(gp_frame_channel(&f, "Z"));
-    assert_ok(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
-                                   &f.channel));
-    f.channels = 3;
-    for (int i = 0; i < 3; i++)
-        f.channel[i].name = gp_strdup(names[i]);
-    assert_ok(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data));
-    assert_ok(gp_planes_make(NULL, "rgb", 4, &f.rgb));
-    f.path = gp_strdup("a.exr");
-    f.input = &origins;
-    f.input_free = free_origin;
-    for (int i = 0; i < 3; i++)
-        assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
-    for (int i = 0; i < 4; i++)
-        assert_null(gp_frame_channel(&f, absent[i]));
-    gp_image_free(&f);
-    gp_image_free(&f);
-    assert_int_equal(origins, 1);
-    struct gp_plane p = {.name = gp_strdup("Z")};
-    gp_plane_free(&p);
-    gp_plane_free(&p);
-    assert_int_equal(fail_blocks(), blocks);
-}
 
 // -- messages ---------------------------------------------------------------------
 
@@ -245,6 +206,6 @@ static void planes_are_cleared(void **state)
 }
 
 SUITE_OF(small, NULL, NULL, names_move_no_cursor,
-         json_is_whole_or_null, frames_own_what_they_hold,
+         json_is_whole_or_null,
          messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
          cpu_can_be_told, planes_are_cleared)

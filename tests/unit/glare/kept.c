@@ -2,7 +2,7 @@
  * before has in common with it. */
 #include "unit.h"
 #include "glare/model/model_priv.h"
-#include "glare/tail/tail.h"
+#include "glare/far_field/far_field.h"
 #include "glare_scene.h"
 
 #define FINE (1.0 / 36.0) // degrees of a pixel
@@ -48,7 +48,7 @@ static void sequences_remake_what_changes(void **state)
     struct gp_kernel k[COUNT(rows)];
     struct gp_image f = scene_frame(430, 310, 0, 0, DARK, 0);
     struct gp_field field = gp_field_of(&f, 30.0);
-    struct gp_tail_state *tail = NULL;
+    struct gp_far_state *tail = NULL;
     (void) state;
     for (size_t i = 0; i < COUNT(words); i++)
         assert_ok(gp_recipe_parse(NULL, words[i], &r[i]));
@@ -63,17 +63,17 @@ static void sequences_remake_what_changes(void **state)
         assert_same_kernel(r, 3, &field, &k[i]);
         assert_non_null(k[i].tail);
         assert_true(i == 0 || !rows[i].tail == (k[i].tail != k[i - 1].tail));
-        assert_ok(gp_tail_open(NULL, k[i].tail, &tail));
-        struct gp_tail_state *own = NULL;
-        assert_ok(gp_tail_open(NULL, k[i].tail, &own));
-        assert_memory_equal(gp_tail_error_of(tail), gp_tail_error_of(own),
-                            sizeof(struct gp_tail_error));
-        gp_tail_close(&own);
+        assert_ok(gp_far_open(NULL, k[i].tail, &tail));
+        struct gp_far_state *own = NULL;
+        assert_ok(gp_far_open(NULL, k[i].tail, &own));
+        assert_memory_equal(gp_far_error_of(tail), gp_far_error_of(own),
+                            sizeof(struct gp_far_error));
+        gp_far_close(&own);
     }
     for (size_t i = 0; i < COUNT(rows); i++)
         gp_kernel_free(&k[i]); // some of them hold one tail
     gp_model_kept_free(&kept);
-    gp_tail_close(&tail);
+    gp_far_close(&tail);
     for (size_t i = 0; i < COUNT(words); i++)
         gp_recipe_free(&r[i]);
     gp_image_free(&f);

@@ -1,4 +1,4 @@
-/* glare/floor.c, fft/reach.c: what every single pixel of a layer keeps. */
+/* glare/error_floor.c, fft/reach.c: what every single pixel of a layer keeps. */
 #include "unit.h"
 #include "glare/fft/fft_priv.h"
 #include "glare/glare_priv.h"

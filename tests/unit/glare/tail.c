@@ -1,8 +1,8 @@
-/* glare/tail against the plain double sum, its laws, and its bound. */
+/* glare/far_field against the plain double sum, its laws, and its bound. */
 #include "unit.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/tail/tail_priv.h"
+#include "glare/far_field/far_field_priv.h"
 #include "hard_cases.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
@@ -20,25 +20,25 @@ static void veil(const void *ctx, int x, int y, double out[3])
 static const double fine = 1.0 / 36.0;
 
 struct made {
-    struct gp_tail *t;
-    struct gp_tail_state *s;
+    struct gp_far_field *t;
+    struct gp_far_state *s;
 };
 
 static struct made make_tail(int w, int h, bool grey, const double *degrees)
 {
-    const struct gp_tail_split split = gp_tail_choose(0.0, 1.0, 0, w, h);
+    const struct gp_far_split split = gp_far_choose(0.0, 1.0, 0, w, h);
     struct made m = {0};
     assert_true(split.step > 0);
-    assert_ok(gp_tail_make(NULL, &split, w, h,
-        &(struct gp_tail_kernel) {veil, degrees, grey, true}, &m.t));
-    assert_ok(gp_tail_open(NULL, m.t, &m.s));
+    assert_ok(gp_far_make(NULL, &split, w, h,
+        &(struct gp_far_kernel) {veil, degrees, grey, true}, &m.t));
+    assert_ok(gp_far_open(NULL, m.t, &m.s));
     return m;
 }
 
 static void drop_tail(struct made *m)
 {
-    gp_tail_close(&m->s);
-    gp_tail_free(m->t);
+    gp_far_close(&m->s);
+    gp_far_free(m->t);
 }
 
 /* n lights of 0.5 to 1.5 times `light` at random. */
@@ -66,13 +66,13 @@ static struct gp_planes added(const struct made *m, const struct gp_sources *s)
 {
     const size_t n = (size_t) s->w * (size_t) s->h;
     struct gp_planes p;
-    struct gp_tail_rows *rows = NULL;
+    struct gp_far_rows *rows = NULL;
     assert_ok(gp_planes_make(NULL, "layer", n, &p));
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, n * sizeof(float));
-    assert_ok(gp_tail_find(NULL, m->t, m->s, s, &p, &rows));
-    gp_parallel_do(3 * s->h, gp_tail_add_row, rows);
-    gp_tail_rows_free(&rows);
+    assert_ok(gp_far_find(NULL, m->t, m->s, s, &p, &rows));
+    gp_parallel_do(3 * s->h, gp_far_add_row, rows);
+    gp_far_rows_free(&rows);
     return p;
 }
 
@@ -89,7 +89,7 @@ static struct gp_kernel plain(const struct made *m, const double *degrees)
         veil(degrees, x, y, v);
         for (int c = 0; c < 3; c++)
             p.c[c][i] = (float) (v[m->t->grey ? 0 : c] *
-                                 gp_tail_share(&m->t->split, x, y));
+                                 gp_far_share(&m->t->split, x, y));
     }
     assert_ok(gp_kernel_of_planes(NULL, "tail", w, h, &p, &k));
     return k;
@@ -121,9 +121,9 @@ static struct error compare(const struct made *m, const struct gp_sources *s,
             most = fmax(most, fabs(d));
         }
         light += s->energy[c];
-        e.pixel = fmax(e.pixel, most / gp_tail_pixel_error(m->s, m->t, s, c));
+        e.pixel = fmax(e.pixel, most / gp_far_pixel_error(m->s, m->t, s, c));
     }
-    e.norm = sqrt(error / light) / gp_tail_error_of(m->s)->norm;
+    e.norm = sqrt(error / light) / gp_far_error_of(m->s)->norm;
     e.layer = sqrt(error / layer);
     free(exact);
     gp_planes_free(&p);
@@ -195,7 +195,7 @@ static void discs_have_tails(void **state)
     (void) state;
     for (int i = 0; i < SIDE * SIDE; i++)
         weight[i] = (float) (i % 7) / (3.0f * SIDE * SIDE);
-    assert_ok(gp_kernel_spread_tail(NULL, &k, REACH, weight, &out));
+    assert_ok(gp_kernel_spread_far(NULL, &k, REACH, weight, &out));
     assert_int_equal(out.step, step);
     for (int i = 0; i < 400; i++) {
         const int u = i % 20 * 3 - 30, v = i / 20 * 2 - 20;
@@ -210,12 +210,12 @@ static void discs_have_tails(void **state)
             veil(&degrees, dx, dy, w);
             for (int c = 0; c < 3; c++)
                 sum[c] += (double) weight[j] * w[c] *
-                          gp_tail_share(&m.t->split, dx, dy);
+                          gp_far_share(&m.t->split, dx, dy);
         }
         for (int c = 0; c < 3; c++) {
             const double got = (double) out.k.c[c][y * out.w + x];
             assert_true(fabs(got - sum[c]) <=
-                        gp_tail_error_of(m.s)->pixel + 1e-6 * sum[c]);
+                        gp_far_error_of(m.s)->pixel + 1e-6 * sum[c]);
         }
     }
     gp_planes_free(&out.k);
@@ -227,10 +227,10 @@ static void larger_frames_are_refused(void **state)
     struct made m = make_tail(300, 200, true, &fine);
     struct gp_sources s = lights(301, 200, 3, 1.0f, 1u);
     struct gp_planes p;
-    struct gp_tail_rows *rows = NULL;
+    struct gp_far_rows *rows = NULL;
     (void) state;
     assert_ok(gp_planes_make(NULL, "layer", 301 * 200, &p));
-    assert_int_equal(gp_tail_find(&kept_log, m.t, m.s, &s, &p, &rows),
+    assert_int_equal(gp_far_find(&kept_log, m.t, m.s, &s, &p, &rows),
                      GP_ERR_BUG);
     assert_non_null(strstr(kept_line, "300x200"));
     gp_planes_free(&p);

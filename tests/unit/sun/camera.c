@@ -509,7 +509,7 @@ static struct gp_camera header_camera(const char *name, const char *projection,
                                       enum gp_ndc form, struct gp_rect *display)
 {
     static const struct gp_read_params params = GP_READ_DEFAULTS;
-    struct gp_image f;
+    struct gp_frame f;
     struct gp_camera c;
     double camera[16], ndc[16];
     if (gp_read_frame(&kept_log, &params, data_path(name), &f))
@@ -519,7 +519,7 @@ static struct gp_camera header_camera(const char *name, const char *projection,
     if (gp_camera_make(&kept_log, name, camera, ndc, form, &c))
         fail_msg("%s", kept_line);
     *display = f.display;
-    gp_image_free(&f);
+    gp_frame_free(&f);
     return c;
 }
 

@@ -1,0 +1,554 @@
+/* Checks settings that depend on each other. The option table has the needs of
+ * each option as bits (options.h); this file has their conditions and their
+ * messages. */
+#include "cli/options.h"
+
+#include "io/file.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// -- needs of options --------------------------------------------------------
+
+/* True when that output has no ending that names its format. */
+static bool open_ended(const char *path)
+{
+    char ending[16];
+    if (!path || !gp_file_is_straight(path))
+        return false;
+    gp_file_ending(path, ending, sizeof ending);
+    return ending[0] == '\0';
+}
+
+/* Finds whether pictures are written, and one without an ending. */
+static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
+{
+    const struct gp_texts *const outputs[] = {&s->output.pictures,
+                                              &s->output.hdr, &s->output.layer};
+    *stream = *files = false;
+    for (int k = 0; k < 3; k++) {
+        *files = *files || outputs[k]->n;
+        for (int i = 0; i < outputs[k]->n; i++)
+            *stream = *stream || open_ended(outputs[k]->at[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        *stream = *stream || open_ended(s->output.debug[i]);
+        *files = *files || s->output.debug[i];
+    }
+}
+
+/* Messages, in the order of the checks. They follow "--NAME: "; where there is
+ * an `end`, the value that was found is printed before it. */
+static const struct {
+    unsigned bit;
+    const char *text, *end;
+} needs[] = {
+    {GP_NEED_OWN_FRAMES, "measures frames of its own (found input ",
+     "); leave one of the two out"},
+    {GP_NEED_NO_LIGHT, "its frames have no depth to hide a light; leave "
+     "--paper or the lights out", NULL},
+    {GP_NEED_REPORT, "no output shows its result; add --report FILE or -v",
+     NULL},
+    {GP_NEED_RAW, "contradicts --stdout-format; leave one of the two out",
+     NULL},
+    {GP_NEED_LIGHT, "needs a light; give --sun, --sun-dir, --camera, --lights "
+     "or --scene", NULL},
+    {GP_NEED_NO_PLACE, "--sun already places the sun; leave one of the two out",
+     NULL},
+    {GP_NEED_SUN, "needs --sun, --sun-dir or --camera; lights of --lights have "
+     "flux of their own", NULL},
+    {GP_NEED_CONFIG, "needs --ocio; give --ocio CONFIG or --ocio env", NULL},
+    {GP_NEED_NO_CONFIG, "--ocio replaces it; leave one of the two out", NULL},
+    {GP_NEED_PICTURE, "needs a picture; give -o FILE", NULL},
+    {GP_NEED_HDR, "converts only --hdr; give --hdr FILE", NULL},
+    {GP_NEED_LENS, "needs --lens; give --lens NAME, see glarepp lens --list",
+     NULL},
+    {GP_NEED_SCENE, "needs --scene; give --scene FILE", NULL},
+    {GP_NEED_RELIGHT, "needs --relight; give --relight NAME", NULL},
+    {GP_NEED_MASK, "does nothing with this --sun-method; use --sun-method mask",
+     NULL},
+    {GP_NEED_MAP, "does nothing with this --sun-method; use --sun-method mask",
+     NULL},
+    {GP_NEED_TONES, "does nothing with --ocio; leave it out", NULL},
+    {GP_NEED_CURVE, "does nothing with --tonemap none; use --tonemap linear",
+     NULL},
+    {GP_NEED_EXTENDED, "does nothing with --tonemap ",
+     "; use --tonemap reinhard-extended"},
+    {GP_NEED_SPLAT, "does nothing with --engine ", "; use --engine splat"},
+    {GP_NEED_AUTO, "does nothing with --engine ", "; use --engine auto"},
+    {GP_NEED_STREAM, "does nothing without an output to stdout; write -o -",
+     NULL},
+    {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
+};
+
+unsigned gp_needs_unmet(const struct gp_settings *s)
+{
+    const struct gp_sun_settings *const sun = &s->sun;
+    const bool light = gp_lights_wanted(s);
+    const bool config = s->tone.map.config != NULL;
+    const bool mask = sun->p.method == GLAREPP_MASK ||
+                      s->command == GP_COMMAND_BENCH; // runs every method
+    const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
+    const char *const engine = s->light.layer.engine;
+    const char *const curve = s->tone.map.curve;
+    const bool chosen = strcmp(engine, "auto") == 0;
+    bool stream, files;
+    find_outputs(s, &stream, &files);
+    unsigned met = (light ? GP_NEED_LIGHT : GP_NEED_NO_LIGHT) |
+                   (config ? GP_NEED_CONFIG
+                           : GP_NEED_NO_CONFIG | GP_NEED_TONES);
+    met |= s->input.files.n == 0 ? GP_NEED_OWN_FRAMES : 0;
+    met |= s->run.report || s->run.level >= GP_LEVEL_INFO ? GP_NEED_REPORT : 0;
+    met |= !gp_option_given(s, "stdout-format") ||
+           s->output.write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
+    met |= !sun->at.n ? GP_NEED_NO_PLACE : 0;
+    met |= sun->at.n || sun->dir.n || sun->p.cameras ? GP_NEED_SUN : 0;
+    met |= s->output.pictures.n || polygons ? GP_NEED_PICTURE : 0;
+    met |= s->output.hdr.n ? GP_NEED_HDR : 0;
+    met |= mask ? GP_NEED_MASK : 0;
+    met |= mask || s->output.debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
+    met |= config || strcmp(curve, "none") != 0 ? GP_NEED_CURVE : 0;
+    met |= config || strcmp(curve, "reinhard-extended") == 0 ? GP_NEED_EXTENDED
+                                                             : 0;
+    met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
+                                                              : 0;
+    met |= chosen ? GP_NEED_AUTO : 0;
+    met |= stream ? GP_NEED_STREAM : 0;
+    met |= s->lens.name ? GP_NEED_LENS : 0;
+    met |= s->scene.relight.n ? GP_NEED_RELIGHT : 0;
+    met |= s->scene.path ? GP_NEED_SCENE : 0;
+    met |= files ? GP_NEED_FILES : 0;
+    return ~met;
+}
+
+/* Returns the first option that is given and has the need, or NULL. (--camera
+ * by itself may give only an angle of view, and needs no light.) */
+static const char *first_in_need(const struct gp_settings *s, unsigned bit)
+{
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((o->needs & bit) && gp_option_given(s, o->name))
+            return o->name;
+    }
+    return bit != GP_NEED_LIGHT            ? NULL
+           : s->output.debug[GP_DEBUG_SUNMAP]     ? "debug sunmap"
+           : s->output.debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
+}
+
+/* Reports the first option with a need that is not met as an error, or with
+ * `warns` each option that does nothing as a warning. */
+static gp_status check_needs(const struct gp_log *log,
+                             const struct gp_settings *s, bool warns)
+{
+    const unsigned unmet = gp_needs_unmet(s);
+    for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
+        const unsigned bit = needs[i].bit;
+        const char *const name = (unmet & bit) ? first_in_need(s, bit) : NULL;
+        if (!name || warns != (bit >= GP_NEED_MASK))
+            continue;
+        const char *const value =
+            !needs[i].end               ? ""
+            : bit == GP_NEED_OWN_FRAMES ? s->input.files.at[0]
+            : bit == GP_NEED_EXTENDED   ? s->tone.map.curve
+                                        : s->light.layer.engine;
+        const char *const end = needs[i].end ? needs[i].end : "";
+        if (warns)
+            gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
+                   value, end);
+        else if (bit == GP_NEED_CONFIG && strcmp(name, "view") == 0)
+            return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
+                           "for stereo use --views %s", s->tone.map.view);
+        else
+            return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
+                           needs[i].text, value, end);
+    }
+    return GP_OK;
+}
+
+// -- values ------------------------------------------------------------------
+
+/* Reads --grow. */
+static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
+{
+    enum { MOST = 65536 };
+    const char *const word = s->output.grow ? s->output.grow : "0";
+    char *end;
+    const long n = strtol(word, &end, 10);
+    const bool number = end != word && !*end && *word >= '0' && *word <= '9';
+    s->output.grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
+                  : strcmp(word, "none") == 0 ? GP_GROW_NONE : GP_GROW_PIXELS;
+    if (s->output.grow_how != GP_GROW_PIXELS)
+        return GP_OK;
+    if (!number || n > MOST)
+        return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
+                       "(found \"%s\"); give 0 to %d, kernel or none", word,
+                       MOST);
+    s->output.grow_pixels = (int) n;
+    return GP_OK;
+}
+
+/* Reads --kernel-size: "50", "50%" or "2deg". */
+static gp_status check_kernel_size(const struct gp_log *log,
+                                   struct gp_settings *s)
+{
+    const char *const word = s->kernel.size ? s->kernel.size : "100";
+    char *end;
+    const double v = *word >= '0' && *word <= '9' ? strtod(word, &end) : NAN;
+    const bool degrees = isfinite(v) && strcmp(end, "deg") == 0;
+    const bool percent = isfinite(v) && (!*end || strcmp(end, "%") == 0);
+    if (!(percent && v >= 0.1 && v <= 10000.0) &&
+        !(degrees && v >= 0.001 && v <= 180.0))
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
+                       "\"%s\"); give 0.1 to 10000 percent of the image's "
+                       "pixels, or its height as 0.001deg to 180deg", word);
+    s->kernel.image.degrees = degrees ? v : 0.0;
+    s->kernel.image.percent = degrees ? 100.0 : v;
+    return GP_OK;
+}
+
+/* Checks that each kernel is a recipe or may be a file, and that options of
+ * images have one. */
+static gp_status check_kernels(const struct gp_log *log,
+                               const struct gp_settings *s)
+{
+    const bool checks = s->command == GP_COMMAND_KERNEL && s->making.check;
+    const char *const *const at =
+        checks ? &s->making.check : (const char *const *) s->kernel.words.at;
+    const int n = checks ? 1 : s->kernel.words.n;
+    bool files = false;
+    if (checks && gp_kernel_is_file(at[0]))
+        return GP_OK;
+    for (int i = 0; i < n; i++) {
+        const bool file = gp_kernel_is_file(at[i]);
+        files |= file;
+        if (file && !strpbrk(at[i], "./-") && !gp_file_exists(at[i]))
+            return gp_fail(log, GP_ERR_IO, "%s: neither a model of kernels nor "
+                           "a file; glarepp kernel --list shows the models",
+                           at[i]);
+    }
+    const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
+    if (s->kernel.size && !files)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
+                       "file (found %s); write image:file=PATH,size=DEGREES, "
+                       "or leave it out", s->kernel.size);
+    if (s->kernel.image.centred && !one)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
+                       "several kernels (found %g,%g); write "
+                       "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
+                       s->kernel.image.centre[0], s->kernel.image.centre[1]);
+    if (gp_option_given(s, "kernel-normalize") && !one &&
+        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
+        return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
+                       "several kernels share out a pixel's light (found "
+                       "luminance); give share=S to each, or leave it out");
+    return GP_OK;
+}
+
+/* Sets the size of --size, or the usual one. */
+static gp_status check_size(const struct gp_log *log, struct gp_making *m,
+                            int w, int h)
+{
+    int size[2] = {w, h};
+    if (m->size && (!gp_read_whole(m->size, "x", size) || size[0] < 1 ||
+                    size[1] < 1 || size[0] > 16384 || size[1] > 16384))
+        return gp_fail(log, GP_ERR_USAGE, "--size: not a size (found \"%s\"); "
+                       "give WxH, e.g. 1920x1080, each 1 to 16384", m->size);
+    m->w = size[0];
+    m->h = size[1];
+    return GP_OK;
+}
+
+/* Checks that glarepp kernel has one thing to do. */
+static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_making *const m = &s->making;
+    const bool makes = s->output.pictures.n > 0;
+    if (m->list + (m->check != NULL) + makes != 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s; write one of glarepp kernel -k "
+                       "MODEL -o FILE, --check FILE and --list",
+                       m->list || m->check || makes ? "too much to do"
+                                                    : "nothing to make");
+    if (s->input.files.n > (m->check ? 1 : 0))
+        return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads %s; write -k FILE "
+                       "for an image of a kernel",
+                       s->input.files.at[s->input.files.n - 1],
+                       m->check ? "one frame" : "no frames");
+    const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
+                       gp_option_given(s, "frame");
+    const bool kernel = gp_option_given(s, "kernel");
+    if (m->check && kernel)
+        return gp_fail(log, GP_ERR_USAGE, "--check: which kernel (found %s, "
+                       "and -k %s); write only --check %s", m->check,
+                       s->kernel.words.at[0], s->kernel.words.at[0]);
+    if (m->check && sized && gp_kernel_is_file(m->check))
+        return gp_fail(log, GP_ERR_USAGE, "--check: %s is a file, which has "
+                       "its size; leave --size, --radius, --fov and --frame "
+                       "out", m->check);
+    if (!m->check && gp_option_given(s, "mix"))
+        return gp_fail(log, GP_ERR_USAGE, "--mix: a kernel is the same for "
+                       "both; leave it out, or give it to --check");
+    return check_size(log, m, 1920, 1080);
+}
+
+static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
+{
+    if (s->input.files.n != 1)
+        return gp_fail(log, GP_ERR_USAGE, "sets: one scene (found %d); write "
+                       "glarepp sets scene.glb", s->input.files.n);
+    for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
+        if (s->output.debug[i])
+            return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
+                           "sets; give scissor or sets", gp_debugs[i].name);
+    }
+    if (gp_option_given(s, "runs"))
+        s->sets.runs = s->bench.runs;
+    return check_size(log, &s->making, 960, 540);
+}
+
+/* Checks that glarepp lens has one thing to do; by itself it lists. */
+static gp_status check_lens(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_making *const m = &s->making;
+    if (s->input.files.n)
+        return gp_fail(log, GP_ERR_USAGE, "%s: lens reads no frames; write "
+                       "--check FILE for a lens", s->input.files.at[0]);
+    if (m->list && m->check)
+        return gp_fail(log, GP_ERR_USAGE, "too much to do; write one of "
+                       "glarepp lens --check FILE|NAME and --list");
+    if (m->draw && !m->check)
+        return gp_fail(log, GP_ERR_USAGE, "--draw: needs a lens; add --check "
+                       "FILE|NAME");
+    m->list = !m->check;
+    return GP_OK;
+}
+
+/* Checks that glarepp styles lists them, or draws one frame. */
+static gp_status check_styles(const struct gp_log *log,
+                              const struct gp_settings *s)
+{
+    const bool makes = s->output.pictures.n || s->run.report;
+    if (s->input.files.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
+                       "%d); give one", s->input.files.at[1], s->input.files.n);
+    if (s->input.files.n && !makes)
+        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
+                       "styles -o sheet.png %s", s->input.files.at[0]);
+    if (s->input.files.n && gp_is_dash(s->input.files.at[0]))
+        return gp_fail(log, GP_ERR_USAGE, "-: styles reads the frame once for "
+                       "each style; give a file");
+    if (!s->input.files.n && makes)
+        return gp_fail(log, GP_ERR_USAGE, "styles: no frame; write glarepp "
+                       "styles -o sheet.png frame.exr");
+    return GP_OK;
+}
+
+static bool is_power_of_two(int n)
+{
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
+{
+    struct glarepp_layer_params *const splat = &s->light.layer;
+    if (!is_power_of_two(splat->group))
+        return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
+                       "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
+    // the default of --cluster must not refuse a larger --group
+    if (!gp_option_given(s, "cluster") && splat->cluster <= splat->group)
+        splat->cluster = 0;
+    if (splat->cluster != 0 && !is_power_of_two(splat->cluster))
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
+            "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
+    if (splat->cluster != 0 && splat->cluster <= splat->group)
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: must be larger than "
+                       "--group (found %d and %d); give a larger one, or 0 "
+                       "for none", splat->cluster, splat->group);
+    return GP_OK;
+}
+
+/* Says that no output is given. Where the last input has a name that can be
+ * written, and is not there or of another format than the first, it was meant as
+ * the output. */
+static gp_status no_output(const struct gp_log *log,
+                           const struct gp_settings *s)
+{
+    const int n = s->input.files.n;
+    const char *const *const in = (const char *const *) s->input.files.at;
+    const char *const first = in[0], *const last = in[n - 1];
+    const char *const slash = strrchr(last, '/'); // (or the folder is missing)
+    char ending[16], other[16];
+    gp_file_ending(first, other, sizeof other);
+    gp_file_ending(last, ending, sizeof ending);
+    const bool meant =
+        n > 1 && (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
+        gp_write_check(NULL, &s->output.write, slash ? slash + 1 : last) ==
+            GP_OK;
+    const bool one = n - meant == 1 && !strpbrk(first, "#@%");
+    const char *const out = meant ? last : one ? "out.png" : "out.####.png";
+    if (meant && strcmp(ending, "exr") == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
+                       "give --hdr %s for linear light, or -o %s for a "
+                       "tone-mapped picture", first, n > 2 ? " ... " : " ",
+                       last, out, out);
+    return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); give "
+                   "-o %s", first, n > 2 ? " ... " : n > 1 ? " " : "",
+                   n > 1 ? last : "", out);
+}
+
+/* Checks that something is read and made. */
+static gp_status check_inputs(const struct gp_log *log,
+                              const struct gp_settings *s)
+{
+    const bool bench = s->command == GP_COMMAND_BENCH;
+    bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
+                 s->run.report;
+    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
+        if (s->output.debug[i])
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--debug %s: of glarepp sets "
+                           "only; write glarepp sets --debug %s=%s SCENE",
+                           gp_debugs[i].name, gp_debugs[i].name,
+                           s->output.debug[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        wants = wants || s->output.debug[i];
+    if (bench && (s->lens.name || s->sun.p.flare) && gp_lights_wanted(s))
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
+                       "pixels, and lights by their visibility (found a "
+                       "light); leave one out", s->lens.name ? "--lens"
+                                                             : "--flare");
+    if (bench && !s->bench.paper && s->input.files.n == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
+                       "frame.exr, or glarepp bench --paper");
+    if (bench && !s->bench.paper && s->input.files.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
+            "(found %d); give one", s->input.files.at[1], s->input.files.n);
+    if (!bench && s->input.files.n == 0)
+        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
+                       "frame.exr, or see glarepp --help");
+    if (!bench && !wants)
+        return no_output(log, s);
+    return GP_OK;
+}
+
+/* Checks numbers of suns and their maps; warns to `warn`. */
+static gp_status check_lights(const struct gp_log *log,
+                              const struct gp_log *warn,
+                              const struct gp_sun_settings *sun)
+{
+    if (sun->at.n == 3 && sun->at.v[2] < 0.0)
+        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
+                       "%g); give 0 or more", sun->at.v[2]);
+    if (sun->color.n == 2)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-color: two numbers; give one or three");
+    if (sun->p.side % 2)
+        return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
+                       "an even number", sun->p.side);
+    if (sun->p.bytes && sun->p.side > 16 && sun->p.method == GLAREPP_MASK)
+        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
+               "round to 0 (found %d); use --sun-map 16", sun->p.side);
+    return GP_OK;
+}
+
+/* Checks what is compared. */
+static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
+{
+    enum { MOST_EXPOSURES = 64 };
+    struct gp_compare_settings *const p = &s->compare;
+    const char *const *const input = s->input.files.at;
+    const double *const e = p->flip_exposures.v;
+    // a limit of our own takes the place of idiff's default ones
+    const bool own = gp_option_given(s, "fail-rel") ||
+                     gp_option_given(s, "fail-flip");
+    if (own && !gp_option_given(s, "fail"))
+        p->limits.fail = INFINITY;
+    if (own && !gp_option_given(s, "warn"))
+        p->limits.warn = INFINITY;
+    if (s->input.files.n != 2)
+        return gp_fail(log, GP_ERR_USAGE, "%s: needs two images (found %d); "
+                       "write glarepp compare A B",
+                       s->input.files.n > 2 ? input[2] : "compare", s->input.files.n);
+    if (gp_is_dash(input[0]) && gp_is_dash(input[1]))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "-: stdin holds only one image; give a file as the "
+                       "other");
+    if (p->flip_exposures.n &&
+        !(e[2] >= 1.0 && e[2] <= MOST_EXPOSURES && e[2] == floor(e[2])))
+        return gp_fail(log, GP_ERR_USAGE, "--flip-exposures: not a number of "
+                       "exposures (found %g); give START,STOP,COUNT with a "
+                       "count of 1 to %d", e[2], MOST_EXPOSURES);
+    const char *const needs = p->heatmap ? "--heatmap"
+                              : p->flip_exposures.n ? "--flip-exposures"
+                              : isfinite(p->limits.fail_flip) ? "--fail-flip"
+                                                              : NULL;
+    if (!p->limits.flip && needs)
+        return gp_fail(log, GP_ERR_USAGE, "--no-flip: %s needs FLIP; leave one "
+                       "of the two out", needs);
+    if (gp_is_dash(p->heatmap) || gp_is_dash(p->difference))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: stdout is for the figures "
+                       "(found -); give a file",
+                       gp_is_dash(p->heatmap) ? "heatmap" : "difference");
+    return GP_OK;
+}
+
+gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
+{
+    gp_status st;
+    const struct gp_log *const warn = s->run.level < GP_LEVEL_WARN ? NULL : log;
+    struct gp_sun_settings *const sun = &s->sun;
+    if (s->command == GP_COMMAND_HELP && s->input.files.n > 1)
+        return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
+                       "give one topic", s->input.files.at[1]);
+    if (s->command == GP_COMMAND_HELP)
+        return GP_OK;
+    if (s->command == GP_COMMAND_COMPARE)
+        return check_compare(log, s);
+    GP_TRY(check_kernel_size(log, s));
+    if (s->scene.path && !gp_option_given(s, "sun-outside"))
+        sun->p.outside = GLAREPP_BY_SCENE;
+    if (!s->scene.path && sun->p.outside == GLAREPP_BY_SCENE)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--sun-outside: scene needs --scene "
+                       "FILE; give it, or another rule, e.g. --sun-outside "
+                       "ignore"));
+    sun->p.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
+    s->kernel.image.centred = gp_option_given(s, "kernel-center");
+    if (s->command == GP_COMMAND_KERNEL) {
+        GP_TRY(check_making(log, s));
+        return check_kernels(log, s);
+    }
+    if (s->command == GP_COMMAND_LENS)
+        return check_lens(log, s);
+    if (s->command == GP_COMMAND_SETS)
+        return check_sets(log, s);
+    if (s->command == GP_COMMAND_STYLES)
+        return check_styles(log, s);
+    GP_TRY(check_inputs(log, s));
+    GP_TRY(check_needs(log, s, false));
+    GP_TRY(check_grow(log, s));
+    GP_TRY(check_groups(log, s));
+    GP_TRY(check_lights(log, warn, sun));
+    // Ando et al. spread whole pixels and add the layer
+    const bool bench = s->command == GP_COMMAND_BENCH;
+    if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
+        s->light.sense.whole = true;
+    if (bench && s->bench.paper && !gp_option_given(s, "mix"))
+        s->light.layer.mix = GLAREPP_ADD;
+    if (!s->light.sense.whole && gp_option_given(s, "knee"))
+        return gp_fail(log, GP_ERR_USAGE, "--knee: needs --threshold-mode "
+                       "whole (found %g with excess); add it, or leave --knee "
+                       "out", (double) s->light.sense.knee);
+    GP_TRY(check_needs(warn, s, true));
+    // settings that follow from several others
+    if (gp_option_given(s, "raw"))
+        s->output.write.stdout_format = GP_STDOUT_RAW;
+    s->output.write.converted = s->tone.map.output != NULL;
+    s->tone.map.shows =
+        s->output.pictures.n > 0 || s->output.debug[GP_DEBUG_POLYGONS];
+    // what is added to a picture is of its own lights; what is moved is missed
+    if (!gp_option_given(s, "edges") && s->light.layer.mix == GLAREPP_ADD)
+        s->light.layer.edges = GLAREPP_BLACK;
+    st = check_kernels(log, s);
+out:
+    return st;
+}

@@ -1,0 +1,550 @@
+#include "cli/options.h"
+#include "cli/report.h"
+#include "core/minmax.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum {
+    WIDTH = 79,   // columns of --help
+    INDENT = 28,  // column of the options' texts
+    TOPIC_BYTES = 32,
+};
+
+/* Formats an option's text, its values if wanted, range and default. */
+static void option_text(const struct gp_option *o, bool values, char *text,
+                        size_t size)
+{
+    const void *const field = (const char *) &gp_defaults + o->at;
+    const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
+                        o->kind == GP_KIND_COUNT ||
+                        o->kind == GP_KIND_THRESHOLD;
+    char value[64] = ""; // the default; "" for none
+    const char *name = NULL, *line;
+    const struct gp_option_choice *choice;
+    const struct glarepp_sense_params *const sense = field;
+    const float *const single = field;
+    if (o->kind == GP_KIND_THRESHOLD)
+        snprintf(value, sizeof value, "%g", (double) sense->threshold);
+    else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
+             isfinite(*single)) // others stand for an option that is not given
+        snprintf(value, sizeof value, "%g", (double) *single);
+    else if (o->kind == GP_KIND_INT)
+        snprintf(value, sizeof value, "%d", *(const int *) field);
+    else if (o->kind == GP_KIND_COUNT)
+        snprintf(value, sizeof value, "%lld", *(const long long *) field);
+    else if (o->kind == GP_KIND_TEXT)
+        name = *(const char *const *) field;
+    else if ((o->kind == GP_KIND_CHOICE || o->kind == GP_KIND_EITHER) &&
+             (choice = gp_option_chosen(o, field)))
+        name = choice->name;
+    if (name)
+        snprintf(value, sizeof value, "%s", name);
+    size_t at = (size_t) snprintf(text, size, "%s", o->help);
+    for (int i = 0; values && at < size &&
+                    (name = gp_option_value(o, i, &line)); i++)
+        at += (size_t) snprintf(text + at, size - at, "%s%s",
+                                i ? ", " : o->open ? ", or " : ": ", name);
+    if (at < size && number)
+        snprintf(text + at, size - at, value[0] ? " (%s; default %s)" : " (%s)",
+                 gp_option_range(o).text, value);
+    else if (value[0] && at < size)
+        snprintf(text + at, size - at, " (default %s)", value);
+}
+
+// -- --help ------------------------------------------------------------------
+
+/* Prints text from a column on, its other lines from `indent` on. */
+static void print_wrapped(FILE *f, int column, int indent, const char *text)
+{
+    while (*text) {
+        const int n = (int) strcspn(text, " ");
+        fprintf(f, "%.*s", n, text);
+        column += n;
+        text += n;
+        if (*text == ' ') {
+            text++;
+            if (column + 1 + (int) strcspn(text, " ") <= WIDTH) {
+                putc(' ', f);
+                column++;
+            } else {
+                fprintf(f, "\n%*s", indent, "");
+                column = indent;
+            }
+        }
+    }
+    putc('\n', f);
+}
+
+void gp_help_text(FILE *f, int column, const char *text)
+{
+    if (column >= INDENT - 1)
+        fprintf(f, "\n%*s", INDENT, "");
+    else
+        fprintf(f, "%*s", INDENT - column, "");
+    print_wrapped(f, INDENT, INDENT, text);
+}
+
+/* Prints an option's letter, name and value; returns their columns. */
+static int print_name(FILE *f, const struct gp_option *o)
+{
+    const int column = o->letter
+                           ? fprintf(f, "  -%c, --%s", o->letter, o->name)
+                           : fprintf(f, "      --%s", o->name);
+    return column + (o->arg ? fprintf(f, " %s", o->arg) : 0);
+}
+
+static void print_option(FILE *f, const struct gp_option *o)
+{
+    char text[1536];
+    const int column = print_name(f, o);
+    option_text(o, true, text, sizeof text);
+    gp_help_text(f, column, text);
+}
+
+/* Prints the heading of a group, its example, and those of its options that one
+ * of the commands (bits) takes; nothing, and returns false, when there are
+ * none. */
+static bool print_group(FILE *f, int group, unsigned commands)
+{
+    const struct gp_option_heading *const head = &gp_option_groups[group];
+    const char *const words = head->example + strlen("glarepp ");
+    bool headed = false, shown = false;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((int) o->group != group || o->hidden || !(o->commands & commands))
+            continue;
+        if (!headed)
+            fprintf(f, "%s\n", head->title);
+        headed = true;
+        // print the example only for its own command (help: for the main one)
+        for (const struct gp_command_row *c = gp_commands; c->word && !shown;
+             c++) {
+            const size_t n = strlen(c->word);
+            shown = (commands & c->bit) &&
+                    (c == gp_commands
+                         ? *words == '-' || strncmp(words, "help ", 5) == 0
+                         : strncmp(words, c->word, n) == 0 && words[n] == ' ');
+            if (shown)
+                fprintf(f, "    %s\n", head->example);
+        }
+        print_option(f, o);
+    }
+    return headed;
+}
+
+/* Prints the examples of a command, their texts in one column. */
+static void print_examples(FILE *f, const struct gp_command_row *c)
+{
+    int width = 0;
+    for (const struct gp_example *e = c->example; e->line; e++)
+        width = gp_max(width, (int) strlen(e->line));
+    for (const struct gp_example *e = c->example; e->line; e++)
+        fprintf(f, "  %-*s  %s\n", width, e->line, e->text);
+    putc('\n', f);
+}
+
+void gp_help(FILE *f, enum gp_command command)
+{
+    const struct gp_command_row *const c = gp_command_of(command);
+    fprintf(f, "%s\n", c->usage);
+    print_examples(f, c);
+    for (int g = 0; g < GP_GROUPS; g++) {
+        if (print_group(f, g, command))
+            putc('\n', f);
+    }
+    fprintf(f, "glarepp help TOPIC explains more; glarepp help lists topics and "
+            "commands.\n");
+}
+
+
+// -- topics ------------------------------------------------------------------
+
+/* Sections of the man page that are topics: words for each, the first for the
+ * list of topics, and its heading. check-man compares them with the page. */
+static const struct section {
+    const char *words, *title;
+} sections[] = {
+    {"sequences", "Sequences"},
+    {"views", "Views"},
+    {"layers parts stereo cryptomatte",
+     "Layers, parts, stereo and Cryptomatte"},
+    {"farms pipes", "Pipes and farms"},
+    {"numbers", "What the numbers mean"},
+    {"kernels", "Kernels"},
+    {"lights suns lamps flare", "Suns, lamps and lens flare"},
+    {"measuring speed error", "Measuring speed against error"},
+    {"comparing images", "Comparing images"},
+    {"completions", "Help and completions"},
+    {"report", "THE REPORT"},
+    {"environment", "ENVIRONMENT"},
+    {"files", "FILES"},
+    {"status exit", "EXIT STATUS"},
+    {"examples", "EXAMPLES"},
+    {"diagnostics", "DIAGNOSTICS"},
+};
+enum { SECTIONS = sizeof sections / sizeof *sections };
+
+/* True when one of the words is the topic, ignoring case and an "s" at the end
+ * of either. */
+static bool is_topic(const char *topic, const char *words)
+{
+    size_t m = strlen(topic);
+    m -= m > 1 && topic[m - 1] == 's';
+    while (*words) {
+        const size_t whole = strcspn(words, " ");
+        const size_t n = whole - (whole > 1 && words[whole - 1] == 's');
+        if (n == m && strncasecmp(words, topic, n) == 0)
+            return true;
+        words += whole;
+        words += strspn(words, " ");
+    }
+    return false;
+}
+
+/* True when a group has the section's first word too. */
+static bool is_group(const struct section *s)
+{
+    const size_t n = strcspn(s->words, " ");
+    for (int g = 0; g < GP_GROUPS; g++) {
+        const char *const word = gp_option_groups[g].word;
+        if (strlen(word) == n && strncmp(word, s->words, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The i-th topic, in `word` or a constant: commands, all, groups, sections with
+ * other names; NULL after the last. */
+static const char *topic_at(int i, char word[TOPIC_BYTES])
+{
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        if (i-- == 0)
+            return c->word;
+    }
+    if (i-- == 0)
+        return "all";
+    if (i < GP_GROUPS)
+        return gp_option_groups[i].word;
+    i -= GP_GROUPS;
+    for (int k = 0; k < SECTIONS; k++) {
+        if (is_group(&sections[k]) || i-- > 0)
+            continue;
+        snprintf(word, TOPIC_BYTES, "%.*s",
+                 (int) strcspn(sections[k].words, " "), sections[k].words);
+        return word;
+    }
+    return NULL;
+}
+
+static gp_status unknown_topic(const struct gp_log *log, const char *topic)
+{
+    const char *const bare = topic + strspn(topic, "-");
+    struct gp_nearest near = gp_nearest_to(bare, strlen(bare), 3);
+    const char *word;
+    char name[TOPIC_BYTES], kept[TOPIC_BYTES] = "";
+    for (int i = 0; (word = topic_at(i, name)); i++) {
+        gp_nearest_try(&near, word);
+        if (near.name == name) // the next topic overwrites `name`
+            near.name = memcpy(kept, name, sizeof kept);
+    }
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (!o->hidden)
+            gp_nearest_try(&near, o->name);
+    }
+    if (near.name)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "help: no such topic (found \"%s\"); did you mean "
+                       "glarepp help %s?", topic, near.name);
+    return gp_fail(log, GP_ERR_USAGE,
+                   "help: no such topic (found \"%s\"); glarepp help lists "
+                   "them", topic);
+}
+
+/* True for a heading of the page: a line that begins with no blank, or with three. */
+static bool is_heading(const char *line)
+{
+    const size_t blanks = strspn(line, " ");
+    return (blanks == 0 || blanks == 3) && line[blanks] != '\n' && line[blanks];
+}
+
+/* Starts man(1) on a page; *out is what it prints. Returns its process, or -1. */
+static pid_t start_man(const char *page, FILE **out)
+{
+    int end[2];
+    if (pipe(end))
+        return -1;
+    const pid_t man = fork();
+    if (man == 0) {
+        const int none = open("/dev/null", O_WRONLY);
+        dup2(end[1], STDOUT_FILENO);
+        dup2(none, STDERR_FILENO);
+        close(end[0]);
+        execlp("man", "man", page, (char *) NULL);
+        _exit(127);
+    }
+    close(end[1]);
+    *out = man > 0 ? fdopen(end[0], "r") : NULL;
+    if (!*out)
+        close(end[0]);
+    return man;
+}
+
+/* Prints a section of the manual, as man(1) formats it; returns its lines. */
+static int print_section(FILE *f, const char *page, const char *title)
+{
+    const size_t n = strlen(title);
+    int lines = 0;
+    char line[1024];
+    bool in = false;
+    FILE *out = NULL;
+    fflush(f);
+    const pid_t man = start_man(page, &out);
+    while (out && fgets(line, sizeof line, out)) {
+        if (is_heading(line)) {
+            const char *const text = line + strspn(line, " ");
+            in = lines == 0 && strncmp(text, title, n) == 0 && text[n] == '\n';
+        }
+        if (in) {
+            fputs(line, f);
+            lines++;
+        }
+    }
+    if (out)
+        fclose(out);
+    if (man > 0)
+        waitpid(man, NULL, 0);
+    return lines;
+}
+
+/* Finds the page, and prints its section. */
+static gp_status show_section(const struct gp_log *log, FILE *f, const char *title)
+{
+    // of an installed program, then of its source tree
+    static const char *const places[] = {
+        "../share/man/man1/glarepp.1", "../share/man/man1/glarepp.1.gz",
+        "../man/glarepp.1",
+    };
+    char page[4096 + 40];
+    const ssize_t n = readlink("/proc/self/exe", page, 4096);
+    char *const slash = n > 0 ? memrchr(page, '/', (size_t) n) : NULL;
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        strcpy(slash + 1, places[i]);
+        if (access(page, R_OK) != 0)
+            continue;
+        if (print_section(f, page, title))
+            return GP_OK;
+        return gp_fail(log, GP_ERR_IO, "help: man shows no section \"%s\"; see it "
+                       "in %s", title, page);
+    }
+    return gp_fail(log, GP_ERR_IO,
+                   "help: no man page beside the program; see section \"%s\" "
+                   "in man/glarepp.1 of the source", title);
+}
+
+/* Prints the options that the topic names, exactly, ignoring an "s", or by one
+ * of their values; each with its values. Returns their number. */
+enum match { EXACT, LOOSE, VALUE };
+static int print_options_of(FILE *f, const char *topic, enum match match)
+{
+    int found = 0;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        const char *name, *text;
+        bool is = match == EXACT   ? (topic[0] == o->letter && !topic[1]) ||
+                                         strcasecmp(topic, o->name) == 0
+                  : match == LOOSE ? is_topic(topic, o->name) : false;
+        for (int i = 0; match == VALUE && !is &&
+                        (name = gp_option_value(o, i, &text)); i++) {
+            const char *const colon = strchr(name, ':');
+            is = strcasecmp(name, topic) == 0 ||
+                 (colon && strcasecmp(colon + 1, topic) == 0);
+        }
+        if (o->hidden || !is)
+            continue;
+        if (found++)
+            putc('\n', f);
+        print_option(f, o);
+        for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+            if (text)
+                gp_help_text(f, fprintf(f, "      %s", name), text);
+        }
+    }
+    return found;
+}
+
+gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
+{
+    const struct section *section = NULL;
+    bool found = false;
+    if (topic && strcasecmp(topic, "all") == 0) {
+        gp_help(f, GP_COMMAND_MAIN);
+        return GP_OK;
+    }
+    if (!topic) {
+        fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
+                   "TOPIC is a command:\n");
+        for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+            if (c->bit != GP_COMMAND_HELP)
+                fprintf(f, "  %-14s%.*s\n", c->word,
+                        (int) strcspn(c->usage, ".\n"), c->usage);
+        }
+        fprintf(f, "\nthe options of pictures:\n  all\n\noptions for a task:\n");
+        for (int g = 0; g < GP_GROUPS; g++)
+            fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
+                    gp_option_groups[g].title);
+        fprintf(f, "\na section of the manual:\n");
+        for (const struct section *s = sections; s < sections + SECTIONS; s++) {
+            if (!is_group(s))
+                fprintf(f, "  %-14.*s%s\n", (int) strcspn(s->words, " "),
+                        s->words, s->title);
+        }
+        fprintf(f, "\nor an option or one of its values:\n"
+                   "  glarepp help --kernel\n  glarepp help splat\n");
+        return GP_OK;
+    }
+    const char *const bare = topic + strspn(topic, "-");
+    const bool dashed = bare > topic;
+    if (!*bare)
+        return unknown_topic(log, topic);
+    for (const struct gp_command_row *c = gp_commands + 1; c->word && !found;
+         c++) {
+        found = c->bit != GP_COMMAND_HELP && strcasecmp(c->word, bare) == 0;
+        if (found)
+            gp_help(f, c->bit);
+    }
+    for (int g = 0; !found && !dashed && g < GP_GROUPS; g++) {
+        found = strcasecmp(gp_option_groups[g].word, bare) == 0;
+        if (found)
+            print_group(f, g, ~0u);
+    }
+    for (int i = 0; !dashed && i < SECTIONS && !section; i++)
+        section = is_topic(bare, sections[i].words) ? &sections[i] : NULL;
+    found = found || print_options_of(f, bare, EXACT) > 0;
+    if (!found && !section)
+        found = print_options_of(f, bare, LOOSE) > 0 ||
+                print_options_of(f, bare, VALUE) > 0;
+    if (!found)
+        return section ? show_section(log, f, section->title)
+                       : unknown_topic(log, topic);
+    if (section)
+        fprintf(f, "\nman glarepp has more in its section \"%s\".\n",
+                section->title);
+    return GP_OK;
+}
+
+// -- the table, for the man page and completions ------------------------------
+
+/* Prints a model of glare and its keys. */
+static void print_model(FILE *f, int model)
+{
+    const char *text, *source;
+    struct glarepp_key k;
+    const char *const name = glarepp_name(NULL, GLAREPP_MODELS, model, &text);
+    glarepp_name(NULL, GLAREPP_MODEL_SOURCES, model, &source);
+    fprintf(f, "model\t%s\t%s; %s.\n", name, text, source);
+    for (int n = 0; glarepp_key(model, n, &k); n++) {
+        fprintf(f, "key\t%s\t", k.name);
+        for (int i = 0; k.words && k.words[i]; i++)
+            fprintf(f, "%s%s", i ? " " : "", k.words[i]);
+        if (k.file)
+            fprintf(f, "\t%s (a path)\n", k.text);
+        else if (k.words)
+            fprintf(f, "\t%s\n", k.text);
+        else
+            fprintf(f, "\t%s (%g to %g; default %g)\n", k.text, k.lo, k.hi,
+                    k.preset);
+    }
+}
+
+void gp_help_table(FILE *f)
+{
+    char text[1024], word[TOPIC_BYTES];
+    const char *name, *line;
+    for (const struct gp_command_row *c = gp_commands; c->word; c++)
+        fprintf(f, "command\t%s\n", *c->word ? c->word : "main");
+    for (int i = 0; (name = topic_at(i, word)); i++)
+        fprintf(f, "topic\t%s\n", name);
+    for (int g = 0; g < GP_GROUPS; g++) {
+        fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
+                gp_option_groups[g].example);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if ((int) o->group != g || o->hidden)
+                continue;
+            const bool many = o->kind == GP_KIND_TEXTS ||
+                              o->kind == GP_KIND_NAMED;
+            option_text(o, false, text, sizeof text);
+            fprintf(f, "option\t%s\t%.1s\t%s\t%s\t%s\t", o->name, &o->letter,
+                    o->arg ? o->arg : "", many ? "many" : o->open ? "open" : "",
+                    text);
+            for (const struct gp_command_row *c = gp_commands; c->word; c++) {
+                if (o->commands & c->bit)
+                    fprintf(f, " %s", *c->word ? c->word : "main");
+            }
+            fprintf(f, " \n");
+            for (int i = 0; (name = gp_option_value(o, i, &line)); i++)
+                fprintf(f, "value\t%s\t%s\n", name, line ? line : "");
+        }
+    }
+    for (int i = 0; glarepp_name(NULL, GLAREPP_MODELS, i, NULL); i++)
+        print_model(f, i);
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i,
+                                         &line)); i++)
+        fprintf(f, "preset\t%s\t%s\n", name, line);
+#define ITEM(name, code, text) fprintf(f, "status\t%d\t%s\n", code, text);
+    GP_STATUS_LIST(ITEM)
+#undef ITEM
+    fprintf(f, "@FIELDS@\n");
+    for (int i = 0; gp_report_field(i); i++)
+        fprintf(f, "field\t%s\n", gp_report_field(i));
+}
+
+// -- one screen --------------------------------------------------------------
+
+/* True when pictures take options of the group. */
+static bool is_of_pictures(int group)
+{
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((int) o->group == group && (o->commands & GP_COMMAND_MAIN))
+            return true;
+    }
+    return false;
+}
+
+void gp_help_screen(FILE *f)
+{
+    const char *const usage = gp_commands->usage;
+    char text[1024];
+    size_t at = 0;
+    fprintf(f, "%.*s\n\n", (int) strcspn(usage, "\n"), usage);
+    print_examples(f, gp_commands);
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (o->usual)
+            fprintf(f, "%*s%s\n", INDENT + 1 - print_name(f, o), "", o->usual);
+    }
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        if (c->bit != GP_COMMAND_HELP)
+            at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
+                                    at ? ", " : "Commands: ", c->word);
+    }
+    fprintf(f, "\n%s (glarepp COMMAND --help)\n", text);
+    at = 0;
+    for (int g = 0; g < GP_GROUPS; g++) {
+        if (is_of_pictures(g))
+            at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
+                                    at ? ", " : "Topics: ",
+                                    gp_option_groups[g].word);
+    }
+    for (const struct section *s = sections; s < sections + SECTIONS; s++) {
+        if (!is_group(s))
+            at += (size_t) snprintf(text + at, sizeof text - at, ", %.*s",
+                                    (int) strcspn(s->words, " "), s->words);
+    }
+    snprintf(text + at, sizeof text - at, " (glarepp help TOPIC)");
+    print_wrapped(f, 0, 2, text);
+    fprintf(f, "All options: glarepp --help all. What is used, and why: -v. "
+               "More: man glarepp.\n");
+}

@@ -1,0 +1,566 @@
+#include "cli/jobs.h"
+
+#include "cli/output_guard.h"
+#include "core/memory.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* True when some output is a pattern. */
+static bool has_place(const struct gp_jobs *j)
+{
+    for (int i = 0; i < j->targets; i++) {
+        if (j->target[i].name.len)
+            return true;
+    }
+    return false;
+}
+
+// -- frames ------------------------------------------------------------------
+
+/* Appends all views of one frame. */
+static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
+                           const struct gp_pattern *p, bool numbered, int frame)
+{
+    const int views = gp_jobs_of_frame(j);
+    if (j->n > GP_FRAME_LIST_MAX - views)
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                       "them in several runs", p->path, GP_FRAME_LIST_MAX);
+    for (int i = 0; i < views; i++) {
+        const char *const view = j->view.n ? j->view.name[i] : NULL;
+        char *const input = gp_pattern_name(p, frame, view);
+        struct gp_job *grown = NULL;
+        if (input) // doubles at powers of two
+            grown = (j->n & (j->n - 1)) ? j->job
+                    : realloc(j->job, (size_t) (j->n ? 2 * j->n : 1) *
+                                          sizeof *grown);
+        if (!grown) {
+            gp_free(input);
+            return gp_no_memory_bare(log, "frame list");
+        }
+        j->job = grown;
+        j->job[j->n++] = (struct gp_job) {input, numbered, frame, view};
+    }
+    return GP_OK;
+}
+
+/* Lists the frames of a pattern: those of --frames, else those on disk; with
+ * views in the pattern, the frames of any view. */
+static gp_status list_frames(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_pattern *p,
+    const struct gp_views *view, struct gp_frames *all)
+{
+    if (s->input.frames)
+        return gp_frames_parse(log, s->input.frames, all);
+    if (!p->views)
+        return gp_frames_on_disk(log, p, NULL, all);
+    for (int i = 0; i < view->n; i++) {
+        struct gp_frames more = {0};
+        gp_status st = gp_frames_on_disk(NULL, p, view->name[i], &more);
+        if (!st && !gp_frames_join(all, &more))
+            st = gp_no_memory_bare(log, "frame list");
+        gp_frames_free(&more);
+        if (st && st != GP_ERR_IO)
+            return st;
+    }
+    // reading the first view's again reports why there is none
+    return all->n ? GP_OK : gp_frames_on_disk(log, p, view->name[0], all);
+}
+
+/* Makes the jobs of all inputs. Sets *patterns when an input is a pattern; a
+ * file that has the pattern's own name is a plain input. */
+static gp_status add_inputs(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j, bool *patterns)
+{
+    gp_status st;
+    struct gp_pattern *in;
+    struct gp_frames f = {0};
+    GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->input.files.n,
+                         sizeof *in, &in));
+    for (int i = 0; i < s->input.files.n; i++) {
+        const char *const path = s->input.files.at[i];
+        in[i] = (struct gp_pattern) {.path = path};
+        if (!gp_is_dash(path))
+            st = gp_pattern_of_input(log, path, &in[i]);
+        else if (s->input.files.n > 1)
+            st = gp_fail(log, GP_ERR_USAGE, "-: stdin must be the only input "
+                         "(found %d); give only -", s->input.files.n);
+        else if (isatty(STDIN_FILENO))
+            st = gp_fail(log, GP_ERR_USAGE,
+                         "-: stdin is a terminal; pipe an EXR file in");
+        for (int k = 0; k < s->kernel.words.n && !st && gp_is_dash(path); k++) {
+            char file[PATH_MAX];
+            if (glarepp_kernel_path(s->kernel.words.at[k], file, sizeof file) &&
+                gp_is_dash(file))
+                st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
+                             "both come from stdin; give one of them as a "
+                             "file");
+        }
+        GP_TRY(st);
+        *patterns = *patterns || in[i].len;
+    }
+    // settle which views there are, and whether they are files or parts
+    const bool in_names = in[0].views > 0;
+    for (int i = 1; i < s->input.files.n; i++) {
+        if ((in[i].views > 0) != in_names)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
+                "%s); make them in separate runs", in[in_names ? i : 0].path,
+                in[in_names ? 0 : i].path));
+    }
+    if (in_names && s->input.views && gp_views_all(s))
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all means the views inside "
+            "a file (found %%V or %%v in %s); list them, e.g. --views "
+            "left,right", in[0].path));
+    if (in_names || !gp_views_all(s))
+        GP_TRY(gp_views_parse(
+            log, s->input.views ? s->input.views : "left,right", &j->view));
+    for (int i = 0; i < s->input.files.n; i++)
+        GP_TRY(gp_views_check(log, &in[i], &j->view));
+    j->views = in_names ? 1 : gp_jobs_of_frame(j);
+    j->views_inside = !in_names && j->view.n > 0;
+    // list the frames of each
+    for (const struct gp_pattern *p = in; p < in + s->input.files.n; p++) {
+        int frame = 0;
+        if (gp_is_dash(p->path)) { // one frame until stdin is read
+            if (s->input.frames)
+                GP_TRY(gp_frames_parse(log, s->input.frames, &f));
+            GP_TRY(add_frame(log, j, p, has_place(j) || s->input.frames,
+                             f.n ? f.number[0] : 1));
+        } else if (p->len) {
+            GP_TRY(list_frames(log, s, p, &j->view, &f));
+            for (int i = 0; i < f.n; i++)
+                GP_TRY(add_frame(log, j, p, true, f.number[i]));
+        } else if (s->input.frames) {
+            GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: --frames needs a pattern "
+                           "(found a plain name); write shot.####.exr, or "
+                           "leave --frames out", p->path));
+        } else {
+            const bool numbered =
+                has_place(j) && gp_frame_number(p->path, &frame);
+            GP_TRY(add_frame(log, j, p, numbered, frame));
+        }
+        gp_frames_free(&f);
+    }
+out:
+    gp_frames_free(&f);
+    gp_free(in);
+    return st;
+}
+
+/* Reads stdin into j->members and makes the jobs of each image in it, which
+ * replace the placeholder; numbered by --frames, or 1, 2, 3. */
+static gp_status read_stdin(const struct gp_log *log,
+                            const struct gp_settings *s, struct gp_jobs *j)
+{
+    gp_status st = gp_members_read(log, &s->input.read, "-", &j->members);
+    if (st)
+        return st;
+    const int frames = j->members.n;
+    if (frames > GP_FRAME_LIST_MAX / j->views)
+        return gp_fail(log, GP_ERR_USAGE, "-: too many frames (over %d); make "
+                       "them in several runs", GP_FRAME_LIST_MAX);
+    const int n = frames * j->views;
+    struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
+    if (!grown)
+        return gp_no_memory_bare(log, "frame list");
+    j->job = grown;
+    for (; j->n < n; j->n++) // all have the first one's views
+        grown[j->n] = (struct gp_job) {.view = grown[j->n % j->views].view};
+    struct gp_frames f = {0};
+    if (s->input.frames)
+        st = gp_frames_parse(log, s->input.frames, &f);
+    if (!st && s->input.frames && f.n != frames)
+        st = gp_fail(log, GP_ERR_USAGE, "-: stdin has %d frame%s, --frames %s "
+                     "lists %d; list one number for each", frames,
+                     frames == 1 ? "" : "s", s->input.frames, f.n);
+    for (int i = 0; i < n && !st; i++) {
+        struct gp_job *const job = &j->job[i];
+        char name[32];
+        job->frame =
+            s->input.frames ? f.number[i / j->views] : i / j->views + 1;
+        if (frames == 1)
+            continue;
+        snprintf(name, sizeof name, "- (frame %d)", job->frame);
+        free(job->input);
+        job->numbered = true;
+        job->input = gp_strdup(name);
+        if (!job->input)
+            st = gp_no_memory_bare(log, "frame list");
+    }
+    gp_frames_free(&f);
+    return st;
+}
+
+// -- outputs -----------------------------------------------------------------
+
+static const char *const target_options[] = {
+    [GP_TARGET_HDR] = "--hdr",
+    [GP_TARGET_LAYER] = "--layer",
+    [GP_TARGET_PICTURE] = "--output",
+    [GP_TARGET_SENSORS] = "--debug sensors",
+    [GP_TARGET_POLYGONS] = "--debug polygons",
+    [GP_TARGET_SUNMAP] = "--debug sunmap",
+    [GP_TARGET_INTENSITY] = "--debug intensity",
+};
+
+static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
+                            enum gp_target_kind kind, const char *path)
+{
+    struct gp_output *t = &j->target[j->targets++];
+    t->kind = kind;
+    return gp_pattern_find(log, path, &t->name);
+}
+
+// -- checks ------------------------------------------------------------------
+
+/* Checks that several frames have patterns, and several views have %V.
+ *   patterns  some input is a pattern
+ *   later     the views are not known yet */
+static gp_status check_patterns(const struct gp_log *log,
+    const struct gp_jobs *j, bool patterns, bool later)
+{
+    const int frames = j->n / gp_jobs_of_frame(j);
+    gp_status st = GP_OK;
+    for (int t = 0; t < j->targets && !st; t++) {
+        const struct gp_pattern *const p = &j->target[t].name;
+        const bool dash = gp_is_dash(p->path);
+        if (!p->len && !dash && (patterns || frames > 1))
+            return gp_fail(log, GP_ERR_USAGE, "%s: one name for a sequence "
+                "(found %d frame%s); write a pattern such as "
+                "out.####.png, or -", p->path, frames, frames == 1 ? "" : "s");
+        for (int i = 0; i < j->n && p->len; i++) {
+            if (!j->job[i].numbered)
+                return gp_fail(log, GP_ERR_USAGE, "%s: no frame number in this "
+                               "input (%s needs one); add one to its name, or "
+                               "give plain output names", j->job[i].input,
+                               p->path);
+        }
+        if (p->views && !j->view.n && !later)
+            return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s "
+                           "has no %%V in its name and no views inside); give "
+                           "--views left,right", p->path, j->job[0].input);
+        if (!p->views && !j->target[t].whole && !j->target[t].hero &&
+            j->view.n > 1 && !dash)
+            return gp_fail(log, GP_ERR_USAGE, "%s: one name for several views "
+                           "(found %d); write a name with %%V or %%v, such as "
+                           "out.%%V.png, or -", p->path, j->view.n);
+        st = gp_views_check(log, p, &j->view);
+    }
+    return st;
+}
+
+static int by_frame(const void *a, const void *b)
+{
+    const struct gp_job *x = *(struct gp_job *const *) a;
+    const struct gp_job *y = *(struct gp_job *const *) b;
+    if (x->frame != y->frame)
+        return x->frame > y->frame ? 1 : -1;
+    const int order = x->view && y->view ? strcmp(x->view, y->view) : 0;
+    return order ? order : (x > y) - (x < y);
+}
+
+/* Checks that no two inputs of a view have the same number: they would write
+ * the same file. */
+static gp_status check_numbers(const struct gp_log *log,
+                               const struct gp_jobs *j)
+{
+    const struct gp_job **order;
+    gp_status st = gp_alloc(log, "frame list", (size_t) j->n, sizeof *order,
+                            &order);
+    if (st)
+        return st;
+    for (int i = 0; i < j->n; i++)
+        order[i] = &j->job[i];
+    qsort(order, (size_t) j->n, sizeof *order, by_frame);
+    for (int i = 1; i < j->n && !st; i++) {
+        if (order[i]->frame == order[i - 1]->frame &&
+            order[i]->view == order[i - 1]->view)
+            st = gp_fail(log, GP_ERR_USAGE, "%s: the same frame number as %s "
+                         "(found %d); make them in separate runs",
+                         order[i]->input, order[i - 1]->input, order[i]->frame);
+    }
+    gp_free(order);
+    return st;
+}
+
+/* Checks that the frames of --frames, and all views of a frame, exist where
+ * they are needed, before any is made. */
+static gp_status check_missing(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j)
+{
+    const bool eyes = j->view.n > 1 && j->views == 1; // files of each frame
+    const char *first = NULL;
+    int missing = 0;
+    if ((!s->input.frames && !eyes) || s->input.skip_bad_frames)
+        return GP_OK;
+    for (int i = 0; i < j->n; i += j->views) {
+        const char *const input = j->job[i].input;
+        bool complete = true;
+        // (other failures are reported when the file is read)
+        if (gp_is_dash(input) || access(input, F_OK) == 0 ||
+            (errno != ENOENT && errno != ENOTDIR))
+            continue;
+        for (int k = i; k < i + j->views && complete; k++)
+            complete = gp_job_complete(&s->output.write, j, &j->job[k]);
+        if (complete)
+            continue;
+        first = first ? first : input;
+        missing++;
+    }
+    if (!first)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_IO,
+                   "%s: no such frame (first of %d missing, "
+                   "%d listed by %s %s); render %s, or give --skip-bad-frames",
+                   first, missing, j->n / j->views,
+                   s->input.frames ? "--frames" : "--views",
+                   s->input.frames  ? s->input.frames
+                   : s->input.views ? s->input.views
+                                    : "left,right",
+                   missing == 1 ? "it" : "them");
+}
+
+// -- names -------------------------------------------------------------------
+
+/* Checks the files of --depth-file and --mask-file when these are patterns. */
+static gp_status check_beside(const struct gp_log *log,
+                              const struct gp_output_guard *c, const char *what,
+                              const char *path, const struct gp_jobs *j)
+{
+    struct gp_pattern p = {0};
+    gp_status st = path ? gp_pattern_of_input(log, path, &p) : GP_OK;
+    if (st || (!p.len && !p.views))
+        return st;
+    for (int i = 0; i < j->n && !st; i++) {
+        const struct gp_job *const job = &j->job[i];
+        int number = job->frame;
+        if ((p.views && !job->view) ||
+            (p.len && !job->numbered && !gp_frame_number(job->input, &number)))
+            continue; // reading the frame reports it
+        char *const name = gp_pattern_name(&p, number, job->view);
+        st = name ? gp_output_guard_input(c, what, name) : gp_no_memory(log, path);
+        free(name);
+    }
+    return st;
+}
+
+gp_status gp_jobs_check_names(
+    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_jobs *j, const char *const *also, int n)
+{
+    gp_status st;
+    struct gp_output_guard c;
+    GP_TRY(gp_output_guard_begin(log, s, &c));
+    for (int t = 0; t < j->targets; t++) {
+        const struct gp_output *const target = &j->target[t];
+        const struct gp_pattern *const p = &target->name;
+        // jobs share a stream, and a file of all views
+        const int step = gp_is_dash(p->path) ? j->n
+                         : target->whole || target->hero ? j->views : 1;
+        for (int i = 0; i < j->n; i += step) {
+            const struct gp_job *const job = &j->job[i];
+            char *const name = gp_job_name(job, target);
+            const struct gp_output_guard_output output = {
+                .name = name, .what = target_options[target->kind],
+                .as = p->path, .of = j->n > 1 ? job->input : NULL,
+                .view = j->n > 1 ? job->view : NULL,
+                .order = (long long) i * j->targets + t,
+            };
+            st = !name ? gp_no_memory(log, p->path)
+                 : p->views && gp_is_dash(name)
+                     ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
+                               "which is stdout; write ./%s", p->path, p->path)
+                     : gp_output_guard_add(&c, &output);
+            free(name);
+            GP_TRY(st);
+        }
+    }
+    GP_TRY(gp_output_guard_settle(&c));
+    // (frames of stdin have names of their own)
+    if (c.exists && j->members.n)
+        GP_TRY(gp_output_guard_input(&c, "input", "-"));
+    for (int i = 0; i < j->n && c.exists && !j->members.n; i += j->views)
+        GP_TRY(gp_output_guard_input(&c, "input", j->job[i].input));
+    if (c.exists) {
+        GP_TRY(check_beside(log, &c, "--depth-file", s->sun.depth_file, j));
+        GP_TRY(check_beside(log, &c, "--mask-file", s->sun.mask_file, j));
+    }
+    for (int i = 0; i < n; i++)
+        GP_TRY(gp_output_guard_input(&c, "another file names", also[i]));
+out:
+    gp_output_guard_end(&c);
+    return st;
+}
+
+// -- all jobs ----------------------------------------------------------------
+
+/* Marks the outputs that hold all views of a frame, and those that hold only
+ * the first. */
+static void mark_outputs(struct gp_jobs *j)
+{
+    for (int i = 0; i < j->targets; i++) {
+        struct gp_output *const t = &j->target[i];
+        const bool one = j->views > 1 && !t->name.views;
+        t->whole = one && t->kind == GP_TARGET_HDR;
+        t->hero = one && !t->whole && j->views_found;
+    }
+}
+
+/* Checks the names of all outputs, and that the first frame's can be written.
+ *   later  the views are not known yet: names with %V are left for then */
+static gp_status check_outputs(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j, bool patterns,
+    bool later)
+{
+    gp_status st = check_patterns(log, j, patterns, later);
+    if (!st && has_place(j))
+        st = check_numbers(log, j);
+    for (int i = 0; i < j->targets && !st; i++) {
+        const struct gp_output *const t = &j->target[i];
+        if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))
+            return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
+                           "it into a program, or give a file");
+        for (int k = 0; k < gp_jobs_of_frame(j) && !st; k++) {
+            if (later && t->name.views)
+                continue;
+            char *const name = gp_job_name(&j->job[k], t);
+            char ending[16] = "-";
+            if (name && t->kind == GP_TARGET_LAYER &&
+                !gp_file_is_straight(name))
+                gp_file_ending(name, ending, sizeof ending);
+            st = !name ? gp_no_memory(log, t->name.path)
+                 : !ending[0]
+                     ? gp_fail(log, GP_ERR_USAGE,
+                               "%s: --layer writes a file "
+                               "(ending is missing); end the name in .exr, or "
+                               "to choose an EXR layer use --layer-in %s",
+                               name, name)
+                 : t->kind == GP_TARGET_HDR
+                     ? gp_write_hdr_check(log, &s->output.write, GP_HDR_KEEPS,
+                                          name)
+                     : gp_write_check(log, &s->output.write, name);
+            free(name);
+        }
+    }
+    return st ? st : gp_jobs_check_names(log, s, j, NULL, 0);
+}
+
+gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
+                       struct gp_jobs *out)
+{
+    static const enum gp_target_kind debug[GP_DEBUG_KINDS] = {
+        [GP_DEBUG_SENSORS] = GP_TARGET_SENSORS,
+        [GP_DEBUG_POLYGONS] = GP_TARGET_POLYGONS,
+        [GP_DEBUG_SUNMAP] = GP_TARGET_SUNMAP,
+        [GP_DEBUG_INTENSITY] = GP_TARGET_INTENSITY,
+    };
+    gp_status st;
+    struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
+    bool patterns = false;
+    GP_TRY(gp_alloc_zero(
+        log, "output list",
+        (size_t) (s->output.hdr.n + s->output.layer.n + s->output.pictures.n) +
+            GP_DEBUG_KINDS,
+        sizeof *j.target, &j.target));
+    // --hdr first: it may copy from an input that a later output replaces
+    for (int i = 0; i < s->output.hdr.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->output.hdr.at[i]));
+    for (int i = 0; i < s->output.layer.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->output.layer.at[i]));
+    for (int i = 0; i < s->output.pictures.n; i++)
+        GP_TRY(
+            add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        if (s->output.debug[i])
+            GP_TRY(add_target(log, &j, debug[i], s->output.debug[i]));
+    }
+    GP_TRY(add_inputs(log, s, &j, &patterns));
+    const bool piped = gp_is_dash(j.job[0].input);
+    const bool looks = gp_views_all(s) && !j.view.n;
+    if (looks && !piped)
+        GP_TRY(gp_jobs_find_views(log, s, &j));
+    mark_outputs(&j);
+    // outputs are checked before stdin is read, and again with its views
+    GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
+    GP_TRY(check_missing(log, s, &j));
+    if (piped) {
+        GP_TRY(read_stdin(log, s, &j));
+        if (looks)
+            GP_TRY(gp_jobs_find_views(log, s, &j));
+        mark_outputs(&j);
+        GP_TRY(check_outputs(log, s, &j, patterns, false));
+    }
+    for (int i = 0; i < j.targets && s->output.write.alpha == GP_ALPHA_KEEP;
+         i++) {
+        const struct gp_output *const t = &j.target[i];
+        if (t->kind == GP_TARGET_PICTURE &&
+            !gp_write_has_alpha(&s->output.write, t->name.path))
+            gp_say(log, GP_LEVEL_WARN, "%s: --alpha keep: this format has no "
+                   "alpha (the picture is composited over black); write .exr, "
+                   ".png or .tif", t->name.path);
+    }
+    *out = j;
+    return GP_OK;
+out:
+    gp_jobs_free(&j);
+    return st;
+}
+
+void gp_jobs_free(struct gp_jobs *j)
+{
+    for (int i = 0; i < j->n; i++)
+        free(j->job[i].input);
+    gp_free(j->job);
+    gp_members_free(&j->members);
+    gp_views_free(&j->view);
+    gp_free(j->target);
+    free(j->views_line);
+    *j = (struct gp_jobs) {0};
+}
+
+char *gp_job_name(const struct gp_job *job, const struct gp_output *target)
+{
+    return gp_pattern_name(&target->name, job->frame, job->view);
+}
+
+bool gp_job_number(const struct gp_job *job, int *number)
+{
+    *number = job->frame;
+    return job->numbered || gp_frame_number(job->input, number);
+}
+
+int gp_jobs_of_frame(const struct gp_jobs *j)
+{
+    return j->view.n ? j->view.n : 1;
+}
+
+bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
+                     const struct gp_job *job)
+{
+    int from = (int) (job - j->job), jobs = 1;
+    if (!p->no_clobber || j->targets == 0)
+        return false;
+    for (int i = 0; i < j->targets && jobs == 1; i++) {
+        if (j->target[i].whole) { // made from all views of the frame
+            from -= from % j->views;
+            jobs = j->views;
+        }
+    }
+    for (int i = 0; i < jobs * j->targets; i++) {
+        const struct gp_output *const t = &j->target[i % j->targets];
+        const int k = from + i / j->targets;
+        if (t->hero && k % j->views)
+            continue;
+        char *const name = gp_job_name(&j->job[k], t);
+        const bool exists = name && gp_write_would_overwrite(p, name);
+        free(name);
+        if (!exists)
+            return false;
+    }
+    return true;
+}

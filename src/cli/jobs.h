@@ -1,0 +1,143 @@
+/* Finds the frames of a run and the names of its files, before the first frame
+ * is read, so that a wrong name costs no work. */
+#ifndef GP_CLI_JOBS_H
+#define GP_CLI_JOBS_H
+
+#include "cli/settings.h"
+#include "core/status.h"
+#include "io/read.h"
+#include "io/sequence.h"
+
+#include <stdbool.h>
+
+/* Contents of a file that is written. */
+enum gp_target_kind {
+    GP_TARGET_HDR,
+    GP_TARGET_LAYER,
+    GP_TARGET_PICTURE,
+    GP_TARGET_SENSORS,
+    GP_TARGET_POLYGONS,
+    GP_TARGET_SUNMAP,
+    GP_TARGET_INTENSITY,
+};
+
+/* A file, or one for each frame or view when its name is a pattern. */
+struct gp_output {
+    enum gp_target_kind kind;
+    struct gp_pattern name;
+    bool whole;  // holds all views of a frame: one file for gp_jobs.views jobs
+    bool hero;   // holds only the first view of a frame
+};
+
+/* One frame to make, or one view of it. */
+struct gp_job {
+    char *input;       // owned
+    bool numbered;     // has a number: by an input or output pattern, or stdin
+    int frame;         // when numbered
+    const char *view;  // of gp_jobs.view; NULL without views
+};
+
+/* Takes tone-mapped pictures in place of the files of a run: `picture` has the
+ * samples of f's data window, display-linear, or with --tonemap none
+ * scene-linear. Both end with the call. */
+struct gp_taker {
+    gp_status (*take)(void *user, const struct gp_log *log,
+                      const struct gp_frame *f,
+                      const struct gp_planes *picture);
+    void *user;
+};
+
+/* The views of a frame follow each other, in the order of the list. */
+struct gp_jobs {
+    struct gp_job *job;        // owned; at least one
+    int n;
+    struct gp_output *target;  // owned; in writing order
+    int targets;
+    struct gp_views view;      // owned; n is 0 without views
+    int views;                 // consecutive jobs that share one input, >= 1
+    bool views_inside;         // the views are parts or channels of the inputs
+    bool views_found;          // and were found in the first input: no frame
+                               // may have others
+    char *views_line;          // owned; the warning that says so, or NULL
+    const struct gp_taker *taker; // borrowed; NULL: files are written
+    struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
+                               // without stdin
+};
+
+/* Expands the inputs and checks every name that the command line gives:
+ *
+ *   - a pattern means the frames of --frames, or those on disk; a file that has
+ *     the pattern's own name is that file
+ *   - %V and %v in inputs are the views of --views, or left,right: a file for
+ *     each, and `views` is 1. Without them, --views are parts or channels of
+ *     each file: `views` jobs for it. One run cannot have both
+ *   - without --views, or with --views all, the views are those of the first
+ *     regular file or of stdin's first image, if an output has a place for
+ *     several; one line names them. Outputs without %V or %v then hold the
+ *     first: `hero`
+ *   - several views of --views need %V or %v in all outputs but `-`
+ *   - with several views, --hdr without %V or %v holds all: it is `whole`
+ *   - several frames need patterns or `-` for all outputs, and for patterns
+ *     numbers that differ: the input pattern's, or the last in a plain name
+ *   - after all other checks, stdin is read to its end: each image in it is a
+ *     frame, numbered by --frames or from 1
+ *   - no file is written twice, or read and written; `-` is given at most once
+ *     as an output, and is no terminal
+ *   - gp_write_check() holds for the first frame's outputs
+ *   - every frame of --frames exists, and every view of a frame, unless
+ *     --skip-bad-frames is given or gp_job_complete() is true for it
+ *
+ *   s    borrowed by *out
+ *   out  written only on GP_OK; free with gp_jobs_free()
+ * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, frames that are
+ * missing, and as gp_write_check(). */
+GP_MUST_CHECK gp_status gp_jobs_make(
+    const struct gp_log *log, const struct gp_settings *s, struct gp_jobs *out);
+void gp_jobs_free(struct gp_jobs *j);
+
+/* True for --views all, and without --views. */
+bool gp_views_all(const struct gp_settings *s);
+
+/* Finds the views inside the first input, if an output has a place for several,
+ * replaces each job by one for each view, and warns in one line of the choice.
+ * Errors: GP_ERR_DATA a view cannot be part of a file name, and outputs have
+ * %V; GP_ERR_USAGE too many frames; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_jobs_find_views(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j);
+
+/* Checks that a frame has no views but those of j->view, for runs with
+ * j->views_found.
+ * Errors: GP_ERR_USAGE it has others; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_jobs_check_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_jobs *j,
+    const struct gp_frame *f);
+
+/* Jobs of one frame: one a view, 1 without views. */
+int gp_jobs_of_frame(const struct gp_jobs *j);
+
+/* The name of one target for one job; the caller owns it (free()). NULL when
+ * memory is full. */
+char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
+
+/* Finds the number of a frame: the job's, else the one in its file's name.
+ * Returns false where there is none. */
+bool gp_job_number(const struct gp_job *job, int *number);
+
+/* True when p->no_clobber is set, there are outputs and all of the job's exist.
+ * With an output that holds all views, those of every view of the frame must
+ * exist.
+ *
+ *   job  one of j->job */
+bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
+                     const struct gp_job *job);
+
+/* Checks that the run writes no file twice, and none that it reads (output_guard.h).
+ *
+ *   also  `n` files that it reads because another file names them
+ *
+ * Errors: GP_ERR_USAGE */
+GP_MUST_CHECK gp_status gp_jobs_check_names(
+    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_jobs *j, const char *const *also, int n);
+
+#endif

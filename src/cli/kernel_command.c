@@ -1,0 +1,312 @@
+#include "cli/commands.h"
+
+#include "cli/output_guard.h"
+#include "cli/hints.h"
+#include "cli/kernel_label.h"
+#include "cli/options.h"
+#include "cli/pictures.h"
+#include "cli/plan_settings.h"
+#include "glarepp.h"
+#include "io/file.h"
+#include "io/read.h"
+#include "io/write.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// -- making -------------------------------------------------------------------
+
+/* Reads recipes and images, as recipes too. */
+static gp_status read_kernel(struct glarepp *gp, const struct gp_settings *s,
+    const char *const *word, int words, struct glarepp_kernel **out)
+{
+    struct glarepp_kernel_params p = gp_kernel_params(s);
+    p.word = word;
+    p.words = words;
+    p.recipe = true;
+    return (gp_status) glarepp_kernel(gp, &p, out);
+}
+
+/* Draws the kernel at full rate, as far as it was asked for, as a frame whose
+ * centre is pixel (floor(w / 2), floor(h / 2)). `name` for messages. */
+static gp_status draw_kernel(const struct glarepp_kernel *k,
+    const struct gp_settings *s, const char *name, struct gp_frame *out,
+    struct glarepp_label *label)
+{
+    const struct glarepp_field field = {
+        .w = s->making.w, .h = s->making.h, .fov = (double) s->kernel.fov,
+        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .radius = s->making.radius, .most = s->input.read.max_pixels,
+        .name = name,
+    };
+    struct glarepp_image image = GLAREPP_IMAGE;
+    const gp_status st =
+        (gp_status) glarepp_kernel_draw(k, &field, &image, label);
+    if (st)
+        return st;
+    *out = gp_frame_blank((struct gp_rect) {image.data.x0, image.data.y0,
+                                            image.data.x1, image.data.y1});
+    out->names_chromaticities = true;
+    for (int c = 0; c < 3; c++)
+        out->rgb.c[c] = image.plane[c];
+    return GP_OK;
+}
+
+// -- -o -----------------------------------------------------------------------
+
+/* Checks the names of outputs before anything is read. */
+static gp_status check_names(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_write_params *write,
+    struct gp_output_guard *clobber)
+{
+    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
+    gp_status st;
+    GP_TRY(gp_output_guard_begin(log, s, clobber));
+    for (int i = 0; i < s->output.pictures.n; i++) {
+        const char *const path = s->output.pictures.at[i];
+        GP_TRY(gp_write_hdr_check(log, write, keeps, path));
+        GP_TRY(gp_output_guard_add(clobber, &(struct gp_output_guard_output) {
+            .name = path, .what = "-o", .as = path, .order = i}));
+    }
+    GP_TRY(gp_output_guard_settle(clobber));
+out:
+    return st;
+}
+
+/* Fills in the attributes of a kernel's file. */
+static gp_status make_texts(const struct gp_log *log,
+    const struct gp_settings *s, const struct glarepp_kernel *k,
+    const struct glarepp_label *label, struct gp_label_texts *out)
+{
+    const char *recipe[GP_LABEL_TEXTS];
+    int n = 0;
+    while (n < GP_LABEL_TEXTS && (recipe[n] = glarepp_kernel_recipe(k, n)))
+        n++;
+    return gp_label_write(log, &(struct gp_file_label) {
+        .present = true, .w = label->w, .h = label->h,
+        .radius = s->making.radius, .fov = label->fov,
+        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .compression = s->output.write.compression,
+        .left_out = label->left_out, .beyond = label->beyond}, recipe, n, out);
+}
+
+static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
+                              const struct gp_settings *s)
+{
+    const struct gp_texts *const words = &s->kernel.words;
+    const struct gp_texts *const outputs = &s->output.pictures;
+    gp_status st;
+    struct glarepp_kernel *k = NULL;
+    struct glarepp_label label;
+    struct gp_frame f = {0};
+    struct gp_write_params write = s->output.write;
+    struct gp_write_stats stats = {0};
+    struct gp_output_guard clobber = {0};
+    struct gp_label_texts texts = {.n = 0};
+    write.type = GP_OUT_FLOAT;
+    GP_TRY(check_names(log, s, &write, &clobber));
+    GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
+    for (int i = 0; i < words->n; i++) {
+        char path[PATH_MAX];
+        if (glarepp_kernel_path(words->at[i], path, sizeof path))
+            GP_TRY(gp_output_guard_input(&clobber, "image of the kernel", path));
+    }
+    GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
+    GP_TRY(make_texts(log, s, k, &label, &texts));
+    write.added = texts.at;
+    write.n_added = texts.n;
+    for (int i = 0; i < outputs->n; i++)
+        GP_TRY(gp_write_picture(log, &write, outputs->at[i], &f, &f.rgb,
+                                GP_PICTURE_SCENE, &stats));
+    gp_say(log, GP_LEVEL_INFO, "%s: %dx%d, %g degrees a pixel, left out %.3g",
+           outputs->at[0], gp_frame_w(&f), gp_frame_h(&f),
+           label.fov / label.h, label.left_out);
+out:
+    gp_output_guard_end(&clobber);
+    gp_label_texts_free(&texts);
+    glarepp_kernel_end(&k);
+    gp_frame_free(&f);
+    return st;
+}
+
+// -- --list -------------------------------------------------------------------
+
+/* Prints a key with its preset, then the values it takes and its text. */
+static void print_key(const struct glarepp_key *k)
+{
+    char text[512] = "";
+    int used = 0, column = printf("  %s=", k->name);
+    for (int i = 0; k->words && k->words[i] && used < (int) sizeof text; i++)
+        used += snprintf(text + used, sizeof text - (size_t) used, "%s%s",
+                         k->words[i], k->words[i + 1] ? ", " : "; ");
+    if (k->file)
+        column += printf("PATH");
+    else if (k->words)
+        column += printf("%s", k->words[(int) k->preset]);
+    else {
+        column += printf("%.10g", k->preset);
+        used = snprintf(text, sizeof text, "%.10g to %.10g; ", k->lo, k->hi);
+    }
+    snprintf(text + used, sizeof text - (size_t) used, "%s", k->text);
+    gp_help_text(stdout, column, text);
+}
+
+static gp_status list_models(const struct gp_log *log)
+{
+    const char *name, *text, *more;
+    printf("Models: -k MODEL:key=value,key=value (keys with their defaults)\n");
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_MODELS, i, &text)); i++) {
+        struct glarepp_key key;
+        glarepp_name(NULL, GLAREPP_MODEL_SOURCES, i, &more);
+        printf("\n%s: %s\n  (%s)\n", name, text, more);
+        for (int k = 0; glarepp_key(i, k, &key); k++)
+            print_key(&key);
+    }
+    printf("\nPresets: -k builtin:NAME\n\n");
+    for (int i = 0; (name = glarepp_name(NULL, GLAREPP_PRESETS, i, &text));
+         i++) {
+        glarepp_name(NULL, GLAREPP_PRESET_RECIPES, i, &more);
+        printf("  %-10s %s\n  %-10s %s\n", name, text, "", more);
+    }
+    return gp_flush_text(log);
+}
+
+// -- --check ------------------------------------------------------------------
+
+/* True for a word that is the path of an image. */
+static bool is_path(const char *word)
+{
+    char path[PATH_MAX];
+    return glarepp_kernel_path(word, path, sizeof path) &&
+           strcmp(path, word) == 0;
+}
+
+/* Draws the kernel of a recipe, or reads that of a file. */
+static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
+    const struct gp_settings *s, struct gp_frame *out,
+    struct glarepp_label *label)
+{
+    const char *const word = s->making.check;
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
+    struct glarepp_kernel *k = NULL;
+    struct gp_file_label own;
+    gp_status st;
+    if (is_path(word)) {
+        GP_TRY(gp_read_frame(log, &limits, word, out));
+        GP_TRY(gp_label_read(log, out, &own));
+        *label = gp_label_of(&own);
+    } else {
+        GP_TRY(read_kernel(gp, s, &word, 1, &k));
+        GP_TRY(draw_kernel(k, s, word, out, label));
+    }
+out:
+    glarepp_kernel_end(&k);
+    return st;
+}
+
+/* Finds the brightest source of a frame, and its size. */
+static gp_status look_at_frame(const struct gp_log *log, struct glarepp *gp,
+    const struct gp_settings *s, const char *path,
+    struct glarepp_kernel_use *use)
+{
+    const struct gp_read_params limits = gp_read_limits(&s->input.read);
+    struct glarepp_plan_params how = GLAREPP_PLAN_PARAMS;
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_plan *plan = NULL;
+    struct glarepp_frame *frame = NULL;
+    struct gp_frame f = {0};
+    gp_status st;
+    how.sense = &s->light.sense;
+    GP_TRY(gp_read_frame(log, &limits, path, &f));
+    use->w = gp_frame_w(&f);
+    use->h = gp_frame_h(&f);
+    p.image = gp_decoded_of(&f, &f.rgb);
+    p.in_place = true;
+    GP_TRY(glarepp_plan(gp, &how, &plan));
+    GP_TRY(glarepp_frame(plan, &p, &frame));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_SENSE));
+    use->brightest = (double) glarepp_frame_facts(frame)->sense.brightest;
+out:
+    glarepp_frame_end(&frame);
+    glarepp_plan_end(&plan);
+    gp_frame_free(&f);
+    return st;
+}
+
+static void print_primaries(const struct gp_frame *f)
+{
+    const float *const p = f->chromaticities;
+    if (f->names_chromaticities)
+        printf("primaries  %g,%g %g,%g %g,%g, white %g,%g\n", (double) p[0],
+               (double) p[1], (double) p[2], (double) p[3], (double) p[4],
+               (double) p[5], (double) p[6], (double) p[7]);
+    else
+        printf("primaries  not named: used as it is in any frame\n");
+}
+
+static void print_figures(const struct glarepp_kernel_figures *f, bool labelled)
+{
+    printf("size       %dx%d, centre %d,%d\n", f->w, f->h, f->centre[0],
+           f->centre[1]);
+    printf("sum        %.7g %.7g %.7g, luminance %.7g\n", f->sum[0], f->sum[1],
+           f->sum[2], f->light);
+    printf("peak       %.7g at %d,%d\n", f->peak, f->peak_at[0],
+           f->peak_at[1]);
+    printf("centroid   %.4f,%.4f\n", round(1e4 * f->centroid[0]) / 1e4 + 0.0,
+           round(1e4 * f->centroid[1]) / 1e4 + 0.0);
+    printf("own pixel  %.4g %%\n", 100.0 * f->own);
+    printf("border     %.3g %%\n", 100.0 * f->border);
+    printf("rim        %.3g\n", f->rim);
+    printf("negatives  %lld\n", f->negatives);
+    printf("asymmetry  %.3g %%\n", 100.0 * f->asymmetry);
+    if (labelled)
+        printf("left out   %.3g %%, of which %.3g %% in the frame\n",
+               f->left_out > (double) FLT_EPSILON ? 100.0 * f->left_out : 0.0,
+               100.0 * f->missed);
+}
+
+/* Prints figures and faults, for a source of 1000 where no frame is given. */
+static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
+                              const struct gp_settings *s, bool *faulty)
+{
+    const char *const name = s->making.check;
+    struct glarepp_kernel_use use = {
+        .brightest = 1000.0, .percent = s->kernel.image.percent,
+        .add = s->light.layer.mix == GLAREPP_ADD,
+    };
+    struct glarepp_kernel_figures figures;
+    struct gp_frame f = {0};
+    gp_status st;
+    GP_TRY(find_checked(log, gp, s, &f, &use.label));
+    if (s->input.files.n)
+        GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
+    struct glarepp_image image = gp_decoded_of(&f, &f.rgb);
+    image.name = name;
+    if (is_path(name)) // what was drawn is turned already
+        use.rotate = (double) s->kernel.rotate;
+    GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
+    printf("kernel     %s\n", gp_printable(name).text);
+    print_primaries(&f);
+    if (!figures.nonfinite && figures.lit)
+        print_figures(&figures, use.label.present);
+    for (int i = 0; i < figures.faults; i++)
+        printf("fault: %s%s\n", figures.fault[i],
+               gp_hint(figures.parameter[i], figures.fault[i]));
+    *faulty = figures.faults > 0;
+    st = gp_flush_stdout(log);
+out:
+    gp_frame_free(&f);
+    return st;
+}
+
+gp_status gp_kernel_command(const struct gp_log *log, struct glarepp *gp,
+                            const struct gp_settings *s, bool *faulty)
+{
+    *faulty = false;
+    return s->making.list    ? list_models(log)
+           : s->making.check ? check_kernel(log, gp, s, faulty)
+                             : write_kernel(log, gp, s);
+}

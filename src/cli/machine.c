@@ -1,0 +1,128 @@
+#include "cli/machine.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { NAME = 4096 + 256 }; // bytes of a path
+
+/* Returns the number in a file; `most` when there is no file, it is larger (v1
+ * writes a huge one for no limit), or is "max". */
+static size_t limit_of(const char *path, size_t most)
+{
+    char line[64] = "";
+    char *end = line;
+    FILE *const f = fopen(path, "re");
+    if (!f)
+        return most;
+    const bool read = fgets(line, sizeof line, f) != NULL;
+    fclose(f);
+    errno = 0;
+    const unsigned long long v = strtoull(line, &end, 10);
+    return read && end != line && !errno && v > 0 && v < most ? (size_t) v
+                                                              : most;
+}
+
+/* Returns the least limit of a group and its parents. In a container the path
+ * may be the host's, of which only the mounted folder exists. */
+static size_t least_upwards(const char *mount, const char *group,
+                            const char *file, size_t most)
+{
+    char path[NAME];
+    size_t length = strlen(group);
+    for (;;) {
+        const int n = snprintf(path, sizeof path, "%s%.*s/%s", mount,
+                               (int) length, group, file);
+        if (n > 0 && (size_t) n < sizeof path)
+            most = limit_of(path, most);
+        if (length == 0)
+            return most;
+        do
+            length--;
+        while (length > 0 && group[length] != '/');
+    }
+}
+
+/* True when a list with commas has that word. */
+static bool lists(const char *list, size_t bytes, const char *word)
+{
+    const size_t n = strlen(word);
+    for (size_t at = 0; at + n <= bytes; at++) {
+        if ((at == 0 || list[at - 1] == ',') &&
+            strncmp(list + at, word, n) == 0 &&
+            (at + n == bytes || list[at + n] == ','))
+            return true;
+    }
+    return false;
+}
+
+/* Returns the least limit of this process's control groups, `most` where there
+ * is none below. */
+static size_t group_limit(const char *root, size_t most)
+{
+    char path[NAME], mount[NAME];
+    char *line = NULL;
+    size_t room = 0;
+    snprintf(path, sizeof path, "%s/proc/self/cgroup", root);
+    FILE *const f = fopen(path, "re");
+    if (!f)
+        return most;
+    // "4:cpu,memory:/job/step" of v1, "0::/job/step" of v2; cgroups(7)
+    while (getline(&line, &room, f) > 0) {
+        line[strcspn(line, "\n")] = '\0';
+        const char *const list = strchr(line, ':');
+        const char *const group = list ? strchr(list + 1, ':') : NULL;
+        if (!group)
+            continue;
+        const size_t bytes = (size_t) (group - list) - 1;
+        if (lists(list + 1, bytes, "memory")) {
+            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup/memory", root);
+            most = least_upwards(mount, group + 1, "memory.limit_in_bytes",
+                                 most);
+        } else if (bytes == 0) {
+            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup", root);
+            most = least_upwards(mount, group + 1, "memory.max", most);
+            // beside controllers of v1
+            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup/unified", root);
+            most = least_upwards(mount, group + 1, "memory.max", most);
+        }
+    }
+    free(line);
+    fclose(f);
+    return most;
+}
+
+size_t gp_memory_limit(const char *root)
+{
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    const bool known = pages > 0 && page > 0;
+    const size_t machine = known ? (size_t) pages * (size_t) page : SIZE_MAX;
+    struct rlimit own; // ulimit -v, as Grid Engine and LSF set it
+    size_t most = group_limit(root, machine);
+    if (getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY &&
+        own.rlim_cur < most)
+        most = (size_t) own.rlim_cur;
+    return most == SIZE_MAX ? 0 : most;
+}
+
+size_t gp_peak_memory(void)
+{
+    struct rusage used;
+    char line[128];
+    unsigned long long kib = 0;
+    FILE *const f = fopen("/proc/self/status", "re");
+    while (f && kib == 0 && fgets(line, sizeof line, f)) {
+        if (strncmp(line, "VmHWM:", 6) == 0)
+            kib = strtoull(line + 6, NULL, 10);
+    }
+    if (f)
+        fclose(f);
+    if (kib == 0 && getrusage(RUSAGE_SELF, &used) == 0)
+        kib = (unsigned long long) used.ru_maxrss; // in KiB, as proc(5)'s
+    return (size_t) kib << 10;
+}

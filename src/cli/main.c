@@ -1,0 +1,240 @@
+#include "cli/output_guard.h"
+#include "cli/commands.h"
+#include "cli/compare_report.h"
+#include "cli/environment.h"
+#include "cli/hints.h"
+#include "cli/jobs.h"
+#include "cli/options.h"
+#include "cli/pictures.h"
+#include "cli/progress.h"
+#include "bench/bench.h"
+#include "core/json.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/file.h"
+#include "io/read.h"
+#include "io/write.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* The user of the log. */
+struct voice {
+    struct gp_progress *progress; // NULL: none is drawn
+    const char *file;  // the first input, put before errors that name no file
+                       // and are about no frame; NULL: not known yet
+};
+
+/* Prints a message as one line on stderr, not in the middle of the progress
+ * line. */
+static void print_line(void *user, const struct gp_line *line)
+{
+    const struct voice *const voice = user;
+    const bool names = line->level == GP_LEVEL_BARE && voice->file;
+    char whole[2 * GP_LINE_BYTES];
+    snprintf(whole, sizeof whole, "glarepp: %s%s%s%s",
+             line->level == GP_LEVEL_WARN ? "warning: " : "",
+             names ? voice->file : "", names ? ": " : "", line->text);
+    gp_make_printable(whole);
+    if (voice->progress)
+        gp_progress_say(voice->progress, stderr, whole);
+    else
+        fprintf(stderr, "%s\n", whole);
+}
+
+/* Prints the installed flares to stdout, one a line. */
+static gp_status list_flares(const struct gp_log *log, struct glarepp *gp)
+{
+    const char *name = glarepp_name(gp, GLAREPP_FLARES, 0, NULL);
+    if (!name)
+        return gp_fail(log, GP_ERR_IO, "preset:list: no flares beside the "
+                       "program; install it whole, or name their folder's "
+                       "parent in GLAREPP_EXAMPLES");
+    for (int i = 0; (name = glarepp_name(gp, GLAREPP_FLARES, i, NULL)); i++)
+        puts(name);
+    return GP_OK;
+}
+
+/* Prints help, versions, the table or flares to stdout. */
+static gp_status print_text(const struct gp_log *log, struct glarepp *gp,
+                            const struct gp_settings *s)
+{
+    gp_status st = GP_OK;
+    char io[256];
+    if (s->command == GP_COMMAND_HELP)
+        st = gp_help_topic(log, stdout,
+                           s->input.files.n ? s->input.files.at[0] : NULL);
+    else if (s->words.help && s->words.help[0] &&
+             strcmp(s->words.help, "all") != 0)
+        st = gp_help_topic(log, stdout, s->words.help);
+    else if (s->words.help && !s->words.help[0] &&
+             s->command == GP_COMMAND_MAIN)
+        gp_help_screen(stdout);
+    else if (s->words.help)
+        gp_help(stdout, s->command);
+    else if (s->words.help_table)
+        gp_help_table(stdout);
+    else if (s->words.list_flares)
+        st = list_flares(log, gp);
+    else {
+        gp_io_versions(io, sizeof io);
+        printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
+               "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
+               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
+    }
+    return st ? st : gp_flush_text(log);
+}
+
+// -- the commands ------------------------------------------------------------
+
+static gp_status make_frames(const struct gp_log *log, struct glarepp *gp,
+                             struct voice *voice, const struct gp_settings *s)
+{
+    struct gp_jobs jobs = {0};
+    struct gp_progress progress;
+    gp_status st = gp_jobs_make(log, s, &jobs);
+    if (!st) {
+        gp_progress_open(&progress, stderr, s->run.progress,
+                         s->run.level == GP_LEVEL_ERROR);
+        voice->progress = &progress;
+        st = gp_pipeline_run(log, gp, s, &jobs, &progress);
+        voice->progress = NULL;
+        gp_progress_close(&progress);
+    }
+    gp_jobs_free(&jobs);
+    return st;
+}
+
+/* Returns the path of `name` in $XDG_CACHE_HOME/glarepp, or in ~/.cache/glarepp
+ * where that variable is unset or not an absolute path (XDG Base Directory
+ * Specification 0.8); from malloc. Makes the folders with mode 0700. NULL when
+ * they cannot be made: a run without a cache is only slower. */
+static char *cache_file(const char *name)
+{
+    const char *base = getenv("XDG_CACHE_HOME"), *below = "";
+    char *path;
+    if (!base || base[0] != '/') {
+        base = getenv("HOME");
+        below = "/.cache";
+    }
+    if (!base || base[0] != '/' ||
+        asprintf(&path, "%s%s/glarepp/%s", base, below, name) < 0)
+        return NULL;
+    for (char *s = path + 1; (s = strchr(s, '/')); s++) {
+        *s = '\0';
+        const bool there = mkdir(path, 0700) == 0 || errno == EEXIST;
+        *s = '/';
+        if (!there) {
+            free(path);
+            return NULL;
+        }
+    }
+    return path;
+}
+
+/* Opens the library with what the options and the environment say, and enters
+ * it: loops of files run in its threads too. */
+static gp_status open_library(struct gp_listener *user, struct glarepp **out)
+{
+    struct glarepp_params p = GLAREPP_PARAMS;
+    const struct gp_settings *const s = user->s;
+    p.threads = s->run.threads;
+    gp_set_threads(p.threads); // of loops outside of the library's calls too
+    p.level = s->run.level >= GP_LEVEL_INFO ? GLAREPP_NOTE : GLAREPP_WARNING;
+    p.message = gp_hear; // (reports have warnings that are not printed)
+    p.picture = gp_picture_read;
+    p.release = gp_picture_release;
+    p.user = user;
+    p.keep_memory = true;
+    gp_environment_read(&p);
+    const int st = glarepp_open(&p, out);
+    if (!st)
+        glarepp_enter(*out);
+    return (gp_status) st;
+}
+
+/* Runs a command; *status is that of compare, *differs as commands say. */
+static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
+                             struct voice *voice, const struct gp_settings *s,
+                             int *status, bool *differs)
+{
+    const unsigned may_open_gl = GP_COMMAND_MAIN | GP_COMMAND_BENCH |
+                                 GP_COMMAND_SETS | GP_COMMAND_STYLES;
+    if (s->words.help || s->words.help_table || s->words.version ||
+        s->words.list_flares)
+        return print_text(log, gp, s);
+    if (s->command & may_open_gl)
+        gp_environment_set_gl(gp_threads()); // while there is one thread
+    switch (s->command) {
+    case GP_COMMAND_HELP:
+        return print_text(log, gp, s);
+    case GP_COMMAND_BENCH:
+        return gp_bench_command(log, gp, s);
+    case GP_COMMAND_COMPARE:
+        *status = gp_compare_command(log, gp, s);
+        return GP_OK;
+    case GP_COMMAND_KERNEL:
+        return gp_kernel_command(log, gp, s, differs);
+    case GP_COMMAND_SETS:
+        return gp_sets_command(log, gp, s, differs);
+    case GP_COMMAND_STYLES:
+        return gp_styles_command(log, gp, s);
+    case GP_COMMAND_LENS:
+        return gp_lens_command(log, gp, s, differs);
+    case GP_COMMAND_MAIN:
+        break;
+    }
+    return make_frames(log, gp, voice, s);
+}
+
+int main(int argc, char *argv[])
+{
+    struct gp_settings s;
+    struct glarepp *gp = NULL;
+    char *wisdom = NULL;
+    int status = 0;
+    bool differs = false; // from a claim, or rows of a table
+    struct voice voice = {NULL, NULL};
+    struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
+    struct gp_listener user = {&log, &s};
+    // a picture must not get the descriptor of a closed standard stream; that
+    // is opened in the wrong direction, so that using it is an error
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+        if (fcntl(fd, F_GETFD) < 0)
+            (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
+    }
+    gp_environment_set_heap();
+    gp_write_keep_memory();
+    gp_json_watch_memory();
+    gp_temp_cleanup_on_signal();
+    // a write that fails is an error with a message, not a silent death
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    gp_status st = gp_options_parse(&log, argc, argv, &s);
+    log.level = s.run.level;
+    voice.file = !st && s.input.files.n ? s.input.files.at[0] : NULL;
+    if (!st && s.light.layer.measure)
+        s.light.layer.wisdom = wisdom = cache_file("fft-wisdom");
+    if (!st)
+        st = open_library(&user, &gp);
+    if (!st)
+        st = run_command(&log, gp, &voice, &s, &status, &differs);
+    if (s.command == GP_COMMAND_COMPARE && st == GP_ERR_USAGE)
+        status = GP_COMPARE_USAGE;
+    else if (st || differs)
+        status = st ? (int) st : 1;
+    if (gp)
+        glarepp_leave(gp);
+    glarepp_close(&gp);
+    gp_settings_free(&s);
+    free(wisdom);
+    return status;
+}

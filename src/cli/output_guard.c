@@ -1,0 +1,266 @@
+#include "cli/output_guard.h"
+
+#include "core/memory.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Options with one file name; files of a pattern are added by the caller. */
+static const struct single {
+    const char *what;
+    size_t at;  // of its const char * in struct gp_settings
+    bool written;
+} singles[] = {
+#define SINGLE(f, what, written)                                              \
+    {what, offsetof(struct gp_settings, f), written}
+    SINGLE(run.report, "--report", true),
+    SINGLE(bench.csv, "--csv", true),
+    SINGLE(bench.json, "--json", true),
+    SINGLE(bench.plot, "--plot", true),
+    SINGLE(making.draw, "--draw", true),
+    SINGLE(sun.p.cameras, "--camera", false),
+    SINGLE(sun.p.file, "--lights", false),
+    SINGLE(sun.p.flare, "--flare", false),
+    SINGLE(scene.path, "--scene", false),
+    SINGLE(lens.name, "--lens", false),
+    SINGLE(sun.depth_file, "--depth-file", false),
+    SINGLE(sun.mask_file, "--mask-file", false),
+    SINGLE(tone.map.config, "--ocio", false),
+};
+enum { SINGLES = sizeof singles / sizeof singles[0] };
+
+/* Returns the file of an option, or NULL when it is not given. */
+static const char *single_name(const struct gp_settings *s, int i)
+{
+    const char *name;
+    memcpy(&name, (const char *) s + singles[i].at, sizeof name);
+    const bool config = strcmp(singles[i].what, "--ocio") == 0;
+    if (name && config && (!*name || strcmp(name, "env") == 0))
+        return getenv("OCIO");
+    return name;
+}
+
+// -- files that are still to be made -----------------------------------------
+
+/* Identifies the file that will be made under a name that does not exist: by
+ * device and node of the deepest folder in it that exists, and a hash of the
+ * names after it, FNV-1a from last to first; --create-dir would make these
+ * folders. */
+static gp_status find_place(const struct gp_log *log, const char *path,
+                            struct gp_output_guard_file *file)
+{
+    const size_t room = strlen(path) + 3;
+    char *const way = malloc(room), *slash;
+    uint64_t hash = 14695981039346656037u;
+    struct stat info = {0};
+    int up = 0; // names before that a ".." takes back
+    if (!way)
+        return gp_no_memory(log, path);
+    snprintf(way, room, "%s%s", *path == '/' ? "" : "./", path);
+    do {
+        slash = strrchr(way, '/');
+        const char *name = slash + 1;
+        if (strcmp(name, "..") == 0)
+            up++;
+        else if (*name && strcmp(name, ".") != 0 && up > 0)
+            up--;
+        else if (*name && strcmp(name, ".") != 0) {
+            for (; *name; name++)
+                hash = (hash ^ (unsigned char) *name) * 1099511628211u;
+            hash = (hash ^ '/') * 1099511628211u;
+        }
+        slash[slash == way] = '\0';
+    } while ((stat(way, &info) != 0 || !S_ISDIR(info.st_mode)) &&
+             slash != way && strcmp(way, ".") != 0);
+    if (up > 0) {
+        while (up-- > 0)
+            strcat(way, "/.."); // shorter than the names that were cut off
+        if (stat(way, &info) != 0) // removed meanwhile
+            info = (struct stat) {0};
+    }
+    gp_free(way);
+    file->device = info.st_dev;
+    file->node = info.st_ino;
+    file->tail = hash | 1;
+    return GP_OK;
+}
+
+// -- the list ----------------------------------------------------------------
+
+static gp_status append(struct gp_output_guard *c, struct gp_output_guard_file file)
+{
+    if (c->n == c->room) {
+        const size_t room = c->room ? 2 * c->room : 16;
+        void *block = c->file;
+        gp_status st = gp_resize(c->log, "output list", room * sizeof file,
+                                 &block);
+        if (st)
+            return st;
+        c->file = block;
+        c->room = room;
+    }
+    const char *const name = file.by.name; // of the caller
+    file.by.name = gp_strdup(name);
+    if (!file.by.name)
+        return gp_no_memory(c->log, name);
+    c->file[c->n++] = file;
+    return GP_OK;
+}
+
+gp_status gp_output_guard_add(struct gp_output_guard *c,
+                         const struct gp_output_guard_output *output)
+{
+    struct gp_output_guard_file file = {.by = *output};
+    const char *const path = output->name;
+    struct stat info;
+    bool exists, link = false;
+    if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
+        file.tail = 1; // no folder has device 0 and node 0
+        gp_status st = append(c, file);
+        if (st)
+            return st;
+        exists = fstat(STDOUT_FILENO, &info) == 0;
+        if (!exists)
+            return GP_OK;
+        file.tail = 0;
+        file.open = true;
+    } else {
+        exists = lstat(path, &info) == 0;
+        link = exists && S_ISLNK(info.st_mode);
+        if (link)
+            exists = stat(path, &info) == 0;
+        file.open = exists && gp_file_descriptor(path) >= 0;
+    }
+    if (exists && !S_ISREG(info.st_mode))
+        return GP_OK;
+    if (exists) {
+        file.device = info.st_dev;
+        file.node = info.st_ino;
+        c->exists = true;
+        return append(c, file);
+    }
+    // writing through a dangling link makes its target; a link that cannot be
+    // resolved is reported when it is opened
+    char *const end = link ? gp_file_resolve(path) : NULL;
+    if (link && !end && errno == ENOMEM)
+        return gp_no_memory(c->log, path);
+    const gp_status st = find_place(c->log, end ? end : path, &file);
+    gp_free(end);
+    return st ? st : append(c, file);
+}
+
+gp_status gp_output_guard_begin(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_output_guard *out)
+{
+    gp_status st = GP_OK;
+    *out = (struct gp_output_guard) {.log = log, .s = s};
+    for (int i = 0; i < SINGLES && !st; i++) {
+        const char *const name = single_name(s, i);
+        if (name && singles[i].written)
+            st = gp_output_guard_add(out, &(struct gp_output_guard_output) {
+                .name = name, .what = singles[i].what, .as = name,
+                .order = i - SINGLES});
+    }
+    return st;
+}
+
+void gp_output_guard_end(struct gp_output_guard *c)
+{
+    for (size_t i = 0; i < c->n; i++)
+        gp_free((char *) c->file[i].by.name); // a copy
+    gp_free(c->file);
+    *c = (struct gp_output_guard) {0};
+}
+
+// -- comparing ---------------------------------------------------------------
+
+#define ORDER(a, b) (((a) > (b)) - ((a) < (b)))
+
+/* Orders by file identity. */
+static int by_file(const void *a, const void *b)
+{
+    const struct gp_output_guard_file *x = a, *y = b;
+    return x->device != y->device ? ORDER(x->device, y->device)
+         : x->node != y->node     ? ORDER(x->node, y->node)
+                                  : ORDER(x->tail, y->tail);
+}
+
+static int by_file_and_order(const void *a, const void *b)
+{
+    const struct gp_output_guard_file *x = a, *y = b;
+    const int order = by_file(a, b);
+    return order ? order : ORDER(x->by.order, y->by.order);
+}
+
+gp_status gp_output_guard_settle(struct gp_output_guard *c)
+{
+    const struct gp_output_guard_file *first = NULL;
+    gp_status st = GP_OK;
+    if (c->n)
+        qsort(c->file, c->n, sizeof *c->file, by_file_and_order);
+    for (size_t i = 1; i < c->n; i++) {
+        const struct gp_output_guard_file *const file = &c->file[i];
+        const bool same = by_file(file - 1, file) == 0 &&
+                          !(file[-1].open && file->open);
+        if (same && (!first || file->by.order < first->by.order))
+            first = file;
+    }
+    if (first) {
+        const struct gp_output_guard_output x = first[-1].by, y = first->by;
+#define OF(o)                                                                 \
+    (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
+    (o).view ? (o).view : ""
+        st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
+            "%s%s%s%s%s and %s %s%s%s%s%s); %s", x.name, x.what, x.as, OF(x),
+            y.what, y.as, OF(y), gp_is_dash(x.name) ? "only one can go to "
+            "stdout" : "give each a name of its own");
+#undef OF
+    }
+    for (int i = 0; i < c->s->kernel.words.n && !st; i++) {
+        char path[PATH_MAX];
+        if (glarepp_kernel_path(c->s->kernel.words.at[i], path, sizeof path))
+            st = gp_output_guard_input(c, "--kernel", path);
+    }
+    for (int i = 0; i < SINGLES && !st; i++) {
+        const char *const name = single_name(c->s, i);
+        if (name && !singles[i].written)
+            st = gp_output_guard_input(c, singles[i].what, name);
+    }
+    return st;
+}
+
+gp_status gp_output_guard_input(const struct gp_output_guard *c, const char *what,
+                           const char *path)
+{
+    struct stat info;
+    if (!c->exists || (gp_is_dash(path) ? fstat(STDIN_FILENO, &info)
+                                        : stat(path, &info)) != 0)
+        return GP_OK;
+    const struct gp_output_guard_file key = {.device = info.st_dev,
+                                        .node = info.st_ino};
+    const struct gp_output_guard_file *const found =
+        bsearch(&key, c->file, c->n, sizeof key, by_file);
+    return !found ? GP_OK
+                  : gp_fail(c->log, GP_ERR_USAGE, "%s: %s would replace a file "
+                        "that is read (%s %s); write to another name",
+                        found->by.name, found->by.what, what, path);
+}
+
+gp_status gp_output_guard_check(const struct gp_log *log,
+    const struct gp_settings *s, const char *what, const char *path)
+{
+    struct gp_output_guard c;
+    gp_status st = gp_output_guard_begin(log, s, &c);
+    if (!st)
+        st = gp_output_guard_settle(&c);
+    if (!st && path)
+        st = gp_output_guard_input(&c, what, path);
+    gp_output_guard_end(&c);
+    return st;
+}

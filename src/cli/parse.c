@@ -1,0 +1,453 @@
+#include "cli/options.h"
+#include "cli/styles.h"
+
+#include "core/memory.h"
+
+#include <errno.h>
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+// -- settings ----------------------------------------------------------------
+
+/* The lists of words. */
+enum { LISTS = 9 };
+static struct gp_texts *list_of(struct gp_settings *s, int i)
+{
+    struct gp_texts *const list[LISTS] = {
+        &s->input.files, &s->output.pictures, &s->output.hdr,
+        &s->output.layer, &s->input.light_groups, &s->kernel.words,
+        &s->scene.relight, &s->tone.context, &s->words.options,
+    };
+    return list[i];
+}
+
+void gp_settings_free(struct gp_settings *s)
+{
+    for (int i = 0; i < LISTS; i++) {
+        struct gp_texts *const list = list_of(s, i);
+        GP_FREE(list->at);
+        list->n = 0;
+    }
+}
+
+// -- values ------------------------------------------------------------------
+
+#define LETTERS "abcdefghijklmnopqrstuvwxyz"
+
+/* An option of the command line and its value. */
+struct use {
+    const struct gp_log *log;
+    const struct gp_option *option;
+    const char *value;  // NULL for options that take none
+};
+
+static gp_status out_of_range(const struct use *u)
+{
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: out of range (found %s); give %s", u->option->name,
+                   u->value, gp_option_range(u->option).text);
+}
+
+/* Reads a number, without blanks before it, and moves *s after it. (Its decimal
+ * point is a point: nothing calls setlocale().) */
+static bool read_double(const char **s, double *out)
+{
+    if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
+        return false;
+    char *end;
+    *out = strtod(*s, &end);
+    bool read = end != *s;
+    *s = end;
+    return read;
+}
+
+static gp_status set_number(const struct use *u, void *field)
+{
+    const struct gp_option *const o = u->option;
+    const bool whole = o->kind != GP_KIND_FLOAT;
+    char *end;
+    const char *s = u->value;
+    double v;
+    errno = 0;
+    const long long n = whole ? strtoll(u->value, &end, 10) : 0;
+    if (whole ? end == u->value || *end : !read_double(&s, &v) || *s)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not %s (found \"%s\"); give %s", o->name,
+                       whole ? "a whole number" : "a number", u->value,
+                       gp_option_range(o).text);
+    v = whole ? (double) n : v;
+    if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
+        return out_of_range(u);
+    if (o->kind == GP_KIND_FLOAT)
+        *(float *) field = (float) v;
+    else if (o->kind == GP_KIND_INT)
+        *(int *) field = (int) n;
+    else
+        *(long long *) field = n;
+    return GP_OK;
+}
+
+/* Sets the threshold from "1", "99.9%" or "+3ev". */
+static gp_status set_threshold(const struct use *u, void *field)
+{
+    struct glarepp_sense_params *const p = field;
+    const char *end = u->value;
+    double v;
+    const bool read = read_double(&end, &v);
+    const bool ev = read && strcasecmp(end, "ev") == 0;
+    const bool percent = read && strcmp(end, "%") == 0;
+    if (!read || (*end && !ev && !percent))
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a threshold (found "
+                       "\"%s\"); give a luminance such as 1, a percentile such "
+                       "as 99.9%%, or +3ev", u->option->name, u->value);
+    if (!(v >= (ev ? -64.0 : 0.0) &&
+          v <= (ev ? 64.0 : percent ? 100.0 : (double) FLT_MAX))) // NaN too
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: out of range (found %s); "
+                       "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
+                       u->option->name, u->value);
+    p->threshold = (float) v;
+    p->unit = ev ? GLAREPP_EV
+              : percent ? GLAREPP_PERCENTILE : GLAREPP_LUMINANCE;
+    return GP_OK;
+}
+
+/* Sets two doubles, or a struct gp_numbers, from "x,y,...". */
+static gp_status set_list(const struct use *u, void *field)
+{
+    const struct gp_option *const o = u->option;
+    const bool pair = o->kind == GP_KIND_PAIR;
+    const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
+    struct gp_numbers list = {0};
+    const char *s = u->value;
+    char range[16] = "";
+    bool whole = false;
+    while (!whole && list.n < most && read_double(&s, &list.v[list.n])) {
+        list.n++;
+        whole = *s == '\0';
+        if (!whole && *s++ != ',')
+            break;
+    }
+    if (least < most)
+        snprintf(range, sizeof range, "%d to ", least);
+    if (!whole || list.n < least)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not %s%d numbers (found \"%s\"); write %s",
+                       o->name, range, most, u->value, o->arg);
+    for (int i = 0; i < list.n; i++) {
+        if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
+            return out_of_range(u);
+    }
+    if (pair)
+        memcpy(field, list.v, 2 * sizeof *list.v);
+    else
+        memcpy(field, &list, sizeof list);
+    return GP_OK;
+}
+
+/* Fails with the nearest value, else with all of them. With `file`, for a value
+ * that no file has as its name, fails only when one is near, such as
+ * builtin:star to "star". */
+static gp_status unknown_value(const struct use *u, bool file)
+{
+    const char *text, *name;
+    char line[512] = "", nearest[64] = "";
+    size_t at = 0;
+    const size_t length = strlen(u->value);
+    int most = length < 8 ? 1 : 2; // edits: each match must beat the last
+    for (int i = 0; at < sizeof line &&
+                    (name = gp_option_value(u->option, i, &text)); i++) {
+        struct gp_nearest near = gp_nearest_to(u->value, length, most);
+        const char *const colon = file ? strchr(name, ':') : NULL;
+        at += (size_t) snprintf(line + at, sizeof line - at, "%s%s",
+                                i ? ", " : "", name);
+        gp_nearest_try(&near, colon ? colon + 1 : name);
+        if (near.name) {
+            most = near.most - 1;
+            snprintf(nearest, sizeof nearest, "%s", name);
+        }
+    }
+    if (nearest[0])
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: no such %s (found \"%s\"); did you mean %s?%s%s",
+                       u->option->name,
+                       file && strchr(nearest, ':') ? "file" : "value",
+                       u->value, nearest, file ? "" : " Else give one of ",
+                       file ? "" : line);
+    return file ? GP_OK : gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: no such value (found \"%s\"); give one of %s",
+                   u->option->name, u->value, line);
+}
+
+/* Sets one of the option's choices, or the file of GP_KIND_NAMED's
+ * "CHOICE=FILE". */
+static gp_status set_choice(const struct use *u, void *field)
+{
+    const bool named = u->option->kind == GP_KIND_NAMED;
+    const size_t n = named ? strcspn(u->value, "=") : strlen(u->value);
+    const struct gp_option_choice *c = u->option->choices;
+    while (c->name &&
+           (strlen(c->name) != n || strncmp(c->name, u->value, n) != 0))
+        c++;
+    if (!c->name)
+        return unknown_value(u, false);
+    if (u->option->kind == GP_KIND_EITHER)
+        *(bool *) field = c->value;
+    else if (!named)
+        memcpy(field, &c->value, sizeof c->value);
+    if (!named)
+        return GP_OK;
+    if (!u->value[n] || !u->value[n + 1])
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: no file (found \"%s\"); write %s=FILE",
+                       u->option->name, u->value, c->name);
+    const char **const file = (const char **) field + c->value;
+    if (*file)
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s %s: given twice (found %s "
+                       "and %s); give one file", u->option->name, c->name,
+                       *file, u->value + n + 1);
+    *file = u->value + n + 1;
+    return GP_OK;
+}
+
+/* Sets a word of argv, or appends it to a list. */
+static gp_status set_text(const struct use *u, void *field)
+{
+    const struct gp_option *const o = u->option;
+    const char *text, *name;
+    const char *const keys = strncmp(u->value, "builtin:", 8) == 0
+                                 ? strchr(u->value + 8, ':') : u->value;
+    bool known = !o->list ||
+                 (keys && o->at == offsetof(struct gp_settings, kernel.words) &&
+                  !gp_kernel_is_file(u->value));
+    for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
+        known = strcmp(name, u->value) == 0;
+    const bool file =
+        !known && o->open && strncmp(u->value, "builtin:", 8) != 0;
+    const bool word = *u->value && !u->value[strspn(u->value, LETTERS)];
+    if (!known && !(file && (!word || access(u->value, F_OK) == 0))) {
+        const gp_status st = unknown_value(u, file);
+        if (st)
+            return st;
+    }
+    if (!*u->value && !o->blank)
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: needs a value (found an "
+                       "empty word); give %s", o->name, o->arg);
+    struct gp_texts *const list = field;
+    if (o->kind == GP_KIND_TEXTS)
+        list->at[list->n++] = u->value;
+    else
+        *(const char **) field = u->value;
+    return GP_OK;
+}
+
+/* Sets the option by its kind. */
+static gp_status set_value(const struct use *u, void *field)
+{
+    switch (u->option->kind) {
+    case GP_KIND_FLAG:
+        *(bool *) field = !u->option->off;
+        return GP_OK;
+    case GP_KIND_SET:
+        memcpy(field, &u->option->set, sizeof u->option->set);
+        return GP_OK;
+    case GP_KIND_FLOAT:
+    case GP_KIND_INT:
+    case GP_KIND_COUNT:
+        return set_number(u, field);
+    case GP_KIND_THRESHOLD:
+        return set_threshold(u, field);
+    case GP_KIND_PAIR:
+    case GP_KIND_NUMBERS:
+        return set_list(u, field);
+    case GP_KIND_CHOICE:
+    case GP_KIND_EITHER:
+    case GP_KIND_NAMED:
+        return set_choice(u, field);
+    case GP_KIND_TEXT:
+    case GP_KIND_TEXTS:
+        return set_text(u, field);
+    }
+    return GP_ERR_BUG;
+}
+
+// -- words -------------------------------------------------------------------
+
+/* Options that are gone, and what to use. */
+static const char *const gone[][2] = {
+    {"completion", "make install puts completions in place"},
+    {"from", "make the file again by -k with its glarepp:recipe, and by --size, "
+     "--fov, --rotate and --frame"},
+    {"group-method", "leave it out: splat groups pixels in one way"},
+    {"ndc", "leave it out, or give the camera by --camera FILE"},
+    {"primitive", "leave it out: splat draws what the GL context draws fastest"},
+    {"repeat", "use --runs"},
+    {"report-append", "append by the shell: --report - >>FILE"},
+    {"sun-draw", "leave it out: engines draw the glare of lights"},
+};
+
+/* Finds the option that `word` names. *value is the rest of the word
+ * ("--gain=2", "-g2"), or NULL. Options of compare may have one dash, as
+ * idiff's: "-fail"; "-foo" is then unknown, not -f with a value. A letter means
+ * the command's own option. */
+static const struct gp_option *split_word(const char *word, unsigned command,
+                                          const char **value)
+{
+    *value = NULL;
+    if (word[1] != '-') {
+        const bool idiffs = command == GP_COMMAND_COMPARE && word[2] &&
+                            strspn(word + 2, LETTERS);
+        const struct gp_option *o =
+            idiffs ? gp_option_find(word + 1, strlen(word + 1)) : NULL;
+        if (idiffs)
+            return o && (o->commands & command) ? o : NULL;
+        *value = word[2] ? word + 2 : NULL;
+        o = gp_option_letter(word[1], command);
+        return o ? o : gp_option_letter(word[1], ~0u);
+    }
+    const char *name = word + 2;
+    size_t length = strcspn(name, "=");
+    if (name[length])
+        *value = name + length + 1;
+    return gp_option_find(name, length);
+}
+
+/* Reads the option at argv[*i] and moves *i to its last word. */
+static gp_status read_option(const struct gp_log *log, int argc,
+                             char *const argv[], int *i, struct gp_settings *s)
+{
+    const char *const word = argv[*i], *of_next;
+    struct use u = {.log = log};
+    u.option = split_word(word, s->command, &u.value);
+    const char *const command = gp_command_of(s->command)->word;
+    if (!u.option) {
+        const char *const bare = word + strspn(word, "-");
+        const size_t length = strcspn(bare, "=");
+        const int shown = (int) (bare - word + (ptrdiff_t) length);
+        struct gp_nearest near = gp_nearest_to(bare, length, 3);
+        for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) {
+            if (strlen(gone[k][0]) == length &&
+                strncmp(gone[k][0], bare, length) == 0)
+                return gp_fail(log, GP_ERR_USAGE, "--%s: no option any more; %s",
+                               gone[k][0], gone[k][1]);
+        }
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if (!o->hidden && (o->commands & s->command))
+                gp_nearest_try(&near, o->name);
+        }
+        if (near.name)
+            return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; did "
+                           "you mean --%s?", shown, word, near.name);
+        return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
+                       "%s%s--help lists them", shown, word,
+                       command, s->command == GP_COMMAND_MAIN ? "" : " ");
+    }
+    const char *const name = u.option->name, *const arg = u.option->arg;
+    if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not for pictures; write "
+                       "glarepp %s --%s, or leave it out", name,
+                       gp_command_of(u.option->commands)->word, name);
+    if (!(u.option->commands & s->command))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; see "
+                       "glarepp %s --help", name, command, command);
+    if (!arg && u.value)
+        return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
+                       "value (found \"%s\"); leave it out", word, u.value);
+    if (arg && !u.value && u.option->optional) {
+        const char *const next = *i + 1 < argc ? argv[*i + 1] : "";
+        u.value = *next && !next[strspn(next, LETTERS)] ? argv[++*i] : "";
+    } else if (arg && !u.value) {
+        if (*i + 1 >= argc)
+            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; write %s %s",
+                           word, word, arg);
+        const char *const next = argv[++*i];
+        if (strncmp(next, "--", 2) == 0 &&
+            split_word(next, s->command, &of_next))
+            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value (found the "
+                           "option %s); write %s %s", word, next, word, arg);
+        u.value = next;
+    }
+    void *const field = (char *) s + u.option->at;
+    const size_t row = (size_t) (u.option - gp_options);
+    if (u.option->once && gp_option_given(s, name))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: given twice (found %s and "
+                       "%s); give one file", name, *(const char **) field,
+                       u.value);
+    s->words.given[row / 64] |= UINT64_C(1) << row % 64;
+    s->words.options.at[s->words.options.n++] = name;
+    s->words.options.at[s->words.options.n++] = u.value;
+    return set_value(&u, field);
+}
+
+/* Sets the options of the style that the command has and that are not given. */
+static gp_status apply_style(const struct gp_log *log, struct gp_settings *s)
+{
+    const char *const *word = gp_style_of(s->light.style)->word;
+    gp_status st = GP_OK;
+    for (; *word && !st; word += 2) {
+        const struct use u = {log, gp_option_find(word[0], strlen(word[0])),
+                              word[1]};
+        if ((u.option->commands & s->command) && !gp_option_given(s, word[0]))
+            st = set_value(&u, (char *) s + u.option->at);
+    }
+    return st;
+}
+
+gp_status gp_options_parse(const struct gp_log *log, int argc,
+                           char *const argv[], struct gp_settings *out)
+{
+    gp_status st = GP_OK;
+    bool options = true; // until "--"
+    int i = 1;
+    *out = gp_defaults;
+    for (int k = 0; k < LISTS; k++) {
+        struct gp_texts *const list = list_of(out, k);
+        st = gp_alloc(log, "command line", 2 * (size_t) argc + GP_STYLE_WORDS,
+                      sizeof *list->at, &list->at);
+        if (st)
+            return st;
+    }
+    // a misspelt command must not be read as an input
+    const char *const first = argc > 1 ? argv[1] : "";
+    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
+    for (const struct gp_command_row *c = gp_commands + 1; c->word && i == 1;
+         c++) {
+        if (strcmp(first, c->word) == 0) {
+            out->command = c->bit;
+            i++;
+        }
+        gp_nearest_try(&near, c->word);
+    }
+    if (i == 1 && near.name &&
+        !first[strspn(first, LETTERS)] &&
+        access(first, F_OK) != 0)
+        return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did "
+                       "you mean glarepp %s?", first, near.name);
+    for (; i < argc && !st; i++) {
+        const char *const word = argv[i], *value;
+        const struct gp_option *const o =
+            word[0] == '-' && word[1] ? split_word(word, out->command, &value)
+                                     : NULL;
+        // `glarepp help --gain` is about an option
+        const bool topic = out->command == GP_COMMAND_HELP &&
+                           !(o && (o->commands & GP_COMMAND_HELP));
+        if (options && strcmp(word, "--") == 0)
+            options = false;
+        else if (options && word[0] == '-' && word[1] && !topic)
+            st = read_option(log, argc, argv, &i, out);
+        else
+            out->input.files.at[out->input.files.n++] = word;
+    }
+    // each option is two words
+    out->words.list_flares = out->command == GP_COMMAND_MAIN &&
+                             out->input.files.n == 0 &&
+                             out->words.options.n == 2 && out->sun.p.flare &&
+                             strcmp(out->sun.p.flare, "preset:list") == 0;
+    if (st || out->words.help || out->words.help_table || out->words.version ||
+        out->words.list_flares)
+        return st;
+    st = apply_style(log, out);
+    return st ? st : gp_settings_check(log, out);
+}

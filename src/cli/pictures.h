@@ -1,0 +1,24 @@
+/* Pictures that the library asks for: of kernels, flares and scenes. */
+#ifndef GP_CLI_PICTURES_H
+#define GP_CLI_PICTURES_H
+
+#include "cli/jobs.h"
+#include "glarepp.h"
+#include "io/read.h"
+
+/* Returns a view of planes of a frame, as its file describes them. It borrows
+ * from both. */
+struct glarepp_image gp_decoded_of(const struct gp_frame *f,
+                                 const struct gp_planes *planes);
+
+/* Returns what a job and its file say of a frame, and a view of its pixels. */
+struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
+                                               const struct gp_frame *f);
+
+/* The callbacks of a context whose user is a struct gp_listener. A picture is
+ * released by the thread that read it, before it reads another. */
+int gp_picture_read(void *user, const struct glarepp_picture *p,
+                    struct glarepp_image *out, struct glarepp_label *label);
+void gp_picture_release(void *user, struct glarepp_image *image);
+
+#endif

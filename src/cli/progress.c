@@ -1,0 +1,434 @@
+#include "cli/progress.h"
+
+#include "core/clock.h"
+#include "core/json.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+enum {
+    PATIENCE_MS = 1000,  // shorter work needs no line
+    TICK_MS = 250,       // between redraws on a terminal
+    PIPE_MS = 100,       // least time between lines in a pipe
+};
+
+// -- the line: under the lock ------------------------------------------------
+
+void gp_print_duration(char *text, size_t size, double seconds)
+{
+    long long s = (long long) (seconds + 0.5);
+    if (s < 60)
+        snprintf(text, size, "%lld s", s);
+    else if (s < 3600)
+        snprintf(text, size, "%lld min %lld s", s / 60, s % 60);
+    else
+        snprintf(text, size, "%lld h %lld min", s / 3600, s / 60 % 60);
+}
+
+static void wipe_line(struct gp_progress *p)
+{
+    if (p->drawn)
+        fputs("\r\033[K", p->file);
+    p->drawn = false;
+}
+
+/* Describes frames made and failed, rate and time left. */
+static void describe_progress(const struct gp_progress *p, double seconds,
+                              char *line, size_t size)
+{
+    const double rate = seconds > 0.0 ? p->done / seconds : 0.0;
+    char time[32], failed[32] = "";
+    if (p->failed)
+        snprintf(failed, sizeof failed, ", %d failed", p->failed);
+    if (p->done == 0) { // no rate yet
+        gp_print_duration(time, sizeof time, seconds);
+        snprintf(line, size, "0 of %d made, %s so far: %s: %s", p->total, time,
+                 p->name, p->stage);
+    } else {
+        gp_print_duration(time, sizeof time,
+                          seconds / p->done * (p->total - p->done));
+        snprintf(line, size, "%d of %d made%s, %.*f frames/s, %s left: %s: %s",
+                 gp_max(p->done - p->failed, 0), p->total, failed,
+                 rate >= 1.0 ? 1 : 3, rate, time, p->name, p->stage);
+    }
+    gp_make_printable(line);
+}
+
+static void draw_line(struct gp_progress *p, double now)
+{
+    char line[512];
+    struct winsize w;
+    describe_progress(p, (now - p->start_ms) * 1e-3, line, sizeof line);
+    wipe_line(p);
+    // a line that wraps could not be wiped
+    const int columns = p->terminal &&
+                                ioctl(fileno(p->file), TIOCGWINSZ, &w) == 0 &&
+                                w.ws_col > 1 ? w.ws_col - 1 : 79;
+    if (p->terminal)
+        fprintf(p->file, "%.*s", columns, line);
+    else
+        fprintf(p->file, "glarepp: %s\n", line);
+    fflush(p->file);
+    p->drawn = p->terminal;
+    p->last_ms = now;
+}
+
+static bool is_for_programs(const struct gp_progress *p)
+{
+    return p->when >= GP_PROGRESS_PERCENT;
+}
+
+/* Prints a line for programs when the count has changed, or at the end. */
+static void print_news(struct gp_progress *p, double now, bool end)
+{
+    const double seconds = (now - p->start_ms) * 1e-3;
+    const double percent =
+        end || p->total <= 0 ? 100.0 : 100.0 * p->done / p->total;
+    const int news = p->when == GP_PROGRESS_PERCENT ? (int) percent : p->done;
+    const bool soon = p->when != GP_PROGRESS_PERCENT && p->printed >= 0 &&
+                      !end && now - p->last_ms < PIPE_MS;
+    char line[512];
+    if (soon || (news <= p->printed && !(end && p->printed < INT_MAX)))
+        return;
+    if (p->when == GP_PROGRESS_PERCENT && news > p->printed)
+        fprintf(p->file, "%d%%\n", news);
+    if (p->when == GP_PROGRESS_OPENJD) {
+        describe_progress(p, seconds, line, sizeof line);
+        fprintf(p->file, "openjd_progress: %.1f\nopenjd_status: %s\n",
+                floor(percent * 10.0) / 10.0, line);
+    }
+    if (p->when == GP_PROGRESS_JSON) {
+        json_t *const o = json_object();
+        json_object_set_new(o, "done", json_integer(p->done));
+        if (p->failed)
+            json_object_set_new(o, "failed", json_integer(p->failed));
+        json_object_set_new(o, "total", json_integer(p->total));
+        json_object_set_new(o, "percent",
+                            json_real(floor(percent * 10.0) / 10.0));
+        json_object_set_new(o, "seconds", json_real(seconds));
+        if (p->done > 0)
+            json_object_set_new(o, "seconds_left",
+                json_real(seconds / p->done * (p->total - p->done)));
+        if (p->name[0])
+            json_object_set_new(o, "file", gp_json_name(p->name));
+        if (p->name[0])
+            json_object_set_new(o, "stage", json_string(p->stage));
+        char *const text =
+            gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(6));
+        if (text) // a run without a line is still a run
+            fprintf(p->file, "%s\n", text);
+        free(text);
+    }
+    fflush(p->file);
+    p->printed = end ? INT_MAX : news;
+    p->last_ms = now;
+}
+
+// -- the clock ---------------------------------------------------------------
+
+static void *tick(void *arg)
+{
+    struct gp_progress *p = arg;
+    pthread_mutex_lock(&p->lock);
+    while (p->ticking) {
+        struct timespec t;
+        clock_gettime(CLOCK_REALTIME, &t); // the clock of conditions
+        long long ns = t.tv_nsec + TICK_MS * 1000000LL;
+        t.tv_sec += (time_t) (ns / 1000000000);
+        t.tv_nsec = (long) (ns % 1000000000);
+        pthread_cond_timedwait(&p->wake, &p->lock, &t);
+        double now = gp_now_ms();
+        if (p->ticking && p->name[0] && now - p->start_ms >= p->patience_ms)
+            draw_line(p, now);
+    }
+    pthread_mutex_unlock(&p->lock);
+    return NULL;
+}
+
+void gp_progress_open(struct gp_progress *p, FILE *file,
+                      enum gp_progress_when when, bool quiet)
+{
+    const bool programs = when >= GP_PROGRESS_PERCENT;
+    const bool terminal = !programs && isatty(fileno(file));
+    const bool draws = !quiet && (when == GP_PROGRESS_ALWAYS || programs ||
+                                  (when == GP_PROGRESS_AUTO && terminal));
+    *p = (struct gp_progress) {
+        .file = draws ? file : NULL,
+        .when = when,
+        .stage = "",
+        .printed = -1,
+        .terminal = terminal,
+        .patience_ms = when == GP_PROGRESS_ALWAYS ? 0.0 : PATIENCE_MS,
+        .start_ms = gp_now_ms(),
+        .last_ms = -PIPE_MS,
+        .ticking = draws && terminal,
+    };
+    pthread_mutex_init(&p->lock, NULL);
+    pthread_cond_init(&p->wake, NULL);
+    if (p->ticking && pthread_create(&p->clock, NULL, tick, p) != 0)
+        p->ticking = false; // a run without its line is still a run
+}
+
+void gp_progress_close(struct gp_progress *p)
+{
+    pthread_mutex_lock(&p->lock);
+    bool ticking = p->ticking;
+    p->ticking = false;
+    pthread_cond_signal(&p->wake);
+    pthread_mutex_unlock(&p->lock);
+    if (ticking)
+        pthread_join(p->clock, NULL);
+    if (p->file) {
+        wipe_line(p);
+        fflush(p->file);
+    }
+    pthread_cond_destroy(&p->wake);
+    pthread_mutex_destroy(&p->lock);
+    p->file = NULL;
+}
+
+void gp_progress_update(struct gp_progress *p, int done, int total,
+                        const char *name, const char *stage)
+{
+    double now = gp_now_ms();
+    if (!p->file)
+        return;
+    const char *slash = strrchr(name, '/');
+    pthread_mutex_lock(&p->lock);
+    p->done = done;
+    p->total = total;
+    p->stage = stage;
+    snprintf(p->name, sizeof p->name, "%s", slash ? slash + 1 : name);
+    if (is_for_programs(p))
+        print_news(p, now, false);
+    else if (!p->terminal && now - p->last_ms >= PIPE_MS)
+        draw_line(p, now);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gp_progress_fail(struct gp_progress *p, int n)
+{
+    pthread_mutex_lock(&p->lock);
+    p->failed += n;
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gp_progress_end(struct gp_progress *p)
+{
+    pthread_mutex_lock(&p->lock);
+    if (p->file && is_for_programs(p)) {
+        p->done = p->total;
+        print_news(p, gp_now_ms(), true);
+    }
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
+{
+    pthread_mutex_lock(&p->lock);
+    if (p->file)
+        wipe_line(p);
+    fprintf(file, "%s\n", line);
+    pthread_mutex_unlock(&p->lock);
+}
+
+// -- messages in the order of frames -----------------------------------------
+
+static void print_message(const struct gp_frame_log *l, enum gp_level level,
+                          const char *line)
+{
+    if (l->to && l->to->sink && level <= l->to->level)
+        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", line});
+}
+
+/* Prints a message of the unit that is ended next, and keeps others, which it
+ * prints too when memory is full. */
+static void log_message(void *user, const struct gp_line *message)
+{
+    struct gp_frame_log *const l = user;
+    enum gp_level level = message->level;
+    const char *line = message->text;
+    char named[GP_LINE_BYTES];
+    if (level == GP_LEVEL_BARE) {
+        snprintf(named, sizeof named, "%s: %s", l->name, line);
+        line = named;
+        level = GP_LEVEL_ERROR;
+    }
+    if (level == GP_LEVEL_WARN) { // for the report
+        const size_t n = strlen(line) + 1;
+        char *const warned = realloc(l->warned, l->warned_bytes + n);
+        if (warned) {
+            memcpy(warned + l->warned_bytes, line, n);
+            l->warned = warned;
+            l->warned_bytes += n;
+        }
+    }
+    if (level == GP_LEVEL_ERROR)
+        snprintf(l->last, sizeof l->last, "%s", line);
+    const size_t bytes = strlen(line) + 2;
+    bool keeps = gp_flight_head(l->flight) != l->unit;
+    if (keeps && bytes > l->room - l->used) {
+        const size_t room = 2 * l->room + bytes;
+        char *const text = realloc(l->text, room);
+        keeps = text != NULL;
+        if (text) {
+            l->text = text;
+            l->room = room;
+        }
+    }
+    if (!keeps) {
+        gp_frame_log_flush(l);
+        print_message(l, level, line);
+        return;
+    }
+    l->text[l->used] = (char) level;
+    memcpy(l->text + l->used + 1, line, bytes - 1);
+    l->used += bytes;
+}
+
+void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
+    const struct gp_flight *flight, int unit, const char *name)
+{
+    *l = (struct gp_frame_log) {
+        .log = {log_message, l, to && to->level > GP_LEVEL_WARN
+                                    ? to->level : GP_LEVEL_WARN},
+        .to = to, .flight = flight, .unit = unit, .name = name,
+    };
+}
+
+void gp_frame_log_flush(struct gp_frame_log *l)
+{
+    for (size_t at = 0; at < l->used; at += strlen(l->text + at + 1) + 2)
+        print_message(l, (enum gp_level) l->text[at], l->text + at + 1);
+    l->used = 0;
+}
+
+void gp_frame_log_close(struct gp_frame_log *l)
+{
+    free(l->text);
+    free(l->warned);
+    *l = (struct gp_frame_log) {0};
+}
+
+// -- frames that failed ------------------------------------------------------
+
+gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
+                           struct gp_failures *out)
+{
+    *out = (struct gp_failures) {.jobs = jobs};
+    return gp_alloc_zero(log, "frame list", (size_t) jobs->n,
+                         sizeof *out->failed, &out->failed);
+}
+
+void gp_failures_free(struct gp_failures *f)
+{
+    gp_free(f->failed);
+    *f = (struct gp_failures) {0};
+}
+
+/* Returns the first job of the next `n` of which one failed, from `i` on, a
+ * multiple of n; jobs->n when there is none. */
+static int next_failed(const struct gp_failures *f, int i, int n)
+{
+    for (; i < f->jobs->n; i += n) {
+        for (int k = i; k < i + n; k++) {
+            if (f->failed[k])
+                return i;
+        }
+    }
+    return i;
+}
+
+void gp_failures_add(struct gp_failures *f, int index)
+{
+    const int n = gp_jobs_of_frame(f->jobs), first = index - index % n;
+    f->bad += next_failed(f, first, n) != first;
+    f->failed[index] = true;
+}
+
+/* Prints one item of a frame list, a frame or an evenly spaced run, from the
+ * failed frame whose first job is *at. Moves *at after it and returns how many
+ * frames it has. */
+static int print_run(const struct gp_failures *f, int *at, char *text,
+                     size_t size)
+{
+    const struct gp_job *const job = f->jobs->job;
+    const int views = gp_jobs_of_frame(f->jobs), jobs = f->jobs->n;
+    const int first = *at, second = next_failed(f, first + views, views);
+    const int step = second < jobs ? job[second].frame - job[first].frame : 0;
+    int last = first, next = second, n = 1;
+    while (next < jobs && job[next].frame - job[last].frame == step) {
+        last = next;
+        next = next_failed(f, next + views, views);
+        n++;
+    }
+    const bool apart = abs(step) != 1;
+    *at = next;
+    if (n == 1 || (n == 2 && apart)) {
+        snprintf(text, size, "%d", job[first].frame);
+        *at = second;
+        return 1;
+    }
+    if (apart)
+        snprintf(text, size, "%d-%dx%d", job[first].frame, job[last].frame,
+                 abs(step));
+    else
+        snprintf(text, size, "%d-%d", job[first].frame, job[last].frame);
+    return n;
+}
+
+gp_status gp_failures_report(const struct gp_log *log,
+                             const struct gp_failures *f)
+{
+    enum { MORE = 32 }; // bytes of ", and N more"
+    char list[GP_FAILURES_BYTES] = "";
+    const struct gp_jobs *const jobs = f->jobs;
+    const int views = gp_jobs_of_frame(jobs), frames = jobs->n / views;
+    bool numbers = true;
+    size_t used = 0;
+    int left = 0;
+    if (f->kept)
+        gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
+               "outputs exist); remove the files to make them again", f->kept,
+               jobs->n, views > 1 ? "view" : "frame", jobs->n == 1 ? "" : "s");
+    if (!f->bad)
+        return GP_OK;
+    // numbers where all have one, else names; an item is for `step` jobs, those
+    // of a frame or, in a list of names, of an input
+    for (int i = 0; i < jobs->n; i++)
+        numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
+    const int step = numbers ? views : jobs->views > 1 ? jobs->views : 1;
+    for (int i = 0; (i = next_failed(f, i, step)) < jobs->n; i += step)
+        left++;
+    for (int i = next_failed(f, 0, step); i < jobs->n;) {
+        const char *const between = !used ? "" : numbers ? "," : ", ";
+        char number[64];
+        const char *word = number;
+        int n = 1;
+        if (numbers) {
+            n = print_run(f, &i, number, sizeof number);
+        } else {
+            word = jobs->job[i].input;
+            i = next_failed(f, i + step, step);
+        }
+        if (used + strlen(between) + strlen(word) + MORE >= sizeof list) {
+            snprintf(list + used, sizeof list - used, "%s%d more",
+                     used ? " and " : "", left);
+            numbers = false; // a cut list is no value of --frames
+            break;
+        }
+        used += (size_t) snprintf(list + used, sizeof list - used, "%s%s",
+                                  between, word);
+        left -= n;
+    }
+    return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
+                   "failed (%s); fix the errors above, then make them "
+                   "again%s%s", f->bad, frames, frames == 1 ? "" : "s", list,
+                   numbers ? " with --frames " : "", numbers ? list : "");
+}

@@ -1,0 +1,125 @@
+/* Output of a run on stderr: a progress line, the messages about each frame in
+ * frame order, and at the end the list of frames that failed. */
+#ifndef GP_CLI_PROGRESS_H
+#define GP_CLI_PROGRESS_H
+
+#include "cli/flight.h"
+#include "cli/jobs.h"
+#include "cli/settings.h"
+#include "core/status.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+/* The progress line: one for each run; not to be copied while open. */
+struct gp_progress {
+    FILE *file;            // NULL: draws nothing
+    enum gp_progress_when when;
+    bool terminal;         // redraws one line; else prints line after line
+    double patience_ms;    // draws nothing earlier
+    double start_ms;
+
+    pthread_mutex_t lock;  // of all below
+    int done, total;
+    int failed;            // of `done`
+    char name[256];        // file in work
+    const char *stage;     // borrowed: a constant
+    bool drawn;            // the terminal's line is not empty
+    double last_ms;        // when a line was drawn
+    int printed;           // `done` of the last line, or its percent; -1: none
+    pthread_t clock;       // draws on a terminal while a long stage runs
+    pthread_cond_t wake;
+    bool ticking;
+};
+
+/* Starts the clock. AUTO draws on a terminal only, after one second; ALWAYS
+ * draws at once, in a pipe too; `quiet` draws nothing.
+ *
+ * The lines for programs begin with 0 and never decrease. PERCENT prints one
+ * when the whole number changes; OPENJD and JSON when a frame is done, at most
+ * ten a second. Source of OPENJD: openjd-specifications, "How Jobs Are Run",
+ * "Stdout/Stderr Messages": a single line on either. */
+void gp_progress_open(struct gp_progress *p, FILE *file,
+                      enum gp_progress_when when, bool quiet);
+
+/* Wipes the line and stops the clock. */
+void gp_progress_close(struct gp_progress *p);
+
+/* Prints 100 % in the lines for programs: all frames are made, failed or
+ * skipped. */
+void gp_progress_end(struct gp_progress *p);
+
+/* Counts `n` frames that end and are not made. */
+void gp_progress_fail(struct gp_progress *p, int n);
+
+/* Shows that `done` of `total` frames are made or failed, and that `stage` of
+ * the file `name`, without its folder, comes next. In a pipe it draws at most ten
+ * lines a second. */
+void gp_progress_update(struct gp_progress *p, int done, int total,
+                        const char *name, const char *stage);
+
+/* Formats a time: "45 s", "3 min 20 s", "2 h 5 min". */
+void gp_print_duration(char *text, size_t size, double seconds);
+
+/* Prints a message to `file` on a line of its own, and redraws no progress in
+ * between. */
+void gp_progress_say(struct gp_progress *p, FILE *file, const char *line);
+
+/* Messages about a unit in flight. They are printed in unit order; the oldest
+ * unfinished unit prints directly. `log` is for the steps of the unit, one
+ * after the other. */
+struct gp_frame_log {
+    struct gp_log log;
+    const struct gp_log *to;         // borrowed
+    const struct gp_flight *flight;  // borrowed
+    int unit;
+    const char *name;                // of the unit's file; borrowed
+    char *text;                      // owned: for each message a byte for its
+    size_t used, room;               // level, its line and a null byte
+    char last[GP_LINE_BYTES];        // the last error's line
+    char *warned;                    // owned: the lines of warnings, each with
+    size_t warned_bytes;             // its null byte
+};
+
+/* Starts without messages. `l` must not move until gp_frame_log_close().
+ *
+ *   name  file of the unit, put before errors that name none (GP_LEVEL_BARE);
+ *         borrowed until gp_frame_log_close() */
+void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
+    const struct gp_flight *flight, int unit, const char *name);
+
+/* Prints the messages that are still kept. */
+void gp_frame_log_flush(struct gp_frame_log *l);
+
+/* Drops kept messages and frees. A zeroed one is fine. */
+void gp_frame_log_close(struct gp_frame_log *l);
+
+/* Frames of a run that failed or were skipped. Zeroed is empty. */
+struct gp_failures {
+    const struct gp_jobs *jobs;  // borrowed
+    bool *failed;                // one a job, owned
+    int bad;                     // frames with a job that failed
+    int kept;                    // jobs skipped, by --no-clobber
+};
+
+/* Starts with no frame failed. Free with gp_failures_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_failures_make(const struct gp_log *log,
+    const struct gp_jobs *jobs, struct gp_failures *out);
+void gp_failures_free(struct gp_failures *f);
+
+/* Marks jobs->job[index] as failed; a frame counts once, whatever its views. */
+void gp_failures_add(struct gp_failures *f, int index);
+
+/* Prints how many frames were skipped (a warning), and how many failed with
+ * their list, each in one line and only if there are any. The list is a value
+ * of --frames (2-4,9,20-40x10) when all have numbers, else the names of their
+ * inputs; after GP_FAILURES_BYTES the rest is only counted.
+ * Errors: GP_ERR_FRAMES some failed. */
+enum { GP_FAILURES_BYTES = 1200 };
+GP_MUST_CHECK gp_status gp_failures_report(const struct gp_log *log,
+                                           const struct gp_failures *f);
+
+#endif

@@ -1,0 +1,154 @@
+/* Writes the report: JSON, one object a line for each frame. */
+#ifndef GP_CLI_REPORT_H
+#define GP_CLI_REPORT_H
+
+#include "cli/jobs.h"
+#include "core/status.h"
+#include "glarepp.h"
+#include "io/read.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Stages that are timed, in their order. */
+enum gp_time {
+    GP_TIME_READ,
+    GP_TIME_SCENE,
+    GP_TIME_RELIGHT,
+    GP_TIME_SUN,
+    GP_TIME_SENSORS,
+    GP_TIME_KERNEL, // of frames that none kept fits
+    GP_TIME_GLARE,
+    GP_TIME_LENS,
+    GP_TIME_COMPOSE,
+    GP_TIME_TONEMAP,
+    GP_TIME_WRITE,
+    GP_TIME_TOTAL,
+    GP_TIMES,
+};
+
+struct gp_settings;
+
+/* Of the frame's job and its end. */
+struct gp_job_report {
+    bool numbered;
+    int frame;                   // when numbered
+    const char *view;            // of stereo, or NULL
+    const char *input;
+    const char *style;           // NULL: left out
+    char *command;               // that makes the picture again; owned, or NULL
+    const struct gp_settings *settings; // of the run; NULL: left out
+    const char *views;           // line about the views of the run, or NULL
+    const char *warned;          // `warned_bytes` of lines, each with its null
+    size_t warned_bytes;         // byte
+    gp_status status;
+    const char *error;           // the message of a frame that failed
+};
+
+/* Of the stage that reads. */
+struct gp_read_facts {
+    struct gp_taken taken;       // part, layer and view of the input
+    const char *const *group;    // `groups` layers that glare
+    int groups;                  // 0: the frame's own colour glares
+    struct gp_rect window;       // data window of the outputs
+    int width, height;           // of it
+    bool grown;                  // the file's differs
+    struct gp_rect file;         // data window of the file
+};
+
+/* Of light that --max-value and the types of outputs removed. */
+struct gp_clamp_facts {
+    struct {
+        long long pixels;        // of the input over --max-value
+        long long values;        // that an output's type cannot hold
+    } n;
+    double flux[3];              // by channel
+};
+
+/* Measure of the edges before the lights that the frame shows, by which the
+ * report says how near their shares are. */
+enum gp_edges {
+    GP_EDGES_NONE, // no light is in the frame, or nothing hides any
+    GP_EDGES_DEPTH,
+    GP_EDGES_COVERAGE, // and depth
+    GP_EDGES_MASK,     // coverage without depth
+};
+
+/* Of what hides lights. */
+struct gp_occluder_facts {
+    enum gp_edges edges;
+    char *depth;                 // channel, owned, or NULL
+    const char *depth_type;      // NULL: the frame has light
+    char *mask;                  // coverage channel, owned, or NULL
+};
+
+/* Of the files written. */
+struct gp_write_facts {
+    char **name;                 // `n`, then the one being written, then NULL;
+                                 // all owned
+    enum gp_target_kind *kind;   // of each; owned
+    int n;
+};
+
+/* Of what the frame cost. */
+struct gp_cost_facts {
+    size_t bytes;                // estimated memory of the frame in flight
+    double ms[GP_TIMES];         // negative: the stage was not needed
+    double cpu_ms[GP_TIMES];     // of all threads
+    bool has_cpu;                // one frame was in flight, so that it is known
+};
+
+/* Adds to the time of a stage, an enum gp_time; under 0 is none. */
+void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu);
+
+/* The facts about one frame: the library's, and the program's, a struct a stage,
+ * which fills it. Strings and lists are borrowed where none says owned. */
+struct gp_frame_report {
+    struct gp_job_report job;
+    struct gp_read_facts read;
+    struct glarepp_facts lib;    // borrows from the library's frame
+    bool dark;                   // glare was wanted, no pixel is a source
+    bool bounded;                // the next is known
+    double bound;                // of rel_l2, with what a lens leaves out
+    struct gp_clamp_facts clamp;
+    struct gp_occluder_facts hidden;
+    const struct glarepp_plan_facts *ocio; // NULL: tone mapped
+    struct gp_write_facts write;
+    struct gp_cost_facts cost;
+};
+
+struct gp_report {
+    FILE *file;        // NULL: closed
+    const char *path;  // borrowed; "-" is stdout
+    char *created;     // owned: the file that did not exist; NULL: it did
+    bool given;        // an open descriptor's, whose file is never cut
+    bool append;
+    long long lines;
+};
+
+/* Opens the file, in folders that are made if `create_dir`. Its old lines are
+ * removed with the first new one, not before; with `append` they stay. Errors:
+ * GP_ERR_IO with the system's reason. */
+GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
+    const char *path, bool create_dir, bool append, struct gp_report *out);
+
+/* Appends one line and flushes it. Fields that were not needed are left out;
+ * NaN and Inf are null; bytes of names that are not UTF-8 become U+FFFD. The
+ * line of a frame that failed has what its job and its end say, no more.
+ * Errors: GP_ERR_IO (full disk, closed pipe); GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
+    struct gp_report *r, const struct gp_frame_report *facts);
+
+/* Closes the file, and removes it if this run made it and wrote no line. A
+ * closed or zeroed report is fine. Errors: GP_ERR_IO. */
+gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
+
+/* The i-th field's name, "kernel.grid" in an object; NULL after the last. */
+const char *gp_report_field(int i);
+
+/* Formats the warning that no pixel of `frames` frames is over the threshold,
+ * f being of the brightest. The report has it for each dark frame. */
+void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *line,
+                   size_t size);
+
+#endif

@@ -1,0 +1,413 @@
+#include "cli/say.h"
+
+#include "cli/options.h"
+#include "cli/progress.h"
+#include "cli/styles.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+// -- numbers -----------------------------------------------------------------
+
+struct number {
+    char text[40];
+};
+
+/* 1183 as "1,183". */
+static struct number count_text(long long n)
+{
+    struct number digits, out;
+    const int length = snprintf(digits.text, sizeof digits.text, "%lld", n);
+    size_t at = 0;
+    for (int i = 0; i < length; i++) {
+        if (i > 0 && (length - i) % 3 == 0)
+            out.text[at++] = ',';
+        out.text[at++] = digits.text[i];
+    }
+    out.text[at] = '\0';
+    return out;
+}
+
+/* A share of the light in percent: "3.1", "42", "under 0.1". */
+static struct number percent_text(double part, double whole)
+{
+    struct number out;
+    const double percent = 100.0 * part / whole;
+    if (percent > 0.0 && percent < 0.1)
+        snprintf(out.text, sizeof out.text, "under 0.1 %%");
+    else
+        snprintf(out.text, sizeof out.text,
+                 percent >= 1e4 ? "%.2g %%" : percent >= 9.95 || percent <= 0.0
+                 ? "%.0f %%" : "%.1f %%", percent);
+    return out;
+}
+
+// -- parts of lines ----------------------------------------------------------
+
+/* A line under construction, full up to `at`. */
+struct words {
+    char *line;
+    size_t size, at;
+};
+
+/* Appends to a line; what does not fit is cut. */
+GP_PRINTF(2, 3)
+static void add(struct words *w, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    const int n = vsnprintf(w->line + w->at, w->size - w->at, fmt, args);
+    va_end(args);
+    const size_t room = w->size - w->at - 1;
+    w->at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
+}
+
+/* Adds which part of a frame's light went where. `lit` is false where only the
+ * layer is written. */
+static void add_light(struct words *w, const struct gp_settings *s, bool lit,
+                      const struct glarepp_sense_facts *spread)
+{
+    const double gain = (double) s->light.layer.gain;
+    const bool scatter = s->light.layer.mix == GLAREPP_SCATTER;
+    const double moved = scatter ? fmin(gain, 1.0) * spread->bright : 0.0;
+    const double added = gain * (spread->bright + spread->lamps) - moved;
+    if (!(spread->light > 0.0))
+        return;
+    const bool adds = added > 1e-9 * moved; // (sums round)
+    const bool moves = moved > 0.0 || !adds;
+    if (!lit)
+        add(w, ", %s of the light spread",
+            percent_text(spread->bright + spread->lamps, spread->light).text);
+    else if (moves)
+        add(w, ", %s of the light moved",
+            percent_text(moved, spread->light).text);
+    if (lit && adds)
+        add(w, ", %s%s added", percent_text(added, spread->light).text,
+            moves ? "" : " of the light");
+}
+
+/* Adds the tone curve or the view of OpenColorIO by which a picture was made,
+ * in words where they are wanted. */
+static void add_tones(struct words *w, const struct gp_settings *s,
+                      const struct glarepp_plan_facts *ocio, bool in_words)
+{
+    if (!ocio && strcmp(s->tone.map.curve, "none") == 0)
+        add(w, "linear");
+    else if (ocio)
+        add(w, "%s%s", in_words ? "shown by " : "",
+            ocio->view ? ocio->view : "OpenColorIO");
+    else
+        add(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.map.curve);
+}
+
+/* True for a tone-mapped picture in a format whose light is linear where other
+ * programs write it. */
+static bool looks_linear(const struct gp_settings *s, const char *path)
+{
+    static const char *const endings[] = {"exr", "hdr", "pfm"};
+    char ending[16];
+    if (!s->tone.map.config && strcmp(s->tone.map.curve, "none") == 0)
+        return false;
+    gp_file_ending(path, ending, sizeof ending);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        if (strcmp(ending, endings[i]) == 0)
+            return true;
+    }
+    return gp_is_dash(path) && s->output.write.stdout_format == GP_STDOUT_EXR;
+}
+
+#define LINEAR_HINT " (use --hdr for linear light)"
+
+static const char *shown_name(const char *path)
+{
+    return gp_is_dash(path) ? "stdout" : path;
+}
+
+/* "(the default)", or the option, or the style that sets it. */
+static void add_reason(struct words *w, const struct gp_settings *s,
+                       const char *option)
+{
+    if (gp_option_given(s, option))
+        add(w, " (--%s)", option);
+    else if (gp_style_sets(s->light.style, option))
+        add(w, " (of style %s)", s->light.style);
+    else
+        add(w, " (the default)");
+}
+
+// -- notes about a frame -----------------------------------------------------
+
+static void say_input(struct words *w, const struct gp_frame_report *f)
+{
+    const struct gp_read_facts *const r = &f->read;
+    const long long nonfinite = f->lib.sense.nonfinite;
+    const long long clamped = f->lib.sense.clamped;
+    add(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
+    if (r->taken.layer[0])
+        add(w, ", layer %s", r->taken.layer);
+    if (r->taken.part[0])
+        add(w, ", part %s", r->taken.part);
+    if (r->taken.view[0])
+        add(w, ", view %s", r->taken.view);
+    for (int i = 0; i < r->groups; i++)
+        add(w, "%s%s", i ? " and " : ", light of ", r->group[i]);
+    if (r->grown)
+        add(w, ", grown to %dx%d", r->width, r->height);
+    if (nonfinite)
+        add(w, ", %s NaN or Inf", count_text(nonfinite).text);
+    if (clamped)
+        add(w, ", %s over --max-value", count_text(clamped).text);
+}
+
+static bool is_lit(const struct gp_write_facts *f)
+{
+    for (int i = 0; i < f->n; i++) {
+        if (f->kind[i] == GP_TARGET_HDR || f->kind[i] == GP_TARGET_PICTURE)
+            return true;
+    }
+    return false;
+}
+
+static void say_light(struct words *w, const struct gp_frame_report *f)
+{
+    const struct gp_settings *const s = f->job.settings;
+    const long long n = f->lib.sense.sources;
+    if (n)
+        add(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
+            count_text(n).text);
+    else
+        add(w, "no pixel is over");
+    add(w, " the threshold of %.3g", (double) f->lib.sense.threshold);
+    if (s->light.sense.unit == GLAREPP_LUMINANCE)
+        add_reason(w, s, "threshold");
+    else
+        add(w, s->light.sense.unit == GLAREPP_EV ? " (--threshold %+gev)"
+                                                 : " (--threshold %g%%)",
+            (double) s->light.sense.threshold);
+    if (f->lib.sense.lamps > 0.0)
+        add(w, " and lights");
+    if (n)
+        add_light(w, s, is_lit(&f->write), &f->lib.sense);
+    else
+        add(w, ": nothing glares");
+}
+
+/* Words for what says the angle of view, in notes and in the line of a run. */
+struct origin {
+    const char *from, *note, *text;
+};
+
+static const struct origin *origin(const char *from)
+{
+    static const struct origin all[] = {
+        {"option", "--fov", "given"},
+        {"camera", "of its camera", "of its camera"},
+        {"lens", "of the lens", "of the lens"},
+        {"default", "assumed; --fov sets it", "assumed"},
+    };
+    const struct origin *o = all;
+    while (strcmp(o->from, from) != 0)
+        o++;
+    return o;
+}
+
+static void say_kernel(struct words *w, const struct gp_frame_report *f)
+{
+    const struct gp_settings *const s = f->job.settings;
+    const struct glarepp_kernel_facts *const k = &f->lib.kernel;
+    const struct glarepp_layer_facts *const g = &f->lib.layer;
+    const bool given = gp_option_given(s, "kernel");
+    add(w, given ? "kernel " : "kernel of style %s", s->light.style);
+    for (int i = 0; given && i < s->kernel.words.n; i++)
+        add(w, "%s%s", i ? " and " : "", s->kernel.words.at[i]);
+    add(w, "%s", given                         ? " (--kernel)"
+                 : gp_option_given(s, "style") ? " (--style)"
+                                               : " (the default)");
+    for (int i = 0; i < k->recipes; i++) {
+        if (k->pupil[i] > 0.0)
+            add(w, ", pupil of %.1f mm", k->pupil[i]);
+    }
+    if (k->deg_per_pixel > 0.0)
+        add(w, ", view of %.3g degrees (%s)", k->fov,
+            origin(k->fov_from)->note);
+    if (g->engine)
+        add(w, ", engine %s (%s)", g->engine,
+            strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
+                                                 : "--engine");
+    if (g->gl)
+        add(w, " on %s", g->gl);
+}
+
+static void say_lights(struct words *w, const struct gp_frame_report *f)
+{
+    enum { MOST = 8 };
+    static const char *const edges[] = {
+        [GP_EDGES_NONE] = "",
+        [GP_EDGES_DEPTH] = "edges by depth alone",
+        [GP_EDGES_COVERAGE] = "edges by coverage",
+        [GP_EDGES_MASK] = "edges by coverage without depth",
+    };
+    const struct gp_occluder_facts *const s = &f->hidden;
+    const int lights = f->lib.lights;
+    for (int i = 0; i < lights && i < MOST; i++) {
+        const struct glarepp_share *const l = &f->lib.light[i];
+        add(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
+        if (l->behind)
+            add(w, "behind the camera");
+        else
+            add(w, "%s visible", percent_text(l->visibility, 1.0).text);
+    }
+    if (lights > MOST)
+        add(w, " and %d lights more", lights - MOST);
+    if (s->depth && !f->lib.depth_empty[0])
+        add(w, ", depth of %s", s->depth);
+    if (s->edges)
+        add(w, ", %s", edges[s->edges]);
+}
+
+static void say_ghosts(struct words *w, const struct gp_frame_report *f)
+{
+    const struct glarepp_flare_facts *const flare = &f->lib.flare;
+    const struct glarepp_lens_facts *const lens = &f->lib.lens;
+    if (flare->runs)
+        add(w, "flare of bright pixels, %d elements", flare->elements);
+    if (lens->name)
+        add(w, "%slens %s: %d ghosts of %d light%s", flare->runs ? ", " : "",
+            lens->name, lens->drawn, lens->lights,
+            lens->lights == 1 ? "" : "s");
+}
+
+static void say_outputs(struct words *w, const struct gp_frame_report *f)
+{
+    static const char *const texts[] = {
+        [GP_TARGET_HDR] = "linear light",
+        [GP_TARGET_LAYER] = "the glare alone, linear light",
+        [GP_TARGET_PICTURE] = "",
+        [GP_TARGET_SENSORS] = "the light that glares",
+        [GP_TARGET_POLYGONS] = "outlines of polygons",
+        [GP_TARGET_SUNMAP] = "sun maps",
+        [GP_TARGET_INTENSITY] = "intensity map",
+    };
+    const struct gp_settings *const s = f->job.settings;
+    for (int i = 0; i < f->write.n; i++) {
+        const char *const path = f->write.name[i];
+        add(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
+            texts[f->write.kind[i]]);
+        if (f->write.kind[i] != GP_TARGET_PICTURE)
+            continue;
+        add_tones(w, s, f->ocio, true);
+        if (looks_linear(s, path))
+            add(w, LINEAR_HINT);
+        else if (!f->ocio)
+            add_reason(w, s, "tonemap");
+    }
+}
+
+void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
+{
+    const struct glarepp_errors *const e = &f->lib.errors;
+    const char *const view = f->job.view;
+    const struct {
+        bool said;
+        void (*say)(struct words *w, const struct gp_frame_report *f);
+    } notes[] = {
+        {true, say_input},
+        {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
+        {f->lib.kernel.w > 0, say_kernel},
+        {f->lib.lights > 0, say_lights},
+        {f->lib.flare.runs || f->lib.lens.name, say_ghosts},
+        {f->write.n > 0, say_outputs},
+    };
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
+        char line[GP_LINE_BYTES] = "";
+        struct words w = {line, sizeof line, 0};
+        if (!notes[i].said)
+            continue;
+        notes[i].say(&w, f);
+        gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->job.input,
+               view ? " (" : "", view ? view : "", view ? ")" : "", line);
+    }
+    if (f->lib.verified)
+        gp_say(log, GP_LEVEL_INFO, "%s: measured rel_l2 %.3g, max_rel %.3g, "
+               "max_abs %.3g, flux_error %.3g", f->job.input, e->rel_l2,
+               e->max_rel, e->max_abs, e->flux_error);
+}
+
+// -- the line on a terminal --------------------------------------------------
+
+void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f)
+{
+    const struct gp_write_facts *const w = &f->write;
+    const struct glarepp_sense_facts *const sense = &f->lib.sense;
+    const struct glarepp_kernel_facts *const k = &f->lib.kernel;
+    const long long n = sense->sources;
+    int shown = 0;
+    while (shown < w->n && w->kind[shown] != GP_TARGET_PICTURE)
+        shown++;
+    if (!t->name[0] && w->n > 0)
+        snprintf(t->name, sizeof t->name, "%s",
+                 shown_name(w->name[shown < w->n ? shown : 0]));
+    t->fewest = t->made && t->fewest < n ? t->fewest : n;
+    t->most = t->most > n ? t->most : n;
+    t->light.light += sense->light;
+    t->light.bright += sense->bright;
+    t->light.lamps += sense->lamps;
+    if (k->deg_per_pixel > 0.0) {
+        t->narrow = t->wide > 0.0 ? fmin(t->narrow, k->fov) : k->fov;
+        t->wide = fmax(t->wide, k->fov);
+        t->fov_from = k->fov_from;
+    }
+    t->ocio = f->ocio;
+    t->made++;
+}
+
+void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
+                   const struct gp_jobs *jobs, double seconds, char *line,
+                   size_t size)
+{
+    struct words w = {line, size, 0};
+    const struct gp_output *first = &jobs->target[0];
+    bool lit = false, pictures = false, linear = false;
+    char time[32];
+    for (int i = 0; i < jobs->targets; i++) {
+        const struct gp_output *const o = &jobs->target[i];
+        const bool picture = o->kind == GP_TARGET_PICTURE;
+        first = picture && !pictures ? o : first;
+        lit = lit || picture || o->kind == GP_TARGET_HDR;
+        pictures = pictures || picture;
+        linear = linear || (picture && looks_linear(s, o->name.path));
+    }
+    add(&w, "%s", t->made > 1 || !t->name[0] ? shown_name(first->name.path)
+                                             : t->name);
+    if (jobs->targets > 1)
+        add(&w, " and %d more", jobs->targets - 1);
+    add(&w, ": ");
+    if (t->made > 1)
+        add(&w, "%s %s, ", count_text(t->made).text,
+            jobs->view.n > 1 ? "views" : "frames");
+    if (t->fewest < t->most)
+        add(&w, "%s to ", count_text(t->fewest).text);
+    add(&w, "%s source%s", count_text(t->most).text, t->most == 1 ? "" : "s");
+    if (t->most == 0)
+        add(&w, ": nothing glares");
+    else
+        add_light(&w, s, lit, &t->light);
+    if (t->wide > 0.0)
+        add(&w, ", view of %.3g", t->narrow);
+    if (t->wide > t->narrow)
+        add(&w, " to %.3g", t->wide);
+    if (t->wide > 0.0)
+        add(&w, " degrees (%s)", origin(t->fov_from)->text);
+    add(&w, ", ");
+    if (pictures)
+        add_tones(&w, s, t->ocio, linear);
+    add(&w, "%s", !pictures ? "linear" : linear ? LINEAR_HINT : "");
+    if (seconds < 10.0)
+        snprintf(time, sizeof time, "%.2f s", seconds);
+    else
+        gp_print_duration(time, sizeof time, seconds);
+    add(&w, ", %s", time);
+}

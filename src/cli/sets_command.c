@@ -1,0 +1,181 @@
+#include "cli/commands.h"
+
+#include "cli/output_guard.h"
+#include "cli/options.h"
+#include "bench/bench.h"
+#include "core/json.h"
+#include "glarepp.h"
+#include "io/file.h"
+#include "io/write.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ROWS = sizeof ((struct glarepp_sets *) 0)->row /
+              sizeof (struct glarepp_sets_row) };
+
+// -- files --------------------------------------------------------------------
+
+/* The i-th picture that is asked for: outputs, then kinds of --debug. */
+static const char *picture_path(const struct gp_settings *s, int i)
+{
+    return i < s->output.pictures.n
+               ? s->output.pictures.at[i]
+               : s->output.debug[GP_DEBUG_SCISSOR + i - s->output.pictures.n];
+}
+
+static int pictures(const struct gp_settings *s)
+{
+    return s->output.pictures.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
+}
+
+/* Checks that no picture replaces the scene or another output. */
+static gp_status check_names(const struct gp_log *log,
+                             const struct gp_settings *s)
+{
+    struct gp_output_guard c;
+    gp_status st;
+    GP_TRY(gp_output_guard_begin(log, s, &c));
+    for (int i = 0; i < pictures(s); i++) {
+        const char *const path = picture_path(s, i);
+        if (!path)
+            continue;
+        GP_TRY(gp_write_check(log, &s->output.write, path));
+        GP_TRY(gp_output_guard_add(&c, &(struct gp_output_guard_output) {
+            .name = path, .what = i < s->output.pictures.n ? "-o" : "--debug",
+            .as = path, .order = i}));
+    }
+    GP_TRY(gp_output_guard_settle(&c));
+    GP_TRY(gp_output_guard_input(&c, "scene", s->input.files.at[0]));
+out:
+    gp_output_guard_end(&c);
+    return st;
+}
+
+static gp_status write_pictures(const struct gp_log *log,
+    const struct gp_settings *s, struct glarepp_sets *sets)
+{
+    const int outputs = s->output.pictures.n;
+    struct gp_write_stats stats = {0};
+    struct gp_frame f =
+        gp_frame_blank((struct gp_rect) {0, 0, s->making.w, s->making.h});
+    gp_status st = GP_OK;
+    for (int i = 0; i < pictures(s) && !st; i++) {
+        const char *const path = picture_path(s, i);
+        struct glarepp_image image;
+        if (!path)
+            continue;
+        st = (gp_status) glarepp_sets_view(sets, i < outputs    ? GLAREPP_LIT
+                                     : i == outputs ? GLAREPP_SHOWN
+                                                    : GLAREPP_SOURCES, &image);
+        if (st)
+            break;
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c] = image.plane[c]; // borrowed
+        st = gp_write_picture(log, &s->output.write, path, &f, &f.rgb,
+                              i < outputs ? GP_PICTURE_SCENE
+                                          : GP_PICTURE_SHOWN, &stats);
+    }
+    return st;
+}
+
+// -- the table ----------------------------------------------------------------
+
+static void print_table(const struct gp_settings *s,
+                        const struct glarepp_sets *sets)
+{
+    const struct glarepp_sets_row *const first = &sets->row[0];
+    printf("%s: %d objects, %d lights, %dx%d, %s\n",
+           gp_printable(s->input.files.at[0]).text, sets->objects,
+           sets->lights, s->making.w, s->making.h, sets->gl);
+    printf("%-12s %7s %7s %6s %7s %10s %8s  %s\n", "sets", "visible", "batches",
+           "lights", "passes", "fragments", "ms", "of the first: batches, "
+           "fragments, speed");
+    for (int i = 0; i < ROWS; i++) {
+        const struct glarepp_sets_row *const r = &sets->row[i];
+        char fragments[24] = "-", ratio[24] = "-";
+        if (r->fragments >= 0) {
+            snprintf(fragments, sizeof fragments, "%lld", r->fragments);
+            snprintf(ratio, sizeof ratio, "%.3f", (double) r->fragments /
+                     fmax((double) first->fragments, 1.0));
+        }
+        printf("%-12s %7d %7d %6d %7d %10s %8.2f  %.3f %s %.2f%s\n",
+               r->name, r->visible, r->batches, r->lights, r->passes,
+               fragments, r->ms, (double) r->batches /
+               fmax(first->batches, 1.0), ratio, first->ms / r->ms,
+               r->same ? "" : "  another picture");
+    }
+}
+
+static json_t *row_json(const struct glarepp_sets_row *r)
+{
+    return json_pack(
+        "{ss si si si si si si si si sI sf sf sb}", "sets", r->name, "visible",
+        r->visible, "lit", r->lit, "casters", r->casters, "lights", r->lights,
+        "passes", r->passes, "batches", r->batches, "shadow_batches",
+        r->shadow_batches, "batches_separate", r->separate_batches,
+        "fragments", (json_int_t) r->fragments, "ms", r->ms, "cpu_ms",
+        r->cpu_ms, "same_picture", r->same);
+}
+
+static json_t *light_json(const struct glarepp_sets *sets, int i)
+{
+    const struct glarepp_rect r = sets->scissor[i];
+    const bool off = r.x0 >= r.x1 || r.y0 >= r.y1;
+    json_t *const o = json_pack("{so}", "name", gp_json_name(sets->light[i]));
+    json_object_set_new(o, "scissor", off ? json_null() : json_pack(
+        "[iiii]", r.x0, r.y0, r.x1, r.y1));
+    if (!off)
+        json_object_set_new(o, "depth", json_pack("[ff]", sets->depth[i][0],
+                                                  sets->depth[i][1]));
+    return o;
+}
+
+static gp_status save_json(const struct gp_log *log,
+    const struct gp_settings *s, const struct glarepp_sets *sets)
+{
+    json_t *const rows = json_array(), *const lights = json_array();
+    for (int i = 0; i < ROWS; i++)
+        json_array_append_new(rows, row_json(&sets->row[i]));
+    for (int i = 0; i < sets->lights; i++)
+        json_array_append_new(lights, light_json(sets, i));
+    return gp_bench_save_json(log, json_pack(
+        "{so s[ii] ss sf si si so so}", "scene",
+        gp_json_name(s->input.files.at[0]), "size", s->making.w, s->making.h,
+        "gl", sets->gl, "time", sets->seconds, "objects", sets->objects,
+        "shadow_size", s->sets.map, "rows", rows, "lights", lights),
+        s->bench.json);
+}
+
+// -- the command --------------------------------------------------------------
+
+gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
+                          const struct gp_settings *s, bool *differ)
+{
+    struct glarepp_sets_params p = s->sets;
+    struct glarepp_sets sets = {.own = NULL};
+    gp_status st;
+    *differ = false;
+    p.path = s->input.files.at[0];
+    p.camera = s->scene.camera;
+    p.timed = gp_option_given(s, "time");
+    p.seconds = (double) s->scene.time;
+    p.w = s->making.w;
+    p.h = s->making.h;
+    p.gl = s->light.layer.gl;
+    GP_TRY(check_names(log, s));
+    GP_TRY(glarepp_sets(gp, &p, &sets));
+    for (int i = 0; i < ROWS; i++)
+        *differ = *differ || !sets.row[i].same;
+    if (!s->bench.json || strcmp(s->bench.json, "-") != 0)
+        print_table(s, &sets);
+    if (s->bench.json)
+        GP_TRY(save_json(log, s, &sets));
+    GP_TRY(write_pictures(log, s, &sets));
+    st = gp_flush_stdout(log);
+out:
+    glarepp_sets_end(&sets);
+    return st;
+}

@@ -1,0 +1,546 @@
+#include "cli/stages.h"
+
+#include "cli/options.h"
+#include "cli/pictures.h"
+#include "core/memory.h"
+#include "io/grow.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+// -- the state of a frame ----------------------------------------------------
+
+gp_status gp_frame_state_begin(const struct gp_log *log,
+    const struct gp_run *r, int index, struct gp_frame_state *out)
+{
+    const struct gp_job *const job = &r->jobs->job[index];
+    const size_t names = (size_t) r->jobs->targets + 1;
+    const char *const input = job->input;
+    *out = (struct gp_frame_state) {
+        .log = log, .job = job, .view = index % r->jobs->views,
+        .facts.job = {
+            .numbered = job->numbered, .frame = job->frame, .view = job->view,
+            .input = input, .style = r->s->light.style, .settings = r->s,
+            .views = r->jobs->views_line,
+        },
+    };
+    struct gp_write_facts *const w = &out->facts.write;
+    struct gp_cost_facts *const cost = &out->facts.cost;
+    for (int i = 0; i < GP_TIMES; i++)
+        cost->ms[i] = cost->cpu_ms[i] = -1.0;
+    gp_status st = gp_alloc_zero(log, "output list", names, sizeof *w->name,
+                                 &w->name);
+    if (!st)
+        st = gp_alloc_zero(log, "output list", names, sizeof *w->kind,
+                           &w->kind);
+    return st ? st : gp_command_text(log, r->s, &input, 1,
+                                     &out->facts.job.command);
+}
+
+void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead)
+{
+    const unsigned planes = GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_LAYER |
+                            GP_HAS_LIT | GP_HAS_SHOWN | 1u << GLAREPP_TRUTH;
+    if (fs->frame)
+        glarepp_frame_drop(fs->frame, dead & planes);
+    if (dead & GP_HAS_RGB)
+        gp_planes_free(&fs->file.rgb);
+}
+
+void gp_frame_state_end(struct gp_frame_state *fs)
+{
+    glarepp_frame_end(&fs->frame);
+    for (int i = 0; i < fs->groups; i++) // they borrow from the file
+        gp_frame_free(&fs->group[i]);
+    gp_free(fs->group);
+    gp_frame_free(&fs->file);
+    gp_plane_free(&fs->depth);
+    gp_plane_free(&fs->mask);
+    for (int c = 0; c < 3; c++) {
+        gp_plane_free(&fs->normal[c]);
+        gp_plane_free(&fs->albedo[c]);
+    }
+    struct gp_frame_report *const f = &fs->facts;
+    for (int i = 0; f->write.name && f->write.name[i]; i++)
+        free(f->write.name[i]);
+    gp_free(f->write.name);
+    gp_free(f->write.kind);
+    free(f->job.command);
+    gp_free(f->hidden.depth);
+    gp_free(f->hidden.mask);
+    *fs = (struct gp_frame_state) {0};
+}
+
+// -- reading -----------------------------------------------------------------
+
+static bool scene_asked(const struct gp_settings *s)
+{
+    return s->scene.path != NULL;
+}
+
+static bool lens_asked(const struct gp_settings *s)
+{
+    return s->lens.name != NULL;
+}
+
+/* Begins the library's frame with the planes that were read. */
+static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    struct glarepp_frame_params p = gp_frame_params_of(fs->job, &fs->file);
+    struct glarepp_image *group;
+    gp_status st = gp_alloc(fs->log, "light groups",
+                            (size_t) fs->groups + 1, sizeof *group, &group);
+    if (st)
+        return st;
+    for (int i = 0; i < fs->groups; i++)
+        group[i] = gp_decoded_of(&fs->group[i], &fs->group[i].rgb);
+    p.in_place = true;
+    p.group = group;
+    p.groups = fs->groups;
+    p.groups_glare = !r->s->output.hdr.n;
+    p.last = fs->job - r->jobs->job == r->jobs->n - 1;
+    p.layer_ends = r->layer_ends;
+    p.details = r->details;
+    p.user = (void *) (uintptr_t) fs->log;
+    st = (gp_status) glarepp_frame(r->plan, &p, &fs->frame);
+    gp_free(group);
+    return st;
+}
+
+/* Sets the pixels to grow by to those that the kernel reaches. */
+static gp_status find_reach(const struct gp_run *r, struct gp_frame_state *fs,
+                            struct gp_grow_params *p)
+{
+    const gp_status st = begin_frame(r, fs);
+    if (st)
+        return st;
+    const struct glarepp_rect reach = glarepp_frame_reach(fs->frame);
+    glarepp_frame_end(&fs->frame);
+    p->left = reach.x0;
+    p->top = reach.y0;
+    p->right = reach.x1;
+    p->bottom = reach.y1;
+    return GP_OK;
+}
+
+/* Grows the frame and the layers of its light groups to the window of the
+ * outputs. */
+static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    static const enum gp_depth_type types[] = {
+        [GLAREPP_Z] = GP_DEPTH_Z, [GLAREPP_RAY] = GP_DEPTH_RAY,
+        [GLAREPP_INVERSE] = GP_DEPTH_INVERSE,
+        [GLAREPP_NORMALIZED] = GP_DEPTH_NORMALIZED,
+    };
+    const struct gp_log *const log = fs->log;
+    const struct gp_settings *const s = r->s;
+    struct gp_grow_params p = {
+        .left = s->output.grow_pixels, .top = s->output.grow_pixels,
+        .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
+        .depth = s->input.depth, .type = types[s->sun.p.depth],
+    };
+    struct gp_rect window, before;
+    gp_status st;
+    if (s->output.grow_how == GP_GROW_NONE)
+        return GP_OK;
+    if (s->output.grow_how == GP_GROW_KERNEL)
+        GP_TRY(find_reach(r, fs, &p));
+    window = gp_grow_window(&p, &fs->file);
+    do { // until the window is on the subsampling grids of all frames
+        before = window;
+        window = gp_grow_align(&fs->file, window);
+        for (int i = 0; i < fs->groups; i++)
+            window = gp_grow_align(&fs->group[i], window);
+    } while (memcmp(&window, &before, sizeof window) != 0);
+    GP_TRY(gp_grow_check(log, &fs->file, window, s->input.read.max_pixels));
+    GP_TRY(gp_grow(log, &p, window, &fs->file));
+    for (int i = 0; i < fs->groups; i++)
+        GP_TRY(gp_grow(log, &p, window, &fs->group[i]));
+out:
+    return st;
+}
+
+/* Names the depth for the report, which nothing reads without lights: only one
+ * that --depth asked for may not be missing. */
+static gp_status name_depth(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    static const char *const types[] = {
+        [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
+    };
+    const struct gp_log *const log = fs->log;
+    const char *const asked = r->s->input.depth;
+    struct gp_occluder_facts *const facts = &fs->facts.hidden;
+    enum gp_pixel_type type;
+    const gp_status st = gp_name_depth(asked ? log : NULL, &fs->file, asked,
+                                       &facts->depth, &type);
+    if (!st && facts->depth)
+        facts->depth_type = types[type];
+    if (st == GP_ERR_BUG && !asked)
+        return gp_no_memory(log, fs->job->input);
+    return asked ? st : GP_OK;
+}
+
+static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_log *const log = fs->log;
+    const struct gp_members *const m = &r->jobs->members;
+    const struct gp_texts *const groups = &r->s->input.light_groups;
+    const struct glarepp_plan_facts *const plan = glarepp_plan_facts(r->plan);
+    struct gp_read_facts *const facts = &fs->facts.read;
+    struct gp_read_params p = r->s->input.read;
+    gp_status st;
+    if (r->jobs->views_inside)
+        p.view = fs->job->view;
+    const int i = (int) (fs->job - r->jobs->job) / r->jobs->views;
+    GP_TRY(m->n ? gp_members_frame(log, &p, fs->job->input, m, i, &fs->file)
+                : gp_read_frame(log, &p, fs->job->input, &fs->file));
+    if (r->jobs->views_found && fs->view == 0)
+        GP_TRY(gp_jobs_check_views(log, &r->s->input.read, r->jobs, &fs->file));
+    if (groups->n) {
+        GP_TRY(gp_alloc_zero(log, "light groups", (size_t) groups->n,
+                             sizeof *fs->group, &fs->group));
+        facts->group = groups->at;
+        facts->groups = groups->n;
+    }
+    for (; fs->groups < groups->n; fs->groups++)
+        GP_TRY(gp_read_layer(log, &p, &fs->file, groups->at[fs->groups],
+                             &fs->group[fs->groups]));
+    GP_TRY(grow_frames(r, fs));
+    facts->window = fs->file.data;
+    facts->file = gp_frame_read(&fs->file);
+    facts->grown = memcmp(&facts->file, &facts->window, sizeof facts->file);
+    facts->width = gp_frame_w(&fs->file);
+    facts->height = gp_frame_h(&fs->file);
+    gp_read_taken(&fs->file, &facts->taken);
+    fs->facts.ocio = plan->config ? plan : NULL;
+    GP_TRY(begin_frame(r, fs));
+    if (!gp_lights_wanted(r->s))
+        st = name_depth(r, fs);
+out:
+    return st;
+}
+
+// -- computing ----------------------------------------------------------------
+
+static bool relight_asked(const struct gp_settings *s)
+{
+    return s->scene.path && s->scene.relight.n;
+}
+
+static bool flare_asked(const struct gp_settings *s)
+{
+    return gp_lights_wanted(s) || s->sun.p.flare;
+}
+
+static gp_status run_relight(struct gp_run *r, struct gp_frame_state *fs)
+{
+    gp_status st = gp_run_surfaces(r, fs);
+    if (!st)
+        st = (gp_status) glarepp_frame_run(fs->frame, GLAREPP_RELIGHT);
+    glarepp_frame_drop(fs->frame, 1u << GLAREPP_NORMAL | 1u << GLAREPP_ALBEDO);
+    for (int c = 0; c < 3; c++) {
+        gp_plane_free(&fs->normal[c]);
+        gp_plane_free(&fs->albedo[c]);
+    }
+    return st;
+}
+
+static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
+{
+    gp_status st = (gp_status) glarepp_frame_run(fs->frame, GLAREPP_PLACE);
+    if (!st && glarepp_frame_facts(fs->frame)->lights > 0)
+        st = gp_run_occluders(r, fs);
+    return st ? st : (gp_status) glarepp_frame_run(fs->frame, GLAREPP_SHARES);
+}
+
+/* Makes the pictures of the shares, which need the lights, and says how near the
+ * shares are. */
+static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
+{
+    static const struct {
+        enum gp_debug_kind kind;
+        enum glarepp_view view;
+    } maps[] = {
+        {GP_DEBUG_SUNMAP, GLAREPP_SUNMAP},
+        {GP_DEBUG_INTENSITY, GLAREPP_INTENSITY},
+    };
+    const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);
+    struct gp_occluder_facts *const facts = &fs->facts.hidden;
+    gp_status st = GP_OK;
+    for (int i = 0; i < lib->lights && !facts->edges; i++) {
+        if (lib->light[i].in_frame)
+            facts->edges = facts->mask ? facts->depth ? GP_EDGES_COVERAGE
+                                                      : GP_EDGES_MASK
+                           : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
+    }
+    for (size_t i = 0; i < sizeof maps / sizeof *maps && !st; i++) {
+        struct glarepp_image v;
+        if (r->s->output.debug[maps[i].kind])
+            st = (gp_status) glarepp_frame_view(fs->frame, maps[i].view, 0, &v);
+    }
+    return st;
+}
+
+/* Ends the library's part, and takes its facts. */
+static gp_status run_end(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const gp_status st =
+        (gp_status) glarepp_frame_run(fs->frame, GLAREPP_DONE);
+    struct gp_frame_report *const f = &fs->facts;
+    f->lib = *glarepp_frame_facts(fs->frame);
+    f->dark = f->lib.sense.sources == 0 && !gp_lights_wanted(r->s) &&
+              r->s->light.layer.gain > 0.0f &&
+              f->cost.ms[GP_TIME_SENSORS] >= 0.0;
+    // of the layer with ghosts too, which is no darker than without them
+    f->bounded = f->lib.sense.sources || f->lib.lens.name;
+    f->bound = f->lib.layer.bound + f->lib.lens.bound;
+    f->clamp.n.pixels = f->lib.sense.clamped;
+    memcpy(f->clamp.flux, f->lib.sense.flux_clamped, sizeof f->clamp.flux);
+    return st;
+}
+
+static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
+{
+    bool shows = fs->view == 0;
+    for (int i = 0; i < r->jobs->targets; i++)
+        shows = shows || !(r->jobs->target[i].hero || r->jobs->target[i].whole);
+    return shows ? (gp_status) glarepp_frame_run(fs->frame, GLAREPP_TONE)
+                 : GP_OK;
+}
+
+// -- writing -----------------------------------------------------------------
+
+/* True when -o gets linear light. */
+static bool untoned(const struct gp_settings *s)
+{
+    return strcmp(s->tone.map.curve, "none") == 0;
+}
+
+unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
+{
+    const unsigned shown = untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
+    switch (kind) {
+    case GP_TARGET_HDR:
+        return GP_HAS_LIT;
+    case GP_TARGET_LAYER:
+        // (bound_pixel is of the composite, which needs the frame)
+        return GP_HAS_LAYER | GP_HAS_FLARE | GP_HAS_LENS |
+               (s->light.layer.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0u);
+    case GP_TARGET_PICTURE:
+        return shown;
+    case GP_TARGET_SENSORS:
+        return GP_HAS_SOURCES;
+    case GP_TARGET_POLYGONS:
+        return GP_HAS_SOURCES | GP_HAS_KERNEL | shown;
+    case GP_TARGET_SUNMAP:
+    case GP_TARGET_INTENSITY:
+        return GP_HAS_SHARES;
+    }
+    return 0;
+}
+
+/* Looks at planes of the library's frame, and at their window. */
+static gp_status look_at(struct gp_frame_state *fs, enum glarepp_view view,
+                         int group, struct gp_planes *out, struct gp_rect *data)
+{
+    struct glarepp_image v;
+    const int st = glarepp_frame_view(fs->frame, view, group, &v);
+    for (int c = 0; c < 3 && !st; c++)
+        out->c[c] = v.plane[c];
+    if (!st && data)
+        *data = (struct gp_rect) {v.data.x0, v.data.y0, v.data.x1, v.data.y1};
+    return (gp_status) st;
+}
+
+/* Converts light that a frame carries to --output-space. */
+static gp_status convert_layer(const struct gp_log *log, void *user,
+    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    struct gp_planes *out)
+{
+    const struct gp_run *const r = user;
+    struct glarepp_frame_params p = GLAREPP_FRAME_PARAMS;
+    struct glarepp_frame *frame = NULL;
+    struct glarepp_image v;
+    gp_status st;
+    p.image = gp_decoded_of(f, in);
+    p.in_place = true;
+    GP_TRY((gp_status) glarepp_frame(r->plan, &p, &frame));
+    GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_OUTPUT, 0, &v));
+    if (!out->c[0])
+        GP_TRY(gp_planes_make(log, "layer", n, out));
+    for (int c = 0; c < 3; c++)
+        memcpy(out->c[c], v.plane[c], n * sizeof *out->c[c]);
+out:
+    glarepp_frame_end(&frame);
+    return st;
+}
+
+/* Writes `views` views of one input, then the light groups of each, into one
+ * --hdr file. */
+static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
+                           const struct gp_write_params *p, int views,
+                           const char *name, struct gp_write_stats *stats)
+{
+    const struct gp_log *const log = fs->log;
+    const size_t most =
+        (size_t) views * (1 + (size_t) r->s->input.light_groups.n);
+    struct gp_hdr_colour *set = NULL;
+    struct gp_planes *planes = NULL;
+    gp_status st;
+    int n = 0;
+    GP_TRY(gp_alloc_zero(log, "colours", most, sizeof *set, &set));
+    GP_TRY(gp_alloc_zero(log, "colours", most, sizeof *planes, &planes));
+    for (int i = 0; i < views; i++) {
+        if (r->s->tone.map.output && !fs[i].converted)
+            GP_TRY(gp_convert_layers(log, convert_layer, (void *) (uintptr_t) r,
+                                     &fs[i].file, stats));
+        fs[i].converted = true;
+        GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, 0, &planes[n], NULL));
+        set[n++].f = &fs[i].file;
+    }
+    for (int i = 0; i < views; i++) {
+        for (int g = 0; g < fs[i].groups; g++) {
+            GP_TRY(look_at(&fs[i], GLAREPP_OUTPUT, g + 1, &planes[n], NULL));
+            set[n++].f = &fs[i].group[g];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        set[i].planes = &planes[i];
+    st = gp_write_hdr(log, p, name, set, n, stats);
+out:
+    gp_free(planes);
+    gp_free(set);
+    return st;
+}
+
+static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
+    const struct gp_write_params *p, const struct gp_output *t,
+    const char *name, struct gp_write_stats *stats)
+{
+    static const enum glarepp_view views[] = {
+        [GP_TARGET_LAYER] = GLAREPP_GLARE,
+        [GP_TARGET_SENSORS] = GLAREPP_SOURCES,
+        [GP_TARGET_POLYGONS] = GLAREPP_POLYGONS,
+        [GP_TARGET_SUNMAP] = GLAREPP_SUNMAP,
+        [GP_TARGET_INTENSITY] = GLAREPP_INTENSITY,
+    };
+    const bool picture = t->kind == GP_TARGET_PICTURE;
+    const bool map = t->kind == GP_TARGET_SUNMAP ||
+                     t->kind == GP_TARGET_INTENSITY;
+    enum gp_picture_kind kind = GP_PICTURE_SCENE;
+    struct gp_write_params pictures = *p;
+    struct gp_frame f = fs->file;
+    struct gp_planes planes;
+    if (t->kind == GP_TARGET_HDR)
+        return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
+    if (!picture)
+        pictures.alpha = GP_ALPHA_BLACK; // light to be added has no alpha
+    if (picture || t->kind == GP_TARGET_POLYGONS)
+        kind = r->s->tone.map.config ? GP_PICTURE_ENCODED
+               : untoned(r->s) ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
+    const enum glarepp_view view = !picture        ? views[t->kind]
+                                   : untoned(r->s) ? GLAREPP_LIT
+                                                   : GLAREPP_SHOWN;
+    gp_status st = look_at(fs, view, 0, &planes, &f.data);
+    if (map) { // of a size of its own, and each pixel is a share
+        f.display = f.data;
+        pictures.dither = GP_DITHER_NEVER;
+        kind = GP_PICTURE_SHOWN;
+    }
+    return st ? st
+              : gp_write_picture(fs->log, &pictures, name, &f, &planes,
+                                 kind, stats);
+}
+
+/* Gives the picture to who takes it in place of files. */
+static gp_status hand_over(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_taker *const taker = r->jobs->taker;
+    struct gp_planes planes;
+    const gp_status st = look_at(fs, untoned(r->s) ? GLAREPP_LIT
+                                                   : GLAREPP_SHOWN,
+                                 0, &planes, NULL);
+    return st ? st : taker->take(taker->user, fs->log, &fs->file,
+                                 &planes);
+}
+
+static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_log *const log = fs->log;
+    const struct glarepp_plan_facts *const plan = glarepp_plan_facts(r->plan);
+    struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
+    struct gp_write_params p = r->s->output.write;
+    struct gp_write_facts *const facts = &fs->facts.write;
+    struct gp_clamp_facts *const clamp = &fs->facts.clamp;
+    gp_status st = GP_OK;
+    if (r->jobs->taker)
+        return hand_over(r, fs);
+    p.command = r->s->output.no_provenance ? NULL : fs->facts.job.command;
+    if (plan->config) {
+        p.primaries = plan->output_primaries;
+        memcpy(p.cicp, plan->cicp, sizeof p.cicp);
+    }
+    for (int i = 0; i < r->jobs->targets && !st; i++) {
+        const struct gp_output *const t = &r->jobs->target[i];
+        if ((t->whole || t->hero) && fs->view > 0)
+            continue; // the first view writes it
+        char *const name = gp_job_name(fs->job, t);
+        if (!name) {
+            st = gp_no_memory(log, t->name.path);
+            break;
+        }
+        facts->name[facts->n] = name;
+        facts->kind[facts->n] = t->kind;
+        st = write_target(r, fs, &p, t, name, &stats);
+        facts->n += !st;
+    }
+    if (st)
+        return st;
+    clamp->n.values = stats.clamped;
+    for (int c = 0; c < 3; c++)
+        clamp->flux[c] += stats.flux_clamped[c];
+    if (r->ordered)
+        r->raw = stats.raw;
+    return GP_OK;
+}
+
+// -- all of them -------------------------------------------------------------
+
+enum {
+    RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
+    LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT, SUNS = GP_HAS_SUNS,
+    FLARE = GP_HAS_FLARE, SHARES = GP_HAS_SHARES, LENS = GP_HAS_LENS,
+    SCENE = GP_HAS_SCENE, RELIT = GP_HAS_RELIT, END = GP_HAS_END,
+};
+#define READ GP_PHASE_READ
+#define COMPUTE GP_PHASE_COMPUTE
+#define STEP(name) GLAREPP_##name, NULL
+#define RUN(function) 0, function
+const struct gp_stage gp_stages[GP_STAGES] = {
+    {"read", READ, GP_TIME_READ, 0, RGB, RUN(run_read), NULL},
+    {"scene", COMPUTE, GP_TIME_SCENE, RGB, SCENE, STEP(POSE), scene_asked},
+    {"relight", COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, RELIT, RUN(run_relight),
+     relight_asked},
+    {"sun", COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, RUN(run_suns),
+     gp_lights_wanted},
+    {"sensors", COMPUTE, GP_TIME_SENSORS, RGB | RELIT, SOURCES, STEP(SENSE),
+     NULL},
+    {"kernel", COMPUTE, -1, SOURCES | SUNS, KERNEL, STEP(KERNEL), NULL},
+    {"glare", COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,
+     STEP(LAYER), NULL},
+    {"verify", COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
+     STEP(VERIFY), NULL},
+    {"flare", COMPUTE, GP_TIME_SUN, SOURCES | LAYER | KERNEL | SUNS, FLARE,
+     STEP(FLARE), flare_asked},
+    {"lens", COMPUTE, GP_TIME_LENS, RGB | SOURCES | LAYER | FLARE, LENS,
+     STEP(LENS), lens_asked},
+    {"compose", COMPUTE, GP_TIME_COMPOSE,
+     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, STEP(COMPOSE), NULL},
+    {"shares", COMPUTE, -1, FLARE, SHARES, RUN(run_shares), gp_lights_wanted},
+    {"end", COMPUTE, -1, LAYER | FLARE | LENS, END, RUN(run_end), NULL},
+    {"tonemap", COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, RUN(run_tonemap),
+     NULL},
+    {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES | END, GP_HAS_FILES,
+     RUN(run_write), NULL},
+};

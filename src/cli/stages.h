@@ -1,0 +1,111 @@
+/* The stages of a frame, their shared data, and the state of a frame between
+ * them. */
+#ifndef GP_CLI_STAGES_H
+#define GP_CLI_STAGES_H
+
+#include "cli/flight.h"
+#include "cli/jobs.h"
+#include "cli/report.h"
+#include "cli/settings.h"
+#include "core/status.h"
+#include "glarepp.h"
+#include "io/plane.h"
+#include "io/read.h"
+#include "io/write.h"
+
+#include <stdbool.h>
+
+/* Data that stages need and give, as bits: planes of the library's frame, then
+ * its other state. */
+enum {
+    GP_HAS_RGB = 1 << GLAREPP_CLEAN,     // as it is read, then without NaN
+    GP_HAS_SOURCES = 1 << GLAREPP_SOURCES,
+    GP_HAS_LAYER = 1 << GLAREPP_GLARE,   // dark where there is no source
+    GP_HAS_LIT = 1 << GLAREPP_LIT,
+    GP_HAS_SHOWN = 1 << GLAREPP_SHOWN,
+    GP_HAS_SCENE = 1 << GLAREPP_VIEWS,   // posed
+    GP_HAS_RELIT = 2 << GLAREPP_VIEWS,   // RGB with the light of --relight
+    GP_HAS_SUNS = 4 << GLAREPP_VIEWS,    // placed, and their shares measured
+    GP_HAS_KERNEL = 8 << GLAREPP_VIEWS,
+    GP_HAS_MEASURED = 16 << GLAREPP_VIEWS, // errors of the layer
+    GP_HAS_FLARE = 32 << GLAREPP_VIEWS,  // LAYER with flare and all lights
+    GP_HAS_LENS = 64 << GLAREPP_VIEWS,   // LAYER with ghosts of --lens
+    GP_HAS_SHARES = 128 << GLAREPP_VIEWS, // facts about lights, maps of --debug
+    GP_HAS_END = 256 << GLAREPP_VIEWS,   // facts; the plan has its state back
+    GP_HAS_FILES = 512 << GLAREPP_VIEWS, // the outputs
+};
+
+/* One frame in flight and the facts about it. Zeroed is none. It owns its
+ * planes and what the facts own. */
+struct gp_frame_state {
+    const struct gp_log *log;      // of messages about this frame; borrowed
+    const struct gp_job *job;      // borrowed
+    int view;                      // index among the views of its input
+    struct gp_frame file;          // as it was read
+    struct gp_frame *group;        // `groups` layers of --light-group, which
+    int groups;                    // borrow from the file
+    struct gp_plane depth, mask, normal[3], albedo[3];
+    struct glarepp_frame *frame;   // borrows the planes of all of these
+    bool converted;                // its layers are in --output-space
+    struct gp_frame_report facts;
+};
+
+/* Starts with the facts that job `index` gives. End with gp_frame_state_end(),
+ * also after a failure. Errors: GP_ERR_BUG memory. */
+struct gp_run;
+GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
+    const struct gp_run *r, int index, struct gp_frame_state *out);
+void gp_frame_state_end(struct gp_frame_state *fs);
+
+/* Frees planes that no later stage needs; bits GP_HAS_*. */
+void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
+
+/* Data that is made once for all frames. The write stage changes only `raw`, and
+ * only when `ordered`. */
+struct gp_run {
+    const struct gp_settings *s;
+    const struct gp_jobs *jobs;
+    struct glarepp_kernel *kernel;
+    struct glarepp_plan *plan;
+    struct gp_report report;
+    bool ordered;                  // frames are written in order: some output
+                                   // is a stream
+    bool layer_ends;               // no stage after compose reads the layer
+    bool details;                  // of facts are wanted
+    struct gp_raw_size raw;        // of raw frames on stdout
+};
+
+/* Reads depth and coverage, where --depth, --mask and their files say so or a
+ * channel is depth by its name, gives them to the library's frame and names them
+ * in the facts; in sun_files.c.
+ * Errors: those of gp_read_plane(); GP_ERR_USAGE a file's name needs views or
+ * numbers. */
+GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
+                                         struct gp_frame_state *fs);
+
+/* Reads depth, normals and albedo for --relight. Errors: the same, of
+ * gp_read_vectors(); GP_ERR_USAGE no depth. */
+GP_MUST_CHECK gp_status gp_run_surfaces(const struct gp_run *r,
+                                        struct gp_frame_state *fs);
+
+/* A stage of a frame, a step of the library or a function. `time` is an enum
+ * gp_time under which its milliseconds are added up, or -1 for stages that are
+ * not part of making the picture. The last stage also needs what the targets
+ * need. `asked`, if not NULL, is true when the command line gives the stage
+ * anything to do; otherwise its data counts as present. */
+struct gp_stage {
+    const char *name;
+    enum gp_phase phase;
+    int time;
+    unsigned needs, gives;
+    enum glarepp_step step;
+    gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs); // NULL: step
+    bool (*asked)(const struct gp_settings *s);
+};
+enum { GP_STAGES = 15 };
+extern const struct gp_stage gp_stages[GP_STAGES];
+
+/* Returns the data that a target needs, as bits GP_HAS_*. */
+unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);
+
+#endif

@@ -1,0 +1,579 @@
+/* Applying a tail: light to the coarse grid, a convolution, and back. */
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/fft/fft.h"
+#include "glare/far_field/far_field_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TAPS = GP_FAR_TAPS, MOST_STEP = 32, LANES = 8 };
+
+struct gp_far_state {
+    unsigned long tail;            // serial
+    struct gp_fft_plan_pair x, y;
+    struct gp_fft_matrix spectrum; // of c, times factors of the passes
+    struct gp_far_error error;
+    float weight[MOST_STEP][TAPS]; // B at the nodes around pixel i of a step
+};
+
+void gp_far_close(struct gp_far_state **state)
+{
+    struct gp_far_state *const s = *state;
+    if (s) {
+        gp_fft_plan_free(&s->x);
+        gp_fft_plan_free(&s->y);
+        gp_fft_matrix_free(&s->spectrum);
+    }
+    GP_FREE(*state);
+}
+
+const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s)
+{
+    return &s->error;
+}
+
+/* A torus that holds offsets -r .. r: nothing that wraps around meets a
+ * frame. */
+static int torus(int r)
+{
+    return gp_fft_length(2 * r + 1);
+}
+
+// -- the kernel's spectrum and its error --------------------------------------
+
+struct kernel_rows {
+    const struct gp_far_field *t;
+    int nx;
+};
+
+/* Row of offset j - ry, each sample at its offset modulo nx. */
+static void load_kernel_row(const void *ctx, int c, int j, float *z)
+{
+    const struct kernel_rows *const r = ctx;
+    const int rx = r->t->rx, w = 2 * rx + 1;
+    const float *const row = r->t->c[c] + (size_t) j * (size_t) w + rx;
+    for (int x = 0; x <= rx; x++)
+        z[2 * x] = row[x];
+    for (int x = -rx; x < 0; x++)
+        z[2 * (x + r->nx)] = row[x];
+}
+
+/* A frequency of an axis, in periods a step: the transform of the spline's own
+ * samples; and over that, `kept` of the band by the spline, and the sum and the
+ * sum of squares of it and its images. */
+struct keeping {
+    double own, kept, sum, square;
+    bool edge; // near the end of the band, whose half is 0.5
+};
+
+static struct keeping keep_of(double f)
+{
+    enum { IMAGES = 4 };
+    static const double EDGE = 0.45;
+    const double pi = acos(-1.0);
+    struct keeping k = {
+        .own = (2.0 + cos(2.0 * pi * f)) / 3.0, .edge = fabs(f) > EDGE,
+    };
+    for (int m = -IMAGES; m <= IMAGES; m++) {
+        const double a = pi * (f + m);
+        const double s = a == 0.0 ? 1.0 : sin(pi * f) / a; // up to its sign
+        const double v = s * s * s * s / k.own;
+        k.kept = m == 0 ? v : k.kept;
+        k.sum += v;
+        k.square += v * v;
+    }
+    return k;
+}
+
+/* Of frequency i of n, -0.5 to 0.5 periods a step. */
+static double frequency(int i, int n)
+{
+    return (double) (2 * i <= n ? i : i - n) / n;
+}
+
+/* Limits of the error from the columns of the spectrum, COLUMNS a task. */
+struct limits {
+    double most, edge;       // of the frequencies
+    double sum, square;      // over all frequencies
+    double most_column;      // sum over the rows of a column
+};
+
+struct limiting {
+    const struct gp_far_field *t;
+    const struct gp_far_state *s;
+    const struct keeping *down, *across; // ny; nx / 2 + 1
+    int tasks;             // of one channel
+    struct limits *found;  // of each task
+    double *row;           // ny of each task: sums over its columns
+};
+
+enum { COLUMNS = 32 };
+
+/* Adds a column of the spectrum, of frequency u across and as many as `twice`
+ * alike, to l and to row. */
+GP_CLONES static void limit_column(const float *restrict z, double scale,
+    const struct keeping *u, const struct keeping *down, int ny, double twice,
+    struct limits *l, double *restrict row)
+{
+    double most = l->most, edge = l->edge, column = 0.0, squares = 0.0;
+    for (int y = 0; y < ny; y++) {
+        const struct keeping *const v = &down[y];
+        const double own = u->own * v->own;
+        const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+        const double f = scale * own * own * sqrt(re * re + im * im);
+        const double kept = u->kept * v->kept;
+        const double lost = fabs(1.0 - kept * kept);
+        const double eps =
+            sqrt(gp_maxd(u->square * v->square - kept * kept, 0.0));
+        const double eta = u->sum * v->sum - kept;
+        const double same = lost + kept * eta, other = kept + eta;
+        const double all = f * (lost + 2.0 * kept * eta + eta * eta);
+        most = gp_maxd(most, f * (lost + kept * eps + eps * eps));
+        edge = gp_maxd(edge, u->edge || v->edge ? f : 0.0);
+        column += all;
+        row[y] += twice * all;
+        squares += f * f * (same * same + eps * eps * other * other);
+    }
+    l->most = most;
+    l->edge = edge;
+    l->sum += twice * column;
+    l->square += twice * squares;
+    l->most_column = gp_maxd(l->most_column, column);
+}
+
+static void limit_columns(void *ctx, int i, int thread)
+{
+    const struct limiting *const a = ctx;
+    const struct gp_fft_matrix *const m = &a->s->spectrum;
+    const int nx = a->s->x.n, ny = a->s->y.n, c = i / a->tasks;
+    const int first = i % a->tasks * COLUMNS;
+    const int end = gp_min(first + COLUMNS, nx / 2 + 1);
+    const double step = a->t->split.step;
+    // the passes' factor 1 / 2 of rows was left out once
+    const double scale = 2.0 * nx * ny * step * step;
+    double *const row = a->row + (size_t) i * (size_t) ny;
+    struct limits l = {0};
+    (void) thread;
+    memset(row, 0, (size_t) ny * sizeof *row);
+    for (int x = first; x < end; x++)
+        limit_column(m->z[c] + 2 * (size_t) x * m->pitch, scale,
+                     &a->across[x], a->down, ny,
+                     x == 0 || 2 * x == nx ? 1.0 : 2.0, &l, row);
+    a->found[i] = l;
+}
+
+/* Widens `e` to the limits of one channel, those of its tasks added in
+ * order. */
+static void widen_error(const struct limiting *a, int c,
+                        struct gp_far_error *e)
+{
+    const int nx = a->s->x.n, ny = a->s->y.n;
+    const double step = a->t->split.step, area = step * step;
+    const size_t first = (size_t) c * (size_t) a->tasks, height = (size_t) ny;
+    double *const row = a->row + first * height;
+    struct limits l = a->found[first];
+    for (size_t i = 1; i < (size_t) a->tasks; i++) {
+        const struct limits *const k = &a->found[first + i];
+        l.most = fmax(l.most, k->most);
+        l.edge = fmax(l.edge, k->edge);
+        l.sum += k->sum;
+        l.square += k->square;
+        l.most_column = fmax(l.most_column, k->most_column);
+        for (size_t y = 0; y < height; y++)
+            row[y] += row[i * height + y];
+    }
+    double most_row = 0.0;
+    for (size_t y = 0; y < height; y++)
+        most_row = fmax(most_row, row[y]);
+    const double points = (double) nx * ny;
+    const double narrow = a->t->w / step * (most_row / nx + 2.0 * l.edge);
+    const double low = a->t->h / step * (l.most_column / ny + 2.0 * l.edge);
+    e->norm = fmax(e->norm, fmin(l.most + 2.0 * l.edge, fmin(narrow, low)));
+    e->pixel = fmax(e->pixel, (l.sum / points + 2.0 * l.edge) / area);
+    e->column = fmax(e->column,
+                     sqrt(l.square / points + 4.0 * l.edge * l.edge) / step);
+}
+
+/* Finds the error's limits from the spectrum: tail.h. */
+static gp_status find_error(const struct gp_log *log, const struct gp_far_field *t,
+                            struct gp_far_state *s)
+{
+    static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
+                                          // a step's pixels and nodes, and more
+    const int nx = s->x.n, ny = s->y.n, channels = t->grey ? 1 : 3;
+    struct limiting a = {
+        .t = t, .s = s, .tasks = (nx / 2 + COLUMNS) / COLUMNS,
+    };
+    const size_t tasks = (size_t) channels * (size_t) a.tasks;
+    struct keeping *down = NULL; // ny, then nx / 2 + 1 across
+    gp_status st;
+    GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
+                    &down));
+    GP_TRY(gp_alloc(log, "tail", tasks, sizeof *a.found, &a.found));
+    GP_TRY(gp_alloc(log, "tail", tasks * (size_t) ny, sizeof *a.row, &a.row));
+    struct keeping *const across = down + ny;
+    for (int i = 0; i < ny; i++)
+        down[i] = keep_of(frequency(i, ny));
+    for (int i = 0; i <= nx / 2; i++)
+        across[i] = keep_of(frequency(i, nx));
+    a.down = down;
+    a.across = across;
+    gp_parallel_do((int) tasks, limit_columns, &a);
+    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
+    double norm1 = 0.0;
+    for (int c = 0; c < channels; c++) {
+        widen_error(&a, c, &e);
+        norm1 = fmax(norm1, t->norm1[c]);
+    }
+    e.norm += e.share * norm1;
+    s->error = e;
+out:
+    gp_free(down);
+    gp_free(a.found);
+    gp_free(a.row);
+    return st;
+}
+
+gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
+                       struct gp_far_state **state)
+{
+    gp_status st = GP_OK;
+    const int channels = t->grey ? 1 : 3, rows = 2 * t->ry + 1;
+    struct gp_far_state *s = NULL;
+    struct gp_fft_matrix m = {0};
+    int *places = NULL;
+    if (*state && (*state)->tail == t->serial)
+        return GP_OK;
+    const int nx = torus(t->rx);
+    const int ny = torus(t->ry);
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
+    GP_TRY(gp_fft_plan_make(log, nx, GP_FFT_PLAN_ESTIMATE, NULL, &s->x));
+    GP_TRY(gp_fft_plan_make(log, ny, GP_FFT_PLAN_ESTIMATE, NULL, &s->y));
+    GP_TRY(gp_fft_matrix_make(log, channels, nx, ny, &s->spectrum));
+    GP_TRY(gp_fft_matrix_make(log, channels, nx, rows, &m));
+    GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
+    const struct gp_fft_request fft = {
+        .log = log, .x = &s->x, .y = &s->y, .channels = channels,
+    };
+    const struct kernel_rows from = {t, nx};
+    for (int j = 0; j < rows; j++)
+        places[j] = (j - t->ry + ny) % ny;
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &m));
+    // factors 1/2 of rows were left out here, and will be of the light's
+    GP_TRY(gp_fft_columns(&fft, &m, rows, places,
+                          (float) (0.25 / ((double) nx * ny)), &s->spectrum));
+    GP_TRY(find_error(log, t, s));
+    for (int i = 0; i < t->split.step; i++) {
+        double b[TAPS];
+        gp_far_spline((double) i / t->split.step, b);
+        for (int k = 0; k < TAPS; k++)
+            s->weight[i][k] = (float) b[k];
+    }
+    s->tail = t->serial;
+    gp_far_close(state);
+    *state = s;
+    s = NULL;
+out:
+    gp_far_close(&s);
+    gp_fft_matrix_free(&m);
+    gp_free(places);
+    return st;
+}
+
+double gp_far_pixel_error(const struct gp_far_state *s,
+                           const struct gp_far_field *t,
+                           const struct gp_sources *src, int c)
+{
+    static const double TRANSFORM = 2e-5; // of the most: gp_fft_pixel_error()
+    const double norm = sqrt(src->energy[c]);
+    const double most = fmin((double) src->brightest * t->norm1[c],
+                             norm * t->norm2[c]);
+    return fmin(s->error.pixel * src->flux[c], s->error.column * norm) +
+           (s->error.share + TRANSFORM) * most;
+}
+
+// -- light to the grid --------------------------------------------------------
+
+typedef float v4 __attribute__((vector_size(16)));
+typedef float v4_loose __attribute__((vector_size(16), aligned(4), may_alias));
+typedef float v8 __attribute__((vector_size(32)));
+typedef int vi __attribute__((vector_size(32)));
+typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
+
+struct gp_far_rows {
+    const struct gp_far_field *t;
+    const struct gp_far_state *s;
+    const struct gp_sources *src; // NULL: light 1 everywhere
+    int w, h;             // of the frame
+    int nodes_x, nodes_y;
+    size_t pitch;         // floats of a row of nodes
+    int first, last;      // steps [first, last) of rows that hold light
+    float *sums;          // of these: what each adds to rows of nodes, [step -
+                          // first][tap][channel][pitch]
+    float *line;          // scratch of a thread: 3 * pitch
+    float *grid[3];       // the convolution: nodes_y * pitch
+    float at[TAPS][MOST_STEP]; // weights of each tap along a step
+    struct gp_planes *layer;
+};
+
+/* Adds the lights [from, to) of a row to the nodes of a line, channel after
+ * channel. */
+static void spread_along(const struct gp_far_rows *a, uint32_t from, uint32_t to,
+                         float *line)
+{
+    const struct gp_sources *const src = a->src;
+    const int bits = __builtin_ctz((unsigned) a->t->split.step);
+    const int mask = a->t->split.step - 1;
+    const float *const r = src->rgb[0], *const g = src->rgb[1];
+    const float *const b = src->rgb[2];
+    for (uint32_t i = from; i < to;) {
+        const int node = src->x[i] >> bits;
+        v4 sum[3] = {{0}};
+        for (; i < to && src->x[i] >> bits == node; i++) {
+            const v4 w = *(const v4_loose *) a->s->weight[src->x[i] & mask];
+            sum[0] += w * r[i];
+            sum[1] += w * g[i];
+            sum[2] += w * b[i];
+        }
+        for (size_t c = 0; c < 3; c++)
+            *(v4_loose *) (line + c * a->pitch + node) += sum[c];
+    }
+}
+
+/* The rows of one step: along them, then down to the four rows of nodes. */
+static void spread_step(void *ctx, int i, int thread)
+{
+    const struct gp_far_rows *const a = ctx;
+    const int step = a->t->split.step, first = (a->first + i) * step;
+    const size_t n = 3 * a->pitch;
+    float *const line = a->line + (size_t) thread * n;
+    float *const sums = a->sums + (size_t) i * TAPS * n;
+    memset(sums, 0, TAPS * n * sizeof *sums);
+    for (int y = first; y < gp_min(first + step, a->src->h); y++) {
+        const uint32_t from = a->src->row[y], to = a->src->row[y + 1];
+        if (from == to)
+            continue;
+        memset(line, 0, n * sizeof *line);
+        spread_along(a, from, to, line);
+        for (size_t k = 0; k < TAPS; k++) {
+            const float w = a->s->weight[y - first][k];
+            for (size_t x = 0; x < n; x++)
+                sums[k * n + x] += w * line[x];
+        }
+    }
+}
+
+/* Row `first + j` of nodes: what the four steps above and below it add. */
+static void load_nodes(const void *ctx, int c, int j, float *z)
+{
+    const struct gp_far_rows *const a = ctx;
+    for (int k = TAPS - 1; k >= 0; k--) {
+        const int i = j - k;
+        if (i < 0 || i >= a->last - a->first)
+            continue;
+        const float *const from =
+            a->sums + (((size_t) i * TAPS + (size_t) k) * 3 + (size_t) c) *
+                          a->pitch;
+        for (int x = 0; x < a->nodes_x; x++)
+            z[2 * x] += from[x];
+    }
+}
+
+// -- and back -----------------------------------------------------------------
+
+static void store_nodes(const void *ctx, int c, int j, int thread,
+                        const float *z)
+{
+    (void) thread;
+    const struct gp_far_rows *const a = ctx;
+    float *const to = a->grid[c] + (size_t) j * a->pitch;
+    for (int x = 0; x < a->nodes_x; x++)
+        to[x] = z[2 * x];
+}
+
+enum { AHEAD = 1024 }; // floats that are fetched before they are needed: a CPU
+                       // does not foresee beyond a page
+
+/* Adds a line of nodes to a row of w pixels, or sets it to that, `at` the weights
+ * of each tap. */
+GP_CLONES static void put_line(float *restrict row, int w, bool add,
+    const float *restrict line, int step, const float at[TAPS][MOST_STEP])
+{
+    const v8 dark = {0};
+    const int whole = w / step * step;
+    for (int x = 0; x < whole; x += step, line++) {
+        for (int i = 0; i < step; i += LANES) {
+            __builtin_prefetch(row + x + i + AHEAD, 1);
+            v8_loose *const to = (v8_loose *) (row + x + i);
+            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
+            v += line[1] * *(const v8_loose *) (at[1] + i);
+            v += line[2] * *(const v8_loose *) (at[2] + i);
+            v += line[3] * *(const v8_loose *) (at[3] + i);
+            if (add)
+                v += *to;
+            *to = (v8) ((vi) v & (vi) (v > dark));
+        }
+    }
+    for (int x = whole; x < w; x++) {
+        float v = line[0] * at[0][x - whole];
+        for (int k = 1; k < TAPS; k++)
+            v += line[k] * at[k][x - whole];
+        v += add ? row[x] : 0.0f;
+        row[x] = v > 0.0f ? v : 0.0f;
+    }
+}
+
+/* Returns the nodes of row y of channel c, in `thread`'s line. */
+static const float *line_of(const struct gp_far_rows *a, int c, int y, int thread)
+{
+    const int step = a->t->split.step;
+    const float *const down = a->s->weight[y % step];
+    float *const line = a->line + (size_t) thread * 3 * a->pitch;
+    const float *const g = a->grid[a->t->grey && !a->src ? 0 : c] +
+                           (size_t) (y / step) * a->pitch;
+    for (size_t x = 0; x < a->pitch; x++)
+        line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
+                  down[2] * g[x + 2 * a->pitch] + down[3] * g[x + 3 * a->pitch];
+    return line;
+}
+
+void gp_far_row(const struct gp_far_rows *a, int c, int y, int thread, float *row)
+{
+    put_line(row, a->w, false, line_of(a, c, y, thread), a->t->split.step, a->at);
+}
+
+void gp_far_add_row(void *ctx, int i, int thread)
+{
+    const struct gp_far_rows *const a = ctx;
+    const int c = i / a->h, y = i % a->h;
+    put_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w, true,
+             line_of(a, c, y, thread), a->t->split.step, a->at);
+}
+
+void gp_far_rows_free(struct gp_far_rows **rows)
+{
+    struct gp_far_rows *const a = *rows;
+    if (a) {
+        gp_free(a->sums);
+        gp_free(a->line);
+        for (int c = 0; c < 3; c++)
+            gp_free(a->grid[c]);
+    }
+    GP_FREE(*rows);
+}
+
+/* Row `j` of nodes of light 1 everywhere: what all pixels give them. */
+static void load_flat(const void *ctx, int c, int j, float *z)
+{
+    const struct gp_far_rows *const a = ctx;
+    (void) c;
+    for (int x = 0; x < a->nodes_x; x++)
+        z[2 * x] = a->sums[x] * a->sums[a->nodes_x + j];
+}
+
+/* Adds n pixels of light 1 to their nodes. */
+static void spread_flat(const struct gp_far_state *s, int step, int n,
+                        float *nodes)
+{
+    for (int x = 0; x < n; x++) {
+        for (int k = 0; k < TAPS; k++)
+            nodes[x / step + k] += s->weight[x % step][k];
+    }
+}
+
+/* As gp_far_find(), of a->src. */
+static gp_status find_rows(const struct gp_log *log, struct gp_far_rows *a)
+{
+    gp_status st;
+    const struct gp_far_field *const t = a->t;
+    const struct gp_far_state *const state = a->s;
+    const int step = t->split.step, channels = a->src || !t->grey ? 3 : 1;
+    struct gp_fft_matrix m = {0};
+    int *places = NULL;
+    if (a->w > t->w || a->h > t->h)
+        return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
+                            "pixels meets %dx%d", t->w, t->h, a->w, a->h);
+    a->nodes_x = gp_far_nodes(a->w, step);
+    a->nodes_y = gp_far_nodes(a->h, step);
+    a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
+    for (int k = 0; k < TAPS * step; k++)
+        a->at[k / step][k % step] = state->weight[k % step][k / step];
+    const int rows = a->last - a->first + TAPS - 1; // of nodes that are lit
+    GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
+                    a->pitch * sizeof(float), &a->line));
+    for (int c = 0; c < channels; c++)
+        GP_TRY(gp_alloc_zero(log, "tail", (size_t) a->nodes_y,
+                             a->pitch * sizeof(float), &a->grid[c]));
+    GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
+    GP_TRY(gp_fft_matrix_make(log, channels, state->x.n,
+                              gp_max(rows, a->nodes_y), &m));
+    for (int j = 0; j < rows; j++)
+        places[j] = a->first + j;
+    const struct gp_fft_request fft = {
+        .log = log, .x = &state->x, .y = &state->y, .channels = channels,
+    };
+    const struct gp_fft_kernel kernel = {
+        .channels = t->grey ? 1 : 3, .spectrum = state->spectrum,
+    };
+    if (a->src) {
+        GP_TRY(gp_alloc(log, "tail", (size_t) (a->last - a->first) * TAPS * 3,
+                        a->pitch * sizeof(float), &a->sums));
+        gp_parallel_do(a->last - a->first, spread_step, a);
+    } else {
+        GP_TRY(gp_alloc_zero(log, "tail", (size_t) (a->nodes_x + a->nodes_y),
+                             sizeof *a->sums, &a->sums));
+        spread_flat(state, step, a->w, a->sums);
+        spread_flat(state, step, a->h, a->sums + a->nodes_x);
+    }
+    GP_TRY(gp_fft_rows_in(&fft, rows, a->src ? load_nodes : load_flat, a, &m));
+    GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
+    GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
+    GP_FREE(a->sums);
+out:
+    gp_free(places);
+    gp_fft_matrix_free(&m);
+    return st;
+}
+
+/* Makes rows of `like`. */
+static gp_status make_rows(const struct gp_log *log,
+    const struct gp_far_rows *like, struct gp_far_rows **out)
+{
+    struct gp_far_rows *a;
+    gp_status st = gp_alloc_zero(log, "tail", 1, sizeof *a, &a);
+    if (st)
+        return st;
+    *a = *like;
+    st = find_rows(log, a);
+    if (st)
+        gp_far_rows_free(&a);
+    *out = a;
+    return st;
+}
+
+gp_status gp_far_find(const struct gp_log *log, const struct gp_far_field *t,
+    const struct gp_far_state *state, const struct gp_sources *src,
+    struct gp_planes *layer, struct gp_far_rows **out)
+{
+    const int step = t->split.step;
+    const struct gp_far_rows like = {
+        .t = t, .s = state, .src = src, .w = src->w, .h = src->h,
+        .layer = layer,
+        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
+    };
+    return make_rows(log, &like, out);
+}
+
+gp_status gp_far_flat(const struct gp_log *log, const struct gp_far_field *t,
+    const struct gp_far_state *state, int w, int h, struct gp_far_rows **out)
+{
+    const struct gp_far_rows like = {
+        .t = t, .s = state, .w = w, .h = h,
+        .last = (h - 1) / t->split.step + 1,
+    };
+    return make_rows(log, &like, out);
+}

@@ -1,0 +1,159 @@
+/* The whole field: what a kernel leaves beyond its core, on a coarse grid.
+ *
+ *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows
+ *
+ * The first part is the core. It is summed at full rate and ends without a rim.
+ * The second part is the tail T. It bends on the scale of `share` at least,
+ * some 95 pixels, so that samples every 8 pixels hold it.
+ *
+ * Let B be the cubic B-spline of step s, and j and k nodes of the grid. Then
+ *
+ *   tail(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
+ *
+ * C is T at the nodes, with B's own samples divided out, once for each sum. So
+ * at whole steps the two splines give T itself. The middle sum is a convolution
+ * of 1/64 of the pixels. Fourier transforms make it.
+ *
+ * The error. It is periodic in s on each axis: light of one frequency moves to
+ * the frequencies 1/s apart, its images. For a frequency f of the coarse band
+ * let
+ *
+ *   F     be the transform of T's samples, times s^2
+ *   beta  what the splines keep of it
+ *   eps   the 2-norm of what they let through of the images
+ *
+ * By Parseval the norm of the error is at most
+ *
+ *   |source| (max_f F (|1 - beta^2| + beta eps + eps^2) + 2 max_edge F)
+ *
+ * The last term is for what T has beyond the band. It is taken to be no more
+ * than what T has in the band's last tenth.
+ *
+ * Frames of few columns see little of what T does across. Light of one column
+ * in another is an integral over the frequencies across. Let eta be the sum of
+ * what the splines let through of the images. For w columns the error is a
+ * matrix of w x w blocks, and its norm is at most
+ *
+ *   |source| w / s (max_fy mean_fx F (|1 - beta^2| + 2 beta eta + eta^2) +
+ *                   2 max_edge F)
+ *
+ * The same holds for rows. */
+#ifndef GP_GLARE_FAR_FIELD_TAIL_H
+#define GP_GLARE_FAR_FIELD_TAIL_H
+
+#include "core/image.h"
+#include "core/status.h"
+#include "glare/sources.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+/* Pixels from the centre at which the core of a kernel that is smooth from
+ * there on ends, where the coarse grid's step is 8. */
+enum { GP_FAR_CORE = 127 };
+
+/* The distances at which a kernel becomes its tail. */
+struct gp_far_split {
+    double from, to; // pixels from the centre: only core, only tail
+    int step;        // of the coarse grid; 0: no tail, all is core
+};
+
+/* Chooses the split of frames of w x h pixels for a kernel that, from `smooth`
+ * pixels on, bends only on the scale of the distance, beside one that reaches
+ * `sharp` pixels and stays in the core. Circles of it are `stretch` times as
+ * long as wide, in pixels, >= 1. Step 0 where it is not smooth far out
+ * (INFINITY), or the whole costs little more than a core. */
+struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
+                                    int w, int h);
+
+/* The tail's share of the sample at offset (x, y), in [0, 1]; the core's is 1
+ * less that. A step of degree 11 in the distance; five derivatives are
+ * continuous. */
+double gp_far_share(const struct gp_far_split *s, int x, int y);
+
+/* The whole kernel's sample at offset (x, y), >= 0; out[0] only where grey. */
+typedef void (*gp_far_sample)(const void *ctx, int x, int y, double out[3]);
+
+/* A kernel that a tail is made of. */
+struct gp_far_kernel {
+    gp_far_sample sample;
+    const void *ctx;
+    bool grey;
+    bool even; // samples at (-x, y) and (x, -y) are those at (x, y)
+};
+
+struct gp_far_field {
+    struct gp_far_split split;
+    int w, h;           // of the largest frame that it serves, pixels
+    int rx, ry;         // offsets -rx .. rx, -ry .. ry of C, in steps
+    float *c[3];        // (2 rx + 1) * (2 ry + 1) each; grey: c[0] only
+    bool grey;
+    double sum[3];      // of the tail over offsets that such a frame meets
+    double norm1[3], norm2[3]; // sum, and root of the sum of squares, of the
+                        // tail over all offsets; no less
+    double least;       // smallest sample where all is tail and frames meet it
+    unsigned long serial;
+    atomic_int holders;
+};
+
+/* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
+ * Owned by the caller; free with gp_far_free(). *out is written only on GP_OK.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_far_make(const struct gp_log *log,
+    const struct gp_far_split *split, int w, int h,
+    const struct gp_far_kernel *kernel, struct gp_far_field **out);
+/* Returns t with one more holder; each calls gp_far_free(). */
+struct gp_far_field *gp_far_hold(struct gp_far_field *t);
+void gp_far_free(struct gp_far_field *t); // NULL: nothing
+
+// -- applying it --------------------------------------------------------------
+
+/* Limits of the error of the tail, for light s of one channel. */
+struct gp_far_error {
+    double norm;   // the error's 2-norm over |s|
+    double pixel;  // its largest sample over the sum of s
+    double column; // its largest sample over |s|
+    double share;  // of rounding: over the most that a sample can be
+};
+
+/* Plans, spectrum and scratch for one tail; kept from frame to frame. */
+struct gp_far_state;
+void gp_far_close(struct gp_far_state **state);
+
+/* Makes *state fit the tail: NULL at first, or any. Errors: GP_ERR_IO no FFTW;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_far_open(const struct gp_log *log,
+    const struct gp_far_field *t, struct gp_far_state **state);
+const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s);
+
+/* The largest error of a sample of channel c. */
+double gp_far_pixel_error(const struct gp_far_state *s,
+                           const struct gp_far_field *t,
+                           const struct gp_sources *src, int c);
+
+/* The tail of one frame's sources, found on the grid. */
+struct gp_far_rows;
+
+/* Finds the tail of the sources, one at least, for a layer of src->w * src->h,
+ * at most t->w * t->h. `state` is open for t; it, the sources and the layer are
+ * borrowed. Free with gp_far_rows_free().
+ * Errors: GP_ERR_BUG out of memory, a larger frame. */
+GP_MUST_CHECK gp_status gp_far_find(const struct gp_log *log,
+    const struct gp_far_field *t, const struct gp_far_state *state,
+    const struct gp_sources *src, struct gp_planes *layer,
+    struct gp_far_rows **out);
+/* Adds it to row i % h of channel i / h of the layer, i in [0, 3 h), of which no
+ * sample becomes negative; a task of gp_parallel_do(), whose ctx are the
+ * rows. */
+void gp_far_add_row(void *ctx, int i, int thread);
+void gp_far_rows_free(struct gp_far_rows **rows);
+
+/* The tail of light 1 in every pixel of w * h; as gp_far_find(). */
+GP_MUST_CHECK gp_status gp_far_flat(const struct gp_log *log,
+    const struct gp_far_field *t, const struct gp_far_state *state, int w, int h,
+    struct gp_far_rows **out);
+/* Sets `row` to it in row y of channel c. */
+void gp_far_row(const struct gp_far_rows *rows, int c, int y, int thread,
+                    float *row);
+
+#endif

@@ -1,0 +1,354 @@
+/* Making a tail: sampled on the coarse grid, its splines divided out. */
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/far_field/far_field_priv.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A step that spans this many pixels holds what samples every 8 pixels can:
+ * within 1e-6 of the light for the eye, 1/36 degree a pixel. Twice as wide with
+ * steps twice as wide holds as much, of frames twice as wide. */
+enum { NEAREST = 32, WIDE = GP_FAR_CORE - NEAREST };
+
+/* 1 on [1, inf), 0 on (-inf, 0]: the step of degree 11, never outside. */
+static double smooth_step(double u)
+{
+    const double v = fmin(fmax(u <= 0.5 ? u : 1.0 - u, 0.0), 1.0);
+    const double v3 = v * v * v;
+    const double s = v3 * v3 *
+        (462.0 + v * (-1980.0 + v * (3465.0 + v * (-3080.0 +
+                 v * (1386.0 - 252.0 * v)))));
+    return u <= 0.5 ? s : 1.0 - s;
+}
+
+struct gp_far_split gp_far_choose(double smooth, double stretch, int sharp,
+                                    int w, int h)
+{
+    static const int LEAST_STEP = 8, MOST_STEP = 32, NODES = 512;
+    static const double WORTH = 1.5; // core and tail against the whole
+    static const double STRETCH = 2.0; // that NEAREST is enough for
+    const int side = gp_max(w, h);
+    struct gp_far_split s = {.step = LEAST_STEP};
+    while (s.step < MOST_STEP && side / s.step > NODES)
+        s.step *= 2;
+    const double scale = (double) s.step / LEAST_STEP;
+    s.from = fmax(ceil(NEAREST * scale * fmax(stretch / STRETCH, 1.0)),
+                  ceil(smooth));
+    s.to = s.from + WIDE * scale;
+    if (!(fmax(s.to, sharp) * WORTH < side)) // INFINITY too
+        s = (struct gp_far_split) {0};
+    return s;
+}
+
+double gp_far_share(const struct gp_far_split *s, int x, int y)
+{
+    const double square = (double) x * x + (double) y * y;
+    if (square <= s->from * s->from)
+        return 0.0;
+    if (square >= s->to * s->to)
+        return 1.0;
+    return smooth_step((sqrt(square) - s->from) / (s->to - s->from));
+}
+
+struct gp_far_field *gp_far_hold(struct gp_far_field *t)
+{
+    atomic_fetch_add(&t->holders, 1);
+    return t;
+}
+
+void gp_far_free(struct gp_far_field *t)
+{
+    if (!t || atomic_fetch_sub(&t->holders, 1) > 1)
+        return;
+    for (int c = 0; c < 3; c++)
+        gp_free(t->c[c]);
+    gp_free(t);
+}
+
+// -- samples ------------------------------------------------------------------
+
+struct sampling {
+    struct gp_far_field *t;
+    const struct gp_far_kernel *kernel;
+    double *at[3];   // as t->c
+    double *fade[2]; // of offsets 0 .. rx, 0 .. ry
+};
+
+/* Beyond the offsets that frames meet the tail fades out over GP_FAR_FADE
+ * steps, so that it has no edge: no frame shows that part, and the error of the
+ * splines and the transform is that of a smooth function everywhere. */
+static gp_status make_fade(const struct gp_log *log, int r, double **out)
+{
+    double *fade;
+    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof *fade, &fade);
+    for (int i = 0; i <= r && !st; i++)
+        fade[i] = 1.0 - smooth_step((double) (i - (r - GP_FAR_FADE)) /
+                                    GP_FAR_FADE);
+    if (!st)
+        *out = fade;
+    return st;
+}
+
+/* Samples the row of offset i - ry or, where samples are even, the right half
+ * of that of offset i. */
+static void sample_row(void *ctx, int i, int thread)
+{
+    const struct sampling *const s = ctx;
+    const struct gp_far_field *const t = s->t;
+    const int step = t->split.step, y = s->kernel->even ? i : i - t->ry;
+    const size_t row = (size_t) (t->ry + y) * (2 * (size_t) t->rx + 1) +
+                       (size_t) t->rx;
+    (void) thread;
+    for (int x = s->kernel->even ? 0 : -t->rx; x <= t->rx; x++) {
+        double v[3];
+        const double k = gp_far_share(&t->split, x * step, y * step) *
+                         s->fade[0][abs(x)] * s->fade[1][abs(y)];
+        if (k > 0.0)
+            s->kernel->sample(s->kernel->ctx, x * step, y * step, v);
+        for (int c = 0; c < (t->grey ? 1 : 3); c++)
+            s->at[c][row + (size_t) x] = k > 0.0 ? k * v[c] : 0.0;
+    }
+}
+
+/* Fills the left half of rows, and then the upper half, from the other. */
+static void mirror(const struct gp_far_field *t, double *at)
+{
+    const size_t w = 2 * (size_t) t->rx + 1;
+    for (int y = 0; y <= t->ry; y++) {
+        double *const middle = at + (size_t) (t->ry + y) * w + (size_t) t->rx;
+        for (int x = 1; x <= t->rx; x++)
+            middle[-x] = middle[x];
+    }
+    for (int y = 1; y <= t->ry; y++)
+        memcpy(at + (size_t) (t->ry - y) * w, at + (size_t) (t->ry + y) * w,
+               w * sizeof *at);
+}
+
+/* Norms of one channel from its samples, and its least sample where all is tail
+ * and frames meet it. Of even samples a quarter stands for all. */
+static void find_norms(struct gp_far_field *t, int c, bool even, const double *at)
+{
+    static const double MORE = 1.0 + 1e-3; // than samples of all pixels
+    const int s = t->split.step, rx = t->rx, ry = t->ry;
+    const double to = t->split.to / s;
+    double square = 0.0, sum = 0.0, least = t->least;
+    for (int y = even ? 0 : -ry; y <= ry; y++) {
+        const double *const row =
+            at + (size_t) (ry + y) * (2 * (size_t) rx + 1) + rx;
+        const double rows = even && y ? 2.0 : 1.0;
+        double row_square = 0.0, row_sum = 0.0;
+        for (int x = even ? 1 : -rx; x <= rx; x++) {
+            row_sum += row[x];
+            row_square += row[x] * row[x];
+        }
+        if (even) {
+            row_sum = 2.0 * row_sum + row[0];
+            row_square = 2.0 * row_square + row[0] * row[0];
+        }
+        sum += rows * row_sum;
+        square += rows * row_square;
+        const int end = abs(y) * s < t->h ? gp_min(rx, (t->w - 1) / s) : -1;
+        for (int x = even ? 0 : -end; x <= end; x++) {
+            if (row[x] < least &&
+                (double) x * x + (double) y * y >= to * to)
+                least = row[x];
+        }
+    }
+    t->least = least;
+    t->norm1[c] = MORE * sum * s * s;
+    t->norm2[c] = MORE * sqrt(square) * s;
+}
+
+// -- the splines divided out --------------------------------------------------
+
+/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of n values
+ * `pitch` apart, twice, zero beyond both ends: Unser et al. 1993, part II, eq.
+ * 2.5. Of `lines` such rows, `across` apart. */
+static inline __attribute__((always_inline)) void
+divide(double *v, int n, size_t pitch, int lines, size_t across)
+{
+    static const double Z = -0.26794919243112270647; // sqrt 3 - 2
+    for (int twice = 0; twice < 2; twice++) {
+        double *at = v;
+        for (int i = 1; i < n; i++, at += pitch) {
+            for (size_t k = 0; k < (size_t) lines; k++)
+                at[pitch + k * across] += Z * at[k * across];
+        }
+        for (size_t k = 0; k < (size_t) lines; k++)
+            at[k * across] *= 6.0 * -Z / (1.0 - Z * Z);
+        for (int i = 1; i < n; i++) {
+            at -= pitch;
+            for (size_t k = 0; k < (size_t) lines; k++)
+                at[k * across] =
+                    Z * (at[pitch + k * across] - 6.0 * at[k * across]);
+        }
+    }
+}
+
+enum { LINES = 16 }; // that go through together
+
+struct dividing {
+    double *at;
+    int w, h, first_x, first_y; // lines from these on
+};
+
+/* Rows side by side: each is a chain of sums that wait for one another. */
+GP_CLONES static void divide_rows(const struct dividing *d, int y, int n)
+{
+    const size_t w = (size_t) d->w;
+    double *const at = d->at + (size_t) y * w;
+    if (n == LINES)
+        divide(at, d->w, 1, LINES, w);
+    else
+        divide(at, d->w, 1, n, w);
+}
+
+static void divide_row_group(void *ctx, int i, int thread)
+{
+    const struct dividing *const d = ctx;
+    const int y = d->first_y + i * LINES;
+    (void) thread;
+    divide_rows(d, y, gp_min(d->h - y, LINES));
+}
+
+GP_CLONES static void divide_columns(const struct dividing *d, int x, int n)
+{
+    if (n == LINES)
+        divide(d->at + x, d->h, (size_t) d->w, LINES, 1);
+    else
+        divide(d->at + x, d->h, (size_t) d->w, n, 1);
+}
+
+static void divide_column_group(void *ctx, int i, int thread)
+{
+    const struct dividing *const d = ctx;
+    const int x = d->first_x + i * LINES;
+    (void) thread;
+    divide_columns(d, x, gp_min(d->w - x, LINES));
+}
+
+/* Divides the splines out of a channel's samples along both axes; of even ones
+ * the lower rows, then the right columns. */
+static void divide_out(const struct gp_far_field *t, bool even, double *at)
+{
+    struct dividing d = {
+        .at = at, .w = 2 * t->rx + 1, .h = 2 * t->ry + 1,
+        .first_x = even ? t->rx : 0, .first_y = even ? t->ry : 0,
+    };
+    gp_parallel_do((d.h - d.first_y + LINES - 1) / LINES, divide_row_group, &d);
+    if (even)
+        mirror(t, at);
+    gp_parallel_do((d.w - d.first_x + LINES - 1) / LINES, divide_column_group,
+                   &d);
+    if (even)
+        mirror(t, at);
+}
+
+/* The sum over pixels x, |x| < n, of what a node adds to a row, or to a column,
+ * with a source that stands on a node. */
+static double pixels_of(int node, int step, int n)
+{
+    static const double own[3] = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
+    double sum = 0.0;
+    for (int m = -1; m <= 1; m++) {
+        for (int x = (node + m - 2) * step; x < (node + m + 2) * step; x++) {
+            const double u = fabs((double) x / step - node - m);
+            const double far = 2.0 - u, near = fmax(1.0 - u, 0.0);
+            if (abs(x) < n)
+                sum += own[m + 1] / 6.0 *
+                       (far * far * far - 4.0 * near * near * near);
+        }
+    }
+    return sum;
+}
+
+/* Finds pixels_of() nodes -r .. r; those whose splines end within n pixels have
+ * that of the middle one. */
+static void find_weights(int r, int step, int n, double *weight)
+{
+    for (int i = 0; i <= 2 * r; i++) {
+        const bool inner = (abs(i - r) + 3) * step <= n;
+        weight[i] = inner && i > 0 && (abs(i - 1 - r) + 3) * step <= n
+                        ? weight[i - 1] : pixels_of(i - r, step, n);
+    }
+}
+
+static gp_status find_sum(const struct gp_log *log, struct gp_far_field *t, int c,
+                          const double *at)
+{
+    const int rx = t->rx, ry = t->ry, s = t->split.step;
+    double *weight, *down;
+    const size_t across = 2 * (size_t) rx + 1, n = across + 2 * (size_t) ry + 1;
+    gp_status st = gp_alloc(log, "tail", n, sizeof *weight, &weight);
+    if (st)
+        return st;
+    down = weight + across;
+    find_weights(rx, s, t->w, weight);
+    find_weights(ry, s, t->h, down);
+    for (int y = -ry; y <= ry; y++) {
+        double row = 0.0;
+        for (int x = 0; x <= 2 * rx; x++)
+            row += *at++ * weight[x];
+        t->sum[c] += row * down[y + ry];
+    }
+    gp_free(weight);
+    return GP_OK;
+}
+
+gp_status gp_far_make(const struct gp_log *log,
+    const struct gp_far_split *split, int w, int h,
+    const struct gp_far_kernel *kernel, struct gp_far_field **out)
+{
+    gp_status st;
+    const bool grey = kernel->grey, even = kernel->even;
+    struct sampling s = {.kernel = kernel};
+    struct gp_far_field *t = NULL;
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *t, &t));
+    t->split = *split;
+    t->w = w;
+    t->h = h;
+    t->rx = gp_far_nodes(w, split->step) - 1 + GP_FAR_FADE;
+    t->ry = gp_far_nodes(h, split->step) - 1 + GP_FAR_FADE;
+    t->grey = grey;
+    t->least = INFINITY;
+    t->serial = gp_serial_next();
+    atomic_init(&t->holders, 1);
+    s.t = t;
+    const int across = 2 * t->rx + 1, down = 2 * t->ry + 1;
+    const size_t n = (size_t) across * (size_t) down;
+    for (int c = 0; c < (grey ? 1 : 3); c++) {
+        GP_TRY(gp_alloc(log, "tail", n, sizeof(double), &s.at[c]));
+        GP_TRY(gp_alloc(log, "tail", n, sizeof(float), &t->c[c]));
+    }
+    GP_TRY(make_fade(log, t->rx, &s.fade[0]));
+    GP_TRY(make_fade(log, t->ry, &s.fade[1]));
+    gp_parallel_do(even ? t->ry + 1 : down, sample_row, &s);
+    for (int c = 0; c < (grey ? 1 : 3); c++) {
+        if (even)
+            mirror(t, s.at[c]);
+        find_norms(t, c, even, s.at[c]);
+        divide_out(t, even, s.at[c]);
+        GP_TRY(find_sum(log, t, c, s.at[c]));
+        for (size_t i = 0; i < n; i++)
+            t->c[c][i] = (float) s.at[c][i];
+    }
+    for (int c = 1; c < 3 && grey; c++) {
+        t->sum[c] = t->sum[0];
+        t->norm1[c] = t->norm1[0];
+        t->norm2[c] = t->norm2[0];
+    }
+    *out = t;
+    t = NULL;
+out:
+    for (int c = 0; c < 3; c++)
+        gp_free(s.at[c]);
+    for (int i = 0; i < 2; i++)
+        gp_free(s.fade[i]);
+    gp_far_free(t);
+    return st;
+}
