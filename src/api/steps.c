@@ -273,10 +273,10 @@ static void warn_of_kernel(struct glarepp_frame *f,
     const double made = l->fov / l->h;
     const double used = field->degrees * gp_kernel_request_scale(r, field);
     if (fabs(used / made - 1.0) > 0.01 && gp_api_says(f->plan, GP_SAID_ANGLE))
-        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.percent.angle", "made for "
-                  "%.4g degrees a pixel, used at %.4g (%.4g%% of it would fit); "
-                  "make it again for this angle and size", made, used,
-                  100.0 * made / field->degrees);
+        gp_say_at(&f->log, GP_LEVEL_WARN, "kernel.word 0 1 kernel.percent.angle",
+                  "made for %.4g degrees a pixel, used at %.4g (%.4g%% of it "
+                  "would fit); make it again for this angle and size", made,
+                  used, 100.0 * made / field->degrees);
 }
 
 /* Warns, once a plan, of the faults of the samples of images among several

@@ -114,7 +114,7 @@ def engine(rng, gl):
     if name == "auto":
         words += ["--tolerance", rng.choice([0, 1e-6, 1e-4, 1e-3, 0.05, 1])]
     if name != "splat":
-        return words
+        return [str(w) for w in words]
     kind = rng.choice(["exact", "default", "any"])
     if kind == "exact":
         words += ["--group", 1, "--cluster", 0, "--shrink", 0]
