@@ -126,6 +126,10 @@ def different(work, number, args, keep=()):
     a, b = fields(folders[0]), fields(folders[1])
     if a is not None and b is not None and a != b:
         for x, y in zip(a, b):
+            for mine, other in ((x, y), (y, x)):  # settings that both have
+                mine["settings"] = {k: v for k, v in
+                                    mine.get("settings", {}).items()
+                                    if k in other.get("settings", {})}
             found += [f"report's {k}: {str(x.get(k))[:60]}, "
                       f"{str(y.get(k))[:60]}"
                       for k in sorted(set(x) | set(y)) if x.get(k) != y.get(k)]
