@@ -1,6 +1,5 @@
 #include "cli/options.h"
 
-#include "cli/flight.h"
 #include "cli/styles.h"
 
 #include <float.h>
@@ -414,7 +413,7 @@ const struct gp_option gp_options[] = {
         .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(run.frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
-        .hi = GP_FLIGHT_MOST, .aside = true,
+        .hi = GP_FRAME_JOBS, .aside = true,
         .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
         "or as many as fit into half of the memory; no output depends on it"),
 

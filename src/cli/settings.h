@@ -166,6 +166,8 @@ struct gp_compare_settings {
     float scale;                      // times this
 };
 
+enum { GP_FRAME_JOBS = 64 }; // most frames in flight
+
 /* How a run goes and what it says. */
 struct gp_run_settings {
     int threads;                       // 0: all processors

@@ -476,6 +476,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = GP_OK;
     if (r->jobs->taker)
         return hand_over(r, fs);
+    p.no_clobber = false; // a frame with a missing output writes all
     p.command = r->s->output.no_provenance ? NULL : fs->facts.job.command;
     if (plan->config) {
         p.primaries = plan->output_primaries;

@@ -3,7 +3,6 @@
 #ifndef GP_CLI_STAGES_H
 #define GP_CLI_STAGES_H
 
-#include "cli/flight.h"
 #include "cli/jobs.h"
 #include "cli/report.h"
 #include "cli/settings.h"
@@ -14,6 +13,10 @@
 #include "io/write.h"
 
 #include <stdbool.h>
+
+/* COMPUTE runs on one thread, frame after frame; the others on any thread, frames
+ * in any order. */
+enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 
 /* Data that stages need and give, as bits: planes of the library's frame, then
  * its other state. */
