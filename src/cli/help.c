@@ -21,19 +21,17 @@ static void option_text(const struct gp_option *o, bool values, char *text,
                         size_t size)
 {
     const void *const field = (const char *) &gp_defaults + o->at;
-    const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-                        o->kind == GP_KIND_COUNT ||
-                        o->kind == GP_KIND_THRESHOLD;
+    const bool number = o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT;
     char value[64] = ""; // the default; "" for none
     const char *name = NULL, *line;
     const struct gp_option_choice *choice;
     const struct glarepp_sense_params *const sense = field;
-    const float *const single = field;
+    const double real = o->kind == GP_KIND_FLOAT  ? (double) *(const float *) field
+                        : o->kind == GP_KIND_REAL ? *(const double *) field : NAN;
     if (o->kind == GP_KIND_THRESHOLD)
         snprintf(value, sizeof value, "%g", (double) sense->threshold);
-    else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
-             isfinite(*single)) // others stand for an option that is not given
-        snprintf(value, sizeof value, "%g", (double) *single);
+    else if (real >= o->lo && isfinite(real)) // others: it is not given
+        snprintf(value, sizeof value, "%g", real);
     else if (o->kind == GP_KIND_INT)
         snprintf(value, sizeof value, "%d", *(const int *) field);
     else if (o->kind == GP_KIND_COUNT)

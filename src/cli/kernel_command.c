@@ -4,7 +4,6 @@
 #include "cli/hints.h"
 #include "cli/options.h"
 #include "cli/pictures.h"
-#include "cli/plan_settings.h"
 #include "glarepp.h"
 #include "io/file.h"
 #include "io/read.h"
@@ -22,7 +21,7 @@
 static gp_status read_kernel(struct glarepp *gp, const struct gp_settings *s,
     const char *const *word, int words, struct glarepp_kernel **out)
 {
-    struct glarepp_kernel_params p = gp_kernel_params(s);
+    struct glarepp_kernel_params p = s->kernel.p;
     p.word = word;
     p.words = words;
     p.recipe = true;
@@ -36,8 +35,8 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
     struct glarepp_label *label)
 {
     const struct glarepp_field field = {
-        .w = s->making.w, .h = s->making.h, .fov = (double) s->kernel.fov,
-        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .w = s->making.w, .h = s->making.h, .fov = s->plan.fov,
+        .rotate = s->plan.rotate, .frame = s->making.frame,
         .radius = s->making.radius, .most = s->input.read.max_pixels,
         .name = name,
     };
@@ -116,7 +115,7 @@ static void make_texts(const struct gp_settings *s,
     snprintf(out->value[1], sizeof *out->value, "%dx%d,%d", label->w, label->h,
              s->making.radius);
     add_text(out, "glarepp:size", out->value[1]);
-    add_number(out, 2, "glarepp:rotate", (double) s->kernel.rotate);
+    add_number(out, 2, "glarepp:rotate", s->plan.rotate);
     add_number(out, 3, "glarepp:frame", s->making.frame);
     add_text(out, "glarepp:compression", c->name);
     add_number(out, 4, "glarepp:left_out", label->left_out);
@@ -293,7 +292,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
 {
     const char *const name = s->making.check;
     struct glarepp_kernel_use use = {
-        .brightest = 1000.0, .percent = s->kernel.image.percent,
+        .brightest = 1000.0, .percent = s->kernel.p.percent,
         .add = s->light.layer.mix == GLAREPP_ADD,
     };
     struct glarepp_kernel_figures figures;
@@ -305,7 +304,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
     struct glarepp_image image = gp_decoded_of(&f, &f.rgb);
     image.name = name;
     if (gp_kernel_is_file(name)) // what was drawn is turned already
-        use.rotate = (double) s->kernel.rotate;
+        use.rotate = s->plan.rotate;
     GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
     printf("kernel     %s\n", gp_printable(name).text);
     print_primaries(&f);

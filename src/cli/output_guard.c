@@ -28,7 +28,7 @@ static const struct single {
     SINGLE(sun.p.file, "--lights", false),
     SINGLE(sun.p.flare, "--flare", false),
     SINGLE(scene.path, "--scene", false),
-    SINGLE(lens.name, "--lens", false),
+    SINGLE(lens.lens, "--lens", false),
     SINGLE(sun.depth_file, "--depth-file", false),
     SINGLE(sun.mask_file, "--mask-file", false),
     SINGLE(tone.map.config, "--ocio", false),

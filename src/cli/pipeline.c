@@ -1,7 +1,6 @@
 #include "cli/commands.h"
 
 #include "cli/machine.h"
-#include "cli/plan_settings.h"
 #include "cli/say.h"
 #include "cli/stages.h"
 #include "core/clock.h"
@@ -456,15 +455,14 @@ static gp_status run_units(struct pipeline *p)
 static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
                            struct gp_run *r)
 {
-    const struct glarepp_kernel_params kernel = gp_kernel_params(r->s);
-    struct gp_plan_settings plan;
+    struct glarepp_plan_params plan = r->s->plan;
     gp_status st;
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
-    GP_TRY((gp_status) glarepp_kernel(gp, &kernel, &r->kernel));
-    gp_plan_params(r->s, r->kernel, &plan);
-    GP_TRY((gp_status) glarepp_plan(gp, &plan.plan, &r->plan));
+    GP_TRY((gp_status) glarepp_kernel(gp, &r->s->kernel.p, &r->kernel));
+    plan.kernel = r->kernel;
+    GP_TRY((gp_status) glarepp_plan(gp, &plan, &r->plan));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct glarepp_plan_facts *const facts = glarepp_plan_facts(r->plan);
     if (facts->files)

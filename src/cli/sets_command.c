@@ -161,7 +161,6 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.path = s->input.files.at[0];
     p.camera = s->scene.camera;
     p.timed = gp_option_given(s, "time");
-    p.seconds = (double) s->scene.time;
     p.w = s->making.w;
     p.h = s->making.h;
     p.gl = s->light.layer.gl;

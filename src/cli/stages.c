@@ -82,7 +82,7 @@ static bool scene_asked(const struct gp_settings *s)
 
 static bool lens_asked(const struct gp_settings *s)
 {
-    return s->lens.name != NULL;
+    return s->lens.lens != NULL;
 }
 
 /* Begins the library's frame with the planes that were read. */
@@ -335,7 +335,7 @@ out:
 
 static bool relight_asked(const struct gp_settings *s)
 {
-    return s->scene.path && s->scene.relight.n;
+    return s->scene.path && s->sun.relight.n;
 }
 
 static bool flare_asked(const struct gp_settings *s)

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "cli/option_line.h"
 
-#include "cli/plan_settings.h"
 #include "cli/styles.h"
 
 #include <math.h>
@@ -53,7 +52,7 @@ static void styles_set_what_is_not_given(void **state)
     assert_string_equal(s.kernel.words.at[0], "star");
     gp_settings_free(&s);
     assert_ok(parse("--style vintage --lens heliar -o a.png in.exr", &s));
-    assert_string_equal(s.lens.name, "heliar");
+    assert_string_equal(s.lens.lens, "heliar");
     gp_settings_free(&s);
     assert_ok(parse("bench --style anamorphic in.exr", &s));
     assert_string_equal(s.sun.p.flare, "preset:oval");
@@ -88,7 +87,7 @@ static double glare_index(const char *name, double t)
     double within = 0.0;
     snprintf(line, sizeof line, "--style %s -o a.png in.exr", name);
     assert_ok(parse(line, &s));
-    p = gp_kernel_params(&s);
+    p = s.kernel.p;
     assert_ok(glarepp_open(NULL, &gp));
     assert_ok(glarepp_kernel(gp, &p, &k));
     assert_ok(glarepp_kernel_draw(k, &field, &image, &label));
