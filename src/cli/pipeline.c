@@ -481,7 +481,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     struct gp_progress *progress)
 {
     gp_status st;
-    char line[GP_LINE_BYTES];
+    char line[GP_LINE_BYTES] = "";
     const int units = jobs->n / jobs->views;
     const double start = gp_now_ms();
     // a person reads: notes say the same in more words
@@ -511,9 +511,12 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
                              sizeof *p.unit[i].view, &p.unit[i].view));
     GP_TRY(run_units(&p));
     gp_progress_end(progress);
-    if (person && jobs->targets && p.tally.made && !jobs->taker) {
-        gp_tally_text(&p.tally, s, jobs, (gp_now_ms() - start) * 1e-3, line,
-                      sizeof line);
+    FILE *const told =
+        person && jobs->targets && p.tally.made && !jobs->taker
+            ? fmemopen(line, sizeof line - 1, "w") : NULL;
+    if (told) {
+        gp_tally_print(told, &p.tally, s, jobs, (gp_now_ms() - start) * 1e-3);
+        fclose(told);
         gp_make_printable(line);
         gp_progress_say(progress, stderr, line);
     }

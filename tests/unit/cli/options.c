@@ -83,6 +83,7 @@ static void check_stored(const struct gp_option *o, const char *value,
         o->kind == GP_KIND_FLAG      ? *(const bool *) at == !o->off
         : o->kind == GP_KIND_SET     ? *(const int *) at == o->set
         : o->kind == GP_KIND_FLOAT   ? *(const float *) at == (float) v
+        : o->kind == GP_KIND_REAL    ? *(const double *) at == v
         : o->kind == GP_KIND_THRESHOLD
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
@@ -119,9 +120,7 @@ static void every_option_is_stored(void **state)
         else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
             snprintf(value, sizeof value, "%.*s",
                      o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
-        else if (o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-                 o->kind == GP_KIND_COUNT ||
-                 o->kind == GP_KIND_THRESHOLD)
+        else if (o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT)
             snprintf(value, sizeof value, "%.17g", v);
         if (!gp_option_value(o, 0, &text) || o->open)
             check_stored(o, value, v, 0);
