@@ -568,12 +568,10 @@ static gp_status check_names(const struct run *r)
         name = gp_pattern_name(p, frame, NULL);
         if (!name)
             GP_TRY(gp_no_memory(r->log, p->path));
-        const struct gp_output_guard_output output = {
-            .name = name, .what = i % 2 ? "--difference" : "--heatmap",
-            .as = p->path, .order = i,
-        };
         GP_TRY(input ? gp_output_guard_input(&c, "input", name)
-                     : gp_output_guard_add(&c, &output));
+                     : gp_output_guard_add(&c, name, i % 2 ? "--difference"
+                                                           : "--heatmap",
+                                           p->path, NULL));
         GP_FREE(name);
     }
 out:

@@ -57,20 +57,20 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
 
 /* Checks the names of outputs before anything is read. */
 static gp_status check_names(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_write_params *write,
-    struct gp_output_guard *clobber)
+    const struct gp_settings *s, const struct gp_write_params *write)
 {
     static const char keeps[] = "-o of a kernel keeps floats and its recipe";
+    struct gp_output_guard c;
     gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, clobber));
+    GP_TRY(gp_output_guard_begin(log, s, &c));
     for (int i = 0; i < s->output.pictures.n; i++) {
         const char *const path = s->output.pictures.at[i];
         GP_TRY(gp_write_hdr_check(log, write, keeps, path));
-        GP_TRY(gp_output_guard_add(clobber, &(struct gp_output_guard_output) {
-            .name = path, .what = "-o", .as = path, .order = i}));
+        GP_TRY(gp_output_guard_add(&c, path, "-o", path, NULL));
     }
-    GP_TRY(gp_output_guard_settle(clobber));
+    GP_TRY(gp_output_guard_settle(&c));
 out:
+    gp_output_guard_end(&c);
     return st;
 }
 
@@ -133,16 +133,10 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
     struct gp_frame f = {0};
     struct gp_write_params write = s->output.write;
     struct gp_write_stats stats = {0};
-    struct gp_output_guard clobber = {0};
     struct texts texts;
     write.type = GP_OUT_FLOAT;
-    GP_TRY(check_names(log, s, &write, &clobber));
+    GP_TRY(check_names(log, s, &write));
     GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
-    for (int i = 0; i < words->n; i++) {
-        char path[PATH_MAX];
-        if (glarepp_kernel_path(words->at[i], path, sizeof path))
-            GP_TRY(gp_output_guard_input(&clobber, "image of the kernel", path));
-    }
     GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
     make_texts(s, k, &label, &texts);
     write.added = texts.at;
@@ -154,7 +148,6 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
            outputs->at[0], gp_frame_w(&f), gp_frame_h(&f),
            label.fov / label.h, label.left_out);
 out:
-    gp_output_guard_end(&clobber);
     glarepp_kernel_end(&k);
     gp_frame_free(&f);
     return st;
