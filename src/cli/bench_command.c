@@ -4,7 +4,6 @@
 #include "cli/output_guard.h"
 #include "cli/options.h"
 #include "cli/pictures.h"
-#include "cli/plan_settings.h"
 #include "cli/stages.h"
 #include "bench/bench.h"
 #include "core/memory.h"
@@ -54,14 +53,11 @@ gp_status gp_bench_command(const struct gp_log *log, struct glarepp *gp,
     char *const input = s->input.files.n ? (char *) (uintptr_t)
                                                s->input.files.at[0] : NULL;
     const bool own = gp_option_given(s, "kernel");
-    const struct glarepp_kernel_params kernel = gp_kernel_params(s);
     struct user user = {.run = {.s = s}, .job = {.input = input}};
-    struct gp_plan_settings plan;
-    gp_plan_params(s, NULL, &plan);
     const struct gp_bench_request req = {
         .params = &s->bench, .gp = gp, .input = input, .default_kernel = !own,
         .kernel_name = own ? s->kernel.words.at[0] : s->light.style,
-        .read = &s->input.read, .kernel = &kernel, .plan = &plan.plan,
+        .read = &s->input.read, .kernel = &s->kernel.p, .plan = &s->plan,
         .user = &user, .describe = describe, .planes = give_planes,
     };
     gp_status st = gp_output_guard_check(log, s, "input", input);

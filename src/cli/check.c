@@ -115,8 +115,8 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
                                                               : 0;
     met |= chosen ? GP_NEED_AUTO : 0;
     met |= stream ? GP_NEED_STREAM : 0;
-    met |= s->lens.name ? GP_NEED_LENS : 0;
-    met |= s->scene.relight.n ? GP_NEED_RELIGHT : 0;
+    met |= s->lens.lens ? GP_NEED_LENS : 0;
+    met |= s->sun.relight.n ? GP_NEED_RELIGHT : 0;
     met |= s->scene.path ? GP_NEED_SCENE : 0;
     met |= files ? GP_NEED_FILES : 0;
     return ~met;
@@ -201,8 +201,8 @@ static gp_status check_kernel_size(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: not a size (found "
                        "\"%s\"); give 0.1 to 10000 percent of the image's "
                        "pixels, or its height as 0.001deg to 180deg", word);
-    s->kernel.image.degrees = degrees ? v : 0.0;
-    s->kernel.image.percent = degrees ? 100.0 : v;
+    s->kernel.p.degrees = degrees ? v : 0.0;
+    s->kernel.p.percent = degrees ? 100.0 : v;
     return GP_OK;
 }
 
@@ -231,11 +231,11 @@ static gp_status check_kernels(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
                        "file (found %s); write image:file=PATH,size=DEGREES, "
                        "or leave it out", s->kernel.size);
-    if (s->kernel.image.centred && !one)
+    if (s->kernel.p.centred && !one)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
                        "several kernels (found %g,%g); write "
                        "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
-                       s->kernel.image.centre[0], s->kernel.image.centre[1]);
+                       s->kernel.p.centre[0], s->kernel.p.centre[1]);
     if (gp_option_given(s, "kernel-normalize") && !one &&
         s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
         return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
@@ -412,10 +412,10 @@ static gp_status check_inputs(const struct gp_log *log,
     }
     for (int i = 0; i < GP_DEBUG_KINDS; i++)
         wants = wants || s->output.debug[i];
-    if (bench && (s->lens.name || s->sun.p.flare) && gp_lights_wanted(s))
+    if (bench && (s->lens.lens || s->sun.p.flare) && gp_lights_wanted(s))
         return gp_fail(log, GP_ERR_USAGE, "%s: bench measures it for bright "
                        "pixels, and lights by their visibility (found a "
-                       "light); leave one out", s->lens.name ? "--lens"
+                       "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
     if (bench && !s->bench.paper && s->input.files.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
@@ -492,6 +492,50 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+// -- parameters of the library -------------------------------------------------
+
+/* Fills in the sun of --sun or --sun-dir, and of --camera all but its place. */
+static void set_lights(struct gp_sun_settings *s)
+{
+    struct glarepp_light *const sun = &s->light;
+    strcpy(sun->name, "sun");
+    sun->place = s->at.n ? GLAREPP_PIXEL : GLAREPP_DIRECTION;
+    memcpy(sun->at, s->at.n ? s->at.v : s->dir.v, sizeof sun->at);
+    if (s->at.n == 3)
+        sun->radius = fabs(s->at.v[2]);
+    sun->degrees = (double) s->p.degrees;
+    for (int c = 0; c < 3 && s->color.n; c++)
+        sun->flux[c] = (float) s->color.v[s->color.n == 3 ? c : 0];
+    s->p.light = sun;
+    s->p.lights = s->at.n || s->dir.n;
+    s->p.sun = *sun;
+    s->p.faded = s->color.n > 0;
+}
+
+/* Fills in what the library gets: parameters that are lists, or follow from
+ * several options. */
+static void set_params(struct gp_settings *s)
+{
+    const bool given = gp_option_given(s, "kernel-normalize");
+    const bool none = s->kernel.normalize == GP_NORMALIZE_NONE;
+    struct glarepp_kernel_params *const k = &s->kernel.p;
+    k->word = s->kernel.words.at;
+    k->words = s->kernel.words.n;
+    k->as_it_is = given && none;
+    k->normalized = given && !none;
+    set_lights(&s->sun);
+    s->scene.relight = s->sun.relight.at;
+    s->scene.relights = s->sun.relight.n;
+    s->tone.map.context = s->tone.context.at;
+    s->tone.map.contexts = s->tone.context.n;
+    s->plan.sense = &s->light.sense;
+    s->plan.layer = &s->light.layer;
+    s->plan.lights = &s->sun.p;
+    s->plan.lens = &s->lens;
+    s->plan.scene = &s->scene;
+    s->plan.tone = &s->tone.map;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
     gp_status st;
@@ -504,6 +548,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return GP_OK;
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
+    set_params(s);
     GP_TRY(check_kernel_size(log, s));
     if (s->scene.path && !gp_option_given(s, "sun-outside"))
         sun->p.outside = GLAREPP_BY_SCENE;
@@ -512,7 +557,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
     sun->p.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
-    s->kernel.image.centred = gp_option_given(s, "kernel-center");
+    s->kernel.p.centred = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL) {
         GP_TRY(check_making(log, s));
         return check_kernels(log, s);

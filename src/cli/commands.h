@@ -36,6 +36,17 @@ GP_MUST_CHECK gp_status gp_pipeline_run(
 GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s);
 
+/* Exit statuses: first those of glarepp_compare_facts.result; a wrong command
+ * line has that of sysexits.h, which no difference has. */
+enum {
+    GP_COMPARE_MATCH = 0,
+    GP_COMPARE_WARNING = 1,
+    GP_COMPARE_FAILURE = 2,
+    GP_COMPARE_DIFFERENT = 3, // cannot be compared
+    GP_COMPARE_FILE = 4,      // a file could not be read or written
+    GP_COMPARE_USAGE = 64,
+};
+
 /* glarepp compare: compares the two inputs, part by part with --all, and frame by
  * frame where one of them is a pattern: those of --frames, else all that either
  * has on disk. Prints idiff's lines and more to stdout, the last of them PASS,

@@ -2,12 +2,10 @@
 #include "cli/report.h"
 #include "core/minmax.h"
 
-#include <fcntl.h>
-#include <math.h>
+#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 enum {
@@ -20,31 +18,15 @@ enum {
 static void option_text(const struct gp_option *o, bool values, char *text,
                         size_t size)
 {
-    const void *const field = (const char *) &gp_defaults + o->at;
-    const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-                        o->kind == GP_KIND_COUNT ||
-                        o->kind == GP_KIND_THRESHOLD;
+    const bool number = o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT;
+    json_t *const usual = gp_option_json(&gp_defaults, o);
     char value[64] = ""; // the default; "" for none
-    const char *name = NULL, *line;
-    const struct gp_option_choice *choice;
-    const struct glarepp_sense_params *const sense = field;
-    const float *const single = field;
-    if (o->kind == GP_KIND_THRESHOLD)
-        snprintf(value, sizeof value, "%g", (double) sense->threshold);
-    else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
-             isfinite(*single)) // others stand for an option that is not given
-        snprintf(value, sizeof value, "%g", (double) *single);
-    else if (o->kind == GP_KIND_INT)
-        snprintf(value, sizeof value, "%d", *(const int *) field);
-    else if (o->kind == GP_KIND_COUNT)
-        snprintf(value, sizeof value, "%lld", *(const long long *) field);
-    else if (o->kind == GP_KIND_TEXT)
-        name = *(const char *const *) field;
-    else if ((o->kind == GP_KIND_CHOICE || o->kind == GP_KIND_EITHER) &&
-             (choice = gp_option_chosen(o, field)))
-        name = choice->name;
-    if (name)
-        snprintf(value, sizeof value, "%s", name);
+    const char *name, *line;
+    if (json_is_string(usual))
+        snprintf(value, sizeof value, "%s", json_string_value(usual));
+    else if (json_is_number(usual) && json_number_value(usual) >= o->lo)
+        snprintf(value, sizeof value, "%.10g", json_number_value(usual));
+    json_decref(usual);
     size_t at = (size_t) snprintf(text, size, "%s", o->help);
     for (int i = 0; values && at < size &&
                     (name = gp_option_value(o, i, &line)); i++)
@@ -265,59 +247,25 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
                    "them", topic);
 }
 
-/* True for a heading of the page: a line that begins with no blank, or with three. */
-static bool is_heading(const char *line)
-{
-    const size_t blanks = strspn(line, " ");
-    return (blanks == 0 || blanks == 3) && line[blanks] != '\n' && line[blanks];
-}
-
-/* Starts man(1) on a page; *out is what it prints. Returns its process, or -1. */
-static pid_t start_man(const char *page, FILE **out)
-{
-    int end[2];
-    if (pipe(end))
-        return -1;
-    const pid_t man = fork();
-    if (man == 0) {
-        const int none = open("/dev/null", O_WRONLY);
-        dup2(end[1], STDOUT_FILENO);
-        dup2(none, STDERR_FILENO);
-        close(end[0]);
-        execlp("man", "man", page, (char *) NULL);
-        _exit(127);
-    }
-    close(end[1]);
-    *out = man > 0 ? fdopen(end[0], "r") : NULL;
-    if (!*out)
-        close(end[0]);
-    return man;
-}
-
-/* Prints a section of the manual, as man(1) formats it; returns its lines. */
+/* Prints a section of the manual, as man(1) formats it: from its heading, which
+ * is indented by 0 or 3 columns, to the next. Returns its lines. */
 static int print_section(FILE *f, const char *page, const char *title)
 {
-    const size_t n = strlen(title);
+    static const char script[] =
+        "exec 2>/dev/null; man \"$GLAREPP_PAGE\" | awk '"
+        "/^(   )?[^ ]/ { on = !n && $0 ~ \"^ *\" ENVIRON[\"GLAREPP_TITLE\"] \"$\" }"
+        " on { print; n++ }'";
     int lines = 0;
     char line[1024];
-    bool in = false;
-    FILE *out = NULL;
+    // (paths may have any character: the shell is not given them as words)
+    setenv("GLAREPP_PAGE", page, 1);
+    setenv("GLAREPP_TITLE", title, 1);
     fflush(f);
-    const pid_t man = start_man(page, &out);
-    while (out && fgets(line, sizeof line, out)) {
-        if (is_heading(line)) {
-            const char *const text = line + strspn(line, " ");
-            in = lines == 0 && strncmp(text, title, n) == 0 && text[n] == '\n';
-        }
-        if (in) {
-            fputs(line, f);
-            lines++;
-        }
-    }
-    if (out)
-        fclose(out);
-    if (man > 0)
-        waitpid(man, NULL, 0);
+    FILE *const man = popen(script, "r");
+    for (; man && fgets(line, sizeof line, man); lines++)
+        fputs(line, f);
+    if (man)
+        pclose(man);
     return lines;
 }
 
@@ -346,24 +294,33 @@ static gp_status show_section(const struct gp_log *log, FILE *f, const char *tit
                    "in man/glarepp.1 of the source", title);
 }
 
-/* Prints the options that the topic names, exactly, ignoring an "s", or by one
- * of their values; each with its values. Returns their number. */
-enum match { EXACT, LOOSE, VALUE };
+/* How a topic names an option: exactly, ignoring an "s", or by one of its
+ * values. */
+enum match { NOT, EXACT, LOOSE, VALUE };
+
+static enum match match_of(const struct gp_option *o, const char *topic)
+{
+    const char *name, *text;
+    if ((topic[0] == o->letter && !topic[1]) || strcasecmp(topic, o->name) == 0)
+        return EXACT;
+    if (is_topic(topic, o->name))
+        return LOOSE;
+    for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+        const char *const colon = strchr(name, ':');
+        if (strcasecmp(colon ? colon + 1 : name, topic) == 0)
+            return VALUE;
+    }
+    return NOT;
+}
+
+/* Prints the options that match so, each with its values; returns their
+ * number. */
 static int print_options_of(FILE *f, const char *topic, enum match match)
 {
     int found = 0;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *name, *text;
-        bool is = match == EXACT   ? (topic[0] == o->letter && !topic[1]) ||
-                                         strcasecmp(topic, o->name) == 0
-                  : match == LOOSE ? is_topic(topic, o->name) : false;
-        for (int i = 0; match == VALUE && !is &&
-                        (name = gp_option_value(o, i, &text)); i++) {
-            const char *const colon = strchr(name, ':');
-            is = strcasecmp(name, topic) == 0 ||
-                 (colon && strcasecmp(colon + 1, topic) == 0);
-        }
-        if (o->hidden || !is)
+        if (o->hidden || match_of(o, topic) != match)
             continue;
         if (found++)
             putc('\n', f);

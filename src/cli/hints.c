@@ -111,7 +111,7 @@ static struct kernel_words words_of(const struct gp_settings *s,
     struct kernel_words w = {""};
     int first = 0, last = 1;
     if (sscanf(parameter, "kernel.word %d %d", &first, &last) != 2 &&
-        strcmp(parameter, "kernel.percent") != 0)
+        strncmp(parameter, "kernel.percent", strlen("kernel.percent")) != 0)
         return w;
     for (int i = gp_max(first, 0); i < gp_min(last, s->kernel.words.n); i++) {
         const size_t used = strlen(w.text);

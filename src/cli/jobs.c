@@ -365,17 +365,14 @@ gp_status gp_jobs_check_names(
         for (int i = 0; i < j->n; i += step) {
             const struct gp_job *const job = &j->job[i];
             char *const name = gp_job_name(job, target);
-            const struct gp_output_guard_output output = {
-                .name = name, .what = target_options[target->kind],
-                .as = p->path, .of = j->n > 1 ? job->input : NULL,
-                .view = j->n > 1 ? job->view : NULL,
-                .order = (long long) i * j->targets + t,
-            };
             st = !name ? gp_no_memory(log, p->path)
                  : p->views && gp_is_dash(name)
                      ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
                                "which is stdout; write ./%s", p->path, p->path)
-                     : gp_output_guard_add(&c, &output);
+                     : gp_output_guard_add(&c, name,
+                                           target_options[target->kind],
+                                           p->path, j->n > 1 ? job->input
+                                                             : NULL);
             free(name);
             GP_TRY(st);
         }

@@ -2,10 +2,8 @@
 
 #include "cli/output_guard.h"
 #include "cli/hints.h"
-#include "cli/kernel_label.h"
 #include "cli/options.h"
 #include "cli/pictures.h"
-#include "cli/plan_settings.h"
 #include "glarepp.h"
 #include "io/file.h"
 #include "io/read.h"
@@ -23,7 +21,7 @@
 static gp_status read_kernel(struct glarepp *gp, const struct gp_settings *s,
     const char *const *word, int words, struct glarepp_kernel **out)
 {
-    struct glarepp_kernel_params p = gp_kernel_params(s);
+    struct glarepp_kernel_params p = s->kernel.p;
     p.word = word;
     p.words = words;
     p.recipe = true;
@@ -37,8 +35,8 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
     struct glarepp_label *label)
 {
     const struct glarepp_field field = {
-        .w = s->making.w, .h = s->making.h, .fov = (double) s->kernel.fov,
-        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
+        .w = s->making.w, .h = s->making.h, .fov = s->plan.fov,
+        .rotate = s->plan.rotate, .frame = s->making.frame,
         .radius = s->making.radius, .most = s->input.read.max_pixels,
         .name = name,
     };
@@ -59,38 +57,69 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
 
 /* Checks the names of outputs before anything is read. */
 static gp_status check_names(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_write_params *write,
-    struct gp_output_guard *clobber)
+    const struct gp_settings *s, const struct gp_write_params *write)
 {
     static const char keeps[] = "-o of a kernel keeps floats and its recipe";
+    struct gp_output_guard c;
     gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, clobber));
+    GP_TRY(gp_output_guard_begin(log, s, &c));
     for (int i = 0; i < s->output.pictures.n; i++) {
         const char *const path = s->output.pictures.at[i];
         GP_TRY(gp_write_hdr_check(log, write, keeps, path));
-        GP_TRY(gp_output_guard_add(clobber, &(struct gp_output_guard_output) {
-            .name = path, .what = "-o", .as = path, .order = i}));
+        GP_TRY(gp_output_guard_add(&c, path, "-o", path, NULL));
     }
-    GP_TRY(gp_output_guard_settle(clobber));
+    GP_TRY(gp_output_guard_settle(&c));
 out:
+    gp_output_guard_end(&c);
     return st;
 }
 
-/* Fills in the attributes of a kernel's file. */
-static gp_status make_texts(const struct gp_log *log,
-    const struct gp_settings *s, const struct glarepp_kernel *k,
-    const struct glarepp_label *label, struct gp_label_texts *out)
+/* Attributes of a kernel's file. */
+struct texts {
+    struct gp_attribute at[GP_KERNEL_RECIPES + 7];
+    char name[GP_KERNEL_RECIPES + 7][24];
+    char value[6][40];    // of those that are made here
+    int n;
+};
+
+static void add_text(struct texts *t, const char *name, const char *text)
 {
-    const char *recipe[GP_LABEL_TEXTS];
-    int n = 0;
-    while (n < GP_LABEL_TEXTS && (recipe[n] = glarepp_kernel_recipe(k, n)))
-        n++;
-    return gp_label_write(log, &(struct gp_file_label) {
-        .present = true, .w = label->w, .h = label->h,
-        .radius = s->making.radius, .fov = label->fov,
-        .rotate = (double) s->kernel.rotate, .frame = s->making.frame,
-        .compression = s->output.write.compression,
-        .left_out = label->left_out, .beyond = label->beyond}, recipe, n, out);
+    snprintf(t->name[t->n], sizeof *t->name, "%s", name);
+    t->at[t->n] = (struct gp_attribute) {
+        .name = t->name[t->n], .kind = GP_ATTRIBUTE_TEXT,
+        .text = (char *) (uintptr_t) text,
+    };
+    t->n++;
+}
+
+static void add_number(struct texts *t, int i, const char *name, double v)
+{
+    snprintf(t->value[i], sizeof *t->value, "%.17g", v);
+    add_text(t, name, t->value[i]);
+}
+
+/* Fills in all of them; recipes are the kernel's. */
+static void make_texts(const struct gp_settings *s,
+    const struct glarepp_kernel *k, const struct glarepp_label *label,
+    struct texts *out)
+{
+    const struct gp_option_choice *c = gp_compressions;
+    const char *recipe;
+    out->n = 0;
+    for (int i = 0; i < GP_KERNEL_RECIPES &&
+                    (recipe = glarepp_kernel_recipe(k, i)); i++)
+        add_text(out, gp_recipe_name(i).text, recipe);
+    while (c->value != (int) s->output.write.compression)
+        c++;
+    add_number(out, 0, "glarepp:fov", label->fov);
+    snprintf(out->value[1], sizeof *out->value, "%dx%d,%d", label->w, label->h,
+             s->making.radius);
+    add_text(out, "glarepp:size", out->value[1]);
+    add_number(out, 2, "glarepp:rotate", s->plan.rotate);
+    add_number(out, 3, "glarepp:frame", s->making.frame);
+    add_text(out, "glarepp:compression", c->name);
+    add_number(out, 4, "glarepp:left_out", label->left_out);
+    add_number(out, 5, "glarepp:beyond", label->beyond);
 }
 
 static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
@@ -104,18 +133,12 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
     struct gp_frame f = {0};
     struct gp_write_params write = s->output.write;
     struct gp_write_stats stats = {0};
-    struct gp_output_guard clobber = {0};
-    struct gp_label_texts texts = {.n = 0};
+    struct texts texts;
     write.type = GP_OUT_FLOAT;
-    GP_TRY(check_names(log, s, &write, &clobber));
+    GP_TRY(check_names(log, s, &write));
     GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
-    for (int i = 0; i < words->n; i++) {
-        char path[PATH_MAX];
-        if (glarepp_kernel_path(words->at[i], path, sizeof path))
-            GP_TRY(gp_output_guard_input(&clobber, "image of the kernel", path));
-    }
     GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
-    GP_TRY(make_texts(log, s, k, &label, &texts));
+    make_texts(s, k, &label, &texts);
     write.added = texts.at;
     write.n_added = texts.n;
     for (int i = 0; i < outputs->n; i++)
@@ -125,8 +148,6 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
            outputs->at[0], gp_frame_w(&f), gp_frame_h(&f),
            label.fov / label.h, label.left_out);
 out:
-    gp_output_guard_end(&clobber);
-    gp_label_texts_free(&texts);
     glarepp_kernel_end(&k);
     gp_frame_free(&f);
     return st;
@@ -176,14 +197,6 @@ static gp_status list_models(const struct gp_log *log)
 
 // -- --check ------------------------------------------------------------------
 
-/* True for a word that is the path of an image. */
-static bool is_path(const char *word)
-{
-    char path[PATH_MAX];
-    return glarepp_kernel_path(word, path, sizeof path) &&
-           strcmp(path, word) == 0;
-}
-
 /* Draws the kernel of a recipe, or reads that of a file. */
 static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, struct gp_frame *out,
@@ -192,12 +205,10 @@ static gp_status find_checked(const struct gp_log *log, struct glarepp *gp,
     const char *const word = s->making.check;
     const struct gp_read_params limits = gp_read_limits(&s->input.read);
     struct glarepp_kernel *k = NULL;
-    struct gp_file_label own;
     gp_status st;
-    if (is_path(word)) {
+    if (gp_kernel_is_file(word)) {
         GP_TRY(gp_read_frame(log, &limits, word, out));
-        GP_TRY(gp_label_read(log, out, &own));
-        *label = gp_label_of(&own);
+        GP_TRY(gp_label_read(log, out, label));
     } else {
         GP_TRY(read_kernel(gp, s, &word, 1, &k));
         GP_TRY(draw_kernel(k, s, word, out, label));
@@ -274,7 +285,7 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
 {
     const char *const name = s->making.check;
     struct glarepp_kernel_use use = {
-        .brightest = 1000.0, .percent = s->kernel.image.percent,
+        .brightest = 1000.0, .percent = s->kernel.p.percent,
         .add = s->light.layer.mix == GLAREPP_ADD,
     };
     struct glarepp_kernel_figures figures;
@@ -285,8 +296,8 @@ static gp_status check_kernel(const struct gp_log *log, struct glarepp *gp,
         GP_TRY(look_at_frame(log, gp, s, s->input.files.at[0], &use));
     struct glarepp_image image = gp_decoded_of(&f, &f.rgb);
     image.name = name;
-    if (is_path(name)) // what was drawn is turned already
-        use.rotate = (double) s->kernel.rotate;
+    if (gp_kernel_is_file(name)) // what was drawn is turned already
+        use.rotate = s->plan.rotate;
     GP_TRY(glarepp_kernel_check(gp, &image, &use, &figures));
     printf("kernel     %s\n", gp_printable(name).text);
     print_primaries(&f);

@@ -1,6 +1,5 @@
 #include "cli/output_guard.h"
 #include "cli/commands.h"
-#include "cli/compare_report.h"
 #include "cli/environment.h"
 #include "cli/hints.h"
 #include "cli/jobs.h"

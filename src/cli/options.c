@@ -1,6 +1,5 @@
 #include "cli/options.h"
 
-#include "cli/flight.h"
 #include "cli/styles.h"
 
 #include <float.h>
@@ -14,8 +13,11 @@ const struct gp_settings gp_defaults = {
         .sense = GLAREPP_SENSE_PARAMS,
         .layer = GLAREPP_LAYER_PARAMS,
     },
-    .kernel.image = GLAREPP_KERNEL_PARAMS,
-    .sun.p = GLAREPP_LIGHT_PARAMS,
+    .kernel.p = GLAREPP_KERNEL_PARAMS,
+    .sun = {.light = GLAREPP_LIGHT, .p = GLAREPP_LIGHT_PARAMS},
+    .lens = GLAREPP_LENS_PARAMS,
+    .scene = GLAREPP_SCENE_PARAMS,
+    .plan = GLAREPP_PLAN_PARAMS,
     .tone.map = GLAREPP_TONE_PARAMS,
     .bench = GP_BENCH_DEFAULTS,
     .sets = GLAREPP_SETS_PARAMS,
@@ -93,8 +95,8 @@ static const struct gp_option_choice gp_ups[] = {
     {"z", GLAREPP_UP_Z, "z, as in Blender"}, {0},
 };
 static const struct gp_option_choice gp_spaces[] = {
-    {"world", GP_NORMALS_WORLD, "those of the frame's world"},
-    {"camera", GP_NORMALS_CAMERA, "x right, y up, z to the eye, whatever "
+    {"world", false, "those of the frame's world"},
+    {"camera", true, "x right, y up, z to the eye, whatever "
      "worldToCamera has"}, {0},
 };
 static const struct gp_option_choice gp_plans[] = {
@@ -114,6 +116,7 @@ static const struct gp_option_choice gp_plans[] = {
 /* A number, flag, pair or free text, by the field's type. */
 #define OPT(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
+                    double *: GP_KIND_REAL,                                   \
                     struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     double (*)[2]: GP_KIND_PAIR,                              \
@@ -237,7 +240,7 @@ const struct gp_option gp_options[] = {
                 "or a model and its keys, as MODEL:key=value,key=value; "
                 "several add up by their shares",
         .usual = "Shape the glare; glarepp kernel --list has shapes"),
-    OPT(kernel.fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001,
+    OPT(plan.fov, .name = "fov", LENS(LIGHT), .arg = "DEG", .lo = 0.001,
         .hi = 170,
         .help = "Vertical angle of view of the display window, by which models "
                 "have their size; without it the frame's camera, else 30",
@@ -245,7 +248,7 @@ const struct gp_option gp_options[] = {
     OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
-    OPT(kernel.image.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
+    OPT(kernel.p.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
                 "centre of the first); without it, the centre of pixel "
@@ -253,7 +256,7 @@ const struct gp_option gp_options[] = {
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
         .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel; "
         "without it, a file of glarepp kernel is used as it is"),
-    OPT(kernel.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
+    OPT(plan.rotate, .name = "rotate", LENS(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
         .help = "Rotate the kernel about its centre, counter-clockwise"),
     OPT(light.layer.gain, .name = "gain", .letter = 'g', BOTH(LIGHT),
@@ -316,7 +319,7 @@ const struct gp_option gp_options[] = {
                 "installed flare (preset:list names them); each light that has "
                 "flux draws them, scaled by its visible share, or every bright "
                 "pixel does"),
-    OPT(lens.name, .name = "lens", BOTH(SUN), .arg = "FILE|NAME",
+    OPT(lens.lens, .name = "lens", BOTH(SUN), .arg = "FILE|NAME",
         .help = "Add the ghosts of a real lens, a JSON file or an installed "
         "one, which glarepp lens lists: of the lights that have flux, without "
         "lights of the 100 brightest groups of sources; -k aperture then has "
@@ -353,11 +356,11 @@ const struct gp_option gp_options[] = {
         "scene's lights flux, which is glare of their own and flare: this "
         "much of the frame's unit for a candela or lux, 0.00146413 (1/683) for "
         "Blender"),
-    OPT(scene.relight, .name = "relight", IN(SUN), .arg = "NAME|all",
+    OPT(sun.relight, .name = "relight", IN(SUN), .arg = "NAME|all",
         .needs = GP_NEED_SCENE, .help = "Add the light of this lamp of the "
         "scene to the frame, by its depth, normals and albedo; may be given "
         "more than once"),
-    CHOICE(scene.normal_space, .name = "normal-space", IN(SUN), .arg = "SPACE",
+    CHOICE(scene.camera_normals, .name = "normal-space", IN(SUN), .arg = "SPACE",
         .needs = GP_NEED_RELIGHT, .choices = gp_spaces, .help = "Axes of the "
         "frame's normals"),
     OPT(scene.lamp_size, .name = "lamp-size", IN(SUN), .arg = "R",
@@ -414,7 +417,7 @@ const struct gp_option gp_options[] = {
         .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(run.frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
-        .hi = GP_FLIGHT_MOST, .aside = true,
+        .hi = GP_FRAME_JOBS, .aside = true,
         .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
         "or as many as fit into half of the memory; no output depends on it"),
 
@@ -537,7 +540,7 @@ const struct gp_option gp_options[] = {
         .help = "Draw the lens of --check with the rays of its brightest "
         "ghost, as SVG; - is stdout"),
 
-    OPT(scene.time, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
+    OPT(sets.seconds, .name = "time", SETS, .arg = "SECONDS", .lo = -1e9,
         .hi = 1e9, .help = "Draw the scene at this time of its animation; "
         "without it, at its first key"),
     OPT(sets.map, .name = "shadow-size", SETS, .arg = "N", .lo = 8,

@@ -23,6 +23,7 @@ enum gp_option_kind {
     GP_KIND_FLAG,    // bool: set true, or false by `off`
     GP_KIND_SET,     // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
+    GP_KIND_REAL,    // double
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long

@@ -11,6 +11,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* A file that is written, by an output with a name of its own. */
+struct output {
+    dev_t device;
+    ino_t node;           // the file's, or its folder's
+    uint64_t tail;        // hash of the name in the folder; 0: the file exists
+    bool open;            // a descriptor, which may be given several times
+    size_t order;
+    char *name;           // of the file, as written; owned
+    const char *what, *as, *of; // as given
+};
+
 /* Options with one file name; files of a pattern are added by the caller. */
 static const struct single {
     const char *what;
@@ -28,7 +39,7 @@ static const struct single {
     SINGLE(sun.p.file, "--lights", false),
     SINGLE(sun.p.flare, "--flare", false),
     SINGLE(scene.path, "--scene", false),
-    SINGLE(lens.name, "--lens", false),
+    SINGLE(lens.lens, "--lens", false),
     SINGLE(sun.depth_file, "--depth-file", false),
     SINGLE(sun.mask_file, "--mask-file", false),
     SINGLE(tone.map.config, "--ocio", false),
@@ -53,7 +64,7 @@ static const char *single_name(const struct gp_settings *s, int i)
  * names after it, FNV-1a from last to first; --create-dir would make these
  * folders. */
 static gp_status find_place(const struct gp_log *log, const char *path,
-                            struct gp_output_guard_file *file)
+                            struct output *file)
 {
     const size_t room = strlen(path) + 3;
     char *const way = malloc(room), *slash;
@@ -93,48 +104,44 @@ static gp_status find_place(const struct gp_log *log, const char *path,
 
 // -- the list ----------------------------------------------------------------
 
-static gp_status append(struct gp_output_guard *c, struct gp_output_guard_file file)
+static gp_status append(struct gp_output_guard *c, struct output file)
 {
-    if (c->n == c->room) {
-        const size_t room = c->room ? 2 * c->room : 16;
+    if ((c->n & (c->n - 1)) == 0) { // doubles at powers of two
         void *block = c->file;
-        gp_status st = gp_resize(c->log, "output list", room * sizeof file,
-                                 &block);
+        const gp_status st = gp_resize(c->log, "output list",
+                                       (c->n ? 2 * c->n : 1) * sizeof file,
+                                       &block);
         if (st)
             return st;
         c->file = block;
-        c->room = room;
     }
-    const char *const name = file.by.name; // of the caller
-    file.by.name = gp_strdup(name);
-    if (!file.by.name)
-        return gp_no_memory(c->log, name);
+    file.order = c->n;
+    file.name = gp_strdup(file.name);
+    if (!file.name)
+        return gp_no_memory(c->log, file.as);
     c->file[c->n++] = file;
     return GP_OK;
 }
 
-gp_status gp_output_guard_add(struct gp_output_guard *c,
-                         const struct gp_output_guard_output *output)
+gp_status gp_output_guard_add(struct gp_output_guard *c, const char *path,
+                              const char *what, const char *as, const char *of)
 {
-    struct gp_output_guard_file file = {.by = *output};
-    const char *const path = output->name;
+    struct output file = {.name = (char *) (uintptr_t) path, .what = what,
+                          .as = as, .of = of};
     struct stat info;
     bool exists, link = false;
+    gp_status st = GP_OK;
     if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
         file.tail = 1; // no folder has device 0 and node 0
-        gp_status st = append(c, file);
-        if (st)
-            return st;
+        st = append(c, file);
         exists = fstat(STDOUT_FILENO, &info) == 0;
-        if (!exists)
-            return GP_OK;
+        if (st || !exists)
+            return st;
         file.tail = 0;
         file.open = true;
     } else {
-        exists = lstat(path, &info) == 0;
-        link = exists && S_ISLNK(info.st_mode);
-        if (link)
-            exists = stat(path, &info) == 0;
+        link = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+        exists = stat(path, &info) == 0;
         file.open = exists && gp_file_descriptor(path) >= 0;
     }
     if (exists && !S_ISREG(info.st_mode))
@@ -150,7 +157,7 @@ gp_status gp_output_guard_add(struct gp_output_guard *c,
     char *const end = link ? gp_file_resolve(path) : NULL;
     if (link && !end && errno == ENOMEM)
         return gp_no_memory(c->log, path);
-    const gp_status st = find_place(c->log, end ? end : path, &file);
+    st = find_place(c->log, end ? end : path, &file);
     gp_free(end);
     return st ? st : append(c, file);
 }
@@ -163,9 +170,7 @@ gp_status gp_output_guard_begin(const struct gp_log *log,
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(s, i);
         if (name && singles[i].written)
-            st = gp_output_guard_add(out, &(struct gp_output_guard_output) {
-                .name = name, .what = singles[i].what, .as = name,
-                .order = i - SINGLES});
+            st = gp_output_guard_add(out, name, singles[i].what, name, NULL);
     }
     return st;
 }
@@ -173,7 +178,7 @@ gp_status gp_output_guard_begin(const struct gp_log *log,
 void gp_output_guard_end(struct gp_output_guard *c)
 {
     for (size_t i = 0; i < c->n; i++)
-        gp_free((char *) c->file[i].by.name); // a copy
+        gp_free(c->file[i].name);
     gp_free(c->file);
     *c = (struct gp_output_guard) {0};
 }
@@ -185,7 +190,7 @@ void gp_output_guard_end(struct gp_output_guard *c)
 /* Orders by file identity. */
 static int by_file(const void *a, const void *b)
 {
-    const struct gp_output_guard_file *x = a, *y = b;
+    const struct output *x = a, *y = b;
     return x->device != y->device ? ORDER(x->device, y->device)
          : x->node != y->node     ? ORDER(x->node, y->node)
                                   : ORDER(x->tail, y->tail);
@@ -193,34 +198,31 @@ static int by_file(const void *a, const void *b)
 
 static int by_file_and_order(const void *a, const void *b)
 {
-    const struct gp_output_guard_file *x = a, *y = b;
+    const struct output *x = a, *y = b;
     const int order = by_file(a, b);
-    return order ? order : ORDER(x->by.order, y->by.order);
+    return order ? order : ORDER(x->order, y->order);
 }
 
 gp_status gp_output_guard_settle(struct gp_output_guard *c)
 {
-    const struct gp_output_guard_file *first = NULL;
+    const struct output *first = NULL;
     gp_status st = GP_OK;
     if (c->n)
         qsort(c->file, c->n, sizeof *c->file, by_file_and_order);
     for (size_t i = 1; i < c->n; i++) {
-        const struct gp_output_guard_file *const file = &c->file[i];
+        const struct output *const file = &c->file[i];
         const bool same = by_file(file - 1, file) == 0 &&
                           !(file[-1].open && file->open);
-        if (same && (!first || file->by.order < first->by.order))
+        if (same && (!first || file->order < first->order))
             first = file;
     }
     if (first) {
-        const struct gp_output_guard_output x = first[-1].by, y = first->by;
-#define OF(o)                                                                 \
-    (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
-    (o).view ? (o).view : ""
+        const struct output x = first[-1], y = first[0];
         st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
-            "%s%s%s%s%s and %s %s%s%s%s%s); %s", x.name, x.what, x.as, OF(x),
-            y.what, y.as, OF(y), gp_is_dash(x.name) ? "only one can go to "
-            "stdout" : "give each a name of its own");
-#undef OF
+            "%s%s%s and %s %s%s%s); %s", x.name, x.what, x.as,
+            x.of ? " for " : "", x.of ? x.of : "", y.what, y.as,
+            y.of ? " for " : "", y.of ? y.of : "", gp_is_dash(x.name)
+            ? "only one can go to stdout" : "give each a name of its own");
     }
     for (int i = 0; i < c->s->kernel.words.n && !st; i++) {
         char path[PATH_MAX];
@@ -242,14 +244,13 @@ gp_status gp_output_guard_input(const struct gp_output_guard *c, const char *wha
     if (!c->exists || (gp_is_dash(path) ? fstat(STDIN_FILENO, &info)
                                         : stat(path, &info)) != 0)
         return GP_OK;
-    const struct gp_output_guard_file key = {.device = info.st_dev,
-                                        .node = info.st_ino};
-    const struct gp_output_guard_file *const found =
+    const struct output key = {.device = info.st_dev, .node = info.st_ino};
+    const struct output *const found =
         bsearch(&key, c->file, c->n, sizeof key, by_file);
     return !found ? GP_OK
                   : gp_fail(c->log, GP_ERR_USAGE, "%s: %s would replace a file "
                         "that is read (%s %s); write to another name",
-                        found->by.name, found->by.what, what, path);
+                        found->name, found->what, what, path);
 }
 
 gp_status gp_output_guard_check(const struct gp_log *log,

@@ -18,33 +18,12 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
-#include <sys/types.h>
-
-/* An output. Its texts, but for the name, are borrowed. */
-struct gp_output_guard_output {
-    const char *name;  // of the file, as written
-    const char *what;  // "--hdr"
-    const char *as;    // its value, which may be a pattern
-    const char *of;    // input that it is made of; NULL: the only one
-    const char *view;  // of that input, or NULL
-    long long order;   // >= 0; of two faults the one of lower order is reported
-};
-
-/* A file that is written, by an output with a name of its own. */
-struct gp_output_guard_file {
-    dev_t device;
-    ino_t node;      // the file's, or its folder's
-    uint64_t tail;   // hash of the name in the folder; 0: the file exists
-    bool open;       // a descriptor, which may be given several times
-    struct gp_output_guard_output by;
-};
 
 struct gp_output_guard {
     const struct gp_log *log;
     const struct gp_settings *s;
-    struct gp_output_guard_file *file; // owned
-    size_t n, room;
+    struct output *file;          // owned
+    size_t n;
     bool exists;                  // some output exists: it may be an input
 };
 
@@ -55,12 +34,14 @@ struct gp_output_guard {
 GP_MUST_CHECK gp_status gp_output_guard_begin(const struct gp_log *log,
     const struct gp_settings *s, struct gp_output_guard *out);
 
-/* Adds an output. Errors: GP_ERR_BUG out of memory. */
+/* Adds an output: the option `what` with its value `as`, which may be a pattern,
+ * made of the input `of` (NULL: the only one). All but the path are borrowed.
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
-                                       const struct gp_output_guard_output *output);
+    const char *path, const char *what, const char *as, const char *of);
 
 /* Compares all outputs with each other, and with the files that options with
- * plain names read. Call it after the last gp_output_guard_output().
+ * plain names read.
  * Errors: GP_ERR_USAGE names the first that is given twice, or is read. */
 GP_MUST_CHECK gp_status gp_output_guard_settle(struct gp_output_guard *c);
 

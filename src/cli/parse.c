@@ -19,7 +19,7 @@ static struct gp_texts *list_of(struct gp_settings *s, int i)
     struct gp_texts *const list[LISTS] = {
         &s->input.files, &s->output.pictures, &s->output.hdr,
         &s->output.layer, &s->input.light_groups, &s->kernel.words,
-        &s->scene.relight, &s->tone.context, &s->words.options,
+        &s->sun.relight, &s->tone.context, &s->words.options,
     };
     return list[i];
 }
@@ -67,7 +67,7 @@ static bool read_double(const char **s, double *out)
 static gp_status set_number(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
-    const bool whole = o->kind != GP_KIND_FLOAT;
+    const bool whole = o->kind == GP_KIND_INT || o->kind == GP_KIND_COUNT;
     char *end;
     const char *s = u->value;
     double v;
@@ -83,6 +83,8 @@ static gp_status set_number(const struct use *u, void *field)
         return out_of_range(u);
     if (o->kind == GP_KIND_FLOAT)
         *(float *) field = (float) v;
+    else if (o->kind == GP_KIND_REAL)
+        *(double *) field = v;
     else if (o->kind == GP_KIND_INT)
         *(int *) field = (int) n;
     else
@@ -254,6 +256,7 @@ static gp_status set_value(const struct use *u, void *field)
         memcpy(field, &u->option->set, sizeof u->option->set);
         return GP_OK;
     case GP_KIND_FLOAT:
+    case GP_KIND_REAL:
     case GP_KIND_INT:
     case GP_KIND_COUNT:
         return set_number(u, field);

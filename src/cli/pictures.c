@@ -1,9 +1,14 @@
 #include "cli/pictures.h"
 
 #include "cli/hints.h"
-#include "cli/kernel_label.h"
+#include "cli/options.h"
 #include "core/memory.h"
 #include "io/plane.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 struct glarepp_image gp_decoded_of(const struct gp_frame *f,
                                  const struct gp_planes *planes)
@@ -52,6 +57,110 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
     return p;
 }
 
+// -- files of glarepp kernel --------------------------------------------------
+
+struct gp_recipe_name gp_recipe_name(int i)
+{
+    struct gp_recipe_name name;
+    snprintf(name.text, sizeof name.text,
+             i ? "glarepp:recipe%d" : "glarepp:recipe", i + 1);
+    return name;
+}
+
+/* Reads a number in [lo, hi] that a kernel's file has as text. */
+static bool read_number(const struct gp_frame *f, const char *name, double lo,
+                        double hi, double *v)
+{
+    char *const text = gp_frame_text(f, name);
+    char *end = NULL;
+    if (text)
+        *v = strtod(text, &end);
+    const bool good = text && end != text && !*end && *v >= lo && *v <= hi;
+    gp_free(text);
+    return good;
+}
+
+/* Reads a number in the range of an option. */
+static bool read_option(const struct gp_frame *f, const char *name,
+                        const char *option, double *v)
+{
+    const struct gp_option *const o = gp_option_find(option, strlen(option));
+    return read_number(f, name, o->lo, o->hi, v);
+}
+
+/* Reads the attributes but the recipes; all 0 where they are not whole, or out
+ * of their options' ranges. */
+static struct glarepp_label read_label(const struct gp_frame *f)
+{
+    struct glarepp_label l = {.present = true};
+    const double slack = 1e-3; // sums of floats
+    double turn, frame;        // of no use here, and part of what is whole
+    int v[3] = {0};
+    char *const size = gp_frame_text(f, "glarepp:size");
+    const bool sized = size && gp_read_whole(size, "x,", v) && v[0] > 0 &&
+                       v[1] > 0 && v[0] <= 16384 && v[1] <= 16384 &&
+                       v[2] < 16384;
+    gp_free(size);
+    l.w = v[0];
+    l.h = v[1];
+    return sized && read_option(f, "glarepp:fov", "fov", &l.fov) &&
+           read_option(f, "glarepp:rotate", "rotate", &turn) &&
+           read_option(f, "glarepp:frame", "frame", &frame) &&
+           read_number(f, "glarepp:left_out", -slack, 1.0 + slack,
+                       &l.left_out) &&
+           read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond)
+               ? l : (struct glarepp_label) {.present = false};
+}
+
+/* Checks the recipes, and adds up their shares. Their images are not read: the
+ * samples are in the file. */
+static gp_status read_recipes(const struct gp_log *log, struct glarepp *quiet,
+                              const struct gp_frame *f, double *share)
+{
+    gp_status st = GP_OK;
+    for (int i = 0; i < GP_KERNEL_RECIPES && !st; i++) {
+        struct glarepp_kernel_params p = GLAREPP_KERNEL_PARAMS;
+        struct glarepp_kernel *k;
+        const struct gp_recipe_name name = gp_recipe_name(i);
+        char *const text = gp_frame_text(f, name.text);
+        const char *const word[] = {text};
+        if (!text)
+            break;
+        p.word = word;
+        p.words = 1;
+        p.unread = true;
+        st = (gp_status) glarepp_kernel(quiet, &p, &k);
+        if (st)
+            st = gp_fail(log, st == GP_ERR_BUG ? st : GP_ERR_DATA,
+                         "%s: %s: %s", f->path, name.text, glarepp_error()->text);
+        else
+            *share += glarepp_kernel_share(k);
+        glarepp_kernel_end(&k);
+        gp_free(text);
+    }
+    *share = fmin(*share, 1.0);
+    return st;
+}
+
+gp_status gp_label_read(const struct gp_log *log, const struct gp_frame *f,
+                        struct glarepp_label *out)
+{
+    const struct glarepp_params params = {.size = sizeof params, .threads = 1};
+    struct glarepp *quiet = NULL;
+    char *const first = gp_frame_text(f, gp_recipe_name(0).text);
+    *out = first ? read_label(f) : (struct glarepp_label) {.present = false};
+    if (!first)
+        return GP_OK;
+    gp_free(first);
+    gp_status st = (gp_status) glarepp_open(&params, &quiet);
+    if (!st)
+        st = read_recipes(log, quiet, f, &out->share);
+    glarepp_close(&quiet);
+    return st;
+}
+
+// -- the library's callbacks --------------------------------------------------
+
 /* The frame that an image borrows from. */
 static _Thread_local struct gp_frame lent;
 
@@ -75,17 +184,15 @@ int gp_picture_read(void *user, const struct glarepp_picture *p,
 {
     const struct gp_listener *const l = user;
     const struct gp_read_params limits = gp_read_limits(&l->s->input.read);
-    struct gp_file_label own;
     if (p->alpha)
         return (int) read_alpha(l, p, out);
     gp_status st = gp_read_frame(l->log, &limits, p->path, &lent);
     if (!st)
-        st = gp_label_read(l->log, &lent, &own);
+        st = gp_label_read(l->log, &lent, label);
     if (st) {
         gp_frame_free(&lent);
         return (int) st;
     }
-    *label = gp_label_of(&own);
     *out = gp_decoded_of(&lent, &lent.rgb);
     return GP_OK;
 }

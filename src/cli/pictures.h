@@ -15,6 +15,21 @@ struct glarepp_image gp_decoded_of(const struct gp_frame *f,
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
                                                const struct gp_frame *f);
 
+/* The name of the i-th recipe's attribute in a file of glarepp kernel:
+ * glarepp:recipe, glarepp:recipe2. glare/model/README.md has the others. */
+enum { GP_KERNEL_RECIPES = 8 };
+struct gp_recipe_name {
+    char text[24];
+};
+struct gp_recipe_name gp_recipe_name(int i);
+
+/* Reads what the file of a kernel says of it. All 0 where it is not by glarepp
+ * kernel.
+ * Errors: GP_ERR_DATA a recipe that this program does not know, with the file's
+ * and the attribute's name; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
+    const struct gp_frame *f, struct glarepp_label *out);
+
 /* The callbacks of a context whose user is a struct gp_listener. A picture is
  * released by the thread that read it, before it reads another. */
 int gp_picture_read(void *user, const struct glarepp_picture *p,

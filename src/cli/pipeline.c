@@ -1,8 +1,6 @@
 #include "cli/commands.h"
 
-#include "cli/flight.h"
 #include "cli/machine.h"
-#include "cli/plan_settings.h"
 #include "cli/say.h"
 #include "cli/stages.h"
 #include "core/clock.h"
@@ -10,6 +8,9 @@
 #include "core/parallel.h"
 #include "io/file.h"
 
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
 #include <string.h>
 
 struct schedule {
@@ -18,34 +19,54 @@ struct schedule {
     size_t pixel_bytes;       // peak of a frame, without carried channels
 };
 
+enum state {
+    FREE,
+    BUSY,      // a phase runs
+    HAS_READ,  // waits to be computed
+    COMPUTED,  // waits to be written
+    DONE,      // written, or failed; waits to be ended
+};
+
 /* An input file in flight: one frame, or the views inside it. */
 struct unit {
+    enum state state;
+    gp_status st;                // of its phases
     struct gp_frame_log log;
     struct gp_frame_state *view; // jobs->views of them, owned
     int begun;                   // of these
     bool kept;                   // skipped: all its outputs exist
 };
 
+/* Several units are in flight: while one is computed, others are read and
+ * written, so that no core waits for a file. Units are computed by the first
+ * thread only, and computed and ended in order, so that shared state depends on
+ * the units before, never on threads. */
 struct pipeline {
     const struct gp_log *log;
-    const struct gp_settings *asked; // the command line's
-    struct gp_settings s;            // the stages'
+    struct glarepp *gp;              // threads enter it; the caller is in it
+    const struct gp_settings *s;
     const struct gp_jobs *jobs;
     struct gp_progress *progress;
     struct schedule schedule;
     struct gp_run run;
-    struct gp_failures failures;
-    struct gp_flight flight;
-    struct unit *unit;               // one a slot, owned
-    int slots;
-    atomic_int kept;                 // frames skipped, for the progress
-    atomic_size_t largest;           // bytes of the largest unit so far
-    atomic_size_t shared;            // bytes that are no unit's
-    atomic_bool lit;                 // a unit with light was computed
-    atomic_int most;                 // units in flight so far
+    int units, slots;
     size_t memory;                   // limit of the process; 0: unknown
+    atomic_int head;                 // unit that is ended next
+    atomic_int kept;                 // frames skipped, for the progress
+
+    pthread_mutex_t lock;            // of all below
+    pthread_cond_t changed;
+    struct unit *unit;               // one a slot, owned; unit u has u % slots
+    int next_compute, next_read;
+    int limit;                       // units from here on get no further phase
+    gp_status result;                // of the unit that ended the run
+    size_t largest;                  // bytes of the largest unit so far
+    size_t shared;                   // bytes that are no unit's
+    bool lit;                        // a unit with light was computed
+    int most;                        // units in flight so far
+    struct gp_failures failures;
     int frames, dark;                // written; of these without sources
-    struct gp_frame_report brightest;       // of the dark frames
+    struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
 };
 
@@ -79,8 +100,7 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
 }
 
 /* Chooses the stages that the wanted files need, from the last to the first. */
-static gp_status make_schedule(const struct gp_log *log,
-                               const struct gp_run *r, struct schedule *p)
+static void make_schedule(const struct gp_run *r, struct schedule *p)
 {
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
@@ -89,32 +109,22 @@ static gp_status make_schedule(const struct gp_log *log,
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
                       GP_HAS_END | (reports ? GP_HAS_SHARES : 0u) |
                       (r->s->run.verify ? GP_HAS_MEASURED : 0u);
-    unsigned needs[GP_STAGES], have = 0;
     for (int i = GP_STAGES - 1; i >= 0; i--) {
-        bool writes = gp_stages[i].gives == GP_HAS_FILES;
-        needs[i] = gp_stages[i].needs | (writes ? written : 0u);
+        const struct gp_stage *const stage = &gp_stages[i];
         // (composing tells what the layer's flux is)
-        if (gp_stages[i].gives == GP_HAS_END &&
-            (!r->s->run.report || wanted & GP_HAS_LIT))
-            needs[i] = 0;
-        p->on[i] = (gp_stages[i].gives & wanted) &&
-                   (!gp_stages[i].asked || gp_stages[i].asked(r->s));
+        const bool idle = stage->gives == GP_HAS_END &&
+                          (!r->s->run.report || wanted & GP_HAS_LIT);
+        p->on[i] = (stage->gives & wanted) &&
+                   (!stage->asked || stage->asked(r->s));
         p->dead[i] = ~wanted;
-        wanted |= p->on[i] ? needs[i] : 0u;
-    }
-    for (int i = 0; i < GP_STAGES; i++) {
-        if (p->on[i] && (needs[i] & ~have))
-            return gp_fail(log, GP_ERR_BUG, "%s: runs before its input "
-                "exists (bits %#x)", gp_stages[i].name, needs[i] & ~have);
-        const bool there = p->on[i] || (gp_stages[i].asked &&
-                                        !gp_stages[i].asked(r->s));
-        have |= there ? gp_stages[i].gives : 0u;
+        if (p->on[i] && !idle)
+            wanted |= stage->needs |
+                      (stage->gives == GP_HAS_FILES ? written : 0u);
     }
     count_pixel_bytes(r, p);
-    return GP_OK;
 }
 
-// -- steps of a unit ---------------------------------------------------------
+// -- phases of a unit --------------------------------------------------------
 
 /* Counts the bytes of a frame's channels other than its colour. */
 static size_t carried_bytes(const struct gp_frame *f)
@@ -134,22 +144,11 @@ static size_t frame_bytes(const struct pipeline *p,
 {
     const size_t pixels = gp_frame_pixels(&fs->file);
     const size_t group =
-        (p->s.output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
+        (p->s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
     return bytes;
-}
-
-/* Measures what units share; call on the thread that computes. */
-static void measure_shared(struct pipeline *p)
-{
-    const size_t peak = gp_peak_memory();
-    const size_t units =
-        (size_t) atomic_load(&p->most) * atomic_load(&p->largest);
-    if (peak > units && peak - units > atomic_load(&p->shared))
-        atomic_store(&p->shared, peak - units);
-    atomic_store(&p->lit, true);
 }
 
 /* Runs a stage of a frame, and counts its time: of engines within it as
@@ -193,7 +192,7 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
         // skipped frames count neither as done nor in the total
         const int kept = atomic_load(&p->kept);
         gp_progress_update(p->progress,
-                           gp_flight_head(&p->flight) * p->jobs->views - kept,
+                           atomic_load(&p->head) * p->jobs->views - kept,
                            p->jobs->n - kept, fs->job->input, stage->name);
         st = run_stage(p, stage, fs);
         if (!st)
@@ -204,20 +203,17 @@ static gp_status run_view(struct pipeline *p, struct gp_frame_state *fs,
     return st;
 }
 
-static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
+static gp_status run_phase(struct pipeline *p, int unit, enum gp_phase phase)
 {
-    struct pipeline *const p = user;
-    struct unit *const u = &p->unit[slot];
+    struct unit *const u = &p->unit[unit % p->slots];
     const int views = p->jobs->views, first = unit * views;
     const struct gp_job *const job = &p->jobs->job[first];
-    size_t bytes = 0;
     gp_status st = GP_OK;
     if (phase == GP_PHASE_READ) {
-        gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
+        gp_frame_log_open(&u->log, p->log, &p->head, unit, job->input);
         u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
-            u->kept =
-                gp_job_complete(&p->asked->output.write, p->jobs, &job[v]);
+            u->kept = gp_job_complete(&p->s->output.write, p->jobs, &job[v]);
         if (u->kept)
             atomic_fetch_add(&p->kept, views);
         for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
@@ -225,19 +221,10 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
                                       &u->view[u->begun]);
     }
     for (int v = 0; v < u->begun && !st; v++) {
-        struct gp_frame_state *const fs = &u->view[v];
-        st = run_view(p, fs, phase);
-        if (phase == GP_PHASE_READ) {
-            fs->facts.cost.bytes = frame_bytes(p, fs);
-            bytes += fs->facts.cost.bytes;
-        }
-        if (phase == GP_PHASE_COMPUTE && fs->facts.lib.kernel.w > 0)
-            measure_shared(p);
+        st = run_view(p, &u->view[v], phase);
+        if (phase == GP_PHASE_READ)
+            u->view[v].facts.cost.bytes = frame_bytes(p, &u->view[v]);
     }
-    size_t largest = atomic_load(&p->largest);
-    while (bytes > largest &&
-           !atomic_compare_exchange_weak(&p->largest, &largest, bytes))
-        ;
     return st;
 }
 
@@ -249,29 +236,31 @@ static void free_unit(struct unit *u)
         gp_frame_state_end(&u->view[--u->begun]);
     gp_frame_log_close(&u->log);
     u->kept = false;
+    u->state = FREE;
 }
 
 /* True for errors that may be of one frame only; a lost context, a full memory
  * or a closed stdout would fail the others too. */
-static bool can_skip(void *user, int slot, gp_status st)
+static bool can_skip(const struct pipeline *p, const struct unit *u,
+                     gp_status st)
 {
-    const struct pipeline *const p = user;
-    const struct unit *const u = &p->unit[slot];
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
         const struct gp_frame_state *const fs = &u->view[v];
         const char *const writing = fs->facts.write.name[fs->facts.write.n];
         if (writing && gp_is_dash(writing))
             return false;
     }
-    return p->asked->input.skip_bad_frames &&
+    return p->s->input.skip_bad_frames &&
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-static gp_status end_unit(void *user, int slot, int unit, gp_status st)
+/* Ends the unit that is next: reports it. Any other return than GP_OK ends the
+ * run. */
+static gp_status end_unit(struct pipeline *p, struct unit *u)
 {
-    struct pipeline *const p = user;
-    struct unit *const u = &p->unit[slot];
-    const bool skipped = st && can_skip(p, slot, st);
+    const gp_status st = u->st;
+    const bool skipped = st && can_skip(p, u, st);
+    const int first = atomic_load(&p->head) * p->jobs->views;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
     if (u->kept)
@@ -294,17 +283,17 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
             p->frames++;
         }
         if (st)
-            gp_failures_add(&p->failures, unit * p->jobs->views + v);
+            gp_failures_add(&p->failures, first + v);
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
-        if (p->s.run.report)
+        if (p->s->run.report)
             reported = gp_report_frame(p->log, &p->run.report, facts);
     }
     free_unit(u);
     return st && !skipped ? st : reported;
 }
 
-// -- frames in flight --------------------------------------------------------
+// -- units in flight, under the lock ------------------------------------------
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
@@ -313,20 +302,151 @@ enum { FLIGHT = 3 }; // one is read, one computed, one written
  * and so are its transforms. */
 enum { UNKNOWN_SHARED = 4 };
 
-/* Called under the lock of the flight. */
-static bool has_room(void *user, int in_flight)
+/* True when one more unit may start beside `in_flight` others: all of them and
+ * what they share take half of the memory at most, each as much as the largest
+ * so far. The first is read by itself, as nothing is known before. */
+static bool has_room(const struct pipeline *p, int in_flight)
 {
-    struct pipeline *const p = user;
-    struct gp_flight_memory m = {
-        .limit = p->memory, .largest = atomic_load(&p->largest),
-    };
-    m.shared = atomic_load(&p->lit) ? atomic_load(&p->shared)
-                                    : UNKNOWN_SHARED * m.largest;
-    if (!p->asked->run.frame_jobs && !gp_flight_has_room(&m, in_flight))
+    const size_t half = p->memory / 2;
+    const size_t shared = p->lit ? p->shared : UNKNOWN_SHARED * p->largest;
+    return in_flight == 0 || p->s->run.frame_jobs || p->memory == 0 ||
+           (p->largest > 0 && shared < half &&
+            p->largest < (half - shared) / (size_t) (in_flight + 1));
+}
+
+/* Measures what a unit took, and what units share. */
+static void measure_unit(struct pipeline *p, const struct unit *u,
+                         enum gp_phase phase)
+{
+    size_t bytes = 0;
+    bool lit = false;
+    for (int v = 0; v < u->begun; v++) {
+        bytes += u->view[v].facts.cost.bytes;
+        lit = lit || u->view[v].facts.lib.kernel.w > 0;
+    }
+    p->largest = bytes > p->largest ? bytes : p->largest;
+    if (phase != GP_PHASE_COMPUTE || !lit)
+        return;
+    const size_t peak = gp_peak_memory();
+    const size_t units = (size_t) p->most * p->largest;
+    if (peak > units && peak - units > p->shared)
+        p->shared = peak - units;
+    p->lit = true;
+}
+
+/* Chooses the next phase of a thread; false when there is none. Writing comes
+ * before reading: it frees what the unit holds. */
+static bool pick_phase(struct pipeline *p, bool first_thread, int *unit,
+                       enum gp_phase *phase)
+{
+    const int head = atomic_load(&p->head), in_flight = p->next_read - head;
+    // pass units that failed
+    while (first_thread &&
+           (p->next_compute < head ||
+            (p->next_compute < p->next_read &&
+             p->unit[p->next_compute % p->slots].state == DONE)))
+        p->next_compute++;
+    if (first_thread && p->next_compute < p->next_read &&
+        p->next_compute < p->limit &&
+        p->unit[p->next_compute % p->slots].state == HAS_READ) {
+        *phase = GP_PHASE_COMPUTE;
+        *unit = p->next_compute++;
+        return true;
+    }
+    const int end = p->run.ordered ? head + 1 : p->next_compute;
+    for (int u = head; u < end && u < p->next_compute; u++) {
+        if (u < p->limit && p->unit[u % p->slots].state == COMPUTED) {
+            *phase = GP_PHASE_WRITE;
+            *unit = u;
+            return true;
+        }
+    }
+    if (p->next_read >= p->units || p->next_read >= p->limit ||
+        in_flight >= p->slots || !has_room(p, in_flight))
         return false;
-    if (in_flight + 1 > atomic_load(&p->most))
-        atomic_store(&p->most, in_flight + 1);
+    p->most = in_flight + 1 > p->most ? in_flight + 1 : p->most;
+    *phase = GP_PHASE_READ;
+    *unit = p->next_read++;
     return true;
+}
+
+static bool is_over(const struct pipeline *p)
+{
+    return p->result || atomic_load(&p->head) >= p->units;
+}
+
+// -- threads -----------------------------------------------------------------
+
+/* Runs phases until all units are ended. */
+static void run_phases(struct pipeline *p, bool first_thread)
+{
+    static const enum state next[] = {
+        [GP_PHASE_READ] = HAS_READ, [GP_PHASE_COMPUTE] = COMPUTED,
+        [GP_PHASE_WRITE] = DONE,
+    };
+    int unit;
+    enum gp_phase phase;
+    pthread_mutex_lock(&p->lock);
+    while (!is_over(p)) {
+        if (!pick_phase(p, first_thread, &unit, &phase)) {
+            glarepp_leave(p->gp); // another may work while this one waits
+            pthread_cond_wait(&p->changed, &p->lock);
+            pthread_mutex_unlock(&p->lock);
+            glarepp_enter(p->gp);
+            pthread_mutex_lock(&p->lock);
+            continue;
+        }
+        struct unit *const u = &p->unit[unit % p->slots];
+        u->state = BUSY;
+        pthread_mutex_unlock(&p->lock);
+        u->st = run_phase(p, unit, phase);
+        pthread_mutex_lock(&p->lock);
+        measure_unit(p, u, phase);
+        u->state = u->st ? DONE : next[phase];
+        if (u->st && unit < p->limit && !can_skip(p, u, u->st))
+            p->limit = unit;
+        // end finished units, in order
+        struct unit *done;
+        while (!is_over(p) &&
+               (done = &p->unit[p->head % p->slots])->state == DONE) {
+            p->result = end_unit(p, done);
+            atomic_fetch_add(&p->head, p->result == GP_OK);
+        }
+        pthread_cond_broadcast(&p->changed);
+    }
+    pthread_mutex_unlock(&p->lock);
+}
+
+static void *run_thread(void *arg)
+{
+    struct pipeline *const p = arg;
+    glarepp_enter(p->gp);
+    run_phases(p, false);
+    glarepp_leave(p->gp);
+    return NULL;
+}
+
+/* Makes all units, on this thread and, for more than one slot, on up to
+ * gp_threads() - 1 others beside; fewer threads are no error. */
+static gp_status run_units(struct pipeline *p)
+{
+    pthread_t id[GP_FRAME_JOBS];
+    const int threads = p->slots < gp_threads() ? p->slots : gp_threads();
+    sigset_t all, before;
+    int started = 0;
+    // signals are for the first thread
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (started < threads - 1 &&
+           pthread_create(&id[started], NULL, run_thread, p) == 0)
+        started++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    run_phases(p, true);
+    glarepp_leave(p->gp); // the other threads may still run a phase
+    for (int i = 0; i < started; i++)
+        pthread_join(id[i], NULL);
+    glarepp_enter(p->gp);
+    return p->result;
 }
 
 // -- all frames --------------------------------------------------------------
@@ -335,15 +455,14 @@ static bool has_room(void *user, int in_flight)
 static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
                            struct gp_run *r)
 {
-    const struct glarepp_kernel_params kernel = gp_kernel_params(r->s);
-    struct gp_plan_settings plan;
+    struct glarepp_plan_params plan = r->s->plan;
     gp_status st;
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      gp_file_descriptor(r->jobs->target[i].name.path) >= 0;
-    GP_TRY((gp_status) glarepp_kernel(gp, &kernel, &r->kernel));
-    gp_plan_params(r->s, r->kernel, &plan);
-    GP_TRY((gp_status) glarepp_plan(gp, &plan.plan, &r->plan));
+    GP_TRY((gp_status) glarepp_kernel(gp, &r->s->kernel.p, &r->kernel));
+    plan.kernel = r->kernel;
+    GP_TRY((gp_status) glarepp_plan(gp, &plan, &r->plan));
     // outputs must not replace pictures of --flare or tables of --ocio either
     const struct glarepp_plan_facts *const facts = glarepp_plan_facts(r->plan);
     if (facts->files)
@@ -362,7 +481,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     struct gp_progress *progress)
 {
     gp_status st;
-    char line[GP_LINE_BYTES];
+    char line[GP_LINE_BYTES] = "";
     const int units = jobs->n / jobs->views;
     const double start = gp_now_ms();
     // a person reads: notes say the same in more words
@@ -370,21 +489,15 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     const int most = s->run.frame_jobs ? s->run.frame_jobs
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
-        .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
-        .run = {.s = &p.s, .jobs = jobs,
+        .log = log, .gp = gp, .s = s, .jobs = jobs, .progress = progress,
+        .run = {.s = s, .jobs = jobs,
                 .details = person || s->run.level >= GP_LEVEL_INFO ||
                            s->run.report},
-        .memory = gp_memory_limit(""),
-        .most = 1,
-        .slots = most < units ? most : units > 0 ? units : 1,
+        .units = units, .slots = most < units ? most : units > 0 ? units : 1,
+        .memory = gp_memory_limit(""), .limit = INT_MAX,
+        .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
-    const struct gp_flight_work work = {
-        .user = &p, .step = run_step, .goes_on = can_skip,
-        .has_room = has_room, .end = end_unit,
-    };
-    // a frame with missing outputs writes all
-    p.s.output.write.no_clobber = false;
-    GP_TRY(make_schedule(log, &p.run, &p.schedule));
+    make_schedule(&p.run, &p.schedule);
     for (int i = 0; i < GP_STAGES; i++) {
         if (gp_stages[i].gives == GP_HAS_LIT)
             p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
@@ -396,14 +509,14 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     for (int i = 0; i < p.slots; i++)
         GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) jobs->views,
                              sizeof *p.unit[i].view, &p.unit[i].view));
-    const struct gp_flight_params params = {
-        .gp = gp, .units = units, .slots = p.slots, .ordered = p.run.ordered,
-    };
-    GP_TRY(gp_flight_run(&params, &work, &p.flight));
+    GP_TRY(run_units(&p));
     gp_progress_end(progress);
-    if (person && jobs->targets && p.tally.made && !jobs->taker) {
-        gp_tally_text(&p.tally, s, jobs, (gp_now_ms() - start) * 1e-3, line,
-                      sizeof line);
+    FILE *const told =
+        person && jobs->targets && p.tally.made && !jobs->taker
+            ? fmemopen(line, sizeof line - 1, "w") : NULL;
+    if (told) {
+        gp_tally_print(told, &p.tally, s, jobs, (gp_now_ms() - start) * 1e-3);
+        fclose(told);
         gp_make_printable(line);
         gp_progress_say(progress, stderr, line);
     }

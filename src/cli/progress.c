@@ -272,7 +272,7 @@ static void log_message(void *user, const struct gp_line *message)
     if (level == GP_LEVEL_ERROR)
         snprintf(l->last, sizeof l->last, "%s", line);
     const size_t bytes = strlen(line) + 2;
-    bool keeps = gp_flight_head(l->flight) != l->unit;
+    bool keeps = atomic_load(l->head) != l->unit;
     if (keeps && bytes > l->room - l->used) {
         const size_t room = 2 * l->room + bytes;
         char *const text = realloc(l->text, room);
@@ -293,12 +293,12 @@ static void log_message(void *user, const struct gp_line *message)
 }
 
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
-    const struct gp_flight *flight, int unit, const char *name)
+    const atomic_int *head, int unit, const char *name)
 {
     *l = (struct gp_frame_log) {
         .log = {log_message, l, to && to->level > GP_LEVEL_WARN
                                     ? to->level : GP_LEVEL_WARN},
-        .to = to, .flight = flight, .unit = unit, .name = name,
+        .to = to, .head = head, .unit = unit, .name = name,
     };
 }
 

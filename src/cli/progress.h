@@ -3,12 +3,12 @@
 #ifndef GP_CLI_PROGRESS_H
 #define GP_CLI_PROGRESS_H
 
-#include "cli/flight.h"
 #include "cli/jobs.h"
 #include "cli/settings.h"
 #include "core/status.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -73,7 +73,7 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line);
 struct gp_frame_log {
     struct gp_log log;
     const struct gp_log *to;         // borrowed
-    const struct gp_flight *flight;  // borrowed
+    const atomic_int *head;          // unit that is ended next; borrowed
     int unit;
     const char *name;                // of the unit's file; borrowed
     char *text;                      // owned: for each message a byte for its
@@ -88,7 +88,7 @@ struct gp_frame_log {
  *   name  file of the unit, put before errors that name none (GP_LEVEL_BARE);
  *         borrowed until gp_frame_log_close() */
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
-    const struct gp_flight *flight, int unit, const char *name);
+    const atomic_int *head, int unit, const char *name);
 
 /* Prints the messages that are still kept. */
 void gp_frame_log_flush(struct gp_frame_log *l);

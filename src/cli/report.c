@@ -130,8 +130,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     return *out ? GP_OK : gp_no_memory_bare(log, "command line");
 }
 
-/* Returns the value of an option as JSON; NULL when it is unset. */
-static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
+json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
 {
     const void *const at = (const char *) s + o->at;
     const struct gp_numbers *const list = at;
@@ -140,13 +139,16 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
     const char *const *const word = at;
     json_t *v = NULL;
     char text[32];
-    int choice;
+    const struct gp_option_choice *choice;
     switch (o->kind) {
     case GP_KIND_FLAG:
         return json_boolean(*(const bool *) at);
     case GP_KIND_FLOAT: // 0.001 as written, not its nearest float
         snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
+    case GP_KIND_REAL:
+        snprintf(text, sizeof text, "%.7g", *(const double *) at);
+        return json_real(strtod(text, NULL));
     case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
         snprintf(text, sizeof text, s->light.sense.unit == GLAREPP_EV
                      ? "%+.7gev" : s->light.sense.unit == GLAREPP_PERCENTILE
@@ -167,14 +169,10 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         return v;
     case GP_KIND_CHOICE:
     case GP_KIND_EITHER:
-        choice = o->kind == GP_KIND_EITHER ? *(const bool *) at
-                                           : *(const int *) at;
-        for (const struct gp_option_choice *c = o->choices; c->name; c++) {
-            if (c->value == choice)
-                return c->text || strspn(c->name, "0123456789") == 0
-                           ? json_string(c->name) : json_integer(c->value);
-        }
-        return NULL;
+        choice = gp_option_chosen(o, at);
+        return !choice ? NULL
+               : choice->text || strspn(choice->name, "0123456789") == 0
+                     ? json_string(choice->name) : json_integer(choice->value);
     case GP_KIND_TEXT:
         return *word ? gp_json_name(*word) : NULL;
     case GP_KIND_TEXTS:
@@ -207,7 +205,7 @@ static json_t *settings_json(const struct gp_settings *s)
         snprintf(key, sizeof key, "%s", o->name);
         for (char *c = key; *c; c++)
             *c = *c == '-' ? '_' : *c;
-        json_t *const v = value_of(s, o);
+        json_t *const v = gp_option_json(s, o);
         if (v)
             json_object_set_new(all, key, v);
     }

@@ -7,6 +7,7 @@
 #include "glarepp.h"
 #include "io/read.h"
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -142,6 +143,10 @@ GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
 /* Closes the file, and removes it if this run made it and wrote no line. A
  * closed or zeroed report is fine. Errors: GP_ERR_IO. */
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
+
+/* The value of an option; NULL when it is unset. The caller owns it. */
+struct gp_option;
+json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o);
 
 /* The i-th field's name, "kernel.grid" in an object; NULL after the last. */
 const char *gp_report_field(int i);

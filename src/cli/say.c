@@ -6,7 +6,6 @@
 #include "io/file.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,27 +46,9 @@ static struct number percent_text(double part, double whole)
 
 // -- parts of lines ----------------------------------------------------------
 
-/* A line under construction, full up to `at`. */
-struct words {
-    char *line;
-    size_t size, at;
-};
-
-/* Appends to a line; what does not fit is cut. */
-GP_PRINTF(2, 3)
-static void add(struct words *w, const char *fmt, ...)
-{
-    va_list args;
-    va_start(args, fmt);
-    const int n = vsnprintf(w->line + w->at, w->size - w->at, fmt, args);
-    va_end(args);
-    const size_t room = w->size - w->at - 1;
-    w->at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
-}
-
 /* Adds which part of a frame's light went where. `lit` is false where only the
  * layer is written. */
-static void add_light(struct words *w, const struct gp_settings *s, bool lit,
+static void add_light(FILE *w, const struct gp_settings *s, bool lit,
                       const struct glarepp_sense_facts *spread)
 {
     const double gain = (double) s->light.layer.gain;
@@ -79,28 +60,28 @@ static void add_light(struct words *w, const struct gp_settings *s, bool lit,
     const bool adds = added > 1e-9 * moved; // (sums round)
     const bool moves = moved > 0.0 || !adds;
     if (!lit)
-        add(w, ", %s of the light spread",
+        fprintf(w, ", %s of the light spread",
             percent_text(spread->bright + spread->lamps, spread->light).text);
     else if (moves)
-        add(w, ", %s of the light moved",
-            percent_text(moved, spread->light).text);
+        fprintf(w, ", %s of the light moved",
+                percent_text(moved, spread->light).text);
     if (lit && adds)
-        add(w, ", %s%s added", percent_text(added, spread->light).text,
-            moves ? "" : " of the light");
+        fprintf(w, ", %s%s added", percent_text(added, spread->light).text,
+                moves ? "" : " of the light");
 }
 
 /* Adds the tone curve or the view of OpenColorIO by which a picture was made,
  * in words where they are wanted. */
-static void add_tones(struct words *w, const struct gp_settings *s,
+static void add_tones(FILE *w, const struct gp_settings *s,
                       const struct glarepp_plan_facts *ocio, bool in_words)
 {
     if (!ocio && strcmp(s->tone.map.curve, "none") == 0)
-        add(w, "linear");
+        fprintf(w, "linear");
     else if (ocio)
-        add(w, "%s%s", in_words ? "shown by " : "",
-            ocio->view ? ocio->view : "OpenColorIO");
+        fprintf(w, "%s%s", in_words ? "shown by " : "",
+                ocio->view ? ocio->view : "OpenColorIO");
     else
-        add(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.map.curve);
+        fprintf(w, "%s%s", in_words ? "tone-mapped by " : "", s->tone.map.curve);
 }
 
 /* True for a tone-mapped picture in a format whose light is linear where other
@@ -127,39 +108,39 @@ static const char *shown_name(const char *path)
 }
 
 /* "(the default)", or the option, or the style that sets it. */
-static void add_reason(struct words *w, const struct gp_settings *s,
+static void add_reason(FILE *w, const struct gp_settings *s,
                        const char *option)
 {
     if (gp_option_given(s, option))
-        add(w, " (--%s)", option);
+        fprintf(w, " (--%s)", option);
     else if (gp_style_sets(s->light.style, option))
-        add(w, " (of style %s)", s->light.style);
+        fprintf(w, " (of style %s)", s->light.style);
     else
-        add(w, " (the default)");
+        fprintf(w, " (the default)");
 }
 
 // -- notes about a frame -----------------------------------------------------
 
-static void say_input(struct words *w, const struct gp_frame_report *f)
+static void say_input(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_read_facts *const r = &f->read;
     const long long nonfinite = f->lib.sense.nonfinite;
     const long long clamped = f->lib.sense.clamped;
-    add(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
+    fprintf(w, "read %dx%d pixels", gp_rect_w(r->file), gp_rect_h(r->file));
     if (r->taken.layer[0])
-        add(w, ", layer %s", r->taken.layer);
+        fprintf(w, ", layer %s", r->taken.layer);
     if (r->taken.part[0])
-        add(w, ", part %s", r->taken.part);
+        fprintf(w, ", part %s", r->taken.part);
     if (r->taken.view[0])
-        add(w, ", view %s", r->taken.view);
+        fprintf(w, ", view %s", r->taken.view);
     for (int i = 0; i < r->groups; i++)
-        add(w, "%s%s", i ? " and " : ", light of ", r->group[i]);
+        fprintf(w, "%s%s", i ? " and " : ", light of ", r->group[i]);
     if (r->grown)
-        add(w, ", grown to %dx%d", r->width, r->height);
+        fprintf(w, ", grown to %dx%d", r->width, r->height);
     if (nonfinite)
-        add(w, ", %s NaN or Inf", count_text(nonfinite).text);
+        fprintf(w, ", %s NaN or Inf", count_text(nonfinite).text);
     if (clamped)
-        add(w, ", %s over --max-value", count_text(clamped).text);
+        fprintf(w, ", %s over --max-value", count_text(clamped).text);
 }
 
 static bool is_lit(const struct gp_write_facts *f)
@@ -171,28 +152,28 @@ static bool is_lit(const struct gp_write_facts *f)
     return false;
 }
 
-static void say_light(struct words *w, const struct gp_frame_report *f)
+static void say_light(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_settings *const s = f->job.settings;
     const long long n = f->lib.sense.sources;
     if (n)
-        add(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
-            count_text(n).text);
+        fprintf(w, n == 1 ? "%s source: a pixel over" : "%s sources: pixels over",
+                count_text(n).text);
     else
-        add(w, "no pixel is over");
-    add(w, " the threshold of %.3g", (double) f->lib.sense.threshold);
+        fprintf(w, "no pixel is over");
+    fprintf(w, " the threshold of %.3g", (double) f->lib.sense.threshold);
     if (s->light.sense.unit == GLAREPP_LUMINANCE)
         add_reason(w, s, "threshold");
     else
-        add(w, s->light.sense.unit == GLAREPP_EV ? " (--threshold %+gev)"
-                                                 : " (--threshold %g%%)",
-            (double) s->light.sense.threshold);
+        fprintf(w, s->light.sense.unit == GLAREPP_EV ? " (--threshold %+gev)"
+                                                     : " (--threshold %g%%)",
+                (double) s->light.sense.threshold);
     if (f->lib.sense.lamps > 0.0)
-        add(w, " and lights");
+        fprintf(w, " and lights");
     if (n)
         add_light(w, s, is_lit(&f->write), &f->lib.sense);
     else
-        add(w, ": nothing glares");
+        fprintf(w, ": nothing glares");
 }
 
 /* Words for what says the angle of view, in notes and in the line of a run. */
@@ -214,34 +195,34 @@ static const struct origin *origin(const char *from)
     return o;
 }
 
-static void say_kernel(struct words *w, const struct gp_frame_report *f)
+static void say_kernel(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_settings *const s = f->job.settings;
     const struct glarepp_kernel_facts *const k = &f->lib.kernel;
     const struct glarepp_layer_facts *const g = &f->lib.layer;
     const bool given = gp_option_given(s, "kernel");
-    add(w, given ? "kernel " : "kernel of style %s", s->light.style);
+    fprintf(w, given ? "kernel " : "kernel of style %s", s->light.style);
     for (int i = 0; given && i < s->kernel.words.n; i++)
-        add(w, "%s%s", i ? " and " : "", s->kernel.words.at[i]);
-    add(w, "%s", given                         ? " (--kernel)"
-                 : gp_option_given(s, "style") ? " (--style)"
-                                               : " (the default)");
+        fprintf(w, "%s%s", i ? " and " : "", s->kernel.words.at[i]);
+    fprintf(w, "%s", given                         ? " (--kernel)"
+                     : gp_option_given(s, "style") ? " (--style)"
+                                                   : " (the default)");
     for (int i = 0; i < k->recipes; i++) {
         if (k->pupil[i] > 0.0)
-            add(w, ", pupil of %.1f mm", k->pupil[i]);
+            fprintf(w, ", pupil of %.1f mm", k->pupil[i]);
     }
     if (k->deg_per_pixel > 0.0)
-        add(w, ", view of %.3g degrees (%s)", k->fov,
-            origin(k->fov_from)->note);
+        fprintf(w, ", view of %.3g degrees (%s)", k->fov,
+                origin(k->fov_from)->note);
     if (g->engine)
-        add(w, ", engine %s (%s)", g->engine,
-            strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
-                                                 : "--engine");
+        fprintf(w, ", engine %s (%s)", g->engine,
+                strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
+                                                     : "--engine");
     if (g->gl)
-        add(w, " on %s", g->gl);
+        fprintf(w, " on %s", g->gl);
 }
 
-static void say_lights(struct words *w, const struct gp_frame_report *f)
+static void say_lights(FILE *w, const struct gp_frame_report *f)
 {
     enum { MOST = 8 };
     static const char *const edges[] = {
@@ -254,33 +235,33 @@ static void say_lights(struct words *w, const struct gp_frame_report *f)
     const int lights = f->lib.lights;
     for (int i = 0; i < lights && i < MOST; i++) {
         const struct glarepp_share *const l = &f->lib.light[i];
-        add(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
+        fprintf(w, "%s%s ", i ? ", " : "", l->name[0] ? l->name : "light");
         if (l->behind)
-            add(w, "behind the camera");
+            fprintf(w, "behind the camera");
         else
-            add(w, "%s visible", percent_text(l->visibility, 1.0).text);
+            fprintf(w, "%s visible", percent_text(l->visibility, 1.0).text);
     }
     if (lights > MOST)
-        add(w, " and %d lights more", lights - MOST);
+        fprintf(w, " and %d lights more", lights - MOST);
     if (s->depth && !f->lib.depth_empty[0])
-        add(w, ", depth of %s", s->depth);
+        fprintf(w, ", depth of %s", s->depth);
     if (s->edges)
-        add(w, ", %s", edges[s->edges]);
+        fprintf(w, ", %s", edges[s->edges]);
 }
 
-static void say_ghosts(struct words *w, const struct gp_frame_report *f)
+static void say_ghosts(FILE *w, const struct gp_frame_report *f)
 {
     const struct glarepp_flare_facts *const flare = &f->lib.flare;
     const struct glarepp_lens_facts *const lens = &f->lib.lens;
     if (flare->runs)
-        add(w, "flare of bright pixels, %d elements", flare->elements);
+        fprintf(w, "flare of bright pixels, %d elements", flare->elements);
     if (lens->name)
-        add(w, "%slens %s: %d ghosts of %d light%s", flare->runs ? ", " : "",
-            lens->name, lens->drawn, lens->lights,
-            lens->lights == 1 ? "" : "s");
+        fprintf(w, "%slens %s: %d ghosts of %d light%s", flare->runs ? ", " : "",
+                lens->name, lens->drawn, lens->lights,
+                lens->lights == 1 ? "" : "s");
 }
 
-static void say_outputs(struct words *w, const struct gp_frame_report *f)
+static void say_outputs(FILE *w, const struct gp_frame_report *f)
 {
     static const char *const texts[] = {
         [GP_TARGET_HDR] = "linear light",
@@ -294,13 +275,13 @@ static void say_outputs(struct words *w, const struct gp_frame_report *f)
     const struct gp_settings *const s = f->job.settings;
     for (int i = 0; i < f->write.n; i++) {
         const char *const path = f->write.name[i];
-        add(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
-            texts[f->write.kind[i]]);
+        fprintf(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
+                texts[f->write.kind[i]]);
         if (f->write.kind[i] != GP_TARGET_PICTURE)
             continue;
         add_tones(w, s, f->ocio, true);
         if (looks_linear(s, path))
-            add(w, LINEAR_HINT);
+            fputs(LINEAR_HINT, w);
         else if (!f->ocio)
             add_reason(w, s, "tonemap");
     }
@@ -312,7 +293,7 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
     const char *const view = f->job.view;
     const struct {
         bool said;
-        void (*say)(struct words *w, const struct gp_frame_report *f);
+        void (*say)(FILE *w, const struct gp_frame_report *f);
     } notes[] = {
         {true, say_input},
         {f->cost.ms[GP_TIME_SENSORS] >= 0.0, say_light},
@@ -323,10 +304,12 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
     };
     for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
         char line[GP_LINE_BYTES] = "";
-        struct words w = {line, sizeof line, 0};
-        if (!notes[i].said)
+        FILE *const w = notes[i].said ? fmemopen(line, sizeof line - 1, "w")
+                                      : NULL;
+        if (!w)
             continue;
-        notes[i].say(&w, f);
+        notes[i].say(w, f);
+        fclose(w);
         gp_say(log, GP_LEVEL_INFO, "%s%s%s%s: %s", f->job.input,
                view ? " (" : "", view ? view : "", view ? ")" : "", line);
     }
@@ -364,11 +347,10 @@ void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f)
     t->made++;
 }
 
-void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
-                   const struct gp_jobs *jobs, double seconds, char *line,
-                   size_t size)
+void gp_tally_print(FILE *w, const struct gp_tally *t,
+                    const struct gp_settings *s, const struct gp_jobs *jobs,
+                    double seconds)
 {
-    struct words w = {line, size, 0};
     const struct gp_output *first = &jobs->target[0];
     bool lit = false, pictures = false, linear = false;
     char time[32];
@@ -380,34 +362,34 @@ void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
         pictures = pictures || picture;
         linear = linear || (picture && looks_linear(s, o->name.path));
     }
-    add(&w, "%s", t->made > 1 || !t->name[0] ? shown_name(first->name.path)
-                                             : t->name);
+    fprintf(w, "%s", t->made > 1 || !t->name[0] ? shown_name(first->name.path)
+                                                 : t->name);
     if (jobs->targets > 1)
-        add(&w, " and %d more", jobs->targets - 1);
-    add(&w, ": ");
+        fprintf(w, " and %d more", jobs->targets - 1);
+    fprintf(w, ": ");
     if (t->made > 1)
-        add(&w, "%s %s, ", count_text(t->made).text,
-            jobs->view.n > 1 ? "views" : "frames");
+        fprintf(w, "%s %s, ", count_text(t->made).text,
+                jobs->view.n > 1 ? "views" : "frames");
     if (t->fewest < t->most)
-        add(&w, "%s to ", count_text(t->fewest).text);
-    add(&w, "%s source%s", count_text(t->most).text, t->most == 1 ? "" : "s");
+        fprintf(w, "%s to ", count_text(t->fewest).text);
+    fprintf(w, "%s source%s", count_text(t->most).text, t->most == 1 ? "" : "s");
     if (t->most == 0)
-        add(&w, ": nothing glares");
+        fprintf(w, ": nothing glares");
     else
-        add_light(&w, s, lit, &t->light);
+        add_light(w, s, lit, &t->light);
     if (t->wide > 0.0)
-        add(&w, ", view of %.3g", t->narrow);
+        fprintf(w, ", view of %.3g", t->narrow);
     if (t->wide > t->narrow)
-        add(&w, " to %.3g", t->wide);
+        fprintf(w, " to %.3g", t->wide);
     if (t->wide > 0.0)
-        add(&w, " degrees (%s)", origin(t->fov_from)->text);
-    add(&w, ", ");
+        fprintf(w, " degrees (%s)", origin(t->fov_from)->text);
+    fprintf(w, ", ");
     if (pictures)
-        add_tones(&w, s, t->ocio, linear);
-    add(&w, "%s", !pictures ? "linear" : linear ? LINEAR_HINT : "");
+        add_tones(w, s, t->ocio, linear);
+    fprintf(w, "%s", !pictures ? "linear" : linear ? LINEAR_HINT : "");
     if (seconds < 10.0)
         snprintf(time, sizeof time, "%.2f s", seconds);
     else
         gp_print_duration(time, sizeof time, seconds);
-    add(&w, ", %s", time);
+    fprintf(w, ", %s", time);
 }

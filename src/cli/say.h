@@ -7,6 +7,8 @@
 #include "cli/report.h"
 #include "core/status.h"
 
+#include <stdio.h>
+
 /* Prints notes about a frame: what was read, the light that glares, the kernel
  * and its angle of view, lights, ghosts, measured errors, what was written; and
  * why, where an option or the frame decided. f->settings is set. */
@@ -25,10 +27,10 @@ struct gp_tally {
 
 void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f);
 
-/* Formats what happened as one line: the picture, sources, light, angle of
+/* Prints what happened, without a newline: the picture, sources, light, angle of
  * view, tones, wall time. There are targets, and at least one job was made. */
-void gp_tally_text(const struct gp_tally *t, const struct gp_settings *s,
-                   const struct gp_jobs *jobs, double seconds, char *line,
-                   size_t size);
+void gp_tally_print(FILE *f, const struct gp_tally *t,
+                    const struct gp_settings *s, const struct gp_jobs *jobs,
+                    double seconds);
 
 #endif

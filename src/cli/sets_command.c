@@ -43,9 +43,9 @@ static gp_status check_names(const struct gp_log *log,
         if (!path)
             continue;
         GP_TRY(gp_write_check(log, &s->output.write, path));
-        GP_TRY(gp_output_guard_add(&c, &(struct gp_output_guard_output) {
-            .name = path, .what = i < s->output.pictures.n ? "-o" : "--debug",
-            .as = path, .order = i}));
+        GP_TRY(gp_output_guard_add(&c, path, i < s->output.pictures.n
+                                                 ? "-o" : "--debug",
+                                   path, NULL));
     }
     GP_TRY(gp_output_guard_settle(&c));
     GP_TRY(gp_output_guard_input(&c, "scene", s->input.files.at[0]));
@@ -161,7 +161,6 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.path = s->input.files.at[0];
     p.camera = s->scene.camera;
     p.timed = gp_option_given(s, "time");
-    p.seconds = (double) s->scene.time;
     p.w = s->making.w;
     p.h = s->making.h;
     p.gl = s->light.layer.gl;

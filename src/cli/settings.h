@@ -92,14 +92,11 @@ struct gp_light_settings {
 /* Forms of --kernel-normalize. */
 enum gp_kernel_sum { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
-/* The kernel, and the angles by which models have their size. */
 struct gp_kernel_settings {
     struct gp_texts words;             // files and recipes
-    struct glarepp_kernel_params image; // of files: centre, percent, degrees
+    struct glarepp_kernel_params p;    // of these
     enum gp_kernel_sum normalize;      // ... where it is given
     const char *size;                  // as given; NULL: 100 percent
-    float fov;                         // degrees; 0: by the frame
-    float rotate;                      // degrees
 };
 
 /* Suns and lamps, and what hides them. */
@@ -107,42 +104,16 @@ struct gp_sun_settings {
     struct gp_numbers at;              // x, y and maybe radius, pixels
     struct gp_numbers dir;             // towards the sun, world
     struct gp_numbers color;           // flux by channel, or one for all
-    struct glarepp_light_params p;     // but for its lights; degrees is
-                                       // --sun-size
+    struct glarepp_light light;        // of these
+    struct glarepp_light_params p;     // degrees is --sun-size
     const char *depth_file, *mask, *mask_file;
-};
-
-/* A real lens, whose ghosts the layer gets. 0: by the frame. */
-struct gp_lens_settings {
-    const char *name;  // file or installed lens; NULL: none
-    float sensor;      // mm, width of the display window on the sensor
-    float distance;    // m
-    float f_number;
-};
-
-/* Axes of normals (--normal-space). */
-enum gp_normal_space {
-    GP_NORMALS_WORLD,  // the frame's world
-    GP_NORMALS_CAMERA, // x right, y up, z to the eye
-};
-
-/* A scene, whose lights join the frame's. */
-struct gp_scene_settings {
-    const char *path;    // NULL: none
-    const char *camera;  // name; NULL: the only one
-    float start;         // number of the frame at the scene's time 0
-    enum glarepp_up up;
-    float light_scale;   // frame's units a cd or lux; 0: no flux
-    float lamp_size;     // radius of lamps whose nodes name none
-    struct gp_texts relight;           // names of its lights, or all
-    enum gp_normal_space normal_space;
-    float time;          // seconds, of glarepp sets, where --time is given
+    struct gp_texts relight;           // names of the scene's lights, or all
 };
 
 /* A view of the config, or a curve where map.config is NULL. */
 struct gp_tone_settings {
     struct glarepp_tone_params map;
-    struct gp_texts context;           // becomes map.context
+    struct gp_texts context;           // ... of map
 };
 
 /* What glarepp kernel and glarepp lens make. */
@@ -166,6 +137,8 @@ struct gp_compare_settings {
     float scale;                      // times this
 };
 
+enum { GP_FRAME_JOBS = 64 }; // most frames in flight
+
 /* How a run goes and what it says. */
 struct gp_run_settings {
     int threads;                       // 0: all processors
@@ -187,7 +160,8 @@ struct gp_word_settings {
     bool list_flares;                  // print their names, nothing else
 };
 
-/* Each stage gets its own. Strings are borrowed from argv or are constants. */
+/* Each stage gets its own. Strings are borrowed from argv or are constants. The
+ * params of a plan point to others here: it must not move. */
 struct gp_settings {
     enum gp_command command;
     struct gp_input_settings input;
@@ -195,9 +169,10 @@ struct gp_settings {
     struct gp_light_settings light;
     struct gp_kernel_settings kernel;
     struct gp_sun_settings sun;
-    struct gp_lens_settings lens;
-    struct gp_scene_settings scene;
+    struct glarepp_lens_params lens;
+    struct glarepp_scene_params scene; // light_scale 0: its lights have no flux
     struct gp_tone_settings tone;
+    struct glarepp_plan_params plan;   // of all these, but for its kernel
     struct gp_making making;
     struct gp_bench_params bench;      // json: of compare and sets too
     struct glarepp_sets_params sets;   // its size is making's

@@ -3,7 +3,6 @@
 #ifndef GP_CLI_STAGES_H
 #define GP_CLI_STAGES_H
 
-#include "cli/flight.h"
 #include "cli/jobs.h"
 #include "cli/report.h"
 #include "cli/settings.h"
@@ -14,6 +13,10 @@
 #include "io/write.h"
 
 #include <stdbool.h>
+
+/* COMPUTE runs on one thread, frame after frame; the others on any thread, frames
+ * in any order. */
+enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 
 /* Data that stages need and give, as bits: planes of the library's frame, then
  * its other state. */
@@ -77,16 +80,11 @@ struct gp_run {
 
 /* Reads depth and coverage, where --depth, --mask and their files say so or a
  * channel is depth by its name, gives them to the library's frame and names them
- * in the facts; in sun_files.c.
+ * in the facts.
  * Errors: those of gp_read_plane(); GP_ERR_USAGE a file's name needs views or
  * numbers. */
 GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
                                          struct gp_frame_state *fs);
-
-/* Reads depth, normals and albedo for --relight. Errors: the same, of
- * gp_read_vectors(); GP_ERR_USAGE no depth. */
-GP_MUST_CHECK gp_status gp_run_surfaces(const struct gp_run *r,
-                                        struct gp_frame_state *fs);
 
 /* A stage of a frame, a step of the library or a function. `time` is an enum
  * gp_time under which its milliseconds are added up, or -1 for stages that are

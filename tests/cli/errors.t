@@ -370,8 +370,8 @@ bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 --views a,b,a -o o.%V.png w.%v.exr => --views: a comes twice (found in a,b,a); name each view once
 --views a/b -o o.%V.png w.%v.exr => --views: a name with a slash (found a/b); views are names, %V may stand for a folder
 -o o.%V.#.png v.%V.####.exr s.####.exr => s.####.exr: no %V or %v (found in v.%V.####.exr); make them in separate runs
---views l,r -o o.%V.png --debug sensors=o.%v.png w.%v.exr => o.l.png: given for two outputs (--output o.%V.png for w.l.exr, view l and --debug sensors o.%v.png for w.l.exr, view l); give each a name of its own
---views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr => o.a11.png: given for two outputs (--output o.%V#.png for v.a1.0001.exr, view a1 and --output o.%V#.png for v.a.0011.exr, view a); give each a name of its own
+--views l,r -o o.%V.png --debug sensors=o.%v.png w.%v.exr => o.l.png: given for two outputs (--output o.%V.png for w.l.exr and --debug sensors o.%v.png for w.l.exr); give each a name of its own
+--views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr => o.a11.png: given for two outputs (--output o.%V#.png for v.a1.0001.exr and --output o.%V#.png for v.a.0011.exr); give each a name of its own
 --views left,right --hdr h.#.exr -f 1,3,5 s.####.exr => s.0003.exr: no such frame (first of 2 missing, 3 listed by --frames 1,3,5); render them, or give --skip-bad-frames
 --views left,right -o no.%V/o.png in.exr => no.left/o.png: cannot be written (folder no.left: No such file or directory); make the folder or give --create-dir
 ROWS

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "cli/option_line.h"
 
-#include "cli/plan_settings.h"
 
 #include <float.h>
 
@@ -16,7 +15,7 @@ static void defaults_hold(void **state)
     assert_string_equal(s.input.files.at[0], "in.exr");
     assert_string_equal(s.output.pictures.at[0], "a.png");
     assert_string_equal(s.light.style, "camera");
-    assert_false(s.kernel.image.centred);
+    assert_false(s.kernel.p.centred);
     assert_string_equal(s.light.layer.engine, "auto");
     assert_true(s.light.sense.threshold == 1.0f &&
                 s.light.sense.knee == 0.0f);
@@ -84,6 +83,7 @@ static void check_stored(const struct gp_option *o, const char *value,
         o->kind == GP_KIND_FLAG      ? *(const bool *) at == !o->off
         : o->kind == GP_KIND_SET     ? *(const int *) at == o->set
         : o->kind == GP_KIND_FLOAT   ? *(const float *) at == (float) v
+        : o->kind == GP_KIND_REAL    ? *(const double *) at == v
         : o->kind == GP_KIND_THRESHOLD
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
@@ -120,9 +120,7 @@ static void every_option_is_stored(void **state)
         else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
             snprintf(value, sizeof value, "%.*s",
                      o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
-        else if (o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-                 o->kind == GP_KIND_COUNT ||
-                 o->kind == GP_KIND_THRESHOLD)
+        else if (o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT)
             snprintf(value, sizeof value, "%.17g", v);
         if (!gp_option_value(o, 0, &text) || o->open)
             check_stored(o, value, v, 0);
@@ -178,9 +176,9 @@ static void forms_of_values(void **state)
     assert_string_equal(s.output.layer.at[0], "l");
     assert_true(s.light.sense.threshold == 2.5f &&
                 s.light.sense.knee == 0.5f);
-    assert_true(s.tone.map.exposure == -1.5f && s.kernel.image.centred);
-    assert_true(s.kernel.image.centre[0] == 3.5 &&
-                s.kernel.image.centre[1] == -2.0);
+    assert_true(s.tone.map.exposure == -1.5f && s.kernel.p.centred);
+    assert_true(s.kernel.p.centre[0] == 3.5 &&
+                s.kernel.p.centre[1] == -2.0);
     assert_string_equal(s.run.report, "-");
     assert_int_equal(s.run.level, GP_LEVEL_INFO);
     gp_settings_free(&s);
@@ -318,7 +316,6 @@ static void commands(void **state)
 static void plans_get_all_settings(void **state)
 {
     struct gp_settings s;
-    struct gp_plan_settings p;
     assert_ok(parse("--fov 40 --rotate 5 -t 3 --engine fft --sun 1,2,3 "
                     "--sun-color 4,5,6 --sun-size 7 --lights l --camera c "
                     "--lens heliar --sensor-size 8 --focus-distance 9 "
@@ -326,11 +323,10 @@ static void plans_get_all_settings(void **state)
                     "--scene-up z --light-scale 12 --lamp-size 13 "
                     "--relight all --normal-space camera --ocio o --ocio-context A=B "
                     "--view v -o a i", &s));
-    gp_plan_params(&s, NULL, &p);
-    assert_true(p.plan.fov == 40.0 && p.plan.rotate == 5.0);
-    assert_true(p.plan.sense->threshold == 3.0f);
-    assert_string_equal(p.plan.layer->engine, "fft");
-    const struct glarepp_light_params *const l = p.plan.lights;
+    assert_true(s.plan.fov == 40.0 && s.plan.rotate == 5.0);
+    assert_true(s.plan.sense->threshold == 3.0f);
+    assert_string_equal(s.plan.layer->engine, "fft");
+    const struct glarepp_light_params *const l = s.plan.lights;
     assert_int_equal(l->lights, 1);
     assert_int_equal(l->light->place, GLAREPP_PIXEL);
     assert_true(l->light->at[0] == 1.0 && l->light->at[1] == 2.0 &&
@@ -341,10 +337,10 @@ static void plans_get_all_settings(void **state)
     assert_string_equal(l->file, "l");
     assert_string_equal(l->cameras, "c");
     assert_int_equal(l->outside, GLAREPP_BY_SCENE);
-    assert_string_equal(p.plan.lens->lens, "heliar");
-    assert_true(p.plan.lens->sensor == 8.0 && p.plan.lens->distance == 9.0 &&
-                p.plan.lens->f_number == 10.0);
-    const struct glarepp_scene_params *const scene = p.plan.scene;
+    assert_string_equal(s.plan.lens->lens, "heliar");
+    assert_true(s.plan.lens->sensor == 8.0 && s.plan.lens->distance == 9.0 &&
+                s.plan.lens->f_number == 10.0);
+    const struct glarepp_scene_params *const scene = s.plan.scene;
     assert_string_equal(scene->path, "s");
     assert_string_equal(scene->camera, "k");
     assert_true(scene->start == 11.0 && scene->light_scale == 12.0 &&
@@ -352,8 +348,8 @@ static void plans_get_all_settings(void **state)
     assert_int_equal(scene->up, GLAREPP_UP_Z);
     assert_int_equal(scene->relights, 1);
     assert_string_equal(scene->relight[0], "all");
-    assert_true(p.plan.tone->contexts == 1 && p.plan.tone->shows);
-    assert_string_equal(p.plan.tone->context[0], "A=B");
+    assert_true(s.plan.tone->contexts == 1 && s.plan.tone->shows);
+    assert_string_equal(s.plan.tone->context[0], "A=B");
     gp_settings_free(&s);
 }
 
@@ -362,24 +358,20 @@ static void plans_get_all_settings(void **state)
 static void suns_are_lights(void **state)
 {
     struct gp_settings s;
-    struct gp_plan_settings p;
     assert_ok(parse("--sun-dir 1,2,3 --sun-color 4 -o a i", &s));
-    gp_plan_params(&s, NULL, &p);
-    assert_int_equal(p.light.place, GLAREPP_DIRECTION);
-    assert_true(p.light.at[2] == 3.0 && p.light.radius < 0.0);
-    assert_true(p.light.degrees == (double) 0.533f && p.light.flux[1] == 4.0f);
-    assert_true(p.lights.needed && p.lights.faded);
+    assert_int_equal(s.sun.light.place, GLAREPP_DIRECTION);
+    assert_true(s.sun.light.at[2] == 3.0 && s.sun.light.radius < 0.0);
+    assert_true(s.sun.light.degrees == (double) 0.533f && s.sun.light.flux[1] == 4.0f);
+    assert_true(s.sun.p.needed && s.sun.p.faded);
     gp_settings_free(&s);
     assert_ok(parse("--sun 1,2 -o a i", &s));
-    gp_plan_params(&s, NULL, &p);
-    assert_true(p.light.radius < 0.0 && p.light.flux[0] == 0.0f); // the default
+    assert_true(s.sun.light.radius < 0.0 && s.sun.light.flux[0] == 0.0f); // the default
     gp_settings_free(&s);
     assert_ok(parse("-o a i", &s));
-    gp_plan_params(&s, NULL, &p);
-    assert_int_equal(p.lights.lights, 0);
-    assert_null(p.lens.lens);
-    assert_null(p.scene.path);
-    assert_false(p.lights.needed);
+    assert_int_equal(s.sun.p.lights, 0);
+    assert_null(s.lens.lens);
+    assert_null(s.scene.path);
+    assert_false(s.sun.p.needed);
     gp_settings_free(&s);
 }
 
@@ -399,7 +391,7 @@ static void kernels_are_scaled_as_asked(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_ok(parse(rows[i].line, &s));
-        const struct glarepp_kernel_params p = gp_kernel_params(&s);
+        const struct glarepp_kernel_params p = s.kernel.p;
         assert_int_equal(p.words, 1);
         assert_string_equal(p.word[0], "k.exr");
         assert_int_equal(p.as_it_is, rows[i].as_it_is);

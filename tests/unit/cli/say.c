@@ -53,7 +53,9 @@ static void line_of(const struct gp_settings *s, const struct gp_frame_report *f
         one.lib.kernel.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
         gp_tally_add(&t, &one);
     }
-    gp_tally_text(&t, s, &jobs, seconds, line, size);
+    FILE *const out = fmemopen(line, size, "w");
+    gp_tally_print(out, &t, s, &jobs, seconds);
+    fclose(out);
 }
 
 static void lines_say_what_happened(void **state)
@@ -95,7 +97,7 @@ static void lines_say_what_happened(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
-        char options[64], line[400], small[400];
+        char options[64], line[400];
         snprintf(options, sizeof options, "%s -o a i", rows[i].options);
         assert_ok(parse(options, &s));
         struct gp_frame_report f = some_facts(&s);
@@ -104,12 +106,6 @@ static void lines_say_what_happened(void **state)
         line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds, line,
                 sizeof line);
         assert_string_equal(line, rows[i].want);
-        for (size_t size = 1; size < 200; size += 7) { // cut, not overrun
-            memset(small, '#', sizeof small);
-            line_of(&s, &f, rows[i].targets, rows[i].made, rows[i].seconds,
-                    small, size);
-            assert_true(strlen(small) < size && small[size] == '#');
-        }
         gp_settings_free(&s);
     }
 }

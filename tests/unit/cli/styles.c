@@ -3,10 +3,7 @@
 #include "unit.h"
 #include "cli/option_line.h"
 
-#include "cli/plan_settings.h"
-#include "cli/sheet.h"
 #include "cli/styles.h"
-#include "core/memory.h"
 
 #include <math.h>
 
@@ -55,7 +52,7 @@ static void styles_set_what_is_not_given(void **state)
     assert_string_equal(s.kernel.words.at[0], "star");
     gp_settings_free(&s);
     assert_ok(parse("--style vintage --lens heliar -o a.png in.exr", &s));
-    assert_string_equal(s.lens.name, "heliar");
+    assert_string_equal(s.lens.lens, "heliar");
     gp_settings_free(&s);
     assert_ok(parse("bench --style anamorphic in.exr", &s));
     assert_string_equal(s.sun.p.flare, "preset:oval");
@@ -90,7 +87,7 @@ static double glare_index(const char *name, double t)
     double within = 0.0;
     snprintf(line, sizeof line, "--style %s -o a.png in.exr", name);
     assert_ok(parse(line, &s));
-    p = gp_kernel_params(&s);
+    p = s.kernel.p;
     assert_ok(glarepp_open(NULL, &gp));
     assert_ok(glarepp_kernel(gp, &p, &k));
     assert_ok(glarepp_kernel_draw(k, &field, &image, &label));
@@ -113,32 +110,5 @@ static void indices_are_as_stated(void **state)
     assert_true(fabs(glare_index("mist", 0.5) - 0.1) < 0.005);
 }
 
-/* Tiles are means of areas, black outside of the data window, and at their
- * places. */
-static void tiles_are_means(void **state)
-{
-    enum { W = 1280, H = 4 };
-    struct gp_planes p;
-    const struct gp_frame f = {.data = {0, 0, W, H},
-                               .display = {0, 0, W + 2, H}};
-    struct gp_sheet s = {.columns = 2, .tiles = 3};
-    assert_ok(gp_planes_make(&kept_log, "p", (size_t) W * H, &p));
-    for (int i = 0; i < W * H; i++)
-        p.c[0][i] = p.c[1][i] = p.c[2][i] = i % 2 ? 1.0f : 0.0f;
-    for (int i = 0; i < s.tiles; i++)
-        assert_ok(gp_sheet_draw(&kept_log, &s, i, "a-z b", &f, &p));
-    assert_int_equal(s.w, GP_SHEET_WIDTH);
-    assert_int_equal(s.h, 2);
-    const int w = gp_sheet_w(&s), h = gp_sheet_h(&s);
-    assert_true(w > 2 * s.w && h > 4);
-    // the last tile: under the first, its last pixels mostly outside
-    const float *const row = s.planes.c[1] + (h - 8 - 1) * w;
-    assert_true(fabsf(row[8 + 100] - 0.5f) < 0.01f);
-    assert_true(row[8 + s.w - 1] < 0.1f);
-    assert_true(row[8 + s.w + 8 + 1] < 0.02f); // no fourth tile
-    gp_planes_free(&p);
-    gp_planes_free(&s.planes);
-}
-
 SUITE_OF(styles, NULL, NULL, rows_are_options, styles_set_what_is_not_given,
-         indices_are_as_stated, tiles_are_means)
+         indices_are_as_stated)
