@@ -514,7 +514,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
         GP_TRY(from_part(log, p, path, in, &at, &plane));
     } else {
         GP_TRY(make_samples(log, image.data, &plane));
-        GP_TRY(gp_decoded_channel(log, &image, at.channel, plane.v));
+        gp_decoded_channel(&image, at.channel, plane.v);
     }
     *out = plane;
     plane = (struct gp_plane) {0};
@@ -529,9 +529,9 @@ out:
 
 /* -- the alpha of a picture ------------------------------------------------ */
 
-/* Reads an open picture. */
-static gp_status read_alpha(const struct gp_log *log, struct gp_decoded *image,
-                            long long most, struct gp_coverage *out)
+static gp_status take_alpha(const struct gp_log *log,
+                            const struct gp_decoded *image,
+                            struct gp_coverage *out)
 {
     struct gp_coverage a = {1, 1, NULL};
     float *v = NULL;
@@ -543,18 +543,13 @@ static gp_status read_alpha(const struct gp_log *log, struct gp_decoded *image,
         a.w = gp_rect_w(image->data);
         a.h = gp_rect_h(image->data);
     }
-    const long long texels = (long long) a.w * a.h;
-    if (texels > most)
-        return gp_fail(log, GP_ERR_DATA, "%s: too large for a cut-out (%d x %d "
-                       "texels, at most %lld); make the texture smaller",
-                       image->path, a.w, a.h, most);
-    GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *a.code,
-                    &a.code));
+    const size_t texels = (size_t) a.w * (size_t) a.h;
+    GP_TRY(gp_alloc(log, image->path, texels, sizeof *a.code, &a.code));
     a.code[0] = GP_COVERED;
     if (channel >= 0) {
-        GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *v, &v));
-        GP_TRY(gp_decoded_channel(log, image, channel, v));
-        for (long long i = 0; i < texels; i++) { // NaN is 0
+        GP_TRY(gp_alloc(log, image->path, texels, sizeof *v, &v));
+        gp_decoded_channel(image, channel, v);
+        for (size_t i = 0; i < texels; i++) { // NaN is 0
             const float covered = v[i] > 0.0f ? v[i] < 1.0f ? v[i] : 1.0f : 0.0f;
             a.code[i] = (uint16_t) (covered * (float) GP_COVERED + 0.5f);
         }
@@ -575,14 +570,12 @@ gp_status gp_read_coverage(const struct gp_log *log,
     struct gp_stream stream = gp_stream_of(bytes, n);
     struct gp_decoded image = {0};
     gp_status st;
+    if (limits.max_pixels > most)
+        limits.max_pixels = most;
     if (!bytes)
         GP_TRY(gp_stream_open_regular(log, path, &stream));
-    // a larger picture than `most` has a line of its own, which does not
-    // advise --max-pixels
-    if (limits.max_pixels >= most)
-        limits.max_pixels = LLONG_MAX / 64;
     GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
-    st = read_alpha(log, &image, most, out);
+    GP_TRY(take_alpha(log, &image, out));
 out:
     gp_decoded_close(&image);
     gp_stream_close(&stream);

@@ -91,18 +91,16 @@ struct gp_coverage {
 };
 enum { GP_COVERED = 65535 };
 
-/* Reads the alpha of a picture of any format (an EXR by glarepp-oiio), and never
- * its colour as a whole: keeps two bytes a pixel and takes four more meanwhile;
- * the rest is bounded by blocks of rows, but for interlaced PNG.
+/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio.
  *
  *   path   of the file; with `bytes` its name for messages
  *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
  *   most   pixels; over it is refused
- *   out    written on GP_OK only; gp_free() its codes. A picture without alpha
- *          is not decoded: it is one pixel of GP_COVERED
+ *   out    written on GP_OK only; gp_free() its codes. Of a picture without
+ *          alpha one pixel of GP_COVERED
  *
  * Samples outside [0, 1] are clamped, NaN is 0.
- * Errors: those of gp_read_frame(); GP_ERR_DATA over `most`. */
+ * Errors: those of gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const void *bytes,
     size_t n, long long most, struct gp_coverage *out);

@@ -5,6 +5,7 @@
 #ifndef GP_IO_READ_H
 #define GP_IO_READ_H
 
+#include "io/decoded.h"
 #include "io/frame.h"
 #include "core/status.h"
 #include "core/stored.h"
@@ -177,16 +178,17 @@ GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
  * built with. Opens no library. */
 void gp_io_versions(char *line, size_t size);
 
-struct gp_input;
-
 // -- every channel with its values as stored, for comparing ------------------
+
+struct gp_input;
 
 /* An open file. */
 struct gp_stored_file {
     const char *path;         // borrowed
-    struct gp_input *input; // of an EXR, else NULL
+    struct gp_input *input;   // of an EXR, else NULL
     struct gp_stream stream;  // of other formats
-    int parts;                // of EXR; 1 of other formats
+    struct gp_decoded first;  // part 0 of other formats
+    int parts;
 };
 
 /* Opens a file or stdin ("-") of any format. Close it in any case.

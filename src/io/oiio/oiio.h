@@ -25,15 +25,13 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-/* Opens picture `part` (0: the first) of a stream, which stays the caller's
- * and must live until gp_decoded_close(). Of EXR, channels that are stored as
+/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are stored as
  * uint32 come as those 32 bits in the place of the float, and each four
  * channels count on their own for max_pixels.
  *
  *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
  *           helper refuses all but those of gp_readers and "openexr"
- *   out  written only on GP_OK; rows from rows(), which the helper decodes
- *        ahead
+ *   out  written only on GP_OK
  *
  * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, truncated, over
  * max_pixels, no format that is read, or the helper did not survive it;
