@@ -178,6 +178,29 @@ GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
  * built with. Opens no library. */
 void gp_io_versions(char *line, size_t size);
 
+// -- the alpha of a picture ---------------------------------------------------
+
+/* Alpha of a picture: w * h codes in rows from the top. */
+struct gp_coverage {
+    int w, h;
+    uint16_t *code; // of GP_COVERED; owned
+};
+enum { GP_COVERED = 65535 };
+
+/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio.
+ *
+ *   path   of the file; with `bytes` its name for messages
+ *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
+ *   most   pixels; over it is refused
+ *   out    written on GP_OK only; gp_free() its codes. Of a picture without
+ *          alpha one pixel of GP_COVERED
+ *
+ * Samples outside [0, 1] are clamped, NaN is 0.
+ * Errors: those of gp_read_frame(). */
+GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out);
+
 // -- every channel with its values as stored, for comparing ------------------
 
 struct gp_input;
