@@ -16,7 +16,7 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-enum { GP_FIRST_BYTES = 132 }; // checked for magic: DICOM's is at 128
+enum { GP_FIRST_BYTES = 18 }; // checked for magic: Targa's header
 
 /* Returns the name of the format that begins with these n bytes: "PNG", but
  * also, for messages, "gzip" or "web page". NULL for unknown bytes. Targa has
@@ -159,10 +159,6 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
  * cut where the whole would be longer than a file name may be. From malloc,
  * NULL when memory is full. */
 char *gp_file_temp_name(const char *path, int nth);
-
-/* Removes all temporary files of the process, which must end then: threads that
- * make or remove one wait forever. Safe in a signal handler. */
-void gp_temp_remove_all(void);
 
 /* -- folders --------------------------------------------------------------- */
 
