@@ -66,24 +66,6 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     struct gp_frame *out);
 
-/* -- writing --------------------------------------------------------------- */
-
-/* A format that is written. */
-struct gp_writer {
-    const char *ending; // in lower case; NULL: any other
-    bool only_straight; // only to stdout, a pipe or a device
-    bool alpha;         // can hold it
-    // checks the params; NULL: any will do. Errors: as gp_write_check()
-    gp_status (*check)(const struct gp_log *log,
-        const struct gp_write_params *p, const char *path, const char *ending);
-    // gp_write_picture() for this format
-    gp_status (*write)(const struct gp_log *log,
-        const struct gp_write_params *p, const char *path,
-        const struct gp_frame *f, const struct gp_planes *planes,
-        enum gp_picture_kind kind, struct gp_write_stats *stats);
-};
-extern const struct gp_writer gp_writers[]; // the last one is for all endings
-
 /* -- PNG ------------------------------------------------------------------- */
 
 /* Opens a PNG of any colour type, depth and interlacing.
@@ -124,7 +106,7 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 
 /* -- PFM ------------------------------------------------------------------- */
 
-/* For gp_reader and gp_writer. Writes unclamped values over black, in the
+/* Writes unclamped values over black, in the
  * display window. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,

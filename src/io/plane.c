@@ -121,7 +121,8 @@ static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
                 order)
                 continue;
             for (int i = 0; i < to.channels; i++)
-                channel[i].name = (char *) (uintptr_t) from->entries[i].name.str;
+                channel[i].name =
+                    (char *) (uintptr_t) from->entries[i].name.str;
             list->part[list->parts++] = to;
             list->channels += to.channels;
         }
@@ -235,12 +236,11 @@ static gp_status search_depth(const struct gp_log *log, const struct list *list,
     int i = -1;
     // of several views in the colour's part its own comes first
     for (int p = list->view ? -1 : 0; p < list->parts && !st && i < 0; p++) {
-        const bool seen = p < 0;
-        const struct part *const part = &list->part[seen ? 0 : p];
+        const struct part *const part = &list->part[p < 0 ? 0 : p];
         if (!part->mist)
             st = gp_find_depth(log, list->path,
-                               seen ? list->seen : part->channel, part->channels,
-                               seen ? list->seen_colour : list->colour, &i);
+                p < 0 ? list->seen : part->channel, part->channels,
+                p < 0 ? list->seen_colour : list->colour, &i);
         if (i < 0)
             continue;
         if (list->view && p == 0)
@@ -363,19 +363,14 @@ out:
 /* -- shared by the ways of reading ---------------------------------------- */
 
 /* Makes the channel's name in the form of the report and --depth. */
-static gp_status make_name(const struct gp_log *log,
-    const struct list *list, const struct place *at,
-    struct gp_plane *out)
+static gp_status make_name(const struct gp_log *log, const struct list *list,
+                           const struct place *at, struct gp_plane *out)
 {
-    const struct part *part = at->part;
-    const char *channel = part->channel[at->channel].name;
-    const bool plain = part->colour || list->parts == 1 || !part->name;
-    const size_t room = strlen(channel) + 2 + (plain ? 0 : strlen(part->name));
-    const gp_status st = gp_alloc(log, "channel name", room, 1, &out->name);
-    if (!st)
-        snprintf(out->name, room, "%s%s%s", plain ? "" : part->name,
-                 plain ? "" : ".", channel);
-    return st;
+    char name[FULL];
+    const char *const channel = at->part->channel[at->channel].name;
+    full_name(list, at->part, channel, name);
+    out->name = gp_strdup(at->part->colour ? channel : name);
+    return out->name ? GP_OK : gp_no_memory_bare(log, "channel name");
 }
 
 static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
