@@ -30,13 +30,11 @@ bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
     return true;
 }
 
-static int channel_index(const struct gp_frame *f, const char *name)
+size_t gp_last_part(const char *name, size_t n)
 {
-    for (int i = 0; i < f->channels; i++) {
-        if (strcmp(f->channel[i].name, name) == 0)
-            return i;
-    }
-    return -1;
+    while (n > 0 && name[n - 1] != '.')
+        n--;
+    return n;
 }
 
 /* -- Cryptomatte ---------------------------------------------------------- */
@@ -53,9 +51,7 @@ static bool ends_with_rank(const char *layer, size_t len)
 static bool looks_like_ids(const char *layer, size_t len)
 {
     static const char word[] = "crypto";
-    size_t start = len;
-    while (start > 0 && layer[start - 1] != '.')
-        start--;
+    const size_t start = gp_last_part(layer, len);
     return ends_with_rank(layer, len) &&
            len - start >= sizeof word - 1 + DIGITS &&
            strncasecmp(layer + start, word, sizeof word - 1) == 0;
@@ -87,18 +83,9 @@ static bool named_like_ids(const char *name)
 
 /* -- depth by name -------------------------------------------------------- */
 
-/* The start of the last part of a layer's name of `len` bytes without its dot:
- * 10 for "ViewLayer.Mist". */
-static size_t last_part(const char *layer, size_t len)
-{
-    while (len > 0 && layer[len - 1] != '.')
-        len--;
-    return len;
-}
-
 bool gp_is_mist(const char *layer, size_t len)
 {
-    const size_t start = last_part(layer, len);
+    const size_t start = gp_last_part(layer, len);
     return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
 }
 
@@ -107,7 +94,7 @@ bool gp_is_mist(const char *layer, size_t len)
 static bool is_called(const char *layer, size_t len, const char *const *name,
                       size_t n)
 {
-    const size_t start = last_part(layer, len);
+    const size_t start = gp_last_part(layer, len);
     for (size_t i = 0; i < n; i++) {
         if (strlen(name[i]) == len - start &&
             (name[i][1] ? strncasecmp : strncmp)(layer + start, name[i],
@@ -147,7 +134,7 @@ static bool has_depth_word(const char *layer, size_t len)
     static const char *const depth[] = {
         "depth", "zdepth", "z", "zbuf", "zbuffer", "distance", "disparity",
     };
-    const size_t first = last_part(layer, len);
+    const size_t first = gp_last_part(layer, len);
     for (size_t start = first, end; start < len; start = end + 1) {
         for (end = start; end < len; end++) {
             const char c = layer[end];
@@ -178,27 +165,29 @@ bool gp_is_light(const char *layer, size_t len)
 
 /* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
  * Y too or is named so, and of Blender's mist. */
-static bool is_no_depth(const struct gp_frame *f, const char *name)
+static bool is_no_depth(const struct gp_channel *channel, int n,
+                        const char *name)
 {
-    char other[256];
+    bool has[2] = {false, false};
     const size_t with_dot = gp_layer_length(name);
     const size_t layer = with_dot ? with_dot - 1 : 0;
     if (is_vector(name, layer) || gp_is_mist(name, layer))
         return true;
-    for (const char *axis = "XY"; *axis; axis++) {
-        int n = snprintf(other, sizeof other, "%.*s%c", (int) with_dot, name,
-                         *axis);
-        if (n >= (int) sizeof other || channel_index(f, other) < 0)
-            return false;
+    for (int i = 0; i < n; i++) {
+        const char *const own = channel[i].name;
+        for (int axis = 0; axis < 2; axis++)
+            has[axis] |= strncmp(own, name, with_dot) == 0 &&
+                         strcmp(own + with_dot, axis ? "Y" : "X") == 0;
     }
-    return true;
+    return has[0] && has[1];
 }
 
 enum { RANKS = 5 };
 
 /* 0 for the likeliest name of depth; RANKS for what is none. The first `skip`
  * bytes are those of a layer that it is in with the colour. */
-static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
+static int depth_rank(const struct gp_channel *channel, int channels,
+                      const char *name, size_t skip)
 {
     static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
     const char *const own = name + skip;
@@ -210,7 +199,8 @@ static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
         rank = 3;
     else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
         rank = 4;
-    return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
+    return (rank == 0 || rank == 4) && is_no_depth(channel, channels, name)
+               ? RANKS : rank;
 }
 
 /* True for a channel that is no light by its own name or by its layer's:
@@ -230,7 +220,7 @@ static bool is_data(const char *name)
            (layer > 0 && !gp_is_light(name, layer - 1)) ||
            named_like_ids(name) ||
            // depth, in a file without vectors
-           depth_rank(&(struct gp_frame) {0}, name, 0) < RANKS;
+           depth_rank(NULL, 0, name, 0) < RANKS;
 }
 
 /* -- colour --------------------------------------------------------------- */
@@ -351,9 +341,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
             continue;
         last = name[i];
         last_len = len;
-        size_t start = len - 1; // of the last part of the layer's name
-        while (start > 0 && last[start - 1] != '.')
-            start--;
+        const size_t start = gp_last_part(last, len - 1);
         bool picture = false;
         for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
             const size_t bytes = strlen(pictures[k]);
@@ -446,34 +434,23 @@ int gp_find_alpha(const struct gp_frame *f)
 
 bool gp_channel_is_depth(const struct gp_frame *f, int channel)
 {
-    return depth_rank(f, f->channel[channel].name, 0) < RANKS;
+    return depth_rank(f->channel, f->channels, f->channel[channel].name, 0) <
+           RANKS;
 }
 
-gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
-                        const char *name, const char *colour, int *out)
+gp_status gp_find_depth(const struct gp_log *log, const char *path,
+    const struct gp_channel *channel, int n, const char *colour, int *out)
 {
     int best = -1, second = -1, best_rank = RANKS;
     size_t skip = colour ? gp_layer_length(colour) : 0;
-    if (name) {
-        char list[GP_CHANNEL_LIST] = "";
-        *out = channel_index(f, name);
-        for (int i = 0; *out < 0 && i < f->channels; i++) {
-            if (!gp_channel_list_add(list, NULL, f->channel[i].name))
-                break;
-        }
-        return *out >= 0 ? GP_OK
-                         : gp_fail(log, GP_ERR_USAGE,
-                                   "%s: has no channel %s (it has %s); give "
-                                   "one of those", f->path, name, list);
-    }
     // in the colour's layer, in the layer around it, ..., anywhere
     for (bool last = false; best < 0 && !last;) {
         last = skip == 0;
-        for (int i = 0; i < f->channels; i++) {
-            const char *const own = f->channel[i].name;
+        for (int i = 0; i < n; i++) {
+            const char *const own = channel[i].name;
             if (skip && strncmp(own, colour, skip) != 0)
                 continue;
-            const int rank = depth_rank(f, own, skip);
+            const int rank = depth_rank(channel, n, own, skip);
             if (rank < best_rank) {
                 best = i;
                 second = -1;
@@ -482,13 +459,13 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
                 second = i;
             }
         }
-        skip = skip ? last_part(colour, skip - 1) : 0;
+        skip = skip ? gp_last_part(colour, skip - 1) : 0;
     }
     if (second >= 0)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: two channels could be depth (%s and %s); choose "
-                       "with --depth", f->path, f->channel[best].name,
-                       f->channel[second].name);
+                       "with --depth", path, channel[best].name,
+                       channel[second].name);
     *out = best;
     return GP_OK;
 }

@@ -44,6 +44,10 @@ bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
  * "diffuse.R", 0 for "R". */
 size_t gp_layer_length(const char *name);
 
+/* The start of the last part of the first n bytes of a name: 10 for
+ * "ViewLayer.Mist". */
+size_t gp_last_part(const char *name, size_t n);
+
 /* Returns the name of red, green or blue (c = 0, 1, 2) in the layer of `name`,
  * in its spelling: G for R, diffuse.blue for diffuse.red; R, G, B for a `name`
  * that is no colour. From malloc, NULL when memory is full. */
@@ -55,23 +59,22 @@ int gp_find_alpha(const struct gp_frame *f);
 
 /* -- depth and samples ----------------------------------------------------- */
 
-/* Finds the depth channel.
+/* Finds the depth among n channels, of which only names are used, in the order
+ * Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. The last of these is not depth when its
+ * layer also has X and Y (normals.Z is not depth), is named like a vector (N,
+ * normal(s), P, position, velocity, ...), or is Mist, Blender's factor of fog
+ * in [0, 1]; nor is Z beside plain X and Y, which a part of vectors has.
  *
- *   name    the channel the user asked for, or NULL to search in the order
- *           Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. The last of these is not
- *           depth when its layer also has X and Y (normals.Z is not depth), is
- *           named like a vector (N, normal(s), P, position, velocity, ...), or
- *           is Mist, Blender's factor of fog in [0, 1]; nor is Z beside plain
- *           X and Y, which a part of vectors has.
+ *   path    of their file, for messages
  *   colour  a channel of the colour, or NULL: depth in its layer comes before
  *           any other, then depth in the layer around that, and so on: with
  *           B.Combined.R B.Depth.Z, and not A.Depth.Z
- *   out     index into f->channel, or -1 when searching finds none
+ *   out     its index, or -1 when there is none
  *
- * Errors: GP_ERR_USAGE the name is not in the frame (the line lists the
- * channels it has); GP_ERR_DATA two candidates of equal rank (names both). */
+ * Errors: GP_ERR_DATA two candidates of equal rank (names both). */
 GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
-    const struct gp_frame *f, const char *name, const char *colour, int *out);
+    const char *path, const struct gp_channel *channel, int n,
+    const char *colour, int *out);
 
 /* True for a layer, or part, called Mist (any case) after its last dot. */
 bool gp_is_mist(const char *layer, size_t len);

@@ -2,8 +2,10 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "io/channels.h"
+#include "io/io_priv.h"
 #include "core/half.h"
 
 #include <limits.h>
@@ -73,8 +75,6 @@ enum { CODES = 65536 };
 
 struct split {
     const struct gp_decoded *image;
-    const float *pixels; // rows from y0 on
-    int y0;
     struct gp_frame *f;
     const float *table;  // NULL when linear
     enum curve curve;
@@ -86,9 +86,8 @@ static void split_row(void *ctx, int y, int thread)
 {
     const struct split *s = ctx;
     const int w = gp_rect_w(s->image->data), n = s->image->channels;
-    const size_t at = (size_t) (s->y0 + y) * (size_t) w;
-    const float *const pixels =
-        s->pixels + (size_t) y * (size_t) w * (size_t) n;
+    const size_t at = (size_t) y * (size_t) w;
+    const float *const pixels = s->image->pixels + at * (size_t) n;
     float *row = s->row + (size_t) thread * (size_t) w;
     for (int i = 0; i < n; i++) {
         const struct gp_channel *c = &s->f->channel[i];
@@ -112,15 +111,13 @@ static void split_row(void *ctx, int y, int thread)
     }
 }
 
-/* Fills all planes, from the pixels or from the file, a block at a time. */
-static gp_status split_planes(const struct gp_log *log, struct gp_decoded *image,
+static gp_status split_planes(const struct gp_log *log,
+                              const struct gp_decoded *image,
                               struct gp_frame *f)
 {
     gp_status st;
-    struct split s = {.image = image, .f = f, .pixels = image->pixels};
-    const size_t w = (size_t) gp_frame_w(f);
-    const int h = gp_frame_h(f), step = image->pixels ? h : image->block;
-    float *table = NULL, *row = NULL, *block = NULL;
+    struct split s = {.image = image, .f = f};
+    float *table = NULL;
     s.curve = curve_of(image, &s.gamma);
     if (s.curve != LINEAR) {
         GP_TRY(gp_alloc(log, "curve", CODES, sizeof *table, &table));
@@ -128,66 +125,25 @@ static gp_status split_planes(const struct gp_log *log, struct gp_decoded *image
             table[i] = decode(s.curve, s.gamma, (float) i / 65535.0f);
     }
     s.table = table;
-    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(), w * sizeof(float),
-                    &row));
-    s.row = row;
-    if (!image->pixels) {
-        GP_TRY(gp_alloc(log, "rows", (size_t) step * w,
-                        (size_t) image->channels * sizeof(float), &block));
-        s.pixels = block;
-    }
-    for (; s.y0 < h; s.y0 += step) {
-        if (!image->pixels)
-            GP_TRY(image->rows(log, image, s.y0, block));
-        gp_parallel_do(h - s.y0 < step ? h - s.y0 : step, split_row, &s);
-    }
+    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(),
+                    (size_t) gp_frame_w(f) * sizeof(float), &s.row));
+    gp_parallel_do(gp_frame_h(f), split_row, &s);
 out:
-    gp_free(block);
-    gp_free(row);
+    gp_free(s.row);
     gp_free(table);
     return st;
 }
 
-gp_status gp_decoded_load(const struct gp_log *log, struct gp_decoded *image)
+void gp_decoded_channel(const struct gp_decoded *image, int channel, float *to)
 {
-    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
-    const size_t row = (size_t) w * (size_t) image->channels;
-    const size_t rows = ((size_t) h + (size_t) image->block - 1) /
-                        (size_t) image->block * (size_t) image->block;
-    float *pixels;
-    if (image->pixels)
-        return GP_OK;
-    gp_status st = gp_alloc(log, "picture", rows, row * sizeof(float), &pixels);
-    for (int y = 0; !st && y < h; y += image->block)
-        st = image->rows(log, image, y, pixels + (size_t) y * row);
-    if (st)
-        gp_free(pixels);
-    else
-        image->pixels = pixels;
-    return st;
-}
-
-gp_status gp_decoded_channel(const struct gp_log *log, struct gp_decoded *image,
-                           int channel, float *to)
-{
-    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
-    const size_t n = (size_t) image->channels;
-    float *block;
-    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
-                            n * sizeof *block, &block);
-    for (int y = 0; y < h && !st; y += image->block) {
-        const int rows = h - y < image->block ? h - y : image->block;
-        st = image->rows(log, image, y, block);
-        for (size_t i = 0; i < (size_t) rows * (size_t) w && !st; i++)
-            *to++ = block[i * n + (size_t) channel];
-    }
-    gp_free(block);
-    return st;
+    const size_t n = (size_t) gp_rect_w(image->data) *
+                     (size_t) gp_rect_h(image->data);
+    for (size_t i = 0; i < n; i++)
+        to[i] = image->pixels[i * (size_t) image->channels + (size_t) channel];
 }
 
 void gp_decoded_close(struct gp_decoded *image)
 {
-    gp_free(image->pixels);
     if (image->close)
         image->close(image);
     *image = (struct gp_decoded) {0};
@@ -226,7 +182,7 @@ static gp_status choose_colour(const struct gp_log *log, const char *layer,
 }
 
 gp_status gp_decoded_frame(const struct gp_log *log, const char *layer,
-                         struct gp_decoded *image, struct gp_frame *out)
+                         const struct gp_decoded *image, struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {0};
@@ -293,6 +249,53 @@ out:
         gp_frame_free(&f);
     else
         *out = f;
+    return st;
+}
+
+/* -- the alpha of a picture ------------------------------------------------ */
+
+static gp_status take_alpha(const struct gp_log *log,
+                            const struct gp_decoded *image,
+                            struct gp_coverage *out)
+{
+    struct gp_coverage a = {1, 1, NULL};
+    int channel = image->channels - 1;
+    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
+        channel--;
+    if (channel >= 0) {
+        a.w = gp_rect_w(image->data);
+        a.h = gp_rect_h(image->data);
+    }
+    const size_t texels = (size_t) a.w * (size_t) a.h;
+    const gp_status st = gp_alloc(log, image->path, texels, sizeof *a.code,
+                                  &a.code);
+    if (st)
+        return st;
+    a.code[0] = GP_COVERED;
+    const float *v = image->pixels + channel;
+    for (size_t i = 0; i < texels && channel >= 0; i++, v += image->channels)
+        a.code[i] = (uint16_t) (gp_clamp01(*v) * (float) GP_COVERED + 0.5f);
+    *out = a;
+    return GP_OK;
+}
+
+gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out)
+{
+    struct gp_read_params limits = gp_read_limits(p);
+    struct gp_stream stream = gp_stream_of(bytes, n);
+    struct gp_decoded image = {0};
+    gp_status st;
+    if (limits.max_pixels > most)
+        limits.max_pixels = most;
+    if (!bytes)
+        GP_TRY(gp_stream_open_regular(log, path, &stream));
+    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
+    GP_TRY(take_alpha(log, &image, out));
+out:
+    gp_decoded_close(&image);
+    gp_stream_close(&stream);
     return st;
 }
 

@@ -6,7 +6,7 @@
 #include "io/frame.h"
 #include "core/status.h"
 
-/* An open picture. The reader owns what it points to, until close(). */
+/* A picture. Its reader owns what it points to, until gp_decoded_close(). */
 struct gp_decoded {
     const char *path;            // for messages
     struct gp_rect data, display; // display empty: it is `data`
@@ -23,15 +23,7 @@ struct gp_decoded {
     const struct gp_attribute *attribute;
     int attributes;
 
-    /* Samples as stored, w * channels for each row, interleaved. Either the
-     * whole picture, or NULL, and then rows() gives rows [y, y + block), or as
-     * many as there are, from y = 0 at the top: blocks are asked for in their
-     * order, each once; `to` has room for a whole one.
-     * Errors: GP_ERR_DATA, GP_ERR_IO, GP_ERR_BUG out of memory. */
-    float *pixels;
-    int block;
-    gp_status (*rows)(const struct gp_log *log, struct gp_decoded *image, int y,
-                      float *to);
+    float *pixels; // samples as stored, w * channels a row, interleaved
     void (*close)(struct gp_decoded *image);
     void *own;
 };
@@ -39,15 +31,9 @@ struct gp_decoded {
 /* Frees a picture; one that is all zero is fine. */
 void gp_decoded_close(struct gp_decoded *image);
 
-/* Reads all rows into image->pixels, where they are not there yet. Errors:
- * those of rows(). */
-GP_MUST_CHECK gp_status gp_decoded_load(const struct gp_log *log,
-                                      struct gp_decoded *image);
-
-/* Reads the samples of one channel of a picture that is not loaded to `to`, w * h
- * of them, a block of rows at a time. Errors: those of rows(). */
-GP_MUST_CHECK gp_status gp_decoded_channel(const struct gp_log *log,
-    struct gp_decoded *image, int channel, float *to);
+/* Copies the samples of one channel to `to`, w * h of them. */
+void gp_decoded_channel(const struct gp_decoded *image, int channel,
+                        float *to);
 
 /* Makes a frame from a picture, which stays the caller's. Chooses colour and
  * makes it linear as io/read.h says.
@@ -55,9 +41,9 @@ GP_MUST_CHECK gp_status gp_decoded_channel(const struct gp_log *log,
  *   layer  as in gp_read_params
  *   out    written only on GP_OK
  *
- * Errors: those of rows(); GP_ERR_USAGE no such layer. */
+ * Errors: GP_ERR_USAGE no such layer; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_decoded_frame(const struct gp_log *log,
-    const char *layer, struct gp_decoded *image, struct gp_frame *out);
+    const char *layer, const struct gp_decoded *image, struct gp_frame *out);
 
 /* Refuses a window of `w` x `h` pixels that is empty, has more than
  * max_pixels, or edges that int cannot hold four times. `which` is "data" or

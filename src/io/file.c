@@ -84,7 +84,9 @@ static int live_add(const char *name)
     return slot;
 }
 
-void gp_temp_remove_all(void)
+/* Removes all temporary files of the process, which must end then: threads that
+ * make or remove one wait forever. Safe in a signal handler. */
+static void remove_and_end(int sig)
 {
     const struct timespec moment = {.tv_nsec = 1000000};
     atomic_store(&ending, true);
@@ -95,11 +97,6 @@ void gp_temp_remove_all(void)
         if (live_temps[i].live)
             unlink(live_temps[i].name);
     }
-}
-
-static void remove_and_end(int sig)
-{
-    gp_temp_remove_all();
     raise(sig); // SA_RESETHAND: the default action, once this returns
 }
 
@@ -125,7 +122,6 @@ struct temp {
     char *name; // owned; gone after end_temp()
     int live;   // slot in which a signal finds the name, or -1
 };
-
 
 char *gp_file_temp_name(const char *path, int nth)
 {
@@ -428,18 +424,14 @@ static gp_status flush(struct gp_file *f)
 
 static gp_status grow_buffer(struct gp_file *f, size_t size)
 {
-    size_t want = f->room, need;
-    const bool fits = !__builtin_add_overflow(f->held, size, &need);
-    while (fits && want < need && !__builtin_mul_overflow(want, 2, &want))
-        ;
-    uint8_t *more = fits && want >= need ? realloc(f->buffer, want) : NULL;
-    if (!more) {
-        f->st = gp_no_memory(f->log, f->path);
-        return f->st;
-    }
-    f->buffer = more;
-    f->room = want;
-    return GP_OK;
+    size_t room = f->room;
+    void *buffer = f->buffer;
+    while (room - f->held < size)
+        room *= 2;
+    f->st = gp_resize(f->log, f->path, room, &buffer);
+    f->buffer = buffer;
+    f->room = f->st ? f->room : room;
+    return f->st;
 }
 
 gp_status gp_file_write(struct gp_file *f, const void *data, size_t size)

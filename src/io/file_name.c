@@ -11,10 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-    LINK_BYTES = 4096,
-    LINKS = 40, // as many as the system follows
-};
+enum { LINKS = 40 }; // as many as the system follows
 
 /* Returns where the last component starts. */
 static const char *base_of(const char *path)
@@ -56,12 +53,30 @@ static int named_descriptor(const char *path, const char *real)
     return strcmp(real, "/fd") == 0 ? (int) fd : -1;
 }
 
+/* Replaces a link by its target, seen from where the link is seen from; false
+ * with errno for other names. */
+static bool follow(char at[PATH_MAX])
+{
+    char to[PATH_MAX];
+    const ssize_t n = readlink(at, to, sizeof to);
+    if (n <= 0)
+        return false;
+    const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(at) - at);
+    if (folder + (size_t) n >= PATH_MAX) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    memcpy(at + folder, to, (size_t) n);
+    at[folder + (size_t) n] = '\0';
+    return true;
+}
+
 /* Follows the links of a name. Returns its descriptor, or -1; sets *system for
  * one that is, or leads to, a name in /proc, /dev/fd or /dev/std*. */
 static int follow_names(const char *path, bool *system)
 {
     static const char *const own[] = {"/dev/fd/", "/dev/std", "/proc/"};
-    char at[PATH_MAX], to[PATH_MAX], real[PATH_MAX];
+    char at[PATH_MAX], real[PATH_MAX];
     *system = gp_is_dash(path);
     if (gp_is_dash(path))
         return STDOUT_FILENO;
@@ -74,14 +89,8 @@ static int follow_names(const char *path, bool *system)
             *system |= strncmp(at, own[i], strlen(own[i])) == 0;
         *system |= strncmp(real, "/proc/", 6) == 0;
         const int fd = named_descriptor(at, real);
-        const ssize_t n = fd < 0 ? readlink(at, to, sizeof to - 1) : -1;
-        if (n <= 0)
+        if (fd >= 0 || !follow(at))
             return fd;
-        to[n] = '\0'; // seen from the folder of the link
-        const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(at) - at);
-        if (folder + (size_t) n >= sizeof at)
-            return -1;
-        strcpy(at + folder, to);
     }
     return -1;
 }
@@ -103,53 +112,26 @@ bool gp_file_is_straight(const char *path)
 
 char *gp_file_folder(const char *path)
 {
-    size_t n = (size_t) (base_of(path) - path);
-    if (n == 0)
-        return gp_strdup(".");
-    if (n > 1)
-        n--; // not the slash, unless it is the root
-    char *folder = malloc(n + 1);
-    if (folder) {
-        memcpy(folder, path, n);
-        folder[n] = '\0';
-    }
+    const size_t n = (size_t) (base_of(path) - path);
+    char *const folder = gp_strdup(n ? path : ".");
+    if (folder)
+        folder[n > 1 ? n - 1 : 1] = '\0'; // no slash, but that of the root
     return folder;
-}
-
-/* Returns the target of the link `path`, seen from where `path` is seen
- * from; NULL with errno. */
-static char *follow(const char *path)
-{
-    char to[LINK_BYTES];
-    const ssize_t n = readlink(path, to, sizeof to);
-    if (n == sizeof to)
-        errno = ENAMETOOLONG;
-    if (n < 0 || n == sizeof to)
-        return NULL;
-    const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(path) - path);
-    char *next = malloc(folder + (size_t) n + 1);
-    if (next) {
-        memcpy(next, path, folder);
-        memcpy(next + folder, to, (size_t) n);
-        next[folder + (size_t) n] = '\0';
-    }
-    return next;
 }
 
 char *gp_file_resolve(const char *path)
 {
     struct stat s;
-    char *at = gp_strdup(path);
-    for (int i = 0; at && lstat(at, &s) == 0 && S_ISLNK(s.st_mode); i++) {
-        char *next = realpath(at, NULL);
-        if (!next && errno == ENOENT && i < LINKS)
-            next = follow(at);
-        const int error = errno;
-        gp_free(at);
-        at = next;
-        errno = error;
+    char at[PATH_MAX];
+    if (strlen(path) >= sizeof at)
+        return gp_strdup(path); // which the system refuses
+    strcpy(at, path);
+    for (int i = 0; lstat(at, &s) == 0 && S_ISLNK(s.st_mode); i++) {
+        char *const real = realpath(at, NULL);
+        if (real || errno != ENOENT || i >= LINKS || !follow(at))
+            return real;
     }
-    return at;
+    return gp_strdup(at);
 }
 
 int gp_file_make_folders(const char *path)

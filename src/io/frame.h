@@ -97,4 +97,27 @@ void gp_frame_free(struct gp_frame *f);
 const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
                                           const char *name);
 
+/* -- attributes of an EXR ------------------------------------------------- */
+
+/* A 4x4 matrix attribute (m44f or m44d) of the frame's colour part, else of
+ * the first part that has it: m[4 * row + column], row vectors, as stored.
+ * false, with m as it was, when there is none. */
+bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16]);
+
+/* Frames a second by the attribute framesPerSecond, a rational number; 0 where
+ * there is none that is positive. */
+double gp_frame_rate(const struct gp_frame *f);
+
+/* A float attribute of the frame's colour part, finite; false, with v as it
+ * was, where there is none. */
+bool gp_frame_real(const struct gp_frame *f, const char *name, double *v);
+
+/* Reads a v2f attribute of the frame's part, of finite values; false: none, v
+ * stays. */
+bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2]);
+
+/* A string attribute of the frame's colour part, from gp_alloc(); NULL where
+ * there is none, or memory is full. */
+char *gp_frame_text(const struct gp_frame *f, const char *name);
+
 #endif

@@ -16,7 +16,7 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-enum { GP_FIRST_BYTES = 132 }; // checked for magic: DICOM's is at 128
+enum { GP_FIRST_BYTES = 18 }; // checked for magic: Targa's header
 
 /* Returns the name of the format that begins with these n bytes: "PNG", but
  * also, for messages, "gzip" or "web page". NULL for unknown bytes. Targa has
@@ -66,67 +66,6 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     struct gp_frame *out);
 
-/* -- writing --------------------------------------------------------------- */
-
-/* A format that is written. */
-struct gp_writer {
-    const char *ending; // in lower case; NULL: any other
-    bool only_straight; // only to stdout, a pipe or a device
-    bool alpha;         // can hold it
-    // checks the params; NULL: any will do. Errors: as gp_write_check()
-    gp_status (*check)(const struct gp_log *log,
-        const struct gp_write_params *p, const char *path, const char *ending);
-    // gp_write_picture() for this format
-    gp_status (*write)(const struct gp_log *log,
-        const struct gp_write_params *p, const char *path,
-        const struct gp_frame *f, const struct gp_planes *planes,
-        enum gp_picture_kind kind, struct gp_write_stats *stats);
-};
-extern const struct gp_writer gp_writers[]; // the last one is for all endings
-
-/* -- linear light to 8- and 16-bit sRGB codes ------------------------------ */
-
-struct gp_quantizer;
-
-/* Makes the tables for codes 0 .. 2^bits - 1.
- *
- *   bits  8 or 16
- *   out   written only on GP_OK; free with gp_quantizer_free(). Read only
- *         after this, so any number of threads may share it.
- *
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
-                                          struct gp_quantizer **out);
-void gp_quantizer_free(struct gp_quantizer *q);
-
-/* n samples to the nearest codes: exactly
- * (int) (gp_srgb_encode(linear[i]) * max + 0.5f) for every float; NaN and
- * values below 0 become 0, values over 1 the largest code. */
-void gp_quantize(const struct gp_quantizer *q, const float *linear,
-                 uint16_t *code, size_t n);
-
-/* The same with ordered dither: floor(encoded * max + d), where d in [0, 1)
- * depends on the pixel's place only, so a picture has the same bytes whoever
- * writes it, and grey stays grey. Over an area of one value the mean of the
- * codes is the encoded value. 0 and 1 stay the smallest and largest code.
- *
- *   x, y  place of linear[0] in the picture
- *
- * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
- * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
- * so that its low bits count in wide pictures too. */
-void gp_quantize_dither(const struct gp_quantizer *q, const float *linear,
-                        int x, int y, uint16_t *code, size_t n);
-
-/* n values to codes without a curve, for alpha and encoded values: the nearest
- * code of the value clamped to [0, 1]; NaN becomes 0. */
-void gp_quantize_linear(const struct gp_quantizer *q, const float *value,
-                        uint16_t *code, size_t n);
-
-/* The same with the dither of gp_quantize_dither(). */
-void gp_quantize_linear_dither(const struct gp_quantizer *q, const float *value,
-                               int x, int y, uint16_t *code, size_t n);
-
 /* -- PNG ------------------------------------------------------------------- */
 
 /* Opens a PNG of any colour type, depth and interlacing.
@@ -167,7 +106,7 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 
 /* -- PFM ------------------------------------------------------------------- */
 
-/* For gp_reader and gp_writer. Writes unclamped values over black, in the
+/* Writes unclamped values over black, in the
  * display window. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
@@ -202,92 +141,6 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
  * cut where the whole would be longer than a file name may be. From malloc,
  * NULL when memory is full. */
 char *gp_file_temp_name(const char *path, int nth);
-
-/* Removes all temporary files of the process, which must end then: threads that
- * make or remove one wait forever. Safe in a signal handler. */
-void gp_temp_remove_all(void);
-
-/* -- planes by the names of parts and channels, in a file of any format ---- */
-
-/* One part and its channels, of which only names are used. */
-struct gp_plane_part {
-    int part;                // number in the file
-    const char *name;        // NULL when it has none; borrowed
-    const char *view;        // of stereo, NULL when it has none; borrowed
-    bool colour;             // this is the part of the frame's colour
-    bool deep;
-    bool mist;               // its Z is not depth
-    struct gp_channel *channel;  // into gp_plane_list.channel
-    int channels;
-};
-
-/* All parts of a file in the order in which they are searched. */
-struct gp_plane_list {
-    const char *path;            // for messages; borrowed
-    struct gp_plane_part *part;  // owned
-    int parts;
-    struct gp_channel *channel;  // owned; names are borrowed
-    int channels;                // of all parts
-    const char *view;            // of the frame's colour, where its part has
-                                 // several and it is not the first; else NULL
-    const struct gp_input *input; // with a view; borrowed
-    const char *colour;          // a channel of the frame's colour, or NULL
-};
-
-/* The result: a part of the list and a channel of it. Nothing when `part` is
- * NULL. */
-struct gp_plane_place {
-    const struct gp_plane_part *part;
-    int channel;  // index in its part, which is the file's order
-};
-
-/* The parts of an EXR. First comes the one of the colour, where there is one;
- * then those of its view or of none; within these, when `depth`, those called
- * depth, as a part of a layer-per-part file has plain Z whatever its layer;
- * then those in the layer around the colour's (B.Depth for B.Combined); deep
- * ones last; then by number.
- *
- *   colour  o->part holds the colour of a frame
- *   list    written always; lives no longer than `o`; free with
- *           gp_plane_list_free()
- *
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_plane_list_exr(const struct gp_log *log,
-    const char *path, const struct gp_input *o, bool colour, bool depth,
-    struct gp_plane_list *list);
-
-/* A file of one part with `channels` channels, whose names the caller puts
- * into list->channel[]. Else as above. */
-GP_MUST_CHECK gp_status gp_plane_list_one(const struct gp_log *log,
-    const char *path, bool colour, int channels, struct gp_plane_list *list);
-void gp_plane_list_free(struct gp_plane_list *list);
-
-/* Finds a channel.
- *
- *   name      a channel of any part, or PART.CHANNEL; NULL searches: for depth
- *             by gp_find_depth() part by part, else A
- *   own_file  the file is given only for this plane: its only channel is taken
- *             (for depth A does not count), and finding none is an error
- *   out       written on GP_OK
- *
- * Errors: GP_ERR_USAGE no such channel; the line lists those that exist, in
- * the form that --depth takes; GP_ERR_DATA two of equal rank in one part. */
-GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
-    const struct gp_plane_list *list, const char *name, bool depth,
-    bool own_file, struct gp_plane_place *out);
-
-/* Lists the parts of a frame's file, with its colour and view. `list` is
- * written always; free with gp_plane_list_free(). Errors: GP_ERR_BUG out of
- * memory. */
-GP_MUST_CHECK gp_status gp_plane_list_frame(const struct gp_log *log,
-    const struct gp_frame *f, bool depth, struct gp_plane_list *list);
-
-/* Reads a channel of that list. `out` starts as zeros; free with
- * gp_plane_free(), also after an error. Errors: as gp_read_plane(). */
-GP_MUST_CHECK gp_status gp_plane_read_at(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f,
-    const struct gp_plane_list *list, const struct gp_plane_place *at,
-    struct gp_plane *out);
 
 /* -- folders --------------------------------------------------------------- */
 

@@ -20,70 +20,41 @@
 enum { BLOCK = 128 }; // samples at a time, in the first cache
 enum { ONE = 0x3f800000, INF = 0x7f800000 }; // bits of 1.0f and INFINITY
 
-/* Estimates a code to within one, then corrects it by the table of the smallest
- * float of every code. For 8 bits the estimate is a table too, indexed by the
- * upper half of the float: the floats that share it cross at most one code's
- * edge. For 16 bits such a table would not fit in a cache, and the estimate is
- * an approximation of the curve.
- *
- * Compares the bits of floats: those of values >= 0 ascend with the values, and
- * the compiler vectorises integer selects but must keep branches for float
- * ones, which may trap. */
-struct gp_quantizer {
-    int max;
-    int32_t *least; // bits of the smallest float of each code; max + 2 entries
-    uint8_t *first; // code of the float bits i << 16, i <= ONE >> 16; or NULL
-};
-
 static int plain_code(float linear, int max)
 {
     return (int) (gp_srgb_encode(linear) * (float) max + 0.5f);
 }
 
-gp_status gp_quantizer_make(const struct gp_log *log, int bits,
-                            struct gp_quantizer **out)
+gp_status gp_quantizer_make(const struct gp_log *log, int bits, bool curve,
+                            bool dither, struct gp_quantizer *out)
 {
-    gp_status st;
-    struct gp_quantizer *q = NULL;
-    const int max = (1 << bits) - 1;
-    GP_TRY(gp_alloc_zero(log, "sRGB table", 1, sizeof *q, &q));
-    q->max = max;
-    GP_TRY(gp_alloc(log, "sRGB table", (size_t) max + 2, sizeof *q->least,
-                    &q->least));
-    q->least[0] = 0;
-    for (int c = 1; c <= max; c++) { // steps from the curve's inverse
-        float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
-        while (plain_code(x, max) >= c)
+    struct gp_quantizer q = {
+        .max = (1 << bits) - 1, .curve = curve, .dither = dither,
+    };
+    *out = q;
+    if (dither || !curve)
+        return GP_OK;
+    const gp_status st = gp_alloc(log, "sRGB table", (size_t) q.max + 2,
+                                  sizeof *q.least, &q.least);
+    if (st)
+        return st;
+    q.least[0] = 0;
+    for (int c = 1; c <= q.max; c++) { // steps from the curve's inverse
+        float x = gp_srgb_decode(((float) c - 0.5f) / (float) q.max);
+        while (plain_code(x, q.max) >= c)
             x = nextafterf(x, 0.0f);
-        while (plain_code(x, max) < c)
+        while (plain_code(x, q.max) < c)
             x = nextafterf(x, 2.0f);
-        q->least[c] = (int32_t) gp_bits_of(x);
+        q.least[c] = (int32_t) gp_bits_of(x);
     }
-    q->least[max + 1] = INT32_MAX;
-    if (bits == 8) {
-        GP_TRY(gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &q->first));
-        for (int32_t i = 0, c = 0; i <= ONE >> 16; i++) {
-            while (q->least[c + 1] <= i << 16)
-                c++;
-            q->first[i] = (uint8_t) c;
-        }
-    }
+    q.least[q.max + 1] = INT32_MAX;
     *out = q;
     return GP_OK;
-out:
-    gp_quantizer_free(q);
-    return st;
 }
 
-void gp_quantizer_free(struct gp_quantizer *q)
-{
-    if (q) {
-        gp_free(q->first);
-        gp_free(q->least);
-    }
-    gp_free(q);
-}
-
+/* Compares the bits of floats: those of values >= 0 ascend with the values, and
+ * the compiler vectorises integer selects but must keep branches for float
+ * ones, which may trap. */
 static inline float clamp_by_bits(float v)
 {
     int32_t i = (int32_t) gp_bits_of(v);
@@ -115,15 +86,13 @@ static INLINE float curve(float x)
     return 1.055f * (p * scale) - 0.055f;
 }
 
-/* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. Exact at 0 and
- * from 1 on. A loop for each step, over arrays, keeps the compiler from making
- * branches, which would not vectorise. */
-static INLINE void encode_block(const float *restrict in, float max,
-                                float *restrict x, float *restrict v, size_t n)
+/* gp_srgb_encode() of x in [0, 1] within 4e-7, times max. Exact at 0 and at 1.
+ * A loop for each step, over arrays, keeps the compiler from making branches,
+ * which would not vectorise. */
+static INLINE void encode_block(const float *restrict x, float max,
+                                float *restrict v, size_t n)
 {
     float power[BLOCK];
-    for (size_t i = 0; i < n; i++)
-        x[i] = clamp_by_bits(in[i]);
     for (size_t i = 0; i < n; i++)
         power[i] = curve(x[i]) * max;
     for (size_t i = 0; i < n; i++)
@@ -134,47 +103,17 @@ static INLINE void encode_block(const float *restrict in, float max,
     }
 }
 
-static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
-    const float *linear, uint16_t *code, size_t n)
+/* Nearest codes of v; corrects those that the curve's estimate x -> v missed,
+ * by one, where there is a table. */
+static INLINE void round_block(const float *x, const float *v,
+                               const int32_t *least, uint16_t *code, size_t n)
 {
-    const int32_t *const least = q->least;
-    const uint8_t *const first = q->first;
-    float x[BLOCK];
-    for (size_t at = 0; at < n; at += BLOCK) {
-        const size_t m = n - at < BLOCK ? n - at : BLOCK;
-        for (size_t i = 0; i < m; i++)
-            x[i] = clamp_by_bits(linear[at + i]);
-        for (size_t i = 0; i < m; i++) {
-            const int32_t b = (int32_t) gp_bits_of(x[i]), c = first[b >> 16];
-            code[at + i] = (uint16_t) (c + (b >= least[c + 1]));
-        }
+    for (size_t i = 0; i < n; i++)
+        code[i] = (uint16_t) (int32_t) (v[i] + 0.5f);
+    for (size_t i = 0; i < n && least; i++) {
+        const int32_t c = code[i], b = (int32_t) gp_bits_of(x[i]);
+        code[i] = (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
     }
-}
-
-static GP_CLONES void quantize_by_curve(const struct gp_quantizer *q,
-    const float *linear, uint16_t *code, size_t n)
-{
-    const int32_t *const least = q->least;
-    float x[BLOCK], v[BLOCK];
-    for (size_t at = 0; at < n; at += BLOCK) {
-        const size_t m = n - at < BLOCK ? n - at : BLOCK;
-        encode_block(linear + at, (float) q->max, x, v, m);
-        for (size_t i = 0; i < m; i++) {
-            const int32_t c = (int32_t) (v[i] + 0.5f);
-            const int32_t b = (int32_t) gp_bits_of(x[i]);
-            code[at + i] =
-                (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
-        }
-    }
-}
-
-void gp_quantize(const struct gp_quantizer *q, const float *linear,
-                 uint16_t *code, size_t n)
-{
-    if (q->first)
-        quantize_by_table(q, linear, code, n);
-    else
-        quantize_by_curve(q, linear, code, n);
 }
 
 /* Jimenez: fract(52.9829189 * fract(0.06711056 x + 0.00583715 y)), with
@@ -197,37 +136,25 @@ static INLINE void dither_block(const float *v, uint32_t inner,
     }
 }
 
-GP_CLONES void gp_quantize_dither(const struct gp_quantizer *q,
-    const float *linear, int x, int y, uint16_t *code, size_t n)
+GP_CLONES void gp_quantize(const struct gp_quantizer *q, const float *value,
+                           int x, int y, uint16_t *code, size_t n)
 {
+    const float max = (float) q->max;
     uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
-    float scratch[BLOCK], v[BLOCK];
-    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
-        const size_t m = n - i < BLOCK ? n - i : BLOCK;
-        encode_block(linear + i, (float) q->max, scratch, v, m);
-        dither_block(v, inner, code + i, m);
-    }
-}
-
-GP_CLONES void gp_quantize_linear_dither(const struct gp_quantizer *q,
-    const float *value, int x, int y, uint16_t *code, size_t n)
-{
-    uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
-    float v[BLOCK];
+    float in[BLOCK], v[BLOCK];
     for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
         const size_t m = n - i < BLOCK ? n - i : BLOCK;
         for (size_t k = 0; k < m; k++)
-            v[k] = clamp_by_bits(value[i + k]) * (float) q->max;
-        dither_block(v, inner, code + i, m);
+            in[k] = clamp_by_bits(value[i + k]);
+        for (size_t k = 0; k < m && !q->curve; k++)
+            v[k] = in[k] * max;
+        if (q->curve)
+            encode_block(in, max, v, m);
+        if (q->dither)
+            dither_block(v, inner, code + i, m);
+        else
+            round_block(in, v, q->least, code + i, m);
     }
-}
-
-GP_CLONES void gp_quantize_linear(const struct gp_quantizer *q,
-                                  const float *value, uint16_t *code, size_t n)
-{
-    const float max = (float) q->max;
-    for (size_t i = 0; i < n; i++)
-        code[i] = (uint16_t) (int32_t) (clamp_by_bits(value[i]) * max + 0.5f);
 }
 
 // -- pictures -----------------------------------------------------------------
@@ -252,10 +179,7 @@ gp_status gp_picture_make(const struct gp_log *log,
             (long long) h);
     *out = (struct gp_picture) {
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
-        .bits = p->depth_bits,
-        .dither = p->dither == GP_DITHER_ALWAYS ||
-                  (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
-        .encoded = kind == GP_PICTURE_ENCODED, .f = f, .planes = planes,
+        .bits = p->depth_bits, .f = f, .planes = planes,
         .associated = p->alpha == GP_ALPHA_ASSOCIATED,
     };
     if (channel >= 0) {
@@ -264,7 +188,10 @@ gp_status gp_picture_make(const struct gp_log *log,
         gp_channel_floats(f, channel, out->alpha);
     }
     if (codes)
-        GP_TRY(gp_quantizer_make(log, p->depth_bits, &out->quantizer));
+        GP_TRY(gp_quantizer_make(log, p->depth_bits,
+            kind != GP_PICTURE_ENCODED, p->dither == GP_DITHER_ALWAYS ||
+            (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
+            &out->quantizer));
     return GP_OK;
 out:
     gp_picture_free(out);
@@ -273,7 +200,7 @@ out:
 
 void gp_picture_free(struct gp_picture *pic)
 {
-    gp_quantizer_free(pic->quantizer);
+    gp_free(pic->quantizer.least);
     gp_free(pic->alpha);
     *pic = (struct gp_picture) {0};
 }
@@ -346,12 +273,13 @@ static void clear_around(void *row, size_t size, struct span s, size_t width)
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row)
 {
-    const struct gp_quantizer *const q = pic->quantizer;
+    const struct gp_quantizer *const q = &pic->quantizer;
+    const struct gp_quantizer plain = {.max = q->max}; // of alpha
     const struct span s = span_of(pic, y);
     float *const *v = row->linear;
     const bool divided = pic->alpha && !pic->associated;
     if (pic->alpha && pic->associated)
-        gp_quantize_linear(q, pic->alpha + s.at, row->code[3] + s.x, s.n);
+        gp_quantize(&plain, pic->alpha + s.at, 0, 0, row->code[3] + s.x, s.n);
     if (divided) {
         for (size_t i = 0; i < s.n; i++) {
             float most = gp_clamp01(pic->alpha[s.at + i]);
@@ -361,7 +289,7 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
             }
             v[3][i] = most;
         }
-        gp_quantize_linear(q, v[3], row->code[3] + s.x, s.n);
+        gp_quantize(&plain, v[3], 0, 0, row->code[3] + s.x, s.n);
         // divides colours by the alpha that its code stands for
         for (size_t i = 0; i < s.n; i++) {
             const float code = (float) row->code[3][s.x + i];
@@ -372,15 +300,7 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
     }
     for (int c = 0; c < 3; c++) {
         const float *const from = divided ? v[c] : pic->planes->c[c] + s.at;
-        uint16_t *const to = row->code[c] + s.x;
-        if (pic->encoded && pic->dither)
-            gp_quantize_linear_dither(q, from, (int) s.x, y, to, s.n);
-        else if (pic->encoded)
-            gp_quantize_linear(q, from, to, s.n);
-        else if (pic->dither)
-            gp_quantize_dither(q, from, (int) s.x, y, to, s.n);
-        else
-            gp_quantize(q, from, to, s.n);
+        gp_quantize(q, from, (int) s.x, y, row->code[c] + s.x, s.n);
     }
     for (int c = 0; c < pic->channels; c++)
         clear_around(row->code[c], sizeof(uint16_t), s, (size_t) pic->width);

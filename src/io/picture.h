@@ -8,6 +8,36 @@
 
 #include <stdint.h>
 
+/* Makes linear light or encoded values codes 0 .. max. */
+struct gp_quantizer {
+    int max;            // 255 or 65535
+    bool curve, dither; // sRGB's; without it values are encoded already
+    int32_t *least;     // owned: bits of the smallest float of each code, with
+                        // the curve and without dither; max + 2 entries
+};
+
+/* Makes tables for codes of `bits`, 8 or 16. gp_free() out->least. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
+    bool curve, bool dither, struct gp_quantizer *out);
+
+/* Makes n samples codes. NaN and values below 0 become 0, values over 1 the
+ * largest.
+ *
+ * Without dither the nearest code: with the curve exactly
+ * (int) (gp_srgb_encode(value[i]) * max + 0.5f) for every float. With it
+ * floor(encoded * max + d), where d in [0, 1) depends on the pixel's place
+ * only, so a picture has the same bytes whoever writes it, and grey stays
+ * grey. Over an area of one value the mean of the codes is the encoded value.
+ *
+ *   x, y  place of value[0] in the picture
+ *
+ * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
+ * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
+ * so that its low bits count in wide pictures too. */
+void gp_quantize(const struct gp_quantizer *q, const float *value, int x, int y,
+                 uint16_t *code, size_t n);
+
 /* Scratch for one row. */
 struct gp_picture_row {
     uint16_t *code[4];  // width codes of each channel
@@ -18,13 +48,11 @@ struct gp_picture {
     int width, height;  // of the display window
     int channels;       // 3, or 4 with alpha
     int bits;           // of a code, 8 or 16
-    bool dither;        // codes are dithered
-    bool encoded;       // codes are the planes' values, without a curve
     bool associated;    // codes of colour are not divided by alpha
     const struct gp_frame *f;
     const struct gp_planes *planes;
     float *alpha;       // of the data window, or NULL
-    struct gp_quantizer *quantizer;
+    struct gp_quantizer quantizer; // with codes
 };
 
 /* Prepares rows of `planes`.

@@ -5,42 +5,65 @@
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 
-#include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+enum { FULL = 2 * (GP_CHANNEL_NAME + 1) }; // bytes of PART.CHANNEL
+
 /* -- the parts of a file -------------------------------------------------- */
 
+/* One part and its channels, of which only names are used. */
+struct part {
+    int number;              // in the file
+    const char *name, *view; // NULL when it has none; borrowed
+    const char *layer;       // its name without its view, of `length` bytes
+    size_t length;
+    bool colour;             // it holds the frame's colour
+    bool deep;
+    bool mist;               // its Z is not depth
+    const struct gp_channel *channel;
+    int channels;
+};
+
+/* All parts of a file in the order in which they are searched. */
+struct list {
+    const char *path;            // for messages; borrowed
+    const struct gp_input *in;   // of an EXR; borrowed
+    struct part *part;
+    int parts;
+    struct gp_channel *channel;  // names are borrowed
+    int channels;                // of all parts
+    const char *colour;          // a channel of the frame's colour, or NULL
+    // where the colour's part has several views and that of the colour is not
+    // the first: its name, and the channels' names within it, "" for others
+    const char *view;
+    struct gp_exr_names bare;
+    struct gp_channel *seen;
+    const char *seen_colour;
+};
+
+/* The result: a part of the list and a channel of it. Nothing when `part` is
+ * NULL. */
+struct place {
+    const struct part *part;
+    int channel; // index in its part, which is the file's order
+};
+
+static void free_list(struct list *list)
+{
+    gp_free(list->part);
+    gp_free(list->channel);
+    gp_free(list->seen);
+    gp_exr_names_free(&list->bare);
+}
+
 static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
-                           struct gp_plane_list *list)
+                            struct list *list)
 {
     const gp_status st = gp_alloc_zero(log, "parts", (size_t) parts,
                                        sizeof *list->part, &list->part);
     return st ? st : gp_alloc_zero(log, "channels", (size_t) channels,
                                    sizeof *list->channel, &list->channel);
-}
-
-void gp_plane_list_free(struct gp_plane_list *list)
-{
-    gp_free(list->part);
-    gp_free(list->channel);
-    *list = (struct gp_plane_list) {0};
-}
-
-gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
-    bool colour, int channels, struct gp_plane_list *list)
-{
-    *list = (struct gp_plane_list) {.path = path};
-    gp_status st = alloc_list(log, 1, channels, list);
-    if (st)
-        return st;
-    list->parts = 1;
-    list->channels = channels;
-    list->part[0] = (struct gp_plane_part) {
-        .colour = colour, .channel = list->channel, .channels = channels,
-    };
-    return GP_OK;
 }
 
 /* The channels of a part; none where the library has no list. */
@@ -56,33 +79,37 @@ static bool other_view(const char *a, const char *b)
     return a && b && strcmp(a, b) != 0;
 }
 
-gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
-                            const struct gp_input *o, bool colour, bool depth,
-                            struct gp_plane_list *list)
+/* Lists the parts of an EXR. First comes the one of the colour, where there is
+ * one; then those of its view or of none; within these, when `depth`, those
+ * called depth, as a part of a layer-per-part file has plain Z whatever its
+ * layer; then those in the layer around the colour's (B.Depth for B.Combined);
+ * deep ones last; then by number. */
+static gp_status list_exr(const struct gp_log *log, const struct gp_input *o,
+                          bool colour, bool depth, struct list *list)
 {
     int channels = 0;
-    *list = (struct gp_plane_list) {.path = path};
+    list->in = o;
     for (int part = 0; part < o->parts; part++)
         channels += channels_of(o, part)->num_channels;
     gp_status st = alloc_list(log, o->parts, channels, list);
     if (st)
         return st;
     const char *own = "", *layer;
-    size_t n = colour ? gp_exr_part_layer(o, o->part, &own) : 0;
-    while (n > 0 && own[n - 1] != '.')
-        n--;
+    const size_t bytes = colour ? gp_exr_part_layer(o, o->part, &own) : 0;
+    const size_t n = gp_last_part(own, bytes);
     for (int order = -1; order < 16; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
             const exr_attr_chlist_t *const from = channels_of(o, part);
-            const size_t bytes = gp_exr_part_layer(o, part, &layer);
-            const struct gp_plane_part to = {
-                .part = part, .name = gp_exr_part_name(o, part),
+            const size_t length = gp_exr_part_layer(o, part, &layer);
+            struct gp_channel *const channel = list->channel + list->channels;
+            const struct part to = {
+                .number = part, .name = gp_exr_part_name(o, part),
                 .view = gp_exr_part_view(o, part),
+                .layer = layer, .length = length,
                 .colour = colour && part == o->part,
                 .deep = gp_exr_is_deep(o, part),
-                .mist = gp_is_mist(layer, bytes),
-                .channel = list->channel + list->channels,
-                .channels = from->num_channels,
+                .mist = gp_is_mist(layer, length),
+                .channel = channel, .channels = from->num_channels,
             };
             const bool other = colour && other_view(to.view,
                 gp_exr_part_view(o, o->part));
@@ -94,7 +121,7 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
                 order)
                 continue;
             for (int i = 0; i < to.channels; i++)
-                to.channel[i].name =
+                channel[i].name =
                     (char *) (uintptr_t) from->entries[i].name.str;
             list->part[list->parts++] = to;
             list->channels += to.channels;
@@ -103,15 +130,60 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
+/* Names the channels of the colour's part within its view. */
+static gp_status list_view(const struct gp_log *log, struct list *list)
+{
+    gp_status st;
+    const struct part *const first = list->part;
+    list->view = gp_exr_view_of(list->in, first->number, list->colour);
+    if (!list->view)
+        return GP_OK;
+    GP_TRY(gp_exr_names_in(log, list->in, first->number, list->view,
+                           &list->bare));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) list->bare.n,
+                         sizeof *list->seen, &list->seen));
+    for (int i = 0; i < list->bare.n; i++) {
+        list->seen[i].name = (char *) (uintptr_t) list->bare.name[i];
+        if (strcmp(first->channel[i].name, list->colour) == 0)
+            list->seen_colour = list->bare.name[i];
+    }
+out:
+    return st;
+}
+
+/* Lists the parts of a frame's file, with its colour and view. `list` is
+ * written always; free with free_list(). */
+static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
+                            bool depth, struct list *list)
+{
+    gp_status st;
+    *list = (struct list) {.path = f->path};
+    for (int i = 0; i < f->channels && !list->colour; i++)
+        list->colour = f->channel[i].colour >= 0 ? f->channel[i].name : NULL;
+    if (gp_input_of(f)) {
+        GP_TRY(list_exr(log, gp_input_of(f), true, depth, list));
+        if (list->colour)
+            GP_TRY(list_view(log, list));
+    } else {
+        GP_TRY(alloc_list(log, 1, 0, list));
+        list->part[list->parts++] = (struct part) {
+            .colour = true, .channel = f->channel, .channels = f->channels,
+        };
+        list->channels = f->channels;
+    }
+out:
+    return st;
+}
+
 /* -- by name -------------------------------------------------------------- */
 
 /* The first channel of that name in any part; with `in_part` the name is
  * PART.CHANNEL, of which both may hold dots. */
-static bool find_exact(const struct gp_plane_list *list, const char *name,
-                       bool in_part, struct gp_plane_place *out)
+static bool find_exact(const struct list *list, const char *name,
+                       bool in_part, struct place *out)
 {
     for (int p = 0; p < list->parts; p++) {
-        const struct gp_plane_part *part = &list->part[p];
+        const struct part *part = &list->part[p];
         const size_t n = in_part && part->name ? strlen(part->name) : 0;
         if (in_part && (n == 0 || strncmp(name, part->name, n) != 0 ||
                         name[n] != '.'))
@@ -119,7 +191,7 @@ static bool find_exact(const struct gp_plane_list *list, const char *name,
         const char *const channel = name + (in_part ? n + 1 : 0);
         for (int i = 0; i < part->channels; i++) {
             if (strcmp(part->channel[i].name, channel) == 0) {
-                *out = (struct gp_plane_place) {part, i};
+                *out = (struct place) {part, i};
                 return true;
             }
         }
@@ -128,25 +200,24 @@ static bool find_exact(const struct gp_plane_list *list, const char *name,
 }
 
 /* The channel in the view that is looked for: left.A for A. */
-static bool find_in_view(const struct gp_plane_list *list, const char *name,
-                         struct gp_plane_place *out)
+static bool find_in_view(const struct list *list, const char *name,
+                         struct place *out)
 {
-    char full[2 * (GP_CHANNEL_NAME + 1)];
-    const char *const dot = strrchr(name, '.');
-    const int layer = dot ? (int) (dot - name) + 1 : 0;
-    if (!list->view)
-        return false;
-    const int n = snprintf(full, sizeof full, "%.*s%s.%s", layer, name,
-                           list->view, name + layer);
-    return n < (int) sizeof full && find_exact(list, full, false, out);
+    for (int i = 0; i < list->bare.n; i++) {
+        if (strcmp(list->bare.name[i], name) == 0) {
+            *out = (struct place) {list->part, i};
+            return true;
+        }
+    }
+    return false;
 }
 
-static void list_names(const struct gp_plane_list *list,
+static void list_names(const struct list *list,
                        char to[GP_CHANNEL_LIST])
 {
     to[0] = '\0';
     for (int p = 0; p < list->parts; p++) {
-        const struct gp_plane_part *part = &list->part[p];
+        const struct part *part = &list->part[p];
         const bool plain = part->colour || list->parts == 1;
         for (int i = 0; i < part->channels; i++) {
             if (!gp_channel_list_add(to, plain ? NULL : part->name,
@@ -158,121 +229,90 @@ static void list_names(const struct gp_plane_list *list,
 
 /* -- by search ------------------------------------------------------------ */
 
-static gp_status depth_of_names(const struct gp_log *log,
-    const struct gp_plane_list *list, struct gp_channel *channel, int n,
-    const char *colour, int *out)
+static gp_status search_depth(const struct gp_log *log, const struct list *list,
+                              struct place *out)
 {
-    const struct gp_frame names = {
-        .path = (char *) (uintptr_t) list->path,
-        .channel = channel, .channels = n,
-    };
-    return gp_find_depth(log, &names, NULL, colour, out);
-}
-
-static gp_status search_depth(const struct gp_log *log,
-    const struct gp_plane_list *list, struct gp_plane_place *out)
-{
-    const struct gp_plane_part *const first = list->part;
     gp_status st = GP_OK;
     int i = -1;
-    if (list->view) { // by the names that its channels have without the view
-        struct gp_exr_names bare;
-        struct gp_channel *channel = NULL;
-        st = gp_exr_names_in(log, list->input, first->part, list->view, &bare);
-        if (!st)
-            st = gp_alloc_zero(log, "channels", (size_t) bare.n,
-                               sizeof *channel, &channel);
-        const char *colour = NULL;
-        for (int k = 0; k < bare.n && !st; k++) {
-            channel[k].name = (char *) (uintptr_t) bare.name[k];
-            if (list->colour && strcmp(first->channel[k].name,
-                                       list->colour) == 0)
-                colour = bare.name[k];
-        }
-        if (!st)
-            st = depth_of_names(log, list, channel, bare.n, colour, &i);
-        gp_free(channel);
-        gp_exr_names_free(&bare);
-        if (i >= 0)
-            *out = (struct gp_plane_place) {first, i};
-    }
-    for (int p = 0; p < list->parts && !st && i < 0; p++) {
-        const struct gp_plane_part *const part = &list->part[p];
+    // of several views in the colour's part its own comes first
+    for (int p = list->view ? -1 : 0; p < list->parts && !st && i < 0; p++) {
+        const struct part *const part = &list->part[p < 0 ? 0 : p];
         if (!part->mist)
-            st = depth_of_names(log, list, part->channel, part->channels,
-                                list->colour, &i);
-        if (st || i < 0)
+            st = gp_find_depth(log, list->path,
+                p < 0 ? list->seen : part->channel, part->channels,
+                p < 0 ? list->seen_colour : list->colour, &i);
+        if (i < 0)
             continue;
-        if (list->view && part == first)
+        if (list->view && p == 0)
             gp_say(log, GP_LEVEL_WARN,
                    "%s: view %s has no depth: using %s of another view; choose "
                    "with --depth or --depth-file", list->path, list->view,
                    part->channel[i].name);
-        *out = (struct gp_plane_place) {part, i};
+        *out = (struct place) {part, i};
     }
     return st;
 }
 
 /* The channel's name after that of its part. */
-static void full_name(const struct gp_plane_list *list,
-                      const struct gp_plane_part *part, const char *channel,
-                      char to[2 * (GP_CHANNEL_NAME + 1)])
+static void full_name(const struct list *list,
+                      const struct part *part, const char *channel,
+                      char to[FULL])
 {
     const bool named = list->parts > 1 && part->name;
-    snprintf(to, 2 * (GP_CHANNEL_NAME + 1), "%s%s%s", named ? part->name : "",
+    snprintf(to, FULL, "%s%s%s", named ? part->name : "",
              named ? "." : "", channel);
-}
-
-/* Start of the last part of the first n bytes of a name. */
-static size_t last_start(const char *name, size_t n)
-{
-    while (n > 0 && name[n - 1] != '.')
-        n--;
-    return n;
 }
 
 /* True when the depth is in another layer around it than the colour, where that
  * is in one: A.Depth.Z for B.Combined.R. */
-static bool of_other_layer(const struct gp_plane_list *list,
-                           const struct gp_plane_place *at)
+static bool of_other_layer(const struct list *list,
+                           const struct place *at)
 {
-    char depth[2 * (GP_CHANNEL_NAME + 1)], colour[sizeof depth];
+    char depth[FULL], colour[sizeof depth];
     full_name(list, at->part, at->part->channel[at->channel].name, depth);
     full_name(list, list->part, list->colour ? list->colour : "", colour);
     const char *const word = strcasestr(depth, "depth");
-    const size_t last = last_start(depth, strlen(depth));
-    const size_t n = word   ? last_start(depth, (size_t) (word - depth))
-                     : last ? last_start(depth, last - 1) : 0;
-    const size_t own = last_start(colour, strlen(colour));
-    return n > 0 && own > 0 && last_start(colour, own - 1) > 0 &&
+    const size_t last = gp_last_part(depth, strlen(depth));
+    const size_t n = word   ? gp_last_part(depth, (size_t) (word - depth))
+                     : last ? gp_last_part(depth, last - 1) : 0;
+    const size_t own = gp_last_part(colour, strlen(colour));
+    return n > 0 && own > 0 && gp_last_part(colour, own - 1) > 0 &&
            strncmp(colour, depth, n) != 0;
 }
 
 /* The only channel of the file; beside others, alpha is no depth. */
-static void search_lone(const struct gp_plane_list *list, bool depth,
-                        struct gp_plane_place *out)
+static void search_lone(const struct list *list, bool depth,
+                        struct place *out)
 {
-    struct gp_plane_place lone = {0};
+    struct place lone = {0};
     for (int p = 0; p < list->parts; p++) {
-        const struct gp_plane_part *part = &list->part[p];
+        const struct part *part = &list->part[p];
         for (int i = 0; i < part->channels; i++) {
             const bool alpha = strcmp(part->channel[i].name, "A") == 0;
             if (depth && alpha && list->channels > 1)
                 continue;
             if (lone.part)
                 return;
-            lone = (struct gp_plane_place) {part, i};
+            lone = (struct place) {part, i};
         }
     }
     *out = lone;
 }
 
-gp_status gp_plane_pick(const struct gp_log *log,
-                        const struct gp_plane_list *list, const char *name,
-                        bool depth, bool own_file, struct gp_plane_place *out)
+/* Finds a channel by its name, or PART.CHANNEL; by NULL the depth or A.
+ *
+ *   own_file  the file is given only for this plane: its only channel is taken
+ *             (for depth A does not count), and finding none is an error
+ *   out       written on GP_OK
+ *
+ * Errors: GP_ERR_USAGE no such channel; the line lists those that exist, in
+ * the form that --depth takes; GP_ERR_DATA two of equal rank in one part. */
+static gp_status pick(const struct gp_log *log,
+                      const struct list *list, const char *name, bool depth,
+                      bool own_file, struct place *out)
 {
     gp_status st = GP_OK;
-    struct gp_plane_place at = {0};
+    struct place at = {0};
     char names[GP_CHANNEL_LIST];
     list_names(list, names);
     if (name) {
@@ -303,8 +343,8 @@ gp_status gp_plane_pick(const struct gp_log *log,
         gp_say(log, GP_LEVEL_WARN,
                "%s: only part %d has depth, and deep parts are not read; "
                "flatten it, with e.g. oiiotool --flatten", list->path,
-               at.part->part);
-        at = (struct gp_plane_place) {0};
+               at.part->number);
+        at = (struct place) {0};
     } else if (at.part && !own_file && other_view(at.part->view, view)) {
         gp_say(log, GP_LEVEL_WARN,
                "%s: view %s has no depth: using that of view %s; choose with "
@@ -323,19 +363,14 @@ out:
 /* -- shared by the ways of reading ---------------------------------------- */
 
 /* Makes the channel's name in the form of the report and --depth. */
-static gp_status make_name(const struct gp_log *log,
-    const struct gp_plane_list *list, const struct gp_plane_place *at,
-    struct gp_plane *out)
+static gp_status make_name(const struct gp_log *log, const struct list *list,
+                           const struct place *at, struct gp_plane *out)
 {
-    const struct gp_plane_part *part = at->part;
-    const char *channel = part->channel[at->channel].name;
-    const bool plain = part->colour || list->parts == 1 || !part->name;
-    const size_t room = strlen(channel) + 2 + (plain ? 0 : strlen(part->name));
-    const gp_status st = gp_alloc(log, "channel name", room, 1, &out->name);
-    if (!st)
-        snprintf(out->name, room, "%s%s%s", plain ? "" : part->name,
-                 plain ? "" : ".", channel);
-    return st;
+    char name[FULL];
+    const char *const channel = at->part->channel[at->channel].name;
+    full_name(list, at->part, channel, name);
+    out->name = gp_strdup(at->part->colour ? channel : name);
+    return out->name ? GP_OK : gp_no_memory_bare(log, "channel name");
 }
 
 static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
@@ -352,12 +387,12 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 /* One channel of one part, from the file. */
 static gp_status from_part(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const struct gp_input *o,
-    const struct gp_plane_place *at, struct gp_plane *out)
+    const struct place *at, struct gp_plane *out)
 {
     gp_status st;
     float **to = NULL;
     struct gp_exr_chunks l;
-    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels, &l));
+    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, p->max_pixels, &l));
     GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
                                                l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
@@ -371,42 +406,6 @@ out:
 }
 
 /* -- beside a frame ------------------------------------------------------- */
-
-gp_status gp_plane_list_frame(const struct gp_log *log,
-    const struct gp_frame *f, bool depth, struct gp_plane_list *list)
-{
-    gp_status st;
-    const struct gp_input *const in = gp_input_of(f);
-    if (in) {
-        GP_TRY(gp_plane_list_exr(log, f->path, in, true, depth, list));
-        list->input = in;
-    } else {
-        GP_TRY(gp_plane_list_one(log, f->path, true, f->channels, list));
-        for (int i = 0; i < f->channels; i++)
-            list->channel[i].name = f->channel[i].name;
-    }
-    for (int i = 0; i < f->channels && !list->colour; i++)
-        list->colour = f->channel[i].colour >= 0 ? f->channel[i].name : NULL;
-    if (in && list->colour)
-        list->view = gp_exr_view_of(in, in->part, list->colour);
-out:
-    return st;
-}
-
-/* Finds the wanted channel among all parts of the frame's file, and
- * its name; nothing when `at` has no part. Free the list in any case. */
-static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
-    const char *name, bool depth, struct gp_plane_list *list,
-    struct gp_plane_place *at, struct gp_plane *named)
-{
-    gp_status st;
-    GP_TRY(gp_plane_list_frame(log, f, depth, list));
-    GP_TRY(gp_plane_pick(log, list, name, depth, false, at));
-    if (at->part)
-        GP_TRY(make_name(log, list, at, named));
-out:
-    return st;
-}
 
 /* Crops the plane to a window within its own. */
 static void cut_plane(struct gp_rect window, struct gp_plane *p)
@@ -423,7 +422,7 @@ static void cut_plane(struct gp_rect window, struct gp_plane *p)
 /* Reads the samples of a channel of a frame's file. */
 static gp_status read_samples(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f,
-    const struct gp_plane_place *at, struct gp_plane *out)
+    const struct place *at, struct gp_plane *out)
 {
     // colour is read again from an EXR: its planes may be converted (luminance
     // and chroma) or cleaned of NaN
@@ -438,49 +437,47 @@ static gp_status read_samples(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_plane_read_at(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f,
-    const struct gp_plane_list *list, const struct gp_plane_place *at,
-    struct gp_plane *out)
+/* Finds a channel among all parts of the frame's file; its name goes to `out`
+ * and, unless `type` wants only that of its samples, they do too. */
+static gp_status find_beside(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    bool depth, enum gp_pixel_type *type, struct gp_plane *out)
 {
-    const gp_status st = make_name(log, list, at, out);
-    return st ? st : read_samples(log, p, f, at, out);
+    struct list list;
+    struct place at;
+    gp_status st;
+    *out = (struct gp_plane) {0};
+    GP_TRY(list_frame(log, f, depth, &list));
+    GP_TRY(pick(log, &list, name, depth, false, &at));
+    if (at.part)
+        GP_TRY(make_name(log, &list, &at, out));
+    if (at.part && type)
+        *type = at.part->colour
+                    ? f->channel[at.channel].type
+                    : gp_exr_pixel_type(channels_of(list.in, at.part->number)
+                                            ->entries[at.channel].pixel_type);
+    else if (at.part)
+        GP_TRY(read_samples(log, p, f, &at, out));
+out:
+    if (st)
+        gp_plane_free(out);
+    free_list(&list);
+    return st;
 }
 
 gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out)
 {
-    struct gp_plane_list list;
-    struct gp_plane_place at;
-    struct gp_plane plane = {0};
-    gp_status st = pick_beside(log, f, name, depth, &list, &at, &plane);
-    if (!st && at.part)
-        st = read_samples(log, p, f, &at, &plane);
-    if (st)
-        gp_plane_free(&plane);
-    else
-        *out = plane;
-    gp_plane_list_free(&list);
-    return st;
+    return find_beside(log, p, f, name, depth, NULL, out);
 }
 
 gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
     const char *name, char **channel, enum gp_pixel_type *type)
 {
-    struct gp_plane_list list;
-    struct gp_plane_place at;
-    struct gp_plane named = {0};
-    gp_status st = pick_beside(log, f, name, true, &list, &at, &named);
-    const exr_attr_chlist_t *channels;
-    if (!st && at.part && (at.part->colour ||
-                           exr_get_channels(gp_input_of(f)->exr,
-                                            at.part->part, &channels)))
-        *type = f->channel[at.channel].type;
-    else if (!st && at.part)
-        *type = gp_exr_pixel_type(channels->entries[at.channel].pixel_type);
+    struct gp_plane named;
+    const gp_status st = find_beside(log, NULL, f, name, true, type, &named);
     *channel = named.name;
-    gp_plane_list_free(&list);
     return st;
 }
 
@@ -494,171 +491,218 @@ gp_status gp_read_plane_file(const struct gp_log *log,
     struct gp_stream stream;
     struct gp_input *in = NULL;
     struct gp_decoded image = {0};
-    struct gp_plane_list list = {0};
-    struct gp_plane_place at;
+    struct list list = {.path = path};
+    struct place at;
     struct gp_plane plane = {0};
     bool exr;
     GP_TRY(gp_read_open(log, p, path, &stream, &exr));
     if (exr) {
         GP_TRY(gp_exr_open(log, path, &stream, &in));
-        GP_TRY(gp_plane_list_exr(log, path, in, false, depth, &list));
+        GP_TRY(list_exr(log, in, false, depth, &list));
     } else {
         GP_TRY(gp_read_image(log, p, path, &stream, 0, &image));
-        GP_TRY(gp_plane_list_one(log, path, false, image.channels, &list));
-        for (int i = 0; i < image.channels; i++)
-            list.channel[i].name = (char *) (uintptr_t) image.channel_name[i];
+        GP_TRY(alloc_list(log, 1, image.channels, &list));
+        for (; list.channels < image.channels; list.channels++)
+            list.channel[list.channels].name =
+                (char *) (uintptr_t) image.channel_name[list.channels];
+        list.part[list.parts++] = (struct part) {
+            .channel = list.channel, .channels = list.channels,
+        };
     }
-    GP_TRY(gp_plane_pick(log, &list, name, depth, true, &at));
+    GP_TRY(pick(log, &list, name, depth, true, &at));
     GP_TRY(make_name(log, &list, &at, &plane));
     if (exr) {
         GP_TRY(from_part(log, p, path, in, &at, &plane));
     } else {
         GP_TRY(make_samples(log, image.data, &plane));
-        GP_TRY(gp_decoded_channel(log, &image, at.channel, plane.v));
+        gp_decoded_channel(&image, at.channel, plane.v);
     }
     *out = plane;
     plane = (struct gp_plane) {0};
 out:
     gp_plane_free(&plane);
-    gp_plane_list_free(&list);
+    free_list(&list);
     gp_decoded_close(&image);
     gp_input_free(in);
     gp_stream_close(&stream);
     return st;
 }
 
-/* -- the alpha of a picture ------------------------------------------------ */
+/* -- layers of three channels ---------------------------------------------- */
 
-/* Reads an open picture. */
-static gp_status read_alpha(const struct gp_log *log, struct gp_decoded *image,
-                            long long most, struct gp_coverage *out)
+/* Channels of one part, and the colour by whose layer they are chosen. */
+struct names {
+    const char *part; // before each name
+    int part_len;     // its bytes; 0: none
+    const struct gp_channel *channel; // names "" of other views
+    int n;
+    char colour[FULL];
+};
+
+/* Three channels of a part. */
+struct three {
+    int index[3];
+    int second; // first channel of another layer of equal rank, or -1
+};
+
+static void within_part(const struct names *in, const char *name, char to[FULL])
 {
-    struct gp_coverage a = {1, 1, NULL};
-    float *v = NULL;
-    gp_status st;
-    int channel = image->channels - 1;
-    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
-        channel--;
-    if (channel >= 0) {
-        a.w = gp_rect_w(image->data);
-        a.h = gp_rect_h(image->data);
-    }
-    const long long texels = (long long) a.w * a.h;
-    if (texels > most)
-        return gp_fail(log, GP_ERR_DATA, "%s: too large for a cut-out (%d x %d "
-                       "texels, at most %lld); make the texture smaller",
-                       image->path, a.w, a.h, most);
-    GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *a.code,
-                    &a.code));
-    a.code[0] = GP_COVERED;
-    if (channel >= 0) {
-        GP_TRY(gp_alloc(log, image->path, (size_t) texels, sizeof *v, &v));
-        GP_TRY(gp_decoded_channel(log, image, channel, v));
-        for (long long i = 0; i < texels; i++) { // NaN is 0
-            const float covered = v[i] > 0.0f ? v[i] < 1.0f ? v[i] : 1.0f : 0.0f;
-            a.code[i] = (uint16_t) (covered * (float) GP_COVERED + 0.5f);
+    snprintf(to, FULL, "%.*s%s%s", in->part_len, in->part,
+             in->part_len ? "." : "", name);
+}
+
+/* Finds the channels that are called last[] in the layer of a channel. */
+static bool find_siblings(const struct names *in, int of,
+                          const char *const last[3], int index[3])
+{
+    const size_t layer = gp_layer_length(in->channel[of].name);
+    for (int c = 0; c < 3; c++) {
+        index[c] = -1;
+        for (int i = 0; i < in->n && index[c] < 0; i++) {
+            if (gp_layer_length(in->channel[i].name) == layer &&
+                strncmp(in->channel[i].name, in->channel[of].name, layer) == 0 &&
+                strcmp(in->channel[i].name + layer, last[c]) == 0)
+                index[c] = i;
         }
     }
-    *out = a;
-    a.code = NULL;
-out:
-    gp_free(v);
-    gp_free(a.code);
-    return st;
+    return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
 }
 
-gp_status gp_read_coverage(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const void *bytes,
-    size_t n, long long most, struct gp_coverage *out)
+/* Finds a layer of that name among channels that begin as the first `skip`
+ * bytes of the colour: directly in there, else the first deeper one. */
+static bool find_named(const struct names *in, size_t skip, const char *layer,
+                       const char *const last[3], struct three *out)
 {
-    struct gp_read_params limits = gp_read_limits(p);
-    struct gp_stream stream = gp_stream_of(bytes, n);
-    struct gp_decoded image = {0};
-    gp_status st;
-    if (!bytes)
-        GP_TRY(gp_stream_open_regular(log, path, &stream));
-    // a larger picture than `most` has a line of its own, which does not
-    // advise --max-pixels
-    if (limits.max_pixels >= most)
-        limits.max_pixels = LLONG_MAX / 64;
-    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
-    st = read_alpha(log, &image, most, out);
-out:
-    gp_decoded_close(&image);
-    gp_stream_close(&stream);
-    return st;
-}
-
-/* -- attributes ----------------------------------------------------------- */
-
-static bool part_matrix(const struct gp_input *o, int part, const char *name,
-                        double m[16])
-{
-    exr_attr_m44f_t single;
-    exr_attr_m44d_t twice;
-    if (!exr_attr_get_m44d(o->exr, part, name, &twice)) {
-        memcpy(m, twice.m, sizeof twice.m);
-        return true;
-    }
-    if (exr_attr_get_m44f(o->exr, part, name, &single))
-        return false;
-    for (int i = 0; i < 16; i++)
-        m[i] = (double) single.m[i];
-    return true;
-}
-
-bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
-{
-    const struct gp_input *o = gp_input_of(f);
-    if (!o)
-        return false;
-    if (part_matrix(o, o->part, name, m))
-        return true;
-    for (int part = 0; part < o->parts; part++) {
-        if (part != o->part && part_matrix(o, part, name, m))
+    char full[FULL], tail[64];
+    const size_t n = (size_t) snprintf(tail, sizeof tail, "%s.%s", layer,
+                                       last[0]);
+    bool found = false;
+    for (int i = 0; i < in->n; i++) {
+        const char *const own = in->channel[i].name;
+        if (strcmp(own + gp_layer_length(own), last[0]) != 0)
+            continue;
+        within_part(in, own, full);
+        const size_t length = strlen(full);
+        if (length < skip + n || strncmp(full, in->colour, skip) != 0 ||
+            strcmp(full + length - n, tail) != 0)
+            continue;
+        const bool exact = length == skip + n;
+        int index[3];
+        if ((!exact && full[length - n - 1] != '.') ||
+            !find_siblings(in, i, last, index))
+            continue;
+        if (found && !exact) {
+            out->second = out->second < 0 ? i : out->second;
+            continue;
+        }
+        memcpy(out->index, index, sizeof index);
+        out->second = -1;
+        found = true;
+        if (exact)
             return true;
+    }
+    return found;
+}
+
+/* Finds a layer in the colour's layer, in the layer around it, ..., anywhere. */
+static bool find_three(const struct names *in,
+                       const struct gp_layer_names *wanted, struct three *out)
+{
+    size_t skip = gp_layer_length(in->colour);
+    for (bool last = false; !last;) {
+        last = skip == 0;
+        for (int l = 0; wanted->layer[l]; l++) {
+            for (int k = 0; k < 3; k++) {
+                if (find_named(in, skip, wanted->layer[l], wanted->channel[k],
+                               out))
+                    return true;
+            }
+        }
+        skip = gp_last_part(in->colour, skip - (skip > 0));
     }
     return false;
 }
 
-char *gp_frame_text(const struct gp_frame *f, const char *name)
+/* Names a part's channels, those of the colour's part within its view. */
+static void name_part(const struct list *list, const struct part *part,
+                      struct names *out)
 {
-    const struct gp_input *const o = gp_input_of(f);
-    const char *text;
-    int32_t length;
-    return o && !exr_attr_get_string(o->exr, o->part, name, &length, &text)
-               ? gp_strdup(text) : NULL;
+    const struct part *const first = list->part;
+    const char *const colour = list->view ? list->seen_colour : list->colour;
+    *out = (struct names) {.n = part->channels, .channel = part->channel};
+    struct names of = {.part = first->layer, .part_len = (int) first->length};
+    if (!part->colour) {
+        out->part = part->layer;
+        out->part_len = (int) part->length;
+    } else {
+        of.part_len = 0;
+        out->channel = list->view ? list->seen : part->channel;
+    }
+    within_part(&of, colour ? colour : "", out->colour);
 }
 
-double gp_frame_rate(const struct gp_frame *f)
+/* Warns of a choice between equals, and of a layer that is not the colour's. */
+static void warn_of_choice(const struct gp_log *log, const char *path,
+                           const struct names *in, const struct three *three,
+                           const char *what)
 {
-    const struct gp_input *const o = gp_input_of(f);
-    exr_attr_rational_t rate;
-    if (!o || exr_attr_get_rational(o->exr, o->part, "framesPerSecond", &rate))
-        return 0.0;
-    return rate.num > 0 && rate.denom > 0 ? (double) rate.num / rate.denom
-                                          : 0.0;
+    char used[FULL], other[FULL];
+    within_part(in, in->channel[three->index[0]].name, used);
+    const size_t own = gp_layer_length(used);
+    const size_t around = gp_last_part(used, own - (own > 0));
+    if (three->second >= 0) {
+        within_part(in, in->channel[three->second].name, other);
+        gp_say(log, GP_LEVEL_WARN, "%s: two layers could be %s: using %.*s, "
+               "not %.*s; choose the colour of either with --layer-in", path,
+               what, (int) own - 1, used, (int) gp_layer_length(other) - 1,
+               other);
+    } else if (in->part_len == 0 && around > 0 && strchr(in->colour, '.') &&
+               strncmp(in->colour, used, around) != 0) {
+        gp_say(log, GP_LEVEL_WARN, "%s: the layer of %s has no %s: using %.*s "
+               "of another layer; choose the colour with --layer-in", path,
+               in->colour, what, (int) own - 1, used);
+    }
 }
 
-bool gp_frame_real(const struct gp_frame *f, const char *name, double *v)
+gp_status gp_read_vectors(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    const struct gp_layer_names *wanted, struct gp_plane out[3])
 {
-    const struct gp_input *const o = gp_input_of(f);
-    float found;
-    if (!o || exr_attr_get_float(o->exr, o->part, name, &found) ||
-        !isfinite(found))
-        return false;
-    *v = (double) found;
-    return true;
-}
-
-bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2])
-{
-    const struct gp_input *const o = gp_input_of(f);
-    exr_attr_v2f_t found;
-    if (!o || exr_attr_get_v2f(o->exr, o->part, name, &found) ||
-        !isfinite(found.x) || !isfinite(found.y))
-        return false;
-    v[0] = (double) found.x;
-    v[1] = (double) found.y;
-    return true;
+    struct list list;
+    struct gp_plane plane[3] = {{.v = NULL}};
+    gp_status st;
+    bool found = false;
+    GP_TRY(list_frame(log, f, false, &list));
+    for (int i = 0; i < list.parts && !found && !st; i++) {
+        const struct part *const part = &list.part[i];
+        if (part->deep || (part->view && list.part->view &&
+                           strcmp(part->view, list.part->view) != 0))
+            continue;
+        struct names names;
+        struct three three = {.second = -1};
+        name_part(&list, part, &names);
+        found = find_three(&names, wanted, &three);
+        if (found)
+            warn_of_choice(log, f->path, &names, &three, wanted->what);
+        for (int c = 0; c < 3 && found && !st; c++) {
+            const struct place at = {part, three.index[c]};
+            st = make_name(log, &list, &at, &plane[c]);
+            if (!st)
+                st = read_samples(log, p, f, &at, &plane[c]);
+        }
+    }
+    if (!st && !found)
+        st = gp_fail(log, GP_ERR_USAGE, "%s: --relight needs %s, and no "
+                     "channel of its colour's view is %s.%s; render them into "
+                     "it", f->path, wanted->what, wanted->layer[0],
+                     wanted->channel[0][0]);
+out:
+    for (int c = 0; c < 3; c++) {
+        if (st)
+            gp_plane_free(&plane[c]);
+        else
+            out[c] = plane[c];
+    }
+    free_list(&list);
+    return st;
 }

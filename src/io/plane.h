@@ -84,48 +84,4 @@ GP_MUST_CHECK gp_status gp_read_plane_file(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, const char *name,
     bool depth, struct gp_plane *out);
 
-/* Alpha of a picture: w * h codes in rows from the top. */
-struct gp_coverage {
-    int w, h;
-    uint16_t *code; // of GP_COVERED; owned
-};
-enum { GP_COVERED = 65535 };
-
-/* Reads the alpha of a picture of any format (an EXR by glarepp-oiio), and never
- * its colour as a whole: keeps two bytes a pixel and takes four more meanwhile;
- * the rest is bounded by blocks of rows, but for interlaced PNG.
- *
- *   path   of the file; with `bytes` its name for messages
- *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
- *   most   pixels; over it is refused
- *   out    written on GP_OK only; gp_free() its codes. A picture without alpha
- *          is not decoded: it is one pixel of GP_COVERED
- *
- * Samples outside [0, 1] are clamped, NaN is 0.
- * Errors: those of gp_read_frame(); GP_ERR_DATA over `most`. */
-GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const void *bytes,
-    size_t n, long long most, struct gp_coverage *out);
-
-/* A 4x4 matrix attribute (m44f or m44d) of the frame's colour part, else of
- * the first part that has it: m[4 * row + column], row vectors, as stored.
- * false, with m as it was, when there is none. */
-bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16]);
-
-/* Frames a second by the attribute framesPerSecond, a rational number; 0 where
- * there is none that is positive. */
-double gp_frame_rate(const struct gp_frame *f);
-
-/* A float attribute of the frame's colour part, finite; false, with v as it
- * was, where there is none. */
-bool gp_frame_real(const struct gp_frame *f, const char *name, double *v);
-
-/* Reads a v2f attribute of the frame's part, of finite values; false: none, v
- * stays. */
-bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2]);
-
-/* A string attribute of the frame's colour part, from gp_alloc(); NULL where
- * there is none, or memory is full. */
-char *gp_frame_text(const struct gp_frame *f, const char *name);
-
 #endif

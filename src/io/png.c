@@ -33,15 +33,14 @@ enum {
     MOST_BYTES = 48 << 20, COPIES = 4,
     WIDEST = 1000000,          // pixels a side that libpng reads by default
     DEFLATE_MOST = 1032,       // bytes that a byte of a deflated stream becomes
-    BLOCK_SAMPLES = 1 << 20,   // of the rows that are converted in parallel
 };
 
 struct png_input {
     const char *path;
     const struct gp_stream *stream;
     uint64_t at;               // in the stream
-    const struct gp_log *log;  // of the call
-    gp_status st;              // of the call, its line is printed
+    const struct gp_log *log;
+    gp_status st;              // its line is printed
     size_t taken;              // bytes that libpng got, with those it gave back
     png_structp png;
     png_infop info;
@@ -51,8 +50,8 @@ struct png_input {
     char space[24];
     char time[32];
     struct gp_attribute *attribute;
-    uint8_t *rows;             // of a block, with interlacing all
-    bool interlaced, decoded;  // decoded: rows has all of them
+    uint8_t *rows;
+    float *pixels;
 };
 
 static void read_bytes(png_structp png, png_bytep to, size_t n)
@@ -110,10 +109,10 @@ static gp_status check_size(const struct png_input *in, long long max_pixels)
     const png_int_32 x = png_get_x_offset_pixels(in->png, in->info);
     const png_int_32 y = png_get_y_offset_pixels(in->png, in->info);
     const png_int_32 far = 1 << 29; // sums of two edges fit an int
-    if (h > (unsigned long long) max_pixels / w)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: too large (%lu x %lu pixels, at most %lld); crop "
-                       "it, or raise --max-pixels", in->path, w, h, max_pixels);
+    gp_status st = gp_window_check(in->log, in->path, "data", (int64_t) w,
+                                   (int64_t) h, max_pixels);
+    if (st)
+        return st;
     if (w > WIDEST || h > WIDEST)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: too large (%lu x %lu pixels; a PNG is read up to "
@@ -177,18 +176,18 @@ static gp_status list_attributes(struct png_input *in, int *n)
     return GP_OK;
 }
 
-/* Reads the header, allocates rows. May leave by longjmp(). */
-static gp_status read_header(struct png_input *in, long long max_pixels)
+/* Reads the header and all rows, then on to IEND: the other chunks must be
+ * whole too. May leave by longjmp(). */
+static gp_status read_all(struct png_input *in, long long max_pixels)
 {
     png_structp png = in->png;
-    void *rows;
     png_set_read_fn(png, in, read_bytes);
     // check_size() reports sizes over the library's own limits
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, in->info);
     png_set_expand(png);
-    in->interlaced = png_set_interlace_handling(png) > 1;
+    const int passes = png_set_interlace_handling(png);
     gp_status st = check_size(in, max_pixels);
     if (st)
         return st;
@@ -211,58 +210,40 @@ static gp_status read_header(struct png_input *in, long long max_pixels)
         if (in->gamma == 1.0f)
             snprintf(in->space, sizeof in->space, "linear");
     }
-    const int block = BLOCK_SAMPLES / (in->width * in->channels) + 1;
-    const int held = in->interlaced || block > in->height ? in->height : block;
-    st = gp_alloc(in->log, "PNG rows", (size_t) held, in->stride, &rows);
-    in->rows = rows;
+    const size_t h = (size_t) in->height;
+    st = gp_alloc(in->log, "PNG rows", h, in->stride, &in->rows);
+    if (!st)
+        st = gp_alloc(in->log, "PNG pixels", h * (size_t) in->width,
+                      (size_t) in->channels * sizeof(float), &in->pixels);
+    for (int pass = 0; pass < passes && !st; pass++) {
+        for (size_t y = 0; y < h; y++)
+            png_read_row(png, in->rows + y * in->stride, NULL);
+    }
+    if (!st)
+        png_read_end(png, NULL);
     return st;
 }
-
-/* Decodes rows [y, y + n); with interlacing all of them at the first call.
- * After the last row reads on to IEND: the other chunks must be whole too. May
- * leave by longjmp(). */
-static void decode_rows(struct png_input *in, int y, int n)
-{
-    if (in->interlaced && !in->decoded) {
-        for (int pass = 0; pass < PNG_INTERLACE_ADAM7_PASSES; pass++) {
-            for (int i = 0; i < in->height; i++)
-                png_read_row(in->png, in->rows + (size_t) i * in->stride, NULL);
-        }
-        in->decoded = true;
-    } else if (!in->interlaced) {
-        for (int i = 0; i < n; i++)
-            png_read_row(in->png, in->rows + (size_t) i * in->stride, NULL);
-    }
-    if (y + n == in->height)
-        png_read_end(in->png, NULL);
-}
-
-struct sampling {
-    const struct png_input *in;
-    const uint8_t *rows;
-    float *to;
-};
 
 /* A row of codes to fractions, alpha associated; PNG is big-endian. */
 static void sample_row(void *ctx, int y, int thread)
 {
     (void) thread;
-    const struct sampling *const s = ctx;
-    const int n = s->in->channels, alpha = n % 2 == 0 ? n - 1 : n;
-    const bool wide = s->in->bytes == 2;
+    const struct png_input *const in = ctx;
+    const int n = in->channels, alpha = n % 2 == 0 ? n - 1 : n;
+    const bool wide = in->bytes == 2;
     const uint32_t max = wide ? 65535 : 255;
     const float scale = 1.0f / (float) max;
-    const uint8_t *from = s->rows + (size_t) y * s->in->stride;
-    float *to = s->to + (size_t) y * (size_t) s->in->width * (size_t) n;
-    for (int x = 0; x < s->in->width; x++, to += n) {
+    const uint8_t *from = in->rows + (size_t) y * in->stride;
+    float *to = in->pixels + (size_t) y * (size_t) in->width * (size_t) n;
+    for (int x = 0; x < in->width; x++, to += n) {
         uint32_t code[4];
-        for (int c = 0; c < n; c++, from += s->in->bytes)
+        for (int c = 0; c < n; c++, from += in->bytes)
             code[c] = wide ? (uint32_t) from[0] << 8 | from[1] : from[0];
-        if (alpha < n && s->in->gamma == 1.0f) {
+        if (alpha < n && in->gamma == 1.0f) {
             for (int c = 0; c < alpha; c++)
                 code[c] = code[c] * code[alpha] / max;
         } else if (alpha < n) {
-            const float a = powf((float) code[alpha] * scale, s->in->gamma);
+            const float a = powf((float) code[alpha] * scale, in->gamma);
             for (int c = 0; c < alpha; c++)
                 code[c] = (uint32_t) ((float) code[c] * a);
         }
@@ -271,30 +252,13 @@ static void sample_row(void *ctx, int y, int thread)
     }
 }
 
-static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
-                           int y, float *to)
-{
-    struct png_input *const in = image->own;
-    const int left = in->height - y;
-    const int n = left < image->block ? left : image->block;
-    in->log = log;
-    if (!setjmp(png_jmpbuf(in->png)))
-        decode_rows(in, y, n);
-    if (in->st)
-        return in->st;
-    struct sampling s = {.in = in, .to = to, .rows = in->rows};
-    if (in->interlaced)
-        s.rows += (size_t) y * in->stride;
-    gp_parallel_do(n, sample_row, &s);
-    return GP_OK;
-}
-
 static void close_input(struct gp_decoded *image)
 {
     struct png_input *const in = image->own;
     png_destroy_read_struct(&in->png, &in->info, NULL);
     gp_free(in->attribute);
     gp_free(in->rows);
+    gp_free(in->pixels);
     gp_free(in);
 }
 
@@ -314,9 +278,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     if (st)
         return st;
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
-    struct gp_decoded image = {
-        .path = path, .rows = read_rows, .close = close_input, .own = in,
-    };
+    struct gp_decoded image = {.path = path, .close = close_input, .own = in};
     in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in, on_read_error,
         on_warning, in, allocate, release);
     if (in->png)
@@ -324,7 +286,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     if (!in->info && !in->st)
         in->st = gp_no_memory(log, path);
     if (in->info && !setjmp(png_jmpbuf(in->png)))
-        in->st = read_header(in, max_pixels);
+        in->st = read_all(in, max_pixels);
     if (!in->st)
         in->st = list_attributes(in, &image.attributes);
     if (in->st) {
@@ -332,6 +294,8 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
         gp_decoded_close(&image);
         return st;
     }
+    gp_parallel_do(in->height, sample_row, in);
+    GP_FREE(in->rows);
     *out = image;
     const int x = (int) png_get_x_offset_pixels(in->png, in->info);
     const int y = (int) png_get_y_offset_pixels(in->png, in->info);
@@ -343,7 +307,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     out->bits = 8 * in->bytes;
     out->colour_space = in->space;
     out->attribute = in->attribute;
-    out->block = BLOCK_SAMPLES / (in->width * in->channels) + 1;
+    out->pixels = in->pixels;
     return GP_OK;
 }
 

@@ -17,10 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    HEADER_BYTES = 4096,      // at most
-    BLOCK_SAMPLES = 1 << 20,  // read at a time, about
-};
+enum { HEADER_BYTES = 4096 }; // at most
 
 struct header {
     int width, height, channels;
@@ -82,34 +79,27 @@ gp_status gp_pfm_length(const uint8_t *data, uint64_t size, uint64_t *length)
 
 // -- reading PFM --------------------------------------------------------------
 
-struct pfm_input {
-    const struct gp_stream *stream;
-    struct header header;
-};
-
 static void close_input(struct gp_decoded *image)
 {
-    gp_free(image->own);
+    gp_free(image->pixels);
 }
 
-static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
-                           int y, float *to)
+static gp_status read_rows(const struct gp_log *log, const char *path,
+    const struct gp_stream *stream, const struct header *h, float *to)
 {
-    const struct pfm_input *const in = image->own;
-    const struct header *const h = &in->header;
     const size_t n = (size_t) h->width * (size_t) h->channels;
     const bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
     const bool swap = (h->scale < 0.0f) != little;
     const float scale = fabsf(h->scale);
-    for (int end = y + image->block; y < end && y < h->height; y++, to += n) {
+    for (int y = 0; y < h->height; y++, to += n) {
         const uint64_t row = (uint64_t) (h->height - 1 - y);
-        const int64_t got = gp_stream_read(in->stream, to, 4 * n,
+        const int64_t got = gp_stream_read(stream, to, 4 * n,
                                            h->bytes + row * 4 * n);
         if (got < 0)
-            return gp_stream_failed(log, image->path);
+            return gp_stream_failed(log, path);
         if ((uint64_t) got < 4 * n)
             return gp_fail(log, GP_ERR_DATA, "%s: truncated (row %d); copy or "
-                           "render the file again", image->path, y);
+                           "render the file again", path, y);
         for (size_t i = 0; i < n && swap; i++) {
             const uint32_t turned = __builtin_bswap32(gp_bits_of(to[i]));
             memcpy(&to[i], &turned, sizeof turned); // a NaN too
@@ -127,7 +117,7 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
     static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
     uint8_t first[HEADER_BYTES] = {0};
     struct header h;
-    struct pfm_input *own;
+    float *pixels;
     if (part > 0)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: has no part %d: a PFM is one picture; give part 0",
@@ -145,16 +135,20 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                      "%d x %d pixels); copy or render the file again", path,
                      (unsigned long long) stream->size, h.width, h.height);
     if (!st)
-        st = gp_alloc(log, path, 1, sizeof *own, &own);
+        st = gp_alloc(log, path, (size_t) h.width * (size_t) h.height,
+                      (size_t) h.channels * sizeof *pixels, &pixels);
     if (st)
         return st;
-    *own = (struct pfm_input) {stream, h};
+    st = read_rows(log, path, stream, &h, pixels);
+    if (st) {
+        gp_free(pixels);
+        return st;
+    }
     const struct gp_rect window = {0, 0, h.width, h.height};
     *out = (struct gp_decoded) {
         .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,
         .channels = h.channels, .channel_name = h.channels == 3 ? rgb : grey,
-        .colour_space = "", .rows = read_rows, .close = close_input,
-        .block = BLOCK_SAMPLES / h.width / h.channels + 1, .own = own,
+        .colour_space = "", .pixels = pixels, .close = close_input,
     };
     return GP_OK;
 }

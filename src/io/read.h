@@ -5,6 +5,7 @@
 #ifndef GP_IO_READ_H
 #define GP_IO_READ_H
 
+#include "io/decoded.h"
 #include "io/frame.h"
 #include "core/status.h"
 #include "core/stored.h"
@@ -177,16 +178,40 @@ GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
  * built with. Opens no library. */
 void gp_io_versions(char *line, size_t size);
 
-struct gp_input;
+// -- the alpha of a picture ---------------------------------------------------
+
+/* Alpha of a picture: w * h codes in rows from the top. */
+struct gp_coverage {
+    int w, h;
+    uint16_t *code; // of GP_COVERED; owned
+};
+enum { GP_COVERED = 65535 };
+
+/* Reads the alpha of a picture of any format, an EXR by glarepp-oiio.
+ *
+ *   path   of the file; with `bytes` its name for messages
+ *   bytes  the file's, n of them; NULL: `path` is opened, a regular file
+ *   most   pixels; over it is refused
+ *   out    written on GP_OK only; gp_free() its codes. Of a picture without
+ *          alpha one pixel of GP_COVERED
+ *
+ * Samples outside [0, 1] are clamped, NaN is 0.
+ * Errors: those of gp_read_frame(). */
+GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out);
 
 // -- every channel with its values as stored, for comparing ------------------
+
+struct gp_input;
 
 /* An open file. */
 struct gp_stored_file {
     const char *path;         // borrowed
-    struct gp_input *input; // of an EXR, else NULL
+    struct gp_input *input;   // of an EXR, else NULL
     struct gp_stream stream;  // of other formats
-    int parts;                // of EXR; 1 of other formats
+    struct gp_decoded first;  // part 0 of other formats
+    int parts;
 };
 
 /* Opens a file or stdin ("-") of any format. Close it in any case.

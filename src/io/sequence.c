@@ -197,13 +197,6 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
     struct place *place;
     const int n = f->n;
-    const bool down = n > 1 && f->number[1] < f->number[0];
-    int ordered = 1;
-    while (ordered < n && (down ? f->number[ordered] < f->number[ordered - 1]
-                                : f->number[ordered] > f->number[ordered - 1]))
-        ordered++;
-    if (ordered >= n) // a single range; sorting a million takes a while
-        return GP_OK;
     gp_status st = gp_alloc(log, "frame list", (size_t) n, sizeof *place,
                             &place);
     if (st)
@@ -383,8 +376,8 @@ bool gp_frame_number(const char *path, int *out)
 
 void gp_views_free(struct gp_views *v)
 {
-    gp_free(v->text);
-    gp_free(v->name);
+    for (int i = 0; i < v->n; i++)
+        gp_free(v->name[i]);
     *v = (struct gp_views) {0};
 }
 
@@ -393,35 +386,25 @@ gp_status gp_views_parse(const struct gp_log *log, const char *text,
 {
     gp_status st;
     struct gp_views v = {0};
-    GP_TRY(gp_alloc_zero(log, "view list", GP_VIEWS_MAX, sizeof *v.name,
-                         &v.name));
-    v.text = gp_strdup(text);
-    if (!v.text)
-        GP_TRY(gp_no_memory_bare(log, "view list"));
-    for (char *at = v.text; at;) {
-        char *const comma = strchr(at, ',');
-        if (comma)
-            *comma = '\0';
+    for (const char *at = text, *end; at; at = *end ? end + 1 : NULL) {
+        end = at + strcspn(at, ",");
         if (v.n == GP_VIEWS_MAX)
             GP_TRY(gp_fail(log, GP_ERR_USAGE,
                            "--views: too many (over %d); make them in several "
                            "runs", GP_VIEWS_MAX));
-        if (!*at)
+        char *const name = gp_strdup(at);
+        if (!name)
+            GP_TRY(gp_no_memory_bare(log, "view list"));
+        name[end - at] = '\0';
+        bool good = *name && !strchr(name, '/');
+        for (int i = 0; i < v.n; i++)
+            good = good && strcmp(v.name[i], name) != 0;
+        v.name[v.n++] = name;
+        if (!good)
             GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                           "--views: an empty name (found in \"%s\"); write "
-                           "left,right", text));
-        if (strchr(at, '/'))
-            GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                           "--views: a name with a slash (found %s); views "
-                           "are names, %%V may stand for a folder", at));
-        for (int i = 0; i < v.n; i++) {
-            if (strcmp(v.name[i], at) == 0)
-                GP_TRY(gp_fail(log, GP_ERR_USAGE,
-                               "--views: %s comes twice (found in %s); name "
-                               "each view once", at, text));
-        }
-        v.name[v.n++] = at;
-        at = comma ? comma + 1 : NULL;
+                           "--views: not a list of views (found \"%s\" in "
+                           "\"%s\"); write each name once and without a "
+                           "slash, e.g. left,right", name, text));
     }
     *out = v;
     return GP_OK;
@@ -433,22 +416,16 @@ out:
 gp_status gp_views_copy(const struct gp_log *log, const char *const *name,
                         int n, struct gp_views *out)
 {
-    struct gp_views v = {.n = n};
-    size_t bytes = 0;
-    for (int i = 0; i < n; i++)
-        bytes += strlen(name[i]) + 1;
-    gp_status st = gp_alloc(log, "view list", bytes, 1, &v.text);
-    if (!st)
-        st = gp_alloc(log, "view list", (size_t) n, sizeof *v.name, &v.name);
-    char *to = v.text;
-    for (int i = 0; i < n && !st; i++) {
-        v.name[i] = strcpy(to, name[i]);
-        to += strlen(name[i]) + 1;
+    struct gp_views v = {0};
+    for (; v.n < n; v.n++) {
+        v.name[v.n] = gp_strdup(name[v.n]);
+        if (!v.name[v.n]) {
+            gp_views_free(&v);
+            return gp_no_memory_bare(log, "view list");
+        }
     }
-    if (st)
-        gp_views_free(&v);
     *out = v;
-    return st;
+    return GP_OK;
 }
 
 gp_status gp_views_check(const struct gp_log *log, const struct gp_pattern *p,

@@ -40,8 +40,7 @@ struct gp_frames {
 
 /* Names of views, in the order of the list. All zero is empty. */
 struct gp_views {
-    char *text;         // owned: the names' bytes
-    const char **name;  // owned array, of `n`
+    char *name[GP_VIEWS_MAX]; // owned
     int n;
 };
 

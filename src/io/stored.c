@@ -134,30 +134,27 @@ static gp_status read_other(const struct gp_log *log,
     struct gp_stored_image *out)
 {
     gp_status st;
-    struct gp_decoded image = {0};
+    struct gp_decoded own = {0};
     struct gp_frame frame = {0};
-    GP_TRY(gp_read_image(log, p, f->path, &f->stream, part, &image));
-    GP_TRY(gp_decoded_load(log, &image));
-    GP_TRY(gp_decoded_frame(log, NULL, &image, &frame));
+    const struct gp_decoded *const image = part > 0 ? &own : &f->first;
+    if (part > 0)
+        GP_TRY(gp_read_image(log, p, f->path, &f->stream, part, &own));
+    GP_TRY(gp_decoded_frame(log, NULL, image, &frame));
     copy_header(&frame, out);
-    out->integers = image.bits > 0;
+    out->integers = image->bits > 0;
     out->own = frame.rgb;
     frame.rgb = (struct gp_planes) {0};
     for (int c = 0; c < 3; c++)
         out->light[c] = out->own.c[c];
-    const size_t pixels = gp_frame_pixels(&frame);
-    const size_t n = (size_t) image.channels;
-    GP_TRY(make_list(log, image.channels, out));
-    for (size_t c = 0; c < n; c++) {
-        GP_TRY(make_channel(log, image.channel_name[c], pixels,
-                            &out->channel[c]));
-        float *const to = out->channel[c].v;
-        for (size_t i = 0; i < pixels; i++)
-            to[i] = image.pixels[i * n + c];
+    GP_TRY(make_list(log, image->channels, out));
+    for (int c = 0; c < image->channels; c++) {
+        GP_TRY(make_channel(log, image->channel_name[c],
+                            gp_frame_pixels(&frame), &out->channel[c]));
+        gp_decoded_channel(image, c, out->channel[c].v);
     }
 out:
     gp_frame_free(&frame);
-    gp_decoded_close(&image);
+    gp_decoded_close(&own);
     return st;
 }
 
@@ -171,23 +168,20 @@ gp_status gp_stored_open(const struct gp_log *log,
         .path = path, .stream = GP_STREAM_EMPTY, .parts = 1,
     };
     gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
-    if (!st && !exr) { // a TIFF may hold several images
-        struct gp_decoded image = {0};
-        st = gp_read_image(log, p, path, &f->stream, 0, &image);
-        f->parts = image.parts > 1 ? image.parts : 1;
-        gp_decoded_close(&image);
+    if (!st && exr) {
+        st = gp_exr_open(log, path, &f->stream, &f->input);
+        f->parts = st ? 0 : f->input->parts;
+    } else if (!st) {
+        st = gp_read_image(log, p, path, &f->stream, 0, &f->first);
+        f->parts = f->first.parts > 1 ? f->first.parts : 1;
     }
-    if (st || !exr)
-        return st;
-    st = gp_exr_open(log, path, &f->stream, &f->input);
-    if (!st)
-        f->parts = f->input->parts;
     return st;
 }
 
 void gp_stored_close(struct gp_stored_file *f)
 {
     gp_input_free(f->input);
+    gp_decoded_close(&f->first);
     gp_stream_close(&f->stream);
     f->input = NULL;
 }

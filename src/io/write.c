@@ -1,116 +1,301 @@
 #include "io/write.h"
 
 #include "core/memory.h"
+#include "io/exr/exr.h"
 #include "io/file.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
+#include "io/picture.h"
 
+#include <errno.h>
 #include <libdeflate.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+// -- formats ------------------------------------------------------------------
+
+/* gp_write_picture() for one format. */
+typedef gp_status write_picture(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
+static write_picture write_by_helper;
+
+/* The endings that are written, what their formats hold, and how their readers
+ * take a fourth channel: BLACK where there is none. Raw frames go to streams
+ * only: files called .raw are cameras'. Of OpenImageIO 2.4's other writers RLA
+ * loses samples, FITS writes its rows one too high, IFF 1x1 as black, GIF is
+ * not the same from run to run, HEIF's reads past the end of its rows, icons
+ * are not read back. BMP's fourth byte has no meaning by its header (BI_RGB):
+ * readers either ignore it or take it as it is, so the colours are those over
+ * black. */
+static const struct format {
+    const char *ending;
+    write_picture *write;
+    int bits;      // most bits of an integer sample; 0 holds none
+    bool floats;
+    enum gp_alpha alpha;
+    bool again;    // another ending of the format above
+} formats[] = {
+    {"exr", gp_exr_write_picture, 0, true, GP_ALPHA_KEEP, false},
+    {"png", gp_png_write, 16, false, GP_ALPHA_KEEP, false},
+    {"pfm", gp_pfm_write, 0, true, GP_ALPHA_BLACK, false},
+    {"raw", gp_raw_write, 16, true, GP_ALPHA_BLACK, false},
+    {"hdr", write_by_helper, 0, true, GP_ALPHA_BLACK, false},
+    {"rgbe", write_by_helper, 0, true, GP_ALPHA_BLACK, true},
+    {"tif", write_by_helper, 16, true, GP_ALPHA_KEEP, false},
+    {"tiff", write_by_helper, 16, true, GP_ALPHA_KEEP, true},
+    {"tx", write_by_helper, 8, false, GP_ALPHA_KEEP, true},
+    {"dpx", write_by_helper, 16, false, GP_ALPHA_ASSOCIATED, false},
+    {"tga", write_by_helper, 8, false, GP_ALPHA_KEEP, false},
+    {"tpic", write_by_helper, 8, false, GP_ALPHA_KEEP, true},
+    {"webp", write_by_helper, 8, false, GP_ALPHA_KEEP, false},
+    {"jpg", write_by_helper, 8, false, GP_ALPHA_BLACK, false},
+    {"jpeg", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"jpe", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"jfif", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"jif", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"jfi", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"bmp", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, false},
+    {"dib", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"ppm", write_by_helper, 8, false, GP_ALPHA_BLACK, false},
+    {"pgm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"pbm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"pnm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
+    {"sgi", write_by_helper, 16, false, GP_ALPHA_ASSOCIATED, false},
+    {"rgb", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"rgba", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"bw", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"int", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {"inta", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+};
+
 enum { ENDING_BYTES = 16 };
 
-/* Finds the ending that chooses the format; returns true when it is that of
- * --stdout-format, for stdout, pipes and devices without an ending. */
-static bool find_ending(const struct gp_write_params *p, const char *path,
-                        char ending[ENDING_BYTES])
+/* Finds the format by the ending, or for stdout, pipes and devices without one
+ * that of --stdout-format; NULL when there is none. Returns its ending. */
+static const struct format *find_format(const struct gp_write_params *p,
+    const char *path, char ending[ENDING_BYTES], bool *straight)
 {
-    static const char *const formats[] = {
+    static const char *const of_stdout[] = {
 #define X(name, ending, text) ending,
         GP_STDOUT_LIST(X)
 #undef X
     };
     gp_file_ending(path, ending, ENDING_BYTES);
-    if (ending[0] || !gp_file_is_straight(path))
-        return false;
-    strcpy(ending, formats[p->stdout_format]);
-    return true;
+    *straight = !ending[0] && gp_file_is_straight(path);
+    if (*straight)
+        strcpy(ending, of_stdout[p->stdout_format]);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        if (strcmp(formats[i].ending, ending) == 0 &&
+            (formats[i].write != gp_raw_write || *straight))
+            return &formats[i];
+    }
+    return NULL;
 }
 
-// -- writers ------------------------------------------------------------------
-
-/* DWA is packed by OpenImageIO. */
-static gp_status check_exr(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const char *ending)
+static bool is_tiff(const struct format *t)
 {
-    (void) ending;
-    return p->compression < GP_COMPRESSION_DWAA ? GP_OK
-                                                : gp_oiio_check(log, path);
+    return t->floats && t->bits > 0;
 }
 
-static void add_ending(const char *ending, char *list, size_t size, size_t *n)
+/* OpenImageIO's names of the compressions that TIFF has as well; NULL for
+ * those that it has not. */
+static const char *tiff_compression(enum gp_compression c)
 {
-    const int wrote = snprintf(list + *n, size - *n, "%s.%s", *n ? ", " : "",
-                               ending);
-    *n = wrote > 0 && (size_t) wrote < size - *n ? *n + (size_t) wrote
-                                                 : size - 1;
+    switch (c) {
+    case GP_COMPRESSION_AUTO:
+        return "";
+    case GP_COMPRESSION_NONE:
+        return "none";
+    case GP_COMPRESSION_RLE:
+        return "packbits";
+    case GP_COMPRESSION_ZIPS:
+    case GP_COMPRESSION_ZIP:
+        return "zip";
+    default:
+        return NULL;
+    }
 }
 
-/* Refuses what no writer takes; the line lists the endings that one takes. */
-static gp_status check_other(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const char *ending)
+/* Checks that the format takes these params. The line for no format lists the
+ * endings that are written. */
+static gp_status check_format(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const struct format *t,
+    const char *ending)
 {
     char list[256] = "";
-    size_t n = 0;
-    if (gp_oiio_writes(ending))
-        return gp_oiio_picture_check(log, p, path, ending);
-    for (const struct gp_writer *w = gp_writers; w->ending; w++) {
-        if (!w->only_straight)
-            add_ending(w->ending, list, sizeof list, &n);
+    if (!t) {
+        size_t n = 0;
+        for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+            if (!formats[i].again && formats[i].write != gp_raw_write)
+                n += (size_t) snprintf(list + n, sizeof list - n, "%s.%s",
+                                       n ? ", " : "", formats[i].ending);
+        }
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: unknown format (ending %s%s); end the name in one "
+                       "of %s", path, ending[0] ? "." : "is missing", ending,
+                       list);
     }
-    for (int i = 0; gp_oiio_ending(i); i++)
-        add_ending(gp_oiio_ending(i), list, sizeof list, &n);
-    return gp_fail(log, GP_ERR_USAGE,
-                   "%s: unknown format (ending %s%s); end the name in one of "
-                   "%s", path, ending[0] ? "." : "is missing", ending, list);
+    // DWA is packed by OpenImageIO
+    if (t->write != write_by_helper)
+        return t->write == gp_exr_write_picture &&
+               p->compression >= GP_COMPRESSION_DWAA ? gp_oiio_check(log, path)
+                                                     : GP_OK;
+    if (is_tiff(t) && !tiff_compression(p->compression))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: TIFF has no such compression; use none, rle or "
+                       "zip", path);
+    if (t->bits > 0 && p->depth_bits > t->bits)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: .%s holds %d bits (--depth-bits %d); use .png, "
+                       ".tif or .exr", path, ending, t->bits, p->depth_bits);
+    return gp_oiio_check(log, path);
 }
 
-static gp_status write_oiio(const struct gp_log *log,
+// -- pictures by OpenImageIO --------------------------------------------------
+
+struct gathering {
+    const struct gp_picture *pic;
+    float *to;     // interleaved
+    bool integer;  // codes as fractions of the largest
+    bool radiance; // three floats as Radiance HDR holds them
+};
+
+/* The nearest that Radiance's pixel holds: three mantissas of 8 bits and the
+ * exponent of the largest (G. Ward, "Real Pixels", Graphics Gems II, 1991).
+ * OpenImageIO cuts mantissas off and turns negative ones into others, and
+ * takes all of a pixel under 1e-32 for 0; it leaves these values as they are.
+ * NaN and negative values become 0, those beyond the format its largest. */
+static void round_radiance(float *v)
+{
+    const float largest = 255.0f * 0x1p119f;
+    float most = 0.0f;
+    int exponent;
+    for (int c = 0; c < 3; c++) {
+        v[c] = v[c] > 0.0f ? fminf(v[c], largest) : 0.0f;
+        most = fmaxf(most, v[c]);
+    }
+    (void) frexpf(fmaxf(most, 1e-32f), &exponent);
+    float step = ldexpf(1.0f, exponent - 8);
+    if (rintf(most / step) > 255.0f)
+        step *= 2.0f;
+    for (int c = 0; c < 3; c++)
+        v[c] = rintf(v[c] / step) * step;
+}
+
+static void gather_row(void *ctx, int y, struct gp_picture_row *row)
+{
+    const struct gathering *g = ctx;
+    const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
+    const float max = (float) ((1 << g->pic->bits) - 1);
+    float *to = g->to + (size_t) y * w * n;
+    if (g->integer)
+        gp_picture_codes(g->pic, y, row);
+    else
+        gp_picture_floats(g->pic, y, row);
+    for (size_t c = 0; c < n; c++) {
+        for (size_t x = 0; x < w; x++)
+            to[x * n + c] = g->integer ? (float) row->code[c][x] / max
+                                       : row->linear[c][x];
+    }
+    for (size_t x = 0; g->radiance && x < w; x++)
+        round_radiance(to + x * n);
+}
+
+static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
+                             const struct gp_stream *s)
+{
+    enum { BLOCK_BYTES = 1 << 18 };
+    void *block;
+    uint64_t at = 0;
+    gp_status st = gp_alloc(log, "block", BLOCK_BYTES, 1, &block);
+    while (!st && at < s->size) {
+        const int64_t n = gp_stream_read(s, block, BLOCK_BYTES, at);
+        if (n <= 0)
+            st = gp_fail(log, GP_ERR_IO, "%s: cannot read the file in "
+                         "memory (%s); write .exr or .png", gp_file_path(file),
+                         n < 0 ? strerror(errno) : "it is short");
+        else
+            st = gp_file_write(file, block, (size_t) n);
+        at += n > 0 ? (uint64_t) n : 0;
+    }
+    gp_free(block);
+    return st;
+}
+
+static gp_status write_by_helper(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
 {
+    static const char *const names[] = {"R", "G", "B", "A"};
+    gp_status st;
     char ending[ENDING_BYTES];
+    bool straight;
+    const struct format *const t = find_format(p, path, ending, &straight);
     (void) stats;
-    (void) find_ending(p, path, ending);
-    gp_status st = check_other(log, p, path, ending);
-    return st ? st : gp_oiio_picture_write(log, p, path, ending, f, planes,
-                                           kind);
+    struct gp_write_params own = *p;
+    struct gp_picture pic = {0};
+    struct gp_file *file = NULL;
+    struct gp_shared pixels = {0};
+    struct gp_stream s = GP_STREAM_EMPTY;
+    if (own.alpha != GP_ALPHA_BLACK)
+        own.alpha = t->alpha;
+    // integers where the format has nothing else, or nothing says otherwise
+    const bool scene = kind == GP_PICTURE_SCENE;
+    const bool integer = is_tiff(t) ? p->type == GP_OUT_AUTO && !scene
+                                    : !t->floats;
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
+    const size_t n = (size_t) pic.width * (size_t) pic.height *
+                     (size_t) pic.channels;
+    GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
+    struct gathering g = {.pic = &pic, .integer = integer,
+                          .radiance = t->floats && t->bits == 0,
+                          .to = pixels.at};
+    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
+    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    const struct gp_decoded image = {
+        .path = gp_file_path(file), .data = {0, 0, pic.width, pic.height},
+        .display = {0, 0, pic.width, pic.height},
+        .channels = pic.channels, .channel_name = names,
+        .chromaticities = scene ? pic.f->chromaticities : NULL,
+        .colour_space = kind == GP_PICTURE_ENCODED ? ""
+                        : integer                  ? "sRGB" : "Linear",
+    };
+    const char *type = own.type == GP_OUT_HALF ? "half" : "float";
+    if (integer)
+        type = own.depth_bits == 16 ? "uint16" : "uint8";
+    GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, t->ending, type,
+                         is_tiff(t) ? tiff_compression(own.compression) : "",
+                         &s));
+    GP_TRY(copy_stream(log, file, &s));
+    GP_TRY(gp_file_commit(&file));
+out:
+    gp_stream_close(&s);
+    gp_file_discard(&file);
+    gp_shared_free(&pixels);
+    gp_picture_free(&pic);
+    return st;
 }
 
-/* Raw frames go to streams only: files called .raw are cameras'. */
-const struct gp_writer gp_writers[] = {
-    {"exr", false, true, check_exr, gp_exr_write_picture},
-    {"png", false, true, NULL, gp_png_write},
-    {"pfm", false, false, NULL, gp_pfm_write},
-    {"raw", true, false, NULL, gp_raw_write},
-    {NULL, false, false, check_other, write_oiio}, // by its ending
-};
-
-static const struct gp_writer *find_writer(const struct gp_write_params *p,
-    const char *path, char ending[ENDING_BYTES])
-{
-    const bool straight = find_ending(p, path, ending);
-    const struct gp_writer *w = gp_writers;
-    while (w->ending && (strcmp(w->ending, ending) != 0 ||
-                         (w->only_straight && !straight)))
-        w++;
-    return w;
-}
+// -- any format ---------------------------------------------------------------
 
 bool gp_write_has_alpha(const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    const struct gp_writer *const w = find_writer(p, path, ending);
-    return w->ending ? w->alpha : gp_oiio_has_alpha(ending);
+    bool straight;
+    const struct format *const t = find_format(p, path, ending, &straight);
+    return t && t->alpha != GP_ALPHA_BLACK;
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *keeps, const char *path)
 {
     char ending[ENDING_BYTES];
-    const bool straight = find_ending(p, path, ending);
+    bool straight;
+    (void) find_format(p, path, ending, &straight);
     if (straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
             "%s: %s, which only EXR can (found --stdout-format %s); give it a "
@@ -131,8 +316,9 @@ gp_status gp_write_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    const struct gp_writer *const w = find_writer(p, path, ending);
-    gp_status st = w->check ? w->check(log, p, path, ending) : GP_OK;
+    bool straight;
+    const struct format *const t = find_format(p, path, ending, &straight);
+    const gp_status st = check_format(log, p, path, t, ending);
     return st ? st : gp_file_check(log, path, p->create_dir);
 }
 
@@ -142,10 +328,13 @@ gp_status gp_write_picture(const struct gp_log *log,
     struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
+    bool straight;
+    const struct format *const t = find_format(p, path, ending, &straight);
     if (gp_write_would_overwrite(p, path))
         return GP_OK;
-    return find_writer(p, path, ending)->write(log, p, path, f, planes, kind,
-                                               stats);
+    const gp_status st = t && t->write != write_by_helper
+                             ? GP_OK : check_format(log, p, path, t, ending);
+    return st ? st : t->write(log, p, path, f, planes, kind, stats);
 }
 
 gp_status gp_write_hdr(const struct gp_log *log,

@@ -28,9 +28,7 @@ enum gp_compression {
 };
 
 /* Values of --stdout-format, formats of an output without an ending: a name,
- * the ending of gp_writers, and a line for the man page, or NULL where the
- * ending suffices. The enum, the option's values and the writer use this list.
- */
+ * its ending, and a line for the man page, or NULL where the ending suffices. */
 #define GP_STDOUT_LIST(X)                                                     \
     X(EXR, "exr", "OpenEXR; the only one for --hdr")                          \
     X(PNG, "png", NULL)                                                       \

@@ -365,10 +365,10 @@ bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 -o o.#.png v.%V.####.exr => o.#.png: one name for several views (found 2); write a name with %V or %v, such as out.%V.png, or -
 -o o.%V.png in.exr => o.%V.png: %V and %v need views (in.exr has no %V in its name and no views inside); give --views left,right
 --views left,lefty -o o.%V.png w.%v.exr => w.%v.exr: %v is the same letter for two views (found left and lefty); write %V
---views left, -o o.%V.png w.%v.exr => --views: an empty name (found in "left,"); write left,right
+--views left, -o o.%V.png w.%v.exr => --views: not a list of views (found "" in "left,"); write each name once and without a slash, e.g. left,right
 --views all -o o.%V.png w.%v.exr => --views: all means the views inside a file (found %V or %v in w.%v.exr); list them, e.g. --views left,right
---views a,b,a -o o.%V.png w.%v.exr => --views: a comes twice (found in a,b,a); name each view once
---views a/b -o o.%V.png w.%v.exr => --views: a name with a slash (found a/b); views are names, %V may stand for a folder
+--views a,b,a -o o.%V.png w.%v.exr => --views: not a list of views (found "a" in "a,b,a"); write each name once and without a slash, e.g. left,right
+--views a/b -o o.%V.png w.%v.exr => --views: not a list of views (found "a/b" in "a/b"); write each name once and without a slash, e.g. left,right
 -o o.%V.#.png v.%V.####.exr s.####.exr => s.####.exr: no %V or %v (found in v.%V.####.exr); make them in separate runs
 --views l,r -o o.%V.png --debug sensors=o.%v.png w.%v.exr => o.l.png: given for two outputs (--output o.%V.png for w.l.exr and --debug sensors o.%v.png for w.l.exr); give each a name of its own
 --views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr => o.a11.png: given for two outputs (--output o.%V#.png for v.a1.0001.exr and --output o.%V#.png for v.a.0011.exr); give each a name of its own

@@ -352,7 +352,6 @@ static gp_status decode_by_oiio(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: OpenImageIO found %d x %d pixels (%d x %d in the header); "
                "render the file again", cs->path, wide, high, cs->w, cs->h));
-    GP_TRY(gp_decoded_load(log, &image));
 
     // its channels may be in another order
     const size_t step = (size_t) image.channels;

@@ -38,8 +38,6 @@ struct helper {
     bool killed;             // by a signal or the time limit
     int socket;
     unsigned seconds;        // for the call that it works on
-    struct gp_shared shared; // for rows
-    bool shares;             // it has got shared.fd
     bool starved;            // memory was full when it answered
     char cause[WHY_BYTES];   // why it ended
 };
@@ -70,7 +68,6 @@ static void end_helper(struct helper *h, const char *why)
     else
         snprintf(h->cause, sizeof h->cause, "ended");
     close(h->socket);
-    gp_shared_free(&h->shared);
     h->pid = 0;
 }
 
@@ -329,16 +326,24 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
            send_all(h, text, ask->bytes);
 }
 
+/* Makes a call and waits for its reply; gp_free() its text, also on failure. A
+ * call that fails has its line. */
+static gp_status call(const struct gp_log *log, const char *path,
+    struct helper *h, struct gp_oiio_ask *ask, const char *text,
+    const int fd[2], struct gp_oiio_reply *reply, char **answer)
+{
+    const bool writes = ask->call == GP_OIIO_WRITE;
+    if (!send_ask(h, ask, text, fd) || !receive_reply(h, reply, answer))
+        return call_failed(log, path, writes, h, NULL, "");
+    return reply->end ? call_failed(log, path, writes, h, reply, *answer)
+                      : GP_OK;
+}
+
 // -- reading ------------------------------------------------------------------
 
-/* The memory that a gp_image of a helper points into, and the source of its
- * rows. */
+/* The memory that a gp_decoded points into. */
 struct input {
-    struct helper *helper;
-    int fd;              // of a copy in memory, -1: the stream's own
-    uint64_t size;       // of the file
-    size_t row;          // bytes
-    int asked, got;      // rows
+    struct gp_shared pixels;
     float chromaticities[8];
     char *text;
     const char **names;
@@ -389,9 +394,9 @@ static gp_status make_image(const struct gp_log *log,
             return GP_ERR_DATA;
     }
     if (s->w <= 0 || s->h <= 0 || (long long) s->w * s->h > max_pixels ||
-        s->channels <= 0 || s->channels > MOST_CHANNELS || s->block <= 0 ||
-        s->block > s->h || s->attributes < 0 || s->attributes > MOST_TEXT ||
-        s->parts < 1 || s->parts > GP_OIIO_PARTS)
+        s->channels <= 0 || s->channels > MOST_CHANNELS ||
+        s->attributes < 0 || s->attributes > MOST_TEXT || s->parts < 1 ||
+        s->parts > GP_OIIO_PARTS)
         return GP_ERR_DATA;
     GP_TRY(gp_alloc(log, "channel names", (size_t) s->channels,
                     sizeof *in->names, &in->names));
@@ -425,8 +430,6 @@ static gp_status make_image(const struct gp_log *log,
     image->bits = s->bits;
     image->attribute = attribute;
     image->attributes = s->attributes;
-    image->block = s->block;
-    in->row = (size_t) s->w * (size_t) s->channels * sizeof(float);
 out:
     return st;
 }
@@ -434,78 +437,42 @@ out:
 static void close_image(struct gp_decoded *image)
 {
     struct input *const in = image->own;
-    struct helper *const h = in->helper;
-    struct gp_oiio_reply reply;
-    char *text;
-    // reads the reply with rows that were asked for
-    if (h && h->pid && in->asked > in->got && receive_reply(h, &reply, &text))
-        gp_free(text);
-    if (h)
-        give_back(h);
-    if (in->fd >= 0)
-        close(in->fd);
+    gp_shared_free(&in->pixels);
     gp_free(in->text);
     gp_free(in->names);
     gp_free(in->attributes);
     gp_free(in);
 }
 
-/* Returns the place of the block that begins at row y: every other one in
- * its half. */
-static size_t place_of(const struct gp_decoded *image, int y)
-{
-    const struct input *const in = image->own;
-    return y / image->block % 2 ? in->row * (size_t) image->block : 0;
-}
-
-/* Asks for the next block. */
-static bool ask_rows(struct gp_decoded *image)
+/* Reads header and pixels by helper `h` from the file `fd`. */
+static gp_status read_by(struct helper *h, const struct gp_log *log,
+    struct gp_oiio_ask *ask, int fd, struct gp_decoded *image)
 {
     struct input *const in = image->own;
-    struct helper *const h = in->helper;
-    const int left = gp_rect_h(image->data) - in->asked;
-    struct gp_oiio_ask ask = {
-        .call = GP_OIIO_ROWS, .y = in->asked, .size = h->shared.size,
-        .at = place_of(image, in->asked),
-    };
-    const int fd[2] = {h->shares ? -1 : h->shared.fd, -1};
-    in->asked += left < image->block ? left : image->block;
-    h->shares = true;
-    return send_ask(h, &ask, NULL, fd);
-}
-
-/* While the caller works on a block the helper decodes the next one. */
-static gp_status read_rows(const struct gp_log *log, struct gp_decoded *image,
-                           int y, float *to)
-{
-    struct input *const in = image->own;
-    struct helper *const h = in->helper;
-    const int height = gp_rect_h(image->data);
-    const size_t shared = in->row * (size_t) image->block *
-                          (image->block < height ? 2 : 1);
     struct gp_oiio_reply reply;
     char *text = NULL;
-    gp_status st = GP_OK;
-    if (in->asked == 0 && h->shared.size < shared) {
-        gp_shared_free(&h->shared);
-        h->shares = false;
-        st = gp_shared_make(log, image->path, shared, &h->shared);
-    }
+    h->seconds = seconds_for(ask->size);
+    gp_status st = call(log, image->path, h, ask, NULL, (int[]) {fd, -1},
+                        &reply, &in->text);
     if (st)
         return st;
-    h->seconds = seconds_for(in->size + in->row * (size_t) height);
-    if ((in->asked == 0 && !ask_rows(image)) ||
-        !receive_reply(h, &reply, &text))
+    st = make_image(log, &reply, ask->max_pixels, in, image);
+    if (st == GP_ERR_DATA) {
+        end_helper(h, "sent an invalid header");
         return call_failed(log, image->path, false, h, NULL, "");
-    in->got = in->asked;
-    if (reply.end)
-        st = call_failed(log, image->path, false, h, &reply, text);
-    else if (in->asked < height && !ask_rows(image))
-        st = call_failed(log, image->path, false, h, NULL, "");
-    else
-        memcpy(to, (const char *) h->shared.at + place_of(image, y),
-               in->row * (size_t) (height - y < image->block ? height - y
-                                                             : image->block));
+    }
+    const size_t bytes = (size_t) gp_rect_w(image->data) *
+                         (size_t) gp_rect_h(image->data) *
+                         (size_t) image->channels * sizeof(float);
+    if (!st)
+        st = gp_shared_make(log, image->path, bytes, &in->pixels);
+    if (st)
+        return st;
+    image->pixels = in->pixels.at;
+    h->seconds = seconds_for(ask->size + bytes);
+    *ask = (struct gp_oiio_ask) {.call = GP_OIIO_PIXELS, .size = bytes};
+    st = call(log, image->path, h, ask, NULL, (int[]) {in->pixels.fd, -1},
+              &reply, &text);
     gp_free(text);
     return st;
 }
@@ -514,50 +481,27 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
                        const struct gp_stream *stream, const char *reader,
                        int part, long long max_pixels, struct gp_decoded *out)
 {
-    gp_status st;
     struct input *in;
-    struct gp_oiio_reply reply;
+    struct helper *h;
+    struct gp_shared copy = {0};
     struct gp_oiio_ask ask = {
         .call = GP_OIIO_OPEN, .part = part, .size = stream->size,
         .max_pixels = max_pixels,
     };
-    st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
+    snprintf(ask.format, sizeof ask.format, "%s", reader);
+    gp_status st = gp_alloc_zero(log, path, 1, sizeof *in, &in);
     if (st)
         return st;
-    struct gp_decoded image = {
-        .path = path, .rows = read_rows, .close = close_image, .own = in,
-    };
-    in->fd = -1;
-    in->size = stream->size;
-    snprintf(ask.format, sizeof ask.format, "%s", reader);
-    // the file's own descriptor, or that of a copy in memory
+    struct gp_decoded image = {.path = path, .close = close_image, .own = in};
     if (stream->data) {
-        uint64_t done = 0;
-        in->fd = memfd_create("glarepp", MFD_CLOEXEC);
-        while (in->fd >= 0 && done < in->size) {
-            const ssize_t n = write(in->fd, stream->data + done,
-                                    in->size - done);
-            if (n < 0 && errno != EINTR)
-                break;
-            done += n > 0 ? (uint64_t) n : 0;
-        }
-        if (in->fd < 0 || done < in->size)
-            GP_TRY(gp_shared_failed(log, path, in->size));
+        GP_TRY(gp_shared_make(log, path, stream->size, &copy));
+        memcpy(copy.at, stream->data, stream->size);
     }
-    GP_TRY(take_helper(log, path, false, &in->helper));
-    struct helper *const h = in->helper;
-    const int fd[2] = {in->fd >= 0 ? in->fd : stream->fd, -1};
-    h->seconds = seconds_for(in->size);
-    if (!send_ask(h, &ask, NULL, fd) || !receive_reply(h, &reply, &in->text))
-        GP_TRY(call_failed(log, path, false, h, NULL, ""));
-    if (reply.end)
-        GP_TRY(call_failed(log, path, false, h, &reply, in->text));
-    st = make_image(log, &reply, max_pixels, in, &image);
-    if (st == GP_ERR_DATA) {
-        end_helper(h, "sent an invalid header");
-        st = call_failed(log, path, false, h, NULL, "");
-    }
+    GP_TRY(take_helper(log, path, false, &h));
+    st = read_by(h, log, &ask, stream->data ? copy.fd : stream->fd, &image);
+    give_back(h);
 out:
+    gp_shared_free(&copy);
     if (st)
         gp_decoded_close(&image);
     else
@@ -612,12 +556,9 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_decoded *image
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot make a file in memory "
                        "(%s); write .exr or .png", path, strerror(errno)));
     GP_TRY(take_helper(log, path, true, &h));
-    const int fd[2] = {out->fd, pixels->fd};
     h->seconds = seconds_for(pixels->size);
-    if (!send_ask(h, &ask, text, fd) || !receive_reply(h, &reply, &why))
-        GP_TRY(call_failed(log, path, true, h, NULL, ""));
-    if (reply.end)
-        GP_TRY(call_failed(log, path, true, h, &reply, why));
+    GP_TRY(call(log, path, h, &ask, text, (int[]) {out->fd, pixels->fd},
+                &reply, &why));
     if (fstat(out->fd, &s) || s.st_size <= 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote no bytes; write "
                        "another format", path));

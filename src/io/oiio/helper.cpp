@@ -170,25 +170,25 @@ bool send_all(const void *from, std::size_t n)
 // -- calls --------------------------------------------------------------------
 
 // Memory that glarepp shares.
-struct Shared {
-    void *at = nullptr;
-    std::size_t size = 0;
-
-    void map(int fd, std::size_t bytes)
+class Shared {
+public:
+    Shared(int fd, std::size_t size)
+        : size_(size),
+          at_(mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0))
     {
-        if (at)
-            munmap(at, size);
-        at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-        if (at == MAP_FAILED) {
-            at = nullptr;
+        if (at_ == MAP_FAILED)
             throw std::bad_alloc();
-        }
-        size = bytes;
     }
+    ~Shared() { munmap(at_, size_); }
+    float *samples() const { return static_cast<float *>(at_); }
+
+private:
+    const std::size_t size_;
+    void *const at_;
 };
 
-void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
-            gp_oiio_reply &reply, std::string &text)
+void answer(const gp_oiio_ask &ask, int fd[2], gp_oiio_reply &reply,
+            std::string &text)
 {
     if (ask.protocol != GP_OIIO_PROTOCOL)
         throw std::runtime_error("glarepp-oiio has another version");
@@ -216,21 +216,15 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
         helper::open_file(file, ask, reply.spec, text);
         break;
     }
-    case GP_OIIO_ROWS:
-        if (fd[0] >= 0)
-            shared.map(fd[0], ask.size);
-        helper::read_rows(ask.y, static_cast<float *>(shared.at) +
-                                     ask.at / sizeof(float));
+    case GP_OIIO_PIXELS:
+        helper::read_pixels(Shared(fd[0], ask.size).samples());
         text.clear();
         break;
-    case GP_OIIO_WRITE: {
-        Shared pixels;
-        pixels.map(fd[1], ask.size);
-        helper::write_file(fd[0], ask, text, pixels.at);
-        munmap(pixels.at, pixels.size);
+    case GP_OIIO_WRITE:
+        helper::write_file(fd[0], ask, text,
+                           Shared(fd[1], ask.size).samples());
         text.clear();
         break;
-    }
     }
 }
 
@@ -286,7 +280,6 @@ int main()
     mallopt(M_TOP_PAD, 1 << 22);
     gp_oiio_ask ask;
     gp_oiio_reply reply = {};
-    Shared shared;
     std::string text;
     int fd[2];
     reply.protocol = GP_OIIO_PROTOCOL;
@@ -296,7 +289,7 @@ int main()
         reply = {};
         reply.protocol = GP_OIIO_PROTOCOL;
         try {
-            answer(ask, fd, shared, reply, text);
+            answer(ask, fd, reply, text);
         } catch (const std::exception &e) {
             explain(e.what(), reply, text);
         } catch (...) {

@@ -73,7 +73,7 @@ struct File {
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
     std::unique_ptr<ImageInput> input;
     ImageSpec spec;
-    int part = 0, block = 0;
+    int part = 0;
 };
 std::unique_ptr<File> file;
 
@@ -200,49 +200,22 @@ void check_size(const ImageSpec &spec, const gp_oiio_ask &ask)
                                  "reads wrong");
 }
 
-// -- rows ---------------------------------------------------------------------
+// -- pixels -------------------------------------------------------------------
 
-// Rows that are read at a time: near 16 MiB, so that there are strips for all
-// threads, but whole strips and tiles, and of EXR whole chunks. Of a packed
-// strip that is read in parts OpenImageIO loses doubles.
-int block_rows(const ImageSpec &spec, const std::string &format)
-{
-    const std::size_t row = static_cast<std::size_t>(spec.width) *
-                            static_cast<std::size_t>(spec.nchannels) *
-                            sizeof(float);
-    const int room = static_cast<int>(
-        std::max<std::size_t>(1, (std::size_t(16) << 20) / row));
-    int unit = 1;
-    if (spec.tile_width > 0)
-        unit = spec.tile_height;
-    else if (format == "tiff")
-        unit = spec.get_int_attribute("tiff:RowsPerStrip", spec.height);
-    else if (format == "openexr")
-        unit = 256; // DWAB's
-    if (unit < 1 || unit > spec.height)
-        unit = spec.height;
-    return std::min(std::max(room - room % unit, unit), spec.height);
-}
-
-// Rows [y0, y1) of channels [c0, c1).
-bool read_block(int y0, int y1, int c0, int c1, const TypeDesc &type, void *to)
+// All pixels of channels [c0, c1). Readers may report an error and go on, with
+// black pixels.
+void read_channels(int c0, int c1, const TypeDesc &type, void *to)
 {
     ImageInput &input = *file->input;
     const ImageSpec &s = file->spec;
-    y0 += s.y;
-    y1 += s.y;
-    return s.tile_width > 0
-               ? input.read_tiles(file->part, 0, s.x, s.x + s.width, y0, y1,
-                                  s.z, s.z + 1, c0, c1, type, to)
-               : input.read_scanlines(file->part, 0, y0, y1, s.z, c0, c1,
-                                      type, to);
-}
-
-// Readers may report an error and go on, with black pixels.
-void check_read(bool read)
-{
-    if (!read || file->input->has_error())
-        throw std::runtime_error(file->input->geterror());
+    const bool read =
+        s.tile_width > 0
+            ? input.read_tiles(file->part, 0, s.x, s.x + s.width, s.y,
+                               s.y + s.height, s.z, s.z + 1, c0, c1, type, to)
+            : input.read_scanlines(file->part, 0, s.y, s.y + s.height, s.z,
+                                   c0, c1, type, to);
+    if (!read || input.has_error())
+        throw std::runtime_error(input.geterror());
     if (file->bytes->was_short())
         throw std::runtime_error("truncated");
 }
@@ -255,8 +228,7 @@ void add_text(std::string &to, const std::string &s)
     to.push_back('\0');
 }
 
-void describe(ImageSpec &spec, int block, gp_oiio_spec &out,
-              std::string &text)
+void describe(ImageSpec &spec, gp_oiio_spec &out, std::string &text)
 {
     text.clear();
     if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels))
@@ -284,7 +256,7 @@ void describe(ImageSpec &spec, int block, gp_oiio_spec &out,
                          ? 0 : static_cast<int>(8 * spec.format.size());
     out = {spec.x, spec.y, spec.width, spec.height, spec.full_x, spec.full_y,
            spec.full_width, spec.full_height, spec.nchannels,
-           spec.format == TypeDesc::HALF, bits, block, attributes, 0, 1,
+           spec.format == TypeDesc::HALF, bits, attributes, 0, 1,
            c != nullptr, {}};
     if (c)
         std::memcpy(out.chromaticities, c->data(), sizeof out.chromaticities);
@@ -309,35 +281,29 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     f->spec = f->input->spec();
     f->part = ask.part;
     check_size(f->spec, ask);
-    f->block = block_rows(f->spec, ask.format);
-    describe(f->spec, f->block, spec, text);
+    describe(f->spec, spec, text);
     spec.parts = parts;
     limit_memory(4 * ask.size + 16 * f->spec.image_pixels() *
                                     static_cast<unsigned>(f->spec.nchannels));
     file = std::move(f);
 }
 
-void helper::read_rows(int y, float *to)
+void helper::read_pixels(float *to)
 {
-    if (!file)
-        throw std::runtime_error("all rows were read");
-    const int y1 = std::min(y + file->block, file->spec.height);
-    const int n = file->spec.nchannels;
-    check_read(read_block(y, y1, 0, n, TypeDesc::FLOAT, to));
+    const std::size_t n = static_cast<std::size_t>(file->spec.nchannels);
+    read_channels(0, file->spec.nchannels, TypeDesc::FLOAT, to);
     // EXR's uint32 channels, whose values floats cannot hold, bit by bit
     const bool exr = std::strcmp(file->input->format_name(), "openexr") == 0;
-    for (int c = 0; exr && c < n; c++) {
-        if (file->spec.channelformat(c) != TypeDesc::UINT32)
+    for (std::size_t c = 0; exr && c < n; c++) {
+        const int channel = static_cast<int>(c);
+        if (file->spec.channelformat(channel) != TypeDesc::UINT32)
             continue;
-        std::vector<unsigned> bits(static_cast<std::size_t>(y1 - y) *
-                                   static_cast<std::size_t>(file->spec.width));
-        check_read(read_block(y, y1, c, c + 1, TypeDesc::UINT32, bits.data()));
+        std::vector<unsigned> bits(file->spec.image_pixels());
+        read_channels(channel, channel + 1, TypeDesc::UINT32, bits.data());
         for (std::size_t i = 0; i < bits.size(); i++)
-            std::memcpy(to + i * static_cast<std::size_t>(n) + c, &bits[i],
-                        sizeof bits[i]);
+            std::memcpy(to + i * n + c, &bits[i], sizeof bits[i]);
     }
-    if (y1 == file->spec.height)
-        close_file();
+    close_file();
 }
 
 void helper::close_file()

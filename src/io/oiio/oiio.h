@@ -25,15 +25,13 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-/* Opens picture `part` (0: the first) of a stream, which stays the caller's
- * and must live until gp_decoded_close(). Of EXR, channels that are stored as
+/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are stored as
  * uint32 come as those 32 bits in the place of the float, and each four
  * channels count on their own for max_pixels.
  *
  *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
  *           helper refuses all but those of gp_readers and "openexr"
- *   out  written only on GP_OK; rows from rows(), which the helper decodes
- *        ahead
+ *   out  written only on GP_OK
  *
  * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, truncated, over
  * max_pixels, no format that is read, or the helper did not survive it;
@@ -72,35 +70,5 @@ GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
  * its first frame. Errors: GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
                                       const char *path);
-
-/* gp_write_picture(), once its params were checked, for Radiance HDR, which
- * holds floats; TIFF, which holds either; and integer formats: JPEG, DPX, TGA,
- * BMP, PPM, SGI and WebP. TIFF is
- * what --type says, and without it floats for a scene-linear picture and
- * --depth-bits for one to be shown. All show the display window. Radiance HDR
- * holds three mantissas and an exponent: the nearest of those are stored, NaN
- * and negative values as 0, larger values as the largest. GP_ALPHA_KEEP
- * keeps alpha in TIFF, TGA and WebP, in integers not associated, and in DPX,
- * BMP and SGI, which do not say how it is meant and whose readers take it as
- * associated: their colour is that over black. JPEG, PPM and Radiance HDR are
- * over black. */
-GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const char *ending,
-    const struct gp_frame *f, const struct gp_planes *planes,
-    enum gp_picture_kind kind);
-
-/* True for the endings, in lower case, that are written. */
-bool gp_oiio_writes(const char *ending);
-/* Returns one ending of each format, i >= 0; NULL past the last. */
-const char *gp_oiio_ending(int i);
-
-/* True for the endings of formats that keep alpha. */
-bool gp_oiio_has_alpha(const char *ending);
-
-/* Checks that these params can be written; `ending` is one of
- * gp_oiio_writes(). Errors: GP_ERR_USAGE more bits than the format has, a
- * compression that TIFF lacks; GP_ERR_IO no helper. */
-GP_MUST_CHECK gp_status gp_oiio_picture_check(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const char *ending);
 
 #endif

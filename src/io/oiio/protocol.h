@@ -7,10 +7,8 @@
  *
  *   GP_OIIO_OPEN   with the file's descriptor: looks at its header. The text
  *                  of the reply is packed as gp_oiio_spec says
- *   GP_OIIO_ROWS   rows [y, y + spec.block), or as many as there are, as
- *                  floats to byte `at` of the shared memory, whose descriptor
- *                  comes along where it is a new one. Blocks are asked for in
- *                  their order, each once
+ *   GP_OIIO_PIXELS with the descriptor of shared memory: decodes the picture
+ *                  that was opened into it, as floats, and closes it
  *   GP_OIIO_WRITE  with the descriptors of an empty file and of memory that
  *                  holds the pixels: writes them as `format` */
 #ifndef GP_IO_OIIO_PROTOCOL_H
@@ -20,10 +18,10 @@
 
 enum {
     GP_OIIO_PARTS = 4096,
-    GP_OIIO_PROTOCOL = 0x67700002, // counts up when a struct changes
+    GP_OIIO_PROTOCOL = 0x67700003, // counts up when a struct changes
 };
 
-enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_ROWS, GP_OIIO_WRITE };
+enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_PIXELS, GP_OIIO_WRITE };
 
 /* The end of a call; text is the reason of all but GP_OIIO_DONE. */
 enum gp_oiio_end {
@@ -44,7 +42,6 @@ struct gp_oiio_spec {
     int32_t half;        // stored as half
     int32_t bits;        // 0 stored as floats, else of integers, which come
                          // scaled to [0,1]
-    int32_t block;       // rows of a GP_OIIO_ROWS
     int32_t attributes;
     int32_t typed;       // the text has channel types
     int32_t parts;       // images in the file, up to GP_OIIO_PARTS are counted
@@ -56,11 +53,9 @@ struct gp_oiio_ask {
     uint32_t protocol, call;
     uint32_t bytes;         // of text that follows
     int32_t part;           // subimage, 0 the first
-    int32_t y;
     int32_t threads;        // to decode with
     uint32_t seconds;       // of each processor's time for this call
-    uint32_t unused;
-    uint64_t size, at;      // of the file, or of the shared memory
+    uint64_t size;          // of the file, or of the shared memory
     int64_t max_pixels;     // refuses more; in EXR each four channels count
                             // on their own
     char format[16];        // OpenImageIO's name to read, an ending to write
@@ -86,7 +81,7 @@ void limit_memory(std::uint64_t bytes);          // helper.cpp
 // helper_read.cpp; takes over `fd`
 void open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
                std::string &text);
-void read_rows(int y, float *to);
+void read_pixels(float *to);
 void close_file();
 
 // helper_write.cpp; `fd` stays the caller's

@@ -75,8 +75,8 @@ static void depth_by_search(void **state)
         struct gp_channel channel[NAMES];
         struct gp_frame f = frame_of(row[i].name, channel);
         int found = -2;
-        gp_status st = gp_find_depth(&kept_log, &f, NULL, row[i].colour,
-                                     &found);
+        gp_status st = gp_find_depth(&kept_log, f.path, f.channel, f.channels,
+                                     row[i].colour, &found);
         if (row[i].also) {
             assert_int_equal(st, GP_ERR_DATA);
             assert_kept(row[i].want);

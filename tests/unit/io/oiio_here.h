@@ -33,12 +33,7 @@ static inline gp_status read_stream(const char *path, const struct gp_stream *s,
     kept_clear();
     *out = (struct gp_decoded) {0};
     const struct gp_read_params p = {.max_pixels = max_pixels};
-    gp_status st = gp_read_image(&kept_log, &p, path, s, 0, out);
-    if (!st)
-        st = gp_decoded_load(&kept_log, out);
-    if (st)
-        gp_decoded_close(out);
-    return st;
+    return gp_read_image(&kept_log, &p, path, s, 0, out);
 }
 
 static inline gp_status read_bytes(const void *bytes, size_t n,

@@ -5,6 +5,7 @@
 #include "write_fixture.h"
 #include "core/bytes.h"
 #include "core/colour.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
 #include "io/picture.h"
@@ -72,15 +73,15 @@ static float ulps(float v, int n)
     return gp_float_with_bits(gp_bits_of(v) + (uint32_t) n);
 }
 
-/* Of 8 and of 16 bits. */
-static struct gp_quantizer *quantizer[2];
+/* Of 8 and of 16 bits; dithered. */
+static struct gp_quantizer quantizer[2], dither[2];
 static const int largest[2] = {255, 65535};
 
 static void check_all(int wide, const float *v, size_t n)
 {
     uint16_t *code = malloc(n * sizeof *code);
     assert_non_null(code);
-    gp_quantize(quantizer[wide], v, code, n);
+    gp_quantize(&quantizer[wide], v, 0, 0, code, n);
     for (size_t i = 0; i < n; i++) {
         if (code[i] != plain(v[i], largest[wide]))
             fail_msg("%a: code %d, plain %d", (double) v[i], code[i],
@@ -130,11 +131,12 @@ static void codes_of_single_values(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         uint16_t code, linear, dithered;
-        gp_quantize(quantizer[0], &rows[i].v, &code, 1);
-        gp_quantize_linear(quantizer[0], &rows[i].v, &linear, 1);
+        gp_quantize(&quantizer[0], &rows[i].v, 0, 0, &code, 1);
+        gp_quantize(&(struct gp_quantizer) {.max = 255}, &rows[i].v, 0, 0,
+                    &linear, 1);
         assert_int_equal(code, rows[i].code);
         assert_int_equal(linear, rows[i].linear);
-        gp_quantize_dither(quantizer[0], &rows[i].v, (int) i, 7, &dithered, 1);
+        gp_quantize(&dither[0], &rows[i].v, (int) i, 7, &dithered, 1);
         assert_in_range(dithered, code ? code - 1 : 0,
                         code < 255 ? code + 1 : 255);
         if (code == 0 && !(rows[i].v > 0.0f))
@@ -154,20 +156,20 @@ static void dither_laws(void **state)
     for (size_t k = 0; k < 2 * COUNT(value); k++) {
         static float row[W];
         static uint16_t code[W], piece[W];
-        const struct gp_quantizer *const q = quantizer[k % 2];
+        const struct gp_quantizer *const q = &dither[k % 2];
         const double want = (double) gp_srgb_encode(value[k / 2]) *
                             largest[k % 2];
         double sum = 0;
         for (int x = 0; x < W; x++)
             row[x] = value[k / 2];
         for (int y = 0; y < H; y++) {
-            gp_quantize_dither(q, row, 5, y, code, W);
+            gp_quantize(q, row, 5, y, code, W);
             for (int x = 0; x < W; x++) {
                 assert_in_range(code[x], floor(want - 0.05),
                                 floor(want + 1.05));
                 sum += code[x];
             }
-            gp_quantize_dither(q, row, 5 + 37, y, piece, W - 37);
+            gp_quantize(q, row, 5 + 37, y, piece, W - 37);
             assert_memory_equal(piece, code + 37, (W - 37) * sizeof *code);
         }
         // 65536 places of a good noise: far below one in a hundred
@@ -177,14 +179,17 @@ static void dither_laws(void **state)
 
 static int make_both(void **state)
 {
-    return gp_quantizer_make(NULL, 8, &quantizer[0]) ||
-           gp_quantizer_make(NULL, 16, &quantizer[1]);
+    for (int i = 0; i < 2; i++) {
+        assert_ok(gp_quantizer_make(NULL, 8 << i, true, false, &quantizer[i]));
+        assert_ok(gp_quantizer_make(NULL, 8 << i, true, true, &dither[i]));
+    }
+    return 0;
 }
 
 static int free_both(void **state)
 {
-    gp_quantizer_free(quantizer[0]);
-    gp_quantizer_free(quantizer[1]);
+    gp_free(quantizer[0].least);
+    gp_free(quantizer[1].least);
     return 0;
 }
 

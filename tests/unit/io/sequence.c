@@ -100,7 +100,7 @@ static void lists_of_views(void **state)
         struct gp_views v = {0};
         gp_status st = gp_views_parse(NULL, r->text, &v);
         if (!r->names) {
-            if (st != GP_ERR_USAGE || v.name || v.text)
+            if (st != GP_ERR_USAGE || v.n)
                 fail_msg("\"%s\": status %d", r->text, st);
             continue;
         }
