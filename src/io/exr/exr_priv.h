@@ -104,13 +104,8 @@ enum {
     GP_EXR_MULTIPART = 0x1000,
 };
 
-/* -- parts (decode.c) ------------------------------------------------------
- *
- * Finds the window, channels and tiles of a part, flat or deep, and the number
- * of chunks of its level 0, which the offset table in the file bounds.
- *   out  written always, without a list of chunks
- * Errors: GP_ERR_DATA damaged, more than max_pixels. */
-GP_MUST_CHECK gp_status gp_exr_part_find(const struct gp_log *log,
+/* gp_exr_chunks_find() for parts that may be deep (decode.c). */
+GP_MUST_CHECK gp_status gp_exr_chunks_any(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_chunks *out);
 
@@ -197,37 +192,22 @@ GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
 /* -- ZIP, ZIPS and RLE (zip.c) ---------------------------------------------
  *
  * Such a chunk holds all bytes at even places, then all bytes at odd places,
- * each byte as the difference to the one before, plus 128 (ImfZip.cpp). The
- * readers below interleave the halves on the way to the planes, which saves a
- * pass over memory. */
+ * each byte as the difference to the one before, plus 128 (ImfZip.cpp). */
 
 struct libdeflate_compressor;
+struct libdeflate_decompressor;
 
-/* Compresses a chunk.
- *
- *   raw      `n` bytes, even
- *   scratch  n bytes
- *   out      n bytes
- *
- * Returns the compressed size, always less than n, or 0 when the chunk does
- * not shrink and is stored as it is. */
+/* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
+ * room. Returns the compressed size, less than n, or 0 when the chunk does not
+ * shrink and is stored as it is. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
-/* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
- * give more or less. */
-bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out, size_t out_size);
-
-/* Undoes the differences in place. */
-void gp_undo_delta(uint8_t *v, size_t n);
-
-/* Bytes `even` and `odd`, n of each, one after the other into `out` (2 n). */
-void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
-                   size_t n);
-
-/* n halfs, low bytes in `even`, high bytes in `odd`, to floats. */
-void gp_split_half_to_float(const uint8_t *even, const uint8_t *odd,
-                            float *out, size_t n);
+/* Expands `size` bytes to exactly `n`, even; false when they give more or
+ * less. */
+bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
+                  const uint8_t *packed, size_t size, uint8_t *scratch,
+                  uint8_t *out, size_t n);
 
 /* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
 
