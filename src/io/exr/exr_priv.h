@@ -39,12 +39,7 @@ bool gp_exr_fault_short(void);
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
-/* -- the header's bytes (header.c) -----------------------------------------
- *
- * Listed before the library parses them. OpenEXRCore gives no attribute's bytes,
- * nor their places. */
-
-enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
+/* -- the header's bytes (header.c) ----------------------------------------- */
 
 /* An attribute; pointers go into gp_exr_index.bytes. */
 struct gp_exr_attr {
@@ -78,15 +73,14 @@ struct gp_exr_index {
  *
  *   out  written always; free with gp_exr_index_free()
  *
- * Errors: GP_ERR_DATA a value does not fit its type, and the library would not
- * see it, or there are more channels, attributes or parts than it could
- * sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA more channels, attributes or parts than the library could
+ * sort in time; GP_ERR_IO cannot read. */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Puts ? in the place of what a line cannot show. */
-void gp_exr_plain(char *text);
+/* Puts ? in the place of what a line cannot show, and returns `text`. */
+char *gp_exr_plain(char *text);
 
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
