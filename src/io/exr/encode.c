@@ -12,7 +12,6 @@
 
 #include <libdeflate.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -388,63 +387,31 @@ out:
  * OpenImageIO writes an EXR in memory with the same channels, whose chunks are
  * copied unchanged: OpenEXRCore 3.1.5 cannot make them. */
 
-/* The chunks of the only part of `from`, to part `part` of `out`. */
-static gp_status take_chunks(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, const struct gp_input *from)
+/* All samples, pixel by pixel. Errors: GP_ERR_BUG out of memory. */
+static gp_status interleave(const struct gp_log *log, const char *path,
+    const struct gp_exr_image *img, size_t step, struct gp_shared *out,
+    long long *clamped)
 {
-    const char *const path = gp_file_path(out->file);
-    struct gp_exr_chunks cs;
-    void *data = NULL;
-    gp_status st;
-    GP_TRY(gp_exr_chunks_find(out->log, path, from, 0, LLONG_MAX, &cs));
-    // the library writes another compression where it does not trust its own
-    if ((int) cs.compression != (int) img->compression)
-        GP_TRY(gp_fail(out->log, GP_ERR_BUG,
-                       "%s: OpenImageIO did not compress these channels by "
-                       "DWA; use --compression zip", path));
-    for (int i = 0; i < cs.chunks && i < out->table[part].chunks; i++) {
-        const exr_chunk_info_t *c = &cs.chunk[i];
-        GP_FREE(data);
-        GP_TRY(gp_alloc(out->log, "chunk", c->packed_size, 1, &data));
-        gp_exr_fault_clear();
-        if (exr_read_chunk(from->exr, 0, c, data))
-            GP_TRY(gp_exr_fault()
-                       ? gp_exr_fault_print(out->log, path, gp_exr_fault())
-                       : gp_fail(out->log, GP_ERR_BUG,
-                                 "%s: no DWA chunk %d", path, i));
-        GP_TRY(gp_exr_out_scanlines(out, part, i, c->start_y, data,
-                                    c->packed_size));
-    }
-out:
-    gp_free(data);
-    gp_exr_chunks_free(&cs);
-    return st;
-}
-
-/* Writes a channel's samples to every `step` bytes from `to` on; `row` and `half`
- * have room for one row. Returns how many colours were clamped. */
-static size_t interleave(const struct gp_exr_source *s, size_t w, size_t h,
-                         uint8_t *to, size_t step, float *row, uint16_t *half)
-{
-    const size_t size = gp_type_size(s->type);
-    size_t over = 0;
-    for (size_t y = 0; y < h; y++) {
-        const uint8_t *from = (const uint8_t *) s->data + y * w * size;
-        for (size_t x = 0; s->plane && x < w; x++) {
-            const float v = s->plane[y * w + x];
-            const bool large = fabsf(v) > GP_EXR_DWA_MAX;
-            row[x] = large ? copysignf(GP_EXR_DWA_MAX, v) : v;
-            over += large;
+    const size_t w = (size_t) gp_rect_w(img->data);
+    const size_t h = (size_t) gp_rect_h(img->data);
+    uint8_t *row = NULL;
+    gp_status st = gp_shared_make(log, path, w * h * step, out);
+    if (!st)
+        st = gp_alloc(log, "DWA row", w, step, &row);
+    for (size_t y = 0; y < h && !st; y++) {
+        const int at = img->data.y0 + (int) y;
+        const uint8_t *from = row;
+        uint8_t *channel = (uint8_t *) out->at + y * w * step;
+        pack_rows(img, at, at + 1, row, clamped);
+        for (int i = 0; i < img->sources; i++) {
+            const size_t size = gp_type_size(img->source[i].type);
+            for (size_t x = 0; x < w; x++, from += size)
+                memcpy(channel + x * step, from, size);
+            channel += size;
         }
-        if (s->plane && s->type == GP_HALF)
-            gp_float_to_half(row, half, w);
-        if (s->plane)
-            from = s->type == GP_HALF ? (const uint8_t *) half
-                                      : (const uint8_t *) row;
-        for (size_t x = 0; x < w; x++, to += step)
-            memcpy(to, from + x * size, size);
     }
-    return over;
+    gp_free(row);
+    return st;
 }
 
 static gp_status encode_dwa(struct gp_exr_out *out, int part,
@@ -452,46 +419,34 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
 {
     const struct gp_log *const log = out->log;
     const char *const path = gp_file_path(out->file);
-    const size_t w = (size_t) gp_rect_w(img->data);
-    const size_t h = (size_t) gp_rect_h(img->data);
     const size_t n = (size_t) img->sources;
     const int units = (int) quality; // by halves: no locale's decimal comma
     gp_status st;
     const char **names = NULL;
     int *types = NULL;
-    float *row = NULL;
-    uint16_t *half = NULL; // of the row
     struct gp_shared pixels = {0};
     struct gp_stream stream = GP_STREAM_EMPTY;
     struct gp_input *file = NULL;
+    exr_compression_t made;
     char compression[32];
-    size_t step = 0, at = 0;
+    size_t step = 0;
     snprintf(compression, sizeof compression, "%s:%d.%03d",
              img->compression == GP_COMPRESSION_DWAA ? "dwaa" : "dwab", units,
              (int) ((quality - (float) units) * 1000.0f));
+    GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
+    GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
     for (int i = 0; i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
         if (s->xs != 1 || s->ys != 1)
-            return gp_fail(log, GP_ERR_USAGE,
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
                            "%s: channel %s is subsampled, which DWA "
                            "compression does not take here; use --compression "
-                           "zip", path, s->name);
-        step += gp_type_size(s->type);
-    }
-    GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
-    GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
-    GP_TRY(gp_shared_make(log, path, w * h * step, &pixels));
-    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *row, &row));
-    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *half, &half));
-
-    for (int i = 0; i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
+                           "zip", path, s->name));
         names[i] = s->name;
         types[i] = (int) s->type;
-        stats->clamped += (long long) interleave(
-            s, w, h, (uint8_t *) pixels.at + at, step, row, half);
-        at += gp_type_size(s->type);
+        step += gp_type_size(s->type);
     }
+    GP_TRY(interleave(log, path, img, step, &pixels, &stats->clamped));
     const struct gp_decoded image = {
         .path = path, .data = img->data, .display = img->data,
         .channels = img->sources, .channel_name = names, .colour_space = "",
@@ -499,13 +454,17 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(gp_oiio_write(log, &image, types, &pixels, "exr", "half",
                          compression, &stream));
     GP_TRY(gp_exr_open(log, path, &stream, &file));
-    GP_TRY(take_chunks(out, part, img, file));
+    // it writes another compression where it does not trust its own
+    if (exr_get_compression(file->exr, 0, &made) ||
+        (int) made != (int) img->compression)
+        GP_TRY(gp_fail(log, GP_ERR_BUG,
+                       "%s: OpenImageIO did not compress these channels by "
+                       "DWA; use --compression zip", path));
+    GP_TRY(gp_exr_out_copy(out, part, path, file, 0));
 out:
     gp_input_free(file);
     gp_stream_close(&stream);
     gp_shared_free(&pixels);
-    gp_free(half);
-    gp_free(row);
     gp_free(types);
     gp_free(names);
     return st;

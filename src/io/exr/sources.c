@@ -51,15 +51,17 @@ struct fitting {
     struct gp_planes to;
     size_t pixels;
     float limit, most; // largest value, and the largest that rounds to it
+    bool dwa;          // has no Inf, and no less than -limit
     bool beyond[GP_FRAME_BANDS];
     struct gp_exr_fit band[GP_FRAME_BANDS];
 };
 
-GP_CLONES static int any_beyond(const float *v, size_t n, float most)
+GP_CLONES static int any_beyond(const float *v, size_t n, float most,
+                                float largest)
 {
     int any = 0;
     for (size_t i = 0; i < n; i++)
-        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= FLT_MAX);
+        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= largest);
     return any;
 }
 
@@ -70,7 +72,8 @@ static void find_beyond(void *ctx, int band, int thread)
     const size_t n = gp_band_start(f->pixels, band + 1) - from;
     (void) thread;
     for (int c = 0; c < 3; c++)
-        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most);
+        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most,
+                                      f->dwa ? INFINITY : FLT_MAX);
 }
 
 static void fit_band(void *ctx, int band, int thread)
@@ -94,10 +97,13 @@ static void fit_band(void *ctx, int band, int thread)
         for (int c = 0; c < 3; c++) {
             const float v = f->from->c[c][i];
             const bool scaled = over && fabsf(v) <= FLT_MAX;
-            const float to = scaled ? fminf(v * (f->limit / largest), f->limit)
-                                    : v;
-            f->to.c[c][i] = to;
+            float to = scaled ? fminf(v * (f->limit / largest), f->limit) : v;
             sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
+            if (f->dwa && fabsf(to) > f->limit) {
+                to = copysignf(f->limit, to);
+                sum->values++;
+            }
+            f->to.c[c][i] = to;
         }
     }
 }
@@ -121,6 +127,7 @@ static gp_status fit_colour(const struct gp_log *log,
         return st;
     w->from = *planes;
     w->pixels = gp_frame_pixels(f);
+    w->dwa = dwa;
     w->limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
     w->most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
     gp_parallel_do(GP_FRAME_BANDS, find_beyond, w);
