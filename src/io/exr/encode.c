@@ -121,11 +121,13 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
 
 /* -- OpenEXRCore's compressors: RLE, PIZ, PXR24, B44, B44A -------------------
  *
- * The library ties them to a file that it writes itself. Here they get a
- * context whose file goes nowhere, and give the compressed bytes back. */
+ * The library ties them to a file that it writes itself. Here each thread gives
+ * them one that goes nowhere, and takes the compressed bytes. */
 
-struct library {
-    exr_context_t ctxt;
+struct worker { // of one thread
+    uint8_t *raw, *scratch;            // of ZIP
+    struct libdeflate_compressor *zip; // of ZIP
+    exr_context_t ctxt;                // of the library
     exr_encode_pipeline_t pipe;
     bool started; // pipe is initialised
     const struct gp_exr_image *img;
@@ -156,7 +158,7 @@ static void print_nothing(exr_const_context_t ctxt, exr_result_t code,
 /* Our packing in the place of the library's; for convert_and_pack_fn. */
 static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
 {
-    struct library *l = pipe->encoding_user_data;
+    const struct worker *const w = pipe->encoding_user_data;
     size_t room = 0;
     for (int c = 0; c < pipe->channel_count; c++) {
         const exr_coding_channel_info_t *i = &pipe->channels[c];
@@ -165,47 +167,76 @@ static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
     }
     // the library's count need not be that of the file layout: 3.1.5 and odd
     // subsampling
-    if (pack_rows(l->img, l->y0, l->y1, NULL, NULL) != room)
+    if (pack_rows(w->img, w->y0, w->y1, NULL, NULL) != room)
         return EXR_ERR_INVALID_ARGUMENT;
-    pipe->packed_bytes = pack_rows(l->img, l->y0, l->y1, pipe->packed_buffer,
-                                   l->clamped);
+    pipe->packed_bytes = pack_rows(w->img, w->y0, w->y1, pipe->packed_buffer,
+                                   w->clamped);
     return EXR_ERR_SUCCESS;
 }
 
-/* Makes the pipeline ready for the chunk under way. */
-static exr_result_t library_prepare(struct library *l)
+/* Compresses the chunk under way. */
+static exr_result_t run_library(struct worker *w)
 {
-    exr_encode_pipeline_t *const pipe = &l->pipe;
+    exr_encode_pipeline_t *const pipe = &w->pipe;
     exr_chunk_info_t chunk;
-    exr_result_t r = exr_write_scanline_chunk_info(l->ctxt, 0, l->y0, &chunk);
-    if (!r && l->started)
-        return exr_encoding_update(l->ctxt, 0, &chunk, pipe);
+    exr_result_t r = exr_write_scanline_chunk_info(w->ctxt, 0, w->y0, &chunk);
     if (!r)
-        r = exr_encoding_initialize(l->ctxt, 0, &chunk, pipe);
-    if (r)
-        return r;
-    l->started = true;
-    for (int c = 0; c < pipe->channel_count; c++) {
-        // asked for by the library, not read by pack_for_library()
-        pipe->channels[c].encode_from_ptr = (const uint8_t *) l;
-        pipe->channels[c].user_pixel_stride = 4;
-        pipe->channels[c].user_line_stride = 4;
+        r = w->started ? exr_encoding_update(w->ctxt, 0, &chunk, pipe)
+                       : exr_encoding_initialize(w->ctxt, 0, &chunk, pipe);
+    if (!r && !w->started) {
+        w->started = true;
+        for (int c = 0; c < pipe->channel_count; c++) {
+            // asked for by the library, not read by pack_for_library()
+            pipe->channels[c].encode_from_ptr = (const uint8_t *) w;
+            pipe->channels[c].user_pixel_stride = 4;
+            pipe->channels[c].user_line_stride = 4;
+        }
+        r = exr_encoding_choose_default_routines(w->ctxt, 0, pipe);
+        pipe->encoding_user_data = w;
+        pipe->convert_and_pack_fn = pack_for_library;
+        pipe->yield_until_ready_fn = NULL;
+        pipe->write_fn = NULL;
     }
-    r = exr_encoding_choose_default_routines(l->ctxt, 0, pipe);
-    pipe->encoding_user_data = l;
-    pipe->convert_and_pack_fn = pack_for_library;
-    pipe->yield_until_ready_fn = NULL;
-    pipe->write_fn = NULL;
-    return r;
+    return r ? r : exr_encoding_run(w->ctxt, 0, pipe);
+}
+
+/* Opens a file that goes nowhere, with the least header that the library's
+ * compressors need. */
+static exr_result_t open_library(const struct gp_exr_image *img,
+                                 exr_context_t *ctxt)
+{
+    const struct gp_rect d = img->data;
+    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
+                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
+    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    int part;
+    init.error_handler_fn = print_nothing;
+    init.alloc_fn = gp_exr_allocate;
+    init.free_fn = free;
+    init.write_fn = write_nowhere;
+    gp_exr_fault_clear();
+    exr_result_t r =
+        exr_start_write(ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY, &init);
+    if (!r)
+        r = exr_set_longname_support(*ctxt, 1);
+    if (!r)
+        r = exr_add_part(*ctxt, "part", EXR_STORAGE_SCANLINE, &part);
+    if (!r)
+        r = exr_initialize_required_attr(*ctxt, part, &window, &window, 1.0f,
+            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+            (exr_compression_t) img->compression);
+    for (int i = 0; !r && i < img->sources; i++) {
+        const struct gp_exr_source *s = &img->source[i];
+        r = exr_add_channel(*ctxt, part, s->name, (exr_pixel_type_t) s->type,
+                            s->linear ? EXR_PERCEPTUALLY_LINEAR
+                                      : EXR_PERCEPTUALLY_LOGARITHMIC,
+                            s->xs, s->ys);
+    }
+    return r ? r : exr_write_header(*ctxt);
 }
 
 /* -- chunks in parallel --------------------------------------------------- */
-
-struct worker { // of one thread
-    uint8_t *raw, *scratch;
-    struct libdeflate_compressor *zip;
-    struct library library;
-};
 
 struct slot { // one compressed chunk of the batch
     uint8_t *bytes;
@@ -229,36 +260,33 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
 {
     struct batch *b = ctx;
     struct worker *w = &b->worker[thread];
-    struct library *l = &w->library;
     struct slot *s = &b->slot[i];
     const struct gp_rect r = b->img->data;
-    const int y0 = r.y0 + (b->first + i) * b->rows;
-    const int y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1;
     s->clamped = 0;
+    w->clamped = &s->clamped;
+    w->y0 = r.y0 + (b->first + i) * b->rows;
+    w->y1 = b->rows < r.y1 - w->y0 ? w->y0 + b->rows : r.y1;
     if (w->zip) {
-        const size_t n = pack_rows(b->img, y0, y1, w->raw, &s->clamped);
+        const size_t n = pack_rows(b->img, w->y0, w->y1, w->raw, &s->clamped);
         s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, s->bytes);
         if (s->size == 0) {
             memcpy(s->bytes, w->raw, n);
             s->size = n;
         }
-    } else if (l->ctxt) {
-        l->y0 = y0;
-        l->y1 = y1;
-        l->clamped = &s->clamped;
+    } else if (w->ctxt) {
         gp_exr_fault_clear();
-        if (library_prepare(l) || exr_encoding_run(l->ctxt, 0, &l->pipe))
+        if (run_library(w))
             return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
         // a chunk that did not shrink is stored as it is, and readers know
         // such a chunk by its size; 3.1.5 forgets that for the equal
         // size
-        const exr_encode_pipeline_t *p = &l->pipe;
+        const exr_encode_pipeline_t *p = &w->pipe;
         const bool stored = p->compressed_bytes >= p->packed_bytes;
         s->size = stored ? (size_t) p->packed_bytes : p->compressed_bytes;
         memcpy(s->bytes, stored ? p->packed_buffer : p->compressed_buffer,
                s->size);
     } else {
-        s->size = pack_rows(b->img, y0, y1, s->bytes, &s->clamped);
+        s->size = pack_rows(b->img, w->y0, w->y1, s->bytes, &s->clamped);
     }
     return GP_OK;
 }
@@ -277,51 +305,23 @@ static gp_status refused(const struct gp_log *log, const char *path,
 static gp_status start_worker(const struct gp_log *log, const char *path,
                               const struct batch *b, struct worker *w)
 {
-    const struct gp_exr_image *const img = b->img;
-    struct library *const l = &w->library;
-    gp_status st;
-    if (img->compression == GP_COMPRESSION_NONE)
-        return GP_OK;
-    if (img->compression == GP_COMPRESSION_ZIP ||
-        img->compression == GP_COMPRESSION_ZIPS) {
+    gp_status st = GP_OK;
+    w->img = b->img;
+    switch (b->img->compression) {
+    case GP_COMPRESSION_NONE:
+        break;
+    case GP_COMPRESSION_ZIP:
+    case GP_COMPRESSION_ZIPS:
         GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->raw));
         GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->scratch));
         w->zip = libdeflate_alloc_compressor(ZIP_LEVEL);
-        return w->zip ? GP_OK : gp_no_memory_bare(log, "EXR compressor");
+        if (!w->zip)
+            GP_TRY(gp_no_memory_bare(log, "EXR compressor"));
+        break;
+    default:
+        if (open_library(b->img, &w->ctxt))
+            st = refused(log, path, gp_exr_fault());
     }
-    // the least header that the library's compressors need
-    const struct gp_rect d = img->data;
-    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
-                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
-    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
-    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    int part;
-    init.error_handler_fn = print_nothing;
-    init.alloc_fn = gp_exr_allocate;
-    init.free_fn = free;
-    init.write_fn = write_nowhere;
-    l->img = img;
-    gp_exr_fault_clear();
-    exr_result_t r =
-        exr_start_write(&l->ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY, &init);
-    if (!r)
-        r = exr_set_longname_support(l->ctxt, 1);
-    if (!r)
-        r = exr_add_part(l->ctxt, "part", EXR_STORAGE_SCANLINE, &part);
-    if (!r)
-        r = exr_initialize_required_attr(l->ctxt, part, &window, &window, 1.0f,
-            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
-            (exr_compression_t) img->compression);
-    for (int i = 0; !r && i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
-        r = exr_add_channel(l->ctxt, part, s->name, (exr_pixel_type_t) s->type,
-                            s->linear ? EXR_PERCEPTUALLY_LINEAR
-                                      : EXR_PERCEPTUALLY_LOGARITHMIC,
-                            s->xs, s->ys);
-    }
-    if (!r)
-        r = exr_write_header(l->ctxt);
-    st = r ? refused(log, path, gp_exr_fault()) : GP_OK;
 out:
     return st;
 }
@@ -330,15 +330,14 @@ static void stop_batch(struct batch *b)
 {
     for (int i = 0; b->worker && i < b->workers; i++) {
         struct worker *const w = &b->worker[i];
-        struct library *const l = &w->library;
         gp_free(w->raw);
         gp_free(w->scratch);
         if (w->zip)
             libdeflate_free_compressor(w->zip);
-        if (l->started)
-            exr_encoding_destroy(l->ctxt, &l->pipe);
-        if (l->ctxt)
-            exr_finish(&l->ctxt);
+        if (w->started)
+            exr_encoding_destroy(w->ctxt, &w->pipe);
+        if (w->ctxt)
+            exr_finish(&w->ctxt);
     }
     gp_free(b->worker);
     gp_free(b->slot);
