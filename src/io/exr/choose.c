@@ -47,14 +47,17 @@ size_t gp_exr_part_layer(const struct gp_input *in, int part, const char **name)
     return before == '.' || before == '_' ? n - end - 1 : n;
 }
 
-/* Lists the views of a part with several; returns how many, 0 for other parts.
- * The first VIEWS count: real files have fewer, and a hostile one would cost
- * that many comparisons for each channel. */
+/* Lists the views of a part: its own, or several; returns how many. The first
+ * VIEWS count: real files have fewer, and a hostile one would cost that many
+ * comparisons for each channel. */
 enum { VIEWS = 64 };
 static int views_of(const struct gp_input *in, int part,
                     const char *view[VIEWS])
 {
     const exr_attribute_t *a;
+    view[0] = gp_exr_part_view(in, part);
+    if (view[0])
+        return 1;
     if (exr_get_attribute_by_name(in->exr, part, "multiView", &a) ||
         a->type != EXR_ATTR_STRING_VECTOR)
         return 0;
@@ -68,9 +71,7 @@ static int views_of(const struct gp_input *in, int part,
 /* True when the part is of that view, or has channels of it. */
 static bool has_view(const struct gp_input *in, int part, const char *wanted)
 {
-    const char *own = gp_exr_part_view(in, part), *view[VIEWS];
-    if (own)
-        return strcmp(own, wanted) == 0;
+    const char *view[VIEWS];
     for (int i = 0, n = views_of(in, part, view); i < n; i++) {
         if (strcmp(view[i], wanted) == 0)
             return true;
@@ -303,40 +304,22 @@ static int part_number(const struct gp_input *in, const char *part)
 
 /* -- messages that list what a file has ----------------------------------- */
 
-/* Names, cut after so many bytes or names. */
-enum { NAMES_BYTES = 400, NAMES_MOST = 32 };
-struct names {
-    char text[NAMES_BYTES];
-    struct {
-        size_t at, len;
-    } name[NAMES_MOST];
-    int n;
-    bool cut;
-};
+enum { NAMES = 400 }; // bytes of a list
 
-/* Adds a name that is not there yet; `number` >= 0 goes before it. */
-static void add_name(struct names *to, int number, const char *name, size_t len)
+/* Adds ", NAME" to a list that has not got it; ", ..." where it is full. */
+static void add_name(char list[NAMES], const char *name, size_t len)
 {
-    const size_t used = strlen(to->text), room = sizeof to->text - used;
-    char head[16] = "";
-    if (to->cut || len == 0)
-        return;
-    for (int i = 0; number < 0 && i < to->n; i++) {
-        if (to->name[i].len == len &&
-            strncmp(to->text + to->name[i].at, name, len) == 0)
+    char word[NAMES];
+    const size_t used = strlen(list);
+    const int n = snprintf(word, sizeof word, ", %.*s",
+                           len < 300 ? (int) len : 300, name);
+    for (const char *p = list; (p = strstr(p, word)); p += n) {
+        if (!p[n] || p[n] == ',')
             return;
     }
-    if (number >= 0)
-        snprintf(head, sizeof head, "%d ", number);
-    to->cut = to->n == NAMES_MOST || len + strlen(head) + 10 > room;
-    if (to->cut) {
-        snprintf(to->text + used, room, ", ...");
-        return;
-    }
-    snprintf(to->text + used, room, "%s%s%.*s", to->n ? ", " : "", head,
-             (int) len, name);
-    to->name[to->n].at = strlen(to->text) - len;
-    to->name[to->n++].len = len;
+    if (len > 0 && !strstr(list, ", ..."))
+        snprintf(list + used, NAMES - used, "%s",
+                 used + (size_t) n + 6 < NAMES ? word : ", ...");
 }
 
 /* True when `layer` is one of ids: CryptoObject00, CryptoObject, or one of its
@@ -370,24 +353,22 @@ static bool is_layer_of_ids(const struct search *s, const char *layer)
 static gp_status not_there(const struct search *s,
                            const struct gp_read_params *p, const char *path)
 {
-    struct names layers = {0}, parts = {0}, views = {0};
+    char layers[NAMES] = "", parts[NAMES] = "", views[NAMES] = "";
     const struct gp_input *const in = s->in;
     char what[700];
     bool known = !p->view;
     for (int part = 0; part < in->parts; part++) {
-        const char *const name = gp_exr_part_name(in, part);
-        const char *const own = gp_exr_part_view(in, part), *view[VIEWS];
+        const char *const name = gp_exr_part_name(in, part), *view[VIEWS];
         const exr_attr_chlist_t *list;
-        add_name(&parts, part, name ? name : "-", name ? strlen(name) : 1);
+        snprintf(what, sizeof what, "%d %s", part, name ? name : "-");
+        add_name(parts, what, strlen(what));
         known = known || has_view(in, part, p->view);
-        if (own)
-            add_name(&views, -1, own, strlen(own));
-        for (int i = 0, n = own ? 0 : views_of(in, part, view); i < n; i++)
-            add_name(&views, -1, view[i], strlen(view[i]));
+        for (int i = 0, n = views_of(in, part, view); i < n; i++)
+            add_name(views, view[i], strlen(view[i]));
         // the layers that hold light
         if (exr_get_channels(in->exr, part, &list))
             continue;
-        for (int i = 0; !layers.cut && i < list->num_channels; i++) {
+        for (int i = 0; i < list->num_channels; i++) {
             const char *layer = list->entries[i].name.str;
             size_t len = gp_layer_length(layer);
             const char *const letter = layer + len;
@@ -397,10 +378,10 @@ static gp_status not_there(const struct search *s,
                 (len == 0 && in->parts == 1))
                 continue;
             len = len > 0 ? len - 1 : gp_exr_part_layer(in, part, &layer);
-            add_name(&layers, -1, layer, len);
+            add_name(layers, layer, len);
         }
     }
-    const char *has_layers = layers.n ? layers.text : "none";
+    const char *const has_layers = *layers ? layers + 2 : "none";
     if (p->layer && is_layer_of_ids(s, p->layer))
         return gp_fail(s->log, GP_ERR_USAGE,
                        "%s: layer %.200s is Cryptomatte: ids are no light and "
@@ -417,8 +398,8 @@ static gp_status not_there(const struct search *s,
                  p->view ? " of view " : "", p->view ? p->view : "");
     return gp_fail(s->log, GP_ERR_USAGE,
                    "%s: has no %s (layers: %s; parts: %s; views: %s); give one "
-                   "of those", path, what, has_layers, parts.text,
-                   views.n ? views.text : "none");
+                   "of those", path, what, has_layers, parts + 2,
+                   *views ? views + 2 : "none");
 }
 
 gp_status gp_exr_choose(const struct gp_log *log,
@@ -486,7 +467,7 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
     q.view = NULL;
     gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
     if (!st && !exr_get_channels(in->exr, choice.part, &list)) {
-        const char *first = gp_exr_part_view(in, choice.part);
+        const char *first = NULL;
         for (int c = 0; c < 3 && !first; c++) {
             const int i = choice.colour.index[c];
             first = i < 0 || i >= list->num_channels ? NULL
@@ -499,11 +480,7 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
             add_view(view, &named, first);
     }
     for (int part = 0; part < in->parts; part++) {
-        const char *const own = gp_exr_part_view(in, part);
-        const int of_part = own ? 0 : views_of(in, part, inner);
-        if (own)
-            add_view(view, &named, own);
-        for (int i = 0; i < of_part; i++)
+        for (int i = 0, many = views_of(in, part, inner); i < many; i++)
             add_view(view, &named, inner[i]);
     }
     for (int i = 0; i < named && st != GP_ERR_BUG; i++) {

@@ -1,11 +1,13 @@
 /* Decodes the chunks of one part of an EXR in parallel, straight into planes.
  *
- * OpenEXRCore reads and unpacks them. Here is what 3.1.5 lacks: libdeflate for
- * ZIP, in half of zlib's time (3.2 has it), stored chunks of B44, subsampled
- * blocks (unpacked_bytes()), and DWA (right from 3.1.13 on). Its own way from
- * chunk to planes has a pass more over memory, in all versions. */
+ * OpenEXRCore finds, reads and expands them. Here is what 3.1.5 lacks:
+ * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of B44,
+ * subsampled blocks (unpacked_bytes()), and DWA (right from 3.1.13 on, see its
+ * issue 1682). Its unpacking turns halves to floats one by one where a part has
+ * other channels too, in all versions. */
 #include "io/exr/exr_priv.h"
 
+#include "core/bytes.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/half.h"
@@ -54,24 +56,25 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     const bool stored = cs->compression == EXR_COMPRESSION_NONE;
     const uint64_t most = dwa ? 64 * 1032 : 1376;
     const exr_context_t exr = cs->input->exr;
-    const int across = cs->lines ? 1 : (cs->w - 1) / cs->tile_w + 1;
+    const bool deep = gp_exr_is_deep(cs->input, cs->part);
+    const int across = (cs->w - 1) / cs->tile_w + 1;
     gp_exr_fault_clear();
     for (int i = 0; i < cs->chunks; i++) {
         exr_chunk_info_t *c = &cs->chunk[i];
         const exr_result_t r =
-            cs->lines ? exr_read_scanline_chunk_info(exr, cs->part,
-                            cs->y0 + i * cs->lines, c)
-                      : exr_read_tile_chunk_info(exr, cs->part, i % across,
-                            i / across, 0, 0, c);
+            cs->tiled ? exr_read_tile_chunk_info(exr, cs->part, i % across,
+                                                 i / across, 0, 0, c)
+                      : exr_read_scanline_chunk_info(exr, cs->part,
+                                                     cs->y0 + i * cs->tile_h, c);
         const char *wrong = r ? exr_get_default_error_message(r) : NULL;
         uint64_t bytes = 0;
-        if (!wrong && (!unpacked_bytes(cs, c, &bytes) ||
-                       bytes != c->unpacked_size))
+        if (!wrong && !deep && (!unpacked_bytes(cs, c, &bytes) ||
+                                bytes != c->unpacked_size))
             return gp_fail(log, GP_ERR_DATA,
                            "%s: a chunk is no whole number of the channels' "
                            "subsampling steps (chunk %d); write the file "
                            "without subsampling", cs->path, i + 1);
-        if (!wrong && stored && c->packed_size != bytes)
+        if (!wrong && !deep && stored && c->packed_size != bytes)
             wrong = "its size is wrong";
         else if (!wrong && bytes > (c->packed_size + 64) * most)
             wrong = "it is too small for its pixels";
@@ -87,60 +90,60 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     return GP_OK;
 }
 
-gp_status gp_exr_part_find(const struct gp_log *log, const char *path,
-                           const struct gp_input *in, int part,
-                           long long max_pixels, struct gp_exr_chunks *out)
+gp_status gp_exr_chunks_any(const struct gp_log *log, const char *path,
+                            const struct gp_input *in, int part,
+                            long long max_pixels, struct gp_exr_chunks *out)
 {
     const exr_context_t exr = in->exr;
+    exr_storage_t storage;
     gp_status st;
     exr_attr_box2i_t d;
     *out = (struct gp_exr_chunks) {.input = in, .path = path, .part = part};
-    if (exr_get_storage(exr, part, &out->storage) ||
+    if (exr_get_storage(exr, part, &storage) ||
         exr_get_compression(exr, part, &out->compression) ||
-        exr_get_channels(exr, part, &out->channel))
+        exr_get_channels(exr, part, &out->channel) ||
+        exr_get_data_window(exr, part, &d))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR header is damaged (part %d lacks "
+                       "%s: the EXR header is damaged (part %d lacks window, "
                        "channels, compression or type); render the file again",
                        path, part);
-    if (exr_get_data_window(exr, part, &d))
-        return gp_fail(log, GP_ERR_DATA,
-            "%s: has no data window; render the file again", path);
     const int64_t w = (int64_t) d.max.x - d.min.x + 1;
     const int64_t h = (int64_t) d.max.y - d.min.y + 1;
     GP_TRY(gp_window_check(log, path, "data", w, h, max_pixels));
     out->x0 = d.min.x;
     out->y0 = d.min.y;
-    out->w = (int) w;
+    out->w = out->tile_w = (int) w;
     out->h = (int) h;
 
     // the number of chunks of level 0, which come first in the table; each has
     // 8 bytes there, so the file bounds the list
     const uint64_t size = in->stream.size;
     const int all = in->index->part[part].chunks;
+    uint32_t tw, th;
     int64_t n = 0;
-    if (out->storage == EXR_STORAGE_TILED ||
-        out->storage == EXR_STORAGE_DEEP_TILED) {
-        exr_tile_level_mode_t mode;
-        exr_tile_round_mode_t round;
-        uint32_t tw = 0, th = 0;
-        if (!exr_get_tile_descriptor(exr, part, &tw, &th, &mode, &round) &&
-            tw > 0 && th > 0 && tw < INT_MAX && th < INT_MAX)
-            n = ((w + tw - 1) / tw) * ((h + th - 1) / th);
+    exr_tile_level_mode_t mode;
+    exr_tile_round_mode_t round;
+    out->tiled = storage == EXR_STORAGE_TILED ||
+                 storage == EXR_STORAGE_DEEP_TILED;
+    if (!out->tiled) {
+        if (exr_get_scanlines_per_chunk(exr, part, &out->tile_h))
+            out->tile_h = 0;
+    } else if (!exr_get_tile_descriptor(exr, part, &tw, &th, &mode, &round) &&
+               tw < INT_MAX && th < INT_MAX) {
         out->tile_w = (int) tw;
         out->tile_h = (int) th;
-    } else {
-        int32_t lines = 0;
-        if (!exr_get_scanlines_per_chunk(exr, part, &lines) && lines > 0) {
-            n = (h + lines - 1) / lines;
-            out->lines = lines;
-        }
     }
+    if (out->tile_w > 0 && out->tile_h > 0)
+        n = ((w - 1) / out->tile_w + 1) * ((h - 1) / out->tile_h + 1);
     if (n < 1 || n > all || (uint64_t) n > size / 8)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: truncated or damaged (%d chunks in a file of %llu "
                        "bytes, %lld needed); copy or render the file again",
                        path, all, (unsigned long long) size, (long long) n);
     out->chunks = (int) n;
+    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
+                         &out->chunk));
+    GP_TRY(read_chunks(log, out));
 out:
     return st;
 }
@@ -150,18 +153,12 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
     exr_storage_t storage; // where there is none, the part is not known as deep
-    gp_status st;
     *out = (struct gp_exr_chunks) {.input = in};
     if (!exr_get_storage(in->exr, part, &storage) && gp_exr_is_deep(in, part))
         return gp_fail(log, GP_ERR_DATA,
             "%s: deep data has no single colour per pixel (part "
             "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
-    GP_TRY(gp_exr_part_find(log, path, in, part, max_pixels, out));
-    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) out->chunks,
-                         sizeof *out->chunk, &out->chunk));
-    GP_TRY(read_chunks(log, out));
-out:
-    return st;
+    return gp_exr_chunks_any(log, path, in, part, max_pixels, out);
 }
 
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
@@ -178,10 +175,8 @@ struct worker {
     const struct gp_exr_sink *sink;
     exr_decode_pipeline_t pipe;
     exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
-    struct libdeflate_decompressor *inflate;
-    uint8_t *split;  // chunks->largest bytes
-    bool is_split;   // the chunk at hand is in `split`
-    bool is_stored;  // ... or is in the file as it is
+    struct libdeflate_decompressor *inflate; // of ZIP and RLE
+    uint8_t *scratch; // chunks->largest bytes, of ZIP and RLE
     bool ready;
 };
 
@@ -191,17 +186,11 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     const struct worker *w = pipe->decoding_user_data;
     const struct gp_exr_chunks *cs = w->chunks;
     const exr_chunk_info_t *c = &pipe->chunk;
-    const int x0 = cs->tile_w ? c->start_x * cs->tile_w : 0;
-    const int y0 = cs->tile_w ? c->start_y * cs->tile_h : c->start_y - cs->y0;
-    // either in order, or split by even and odd places
-    const uint8_t *bytes = w->is_split    ? w->split
-                           : w->is_stored ? pipe->packed_buffer
-                                          : pipe->unpacked_buffer;
-    if (!bytes)
+    const int x0 = cs->tiled ? c->start_x * cs->tile_w : 0;
+    const int y0 = cs->tiled ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    const uint8_t *from = pipe->unpacked_buffer;
+    if (!from)
         return EXR_ERR_CORRUPT_CHUNK;
-    const uint8_t *const odd =
-        w->is_split ? bytes + (c->unpacked_size + 1) / 2 : NULL;
-    size_t at = 0; // of a row of one channel in the chunk: always even
     for (int y = y0; y < y0 + c->height; y++) {
         for (int i = 0; i < cs->channel->num_channels; i++) {
             const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
@@ -213,71 +202,48 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
             const size_t width = (size_t) (cs->w / e->x_sampling);
             const size_t index = (size_t) (y / e->y_sampling) * width +
                                  (size_t) (x0 / e->x_sampling);
-            const size_t from = at, size = half ? 2 : 4;
-            at += n * size;
+            const size_t size = half ? 2 : 4;
+            const void *const row = from;
+            from += n * size;
             if (!s->to)
                 continue;
             void *const to =
                 (uint8_t *) s->to + index * (s->as_float ? 4 : size);
-            if (odd && half && s->as_float)
-                gp_split_half_to_float(bytes + from / 2, odd + from / 2, to, n);
-            else if (odd)
-                gp_interleave(bytes + from / 2, odd + from / 2, to,
-                              n * size / 2);
-            else if (half && s->as_float)
-                gp_half_to_float((const uint16_t *) (const void *) (bytes +
-                                                                    from),
-                                 to, n);
+            if (half && s->as_float)
+                gp_half_to_float(row, to, n);
             else
-                memcpy(to, bytes + from, n * size);
+                memcpy(to, row, n * size);
             const bool number = e->pixel_type == EXR_PIXEL_UINT && s->as_float;
-            for (size_t k = 0; number && k < n; k++) {
-                float *const v = (float *) to + k;
-                uint32_t u;
-                memcpy(&u, v, sizeof u);
-                *v = (float) u;
-            }
+            for (size_t k = 0; number && k < n; k++)
+                ((float *) to)[k] = (float) ((const uint32_t *) row)[k];
         }
     }
     return EXR_ERR_SUCCESS;
 }
 
 /* Replaces the library's zlib and run lengths. Leaves what does not decode here
- * to the library, so that odd files give the same. */
+ * to the library, so that odd files give the same. Chunks that B44 would have
+ * made larger are stored (tiny windows): OpenEXR's C++ library writes and reads
+ * such chunks; OpenEXRCore 3.1.5 decodes them as compressed ones. */
 static exr_result_t decompress(exr_decode_pipeline_t *pipe)
 {
-    struct worker *w = pipe->decoding_user_data;
-    const exr_chunk_info_t *c = &pipe->chunk;
-    size_t in = c->packed_size, out = c->unpacked_size;
-    if (in == out) // stored
-        return w->library_decompress(pipe);
-    if (w->chunks->compression == EXR_COMPRESSION_RLE)
-        w->is_split = gp_unrle(pipe->packed_buffer, in, w->split, out);
-    else // without a place for the size, another one than `out` is a failure
-        w->is_split = !libdeflate_zlib_decompress(
-            w->inflate, pipe->packed_buffer, in, w->split, out, NULL);
-    if (!w->is_split)
-        return w->library_decompress(pipe);
-    gp_undo_delta(w->split, out);
-    return EXR_ERR_SUCCESS;
-}
-
-/* Chunks that B44 would have made larger are stored (tiny windows). OpenEXR's
- * C++ library writes and reads such chunks; OpenEXRCore 3.1.5 decodes them as
- * compressed ones. */
-static exr_result_t decompress_b44(exr_decode_pipeline_t *pipe)
-{
-    struct worker *w = pipe->decoding_user_data;
-    w->is_stored = pipe->chunk.packed_size == pipe->chunk.unpacked_size;
-    return w->is_stored ? EXR_ERR_SUCCESS : w->library_decompress(pipe);
+    const struct worker *w = pipe->decoding_user_data;
+    const exr_compression_t how = w->chunks->compression;
+    const size_t in = pipe->chunk.packed_size, out = pipe->chunk.unpacked_size;
+    if (in == out && how >= EXR_COMPRESSION_B44) // both are one buffer
+        return EXR_ERR_SUCCESS;
+    if (in != out && w->inflate &&
+        gp_exr_unzip(w->inflate, how == EXR_COMPRESSION_RLE,
+                     pipe->packed_buffer, in, w->scratch, pipe->unpacked_buffer,
+                     out))
+        return EXR_ERR_SUCCESS;
+    return w->library_decompress(pipe);
 }
 
 static exr_result_t run_chunk(struct worker *w, int index)
 {
     const struct gp_exr_chunks *cs = w->chunks;
     const exr_context_t exr = cs->input->exr;
-    w->is_split = false;
-    w->is_stored = false;
     if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
         return EXR_ERR_SUCCESS;
     exr_result_t r =
@@ -312,16 +278,13 @@ static gp_status open_worker(const struct gp_log *log,
     w->pipe.decoding_user_data = w;
     w->pipe.unpack_and_convert_fn = unpack_chunk;
     w->library_decompress = w->pipe.decompress_fn;
-    if (cs->compression == EXR_COMPRESSION_B44 ||
-        cs->compression == EXR_COMPRESSION_B44A)
-        w->pipe.decompress_fn = decompress_b44;
-    if (cs->compression != EXR_COMPRESSION_ZIP &&
-        cs->compression != EXR_COMPRESSION_ZIPS &&
-        cs->compression != EXR_COMPRESSION_RLE)
+    if (cs->compression == EXR_COMPRESSION_NONE)
         return GP_OK;
     w->pipe.decompress_fn = decompress;
+    if (cs->compression > EXR_COMPRESSION_ZIP)
+        return GP_OK;
     w->inflate = libdeflate_alloc_decompressor();
-    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &w->split);
+    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &w->scratch);
     return st || w->inflate ? st : gp_no_memory(log, cs->path);
 }
 
@@ -331,11 +294,10 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
     const struct gp_stream *s = &cs->input->stream;
-    const int channels = cs->channel->num_channels;
-    const size_t w = (size_t) cs->w, h = (size_t) cs->h;
+    const size_t n = (size_t) cs->w * (size_t) cs->h;
     struct gp_decoded image = {0};
-    float *row = NULL;
-    for (int i = 0; i < channels; i++) {
+    gp_status st;
+    for (int i = 0; i < cs->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         if (e->x_sampling != 1 || e->y_sampling != 1)
             return gp_fail(log, GP_ERR_DATA,
@@ -343,48 +305,33 @@ static gp_status decode_by_oiio(const struct gp_log *log,
                            "which glarepp cannot decode; write the file with "
                            "another compression", cs->path, e->name.str);
     }
-    gp_status st = gp_oiio_open(log, cs->path, s, "openexr", cs->part,
-                                (long long) cs->w * cs->h, &image);
-    if (st)
-        return st;
-    const int wide = gp_rect_w(image.data), high = gp_rect_h(image.data);
-    if (wide != cs->w || high != cs->h)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-               "%s: OpenImageIO found %d x %d pixels (%d x %d in the header); "
-               "render the file again", cs->path, wide, high, cs->w, cs->h));
-
-    // its channels may be in another order
+    GP_TRY(gp_oiio_open(log, cs->path, s, "openexr", cs->part, (long long) n,
+                        &image));
     const size_t step = (size_t) image.channels;
-    GP_TRY(gp_alloc(log, "row", w, sizeof *row, &row));
-    for (int i = 0; i < channels; i++) {
+    for (int i = 0; i < cs->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
-        const bool number = e->pixel_type == EXR_PIXEL_UINT && sink[i].as_float;
         void *const to = sink[i].to;
-        int from = 0;
+        int from = 0; // its channels may be in another order
         while (from < image.channels &&
                strcmp(image.channel_name[from], e->name.str) != 0)
             from++;
-        if (!to)
-            continue;
-        if (from == image.channels)
+        if (from == image.channels || gp_rect_w(image.data) != cs->w ||
+            gp_rect_h(image.data) != cs->h)
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                   "%s: OpenImageIO did not find channel %s; write the file "
-                   "with zip compression", cs->path, e->name.str));
-        for (size_t y = 0, at = 0; y < h; y++, at += w) {
-            const float *p = image.pixels + at * step + (size_t) from;
-            for (size_t x = 0; x < w; x++) {
-                uint32_t u;
-                memcpy(&u, &p[x * step], sizeof u);
-                row[x] = number ? (float) u : p[x * step];
-            }
+                           "%s: OpenImageIO found another window, or no channel "
+                           "%s; write the file with another compression",
+                           cs->path, e->name.str));
+        const float *p = image.pixels + from;
+        for (size_t k = 0; to && k < n; k++, p += step) {
             if (e->pixel_type == EXR_PIXEL_HALF && !sink[i].as_float)
-                (void) gp_float_to_half(row, (uint16_t *) to + at, w);
+                (void) gp_float_to_half(p, (uint16_t *) to + k, 1);
+            else if (e->pixel_type == EXR_PIXEL_UINT && sink[i].as_float)
+                ((float *) to)[k] = (float) gp_bits_of(*p);
             else
-                memcpy((float *) to + at, row, w * sizeof *row);
+                memcpy((float *) to + k, p, sizeof *p);
         }
     }
 out:
-    gp_free(row);
     gp_decoded_close(&image);
     return st;
 }
@@ -401,35 +348,27 @@ static gp_status decode_body(void *ctx, int index, int thread)
 }
 
 /* Decodes the failed chunk again to learn why; it fails again when the file is
- * to blame. Leaves DWA, which OpenEXRCore 3.1.5 lacks, to OpenImageIO. */
+ * to blame. */
 static gp_status explain(const struct gp_log *log, struct worker *w, int index,
                          gp_status st)
 {
-    enum { ZLIB_BYTES = 1 << 16 };
     const struct gp_exr_chunks *cs = w->chunks;
     const exr_chunk_info_t *c = &cs->chunk[index];
     char place[64];
-    void *p = NULL;
     if (st != GP_ERR_DATA)
         return gp_exr_fault_print(log, cs->path, st);
     gp_exr_fault_clear();
     exr_result_t r = run_chunk(w, index);
+    const bool cut = gp_exr_fault_short();
     if (gp_exr_fault())
         return gp_exr_fault_print(log, cs->path, gp_exr_fault());
-    if (r == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
-        return decode_by_oiio(log, cs, w->sink);
-    const bool cut = gp_exr_fault_short();
-    // zlib takes its memory without the library's knowledge, which says the
-    // same of a full one and of blocks that end early
-    const bool full = r == EXR_ERR_OUT_OF_MEMORY &&
-                      gp_alloc(NULL, cs->path, ZLIB_BYTES, 1, &p);
-    gp_free(p);
-    if ((!r && !cut) || full)
+    if (!r && !cut)
         return gp_no_memory(log, cs->path);
-    if (cs->tile_w)
+    if (cs->tiled)
         snprintf(place, sizeof place, "tile %d,%d", c->start_x, c->start_y);
     else
         snprintf(place, sizeof place, "line %d", c->start_y);
+    // the library says of zlib's blocks that end early that memory is full
     return gp_fail(log, GP_ERR_DATA,
                    "%s: the pixels are damaged at %s (%s); copy or render the "
                    "file again", cs->path, place,
@@ -445,6 +384,8 @@ gp_status gp_exr_decode(const struct gp_log *log,
     const int team = gp_threads() < cs->chunks ? gp_threads() : cs->chunks;
     struct worker *worker;
     int failed;
+    if (cs->compression > EXR_COMPRESSION_B44A)
+        return decode_by_oiio(log, cs, sink);
     gp_status st = gp_alloc_zero(log, "decoders", (size_t) team,
                                  sizeof *worker, &worker);
     if (st)
@@ -460,7 +401,7 @@ out:
             (void) exr_decoding_destroy(cs->input->exr, &worker[i].pipe);
         if (worker[i].inflate)
             libdeflate_free_decompressor(worker[i].inflate);
-        gp_free(worker[i].split);
+        gp_free(worker[i].scratch);
     }
     gp_free(worker);
     return st;

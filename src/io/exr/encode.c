@@ -12,7 +12,6 @@
 
 #include <libdeflate.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,20 +21,10 @@
 enum { CHUNKS_A_THREAD = 16 };
 static const size_t batch_bytes = (size_t) 64 << 20;
 
-/* libdeflate's level against zlib's level 4, which is what OpenEXR writes.
- * CPU milliseconds and megabytes of only the deflate step, 16-line chunks:
- *
- *                       1920x1080 half     960x540 half       960x540 float
- *                       light sources      rendered night     rendered night
- *   zlib 4              202 ms  2.43 MB    126 ms  1.97 MB    184 ms  3.38 MB
- *   libdeflate 1         93 ms  2.55 MB     45 ms  2.01 MB     47 ms  3.40 MB
- *   libdeflate 2        133 ms  2.45 MB     67 ms  1.90 MB     73 ms  3.32 MB
- *   libdeflate 4        164 ms  2.36 MB     69 ms  1.90 MB     83 ms  3.28 MB
- *   libdeflate 6        304 ms  2.22 MB     83 ms  1.88 MB    127 ms  3.28 MB
- *   libdeflate 9       1263 ms  2.14 MB     89 ms  1.88 MB    250 ms  3.27 MB
- *
- * Level 2 is the fastest whose files are as small as OpenEXR's: within 2 %
- * on these and on files of 4 to 56 channels. */
+/* Of libdeflate's levels the fastest whose files are as small as those of zlib's
+ * level 4, which OpenEXR writes: within 2 % on rendered nights of half and
+ * float and on files of 4 to 56 channels, in 0.4 to 0.65 of its time. Level 1
+ * takes 0.25 to 0.45, and 2 to 5 % more bytes. */
 enum { ZIP_LEVEL = 2 };
 
 static int chunk_rows(enum gp_compression compression)
@@ -122,11 +111,13 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
 
 /* -- OpenEXRCore's compressors: RLE, PIZ, PXR24, B44, B44A -------------------
  *
- * The library ties them to a file that it writes itself. Here they get a
- * context whose file goes nowhere, and give the compressed bytes back. */
+ * The library ties them to a file that it writes itself. Here each thread gives
+ * them one that goes nowhere, and takes the compressed bytes. */
 
-struct library {
-    exr_context_t ctxt;
+struct worker { // of one thread
+    uint8_t *raw, *scratch;            // of ZIP
+    struct libdeflate_compressor *zip; // of ZIP
+    exr_context_t ctxt;                // of the library
     exr_encode_pipeline_t pipe;
     bool started; // pipe is initialised
     const struct gp_exr_image *img;
@@ -157,7 +148,7 @@ static void print_nothing(exr_const_context_t ctxt, exr_result_t code,
 /* Our packing in the place of the library's; for convert_and_pack_fn. */
 static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
 {
-    struct library *l = pipe->encoding_user_data;
+    const struct worker *const w = pipe->encoding_user_data;
     size_t room = 0;
     for (int c = 0; c < pipe->channel_count; c++) {
         const exr_coding_channel_info_t *i = &pipe->channels[c];
@@ -166,50 +157,78 @@ static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
     }
     // the library's count need not be that of the file layout: 3.1.5 and odd
     // subsampling
-    if (pack_rows(l->img, l->y0, l->y1, NULL, NULL) != room)
+    if (pack_rows(w->img, w->y0, w->y1, NULL, NULL) != room)
         return EXR_ERR_INVALID_ARGUMENT;
-    pipe->packed_bytes = pack_rows(l->img, l->y0, l->y1, pipe->packed_buffer,
-                                   l->clamped);
+    pipe->packed_bytes = pack_rows(w->img, w->y0, w->y1, pipe->packed_buffer,
+                                   w->clamped);
     return EXR_ERR_SUCCESS;
 }
 
-/* Makes the pipeline ready for the chunk under way. */
-static exr_result_t library_prepare(struct library *l)
+/* Compresses the chunk under way. */
+static exr_result_t run_library(struct worker *w)
 {
-    exr_encode_pipeline_t *const pipe = &l->pipe;
+    exr_encode_pipeline_t *const pipe = &w->pipe;
     exr_chunk_info_t chunk;
-    exr_result_t r = exr_write_scanline_chunk_info(l->ctxt, 0, l->y0, &chunk);
-    if (!r && l->started)
-        return exr_encoding_update(l->ctxt, 0, &chunk, pipe);
+    exr_result_t r = exr_write_scanline_chunk_info(w->ctxt, 0, w->y0, &chunk);
     if (!r)
-        r = exr_encoding_initialize(l->ctxt, 0, &chunk, pipe);
-    if (r)
-        return r;
-    l->started = true;
-    for (int c = 0; c < pipe->channel_count; c++) {
-        // asked for by the library, not read by pack_for_library()
-        pipe->channels[c].encode_from_ptr = (const uint8_t *) l;
-        pipe->channels[c].user_pixel_stride = 4;
-        pipe->channels[c].user_line_stride = 4;
+        r = w->started ? exr_encoding_update(w->ctxt, 0, &chunk, pipe)
+                       : exr_encoding_initialize(w->ctxt, 0, &chunk, pipe);
+    if (!r && !w->started) {
+        w->started = true;
+        for (int c = 0; c < pipe->channel_count; c++) {
+            // asked for by the library, not read by pack_for_library()
+            pipe->channels[c].encode_from_ptr = (const uint8_t *) w;
+            pipe->channels[c].user_pixel_stride = 4;
+            pipe->channels[c].user_line_stride = 4;
+        }
+        r = exr_encoding_choose_default_routines(w->ctxt, 0, pipe);
+        pipe->encoding_user_data = w;
+        pipe->convert_and_pack_fn = pack_for_library;
+        pipe->yield_until_ready_fn = NULL;
+        pipe->write_fn = NULL;
     }
-    r = exr_encoding_choose_default_routines(l->ctxt, 0, pipe);
-    pipe->encoding_user_data = l;
-    pipe->convert_and_pack_fn = pack_for_library;
-    pipe->yield_until_ready_fn = NULL;
-    pipe->write_fn = NULL;
-    return r;
+    return r ? r : exr_encoding_run(w->ctxt, 0, pipe);
+}
+
+/* Opens a file that goes nowhere, with the least header that the library's
+ * compressors need. */
+static exr_result_t open_library(const struct gp_exr_image *img,
+                                 exr_context_t *ctxt)
+{
+    const struct gp_rect d = img->data;
+    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
+                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
+    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    int part;
+    init.error_handler_fn = print_nothing;
+    init.alloc_fn = gp_exr_allocate;
+    init.free_fn = free;
+    init.write_fn = write_nowhere;
+    gp_exr_fault_clear();
+    exr_result_t r =
+        exr_start_write(ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY, &init);
+    if (!r)
+        r = exr_set_longname_support(*ctxt, 1);
+    if (!r)
+        r = exr_add_part(*ctxt, "part", EXR_STORAGE_SCANLINE, &part);
+    if (!r)
+        r = exr_initialize_required_attr(*ctxt, part, &window, &window, 1.0f,
+            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+            (exr_compression_t) img->compression);
+    for (int i = 0; !r && i < img->sources; i++) {
+        const struct gp_exr_source *s = &img->source[i];
+        r = exr_add_channel(*ctxt, part, s->name, (exr_pixel_type_t) s->type,
+                            s->linear ? EXR_PERCEPTUALLY_LINEAR
+                                      : EXR_PERCEPTUALLY_LOGARITHMIC,
+                            s->xs, s->ys);
+    }
+    return r ? r : exr_write_header(*ctxt);
 }
 
 /* -- chunks in parallel --------------------------------------------------- */
 
-struct worker { // of one thread
-    uint8_t *raw, *scratch;
-    struct libdeflate_compressor *zip;
-    struct library library;
-};
-
 struct slot { // one compressed chunk of the batch
-    uint8_t *bytes;
     size_t size;
     long long clamped;
 };
@@ -221,7 +240,7 @@ struct batch {
     struct worker *worker;
     int workers;
     struct slot *slot;
-    uint8_t *bytes;     // of all slots
+    uint8_t *bytes;     // chunk_bytes for each slot
     int slots;
     int first;          // chunk of slot 0
 };
@@ -230,36 +249,34 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
 {
     struct batch *b = ctx;
     struct worker *w = &b->worker[thread];
-    struct library *l = &w->library;
     struct slot *s = &b->slot[i];
+    uint8_t *const to = b->bytes + (size_t) i * b->chunk_bytes;
     const struct gp_rect r = b->img->data;
-    const int y0 = r.y0 + (b->first + i) * b->rows;
-    const int y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1;
     s->clamped = 0;
+    w->clamped = &s->clamped;
+    w->y0 = r.y0 + (b->first + i) * b->rows;
+    w->y1 = b->rows < r.y1 - w->y0 ? w->y0 + b->rows : r.y1;
     if (w->zip) {
-        const size_t n = pack_rows(b->img, y0, y1, w->raw, &s->clamped);
-        s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, s->bytes);
+        const size_t n = pack_rows(b->img, w->y0, w->y1, w->raw, &s->clamped);
+        s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, to);
         if (s->size == 0) {
-            memcpy(s->bytes, w->raw, n);
+            memcpy(to, w->raw, n);
             s->size = n;
         }
-    } else if (l->ctxt) {
-        l->y0 = y0;
-        l->y1 = y1;
-        l->clamped = &s->clamped;
+    } else if (w->ctxt) {
         gp_exr_fault_clear();
-        if (library_prepare(l) || exr_encoding_run(l->ctxt, 0, &l->pipe))
+        if (run_library(w))
             return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
         // a chunk that did not shrink is stored as it is, and readers know
         // such a chunk by its size; 3.1.5 forgets that for the equal
         // size
-        const exr_encode_pipeline_t *p = &l->pipe;
+        const exr_encode_pipeline_t *p = &w->pipe;
         const bool stored = p->compressed_bytes >= p->packed_bytes;
         s->size = stored ? (size_t) p->packed_bytes : p->compressed_bytes;
-        memcpy(s->bytes, stored ? p->packed_buffer : p->compressed_buffer,
+        memcpy(to, stored ? p->packed_buffer : p->compressed_buffer,
                s->size);
     } else {
-        s->size = pack_rows(b->img, y0, y1, s->bytes, &s->clamped);
+        s->size = pack_rows(b->img, w->y0, w->y1, to, &s->clamped);
     }
     return GP_OK;
 }
@@ -278,51 +295,23 @@ static gp_status refused(const struct gp_log *log, const char *path,
 static gp_status start_worker(const struct gp_log *log, const char *path,
                               const struct batch *b, struct worker *w)
 {
-    const struct gp_exr_image *const img = b->img;
-    struct library *const l = &w->library;
-    gp_status st;
-    if (img->compression == GP_COMPRESSION_NONE)
-        return GP_OK;
-    if (img->compression == GP_COMPRESSION_ZIP ||
-        img->compression == GP_COMPRESSION_ZIPS) {
+    gp_status st = GP_OK;
+    w->img = b->img;
+    switch (b->img->compression) {
+    case GP_COMPRESSION_NONE:
+        break;
+    case GP_COMPRESSION_ZIP:
+    case GP_COMPRESSION_ZIPS:
         GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->raw));
         GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->scratch));
         w->zip = libdeflate_alloc_compressor(ZIP_LEVEL);
-        return w->zip ? GP_OK : gp_no_memory_bare(log, "EXR compressor");
+        if (!w->zip)
+            GP_TRY(gp_no_memory_bare(log, "EXR compressor"));
+        break;
+    default:
+        if (open_library(b->img, &w->ctxt))
+            st = refused(log, path, gp_exr_fault());
     }
-    // the least header that the library's compressors need
-    const struct gp_rect d = img->data;
-    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
-                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
-    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
-    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    int part;
-    init.error_handler_fn = print_nothing;
-    init.alloc_fn = gp_exr_allocate;
-    init.free_fn = free;
-    init.write_fn = write_nowhere;
-    l->img = img;
-    gp_exr_fault_clear();
-    exr_result_t r =
-        exr_start_write(&l->ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY, &init);
-    if (!r)
-        r = exr_set_longname_support(l->ctxt, 1);
-    if (!r)
-        r = exr_add_part(l->ctxt, "part", EXR_STORAGE_SCANLINE, &part);
-    if (!r)
-        r = exr_initialize_required_attr(l->ctxt, part, &window, &window, 1.0f,
-            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
-            (exr_compression_t) img->compression);
-    for (int i = 0; !r && i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
-        r = exr_add_channel(l->ctxt, part, s->name, (exr_pixel_type_t) s->type,
-                            s->linear ? EXR_PERCEPTUALLY_LINEAR
-                                      : EXR_PERCEPTUALLY_LOGARITHMIC,
-                            s->xs, s->ys);
-    }
-    if (!r)
-        r = exr_write_header(l->ctxt);
-    st = r ? refused(log, path, gp_exr_fault()) : GP_OK;
 out:
     return st;
 }
@@ -331,15 +320,14 @@ static void stop_batch(struct batch *b)
 {
     for (int i = 0; b->worker && i < b->workers; i++) {
         struct worker *const w = &b->worker[i];
-        struct library *const l = &w->library;
         gp_free(w->raw);
         gp_free(w->scratch);
         if (w->zip)
             libdeflate_free_compressor(w->zip);
-        if (l->started)
-            exr_encoding_destroy(l->ctxt, &l->pipe);
-        if (l->ctxt)
-            exr_finish(&l->ctxt);
+        if (w->started)
+            exr_encoding_destroy(w->ctxt, &w->pipe);
+        if (w->ctxt)
+            exr_finish(&w->ctxt);
     }
     gp_free(b->worker);
     gp_free(b->slot);
@@ -375,8 +363,6 @@ static gp_status start_batch(const struct gp_log *log, const char *path,
                          &b->slot));
     GP_TRY(gp_alloc(log, "EXR chunks", (size_t) b->slots, b->chunk_bytes,
                     &b->bytes));
-    for (int i = 0; i < b->slots; i++)
-        b->slot[i].bytes = b->bytes + (size_t) i * b->chunk_bytes;
     for (int i = 0; i < b->workers; i++)
         GP_TRY(start_worker(log, path, b, &b->worker[i]));
 out:
@@ -388,63 +374,31 @@ out:
  * OpenImageIO writes an EXR in memory with the same channels, whose chunks are
  * copied unchanged: OpenEXRCore 3.1.5 cannot make them. */
 
-/* The chunks of the only part of `from`, to part `part` of `out`. */
-static gp_status take_chunks(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, const struct gp_input *from)
+/* All samples, pixel by pixel. Errors: GP_ERR_BUG out of memory. */
+static gp_status interleave(const struct gp_log *log, const char *path,
+    const struct gp_exr_image *img, size_t step, struct gp_shared *out,
+    long long *clamped)
 {
-    const char *const path = gp_file_path(out->file);
-    struct gp_exr_chunks cs;
-    void *data = NULL;
-    gp_status st;
-    GP_TRY(gp_exr_chunks_find(out->log, path, from, 0, LLONG_MAX, &cs));
-    // the library writes another compression where it does not trust its own
-    if ((int) cs.compression != (int) img->compression)
-        GP_TRY(gp_fail(out->log, GP_ERR_BUG,
-                       "%s: OpenImageIO did not compress these channels by "
-                       "DWA; use --compression zip", path));
-    for (int i = 0; i < cs.chunks && i < out->table[part].chunks; i++) {
-        const exr_chunk_info_t *c = &cs.chunk[i];
-        GP_FREE(data);
-        GP_TRY(gp_alloc(out->log, "chunk", c->packed_size, 1, &data));
-        gp_exr_fault_clear();
-        if (exr_read_chunk(from->exr, 0, c, data))
-            GP_TRY(gp_exr_fault()
-                       ? gp_exr_fault_print(out->log, path, gp_exr_fault())
-                       : gp_fail(out->log, GP_ERR_BUG,
-                                 "%s: no DWA chunk %d", path, i));
-        GP_TRY(gp_exr_out_scanlines(out, part, i, c->start_y, data,
-                                    c->packed_size));
-    }
-out:
-    gp_free(data);
-    gp_exr_chunks_free(&cs);
-    return st;
-}
-
-/* Writes a channel's samples to every `step` bytes from `to` on; `row` and `half`
- * have room for one row. Returns how many colours were clamped. */
-static size_t interleave(const struct gp_exr_source *s, size_t w, size_t h,
-                         uint8_t *to, size_t step, float *row, uint16_t *half)
-{
-    const size_t size = gp_type_size(s->type);
-    size_t over = 0;
-    for (size_t y = 0; y < h; y++) {
-        const uint8_t *from = (const uint8_t *) s->data + y * w * size;
-        for (size_t x = 0; s->plane && x < w; x++) {
-            const float v = s->plane[y * w + x];
-            const bool large = fabsf(v) > GP_EXR_DWA_MAX;
-            row[x] = large ? copysignf(GP_EXR_DWA_MAX, v) : v;
-            over += large;
+    const size_t w = (size_t) gp_rect_w(img->data);
+    const size_t h = (size_t) gp_rect_h(img->data);
+    uint8_t *row = NULL;
+    gp_status st = gp_shared_make(log, path, w * h * step, out);
+    if (!st)
+        st = gp_alloc(log, "DWA row", w, step, &row);
+    for (size_t y = 0; y < h && !st; y++) {
+        const int at = img->data.y0 + (int) y;
+        const uint8_t *from = row;
+        uint8_t *channel = (uint8_t *) out->at + y * w * step;
+        pack_rows(img, at, at + 1, row, clamped);
+        for (int i = 0; i < img->sources; i++) {
+            const size_t size = gp_type_size(img->source[i].type);
+            for (size_t x = 0; x < w; x++, from += size)
+                memcpy(channel + x * step, from, size);
+            channel += size;
         }
-        if (s->plane && s->type == GP_HALF)
-            gp_float_to_half(row, half, w);
-        if (s->plane)
-            from = s->type == GP_HALF ? (const uint8_t *) half
-                                      : (const uint8_t *) row;
-        for (size_t x = 0; x < w; x++, to += step)
-            memcpy(to, from + x * size, size);
     }
-    return over;
+    gp_free(row);
+    return st;
 }
 
 static gp_status encode_dwa(struct gp_exr_out *out, int part,
@@ -452,46 +406,34 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
 {
     const struct gp_log *const log = out->log;
     const char *const path = gp_file_path(out->file);
-    const size_t w = (size_t) gp_rect_w(img->data);
-    const size_t h = (size_t) gp_rect_h(img->data);
     const size_t n = (size_t) img->sources;
     const int units = (int) quality; // by halves: no locale's decimal comma
     gp_status st;
     const char **names = NULL;
     int *types = NULL;
-    float *row = NULL;
-    uint16_t *half = NULL; // of the row
     struct gp_shared pixels = {0};
     struct gp_stream stream = GP_STREAM_EMPTY;
     struct gp_input *file = NULL;
+    exr_compression_t made;
     char compression[32];
-    size_t step = 0, at = 0;
+    size_t step = 0;
     snprintf(compression, sizeof compression, "%s:%d.%03d",
              img->compression == GP_COMPRESSION_DWAA ? "dwaa" : "dwab", units,
              (int) ((quality - (float) units) * 1000.0f));
+    GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
+    GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
     for (int i = 0; i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
         if (s->xs != 1 || s->ys != 1)
-            return gp_fail(log, GP_ERR_USAGE,
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
                            "%s: channel %s is subsampled, which DWA "
                            "compression does not take here; use --compression "
-                           "zip", path, s->name);
-        step += gp_type_size(s->type);
-    }
-    GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
-    GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
-    GP_TRY(gp_shared_make(log, path, w * h * step, &pixels));
-    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *row, &row));
-    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *half, &half));
-
-    for (int i = 0; i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
+                           "zip", path, s->name));
         names[i] = s->name;
         types[i] = (int) s->type;
-        stats->clamped += (long long) interleave(
-            s, w, h, (uint8_t *) pixels.at + at, step, row, half);
-        at += gp_type_size(s->type);
+        step += gp_type_size(s->type);
     }
+    GP_TRY(interleave(log, path, img, step, &pixels, &stats->clamped));
     const struct gp_decoded image = {
         .path = path, .data = img->data, .display = img->data,
         .channels = img->sources, .channel_name = names, .colour_space = "",
@@ -499,13 +441,17 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(gp_oiio_write(log, &image, types, &pixels, "exr", "half",
                          compression, &stream));
     GP_TRY(gp_exr_open(log, path, &stream, &file));
-    GP_TRY(take_chunks(out, part, img, file));
+    // it writes another compression where it does not trust its own
+    if (exr_get_compression(file->exr, 0, &made) ||
+        (int) made != (int) img->compression)
+        GP_TRY(gp_fail(log, GP_ERR_BUG,
+                       "%s: OpenImageIO did not compress these channels by "
+                       "DWA; use --compression zip", path));
+    GP_TRY(gp_exr_out_copy(out, part, path, file, 0));
 out:
     gp_input_free(file);
     gp_stream_close(&stream);
     gp_shared_free(&pixels);
-    gp_free(half);
-    gp_free(row);
     gp_free(types);
     gp_free(names);
     return st;
@@ -534,7 +480,8 @@ gp_status gp_exr_encode(struct gp_exr_out *out, int part,
             const struct slot *s = &b.slot[i];
             const int index = b.first + i;
             GP_TRY(gp_exr_out_scanlines(out, part, index,
-                   img->data.y0 + index * b.rows, s->bytes, s->size));
+                   img->data.y0 + index * b.rows,
+                   b.bytes + (size_t) i * b.chunk_bytes, s->size));
             stats->clamped += s->clamped;
         }
     }

@@ -129,9 +129,8 @@ struct gp_exr_chunks {
     int part;
     int x0, y0, w, h;                 // data window
     exr_compression_t compression;
-    exr_storage_t storage;
-    int tile_w, tile_h;               // 0 for scanlines
-    int lines;                        // of a block of scanlines; 0 for tiles
+    bool tiled;
+    int tile_w, tile_h;               // or of a block of scanlines
     const exr_attr_chlist_t *channel; // borrowed from the context
     exr_chunk_info_t *chunk;
     int chunks;
@@ -145,10 +144,9 @@ struct gp_exr_sink {
     bool as_float; // convert; else the file's own type
 };
 
-/* Reads the place and size of every chunk of level 0 and checks that each is
- * in the file and can expand to its pixels: stored chunks have exactly their
- * size, compressed ones at most what their method expands to. Allocates only
- * the list of chunks, which the offset table in the file bounds.
+/* Finds every chunk of level 0 and checks that it is in the file and can expand
+ * to its pixels. Allocates only the list of chunks, which the offset table in
+ * the file bounds.
  *
  *   out  written always; free with gp_exr_chunks_free()
  *
@@ -159,9 +157,7 @@ GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 
 /* Decodes all chunks, in parallel and straight to the sinks: by OpenEXRCore,
- * or by OpenImageIO where OpenEXRCore cannot (DWAA and DWAB: 3.1.5 answers
- * EXR_ERR_FEATURE_NOT_IMPLEMENTED; later releases decode them, 3.1.13 the first
- * rightly, see its issue 1682). `sink` has one entry a channel, in file order.
+ * DWAA and DWAB by OpenImageIO. `sink` has one entry a channel, in file order.
  * The samples are whole only on GP_OK.
  * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
  * GP_ERR_IO no OpenImageIO; GP_ERR_BUG out of memory. */
@@ -176,7 +172,7 @@ GP_MUST_CHECK gp_status gp_exr_decode_full(const struct gp_log *log,
 
 /* Deep data: any number of samples a pixel. */
 struct gp_exr_deep {
-    struct gp_exr_chunks part; // without its list of chunks
+    struct gp_exr_chunks part;
     int64_t *first; // of each pixel, rows from the top: its samples are
                     // [first[i], first[i + 1])
     void **sample;  // of each channel, in file order: floats, of UINT uint32_t

@@ -39,12 +39,7 @@ bool gp_exr_fault_short(void);
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
-/* -- the header's bytes (header.c) -----------------------------------------
- *
- * Listed before the library parses them. OpenEXRCore gives no attribute's bytes,
- * nor their places. */
-
-enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
+/* -- the header's bytes (header.c) ----------------------------------------- */
 
 /* An attribute; pointers go into gp_exr_index.bytes. */
 struct gp_exr_attr {
@@ -78,15 +73,14 @@ struct gp_exr_index {
  *
  *   out  written always; free with gp_exr_index_free()
  *
- * Errors: GP_ERR_DATA a value does not fit its type, and the library would not
- * see it, or there are more channels, attributes or parts than it could
- * sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA more channels, attributes or parts than the library could
+ * sort in time; GP_ERR_IO cannot read. */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Puts ? in the place of what a line cannot show. */
-void gp_exr_plain(char *text);
+/* Puts ? in the place of what a line cannot show, and returns `text`. */
+char *gp_exr_plain(char *text);
 
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
@@ -104,13 +98,8 @@ enum {
     GP_EXR_MULTIPART = 0x1000,
 };
 
-/* -- parts (decode.c) ------------------------------------------------------
- *
- * Finds the window, channels and tiles of a part, flat or deep, and the number
- * of chunks of its level 0, which the offset table in the file bounds.
- *   out  written always, without a list of chunks
- * Errors: GP_ERR_DATA damaged, more than max_pixels. */
-GP_MUST_CHECK gp_status gp_exr_part_find(const struct gp_log *log,
+/* gp_exr_chunks_find() for parts that may be deep (decode.c). */
+GP_MUST_CHECK gp_status gp_exr_chunks_any(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_chunks *out);
 
@@ -197,37 +186,22 @@ GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
 /* -- ZIP, ZIPS and RLE (zip.c) ---------------------------------------------
  *
  * Such a chunk holds all bytes at even places, then all bytes at odd places,
- * each byte as the difference to the one before, plus 128 (ImfZip.cpp). The
- * readers below interleave the halves on the way to the planes, which saves a
- * pass over memory. */
+ * each byte as the difference to the one before, plus 128 (ImfZip.cpp). */
 
 struct libdeflate_compressor;
+struct libdeflate_decompressor;
 
-/* Compresses a chunk.
- *
- *   raw      `n` bytes, even
- *   scratch  n bytes
- *   out      n bytes
- *
- * Returns the compressed size, always less than n, or 0 when the chunk does
- * not shrink and is stored as it is. */
+/* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
+ * room. Returns the compressed size, less than n, or 0 when the chunk does not
+ * shrink and is stored as it is. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
-/* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
- * give more or less. */
-bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out, size_t out_size);
-
-/* Undoes the differences in place. */
-void gp_undo_delta(uint8_t *v, size_t n);
-
-/* Bytes `even` and `odd`, n of each, one after the other into `out` (2 n). */
-void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
-                   size_t n);
-
-/* n halfs, low bytes in `even`, high bytes in `odd`, to floats. */
-void gp_split_half_to_float(const uint8_t *even, const uint8_t *odd,
-                            float *out, size_t n);
+/* Expands `size` bytes to exactly `n`, even; false when they give more or
+ * less. */
+bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
+                  const uint8_t *packed, size_t size, uint8_t *scratch,
+                  uint8_t *out, size_t n);
 
 /* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
 
@@ -320,15 +294,23 @@ GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
     struct gp_exr_sources *out);
 void gp_exr_sources_free(struct gp_exr_sources *s);
 
-/* -- a header in the making (out.c) --------------------------------------- */
+/* -- a file on its way out (out.c) -----------------------------------------
+ *
+ * Header, offset tables, chunks (openexr file layout, "Chunk Layout"): begin(),
+ * attributes by put...(), tables(), the chunks of all parts, end(). */
 
-/* A growing block of bytes. gp_exr_header_done() reports a failed allocation.
- * Free with gp_exr_header_free(). */
-struct gp_exr_header {
-    uint8_t *bytes;
-    size_t size, room;
-    uint32_t flags; // of the version field
-    bool full;      // memory ran out
+struct gp_exr_table {
+    uint64_t at;      // its first byte in the file
+    uint64_t *offset; // of each chunk
+    int chunks;
+};
+
+struct gp_exr_out {
+    const struct gp_log *log;
+    struct gp_file *file; // borrowed
+    uint32_t flags;       // of the version field
+    struct gp_exr_table *table;
+    int parts;
 };
 
 /* The attributes of the input that a part gets. */
@@ -339,12 +321,15 @@ enum gp_exr_kept {
     GP_EXR_KEEP_SHOWN,     // a display-referred one
 };
 
-/* Room for magic number and version; the version is set by done(). */
-void gp_exr_header_start(struct gp_exr_header *h, uint32_t flags);
+/* Free with gp_exr_out_free(). */
+void gp_exr_out_begin(struct gp_exr_out *out, const struct gp_log *log,
+                      struct gp_file *file, uint32_t flags);
 
-/* One attribute. Names and types over 31 bytes set GP_EXR_LONG_NAMES. */
-void gp_exr_header_put(struct gp_exr_header *h, const char *name,
-                       const char *type, const void *data, size_t size);
+/* One attribute; names and types over 31 bytes set GP_EXR_LONG_NAMES. Bytes as
+ * they are: another part's header. */
+void gp_exr_put(struct gp_exr_out *out, const char *name, const char *type,
+                const void *data, size_t size);
+void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t size);
 
 /* All attributes of the scanline part that holds the colour, and its end:
  * those that the file layout requires from `f` and `img`, those of the input
@@ -355,65 +340,28 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  *   p       command and, when GP_EXR_KEEP_CONVERTED, primaries are used
  *   chunks  of the part in a multi-part file, where type and number of chunks
  *           are required; 0 in files of one part */
-void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
+void gp_exr_put_part(struct gp_exr_out *out, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_index_part *own,
     enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
     int chunks);
 
-/* Bytes as they are: another part's header. */
-void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes, size_t size);
-
-/* Writes the version field. Errors: GP_ERR_BUG when memory ran out. */
-GP_MUST_CHECK gp_status gp_exr_header_done(const struct gp_log *log,
-    const char *path, struct gp_exr_header *h);
-void gp_exr_header_free(struct gp_exr_header *h);
-
-/* -- the file on its way out (out.c) ---------------------------------------
- *
- * Header, offset tables, chunks (openexr file layout, "Chunk Layout"). */
-
-struct gp_exr_table {
-    uint64_t at;      // its first byte in the file
-    uint64_t *offset; // of each chunk; 0 not written yet
-    int chunks;
-};
-
-struct gp_exr_out {
-    const struct gp_log *log;
-    struct gp_file *file; // borrowed
-    struct gp_exr_table *table;
-    int parts;
-    bool multipart;
-};
-
-/* Writes the header and room for the offset tables.
- *
- *   header  from gp_exr_header_done(), its version field included
- *   chunks  of each part, > 0
- *   out     empty on failure; free with gp_exr_out_free()
- *
- * Errors: GP_ERR_IO, GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_out_begin(const struct gp_log *log,
-    struct gp_file *file, const void *header, size_t size, const int *chunks,
-    int parts, struct gp_exr_out *out);
+/* Ends the header, and makes room for the tables of each part's chunks, > 0. */
+GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
+    const int *chunks, int parts);
 
 /* Appends a scanline chunk that starts at row `y`; `size` is at most
  * INT32_MAX. */
 GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
     int index, int y, const void *data, size_t size);
 
-/* Copies all chunks of a part of the input, flat or deep, scanlines or tiles
- * of all levels, byte by byte and in the order in which they are in the file.
- *
- *   part  has the same number in both files
- *
+/* Copies all chunks of part `from` of another file, flat or deep, scanlines or
+ * tiles of all levels, byte by byte and in the order in which they are in it.
  * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file (`path`
- * is the input, for the line); GP_ERR_IO; GP_ERR_BUG out of memory. */
+ * is that file, for the line); GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
-    const char *path, const struct gp_input *in);
+    const char *path, const struct gp_input *in, int from);
 
-/* Fills in the offset tables. Errors: GP_ERR_IO; GP_ERR_BUG a chunk was
- * never written. */
+/* Fills in the offset tables. */
 GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);
 void gp_exr_out_free(struct gp_exr_out *out);
 

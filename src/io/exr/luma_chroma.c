@@ -13,7 +13,6 @@
 enum {
     REACH = 13,  // taps lie at odd distances up to this
     TAPS = 14,
-    BAND = 32,   // rows of one task
 };
 
 /* ImfRgbaYca.cpp, reconstructChromaHoriz(): taps at -13, -11, ... 13. */
@@ -26,16 +25,11 @@ static const float tap[TAPS] = {
 struct rows {
     const struct gp_yc *in;
     float *chroma[2];  // rows y / ys of RY and BY, all columns
-    float *scratch;    // SCRATCH_ROWS rows for each thread
+    float *some;       // for each thread a row of chroma with TAPS at its ends
+    float *outside;    // R, G, B of the rows above and below the picture
+    float *saturation; // of the picture's rows, and of those
     struct gp_planes *out;
 };
-
-/* A row in the making: R, G, B and the saturation of each pixel. */
-struct colours {
-    float *c[3];
-    float *saturation;
-};
-enum { SCRATCH_ROWS = 3 * 4 };  // above, at and below the row that is made
 
 static void keep_half(const struct gp_yc *in, float *row)
 {
@@ -65,7 +59,7 @@ static void chroma_row(void *ctx, int i, int thread)
     const struct gp_yc *in = r->in;
     const int n = in->w / in->xs;
     const size_t w = (size_t) in->w, row = (size_t) i;
-    float *some = r->scratch + (size_t) thread * SCRATCH_ROWS * w + TAPS / 2;
+    float *some = r->some + (size_t) thread * (w + TAPS) + TAPS / 2;
     for (int c = 0; c < 2; c++) {
         const float *from = (c ? in->by : in->ry) + row * (size_t) n;
         float *to = r->chroma[c] + row * w;
@@ -138,86 +132,76 @@ static inline float smaller(float a, float b)
     return b < a ? b : a;
 }
 
-GP_CLONES static void find_saturation(const struct colours *row, int w)
+GP_CLONES static void find_saturation(const float *r, const float *g,
+                                      const float *b, int w, float *out)
 {
-    const float *r = row->c[0], *g = row->c[1], *b = row->c[2];
     for (int x = 0; x < w; x++) {
         float high = larger(r[x], larger(g[x], b[x]));
         float low = smaller(r[x], smaller(g[x], b[x]));
-        row->saturation[x] = high > 0.0f ? 1.0f - low / high : 0.0f;
+        out[x] = high > 0.0f ? 1.0f - low / high : 0.0f;
     }
 }
 
-/* Image row y in [-1, h], before saturation is fixed. */
-static void colours_of_row(const struct rows *rows, int y,
-                           const struct colours *row)
+/* Row i - 1 of the picture, in [-1, h], before saturation is fixed. */
+static void colour_row(void *ctx, int i, int thread)
 {
+    const struct rows *rows = ctx;
     const struct gp_yc *in = rows->in;
+    const int y = i - 1;
+    const size_t w = (size_t) in->w;
     // luminance of a row outside is that of the chroma row in its place
-    int inside = y < 0 ? 0 : y >= in->h ? in->h - 2 : y;
-    const float *luma = in->y + (size_t) inside * (size_t) in->w;
-    chroma_of_row(rows, 0, y, row->c[0]);
-    chroma_of_row(rows, 1, y, row->c[2]);
-    row_to_rgb(in->weight, luma, row->c[0], row->c[1], row->c[2], in->w);
+    const int inside = y < 0 ? 0 : y >= in->h ? in->h - 2 : y;
+    float *rgb[3];
+    (void) thread;
     for (int c = 0; c < 3; c++)
-        keep_half(in, row->c[c]);
-    find_saturation(row, in->w);
+        rgb[c] = y < 0       ? rows->outside + (size_t) c * w
+                 : y < in->h ? rows->out->c[c] + (size_t) y * w
+                             : rows->outside + (size_t) (3 + c) * w;
+    chroma_of_row(rows, 0, y, rgb[0]);
+    chroma_of_row(rows, 1, y, rgb[2]);
+    row_to_rgb(in->weight, in->y + (size_t) inside * w, rgb[0], rgb[1], rgb[2],
+               in->w);
+    for (int c = 0; c < 3; c++)
+        keep_half(in, rgb[c]);
+    find_saturation(rgb[0], rgb[1], rgb[2], in->w,
+                    rows->saturation + (size_t) i * w);
 }
 
-/* fixSaturation() of the row between two others. The mean is of the four
- * diagonal neighbours; beside the image its edge column counts. */
-static void fix_row(const struct rows *rows, const struct colours row[3], int y)
+/* fixSaturation() of a row. The mean is of the four diagonal neighbours; beside
+ * the image its edge column counts. */
+static void fix_row(void *ctx, int y, int thread)
 {
+    const struct rows *rows = ctx;
     const struct gp_yc *const in = rows->in;
     const int w = in->w;
     const float *const wt = in->weight;
-    const float *above = row[0].saturation, *below = row[2].saturation;
+    const float *const above = rows->saturation + (size_t) y * (size_t) w;
+    const float *const own = above + w, *const below = own + w;
+    (void) thread;
     for (int x = 0; x < w; x++) {
         int left = x > 0 ? x - 1 : 0, right = x < w - 1 ? x + 1 : x;
         float mean = smaller(1.0f, 0.25f * (above[left] + above[right] +
                                             below[left] + below[right]));
-        float s = row[1].saturation[x];
+        float s = own[x];
         float most = smaller(1.0f, 1.0f - (1.0f - mean) * 0.25f);
+        if (!(s > mean && s > most))
+            continue;
         size_t at = (size_t) y * (size_t) w + (size_t) x;
-        float rgb[3] = {row[1].c[0][x], row[1].c[1][x], row[1].c[2][x]};
-        if (s > mean && s > most) {
-            // towards the largest component, then back to its luminance
-            float high = larger(rgb[0], larger(rgb[1], rgb[2]));
-            float before = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
-            for (int c = 0; c < 3; c++) {
-                float v = larger(high - (high - rgb[c]) * (most / s), 0.0f);
-                rgb[c] = in->half ? gp_half_nearest(v) : v;
-            }
-            float after = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
-            for (int c = 0; c < 3 && after > 0.0f; c++) {
-                float v = rgb[c] * (before / after);
-                rgb[c] = in->half ? gp_half_nearest(v) : v;
-            }
-        }
+        float rgb[3];
         for (int c = 0; c < 3; c++)
-            rows->out->c[c][at] = rgb[c];
-    }
-}
-
-static void band(void *ctx, int i, int thread)
-{
-    const struct rows *rows = ctx;
-    const struct gp_yc *in = rows->in;
-    const size_t w = (size_t) in->w;
-    float *at = rows->scratch + (size_t) thread * SCRATCH_ROWS * w;
-    struct colours row[3]; // above, at, below
-    for (int k = 0; k < 3; k++, at += 4 * w)
-        row[k] = (struct colours) {{at, at + w, at + 2 * w}, at + 3 * w};
-    int y0 = i * BAND, y1 = y0 + BAND < in->h ? y0 + BAND : in->h;
-    colours_of_row(rows, y0 - 1, &row[1]);
-    colours_of_row(rows, y0, &row[2]);
-    for (int y = y0; y < y1; y++) {
-        struct colours oldest = row[0];
-        row[0] = row[1];
-        row[1] = row[2];
-        row[2] = oldest;
-        colours_of_row(rows, y + 1, &row[2]);
-        fix_row(rows, row, y);
+            rgb[c] = rows->out->c[c][at];
+        // towards the largest component, then back to its luminance
+        float high = larger(rgb[0], larger(rgb[1], rgb[2]));
+        float before = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
+        for (int c = 0; c < 3; c++) {
+            float v = larger(high - (high - rgb[c]) * (most / s), 0.0f);
+            rgb[c] = in->half ? gp_half_nearest(v) : v;
+        }
+        float after = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
+        for (int c = 0; c < 3; c++) {
+            float v = after > 0.0f ? rgb[c] * (before / after) : rgb[c];
+            rows->out->c[c][at] = in->half ? gp_half_nearest(v) : v;
+        }
     }
 }
 
@@ -241,7 +225,7 @@ gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
                        struct gp_planes *out)
 {
     gp_status st;
-    size_t w = (size_t) in->w, chroma_rows = (size_t) (in->h / in->ys);
+    const size_t w = (size_t) in->w, h = (size_t) in->h, chroma_rows = h / 2;
     struct rows rows = {.in = in, .out = out};
     if (in->xs == 1) {
         gp_parallel_do(in->h, full_row, &rows);
@@ -250,14 +234,20 @@ gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
     for (int c = 0; c < 2; c++)
         GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float),
                         &rows.chroma[c]));
-    GP_TRY(gp_alloc(log, "chroma", (size_t) gp_threads() * SCRATCH_ROWS * w,
-                    sizeof(float), &rows.scratch));
+    GP_TRY(gp_alloc(log, "chroma", (size_t) gp_threads() * (w + TAPS),
+                    sizeof(float), &rows.some));
+    GP_TRY(gp_alloc(log, "chroma", 6 * w, sizeof(float), &rows.outside));
+    GP_TRY(gp_alloc(log, "chroma", (h + 2) * w, sizeof(float),
+                    &rows.saturation));
     gp_parallel_do((int) chroma_rows, chroma_row, &rows);
-    gp_parallel_do((in->h + BAND - 1) / BAND, band, &rows);
+    gp_parallel_do(in->h + 2, colour_row, &rows);
+    gp_parallel_do(in->h, fix_row, &rows);
 out:
     gp_free(rows.chroma[0]);
     gp_free(rows.chroma[1]);
-    gp_free(rows.scratch);
+    gp_free(rows.some);
+    gp_free(rows.outside);
+    gp_free(rows.saturation);
     return st;
 }
 

@@ -102,6 +102,13 @@ static bool is_harmless(const struct gp_input *in, const char *message)
     return false;
 }
 
+char *gp_exr_plain(char *text)
+{
+    for (char *c = text; *c; c++)
+        *c = *c >= ' ' && *c <= '~' ? *c : '?';
+    return text;
+}
+
 /* Keeps the first error while the header is parsed, by one thread: the library
  * itself leaves out an attribute that it cannot parse, and goes on. */
 static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
@@ -115,7 +122,7 @@ static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
     if (in->exr || in->reason[0] || is_harmless(in, message))
         return;
     snprintf(in->reason, sizeof in->reason, "%s", message);
-    gp_exr_plain(in->reason);
+    (void) gp_exr_plain(in->reason);
 }
 
 /* Parses the header with the library, and finds the offset tables. */

@@ -21,83 +21,68 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
 
-void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes, size_t n)
+void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t n)
 {
-    if (h->full || n == 0)
-        return;
-    if (n > h->room - h->size) {
-        size_t room = (h->room + n) * 2;
-        uint8_t *more = room > n ? realloc(h->bytes, room) : NULL;
-        if (!more) {
-            h->full = true;
-            return;
-        }
-        h->bytes = more;
-        h->room = room;
-    }
-    memcpy(h->bytes + h->size, bytes, n);
-    h->size += n;
+    const gp_status st = gp_file_write(out->file, bytes, n);
+    (void) st; // the file keeps it
 }
 
-static void put_name(struct gp_exr_header *h, const char *name)
+static void put_name(struct gp_exr_out *out, const char *name)
 {
     if (strlen(name) > SHORT_NAME)
-        h->flags |= GP_EXR_LONG_NAMES;
-    gp_exr_header_raw(h, name, strlen(name) + 1);
+        out->flags |= GP_EXR_LONG_NAMES;
+    gp_exr_put_raw(out, name, strlen(name) + 1);
 }
 
-void gp_exr_header_start(struct gp_exr_header *h, uint32_t flags)
-{
-    const uint32_t magic = GP_EXR_MAGIC;
-    *h = (struct gp_exr_header) {.flags = flags};
-    gp_exr_header_raw(h, &magic, 4);
-    gp_exr_header_raw(h, &flags, 4);
-}
-
-void gp_exr_header_put(struct gp_exr_header *h, const char *name,
-                       const char *type, const void *data, size_t size)
+/* An attribute without its value. */
+static void put_head(struct gp_exr_out *out, const char *name, const char *type,
+                     size_t size)
 {
     const int32_t bytes = (int32_t) size;
-    put_name(h, name);
-    put_name(h, type);
-    gp_exr_header_raw(h, &bytes, 4);
-    gp_exr_header_raw(h, data, size);
+    put_name(out, name);
+    put_name(out, type);
+    gp_exr_put_raw(out, &bytes, 4);
 }
 
-gp_status gp_exr_header_done(const struct gp_log *log, const char *path,
-                             struct gp_exr_header *h)
+void gp_exr_put(struct gp_exr_out *out, const char *name, const char *type,
+                const void *data, size_t size)
 {
-    const uint32_t version = GP_EXR_VERSION | h->flags;
-    if (h->full)
-        return gp_no_memory(log, path);
-    memcpy(h->bytes + 4, &version, 4);
-    return GP_OK;
+    put_head(out, name, type, size);
+    gp_exr_put_raw(out, data, size);
 }
 
-void gp_exr_header_free(struct gp_exr_header *h)
+static void put_text(struct gp_exr_out *out, const char *name, const char *text)
 {
-    free(h->bytes);
-    *h = (struct gp_exr_header) {0};
+    gp_exr_put(out, name, "string", text, strlen(text));
+}
+
+void gp_exr_out_begin(struct gp_exr_out *out, const struct gp_log *log,
+                      struct gp_file *file, uint32_t flags)
+{
+    const uint32_t magic = GP_EXR_MAGIC;
+    *out = (struct gp_exr_out) {.log = log, .file = file, .flags = flags};
+    gp_exr_put_raw(out, &magic, 4);
+    gp_exr_put_raw(out, &flags, 4);
 }
 
 /* -- attributes of a new part --------------------------------------------- */
 
-static void put_window(struct gp_exr_header *h, const char *name,
+static void put_window(struct gp_exr_out *h, const char *name,
                        struct gp_rect r)
 {
     const int32_t box[4] = {r.x0, r.y0, r.x1 - 1, r.y1 - 1};
-    gp_exr_header_put(h, name, "box2i", box, sizeof box);
+    gp_exr_put(h, name, "box2i", box, sizeof box);
 }
 
 /* An attribute of the input, or its default. */
-static void put_or(struct gp_exr_header *h,
+static void put_or(struct gp_exr_out *h,
                    const struct gp_exr_index_part *own, const char *name,
                    const char *type, const void *data, size_t size)
 {
     const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
     if (a && a->size == size)
         data = a->data;
-    gp_exr_header_put(h, name, type, data, size);
+    gp_exr_put(h, name, type, data, size);
 }
 
 static bool is_listed(const char *name, const char *const *list)
@@ -139,7 +124,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
 
 /* The attributes of the input that are kept: manifests of ids, or all but
  * those. */
-static void put_carried(struct gp_exr_header *h,
+static void put_carried(struct gp_exr_out *h,
                         const struct gp_exr_index_part *own,
                         enum gp_exr_kept kept, bool manifests)
 {
@@ -148,13 +133,13 @@ static void put_carried(struct gp_exr_header *h,
         if ((strcmp(a->type, "idmanifest") == 0) == manifests &&
             is_kept(a->name, kept) &&
             !(h->flags & GP_EXR_DEEP && strcmp(a->name, "version") == 0))
-            gp_exr_header_put(h, a->name, a->type, a->data, a->size);
+            gp_exr_put(h, a->name, a->type, a->data, a->size);
     }
 }
 
 /* The attributes that OpenImageIO makes of another format's header. Some say
  * how that file was stored; only those about the picture are carried. */
-static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
+static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
                         enum gp_exr_kept kept)
 {
     static const char *const exact[] = {
@@ -175,15 +160,15 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
         if (n == 0 || n > 255 || stored || !is_kept(a->name, kept))
             continue;
         if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
-            gp_exr_header_put(h, a->name, "string", a->text, strlen(a->text));
+            put_text(h, a->name, a->text);
         else if (a->kind == GP_ATTRIBUTE_INT)
-            gp_exr_header_put(h, a->name, "int", &a->number, 4);
+            gp_exr_put(h, a->name, "int", &a->number, 4);
         else if (a->kind == GP_ATTRIBUTE_FLOAT)
-            gp_exr_header_put(h, a->name, "float", &a->real, 4);
+            gp_exr_put(h, a->name, "float", &a->real, 4);
     }
 }
 
-void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
+void gp_exr_put_part(struct gp_exr_out *h, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_index_part *own,
     enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
     int chunks)
@@ -191,50 +176,46 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;
     const uint8_t compression = (uint8_t) img->compression;
-    struct gp_exr_header list = {.flags = h->flags}; // of the channels
     // OpenImageIO cannot pass the flag to the DWA compressor, so the chunks are
     // made without it
-    const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
-                     img->compression == GP_COMPRESSION_DWAB;
+    const bool dwa = img->compression >= GP_COMPRESSION_DWAA;
+    size_t bytes = 1;
+    for (int i = 0; i < img->sources; i++)
+        bytes += strlen(img->source[i].name) + 17;
+    put_head(h, "channels", "chlist", bytes);
     for (int i = 0; i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
-        const int32_t type = (int32_t) s->type; // GP_UINT.. number as EXR does
-        const uint8_t linear[4] = {s->linear && !dwa};
-        const int32_t step[2] = {s->xs, s->ys};
-        put_name(&list, s->name);
-        gp_exr_header_raw(&list, &type, 4);
-        gp_exr_header_raw(&list, linear, 4);
-        gp_exr_header_raw(&list, step, 8);
+        const int32_t value[4] = { // GP_UINT.. number as EXR does
+            (int32_t) s->type, s->linear && !dwa, s->xs, s->ys,
+        };
+        put_name(h, s->name);
+        gp_exr_put_raw(h, value, sizeof value);
     }
-    gp_exr_header_raw(&list, "", 1);
-    h->flags = list.flags;
-    h->full |= list.full;
-    gp_exr_header_put(h, "channels", "chlist", list.bytes, list.size);
-    gp_exr_header_free(&list);
+    gp_exr_put_raw(h, "", 1);
 
     // whatever the input said; lineOrder is that of the chunks as they are
     // written. Tiled inputs are written as scanlines, and mip-mapped ones
     // without their smaller levels, which would have to be made anew from the
     // picture with glare.
-    gp_exr_header_put(h, "compression", "compression", &compression, 1);
+    gp_exr_put(h, "compression", "compression", &compression, 1);
     put_window(h, "dataWindow", img->data);
     put_window(h, "displayWindow", f->display);
     // OpenEXR 3.1.5 takes 4 bytes too many for a manifest, and so the start of
     // the next attribute's name. It writes lineOrder there, whose default is
     // ours too.
     put_carried(h, own, kept, true);
-    gp_exr_header_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
-    gp_exr_header_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
+    gp_exr_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
+    gp_exr_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
     put_or(h, own, "screenWindowCenter", "v2f", centre, sizeof centre);
     put_or(h, own, "screenWindowWidth", "float", &width, sizeof width);
     if (name)
-        gp_exr_header_put(h, "name", "string", name, strlen(name));
+        put_text(h, "name", name);
     if (chunks > 0) {
-        gp_exr_header_put(h, "type", "string", "scanlineimage", 13);
-        gp_exr_header_put(h, "chunkCount", "int", &count, 4);
+        put_text(h, "type", "scanlineimage");
+        gp_exr_put(h, "chunkCount", "int", &count, 4);
     }
     if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
-        gp_exr_header_put(h, "version", "int", &version, 4);
+        gp_exr_put(h, "version", "int", &version, 4);
     put_carried(h, own, kept, false);
     if (!own)
         put_foreign(h, f, kept);
@@ -243,93 +224,86 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
         (f->names_chromaticities ||
          memcmp(f->chromaticities, gp_rec709_chromaticities,
                 sizeof f->chromaticities) != 0))
-        gp_exr_header_put(h, "chromaticities", "chromaticities",
-                          f->chromaticities, sizeof f->chromaticities);
+        gp_exr_put(h, "chromaticities", "chromaticities",
+                   f->chromaticities, sizeof f->chromaticities);
     if (kept == GP_EXR_KEEP_CONVERTED && p->primaries)
-        gp_exr_header_put(h, "chromaticities", "chromaticities", p->primaries,
-                          sizeof f->chromaticities);
+        gp_exr_put(h, "chromaticities", "chromaticities", p->primaries,
+                   sizeof f->chromaticities);
     if (p->command) {
-        gp_exr_header_put(h, "glarepp:version", "string", GP_VERSION,
-                          strlen(GP_VERSION));
-        gp_exr_header_put(h, "glarepp:command", "string", p->command,
-                          strlen(p->command));
+        put_text(h, "glarepp:version", GP_VERSION);
+        put_text(h, "glarepp:command", p->command);
     }
     for (int i = 0; i < p->n_added; i++)
-        gp_exr_header_put(h, p->added[i].name, "string", p->added[i].text,
-                          strlen(p->added[i].text));
-    gp_exr_header_raw(h, "", 1);
+        put_text(h, p->added[i].name, p->added[i].text);
+    gp_exr_put_raw(h, "", 1);
 }
 
 /* -- tables and chunks ---------------------------------------------------- */
 
-gp_status gp_exr_out_begin(const struct gp_log *log, struct gp_file *file,
-                           const void *header, size_t size, const int *chunks,
-                           int parts, struct gp_exr_out *out)
+gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
+                            int parts)
 {
-    gp_status st;
-    const char *what = gp_file_path(file);
-    *out = (struct gp_exr_out) {.log = log, .file = file};
-    GP_TRY(gp_alloc_zero(log, what, (size_t) parts, sizeof *out->table,
-                         &out->table));
-    out->parts = parts;
-    uint32_t version;
-    memcpy(&version, (const uint8_t *) header + 4, 4);
-    out->multipart = version & GP_EXR_MULTIPART;
-    GP_TRY(gp_file_write(file, header, size));
-    for (int p = 0; p < parts; p++) {
+    const uint32_t version = GP_EXR_VERSION | out->flags;
+    const char *const path = gp_file_path(out->file);
+    gp_status st = gp_file_patch(out->file, 4, &version, sizeof version);
+    if (!st)
+        st = gp_alloc_zero(out->log, path, (size_t) parts, sizeof *out->table,
+                           &out->table);
+    out->parts = st ? 0 : parts;
+    for (int p = 0; p < parts && !st; p++) {
         struct gp_exr_table *t = &out->table[p];
         const size_t n = (size_t) chunks[p];
-        GP_TRY(gp_alloc_zero(log, what, n, sizeof *t->offset, &t->offset));
         t->chunks = chunks[p];
-        t->at = gp_file_size(file);
-        GP_TRY(gp_file_write(file, t->offset, n * sizeof *t->offset));
+        t->at = gp_file_size(out->file);
+        st = gp_alloc_zero(out->log, path, n, sizeof *t->offset, &t->offset);
+        if (!st)
+            st = gp_file_write(out->file, t->offset, n * sizeof *t->offset);
     }
-    return GP_OK;
-out:
-    gp_exr_out_free(out);
     return st;
+}
+
+/* A chunk of the part begins here, and has the part's number first in files of
+ * several. */
+static gp_status begin_chunk(struct gp_exr_out *out, int part, int index)
+{
+    const int32_t number = part;
+    out->table[part].offset[index] = gp_file_size(out->file);
+    return gp_file_write(out->file, &number,
+                         out->flags & GP_EXR_MULTIPART ? sizeof number : 0);
 }
 
 gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part, int index,
                                int y, const void *data, size_t size)
 {
-    const int32_t leader[3] = {part, y, (int32_t) size};
-    const int skip = out->multipart ? 0 : 1; // part numbers only where needed
-    out->table[part].offset[index] = gp_file_size(out->file);
-    gp_status st = gp_file_write(out->file, leader + skip,
-                                 sizeof leader - (size_t) skip * 4);
+    const int32_t leader[2] = {y, (int32_t) size};
+    gp_status st = begin_chunk(out, part, index);
+    if (!st)
+        st = gp_file_write(out->file, leader, sizeof leader);
     return st ? st : gp_file_write(out->file, data, size);
 }
 
 gp_status gp_exr_out_end(struct gp_exr_out *out)
 {
-    for (int p = 0; p < out->parts; p++) {
+    gp_status st = GP_OK;
+    for (int p = 0; p < out->parts && !st; p++) {
         const struct gp_exr_table *t = &out->table[p];
-        for (int i = 0; i < t->chunks; i++) {
-            if (t->offset[i] == 0)
-                return gp_fail(out->log, GP_ERR_BUG,
-                               "%s: chunk %d of part %d was not written",
-                               gp_file_path(out->file), i, p);
-        }
-        gp_status st = gp_file_patch(out->file, t->at, t->offset,
-                                     (size_t) t->chunks * sizeof *t->offset);
-        if (st)
-            return st;
+        st = gp_file_patch(out->file, t->at, t->offset,
+                           (size_t) t->chunks * sizeof *t->offset);
     }
-    return GP_OK;
+    return st;
 }
 
 void gp_exr_out_free(struct gp_exr_out *out)
 {
-    for (int p = 0; out->table && p < out->parts; p++)
+    for (int p = 0; p < out->parts; p++)
         gp_free(out->table[p].offset);
     gp_free(out->table);
     *out = (struct gp_exr_out) {0};
 }
 
-/* -- chunks of the input, as they are ------------------------------------- */
+/* -- chunks of another file, as they are ---------------------------------- */
 
-/* One chunk of the input: its number in the table and its place. */
+/* One chunk: its number in the table and its place. */
 struct place {
     uint64_t offset;
     int index;
@@ -344,31 +318,33 @@ static int by_offset(const void *a, const void *b)
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
-                          const struct gp_input *in)
+                          const struct gp_input *in, int from)
 {
     enum { BLOCK_BYTES = 1 << 18 };
     gp_status st;
     struct gp_exr_table *t = &out->table[part];
     const int n = t->chunks;
+    const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
     void *block = NULL;
-    uint64_t *offset = NULL;
     struct place *place = NULL;
     GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
-    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *offset, &offset));
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
     gp_exr_fault_clear();
-    if (!gp_exr_offsets_read(in, part, 0, n, offset))
+    if (!gp_exr_offsets_read(in, from, 0, n, t->offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
-        place[i] = (struct place) {offset[i], i};
+        place[i] = (struct place) {t->offset[i], i};
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     for (int i = 0; !st && i < n; i++) {
         uint64_t at = place[i].offset;
-        uint64_t left = gp_exr_chunk_bytes(in, part, at);
-        t->offset[place[i].index] = gp_file_size(out->file);
+        uint64_t left = gp_exr_chunk_bytes(in, from, at);
         if (left == 0 || at + left > in->stream.size)
             st = GP_ERR_DATA;
+        else
+            st = begin_chunk(out, part, place[i].index);
+        at += number;
+        left -= number;
         while (!st && left > 0) {
             const size_t step = left < BLOCK_BYTES ? left : BLOCK_BYTES;
             st = gp_exr_read_bytes(&in->stream, block, step, at) ==
@@ -383,10 +359,9 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
     else if (st == GP_ERR_DATA)
         (void) gp_fail(out->log, st,
             "%s: part %d is truncated or damaged; copy or render the "
-            "file again, or give --hdr a file without it", path, part);
+            "file again, or give --hdr a file without it", path, from);
 out:
     gp_free(place);
-    gp_free(offset);
     gp_free(block);
     return st;
 }

@@ -57,38 +57,37 @@ gp_status gp_exr_decode_full(const struct gp_log *log,
     const int n = cs->channel->num_channels;
     const size_t pixels = (size_t) cs->w * (size_t) cs->h;
     struct gp_exr_sink *sink = NULL;
+    float *few = NULL; // samples of a subsampled channel
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) n, sizeof *sink, &sink));
     for (int i = 0; i < n; i++) {
         const exr_attr_chlist_entry_t *const e = &cs->channel->entries[i];
-        const bool whole = e->x_sampling == 1 && e->y_sampling == 1;
         const bool number = numbers && e->pixel_type == EXR_PIXEL_UINT;
-        sink[i] = (struct gp_exr_sink) {to[i], !(number && whole)};
-        if (to[i] && !whole)
-            GP_TRY(gp_alloc_zero(log, e->name.str, pixels, sizeof **to,
-                                 &sink[i].to));
+        sink[i] = (struct gp_exr_sink) {
+            to[i], !(number && e->x_sampling == 1 && e->y_sampling == 1),
+        };
     }
     GP_TRY(gp_exr_decode(log, cs, sink));
     for (int i = 0; i < n; i++) {
         const exr_attr_chlist_entry_t *const e = &cs->channel->entries[i];
-        struct gp_channel few = {
+        if (!to[i] || (e->x_sampling == 1 && e->y_sampling == 1))
+            continue;
+        GP_FREE(few);
+        GP_TRY(gp_alloc(log, e->name.str, pixels, sizeof *few, &few));
+        memcpy(few, to[i], pixels * sizeof *few);
+        memset(to[i], 0, pixels * sizeof *few);
+        struct gp_channel channel = {
             .type = GP_FLOAT, .xs = e->x_sampling, .ys = e->y_sampling,
             .w = cs->w / e->x_sampling, .h = cs->h / e->y_sampling,
-            .colour = -1, .data = sink[i].to,
+            .colour = -1, .data = few,
         };
         const struct gp_frame one = {
-            .data = {0, 0, cs->w, cs->h}, .channel = &few, .channels = 1,
+            .data = {0, 0, cs->w, cs->h}, .channel = &channel, .channels = 1,
         };
-        if (sink[i].to == to[i])
-            continue;
-        memset(to[i], 0, pixels * sizeof **to);
         gp_channel_floats(&one, 0, to[i]);
     }
 out:
-    for (int i = 0; sink && i < n; i++) {
-        if (sink[i].to != to[i])
-            gp_free(sink[i].to);
-    }
+    gp_free(few);
     gp_free(sink);
     return st;
 }

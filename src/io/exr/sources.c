@@ -10,9 +10,9 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static int by_name(const void *a, const void *b)
 {
@@ -51,15 +51,17 @@ struct fitting {
     struct gp_planes to;
     size_t pixels;
     float limit, most; // largest value, and the largest that rounds to it
+    bool dwa;          // has no Inf, and no less than -limit
     bool beyond[GP_FRAME_BANDS];
     struct gp_exr_fit band[GP_FRAME_BANDS];
 };
 
-GP_CLONES static int any_beyond(const float *v, size_t n, float most)
+GP_CLONES static int any_beyond(const float *v, size_t n, float most,
+                                float largest)
 {
     int any = 0;
     for (size_t i = 0; i < n; i++)
-        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= FLT_MAX);
+        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= largest);
     return any;
 }
 
@@ -70,7 +72,8 @@ static void find_beyond(void *ctx, int band, int thread)
     const size_t n = gp_band_start(f->pixels, band + 1) - from;
     (void) thread;
     for (int c = 0; c < 3; c++)
-        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most);
+        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most,
+                                      f->dwa ? INFINITY : FLT_MAX);
 }
 
 static void fit_band(void *ctx, int band, int thread)
@@ -94,10 +97,13 @@ static void fit_band(void *ctx, int band, int thread)
         for (int c = 0; c < 3; c++) {
             const float v = f->from->c[c][i];
             const bool scaled = over && fabsf(v) <= FLT_MAX;
-            const float to = scaled ? fminf(v * (f->limit / largest), f->limit)
-                                    : v;
-            f->to.c[c][i] = to;
+            float to = scaled ? fminf(v * (f->limit / largest), f->limit) : v;
             sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
+            if (f->dwa && fabsf(to) > f->limit) {
+                to = copysignf(f->limit, to);
+                sum->values++;
+            }
+            f->to.c[c][i] = to;
         }
     }
 }
@@ -121,6 +127,7 @@ static gp_status fit_colour(const struct gp_log *log,
         return st;
     w->from = *planes;
     w->pixels = gp_frame_pixels(f);
+    w->dwa = dwa;
     w->limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
     w->most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
     gp_parallel_do(GP_FRAME_BANDS, find_beyond, w);
@@ -248,24 +255,6 @@ static bool is_taken(const struct group *g, const struct gp_frame *f,
     return gp_frame_channel(g->complete, name) && !(own && own->colour >= 0);
 }
 
-/* The name of colour c beside a channel `like`; in a layer of that name when
- * `layered`. From malloc. */
-static char *name_beside(const char *like, bool layered, int c)
-{
-    static const char letter[3] = {'R', 'G', 'B'};
-    if (!layered)
-        return gp_colour_name(like, c);
-    const size_t n = strlen(like);
-    char *name = malloc(n + 3);
-    if (name) {
-        memcpy(name, like, n);
-        name[n] = '.';
-        name[n + 1] = letter[c];
-        name[n + 2] = '\0';
-    }
-    return name;
-}
-
 /* The colour of one frame. */
 static gp_status add_frame(const struct group *g,
     const struct gp_hdr_colour *from, struct gp_exr_sources *out)
@@ -300,25 +289,23 @@ static gp_status add_frame(const struct group *g,
 
     // colours under names that the part does not have. Names beside a grey
     // channel that is called after what it shows, and has no layer, may need
-    // one. Y is luminance and no layer's name.
-    const bool may = f->model == GP_COLOUR_GREY &&
-                     gp_layer_length(like->name) == 0 &&
-                     strcmp(like->name, "Y") != 0;
+    // one: its own name. Y is luminance and no layer's name.
+    static const char *const letter[3] = {"R", "G", "B"};
+    bool layered = false;
+    for (int c = 0; c < 3; c++)
+        layered |= is_taken(g, f, letter[c]);
+    layered = layered && f->model == GP_COLOUR_GREY &&
+              gp_layer_length(like->name) == 0 && strcmp(like->name, "Y") != 0;
     for (int c = 0; c < 3; c++) {
         bool wanted = !own_names;
         for (size_t i = 0; f->model == GP_COLOUR_RGB && !wanted && i < n; i++)
             wanted = plane[c][i] != 0.0f;
         if (there[c] || !wanted)
             continue;
-        bool layered = false;
-        for (int k = 0; may && k < 3; k++) {
-            char *beside = name_beside(like->name, false, k);
-            if (!beside)
-                return gp_no_memory_bare(g->log, "channels");
-            layered |= is_taken(g, f, beside);
-            free(beside);
-        }
-        char *const name = name_beside(like->name, layered, c);
+        char layer[GP_CHANNEL_NAME + 4];
+        snprintf(layer, sizeof layer, "%s.%s", like->name, letter[c]);
+        char *const name = layered ? gp_strdup(layer)
+                                   : gp_colour_name(like->name, c);
         if (!name)
             return gp_no_memory_bare(g->log, "channels");
         out->new_name[out->new_names++] = name;
@@ -367,30 +354,6 @@ out:
 
 /* -- --output-space -------------------------------------------------------- */
 
-/* The channels of f's carried layer that holds channel i, its red: false when
- * one is missing. */
-static bool find_layer(const struct gp_frame *f, int i, int index[3])
-{
-    const char *const red = f->channel[i].name;
-    const size_t len = gp_layer_length(red);
-    for (int c = 0; c < 3; c++) {
-        static const char *const letter[3] = {"R", "G", "B"};
-        static const char *const word[3] = {"red", "green", "blue"};
-        const bool letters = strcmp(red + len, "R") == 0;
-        index[c] = -1;
-        for (int k = 0; k < f->channels && index[c] < 0; k++) {
-            const char *const name = f->channel[k].name;
-            if (f->channel[k].data && strncmp(name, red, len) == 0 &&
-                (letters ? strcmp(name + len, letter[c])
-                         : strcasecmp(name + len, word[c])) == 0)
-                index[c] = k;
-        }
-        if (index[c] < 0)
-            return false;
-    }
-    return index[0] == i;
-}
-
 gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     void *user, struct gp_frame *f, struct gp_write_stats *stats)
 {
@@ -400,25 +363,37 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     struct gp_crypto crypto;
     char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
     bool lists[2] = {true, true};
-    gp_status st = GP_OK;
+    const char **name = NULL; // of carried channels, "" of others
+    gp_status st;
+    GP_TRY(gp_alloc(log, "channels", (size_t) f->channels, sizeof *name,
+                    &name));
+    for (int i = 0; i < f->channels; i++)
+        name[i] = f->channel[i].data ? f->channel[i].name : "";
     gp_exr_crypto(in, &crypto);
     for (int i = 0; i < f->channels; i++) {
         const struct gp_channel *const red = &f->channel[i];
         const size_t len = gp_layer_length(red->name);
-        const bool chroma = strcmp(red->name + len, "RY") == 0;
-        int index[3] = {i, i, i};
-        if (!red->data || red->type == GP_UINT ||
+        struct gp_colour_choice colour;
+        char layer[GP_CHANNEL_NAME + 1];
+        snprintf(layer, sizeof layer, "%.*s", len ? (int) len - 1 : 0,
+                 red->name);
+        // a layer is converted when its first channel comes: R, or RY
+        if (!name[i][0] || red->type == GP_UINT ||
             (len && !gp_is_light(red->name, len - 1)) ||
             gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
                 GP_CRYPTO_NONE ||
-            !(chroma || find_layer(f, i, index)))
+            !gp_find_layer_colour(name, f->channels, layer, false, &colour) ||
+            colour.index[0] != i || colour.model == GP_COLOUR_GREY)
             continue;
-        bool whole = !chroma;
-        for (int c = 0; c < 3; c++) {
-            const struct gp_channel *const own = &f->channel[index[c]];
-            whole = whole && own->type != GP_UINT && own->xs == 1 &&
-                    own->ys == 1;
+        const int *const index = colour.index;
+        bool whole = colour.model == GP_COLOUR_RGB, all = true;
+        for (int c = 0; c < 3 && all && whole; c++) {
+            all = index[c] >= 0;
+            const struct gp_channel *const own = &f->channel[all ? index[c] : i];
+            whole = own->type != GP_UINT && own->xs == 1 && own->ys == 1;
         }
+        if (!all)
+            continue;
         if (!whole) {
             lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
             continue;
@@ -446,6 +421,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
                "and chroma are not converted (%s); write them to a file of "
                "their own", f->path, left);
 out:
+    gp_free(name);
     gp_planes_free(&from);
     gp_planes_free(&to);
     return st;

@@ -53,7 +53,6 @@ struct writing {
     int *chunks;           // of each part of the file
     int file_parts;
     bool all; // the input's other parts, and its part's name, go along
-    struct gp_exr_header header;
     struct gp_exr_out out;
     struct gp_file *file;
 };
@@ -132,12 +131,11 @@ static void put_other_part(struct writing *w, const struct gp_exr_index *index,
         gp_say(w->log, GP_LEVEL_WARN, "%s: part %d is not converted, and loses "
                "its chromaticities, in which the parts of a file may not "
                "differ; write it to a file of its own", w->path, number);
-        gp_exr_header_raw(&w->header, from,
-                          (size_t) ((const uint8_t *) own->name - from));
+        gp_exr_put_raw(&w->out, from,
+                       (size_t) ((const uint8_t *) own->name - from));
         from = own->data + own->size;
     }
-    gp_exr_header_raw(&w->header, from,
-                      (size_t) (index->bytes + part->to - from));
+    gp_exr_put_raw(&w->out, from, (size_t) (index->bytes + part->to - from));
 }
 
 /* Counts the light that the file cannot hold, and says so where it is much. */
@@ -180,7 +178,6 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 {
     gp_status st;
     const struct gp_input *in = gp_input_of(w->part[0].f);
-    struct gp_exr_header *const h = &w->header;
     struct gp_write_stats added = {0};
     GP_TRY(plan_parts(w, in));
     const bool multi = w->file_parts > 1;
@@ -191,7 +188,8 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     for (int i = 0; multi && i < w->file_parts; i++)
         flags |= !w->at[i] && gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
 
-    gp_exr_header_start(h, flags);
+    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
+    gp_exr_out_begin(&w->out, w->log, w->file, flags);
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
         if (!part) {
@@ -204,21 +202,17 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
         if (name) // the attribute has no null byte
             memcpy(text, name->data,
                    name->size < sizeof text ? name->size : sizeof text - 1);
-        gp_exr_header_part(h, part->f, &part->img, part->own, w->kept,
-                           name || multi ? text : NULL, w->p,
-                           multi ? w->chunks[i] : 0);
+        gp_exr_put_part(&w->out, part->f, &part->img, part->own, w->kept,
+                        name || multi ? text : NULL, w->p,
+                        multi ? w->chunks[i] : 0);
     }
     if (multi)
-        gp_exr_header_raw(h, "", 1);
-    GP_TRY(gp_exr_header_done(w->log, w->path, h));
-
-    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
-    GP_TRY(gp_exr_out_begin(w->log, w->file, h->bytes, h->size, w->chunks,
-                            w->file_parts, &w->out));
+        gp_exr_put_raw(&w->out, "", 1);
+    GP_TRY(gp_exr_out_tables(&w->out, w->chunks, w->file_parts));
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
         if (!part) {
-            GP_TRY(gp_exr_out_copy(&w->out, i, w->part[0].f->path, in));
+            GP_TRY(gp_exr_out_copy(&w->out, i, w->part[0].f->path, in, i));
             continue;
         }
         // DWA's quality is the input's, or OpenEXR's default
@@ -238,7 +232,6 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 out:
     gp_file_discard(&w->file);
     gp_exr_out_free(&w->out);
-    gp_exr_header_free(h);
     gp_free(w->at);
     gp_free(w->chunks);
     return st;

@@ -1,9 +1,8 @@
-/* The bytes of ZIP, ZIPS and RLE chunks, from and to planes: for libdeflate, which
- * OpenEXRCore has from 3.2 on, and in one pass, which no release has. */
+/* The bytes of ZIP, ZIPS and RLE chunks: for libdeflate, which OpenEXRCore has
+ * from 3.2 on. Then this file can go. */
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"
-#include "core/half.h"
 
 #include <libdeflate.h>
 #include <string.h>
@@ -47,7 +46,10 @@ size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
 
 /* -- in ------------------------------------------------------------------- */
 
-bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out, size_t out_size)
+/* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
+ * give more or less. */
+static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
+                        size_t out_size)
 {
     const uint8_t *const in_end = in + in_size;
     uint8_t *const out_end = out + out_size;
@@ -106,7 +108,7 @@ static size_t undo_delta_blocks(uint8_t *v, size_t n, uint8_t *last)
 
 #endif
 
-void gp_undo_delta(uint8_t *v, size_t n)
+static void undo_delta(uint8_t *v, size_t n)
 {
     uint8_t last = 128; // the first byte is stored without the bias
     for (size_t i = undo_delta_blocks(v, n, &last); i < n; i++) {
@@ -115,57 +117,24 @@ void gp_undo_delta(uint8_t *v, size_t n)
     }
 }
 
-void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out, size_t n)
+GP_CLONES static void interleave(const uint8_t *restrict even,
+    const uint8_t *restrict odd, uint8_t *restrict out, size_t n)
 {
-    uint8_t *to = out;
-    size_t i = 0;
-#ifdef HAVE_X86
-    for (; i + 16 <= n; i += 16) {
-        __m128i e = _mm_loadu_si128((const __m128i *) (even + i));
-        __m128i o = _mm_loadu_si128((const __m128i *) (odd + i));
-        __m128i *at = (__m128i *) (to + 2 * i);
-        _mm_storeu_si128(at, _mm_unpacklo_epi8(e, o));
-        _mm_storeu_si128(at + 1, _mm_unpackhi_epi8(e, o));
-    }
-#endif
-    for (; i < n; i++) {
-        to[2 * i] = even[i];
-        to[2 * i + 1] = odd[i];
+    for (size_t i = 0; i < n; i++) {
+        out[2 * i] = even[i];
+        out[2 * i + 1] = odd[i];
     }
 }
 
-#ifdef HAVE_X86
-
-GP_X86_AVX2 static size_t split_half_wide(const uint8_t *even,
-    const uint8_t *odd, float *out, size_t n)
+bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
+                  const uint8_t *packed, size_t size, uint8_t *scratch,
+                  uint8_t *out, size_t n)
 {
-    size_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        __m128i e = _mm_loadu_si128((const __m128i *) (even + i));
-        __m128i o = _mm_loadu_si128((const __m128i *) (odd + i));
-        __m256 a = _mm256_cvtph_ps(_mm_unpacklo_epi8(e, o));
-        __m256 b = _mm256_cvtph_ps(_mm_unpackhi_epi8(e, o));
-        _mm256_storeu_ps(out + i, a);
-        _mm256_storeu_ps(out + i + 8, b);
-    }
-    return i;
-}
-
-#endif
-
-void gp_split_half_to_float(const uint8_t *even, const uint8_t *odd,
-                            float *out, size_t n)
-{
-    enum { BLOCK = 512 };
-    uint16_t half[BLOCK];
-    size_t i = 0;
-#ifdef HAVE_X86
-    if (gp_cpu_has_avx2())
-        i = split_half_wide(even, odd, out, n);
-#endif
-    for (; i < n; i += BLOCK) {
-        size_t m = n - i < BLOCK ? n - i : BLOCK;
-        gp_interleave(even + i, odd + i, half, m);
-        gp_half_to_float(half, out + i, m);
-    }
+    // without a place for the size, another one than n is a failure
+    if (rle ? !expand_runs(packed, size, scratch, n)
+            : libdeflate_zlib_decompress(d, packed, size, scratch, n, NULL))
+        return false;
+    undo_delta(scratch, n);
+    interleave(scratch, scratch + n / 2, out, n / 2);
+    return true;
 }

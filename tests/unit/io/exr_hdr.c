@@ -10,60 +10,11 @@
 
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 
-// -- headers ------------------------------------------------------------------
-
-/* The attribute of that name, and how many there are. */
-static struct gp_exr_attr attr_of(const struct gp_exr_header *h,
-                                  const char *name, int *count)
-{
-    struct gp_exr_attr found = {0};
-    *count = 0;
-    for (const uint8_t *p = h->bytes + 8; *p;) {
-        struct gp_exr_attr a = {.name = (const char *) p};
-        p += strlen(a.name) + 1;
-        a.type = (const char *) p;
-        p += strlen(a.type) + 1;
-        memcpy(&a.size, p, 4);
-        a.data = p + 4;
-        p += 4 + a.size;
-        assert_true(p < h->bytes + h->size);
-        if (strcmp(a.name, name) != 0)
-            continue;
-        found = a;
-        ++*count;
-    }
-    return found;
-}
-
-static const struct gp_exr_source one_source = {
-    .name = "Y", .type = GP_HALF, .xs = 1, .ys = 1, .linear = true,
-};
-
-/* A header's only part, of a frame with that attribute. */
-static struct gp_exr_header make_header(struct gp_attribute *attribute,
-    const struct gp_exr_index_part *raw, enum gp_exr_kept kept,
-    uint32_t flags, enum gp_compression compression)
-{
-    const struct gp_rect r = {0, 0, 2, 2};
-    struct gp_frame f = wf_frame(r, r, wf_rgb);
-    const struct gp_exr_image img = {r, compression, &one_source, 1};
-    struct gp_exr_header h;
-    f.attribute = attribute;
-    f.attributes = attribute != NULL;
-    gp_exr_header_start(&h, flags);
-    gp_exr_header_part(&h, &f, &img, raw, kept, NULL, &wf_defaults, 0);
-    assert_ok(gp_exr_header_done(&kept_all, "h.exr", &h));
-    f.attribute = NULL;
-    f.attributes = 0;
-    gp_frame_free(&f);
-    return h;
-}
-
 /* Checks what other formats say of the picture, not of how they stored it. */
 static void attributes_of_other_formats(void **state)
 {
     static char longest[257], longer[258];
-    const struct {
+    static const struct {
         struct gp_attribute a;
         const char *type; // NULL: not carried
         bool shown;       // carried to a display-referred picture too
@@ -85,77 +36,40 @@ static void attributes_of_other_formats(void **state)
     };
     memset(longest, 'a', 255);
     memset(longer, 'b', 256);
+    struct gp_frame f = wf_sized(2, 2, wf_rgb);
     for (size_t i = 0; i < COUNT(row); i++) {
         for (int shown = 0; shown < 2; shown++) {
             struct gp_attribute a = row[i].a;
-            struct gp_exr_header h = make_header(&a, NULL, shown
-                ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0, GP_COMPRESSION_ZIP);
-            int count;
-            const struct gp_exr_attr got = attr_of(&h, a.name, &count);
             const bool want = row[i].type && (!shown || row[i].shown);
-            if (count != want)
-                fail_msg("%s: %d of it", a.name, count);
+            f.attribute = &a;
+            f.attributes = 1;
+            assert_ok(shown ? wf_write(NULL, "a.exr", &f, GP_PICTURE_SHOWN)
+                            : wf_write_hdr(NULL, "a.exr", &f));
+            struct gp_frame b = wf_read_back("a.exr");
+            const struct gp_exr_index *const index = gp_input_of(&b)->index;
+            const struct gp_exr_attr *got = NULL;
+            for (int k = 0; k < index->attrs; k++) {
+                if (strcmp(index->attr[k].name, a.name) == 0)
+                    got = &index->attr[k];
+            }
+            if (want != (got != NULL))
+                fail_msg("%s: %d", a.name, want);
             if (want) {
                 const size_t n = a.kind == 0 ? strlen(a.text) : 4;
-                assert_string_equal(got.type, row[i].type);
-                assert_int_equal(got.size, n);
-                assert_memory_equal(got.data, a.kind == 0
+                assert_string_equal(got->type, row[i].type);
+                assert_int_equal(got->size, n);
+                assert_memory_equal(got->data, a.kind == 0
                     ? (const void *) a.text : a.kind == 1
                     ? (const void *) &a.number : &a.real, n);
             }
-            assert_int_equal(!(h.flags & GP_EXR_LONG_NAMES),
+            assert_int_equal(!(gp_le32(index->bytes + 4) & GP_EXR_LONG_NAMES),
                              !(want && strlen(a.name) > 31));
-            gp_exr_header_free(&h);
+            gp_frame_free(&b);
         }
     }
-}
-
-static void attributes_of_another_exr(void **state)
-{
-    static const struct {
-        const char *name;
-        uint32_t flags;
-        int count[4]; // for each gp_exr_kept
-    } row[] = {
-        {"owner", 0, {1, 1, 1, 1}}, {"owner", GP_EXR_DEEP, {1, 1, 1, 1}},
-        {"multiView", 0, {1, 1, 0, 0}}, {"preview", 0, {1, 0, 0, 0}},
-        {"chromaticities", 0, {1, 0, 1, 0}},
-        {"compression", 0, {1, 1, 1, 1}},       // the picture's own
-        {"version", 0, {1, 1, 1, 1}},
-        {"version", GP_EXR_DEEP, {1, 1, 1, 1}}, // not twice
-        {"tiles", 0, {0, 0, 0, 0}},
-        {"screenWindowWidth", 0, {1, 1, 1, 1}}, // of a wrong size: made anew
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        static const uint8_t data[3] = {9, 9, 9};
-        const bool wide = strcmp(row[i].name, "screenWindowWidth") == 0;
-        const struct gp_exr_attr a = {row[i].name, wide ? "float" : "opaque",
-                                      data, sizeof data};
-        const struct gp_exr_index_part raw = {.attr = &a, .attrs = 1};
-        for (int kept = 0; kept < 4; kept++) {
-            struct gp_exr_header h = make_header(NULL, &raw,
-                (enum gp_exr_kept) kept, row[i].flags, GP_COMPRESSION_PIZ);
-            int count;
-            const struct gp_exr_attr got = attr_of(&h, a.name, &count);
-            if (count != row[i].count[kept])
-                fail_msg("%s: %d where %d is kept", a.name, count, kept);
-            if (wide)
-                assert_int_equal(got.size, 4);
-            gp_exr_header_free(&h);
-        }
-    }
-}
-
-static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
-    const int *chunks, int parts, struct gp_exr_out *out)
-{
-    struct gp_file *file;
-    assert_ok(gp_exr_header_done(NULL, path, h));
-    assert_ok(gp_file_open(&kept_all, path, false, &file));
-    assert_ok(gp_exr_out_begin(&kept_all, file, h->bytes, h->size, chunks,
-                               parts, out));
-    gp_exr_header_free(h);
-    return file;
+    f.attribute = NULL;
+    f.attributes = 0;
+    gp_frame_free(&f);
 }
 
 // -- making inputs ------------------------------------------------------------
@@ -181,39 +95,39 @@ static void end_file(struct gp_exr_out *out, struct gp_file *file)
     gp_exr_out_free(out);
 }
 
-static void put_int(struct gp_exr_header *h, const char *name, int32_t v)
+static void put_int(struct gp_exr_out *out, const char *name, int32_t v)
 {
-    gp_exr_header_put(h, name, "int", &v, 4);
+    gp_exr_put(out, name, "int", &v, 4);
 }
 
-static void put_text(struct gp_exr_header *h, const char *name, const char *v)
+static void put_text(struct gp_exr_out *out, const char *name, const char *v)
 {
-    gp_exr_header_put(h, name, "string", v, strlen(v));
+    gp_exr_put(out, name, "string", v, strlen(v));
 }
 
 /* The attributes of a part that is not the colour part; one half channel. */
-static void put_part(struct gp_exr_header *h, const char *name,
+static void put_part(struct gp_exr_out *out, const char *name,
                      const char *type, int w, int rows, int chunks)
 {
     static const uint8_t list[] = {'Z', 0, 1, 0, 0, 0, 0, 0, 0, 0,
                                    1, 0, 0, 0, 1, 0, 0, 0, 0};
     const int32_t box[4] = {0, 0, w - 1, rows - 1};
     const float centre[2] = {0, 0}, one = 1;
-    gp_exr_header_put(h, "channels", "chlist", list, sizeof list);
-    gp_exr_header_put(h, "compression", "compression", "\2", 1); // zips
-    gp_exr_header_put(h, "dataWindow", "box2i", box, 16);
-    gp_exr_header_put(h, "displayWindow", "box2i", box, 16);
-    gp_exr_header_put(h, "lineOrder", "lineOrder", "\1", 1); // decreasing
-    gp_exr_header_put(h, "pixelAspectRatio", "float", &one, 4);
-    gp_exr_header_put(h, "screenWindowCenter", "v2f", centre, 8);
-    gp_exr_header_put(h, "screenWindowWidth", "float", &one, 4);
-    put_text(h, "name", name);
-    put_text(h, "type", type);
-    put_int(h, "chunkCount", chunks);
-    put_text(h, "comments", name);
+    gp_exr_put(out, "channels", "chlist", list, sizeof list);
+    gp_exr_put(out, "compression", "compression", "\2", 1); // zips
+    gp_exr_put(out, "dataWindow", "box2i", box, 16);
+    gp_exr_put(out, "displayWindow", "box2i", box, 16);
+    gp_exr_put(out, "lineOrder", "lineOrder", "\1", 1); // decreasing
+    gp_exr_put(out, "pixelAspectRatio", "float", &one, 4);
+    gp_exr_put(out, "screenWindowCenter", "v2f", centre, 8);
+    gp_exr_put(out, "screenWindowWidth", "float", &one, 4);
+    put_text(out, "name", name);
+    put_text(out, "type", type);
+    put_int(out, "chunkCount", chunks);
+    put_text(out, "comments", name);
     if (type[0] == 'd') {
-        put_int(h, "version", 1);
-        put_int(h, "maxSamplesPerPixel", -1);
+        put_int(out, "version", 1);
+        put_int(out, "maxSamplesPerPixel", -1);
     }
 }
 
@@ -275,23 +189,24 @@ static void make_parts(const char *path, const struct gp_frame *f,
     const struct gp_exr_image img = colour_of(f, GP_HALF, GP_COMPRESSION_ZIPS,
                                               source);
     const int chunks[4] = {TILES, gp_rect_h(f->data), ROWS, ROWS};
-    struct gp_exr_header h;
+    struct gp_file *file;
     struct gp_exr_out out;
-    gp_exr_header_start(&h, GP_EXR_MULTIPART | GP_EXR_DEEP);
-    put_part(&h, "rips", "tiledimage", 8, 8, TILES);
+    assert_ok(gp_file_open(&kept_all, path, false, &file));
+    gp_exr_out_begin(&out, &kept_all, file, GP_EXR_MULTIPART | GP_EXR_DEEP);
+    put_part(&out, "rips", "tiledimage", 8, 8, TILES);
     static const uint8_t tiles[9] = {4, 0, 0, 0, 4, 0, 0, 0, 2}; // rip, down
-    gp_exr_header_put(&h, "tiles", "tiledesc", tiles, 9);
-    put_int(&h, "version", 1);
-    gp_exr_header_raw(&h, "", 1);
-    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
-                       &wf_defaults, chunks[1]);
-    put_part(&h, "deep", "deepscanline", 2, ROWS, ROWS);
-    put_text(&h, long_name, "long");
-    gp_exr_header_raw(&h, "", 1);
-    put_part(&h, "last", "scanlineimage", 2, ROWS, ROWS);
-    put_int(&h, "version", 1);
-    gp_exr_header_raw(&h, "\0", 2);
-    struct gp_file *const file = begin_file(path, &h, chunks, 4, &out);
+    gp_exr_put(&out, "tiles", "tiledesc", tiles, 9);
+    put_int(&out, "version", 1);
+    gp_exr_put_raw(&out, "", 1);
+    gp_exr_put_part(&out, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
+                    &wf_defaults, chunks[1]);
+    put_part(&out, "deep", "deepscanline", 2, ROWS, ROWS);
+    put_text(&out, long_name, "long");
+    gp_exr_put_raw(&out, "", 1);
+    put_part(&out, "last", "scanlineimage", 2, ROWS, ROWS);
+    put_int(&out, "version", 1);
+    gp_exr_put_raw(&out, "\0", 2);
+    assert_ok(gp_exr_out_tables(&out, chunks, 4));
     put_rips(&out, 0);
     assert_ok(gp_exr_encode(&out, 1, &img, 45, &wf_stats));
     for (int32_t y = ROWS - 1; y >= 0; y--)
@@ -326,6 +241,17 @@ static void assert_attributes(const struct gp_exr_index_part *a,
 
 // -- tests --------------------------------------------------------------------
 
+/* A file of parts that no picture is made of comes back as it was. */
+static void whole_parts(void **state)
+{
+    struct gp_frame made = wf_sized(20, 20, wf_rgb);
+    make_parts(wf_path("in.exr"), &made, NULL);
+    struct gp_frame a = wf_read_back("in.exr");
+    assert_ok(wf_write_hdr(NULL, "out.exr", &a));
+    wf_assert_same(wf_path("in.exr"), wf_path("out.exr"));
+    free_frames(&a, &made);
+}
+
 static void damaged_parts(void **state)
 {
     static const struct damage row[] = {
@@ -342,8 +268,8 @@ static void damaged_parts(void **state)
     struct gp_frame made = wf_sized(20, 20, wf_rgb);
     for (size_t i = 0; i < COUNT(row); i++) {
         char part[16];
-        make_parts(wf_path("in.exr"), &made, &row[i]);
         struct gp_frame a;
+        make_parts(wf_path("in.exr"), &made, &row[i]);
         assert_int_equal(gp_read_frame(&kept_all, &params, wf_path("in.exr"),
                                        &a), row[i].cut ? GP_ERR_DATA : GP_OK);
         if (row[i].cut)
@@ -363,35 +289,36 @@ static void damaged_parts(void **state)
 /* A file of one part with attributes of all sorts. */
 static void make_attributes(const char *path, const struct gp_frame *f)
 {
-    const float ap0[8] = {0.7347f, 0.2653f, 0,        1,
-                          0.0001f, -0.077f, 0.32168f, 0.33767f};
-    const float centre[2] = {0.25f, -1.5f}, width = 3, level = 80;
-    const uint8_t preview[12] = {1, 0, 0, 0, 1, 0, 0, 0, 9, 8, 7, 6};
+    static const float ap0[8] = {0.7347f, 0.2653f, 0,        1,
+                                 0.0001f, -0.077f, 0.32168f, 0.33767f};
+    static const float centre[2] = {0.25f, -1.5f}, width = 3, level = 80;
+    static const uint8_t preview[12] = {1, 0, 0, 0, 1, 0, 0, 0, 9, 8, 7, 6};
+#define VALUE(v) (const uint8_t *) (v)
+    const struct gp_exr_attr attr[] = {
+        {"screenWindowCenter", "v2f", VALUE(centre), 8},
+        {"chromaticities", "chromaticities", VALUE(ap0), 32},
+        {"whiteLuminance", "float", VALUE(&width), 4},
+        {"dwaCompressionLevel", "float", VALUE(&level), 4},
+        {"preview", "preview", preview, sizeof preview},
+        {"strange", "studio::Type<int>", preview, 11},
+        {"nothing", "studio", preview, 0},
+        {"comments", "string", preview, 0},
+        {long_name, "string", VALUE("two\nlines"), 9},
+        {"version", "string", VALUE("v002"), 4}, // of the shot, as Nuke says it
+    };
     struct gp_exr_source source[3];
     const struct gp_exr_image img = colour_of(f, GP_FLOAT,
                                               GP_COMPRESSION_PXR24, source);
     const int chunks = gp_exr_chunk_count(&img);
-    const struct gp_exr_attr screen = {"screenWindowCenter", "v2f",
-                                       (const uint8_t *) centre, 8};
-    const struct gp_exr_index_part own = {.attr = &screen, .attrs = 1};
-    struct gp_exr_header h;
+    const struct gp_exr_index_part own = {.attr = attr, .attrs = COUNT(attr)};
+    struct gp_file *file;
     struct gp_exr_out out;
-    gp_exr_header_start(&h, 0);
-    gp_exr_header_part(&h, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults,
-                       0);
-    h.size -= 1; // its end
-    gp_exr_header_put(&h, "chromaticities", "chromaticities", ap0, 32);
-    gp_exr_header_put(&h, "whiteLuminance", "float", &width, 4);
-    gp_exr_header_put(&h, "dwaCompressionLevel", "float", &level, 4);
-    gp_exr_header_put(&h, "preview", "preview", preview, sizeof preview);
-    gp_exr_header_put(&h, "strange", "studio::Type<int>", preview, 11);
-    gp_exr_header_put(&h, "nothing", "studio", "", 0);
-    put_text(&h, "comments", "");
-    put_text(&h, long_name, "two\nlines");
-    put_text(&h, "version", "v002"); // of the shot, as Nuke says it
-    gp_exr_header_raw(&h, "", 1);
-    assert_true(h.flags & GP_EXR_LONG_NAMES);
-    struct gp_file *const file = begin_file(path, &h, &chunks, 1, &out);
+    assert_ok(gp_file_open(&kept_all, path, false, &file));
+    gp_exr_out_begin(&out, &kept_all, file, 0);
+    gp_exr_put_part(&out, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults,
+                    0);
+    assert_ok(gp_exr_out_tables(&out, &chunks, 1));
+    assert_true(out.flags & GP_EXR_LONG_NAMES);
     assert_ok(gp_exr_encode(&out, 0, &img, 45, &wf_stats));
     end_file(&out, file);
 }
@@ -437,4 +364,4 @@ static void primaries(void **state)
 }
 
 SUITE_OF_EACH(exr_hdr, wf_start, remove_folder, attributes_of_other_formats,
-              attributes_of_another_exr, damaged_parts, attributes, primaries)
+              whole_parts, damaged_parts, attributes, primaries)
