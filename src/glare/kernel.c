@@ -461,8 +461,6 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
         st = make_rotated(log, p, &raw, out);
     if (!st)
         out->left_out = p->left_out;
-    for (int c = 0; !st && c < 3; c++)
-        out->beyond[c] = p->left_out;
     return st;
 }
 
@@ -479,8 +477,7 @@ gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,
 
 void gp_kernel_free(struct gp_kernel *k)
 {
-    if (k->origin)
-        k->free_origin(k->origin);
+    gp_free(k->origin);
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);

@@ -586,7 +586,7 @@ static gp_status join_slices(const struct gp_log *log, const struct samples *k,
     }
     *out = (struct gp_shape) {
         .state = d, .free = joined_free, .row = joined_row, .smooth = INFINITY,
-        .reach = gp_max(d->rx, d->ry), .rows = d->ry,
+        .reach = gp_max(d->rx, d->ry),
     };
     return GP_OK;
 }
@@ -646,13 +646,10 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     struct gp_shape shape = {
         .state = k, .free = samples_free, .row = samples_row,
         .grey = k->channels == 1, .smooth = INFINITY,
-        .reach = gp_max(k->r[0], k->r[1]), .rows = k->r[1],
+        .reach = gp_max(k->r[0], k->r[1]),
     };
-    for (int i = 0; i < 2; i++)
-        shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
     if (corner > d->sampled * reach)
-        GP_TRY(gp_diffract_join(log, d, k->r[0], k->r[1], reach, f,
-                                &shape));
+        GP_TRY(gp_diffract_join(log, d, k->r, reach, f, &shape));
     *out = shape;
     k = NULL;
 out:

@@ -79,7 +79,7 @@ static gp_status open_gaussian(const struct gp_log *log,
     const double reach = ceil(14.0 * fmax(g.sigma_x, g.sigma_y)) + 1.0;
     *out = (struct gp_shape) {
         .row = gaussian_row, .grey = true, .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
     return make_state(log, &g, sizeof g, out);
 }
@@ -285,7 +285,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
         .state = r, .free = free_radial, .grey = grey,
         .row = slices > MOST_SLICES ? rings_row : radial_row,
         .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
     return GP_OK;
 }
@@ -474,7 +474,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
                          abs(k->h - 1 - k->cy)};
     *out = (struct gp_shape) {
         .state = k, .free = free_image, .row = image_row, .grey = k->grey,
-        .negative = k->negative, .smooth = INFINITY, .fits = {1, 1},
+        .negative = k->negative, .smooth = INFINITY,
     };
     for (int i = 0; i < 4; i++)
         out->reach = reach[i] > out->reach ? reach[i] : out->reach;

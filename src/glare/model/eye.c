@@ -358,10 +358,6 @@ static gp_status open_night(const struct gp_log *log,
         .grey = !n->all[0], .even = !n->add,
         .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
     };
-    if (n->rx < f->w - 1 && n->ry < f->h - 1) {
-        out->fits[0] = n->rx + 1;
-        out->fits[1] = n->ry + 1;
-    }
     n = NULL;
 out:
     if (n)

@@ -30,9 +30,6 @@ struct gp_shape {
     double smooth;   // pixels from the centre from which on it bends only on
                      // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
-    int rows;        // the same in y alone; 0: as reach
-    int fits[2];     // the same in all fields that differ only in w and h, and
-                     // are at least so wide and high; 0: in none
 
     /* The part of row() to which `smooth` applies, and all of row() at offsets
      * beyond `sharp`; out[0] only where far_grey. NULL: all of it, and the
@@ -45,23 +42,6 @@ struct gp_shape {
     int sharp;
 };
 enum { GP_SHAPE_STRIP = 256 };
-
-struct gp_model {
-    const char *name, *text, *source;
-    const struct gp_model_key *keys; // the first is `share`
-    bool moves;       // it depends on the field's frame
-
-    /* The pupil's diameter, mm, and whether the key `adaptation` decides it.
-     * NULL: it has no pupil, no adaptation. */
-    double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
-    bool (*adapts)(const struct gp_recipe *r);
-
-    /* Evaluates what depends on recipe and field. The shape's luminance sums to
-     * 1 over the hemisphere (over the plane for what has no angle).
-     * Written only on GP_OK. Errors: those of gp_model_kernel(). */
-    gp_status (*open)(const struct gp_log *log, const struct gp_recipe *r,
-                      const struct gp_field *f, struct gp_shape *out);
-};
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
@@ -104,11 +84,6 @@ static inline double gp_model_random(uint64_t seed, uint64_t i)
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
-
-// -- make.c: declared for tests ------------------------------------------------
-
-/* Shapes that the last gp_model_kernel_next() opened; the others were kept. */
-int gp_model_opened(const struct gp_model_kept *kept);
 
 // -- quadrature.c --------------------------------------------------------------
 
@@ -333,14 +308,14 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* Joins to a shape whose samples, of offsets up to rx and ry, end at `reach`
+/* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
  * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * take over before. Where the samples hold all up to `reach` (`fits`), the light
- * of the centre is changed for all of it to be 1.
+ * take over before. Where the field cuts no samples off, the light of the centre
+ * is changed for all of it to be 1.
  *
  *   shape  owned by the caller; after an error as before */
 GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
-    const struct gp_diffraction *d, int rx, int ry, double reach,
+    const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape);
 
 enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line

@@ -308,7 +308,7 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
         fill_far_slopes(t);
     *out = (struct gp_shape) {
         .state = t, .free = free_radial, .row = radial_row,
-        .grey = channels == 1, .even = true, .reach = INT_MAX, .fits = {1, 1},
+        .grey = channels == 1, .even = true, .reach = INT_MAX,
     };
     return GP_OK;
 }

@@ -29,26 +29,6 @@ const struct gp_model_preset gp_model_presets[] = {
     {0},
 };
 
-const char *gp_model_name(const struct gp_model *m)
-{
-    return m->name;
-}
-
-const char *gp_model_text(const struct gp_model *m)
-{
-    return m->text;
-}
-
-const char *gp_model_source(const struct gp_model *m)
-{
-    return m->source;
-}
-
-const struct gp_model_key *gp_model_keys(const struct gp_model *m)
-{
-    return m->keys;
-}
-
 /* Text up to `end` equals a whole name. */
 static bool is_name(const char *name, const char *text, const char *end)
 {
@@ -356,11 +336,6 @@ char *gp_recipe_text(const struct gp_recipe *r)
         between = ',';
     }
     return text;
-}
-
-bool gp_recipe_moves(const struct gp_recipe *r)
-{
-    return r->model->moves;
 }
 
 double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f)
