@@ -62,7 +62,6 @@ struct joined {
     double pixel[2];               // degrees
     double from, reach;            // samples fade between: left_at()
     double end;                    // of these and spikes
-    double own[3];                 // light of the centre, so that all is 1
     double light[3];               // of the mean
 };
 
@@ -215,11 +214,8 @@ static void joined_row(const void *state, int x, int y, int n,
                        double *const out[3])
 {
     const struct joined *const s = state;
-    const int channels = s->near.grey ? 1 : 3;
     s->near.row(s->near.state, x, y, n, out);
     take_over(s, x, y, n, out);
-    for (int c = 0; c < channels && y == 0 && x <= 0 && x + n > 0; c++)
-        out[c][-x] += s->own[c];
 }
 
 static void joined_free(void *state)
@@ -378,8 +374,8 @@ gp_status gp_diffract_join(const struct gp_log *log,
     const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
     const bool whole = r[0] < f->w - 1 && r[1] < f->h - 1;
     for (int c = 0; c < 3 && whole; c++)
-        s->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
-                    over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
+        shape->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
+                        over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
     shape->state = s;
     shape->free = joined_free;
     shape->row = joined_row;

@@ -159,6 +159,10 @@ static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
         if (abs(y) > s->reach || from >= to || (far && !has_tail(s)))
             continue;
         (part ? s->far : s->row)(s->state, from, y, to - from, out);
+        if (!part && y == 0 && x <= 0 && x + n > 0) {
+            for (int c = 0; c < (s->grey ? 1 : 3); c++)
+                strip[c][-from] += s->own[c];
+        }
         for (int c = 0; c < ((far ? m->tail_grey : m->grey) ? 1 : 3); c++) {
             const double *const v =
                 strip[(part ? s->far_grey : s->grey) ? 0 : c];

@@ -24,6 +24,7 @@ struct gp_shape {
      * threads; a pixel's value does not depend on the strip it is in. */
     void (*row)(const void *state, int x, int y, int n, double *const out[3]);
 
+    double own[3];   // light of offset (0, 0) that row() does not write
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
     bool negative;   // samples may be
@@ -103,8 +104,7 @@ const struct gp_gauss *gp_tent_rule(int n);
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
- * from the light, by steps that grow with the distance: about 1e-9. Threads may
- * call `p` at once; the sum is the same for any number of them. */
+ * from the light, by steps that grow with the distance: about 1e-9. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
@@ -112,19 +112,6 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * light per steradian into light per square degree of the plane that pixels
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
-
-/* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
- * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
- * the angle
- *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
- * as in a rectilinear picture, and has its light: all of the hemisphere's in
- * the plane, and none is cut off with a rim. */
-struct gp_sky {
-    gp_profile p;
-    const void *ctx;
-    int channels;
-};
-void gp_sky_in_plane(const void *sky, double t, double out[3]);
 
 // -- quadrature.c: deposits ----------------------------------------------------
 
@@ -194,10 +181,6 @@ GP_MUST_CHECK gp_status gp_needles_make(const struct gp_log *log,
 
 // -- eye.c: declared for tests -------------------------------------------------
 
-/* The share of light that a recipe of spencer or cie sends farther than t
- * degrees, in luminance. */
-double gp_eye_beyond(const struct gp_recipe *r, const struct gp_field *f,
-                     double t);
 /* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
 double gp_spencer_term(int i, double t, double nm);
 double gp_cie_general(double age, double p, double t);
