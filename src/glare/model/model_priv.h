@@ -227,15 +227,6 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- aperture.c: Zernike's polynomials ----------------------------------------
-
-/* Zernike's polynomials Z2 to Z15 by Noll's numbers, over the unit disc. */
-enum { GP_ZERNIKE_FIRST = 2, GP_ZERNIKE_LAST = 15 };
-/* The value of Zj; x right, y up, x = r cos a. */
-double gp_zernike(int j, double x, double y);
-/* Its steepest slope over the disc, which is at the rim. */
-double gp_zernike_slope(int j);
-
 // -- aperture.c: gratings -----------------------------------------------------
 
 /* Writes 0.5 + 0.5 cos(fibres (a - turn)) of cells x in [from, to) of row y to
@@ -276,7 +267,7 @@ double gp_pupil_watson(double nits, double area, double age);
  * `strength` scales its noise in [-1, 1]. */
 double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 
-// -- diffraction: transforms and a pupil's lags --------------------------------
+// -- diffraction --------------------------------------------------------------
 
 #ifndef CMPLX // glibc defines these only for gcc; clang has the built-in
 #define CMPLX(re, im) __builtin_complex((double) (re), (double) (im))
@@ -300,38 +291,6 @@ static inline double gp_sinc(double x)
 GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
     const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape);
-
-enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line
-
-/* Plans of a length, and GP_GROUP arrays in and as many out for each thread. */
-struct gp_transform {
-    const struct gp_fftwd *lib;
-    int n;
-    fftw_plan forward, backward;
-    double complex *room;
-};
-
-/* Call on one thread. Free with gp_transform_free().
- * Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_transform_make(const struct gp_log *log, int n,
-                                          struct gp_transform *out);
-void gp_transform_free(struct gp_transform *t);
-
-static inline double complex *gp_transform_in(const struct gp_transform *t,
-                                              int thread, int i)
-{
-    return t->room + (size_t) (2 * GP_GROUP * thread + i) * (size_t) t->n;
-}
-
-static inline double complex *gp_transform_out(const struct gp_transform *t,
-                                               int thread, int i)
-{
-    return gp_transform_in(t, thread, GP_GROUP + i);
-}
-
-/* Transforms the thread's first n arrays. */
-void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
-                      int thread);
 
 /* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
  * times `sum`, at gp_lag_at(); at (-u, -v) it is conjugate. Lags are in strips
@@ -371,6 +330,7 @@ struct gp_correlator {
                                   // that no lag meets another
     size_t pitch;                 // complex numbers of an array of `room`
     float complex *room;
+    float *boost;                 // of each frequency, squared sincs undone
     int columns, across;          // of the spectrum; stored, a multiple of 8
     float complex *z;             // [8 rows, or lags v >= 0][column][row]
 };
@@ -382,7 +342,6 @@ GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
 void gp_correlator_free(struct gp_correlator *t);
 
 /* Fills all but a->n at one wavelength. */
-GP_MUST_CHECK gp_status gp_correlate(const struct gp_log *log,
-    const struct gp_correlator *t, double nm, struct gp_lags *a);
+void gp_correlate(const struct gp_correlator *t, double nm, struct gp_lags *a);
 
 #endif
