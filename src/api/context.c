@@ -261,10 +261,10 @@ const char *glarepp_name(struct glarepp *gp, enum glarepp_list list, int i,
     case GLAREPP_MODEL_SOURCES:
         while (n < i && gp_models[n])
             n++;
-        name = gp_models[n] ? gp_model_name(gp_models[n]) : NULL;
+        name = gp_models[n] ? gp_models[n]->name : NULL;
         if (name)
-            line = list == GLAREPP_MODELS ? gp_model_text(gp_models[n])
-                                          : gp_model_source(gp_models[n]);
+            line = list == GLAREPP_MODELS ? gp_models[n]->text
+                                          : gp_models[n]->source;
         break;
     case GLAREPP_PRESETS:
     case GLAREPP_PRESET_RECIPES:
@@ -294,7 +294,7 @@ bool glarepp_key(int model, int k, struct glarepp_key *out)
         n++;
     if (model < 0 || !gp_models[n])
         return false;
-    const struct gp_model_key *key = gp_model_keys(gp_models[n]);
+    const struct gp_model_key *key = gp_models[n]->keys;
     for (; k > 0 && key->name; k--)
         key++;
     *out = (struct glarepp_key) {

@@ -53,7 +53,7 @@ static gp_status read_recipes(struct glarepp *gp,
         st = read_image(gp, r, i, file);
         if (st)
             break;
-        if (strcmp(gp_model_name(recipe->model), "image") != 0)
+        if (strcmp(recipe->model->name, "image") != 0)
             r->label[i] = (struct gp_kernel_label) {0};
         recipe->image = &r->image[i];
         recipe->as_it_is = r->label[i].present;

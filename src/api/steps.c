@@ -178,7 +178,7 @@ static void fit_lens(const struct gp_api_stop *stop, int recipes,
 {
     for (int i = 0; i < recipes; i++) {
         struct gp_recipe *const k = &recipe[i];
-        if (strcmp(gp_model_name(k->model), "aperture") != 0)
+        if (strcmp(k->model->name, "aperture") != 0)
             continue;
         gp_recipe_preset(k, "blades", stop->blades);
         gp_recipe_preset(k, "roundness", 0.0);
@@ -227,7 +227,7 @@ static struct gp_kernel_use use_of(const struct glarepp_frame *f, int *worst)
 /* The use of an image that a recipe names, by its keys. */
 static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
 {
-    const struct gp_model_key *const keys = gp_model_keys(recipe->model);
+    const struct gp_model_key *const keys = recipe->model->keys;
     struct gp_kernel_use use = {.as_it_is = recipe->as_it_is};
     for (int i = 0; keys[i].name; i++) {
         if (keys[i].file || recipe->value[i] == keys[i].preset)
@@ -295,7 +295,7 @@ static gp_status warn_of_images(struct glarepp_frame *f)
         struct gp_kernel_figures figures;
         struct gp_kernel k;
         struct gp_fault fault;
-        if (strcmp(gp_model_name(recipe->model), "image") != 0)
+        if (strcmp(recipe->model->name, "image") != 0)
             continue;
         const gp_status st =
             gp_kernel_from_frame(&f->log, &p, recipe->image, &k);

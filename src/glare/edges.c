@@ -486,7 +486,7 @@ static const float *share_of(const struct gp_outside *o, int c, int y, int threa
     const double *const low = box_row(&o->sums, c, y0);
     const double *const high = box_row(&o->sums, c, y1);
     const double all = box_row(&o->sums, c, k->h)[k->w];
-    find_shares(k, low, high, k->beyond[c] + (all - (high[k->w] - low[k->w])),
+    find_shares(k, low, high, k->left_out + (all - (high[k->w] - low[k->w])),
                 o->w, o->box + (size_t) gp_max(thread, 0) * o->sums.pitch, share);
     return share;
 }
@@ -548,7 +548,7 @@ static void add_exact_row(void *ctx, int y, int thread)
             const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
             const double inside = high[x1] - high[x0] - low[x1] + low[x0];
             const float light = above[x] + down * (above[x + b->w] - above[x]);
-            out[x] += (k->beyond[c] + all - inside) * (double) light;
+            out[x] += (k->left_out + all - inside) * (double) light;
         }
     }
 }

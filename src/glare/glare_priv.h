@@ -32,11 +32,7 @@ struct gp_rotated {
  * angles, for which they are exact. */
 bool gp_rotate_angle(float degrees, struct gp_unturned *u);
 
-/* Sample of channel c at the whole offset (dx, dy) from the rotated kernel's
- * centre: the identity of struct gp_unturned, in double. The plain form. */
-double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy);
-
-/* Makes the rotated kernel by these samples, rounded to float; `grey` says
+/* Makes the rotated kernel, struct gp_unturned's, in float; `grey` says
  * that the three planes are equal. By right angles the samples only move.
  *
  *   name  for messages

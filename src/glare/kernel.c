@@ -4,15 +4,14 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 #include "glare/kernel_rows.h"
 #include "glare/far_field/far_field.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 enum { MAX_CENTER = 1 << 20 }; // pixels; a centre farther away meets no frame
@@ -44,46 +43,32 @@ struct raw_sums {
     struct row_sums *row;
 };
 
-static void look_at_channel(const float *v, int w, int c, struct row_sums *r)
-{
-    const uint32_t bits = gp_row_bits(v, w);
-    float peak;
-    memcpy(&peak, &bits, sizeof peak);
-    r->peak = peak > r->peak ? peak : r->peak;
-    for (int x = 0; x < w && !isfinite(peak); x++) {
-        if (!isfinite(v[x])) {
-            r->bad_x = x;
-            r->bad_c = c;
-        }
-    }
-    int x0 = 0, x1 = w;
-    while (x0 < r->x0 && v[x0] == 0.0f)
-        x0++;
-    while (x1 > r->x1 && v[x1 - 1] == 0.0f)
-        x1--;
-    r->x0 = x0;
-    r->x1 = x1;
-}
-
 static void sum_raw_row(void *ctx, int y, int thread)
 {
     const struct raw_sums *const s = ctx;
     const int w = s->raw->w;
     const size_t at = (size_t) y * (size_t) w;
-    const float *v[3];
-    double squares[3]; // not asked for
     struct row_sums r = {.x0 = w, .x1 = 0, .bad_x = -1};
     (void) thread;
     for (int c = 0; c < 3; c++) {
-        v[c] = s->raw->in.c[c] + at;
-        const bool other = c && memcmp(v[c], v[0], (size_t) w * sizeof **v) != 0;
-        r.coloured |= other;
-        if (!c || other) // most kernels are grey
-            look_at_channel(v[c], w, c, &r);
+        const float *const v = s->raw->in.c[c] + at;
+        int last = w;
+        r.coloured |= memcmp(v, s->raw->in.c[0] + at, (size_t) w * sizeof *v);
+        for (int x = 0; x < w; x++) {
+            r.sum[c] += (double) v[x];
+            r.peak = gp_maxf(fabsf(v[x]), r.peak);
+            if (!isfinite(v[x])) {
+                r.bad_x = x;
+                r.bad_c = c;
+            }
+        }
+        while (last > r.x1 && v[last - 1] == 0.0f)
+            last--;
+        r.x1 = last;
+        for (last = 0; last < r.x0 && v[last] == 0.0f;)
+            last++;
+        r.x0 = last;
     }
-    gp_row_sums(v, r.coloured ? 3 : 1, w, r.sum, squares);
-    for (int c = 1; c < 3 && !r.coloured; c++)
-        r.sum[c] = r.sum[0];
     s->row[y] = r;
 }
 
@@ -158,72 +143,47 @@ static gp_status find_factor(const struct gp_log *log,
 
 // -- cut and scaled -----------------------------------------------------------
 
-struct row_norms {
-    double sum[3], square[3], magnitude[3], faint[3];
-    double side[3][4]; // of gp_row_sides()
-    bool negative;
-};
-
 struct cutting {
     const struct raw_kernel *raw;
     struct gp_rect box;
     double factor;
     struct gp_kernel *k;
-    struct row_norms *row;
+    struct gp_cut_row (*row)[3];
 };
 
 /* Scales a row, in place where the planes are the raw kernel's own. */
 static void cut_row(void *ctx, int y, int thread)
 {
     const struct cutting *const m = ctx;
-    const int w = m->k->w, channels = m->k->grey ? 1 : 3;
-    const size_t to = (size_t) y * (size_t) w;
     const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
                         (size_t) m->box.x0;
-    const float *v[3] = {0};
-    bool negative[3] = {false};
-    struct row_norms n = {0};
     (void) thread;
     for (int c = 0; c < 3; c++) {
-        const float *const in = m->raw->in.c[c] + from;
-        float *const out = m->k->k.c[c] + to;
-        const float *const first = c < channels ? in : v[0];
-        v[c] = out;
-        if (first != out)
-            memcpy(out, first, (size_t) w * sizeof *out);
-        if (c < channels && gp_row_scale(out, w, m->factor, &negative[c]))
-            n.faint[c] = gp_row_drop_faint(out, w);
+        m->row[y][c] = gp_row_cut(m->raw->in.c[c] + from, m->k->w, m->k->cx,
+                                  m->factor, m->k->k.c[c] +
+                                      (size_t) y * (size_t) m->k->w);
+        m->k->lit[(size_t) c * (size_t) m->k->h + (size_t) y] =
+            m->row[y][c].lit;
     }
-    gp_row_sums(v, channels, w, n.sum, n.square);
-    for (int c = 0; c < 3; c++) {
-        struct gp_lit_row *const lit = m->k->lit + (size_t) c * (size_t) m->k->h;
-        if (c < channels) {
-            n.magnitude[c] = negative[c] ? gp_row_magnitudes(v[c], w) : n.sum[c];
-            n.negative |= negative[c];
-            lit[y] = gp_row_lit(v[c], w);
-            gp_row_sides(v[c], w, m->k->cx, INT_MAX / 2, n.side[c]);
-            continue;
-        }
-        n.sum[c] = n.sum[0];
-        n.square[c] = n.square[0];
-        n.magnitude[c] = n.magnitude[0];
-        n.faint[c] = n.faint[0];
-        lit[y] = m->k->lit[y];
-    }
-    m->row[y] = n;
 }
 
-/* Finds the least quarters of the rows. */
-static void find_quarters(const struct row_norms *row, struct gp_kernel *k)
+/* Adds up the sums of the rows of channel c. */
+static void add_rows(const struct cutting *m, int c, struct gp_kernel *k)
 {
-    for (int c = 0; c < 3 && !k->negative; c++) {
-        struct gp_quarter_sums q = {0};
-        for (int y = 0; y < k->h; y++)
-            gp_quarter_add(&q, row[y].side[k->grey ? 0 : c], y <= k->cy,
-                           y >= k->cy);
-        k->quarter_square[c] = gp_quarter_least(q.square);
-        k->quarter_sum[c] = gp_quarter_least(q.sum);
+    struct gp_quarter_sums q = {0};
+    double square = 0.0;
+    for (int y = 0; y < k->h; y++) {
+        const struct gp_cut_row *const r = &m->row[y][c];
+        k->sum[c] += r->sum;
+        square += r->square;
+        k->norm1[c] += r->magnitude;
+        k->faint[c] += r->faint;
+        k->negative |= r->negative;
+        gp_quarter_add(&q, r->side, y <= k->cy, y >= k->cy);
     }
+    k->norm2[c] = sqrt(square);
+    k->quarter_square[c] = gp_quarter_least(q.square);
+    k->quarter_sum[c] = gp_quarter_least(q.sum);
 }
 
 /* Takes raw->in when it is owned, also on failure. */
@@ -253,19 +213,10 @@ static gp_status make_kernel(const struct gp_log *log,
     }
     GP_TRY(gp_alloc(log, raw->name, 3 * (size_t) k.h, sizeof *k.lit, &k.lit));
     gp_parallel_do(k.h, cut_row, &m);
-    double square[3] = {0};
-    for (int y = 0; y < k.h; y++) {
-        for (int c = 0; c < 3; c++) {
-            k.sum[c] += m.row[y].sum[c];
-            square[c] += m.row[y].square[c];
-            k.norm1[c] += m.row[y].magnitude[c];
-            k.faint[c] += m.row[y].faint[c];
-        }
-        k.negative |= m.row[y].negative;
-    }
     for (int c = 0; c < 3; c++)
-        k.norm2[c] = sqrt(square[c]);
-    find_quarters(m.row, &k);
+        add_rows(&m, c, &k);
+    for (int c = 0; c < 3 && k.negative; c++)
+        k.quarter_square[c] = k.quarter_sum[c] = 0.0;
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -461,8 +412,6 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
         st = make_rotated(log, p, &raw, out);
     if (!st)
         out->left_out = p->left_out;
-    for (int c = 0; !st && c < 3; c++)
-        out->beyond[c] = p->left_out;
     return st;
 }
 
@@ -479,8 +428,7 @@ gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,
 
 void gp_kernel_free(struct gp_kernel *k)
 {
-    if (k->origin)
-        k->free_origin(k->origin);
+    gp_free(k->origin);
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);

@@ -78,9 +78,8 @@ struct gp_kernel {
     double left_out;      // of a model: light that falls where nothing is
                           // computed, in luminance, most of it outside of the
                           // frame; else 0
-    double beyond[3];     // the same of each channel; white
     struct gp_kernel_origin *origin; // recipes and field of a model's kernel
-    void (*free_origin)(struct gp_kernel_origin *); // (model/make.c); owned
+                          // (model/make.c); owned
 };
 
 /* Returns the width of a pixel over its height; 1 where the file says less than

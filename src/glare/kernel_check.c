@@ -33,7 +33,7 @@ struct measuring {
     const float *luminance;
     bool edges;                 // whose steps are of interest
     double centre;
-    int about[2];               // the pixel of the centroid, from the centre's
+    int about[2];               // pixel that mirrors, from the centre's
     struct band band[BANDS];
 };
 
@@ -223,36 +223,13 @@ static void measure_band(void *ctx, int i, int thread)
         for (int x = 0; x < k->w; x += STRIP) {
             const int n = gp_min(k->w - x, STRIP);
             read_row(m, x, n, y, v);
-            read_row(m, 2 * k->cx - x - n + 1, n, 2 * k->cy - y, mirror);
+            read_row(m, 2 * (k->cx + m->about[0]) - x - n + 1, n,
+                     2 * (k->cy + m->about[1]) - y, mirror);
             add_samples(m, x, y, n, v, mirror, b);
         }
     }
     if (m->edges)
         b->f.rim = find_rim(m, from, to);
-}
-
-/* Adds up what has no counterpart about the pixel of the centroid. */
-static void mirror_band(void *ctx, int i, int thread)
-{
-    struct measuring *const m = ctx;
-    const struct gp_kernel *const k = m->k;
-    const int from = (int) ((long long) k->h * i / BANDS);
-    const int to = (int) ((long long) k->h * (i + 1) / BANDS);
-    const int cx = k->cx + m->about[0], cy = k->cy + m->about[1];
-    float v[STRIP], mirror[STRIP];
-    double odd = 0.0;
-    (void) thread;
-    for (int y = from; y < to; y++) {
-        for (int x = 0; x < k->w; x += STRIP) {
-            const int n = gp_min(k->w - x, STRIP);
-            read_row(m, x, n, y, v);
-            read_row(m, 2 * cx - x - n + 1, n, 2 * cy - y, mirror);
-            for (int j = 0; j < n; j++)
-                odd += fmax(fabs((double) v[j]) -
-                            fabs((double) mirror[n - 1 - j]), 0.0);
-        }
-    }
-    m->band[i].odd = odd;
 }
 
 /* Asymmetry about the pixel of the centroid; that about the centre's where they
@@ -268,7 +245,9 @@ static double find_moved(struct measuring *m, double all,
         return f->asymmetry;
     m->about[0] = (int) x;
     m->about[1] = (int) y;
-    gp_parallel_do(BANDS, mirror_band, m);
+    m->edges = false;
+    memset(m->band, 0, sizeof m->band);
+    gp_parallel_do(BANDS, measure_band, m);
     for (int i = 0; i < BANDS; i++)
         odd += m->band[i].odd;
     read_row(m, m->k->cx + (int) x, 1, m->k->cy + (int) y, &at);

@@ -2,20 +2,15 @@
 
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "glare/far_field/far_field.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
 
-/* Kernels that are kept besides the last one, and their bytes in all. */
-enum { OLDER = 4, OLDER_BYTES = 128 << 20 };
-
 struct gp_kernels {
     const struct gp_kernel_request *request;
     pthread_mutex_t lock;
-    struct gp_made_kernel *last, *older[OLDER]; // held, last used first
-    struct gp_model_kept *kept;                 // of the last one
+    struct gp_made_kernel *last; // held
 };
 
 // -- the request --------------------------------------------------------------
@@ -39,15 +34,6 @@ double gp_kernel_request_share(const struct gp_kernel_request *r)
         taken += share * (r->label[i].present ? r->label[i].share : 1.0);
     }
     return taken / fmax(all, 1.0);
-}
-
-/* Returns true where the kernel depends on the frame's number. */
-static bool moves_in_time(const struct gp_kernel_request *r)
-{
-    bool moves = false;
-    for (int i = 0; i < r->recipes; i++)
-        moves |= gp_recipe_moves(&r->recipe[i]);
-    return moves;
 }
 
 double gp_kernel_request_scale(const struct gp_kernel_request *r,
@@ -88,21 +74,8 @@ void gp_kernels_free(struct gp_kernels **k)
     if (!*k)
         return;
     gp_made_kernel_free(&(*k)->last);
-    for (int i = 0; i < OLDER; i++)
-        gp_made_kernel_free(&(*k)->older[i]);
-    gp_model_kept_free(&(*k)->kept);
     pthread_mutex_destroy(&(*k)->lock);
     GP_FREE(*k);
-}
-
-/* True where the recipes of two kernels of the request have the same values. */
-static bool has_values(const struct gp_kernel_request *r,
-                       const struct gp_recipe *a, const struct gp_recipe *b)
-{
-    bool same = true;
-    for (int i = 0; i < r->recipes; i++)
-        same = same && memcmp(a[i].value, b[i].value, sizeof a->value) == 0;
-    return same;
 }
 
 /* True where kernel `k` is that of `recipe` for field `b`. */
@@ -112,64 +85,17 @@ static bool is_same(const struct gp_kernel_request *r,
 {
     const struct gp_field *const a = &k->field;
     const bool coloured = r->recipes || r->image[0].names_chromaticities;
-    if (!has_values(r, k->recipe, recipe) || a->aspect != b->aspect ||
-        (coloured && memcmp(a->chromaticities, b->chromaticities,
-                            8 * sizeof *a->chromaticities) != 0))
-        return false;
+    const bool later = a->frame != b->frame || a->fps != b->fps;
+    bool same = a->aspect == b->aspect &&
+                (!coloured || memcmp(a->chromaticities, b->chromaticities,
+                                     8 * sizeof *a->chromaticities) == 0);
+    for (int i = 0; i < r->recipes; i++)
+        same = same && !(later && recipe[i].model->moves) &&
+               memcmp(k->recipe[i].value, recipe[i].value,
+                      sizeof recipe->value) == 0;
     if (!r->recipes)
-        return a->degrees == b->degrees || !(r->degrees > 0.0);
-    return a->w == b->w && a->h == b->h && a->degrees == b->degrees &&
-           (!moves_in_time(r) ||
-            (a->frame == b->frame && a->fps == b->fps));
-}
-
-static size_t bytes_of(const struct gp_kernel *k)
-{
-    const struct gp_far_field *const t = k->tail;
-    const size_t nodes =
-        t ? (2 * (size_t) t->rx + 1) * (2 * (size_t) t->ry + 1) : 0;
-    return 3 * sizeof(float) * ((size_t) k->w * (size_t) k->h + nodes);
-}
-
-/* Moves the last kernel to the older ones, the last used of which are kept. One
- * that depends on the frame's number is not: no other frame will want it. */
-static void put_aside(struct gp_kernels *k)
-{
-    size_t bytes = 0;
-    if (!k->last || moves_in_time(k->request)) {
-        gp_made_kernel_free(&k->last);
-        return;
-    }
-    gp_made_kernel_free(&k->older[OLDER - 1]);
-    memmove(&k->older[1], &k->older[0], (OLDER - 1) * sizeof *k->older);
-    k->older[0] = k->last;
-    k->last = NULL;
-    for (int i = 0; i < OLDER && k->older[i]; i++) {
-        bytes += bytes_of(&k->older[i]->k);
-        if (bytes > OLDER_BYTES)
-            gp_made_kernel_free(&k->older[i]);
-    }
-}
-
-/* Makes the kernel of `recipe` for a field that is kept the last one; false: none
- * is that. */
-static bool find_kept(struct gp_kernels *k, const struct gp_recipe *recipe,
-                      const struct gp_field *field)
-{
-    if (k->last && is_same(k->request, k->last, recipe, field))
-        return true;
-    for (int i = 0; i < OLDER; i++) {
-        struct gp_made_kernel *const found = k->older[i];
-        if (!found || !is_same(k->request, found, recipe, field))
-            continue;
-        memmove(&k->older[i], &k->older[i + 1],
-                (size_t) (OLDER - 1 - i) * sizeof *k->older);
-        k->older[OLDER - 1] = NULL;
-        put_aside(k);
-        k->last = found;
-        return true;
-    }
-    return false;
+        return same && (a->degrees == b->degrees || !(r->degrees > 0.0));
+    return same && a->w == b->w && a->h == b->h && a->degrees == b->degrees;
 }
 
 /* Makes a kernel, and keeps it as the last one. */
@@ -183,17 +109,14 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
     if (st)
         return st;
     memcpy(m->recipe, recipe, sizeof m->recipe);
-    // shapes are kept from kernel to kernel of the same recipes
-    if (k->last && !has_values(r, k->last->recipe, recipe))
-        gp_model_kept_free(&k->kept);
     struct gp_kernel_params p = r->params;
     p.aspect = field->aspect;
     p.rotate = (float) field->rotate;
     p.scale = gp_kernel_request_scale(r, field);
     p.chromaticities = field->chromaticities;
-    st = r->recipes ? gp_model_kernel_next(log, m->recipe, r->recipes, field,
-                                           &k->kept, &m->k)
-                    : gp_kernel_from_frame(log, &p, &r->image[0], &m->k);
+    st = r->recipes
+             ? gp_model_kernel(log, m->recipe, r->recipes, field, &m->k)
+             : gp_kernel_from_frame(log, &p, &r->image[0], &m->k);
     atomic_init(&m->holders, 1);
     for (int i = 0; i < r->recipes && !st; i++) {
         m->text[i] = gp_recipe_text(&m->recipe[i]);
@@ -215,7 +138,7 @@ static gp_status make_kernel(const struct gp_log *log, struct gp_kernels *k,
     memcpy(m->luminance, field->luminance, sizeof m->luminance);
     m->field.chromaticities = m->chromaticities;
     m->field.luminance = m->luminance;
-    put_aside(k);
+    gp_made_kernel_free(&k->last);
     k->last = m;
     return GP_OK;
 }
@@ -228,7 +151,7 @@ gp_status gp_kernels_take(const struct gp_log *log, struct gp_kernels *k,
     if (!recipe)
         recipe = k->request->recipe;
     pthread_mutex_lock(&k->lock);
-    *made = !find_kept(k, recipe, field);
+    *made = !k->last || !is_same(k->request, k->last, recipe, field);
     if (*made)
         st = make_kernel(log, k, recipe, field);
     *out = st ? NULL : k->last;

@@ -1,5 +1,5 @@
-/* Kernels of one request, made for the fields of frames and kept: frames change
- * size or angle and change back, and several are in flight. */
+/* The kernel of a request, made for the fields of frames; the last one is kept,
+ * and others live as long as the frames in flight that hold them. */
 #ifndef GP_GLARE_KERNEL_KEPT_H
 #define GP_GLARE_KERNEL_KEPT_H
 
@@ -58,7 +58,7 @@ struct gp_made_kernel {
 /* Ends a hold. */
 void gp_made_kernel_free(struct gp_made_kernel **k);
 
-/* Kernels that are kept; any thread may ask. */
+/* The kernel that is kept; any thread may ask. */
 struct gp_kernels;
 GP_MUST_CHECK gp_status gp_kernels_make(const struct gp_log *log,
     const struct gp_kernel_request *r, struct gp_kernels **out);

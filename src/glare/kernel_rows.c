@@ -4,8 +4,8 @@
 #include "core/minmax.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
-#include <string.h>
 
 /* Adds the squares and the samples of n in eight parts, so that it becomes
  * vector code. */
@@ -57,93 +57,31 @@ double gp_quarter_least(double v[2][2])
     return fmin(fmin(v[0][0], v[0][1]), fmin(v[1][0], v[1][1]));
 }
 
-static inline __attribute__((always_inline)) void
-add_in_order(const float *const *v, int n, int w, double *restrict sum,
-             double *restrict square)
+struct gp_cut_row gp_row_cut(const float *in, int w, int cx, double factor,
+                             float *out)
 {
-    double a[3] = {0}, b[3] = {0};
+    struct gp_cut_row r = {.lit = {w, 0, 0}};
+    int lit = 0;
     for (int x = 0; x < w; x++) {
-        for (int c = 0; c < n; c++) {
-            const double one = (double) v[c][x];
-            a[c] += one;
-            b[c] += one * one;
+        float scaled = (float) ((double) in[x] * factor);
+        const double size = fabs((double) scaled);
+        if (size < (double) FLT_MIN) {
+            r.faint += size;
+            scaled = 0.0f;
         }
+        out[x] = scaled;
+        if (scaled == 0.0f)
+            continue;
+        r.sum += (double) scaled;
+        r.square += (double) scaled * (double) scaled;
+        r.magnitude += size;
+        r.negative |= scaled < 0.0f;
+        r.lit.from = lit++ ? r.lit.from : x;
+        r.lit.to = x + 1;
     }
-    for (int c = 0; c < n; c++) {
-        sum[c] = a[c];
-        square[c] = b[c];
-    }
-}
-
-void gp_row_sums(const float *const *v, int n, int w, double sum[3],
-                 double square[3])
-{
-    if (n == 3)
-        add_in_order(v, 3, w, sum, square);
-    else
-        add_in_order(v, 1, w, sum, square);
-}
-
-GP_CLONES uint32_t gp_row_bits(const float *v, int w)
-{
-    uint32_t most = 0;
-    for (int x = 0; x < w; x++) {
-        const float magnitude = fabsf(v[x]);
-        uint32_t bits;
-        memcpy(&bits, &magnitude, sizeof bits);
-        most = bits > most ? bits : most;
-    }
-    return most;
-}
-
-GP_CLONES bool gp_row_scale(float *v, int w, double factor, bool *negative)
-{
-    int under = 0, faint = 0;
-    for (int x = 0; x < w; x++) {
-        const float scaled = (float) ((double) v[x] * factor);
-        under |= scaled < 0.0f;
-        faint |= fabsf(scaled) < FLT_MIN;
-        v[x] = scaled;
-    }
-    *negative = under;
-    return faint;
-}
-
-double gp_row_drop_faint(float *v, int w)
-{
-    double sum = 0.0;
-    for (int x = 0; x < w; x++) {
-        if (fabsf(v[x]) < FLT_MIN) {
-            sum += fabs((double) v[x]);
-            v[x] = 0.0f;
-        }
-    }
-    return sum;
-}
-
-double gp_row_magnitudes(const float *v, int w)
-{
-    double sum = 0.0;
-    for (int x = 0; x < w; x++)
-        sum += fabs((double) v[x]);
-    return sum;
-}
-
-GP_CLONES static int count_lit(const float *v, int w)
-{
-    int n = 0;
-    for (int x = 0; x < w; x++)
-        n += v[x] != 0.0f;
-    return n;
-}
-
-struct gp_lit_row gp_row_lit(const float *v, int w)
-{
-    struct gp_lit_row lit = {0, w, 0};
-    while (lit.to > 0 && v[lit.to - 1] == 0.0f)
-        lit.to--;
-    while (lit.from < lit.to && v[lit.from] == 0.0f)
-        lit.from++;
-    lit.dark = lit.to - lit.from - count_lit(v, w);
-    return lit;
+    if (!lit)
+        r.lit.from = 0;
+    r.lit.dark = r.lit.to - r.lit.from - lit;
+    gp_row_sides(out, w, cx, INT_MAX / 2, r.side);
+    return r;
 }

@@ -6,7 +6,6 @@
 #include "glare/kernel.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 /* Squares and samples of one channel above the centre and below, left and right
  * of it, which all hold the centre's own row and column. */
@@ -25,26 +24,18 @@ void gp_quarter_add(struct gp_quarter_sums *q, const double side[4],
 /* Returns the least of four quarters. */
 double gp_quarter_least(double v[2][2]);
 
-/* Sums of samples and squares of a row of n channels, 1 or 3, each in order;
- * the channels at once, as each sum waits for its own last sample. */
-void gp_row_sums(const float *const *v, int n, int w, double sum[3],
-                 double square[3]);
+/* A row that was cut: its sums in order, and where it is not 0. */
+struct gp_cut_row {
+    double sum, square, magnitude;
+    double faint;           // magnitudes that became 0: each was under FLT_MIN
+    double side[4];         // gp_row_sides() as far as it goes
+    bool negative;          // a sample is under 0
+    struct gp_lit_row lit;
+};
 
-/* Returns the bits of the largest magnitude, by which floats are ordered: those
- * of Inf and NaN are the largest. */
-uint32_t gp_row_bits(const float *v, int w);
-
-/* Returns the sum of the magnitudes, in order. */
-double gp_row_magnitudes(const float *v, int w);
-
-/* Multiplies samples by `factor`; *negative: one is under 0 then. Returns true
- * when some are under FLT_MIN in magnitude. */
-bool gp_row_scale(float *v, int w, double factor, bool *negative);
-
-/* Makes samples under FLT_MIN 0; returns the sum of their magnitudes. */
-double gp_row_drop_faint(float *v, int w);
-
-/* Returns where a row is not 0. */
-struct gp_lit_row gp_row_lit(const float *v, int w);
+/* Writes w samples times `factor` to `out`, which may be `in`; `cx` is the
+ * centre's column. */
+struct gp_cut_row gp_row_cut(const float *in, int w, int cx, double factor,
+                             float *out);
 
 #endif

@@ -61,12 +61,6 @@ static double sample(const struct gp_unturned *u, int c, const struct spot *s)
     return (1.0 - s->fy) * top + s->fy * bottom;
 }
 
-double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy)
-{
-    const struct spot s = find_spot(u, dx, dy);
-    return is_outside(u, &s) ? 0.0 : sample(u, c, &s);
-}
-
 // -- rotation: the whole kernel -----------------------------------------------
 
 struct rotating {

@@ -93,7 +93,6 @@ struct gp_far_field {
                         // tail over all offsets; no less
     double least;       // smallest sample where all is tail and frames meet it
     unsigned long serial;
-    atomic_int holders;
 };
 
 /* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
@@ -102,8 +101,6 @@ struct gp_far_field {
 GP_MUST_CHECK gp_status gp_far_make(const struct gp_log *log,
     const struct gp_far_split *split, int w, int h,
     const struct gp_far_kernel *kernel, struct gp_far_field **out);
-/* Returns t with one more holder; each calls gp_far_free(). */
-struct gp_far_field *gp_far_hold(struct gp_far_field *t);
 void gp_far_free(struct gp_far_field *t); // NULL: nothing
 
 // -- applying it --------------------------------------------------------------

@@ -55,15 +55,9 @@ double gp_far_share(const struct gp_far_split *s, int x, int y)
     return smooth_step((sqrt(square) - s->from) / (s->to - s->from));
 }
 
-struct gp_far_field *gp_far_hold(struct gp_far_field *t)
-{
-    atomic_fetch_add(&t->holders, 1);
-    return t;
-}
-
 void gp_far_free(struct gp_far_field *t)
 {
-    if (!t || atomic_fetch_sub(&t->holders, 1) > 1)
+    if (!t)
         return;
     for (int c = 0; c < 3; c++)
         gp_free(t->c[c]);
@@ -317,7 +311,6 @@ gp_status gp_far_make(const struct gp_log *log,
     t->grey = grey;
     t->least = INFINITY;
     t->serial = gp_serial_next();
-    atomic_init(&t->holders, 1);
     s.t = t;
     const int across = 2 * t->rx + 1, down = 2 * t->ry + 1;
     const size_t n = (size_t) across * (size_t) down;

@@ -133,20 +133,21 @@ GP_CLONES void gp_grating_row(int n, int y, int from, int to, double turn,
 
 // -- Zernike's polynomials ----------------------------------------------------
 
-/* Over the unit disc, as Noll numbers them: Zernike polynomials and atmospheric
- * turbulence, JOSA 66 (1976), table I.
+/* Z2 to Z15 over the unit disc, as Noll numbers them: Zernike polynomials and
+ * atmospheric turbulence, JOSA 66 (1976), table I.
  *
  *   Z(r, a) = N R(r) cos(m a), or sin(m a),
  *   N = sqrt(n + 1) where m is 0, else sqrt(2 n + 2)
  *
  * so that each has a mean square of 1 over the disc, and no two have a mean
  * product. R(r) = r^m (c0 + c1 r^2 + c2 r^4). */
+enum { ZERNIKE_FIRST = 2, ZERNIKE_LAST = 15 };
 struct term {
     int n, m;       // degree; turns, negative: a sine
     double c[3];
 };
 
-static const struct term terms[GP_ZERNIKE_LAST + 1] = {
+static const struct term terms[ZERNIKE_LAST + 1] = {
     [2] = {1, 1, {1}},         [3] = {1, -1, {1}},
     [4] = {2, 0, {-1, 2}},
     [5] = {2, -2, {1}},        [6] = {2, 2, {1}},
@@ -162,7 +163,8 @@ static double norm(const struct term *t)
     return sqrt((t->m ? 2.0 : 1.0) * (t->n + 1));
 }
 
-double gp_zernike(int j, double x, double y)
+/* Zj; x right, y up, x = r cos a. */
+static double zernike(int j, double x, double y)
 {
     const struct term *const t = &terms[j];
     const double r2 = x * x + y * y;
@@ -176,7 +178,8 @@ double gp_zernike(int j, double x, double y)
            (t->m < 0 ? sine : cosine);
 }
 
-double gp_zernike_slope(int j)
+/* Over the disc, which is at the rim. */
+static double steepest_slope(int j)
 {
     const struct term *const t = &terms[j];
     return norm(t) * 0.5 * (t->n * (t->n + 2) - t->m * t->m);
@@ -203,7 +206,7 @@ struct iris {
     double obstruction, arc; // of the radius; radians to each side
     double turn;        // radians counter-clockwise as seen
     double grating, fibres;
-    double path[GP_ZERNIKE_LAST + 1]; // nm rms, by Noll's number
+    double path[ZERNIKE_LAST + 1]; // nm rms, by Noll's number
     const struct gp_image *mask;
     int stains;
     struct gp_stain stain[DUST + SCRATCHES + LASHES * GP_LASH_STAINS];
@@ -315,8 +318,8 @@ static void draw_iris(const void *ctx, const struct gp_pupil *p, int y)
         if (!p->path || t <= 0.0)
             continue;
         double path = 0.0;
-        for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++)
-            path += s->path[j] != 0.0 ? s->path[j] * gp_zernike(j, u, -v) : 0.0;
+        for (int j = ZERNIKE_FIRST; j <= ZERNIKE_LAST; j++)
+            path += s->path[j] != 0.0 ? s->path[j] * zernike(j, u, -v) : 0.0;
         p->path[row + (size_t) x] = (float) path;
     }
     gp_stain_row(s->stain, s->stains, p, y);
@@ -380,7 +383,7 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
     {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -(most),        \
      (most), NULL, false},
 #define ABERRATION_NAME(j, name, most, does) [j] = (name),
-static const char *const aberrations[GP_ZERNIKE_LAST + 1] = {
+static const char *const aberrations[ZERNIKE_LAST + 1] = {
     ABERRATIONS(ABERRATION_NAME)
 };
 
@@ -479,9 +482,9 @@ static gp_status open_aperture(const struct gp_log *log,
                     s->stain + s->stains);
     s->stains += lashes * GP_LASH_STAINS;
     double steep = 0.0;
-    for (int j = GP_ZERNIKE_FIRST; j <= GP_ZERNIKE_LAST; j++) {
+    for (int j = ZERNIKE_FIRST; j <= ZERNIKE_LAST; j++) {
         s->path[j] = 550.0 * gp_recipe_value(r, aberrations[j]);
-        steep += fabs(s->path[j]) * gp_zernike_slope(j);
+        steep += fabs(s->path[j]) * steepest_slope(j);
     }
     // a mask's corners, turned
     const double wide = mask ? fabs(cos(s->turn)) + fabs(sin(s->turn)) : 1.0;

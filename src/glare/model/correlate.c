@@ -7,47 +7,6 @@
 
 #include <stdlib.h>
 
-// -- transforms ---------------------------------------------------------------
-
-void gp_transform_free(struct gp_transform *t)
-{
-    gp_fftwd_end(t->lib, t->forward);
-    gp_fftwd_end(t->lib, t->backward);
-    gp_free(t->room);
-    *t = (struct gp_transform) {0};
-}
-
-gp_status gp_transform_make(const struct gp_log *log, int n,
-                                struct gp_transform *out)
-{
-    struct gp_transform t = {.n = n};
-    gp_status st = gp_fftwd_open(log, &t.lib);
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "kernel",
-                       2 * GP_GROUP * (size_t) gp_threads() * (size_t) n,
-                       sizeof *t.room, &t.room);
-    if (st)
-        return st;
-    void *const from = t.room, *const to = t.room + GP_GROUP * (size_t) n;
-    t.forward = gp_fftwd_plan(t.lib, n, from, to, FFTW_FORWARD, 0);
-    t.backward = gp_fftwd_plan(t.lib, n, from, to, FFTW_BACKWARD, 0);
-    *out = t;
-    if (t.forward && t.backward)
-        return GP_OK;
-    gp_transform_free(out);
-    return gp_fail_bare_at(log, GP_ERR_BUG, "plan.fov", "kernel: FFTW has no "
-                           "plan for length %d", n);
-}
-
-void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
-                      int thread)
-{
-    for (int i = 0; i < n; i++)
-        t->lib->execute_dft(plan, (void *) gp_transform_in(t, thread, i),
-                            (void *) gp_transform_out(t, thread, i));
-}
-
 /* Splits the transform of a + ib, a and b real, at frequency k. */
 static inline void unpack(const float complex *z, int n, int k,
                           float complex *a, float complex *b)
@@ -59,14 +18,13 @@ static inline void unpack(const float complex *z, int n, int k,
                 0.5f * (crealf(other) - crealf(here)));
 }
 
-// -- the pupil's autocorrelation ----------------------------------------------
-
 enum { GROUP = 8 }; // rows that go through memory together: a cache line
 
 void gp_correlator_free(struct gp_correlator *t)
 {
     gp_fft_plan_free(&t->plan);
     gp_free(t->room);
+    gp_free(t->boost);
     gp_free(t->z);
     *t = (struct gp_correlator) {0};
 }
@@ -87,6 +45,12 @@ gp_status gp_correlator_make(const struct gp_log *log,
                          sizeof *t.room, &t.room));
     GP_TRY(gp_alloc(log, "kernel", (size_t) p->n + 2 * GROUP,
                     (size_t) t.across * sizeof *t.z, &t.z));
+    GP_TRY(gp_alloc(log, "kernel", (size_t) n + GROUP, sizeof *t.boost,
+                    &t.boost));
+    for (int k = 0; k < n + GROUP; k++) {
+        const double s = gp_sinc((double) gp_min(k, abs(n - k)) / n);
+        t.boost[k] = (float) (1.0 / (s * s * s * s));
+    }
     *out = t;
     return GP_OK;
 out:
@@ -100,7 +64,6 @@ struct correlating {
     const struct gp_correlator *t;
     double nm;
     int pack;             // rows that go through one transform
-    const float *boost;   // of each frequency, squared sincs undone
     struct gp_lags *a;
 };
 
@@ -211,12 +174,12 @@ static void pupil_columns(void *ctx, int group, int thread)
     for (int i = 0; i < GROUP; i += 2) {
         const float complex *const a = array_out(c, thread, i);
         const float complex *const b = array_out(c, thread, i + 1);
-        const float of_a = c->boost[first + i], of_b = c->boost[first + i + 1];
+        const float of_a = c->t->boost[first + i], of_b = c->t->boost[first + i + 1];
         float *const to = (float *) array_in(c, thread, i / 2);
         for (int k = 0; k < n; k++) {
-            to[2 * k] = c->boost[k] * of_a * (crealf(a[k]) * crealf(a[k]) +
+            to[2 * k] = c->t->boost[k] * of_a * (crealf(a[k]) * crealf(a[k]) +
                                               cimagf(a[k]) * cimagf(a[k]));
-            to[2 * k + 1] = c->boost[k] * of_b * (crealf(b[k]) * crealf(b[k]) +
+            to[2 * k + 1] = c->t->boost[k] * of_b * (crealf(b[k]) * crealf(b[k]) +
                                                   cimagf(b[k]) * cimagf(b[k]));
         }
     }
@@ -304,29 +267,15 @@ static double edge_of(const struct gp_pupil *p)
     return 2.0 * most + SPREAD;
 }
 
-gp_status gp_correlate(const struct gp_log *log,
-    const struct gp_correlator *t, double nm, struct gp_lags *a)
+void gp_correlate(const struct gp_correlator *t, double nm, struct gp_lags *a)
 {
-    const int n = t->plan.n, cells = t->pupil->n;
-    float *boost = NULL;
     struct correlating c = {
         .t = t, .nm = nm, .a = a, .pack = t->pupil->path ? 1 : 2,
     };
-    const int rows = GROUP * c.pack;
-    gp_status st = gp_alloc(log, "kernel", (size_t) n + GROUP, sizeof *boost,
-                            &boost);
-    if (st)
-        return st;
-    for (int k = 0; k < n + GROUP; k++) {
-        const double s = gp_sinc((double) gp_min(k, abs(n - k)) / n);
-        boost[k] = (float) (1.0 / (s * s * s * s));
-    }
-    c.boost = boost;
+    const int cells = t->pupil->n, rows = GROUP * c.pack;
     clear_last(a);
     a->edge = edge_of(t->pupil);
     gp_parallel_do((cells + rows - 1) / rows, pupil_rows, &c);
     gp_parallel_do(t->across / GROUP, pupil_columns, &c);
     gp_parallel_do(cells / rows + 1, pupil_lags, &c);
-    gp_free(boost);
-    return GP_OK;
 }

@@ -299,6 +299,47 @@ static void add_bands(const struct gp_lags *a, const struct band *b, int n,
 
 // -- from frequencies to the shape --------------------------------------------
 
+enum { GROUP = 4 }; // rows that go through memory together: a cache line
+
+/* A transform, and GROUP arrays in and as many out for each thread. */
+struct transform {
+    const struct gp_fftwd *lib;
+    struct gp_fft_plan_pair plan;
+    double complex *room;
+};
+
+static gp_status transform_make(const struct gp_log *log, int n,
+                                struct transform *out)
+{
+    gp_status st = gp_fftwd_open(log, &out->lib);
+    if (!st)
+        st = gp_fft_plan_make_double(log, n, &out->plan);
+    if (!st)
+        st = gp_alloc_zero(log, "kernel",
+                           2 * GROUP * (size_t) gp_threads() * (size_t) n,
+                           sizeof *out->room, &out->room);
+    return st;
+}
+
+static double complex *array_in(const struct transform *t, int thread, int i)
+{
+    return t->room + (size_t) (2 * GROUP * thread + i) * (size_t) t->plan.n;
+}
+
+static double complex *array_out(const struct transform *t, int thread, int i)
+{
+    return array_in(t, thread, GROUP + i);
+}
+
+/* Transforms the thread's first n arrays. */
+static void run(const struct transform *t, int n, int thread)
+{
+    for (int i = 0; i < n; i++)
+        t->lib->execute_dft(t->plan.forward_double,
+                            (void *) array_in(t, thread, i),
+                            (void *) array_out(t, thread, i));
+}
+
 /* Samples -r[0] .. r[0], -r[1] .. r[1]. */
 struct samples {
     int r[2];
@@ -332,7 +373,7 @@ struct finishing {
     int c;
     int first;                    // row of samples: 0, or -r[1] with a path,
                                   // without which the shape is even
-    const struct gp_transform *t[2]; // of x, of y
+    const struct transform *t; // of x, of y
     size_t pitch;                 // LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], fades;       // degrees; at the second samples are 0
@@ -344,23 +385,24 @@ struct finishing {
 static void finish_columns(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
-    const struct gp_transform *const t = f->t[1];
-    const size_t first = (size_t) group * GP_GROUP;
-    const size_t block = first / LANES * LANES * (size_t) t->n + first % LANES;
+    const struct transform *const t = &f->t[1];
+    const size_t first = (size_t) group * GROUP;
+    const int n = t->plan.n;
+    const size_t block = first / LANES * LANES * (size_t) n + first % LANES;
     const float *const re = f->s->re[f->c], *const im = f->s->im[f->c];
-    for (int y = 0; y < t->n; y++) {
-        for (int i = 0; i < GP_GROUP; i++) {
+    for (int y = 0; y < n; y++) {
+        for (int i = 0; i < GROUP; i++) {
             const size_t at = block + (size_t) y * LANES + (size_t) i;
-            gp_transform_in(t, thread, i)[y] =
+            array_in(t, thread, i)[y] =
                 CMPLX((double) re[at], im ? (double) im[at] : 0.0);
         }
     }
-    gp_transform_run(t, t->forward, GP_GROUP, thread);
+    run(t, GROUP, thread);
     for (int y = f->first; y <= f->out->r[1]; y++) {
         double complex *const to =
             f->z + first + (size_t) (y - f->first) * f->pitch;
-        for (int i = 0; i < GP_GROUP; i++)
-            to[i] = gp_transform_out(t, thread, i)[y < 0 ? y + t->n : y];
+        for (int i = 0; i < GROUP; i++)
+            to[i] = array_out(t, thread, i)[y < 0 ? y + n : y];
     }
 }
 
@@ -375,23 +417,23 @@ static double fade(double t, double end)
 static void finish_rows(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
-    const struct gp_transform *const t = f->t[0];
-    const int n = t->n, rx = f->out->r[0], ry = f->out->r[1];
-    const int rows = gp_min(GP_GROUP, ry + 1 - f->first - group * GP_GROUP);
-    const double all = (double) n * f->t[1]->n;
+    const struct transform *const t = &f->t[0];
+    const int n = t->plan.n, rx = f->out->r[0], ry = f->out->r[1];
+    const int rows = gp_min(GROUP, ry + 1 - f->first - group * GROUP);
+    const double all = (double) n * f->t[1].plan.n;
     for (int i = 0; i < rows; i++) {
         const double complex *const from =
-            f->z + (size_t) (group * GP_GROUP + i) * f->pitch;
-        double complex *const to = gp_transform_in(t, thread, i);
+            f->z + (size_t) (group * GROUP + i) * f->pitch;
+        double complex *const to = array_in(t, thread, i);
         memcpy(to, from, ((size_t) n / 2 + 1) * sizeof *to);
         for (int x = n / 2 + 1; x < n; x++)
             to[x] = conj(from[n - x]);
     }
-    gp_transform_run(t, t->forward, rows, thread);
+    run(t, rows, thread);
     for (int i = 0; i < rows; i++) {
-        const double complex *const from = gp_transform_out(t, thread, i);
-        const int y = group * GP_GROUP + i + f->first;
-        const double across = gp_sinc((double) y / f->t[1]->n);
+        const double complex *const from = array_out(t, thread, i);
+        const int y = group * GROUP + i + f->first;
+        const double across = gp_sinc((double) y / f->t[1].plan.n);
         const size_t w = 2 * (size_t) rx + 1;
         float *const to = f->out->k.c[f->c] + (size_t) (y + ry) * w;
         float *const other = f->out->k.c[f->c] + (size_t) (ry - y) * w;
@@ -431,11 +473,11 @@ static void fold_row(void *ctx, int y, int thread)
 }
 
 static gp_status finish(const struct gp_log *log, const struct spectra *s,
-    const struct gp_transform t[2], const double pixel[2], double fades,
+    const struct transform t[2], const double pixel[2], double fades,
     const float luminance[3], struct samples *out)
 {
     struct finishing f = {
-        .s = s, .t = {&t[0], &t[1]}, .pixel = {pixel[0], pixel[1]},
+        .s = s, .t = t, .pixel = {pixel[0], pixel[1]},
         .fades = fades, .out = out, .pitch = LANES * (size_t) s->blocks,
         .luminance = luminance, .first = s->im[0] ? -out->r[1] : 0,
     };
@@ -443,8 +485,8 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
     gp_status st = gp_alloc(log, "kernel", (size_t) rows,
                             f.pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
-        gp_parallel_do((int) (f.pitch / GP_GROUP), finish_columns, &f);
-        gp_parallel_do((rows + GP_GROUP - 1) / GP_GROUP, finish_rows, &f);
+        gp_parallel_do((int) (f.pitch / GROUP), finish_columns, &f);
+        gp_parallel_do((rows + GROUP - 1) / GROUP, finish_rows, &f);
     }
     if (!st)
         gp_parallel_do(2 * out->r[1] + 1, fold_row, &f);
@@ -520,7 +562,7 @@ static gp_status make_spectra(const struct gp_log *log,
         bands_free(band, n);
         n = p->path ? 1 : gp_min(bands - i, MOST_BANDS);
         if (i == 0 || p->path)
-            GP_TRY(gp_correlate(log, &t, nm[i], &a));
+            gp_correlate(&t, nm[i], &a);
         if (!(a.sum > 0.0)) {
             st = gp_fail(log, GP_ERR_DATA, "%s: no light passes the pupil; "
                          "make its openings larger", d->name);
@@ -586,7 +628,7 @@ static gp_status join_slices(const struct gp_log *log, const struct samples *k,
     }
     *out = (struct gp_shape) {
         .state = d, .free = joined_free, .row = joined_row, .smooth = INFINITY,
-        .reach = gp_max(d->rx, d->ry), .rows = d->ry,
+        .reach = gp_max(d->rx, d->ry),
     };
     return GP_OK;
 }
@@ -599,7 +641,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     int period[2], slices[2];
     struct gp_pupil p = {0};
     struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
-    struct gp_transform t[2] = {{0}, {0}};
+    struct transform t[2] = {{0}, {0}};
     struct samples *k = NULL;
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
@@ -634,7 +676,7 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_FREE(p.t);
     GP_FREE(p.path);
     for (int i = 0; i < 2; i++)
-        GP_TRY(gp_transform_make(log, period[i], &t[i]));
+        GP_TRY(transform_make(log, period[i], &t[i]));
     GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
                           (2 * (size_t) k->r[1] + 1), &k->k));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
@@ -646,13 +688,10 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     struct gp_shape shape = {
         .state = k, .free = samples_free, .row = samples_row,
         .grey = k->channels == 1, .smooth = INFINITY,
-        .reach = gp_max(k->r[0], k->r[1]), .rows = k->r[1],
+        .reach = gp_max(k->r[0], k->r[1]),
     };
-    for (int i = 0; i < 2; i++)
-        shape.fits[i] = k->r[i] < size[i] - 1 ? k->r[i] + 2 : 0;
     if (corner > d->sampled * reach)
-        GP_TRY(gp_diffract_join(log, d, k->r[0], k->r[1], reach, f,
-                                &shape));
+        GP_TRY(gp_diffract_join(log, d, k->r, reach, f, &shape));
     *out = shape;
     k = NULL;
 out:
@@ -660,8 +699,10 @@ out:
         samples_free(k);
     gp_free(p.t);
     gp_free(p.path);
-    for (int i = 0; i < 2; i++)
-        gp_transform_free(&t[i]);
+    for (int i = 0; i < 2; i++) {
+        gp_fft_plan_free(&t[i].plan);
+        gp_free(t[i].room);
+    }
     for (int c = 0; c < 3; c++) {
         gp_free(s.re[c]);
         gp_free(s.im[c]);

@@ -62,7 +62,6 @@ struct joined {
     double pixel[2];               // degrees
     double from, reach;            // samples fade between: left_at()
     double end;                    // of these and spikes
-    double own[3];                 // light of the centre, so that all is 1
     double light[3];               // of the mean
 };
 
@@ -215,11 +214,8 @@ static void joined_row(const void *state, int x, int y, int n,
                        double *const out[3])
 {
     const struct joined *const s = state;
-    const int channels = s->near.grey ? 1 : 3;
     s->near.row(s->near.state, x, y, n, out);
     take_over(s, x, y, n, out);
-    for (int c = 0; c < channels && y == 0 && x <= 0 && x + n > 0; c++)
-        out[c][-x] += s->own[c];
 }
 
 static void joined_free(void *state)
@@ -345,7 +341,7 @@ static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
 }
 
 gp_status gp_diffract_join(const struct gp_log *log,
-    const struct gp_diffraction *d, int rx, int ry, double reach,
+    const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape)
 {
     struct joined *s;
@@ -369,21 +365,21 @@ gp_status gp_diffract_join(const struct gp_log *log,
     s->near = *shape;
     s->spikes = spikes_of(d, reach);
     s->end = fmax(reach, s->spikes.reach);
-    measure(s, rx, ry, by, sum);
+    measure(s, r[0], r[1], by, sum);
     share_out(s, by);
     gp_free(by);
     const double end = s->end;
     gp_profile_integral(taking_over, s, 2, s->from, end, over);
     const double a = reach / 20.0; // and from there to infinity
     const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
-    for (int c = 0; c < 3 && shape->fits[0] && shape->fits[1]; c++)
-        s->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
-                    over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
+    const bool whole = r[0] < f->w - 1 && r[1] < f->h - 1;
+    for (int c = 0; c < 3 && whole; c++)
+        shape->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
+                        over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
     shape->state = s;
     shape->free = joined_free;
     shape->row = joined_row;
     shape->reach = INT_MAX;
-    shape->rows = 0;
     const double pixels = end / (f->degrees * fmin(f->aspect, 1.0));
     shape->smooth = 0.75 * pixels;
     shape->far = joined_far;
@@ -391,6 +387,6 @@ gp_status gp_diffract_join(const struct gp_log *log,
     shape->far_grey = shape->grey;
     shape->far_even = true;
     shape->sharp = s->spikes.n ? (int) fmin(ceil(pixels), INT_MAX)
-                               : gp_max(rx, ry);
+                               : gp_max(r[0], r[1]);
     return GP_OK;
 }

@@ -4,21 +4,9 @@
 #include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
-#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-
-static gp_status make_state(const struct gp_log *log, const void *state,
-                            size_t size, struct gp_shape *out)
-{
-    gp_status st = gp_alloc(log, "kernel", 1, size, &out->state);
-    if (!st) {
-        memcpy(out->state, state, size);
-        out->free = gp_free;
-    }
-    return st;
-}
 
 // -- gaussian -----------------------------------------------------------------
 
@@ -72,16 +60,20 @@ static gp_status open_gaussian(const struct gp_log *log,
 {
     const double sigma =
         gp_recipe_value(r, "fwhm") / (2.0 * sqrt(2.0 * log1p(1.0)));
-    const struct gaussian g = {
-        sigma / (f->degrees * f->aspect), sigma / f->degrees,
-    };
+    struct gaussian *g;
+    gp_status st = gp_alloc(log, "kernel", 1, sizeof *g, &g);
+    if (st)
+        return st;
+    g->sigma_x = sigma / (f->degrees * f->aspect);
+    g->sigma_y = sigma / f->degrees;
     // beyond 14 sigma a sample is under FLT_MIN
-    const double reach = ceil(14.0 * fmax(g.sigma_x, g.sigma_y)) + 1.0;
+    const double reach = ceil(14.0 * fmax(g->sigma_x, g->sigma_y)) + 1.0;
     *out = (struct gp_shape) {
-        .row = gaussian_row, .grey = true, .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
+        .state = g, .free = gp_free, .row = gaussian_row, .grey = true,
+        .even = true, .smooth = INFINITY,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
-    return make_state(log, &g, sizeof g, out);
+    return GP_OK;
 }
 
 const struct gp_model gp_model_gaussian = {
@@ -197,33 +189,24 @@ static void radial_row(const void *state, int x, int y, int n,
     const double end = r->n * r->step + a + b;
     double node[MOST], weight[MOST];
     int nodes = 0;
-    if (r->slices == 1) {
-        const struct gp_gauss *const g = gp_tent_rule(4);
-        for (; nodes < g->n; nodes++) {
-            node[nodes] = g->node[nodes];
-            weight[nodes] = g->weight[nodes];
-        }
-    } else { // slices of (-1, 1), `slices` to each half
-        const struct gp_gauss *const g = gp_gauss_rule(3);
-        for (; nodes < 2 * r->slices * g->n; nodes++) {
-            const int k = nodes % g->n;
-            node[nodes] = (nodes / g->n + 0.5 + g->node[k]) / r->slices - 1.0;
-            weight[nodes] =
-                g->weight[k] * (1.0 - fabs(node[nodes])) / r->slices;
-        }
+    const bool whole = r->slices == 1;
+    const struct gp_gauss *const g = whole ? gp_tent_rule(4) : gp_gauss_rule(3);
+    for (; nodes < (whole ? 1 : 2 * r->slices) * g->n; nodes++) {
+        // slices of (-1, 1), `slices` to each half
+        const int k = nodes % g->n;
+        const double at = (nodes / g->n + 0.5 + g->node[k]) / r->slices - 1.0;
+        node[nodes] = whole ? g->node[k] : at;
+        weight[nodes] = whole ? g->weight[k]
+                              : g->weight[k] * (1.0 - fabs(at)) / r->slices;
     }
     for (int i = 0; i < n; i++) {
-        double sum[3] = {0};
-        const double u = a * abs(x + i), v = b * abs(y);
-        for (int k = 0; k < nodes * nodes && hypot(u, v) < end; k++) {
+        double sum[3] = {0}, v[3];
+        const double u = a * abs(x + i), v0 = b * abs(y);
+        for (int k = 0; k < nodes * nodes && hypot(u, v0) < end; k++) {
             const int p = k % nodes, q = k / nodes;
-            const double at =
-                hypot(u + a * node[p], v + b * node[q]) / r->step;
-            const int j = (int) fmin(at, r->n);
-            for (int c = 0; c < (r->grey ? 1 : 3); c++)
-                sum[c] += weight[p] * weight[q] *
-                          (r->curve[c][j] + fmin(at - j, 1.0) *
-                               (r->curve[c][j + 1] - r->curve[c][j]));
+            curve_at(r, hypot(u + a * node[p], v0 + b * node[q]), v);
+            for (int c = 0; c < 3; c++)
+                sum[c] += weight[p] * weight[q] * v[c];
         }
         for (int c = 0; c < (r->grey ? 1 : 3); c++)
             out[c][i] = sum[c] * a * b;
@@ -285,7 +268,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
         .state = r, .free = free_radial, .grey = grey,
         .row = slices > MOST_SLICES ? rings_row : radial_row,
         .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX, .fits = {1, 1},
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
     return GP_OK;
 }
@@ -474,7 +457,7 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
                          abs(k->h - 1 - k->cy)};
     *out = (struct gp_shape) {
         .state = k, .free = free_image, .row = image_row, .grey = k->grey,
-        .negative = k->negative, .smooth = INFINITY, .fits = {1, 1},
+        .negative = k->negative, .smooth = INFINITY,
     };
     for (int i = 0; i < 4; i++)
         out->reach = reach[i] > out->reach ? reach[i] : out->reach;

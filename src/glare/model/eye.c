@@ -1,12 +1,10 @@
 /* Models of the eye: Spencer et al. 1995, and the CIE's of 1999 and 2002. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 // -- Spencer ------------------------------------------------------------------
@@ -98,13 +96,38 @@ static void spencer_profile(const void *ctx, double t, double out[3])
         out[c] *= plane;
 }
 
+/* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
+ * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
+ * the angle
+ *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
+ * as in a rectilinear picture, and has its light: all of the hemisphere's in
+ * the plane, and none is cut off with a rim. */
+struct sky {
+    gp_profile p;
+    const void *ctx;
+    int channels;
+};
+
+static void sky_in_plane(const void *sky, double t, double out[3])
+{
+    static const double EVEN = 45.0, SKY = 90.0;
+    const struct sky *const s = sky;
+    const double scale = (SKY - EVEN) * 2.0 / M_PI;
+    const double x = fmax(t - EVEN, 0.0) / scale;
+    const double angle = x > 0.0 ? EVEN + scale * atan(x) : t;
+    const double slope = 1.0 / (1.0 + x * x); // of the angle, by t
+    s->p(s->ctx, angle, out);
+    for (int c = 0; c < s->channels && slope < 1.0; c++)
+        out[c] *= angle * slope / t;
+}
+
 /* The shape of a profile of the sky: gp_radial_shape(). */
 static gp_status sky_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out)
 {
-    const struct gp_sky sky = {p, ctx, channels};
-    return gp_radial_shape(log, gp_sky_in_plane, &sky, channels, bends, f, out);
+    const struct sky sky = {p, ctx, channels};
+    return gp_radial_shape(log, sky_in_plane, &sky, channels, bends, f, out);
 }
 
 enum { PHOTOPIC, MESOPIC, SCOTOPIC, ADAPTED };
@@ -186,13 +209,12 @@ static const double HALO_END = 7.8;
 enum { LEAST = 256 };
 struct night {
     struct gp_shape eye;
+    struct gp_shape halo; // the same with the halo; row NULL: no halo
     double degrees;   // a pixel's shorter side
     double least[LEAST + 1]; // of a channel over the grey part, from i / LEAST
                       // of HALO_END on; 1 without a halo
     float luminance[3];      // of the primaries
     int rx, ry;       // offsets of what follows
-    double *even;     // eye, of offsets 0 .. rx, 0 .. ry
-    double *all[3];   // the same with the halo; NULL: no halo
     float *add;       // needles, of offsets -rx .. rx, -ry .. ry; NULL: none
 };
 
@@ -200,41 +222,35 @@ static void night_far(const void *state, int x, int y, int n,
                       double *const out[3])
 {
     const struct night *const s = state;
-    if (abs(y) > s->ry || x < -s->rx || x + n - 1 > s->rx) {
-        s->eye.row(s->eye.state, x, y, n, out);
-        return;
-    }
-    const double *const row =
-        s->even + (size_t) abs(y) * ((size_t) s->rx + 1);
-    for (int i = 0; i < n; i++)
-        out[0][i] = row[abs(x + i)];
+    s->eye.row(s->eye.state, x, y, n, out);
 }
 
 static void night_row(const void *state, int x, int y, int n,
                       double *const out[3])
 {
     const struct night *const s = state;
-    const int from = x < -s->rx ? -s->rx : x;
-    const int to = x + n > s->rx + 1 ? s->rx + 1 : x + n;
+    const int channels = s->halo.row ? 3 : 1;
+    const int from = gp_max(x, -s->rx), to = gp_min(x + n, s->rx + 1);
     const bool near = abs(y) <= s->ry && from < to;
     const float *const needles =
         near && s->add
             ? s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1) + s->rx
             : NULL;
     night_far(state, x, y, n, out);
-    for (int c = 1; c < 3 && s->all[0]; c++)
+    for (int c = 1; c < channels; c++)
         memcpy(out[c], out[0], (size_t) n * sizeof *out[c]);
-    for (int i = from; i < to && needles && !s->all[0]; i++)
-        out[0][i - x] = fmax(out[0][i - x] + (double) needles[i], 0.0);
-    for (int i = from; i < to && near && s->all[0]; i++) {
-        const size_t at =
-            (size_t) abs(y) * ((size_t) s->rx + 1) + (size_t) abs(i);
-        double v[3];
-        for (int c = 0; c < 3; c++)
-            v[c] = s->all[c][at] + (needles ? (double) needles[i] : 0.0);
-        gp_gamut_fold(s->luminance, v); // it is darker between needles
-        for (int c = 0; c < 3; c++)
-            out[c][i - x] = v[c];
+    if (near && s->halo.row)
+        s->halo.row(s->halo.state, from, y, to - from,
+                    (double *[3]) {out[0] + from - x, out[1] + from - x,
+                                   out[2] + from - x});
+    for (int i = from; i < to && (needles || (near && s->halo.row)); i++) {
+        double v[3] = {0};
+        for (int c = 0; c < channels; c++)
+            v[c] = out[c][i - x] + (needles ? (double) needles[i] : 0.0);
+        if (channels == 3) // it is darker between needles
+            gp_gamut_fold(s->luminance, v);
+        for (int c = 0; c < channels; c++)
+            out[c][i - x] = channels == 3 ? v[c] : fmax(v[c], 0.0);
     }
 }
 
@@ -268,57 +284,10 @@ static void free_night(void *state)
     struct night *const s = state;
     if (s->eye.free)
         s->eye.free(s->eye.state);
-    gp_free(s->even);
-    gp_free(s->all[0]);
+    if (s->halo.free)
+        s->halo.free(s->halo.state);
     gp_free(s->add);
     gp_free(s);
-}
-
-/* A shape's samples at the offsets of a night's tables. */
-struct tabling {
-    const struct night *s;
-    const struct gp_shape *shape;
-    double *out[3];
-};
-
-static void table_row(void *ctx, int y, int thread)
-{
-    const struct tabling *const t = ctx;
-    const int w = t->s->rx + 1;
-    (void) thread;
-    for (int x = 0; x < w; x += GP_SHAPE_STRIP) {
-        const size_t at = (size_t) y * (size_t) w + (size_t) x;
-        double *const to[3] = {
-            t->out[0] + at, t->out[1] ? t->out[1] + at : NULL,
-            t->out[2] ? t->out[2] + at : NULL,
-        };
-        t->shape->row(t->shape->state, x, y, gp_min(w - x, GP_SHAPE_STRIP),
-                      to);
-    }
-}
-
-/* Makes tables of a profile for s, owned by the caller in out[0]. */
-static gp_status make_table(const struct gp_log *log, const struct spencer *e,
-    double bends, const struct gp_field *f, const struct night *s,
-    double *out[3])
-{
-    struct gp_shape shape;
-    struct tabling t = {.s = s, .shape = &shape};
-    const size_t n = ((size_t) s->rx + 1) * ((size_t) s->ry + 1);
-    gp_status st = sky_shape(log, spencer_profile, e, e->channels, bends, f,
-                             &shape);
-    if (st)
-        return st;
-    st = gp_alloc(log, "kernel", (size_t) e->channels * n, sizeof(double),
-                  &t.out[0]);
-    for (int c = 1; c < e->channels && !st; c++)
-        t.out[c] = t.out[0] + (size_t) c * n;
-    if (!st) {
-        gp_parallel_do(s->ry + 1, table_row, &t);
-        memcpy(out, t.out, (size_t) e->channels * sizeof *out);
-    }
-    shape.free(shape.state);
-    return st;
 }
 
 /* The eye with its halo, of s->channels 3, and with needles. */
@@ -328,7 +297,6 @@ static gp_status open_night(const struct gp_log *log,
 {
     gp_status st;
     struct night *n;
-    double *even[3];
     struct spencer eye = *s;
     const double far = fmax(HALO_END, GP_NEEDLE_END);
     eye.channels = 1;
@@ -341,10 +309,8 @@ static gp_status open_night(const struct gp_log *log,
     n->rx = (int) fmin(ceil(far / (f->degrees * f->aspect)), f->w - 1);
     n->ry = (int) fmin(ceil(far / f->degrees), f->h - 1);
     GP_TRY(sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
-    GP_TRY(make_table(log, &eye, 0.0, f, n, even));
-    n->even = even[0];
     if (s->channels == 3)
-        GP_TRY(make_table(log, s, HALO_END, f, n, n->all));
+        GP_TRY(sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
     if (gp_recipe_value(r, "needles") >= 1.0) {
         const struct gp_needles corona = {
             .f1 = s->factor * s->weight[1] * CORONA,
@@ -355,13 +321,9 @@ static gp_status open_night(const struct gp_log *log,
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
         .far_grey = true, .far_even = true, .least = night_least,
-        .grey = !n->all[0], .even = !n->add,
+        .grey = s->channels == 1, .even = !n->add,
         .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
     };
-    if (n->rx < f->w - 1 && n->ry < f->h - 1) {
-        out->fits[0] = n->rx + 1;
-        out->fits[1] = n->ry + 1;
-    }
     n = NULL;
 out:
     if (n)
@@ -456,7 +418,8 @@ static const struct gp_model_key cie_keys[] = {
     {0},
 };
 
-static struct cie cie_of(const struct gp_recipe *r)
+/* *light: the integral that the factor is to make 1. */
+static struct cie cie_of(const struct gp_recipe *r, double *light)
 {
     struct cie e = {
         .age = gp_recipe_value(r, "age"), .factor = 1.0,
@@ -467,52 +430,21 @@ static struct cie cie_of(const struct gp_recipe *r)
     gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
     if (!e.general)
         e.factor = 1.0 / sum[0];
+    *light = sum[0];
     return e;
-}
-
-/* The general equation, and the light that it does not scatter. */
-struct cie_rest {
-    struct gp_shape scattered;
-    double stays;
-};
-
-static void general_row(const void *state, int x, int y, int n,
-                        double *const out[3])
-{
-    const struct cie_rest *const s = state;
-    s->scattered.row(s->scattered.state, x, y, n, out);
-    if (y == 0 && x <= 0 && x + n > 0)
-        out[0][-x] += s->stays;
-}
-
-static void free_general(void *state)
-{
-    struct cie_rest *const s = state;
-    s->scattered.free(s->scattered.state);
-    gp_free(s);
 }
 
 static gp_status open_cie(const struct gp_log *log, const struct gp_recipe *r,
                           const struct gp_field *f, struct gp_shape *out)
 {
-    const struct cie e = cie_of(r);
-    struct cie_rest *s;
+    double sum;
+    const struct cie e = cie_of(r, &sum);
     gp_status st = sky_shape(log, cie_profile, &e, 1, 0.2, f, out);
-    if (!st)
-        out->smooth = 0.2 / (f->degrees * fmin(f->aspect, 1.0));
-    if (st || !e.general)
+    if (st)
         return st;
-    st = gp_alloc(log, "kernel", 1, sizeof *s, &s);
-    if (st) {
-        out->free(out->state);
-        return st;
-    }
-    double sum[3];
-    gp_profile_integral(cie_profile, &e, 1, 0.0, 90.0, sum);
-    *s = (struct cie_rest) {*out, 1.0 - sum[0]};
-    out->state = s;
-    out->row = general_row;
-    out->free = free_general;
+    out->smooth = 0.2 / (f->degrees * fmin(f->aspect, 1.0));
+    if (e.general)
+        out->own[0] = 1.0 - sum;
     return GP_OK;
 }
 
@@ -521,21 +453,3 @@ const struct gp_model gp_model_cie = {
     .source = "CIE 135/1 (1999) and CIE 146 (2002)", .keys = cie_keys,
     .open = open_cie,
 };
-
-double gp_eye_beyond(const struct gp_recipe *r, const struct gp_field *f,
-                     double t)
-{
-    double sum[3] = {0}, y = 0.0;
-    if (r->model == &gp_model_cie) {
-        const struct cie e = cie_of(r);
-        gp_profile_integral(cie_profile, &e, 1, t, 90.0, sum);
-        return sum[0];
-    }
-    struct spencer s;
-    if (spencer_of(NULL, r, f, &s))
-        return NAN;
-    gp_profile_integral(spencer_profile, &s, s.channels, t, 90.0, sum);
-    for (int c = 0; c < 3; c++)
-        y += (double) f->luminance[c] * sum[s.channels == 3 ? c : 0];
-    return y;
-}

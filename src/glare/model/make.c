@@ -27,13 +27,7 @@ struct gp_kernel_origin {
     struct tint tint;    // as struct mixture's
 };
 
-static void free_origin(struct gp_kernel_origin *o)
-{
-    for (int i = 0; o && i < o->n; i++)
-        gp_recipe_free(&o->recipe[i]);
-    gp_free(o);
-}
-
+/* A copy without the files' names: images are read. */
 static gp_status copy_origin(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
     struct gp_kernel_origin **out)
@@ -51,19 +45,9 @@ static gp_status copy_origin(const struct gp_log *log,
     for (int i = 0; i < n; i++) {
         o->recipe[i] = r[i];
         memset(o->recipe[i].file, 0, sizeof o->recipe[i].file);
-        for (int k = 0; k < GP_MODEL_KEYS && !st; k++) {
-            if (!r[i].file[k])
-                continue;
-            o->recipe[i].file[k] = gp_strdup(r[i].file[k]);
-            if (!o->recipe[i].file[k])
-                st = gp_no_memory_bare(log, "kernel");
-        }
     }
-    if (st)
-        free_origin(o);
-    else
-        *out = o;
-    return st;
+    *out = o;
+    return GP_OK;
 }
 
 // -- the sum of shapes --------------------------------------------------------
@@ -92,11 +76,8 @@ static bool has_tail(const struct gp_shape *s)
 
 static void close_mixture(struct mixture *m)
 {
-    for (int i = 0; i < m->n; i++) {
-        if (m->shape[i].free) // not taken by another mixture
-            m->shape[i].free(m->shape[i].state);
-    }
-    m->n = 0;
+    for (int i = 0; i < m->n; i++)
+        m->shape[i].free(m->shape[i].state);
 }
 
 static void add_facts(struct mixture *m, const struct gp_shape *s)
@@ -118,26 +99,6 @@ static void add_facts(struct mixture *m, const struct gp_shape *s)
         m->sharp = gp_max(m->sharp, s->sharp);
 }
 
-static bool same_look(const struct gp_field *a, const struct gp_field *b)
-{
-    return a->degrees == b->degrees && a->aspect == b->aspect &&
-           a->rotate == b->rotate &&
-           memcmp(a->chromaticities, b->chromaticities,
-                  8 * sizeof *a->chromaticities) == 0 &&
-           memcmp(a->luminance, b->luminance, 3 * sizeof *a->luminance) == 0;
-}
-
-/* True where a shape for field `a` is that of recipe r for field `b`. */
-static bool shape_fits(const struct gp_shape *s, const struct gp_recipe *r,
-                       const struct gp_field *a, const struct gp_field *b)
-{
-    const bool fits = s->fits[0] && s->fits[1] && s->fits[0] <= b->w &&
-                      s->fits[1] <= b->h;
-    return s->row && same_look(a, b) &&
-           (fits || (a->w == b->w && a->h == b->h)) &&
-           (!gp_recipe_moves(r) || (a->frame == b->frame && a->fps == b->fps));
-}
-
 static gp_status open_shape(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *field,
     struct gp_shape *out)
@@ -153,29 +114,17 @@ static gp_status open_shape(const struct gp_log *log,
     return r->model->open(log, r, field, out);
 }
 
-/* Opens the shapes; those that fit are taken from `before` (or NULL), made for
- * the field `old`. *opened counts the others. */
 static gp_status open_mixture(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
-    struct mixture *before, const struct gp_field *old, int *opened,
     struct mixture *m)
 {
     double sum = 0.0;
-    *opened = 0;
     *m = (struct mixture) {
         .grey = true, .even = true, .only_tails = true, .tail_grey = true,
         .tail_even = true, .stretch = fmax(field->aspect, 1.0 / field->aspect),
     };
     for (int i = 0; i < n; i++) {
-        struct gp_shape *const own = before ? &before->shape[i] : NULL;
-        gp_status st = GP_OK;
-        if (own && shape_fits(own, &r[i], old, field)) {
-            m->shape[i] = *own;
-            *own = (struct gp_shape) {0};
-        } else {
-            st = open_shape(log, &r[i], field, &m->shape[i]);
-            ++*opened;
-        }
+        gp_status st = open_shape(log, &r[i], field, &m->shape[i]);
         if (st) {
             close_mixture(m);
             return st;
@@ -192,8 +141,10 @@ static gp_status open_mixture(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Adds up the shapes for the pixels (x, y) .. (x + n - 1, y). */
-static void mix_row(const struct mixture *m, int x, int y, int n,
+/* Adds up the shapes for the pixels (x, y) .. (x + n - 1, y), or their far parts:
+ * sum[0] only where these are grey. At offsets beyond m->sharp both sums are the
+ * same to the last bit. */
+static void mix_row(const struct mixture *m, bool far, int x, int y, int n,
                     double sum[3][GP_SHAPE_STRIP])
 {
     double strip[3][GP_SHAPE_STRIP];
@@ -202,48 +153,25 @@ static void mix_row(const struct mixture *m, int x, int y, int n,
         memset(sum[c], 0, (size_t) n * sizeof **sum);
     for (int i = 0; i < m->n; i++) {
         const struct gp_shape *const s = &m->shape[i];
+        const bool part = far && s->far;
         const int from = gp_max(x, s->reach < INT_MAX ? -s->reach : x);
         const int to = s->reach < INT_MAX ? gp_min(x + n, s->reach + 1) : x + n;
-        if (abs(y) > (s->rows ? s->rows : s->reach) || from >= to)
+        if (abs(y) > s->reach || from >= to || (far && !has_tail(s)))
             continue;
-        s->row(s->state, from, y, to - from, out);
-        for (int c = 0; c < (m->grey ? 1 : 3); c++) {
-            const double *const v = strip[s->grey ? 0 : c];
+        (part ? s->far : s->row)(s->state, from, y, to - from, out);
+        if (!part && y == 0 && x <= 0 && x + n > 0) {
+            for (int c = 0; c < (s->grey ? 1 : 3); c++)
+                strip[c][-from] += s->own[c];
+        }
+        for (int c = 0; c < ((far ? m->tail_grey : m->grey) ? 1 : 3); c++) {
+            const double *const v =
+                strip[(part ? s->far_grey : s->grey) ? 0 : c];
             for (int k = from; k < to; k++)
                 sum[c][k - x] += m->share[i] * v[k - from];
         }
     }
-    if (y == 0 && x <= 0 && x + n > 0) {
-        for (int c = 0; c < 3; c++)
-            sum[c][-x] += m->stays;
-    }
-}
-
-/* Adds up the far parts, as mix_row(); sum[0] only where m->tail_grey. At
- * offsets beyond m->sharp the sums are the same to the last bit. */
-static void mix_far(const struct mixture *m, int x, int y, int n,
-                    double sum[3][GP_SHAPE_STRIP])
-{
-    double strip[3][GP_SHAPE_STRIP];
-    double *const out[3] = {strip[0], strip[1], strip[2]};
-    const int channels = m->tail_grey ? 1 : 3;
-    for (int c = 0; c < channels; c++)
-        memset(sum[c], 0, (size_t) n * sizeof **sum);
-    for (int i = 0; i < m->n; i++) {
-        const struct gp_shape *const s = &m->shape[i];
-        if (!has_tail(s))
-            continue;
-        if (s->far)
-            s->far(s->state, x, y, n, out);
-        else
-            s->row(s->state, x, y, n, out);
-        for (int c = 0; c < channels; c++) {
-            const bool grey = s->far ? s->far_grey : s->grey;
-            const double *const v = strip[grey ? 0 : c];
-            for (int k = 0; k < n; k++)
-                sum[c][k] += m->share[i] * v[k];
-        }
-    }
+    for (int c = 0; c < 3 && !far && y == 0 && x <= 0 && x + n > 0; c++)
+        sum[c][-x] += m->stays;
 }
 
 // -- planes -------------------------------------------------------------------
@@ -269,7 +197,7 @@ static void take_tail(const struct mixture *m,
     if (!(most > 0.0))
         return;
     if (!m->only_tails)
-        mix_far(m, x, y, n, far);
+        mix_row(m, true, x, y, n, far);
     for (int c = 0; c < (m->grey ? 1 : 3); c++) {
         const double *const v = m->only_tails ? sum[c]
                                               : far[m->tail_grey ? 0 : c];
@@ -292,7 +220,7 @@ static void make_row(void *ctx, int i, int thread)
     (void) thread;
     for (int x = m->even ? 0 : -f->rx; x <= f->rx; x += GP_SHAPE_STRIP) {
         const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
-        mix_row(m, x, y, n, sum);
+        mix_row(m, false, x, y, n, sum);
         if (f->split->step)
             take_tail(m, f->split, x, y, n, sum);
         for (int c = 0; c < (m->grey ? 1 : 3); c++) {
@@ -360,36 +288,12 @@ static void use_tint(const struct tint *t, const float weight[3], size_t n,
             (float) fmax((double) k->c[c][centre] + t->stays[c], 0.0);
 }
 
-/* Makes the samples of a mixture at up to those offsets; the tail, or NULL, has
- * the rest. `weight` is of luminance. */
-static gp_status make_planes(const struct gp_log *log, struct mixture *m,
-    const struct gp_far_split *split, const struct gp_far_field *tail,
-    const float weight[3], int rx, int ry, struct gp_kernel *out)
-{
-    struct filling f = {.m = m, .split = split, .rx = rx, .ry = ry};
-    const int w = 2 * rx + 1, h = 2 * ry + 1;
-    const size_t n = (size_t) w * (size_t) h;
-    gp_status st = gp_planes_make(log, "kernel", n, &f.k);
-    if (st)
-        return st;
-    gp_parallel_do(m->even ? ry + 1 : h, make_row, &f);
-    const size_t centre = (size_t) ry * (size_t) w + (size_t) rx;
-    if (!m->tint.known)
-        st = find_tint(log, m, &f.k, n, centre, tail, weight);
-    if (st) {
-        gp_planes_free(&f.k);
-        return st;
-    }
-    use_tint(&m->tint, weight, n, centre, &f.k);
-    return gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
-}
-
 /* The far parts' sample at one offset. */
 static void mix_pixel(const void *ctx, int x, int y, double out[3])
 {
     const struct mixture *const m = ctx;
     double sum[3][GP_SHAPE_STRIP];
-    mix_far(m, x, y, 1, sum);
+    mix_row(m, true, x, y, 1, sum);
     for (int c = 0; c < (m->tail_grey ? 1 : 3); c++)
         out[c] = sum[c][0];
 }
@@ -425,15 +329,30 @@ static struct gp_far_split choose_split(const struct mixture *m, int w, int h)
 }
 
 /* Makes the core of a mixture for frames of w x h pixels, less what `split`
- * gives to the tail, if its step is not 0; `weight` as make_planes(). */
+ * gives to the tail, if its step is not 0; `weight` is of luminance. */
 static gp_status make_core(const struct gp_log *log, struct mixture *m,
     const struct gp_far_split *split, const struct gp_far_field *tail,
     const float *weight, int w, int h, struct gp_kernel *out)
 {
     const int far = split->step ? gp_max((int) ceil(split->to) - 1, m->sharp)
                                 : m->reach;
-    return make_planes(log, m, split, tail, weight, gp_min(w - 1, far),
-                       gp_min(h - 1, far), out);
+    struct filling f = {.m = m, .split = split, .rx = gp_min(w - 1, far),
+                        .ry = gp_min(h - 1, far)};
+    const int columns = 2 * f.rx + 1, rows = 2 * f.ry + 1;
+    const size_t n = (size_t) columns * (size_t) rows;
+    gp_status st = gp_planes_make(log, "kernel", n, &f.k);
+    if (st)
+        return st;
+    gp_parallel_do(m->even ? f.ry + 1 : rows, make_row, &f);
+    const size_t centre = n / 2;
+    if (!m->tint.known)
+        st = find_tint(log, m, &f.k, n, centre, tail, weight);
+    if (st) {
+        gp_planes_free(&f.k);
+        return st;
+    }
+    use_tint(&m->tint, weight, n, centre, &f.k);
+    return gp_kernel_of_planes(log, "kernel", columns, rows, &f.k, out);
 }
 
 /* Joins a tail, which the kernel then owns, to its core; NULL: there is none.
@@ -451,8 +370,6 @@ static void join_tail(struct gp_far_field *t, const struct gp_field *field,
         }
         k->left_out -= (double) field->luminance[c] * k->sum[c];
     }
-    for (int c = 0; c < 3; c++)
-        k->beyond[c] = k->left_out;
 }
 
 struct gp_field gp_field_of(const struct gp_image *f, double fov)
@@ -465,84 +382,23 @@ struct gp_field gp_field_of(const struct gp_image *f, double fov)
     };
 }
 
-// -- kernels of a sequence ----------------------------------------------------
-
-/* The recipes and fields of the kernel before. */
-struct gp_model_kept {
+gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
+    int n, const struct gp_field *field, struct gp_kernel *out)
+{
     struct mixture m;
-    struct gp_field field;
-    float chromaticities[8], luminance[3]; // the field's
-    struct gp_far_field *tail;                  // held; NULL: none
-    int opened;                            // shapes, by the last call
-};
-
-void gp_model_kept_free(struct gp_model_kept **kept)
-{
-    if (*kept) {
-        close_mixture(&(*kept)->m);
-        gp_far_free((*kept)->tail);
-    }
-    GP_FREE(*kept);
-}
-
-int gp_model_opened(const struct gp_model_kept *kept)
-{
-    return kept->opened;
-}
-
-/* True where the tail that is kept is that of a mixture just opened: its shapes
- * are the same, and so is its split. */
-static bool tail_fits(const struct gp_model_kept *kept,
-    const struct gp_recipe *r, const struct mixture *m,
-    const struct gp_field *field, const struct gp_far_split *split)
-{
-    const struct gp_far_field *const t = kept->tail;
-    const bool later = kept->field.frame != field->frame ||
-                       kept->field.fps != field->fps;
-    bool moves = false;
-    for (int i = 0; i < m->n; i++)
-        moves |= later && has_tail(&m->shape[i]) && gp_recipe_moves(&r[i]);
-    return t && !moves && same_look(&kept->field, field) && t->w == field->w &&
-           t->h == field->h && t->split.step == split->step &&
-           t->split.from == split->from && t->split.to == split->to;
-}
-
-static void keep_field(struct gp_model_kept *kept, const struct gp_field *f)
-{
-    kept->field = *f;
-    memcpy(kept->chromaticities, f->chromaticities,
-           sizeof kept->chromaticities);
-    memcpy(kept->luminance, f->luminance, sizeof kept->luminance);
-    kept->field.chromaticities = kept->chromaticities;
-    kept->field.luminance = kept->luminance;
-}
-
-gp_status gp_model_kernel_next(const struct gp_log *log,
-    const struct gp_recipe *r, int n, const struct gp_field *field,
-    struct gp_model_kept **kept, struct gp_kernel *out)
-{
-    gp_status st;
-    struct mixture m = {0};
     struct gp_kernel k = {0};
     struct gp_far_field *tail = NULL;
     if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
         !(field->degrees <= 180.0))
         return gp_fail_at(log, GP_ERR_USAGE, "field.degrees",
                           "%s: no kernel has this angle (a pixel of %g degrees, "
-                          "turned by %g)", gp_model_name(r->model),
-                          field->degrees, field->rotate);
-    if (!*kept) {
-        st = gp_alloc_zero(log, "kernel", 1, sizeof **kept, kept);
-        if (st)
-            return st;
-    }
-    struct gp_model_kept *const own = *kept;
-    GP_TRY(open_mixture(log, r, n, field, own->m.n == n ? &own->m : NULL,
-                        &own->field, &own->opened, &m));
+                          "turned by %g)", r->model->name, field->degrees,
+                          field->rotate);
+    gp_status st = open_mixture(log, r, n, field, &m);
+    if (st)
+        return st;
     const struct gp_far_split split = choose_split(&m, field->w, field->h);
-    if (split.step && tail_fits(own, r, &m, field, &split))
-        tail = gp_far_hold(own->tail);
-    else if (split.step)
+    if (split.step)
         GP_TRY(gp_far_make(log, &split, field->w, field->h,
             &(struct gp_far_kernel) {mix_pixel, &m, m.tail_grey, m.tail_even},
             &tail));
@@ -552,13 +408,6 @@ gp_status gp_model_kernel_next(const struct gp_log *log,
     tail = NULL;
     GP_TRY(copy_origin(log, r, n, field, &k.origin));
     k.origin->tint = m.tint;
-    k.free_origin = free_origin;
-    close_mixture(&own->m);
-    gp_far_free(own->tail);
-    own->m = m;
-    m = (struct mixture) {0};
-    own->tail = k.tail ? gp_far_hold(k.tail) : NULL;
-    keep_field(own, field);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
@@ -568,24 +417,13 @@ out:
     return st;
 }
 
-gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
-    int n, const struct gp_field *field, struct gp_kernel *out)
-{
-    struct gp_model_kept *kept = NULL;
-    gp_status st = gp_model_kernel_next(log, r, n, field, &kept, out);
-    gp_model_kept_free(&kept);
-    return st;
-}
-
 gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
                           int w, int h, struct gp_kernel *out)
 {
     static const struct gp_far_split whole = {0};
     const struct gp_kernel_origin *const o = k->origin;
     struct mixture m;
-    int opened;
-    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, NULL, NULL,
-                                &opened, &m);
+    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, &m);
     if (st)
         return st;
     m.tint = o->tint;

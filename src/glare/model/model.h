@@ -53,14 +53,29 @@ struct gp_model_key {
                                // is 1; `lo`, `hi` mean nothing
 };
 
-struct gp_model; // model_priv.h
+struct gp_field;
+struct gp_recipe;
+struct gp_shape; // model_priv.h
+
+struct gp_model {
+    const char *name, *text, *source; // one line; paper and equation
+    const struct gp_model_key *keys;  // the first is `share`
+    bool moves;       // it depends on the frame's number
+
+    /* The pupil's diameter, mm, and whether the key `adaptation` decides it.
+     * NULL: it has no pupil, no adaptation. */
+    double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
+    bool (*adapts)(const struct gp_recipe *r);
+
+    /* Evaluates what depends on recipe and field. The shape's luminance sums to
+     * 1 over the hemisphere (over the plane for what has no angle).
+     * Written only on GP_OK. Errors: those of gp_model_kernel(). */
+    gp_status (*open)(const struct gp_log *log, const struct gp_recipe *r,
+                      const struct gp_field *f, struct gp_shape *out);
+};
 
 /* Models in the order of the manual; NULL-terminated. */
 extern const struct gp_model *const gp_models[];
-const char *gp_model_name(const struct gp_model *m);
-const char *gp_model_text(const struct gp_model *m);   // one line
-const char *gp_model_source(const struct gp_model *m); // paper and equation
-const struct gp_model_key *gp_model_keys(const struct gp_model *m);
 
 /* Names for recipes: "builtin:NAME", or NAME where no model has it. */
 struct gp_model_preset {
@@ -117,9 +132,6 @@ GP_MUST_CHECK gp_status gp_recipe_of_image(const struct gp_log *log,
  * byte for byte. Owned by the caller; NULL out of memory. */
 char *gp_recipe_text(const struct gp_recipe *r);
 
-/* True where the kernel depends on the frame's number. */
-bool gp_recipe_moves(const struct gp_recipe *r);
-
 /* The path that the recipe wants read into `image`; NULL: none. */
 const char *gp_recipe_file(const struct gp_recipe *r);
 
@@ -159,20 +171,6 @@ double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f);
 GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
     const struct gp_recipe *r, int n, const struct gp_field *field,
     struct gp_kernel *out);
-
-/* The same for one frame of a sequence after another, of the same recipes. Of
- * the kernel before, shapes that the field's change does not touch are kept,
- * and the tail where frames of this size met it: of several recipes, only the
- * one that moves is made. The kernel is that of gp_model_kernel() to the byte.
- *
- *   kept  NULL at first; free with gp_model_kept_free(), before or after the
- *         kernels
- */
-struct gp_model_kept;
-void gp_model_kept_free(struct gp_model_kept **kept);
-GP_MUST_CHECK gp_status gp_model_kernel_next(const struct gp_log *log,
-    const struct gp_recipe *r, int n, const struct gp_field *field,
-    struct gp_model_kept **kept, struct gp_kernel *out);
 
 /* Every sample that a frame of w x h pixels can meet, at full rate, offsets
  * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no tail: what the engine

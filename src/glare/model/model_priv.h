@@ -24,15 +24,13 @@ struct gp_shape {
      * threads; a pixel's value does not depend on the strip it is in. */
     void (*row)(const void *state, int x, int y, int n, double *const out[3]);
 
+    double own[3];   // light of offset (0, 0) that row() does not write
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
     bool negative;   // samples may be
     double smooth;   // pixels from the centre from which on it bends only on
                      // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
-    int rows;        // the same in y alone; 0: as reach
-    int fits[2];     // the same in all fields that differ only in w and h, and
-                     // are at least so wide and high; 0: in none
 
     /* The part of row() to which `smooth` applies, and all of row() at offsets
      * beyond `sharp`; out[0] only where far_grey. NULL: all of it, and the
@@ -45,23 +43,6 @@ struct gp_shape {
     int sharp;
 };
 enum { GP_SHAPE_STRIP = 256 };
-
-struct gp_model {
-    const char *name, *text, *source;
-    const struct gp_model_key *keys; // the first is `share`
-    bool moves;       // it depends on the field's frame
-
-    /* The pupil's diameter, mm, and whether the key `adaptation` decides it.
-     * NULL: it has no pupil, no adaptation. */
-    double (*pupil)(const struct gp_recipe *r, const struct gp_field *f);
-    bool (*adapts)(const struct gp_recipe *r);
-
-    /* Evaluates what depends on recipe and field. The shape's luminance sums to
-     * 1 over the hemisphere (over the plane for what has no angle).
-     * Written only on GP_OK. Errors: those of gp_model_kernel(). */
-    gp_status (*open)(const struct gp_log *log, const struct gp_recipe *r,
-                      const struct gp_field *f, struct gp_shape *out);
-};
 
 extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
@@ -105,11 +86,6 @@ static inline double gp_model_random(uint64_t seed, uint64_t i)
     return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-// -- make.c: declared for tests ------------------------------------------------
-
-/* Shapes that the last gp_model_kernel_next() opened; the others were kept. */
-int gp_model_opened(const struct gp_model_kept *kept);
-
 // -- quadrature.c --------------------------------------------------------------
 
 /* Gauss-Legendre nodes in (-0.5, 0.5), weights of sum 1; n from 1 to 16. */
@@ -128,8 +104,7 @@ const struct gp_gauss *gp_tent_rule(int n);
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
- * from the light, by steps that grow with the distance: about 1e-9. Threads may
- * call `p` at once; the sum is the same for any number of them. */
+ * from the light, by steps that grow with the distance: about 1e-9. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
@@ -137,19 +112,6 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * light per steradian into light per square degree of the plane that pixels
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
-
-/* A profile of the angle in the sky, 0 to 90 degrees, as one of the plane,
- * which has no end (model.h): to 45 degrees the same, beyond, the place t is at
- * the angle
- *   45 + s atan((t - 45) / s),  s = (90 - 45) 2 / pi
- * as in a rectilinear picture, and has its light: all of the hemisphere's in
- * the plane, and none is cut off with a rim. */
-struct gp_sky {
-    gp_profile p;
-    const void *ctx;
-    int channels;
-};
-void gp_sky_in_plane(const void *sky, double t, double out[3]);
 
 // -- quadrature.c: deposits ----------------------------------------------------
 
@@ -219,10 +181,6 @@ GP_MUST_CHECK gp_status gp_needles_make(const struct gp_log *log,
 
 // -- eye.c: declared for tests -------------------------------------------------
 
-/* The share of light that a recipe of spencer or cie sends farther than t
- * degrees, in luminance. */
-double gp_eye_beyond(const struct gp_recipe *r, const struct gp_field *f,
-                     double t);
 /* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
 double gp_spencer_term(int i, double t, double nm);
 double gp_cie_general(double age, double p, double t);
@@ -269,15 +227,6 @@ GP_MUST_CHECK gp_status gp_diffract(const struct gp_log *log,
     const struct gp_diffraction *d, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- aperture.c: Zernike's polynomials ----------------------------------------
-
-/* Zernike's polynomials Z2 to Z15 by Noll's numbers, over the unit disc. */
-enum { GP_ZERNIKE_FIRST = 2, GP_ZERNIKE_LAST = 15 };
-/* The value of Zj; x right, y up, x = r cos a. */
-double gp_zernike(int j, double x, double y);
-/* Its steepest slope over the disc, which is at the rim. */
-double gp_zernike_slope(int j);
-
 // -- aperture.c: gratings -----------------------------------------------------
 
 /* Writes 0.5 + 0.5 cos(fibres (a - turn)) of cells x in [from, to) of row y to
@@ -318,7 +267,7 @@ double gp_pupil_watson(double nits, double area, double age);
  * `strength` scales its noise in [-1, 1]. */
 double gp_pupil_hippus(double p, double t, double strength, uint64_t seed);
 
-// -- diffraction: transforms and a pupil's lags --------------------------------
+// -- diffraction --------------------------------------------------------------
 
 #ifndef CMPLX // glibc defines these only for gcc; clang has the built-in
 #define CMPLX(re, im) __builtin_complex((double) (re), (double) (im))
@@ -333,47 +282,15 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* Joins to a shape whose samples, of offsets up to rx and ry, end at `reach`
+/* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
  * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * take over before. Where the samples hold all up to `reach` (`fits`), the light
- * of the centre is changed for all of it to be 1.
+ * take over before. Where the field cuts no samples off, the light of the centre
+ * is changed for all of it to be 1.
  *
  *   shape  owned by the caller; after an error as before */
 GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
-    const struct gp_diffraction *d, int rx, int ry, double reach,
+    const struct gp_diffraction *d, const int r[2], double reach,
     const struct gp_field *f, struct gp_shape *shape);
-
-enum { GP_GROUP = 4 }; // rows that go through memory together: a cache line
-
-/* Plans of a length, and GP_GROUP arrays in and as many out for each thread. */
-struct gp_transform {
-    const struct gp_fftwd *lib;
-    int n;
-    fftw_plan forward, backward;
-    double complex *room;
-};
-
-/* Call on one thread. Free with gp_transform_free().
- * Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_transform_make(const struct gp_log *log, int n,
-                                          struct gp_transform *out);
-void gp_transform_free(struct gp_transform *t);
-
-static inline double complex *gp_transform_in(const struct gp_transform *t,
-                                              int thread, int i)
-{
-    return t->room + (size_t) (2 * GP_GROUP * thread + i) * (size_t) t->n;
-}
-
-static inline double complex *gp_transform_out(const struct gp_transform *t,
-                                               int thread, int i)
-{
-    return gp_transform_in(t, thread, GP_GROUP + i);
-}
-
-/* Transforms the thread's first n arrays. */
-void gp_transform_run(const struct gp_transform *t, fftw_plan plan, int n,
-                      int thread);
 
 /* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
  * times `sum`, at gp_lag_at(); at (-u, -v) it is conjugate. Lags are in strips
@@ -413,6 +330,7 @@ struct gp_correlator {
                                   // that no lag meets another
     size_t pitch;                 // complex numbers of an array of `room`
     float complex *room;
+    float *boost;                 // of each frequency, squared sincs undone
     int columns, across;          // of the spectrum; stored, a multiple of 8
     float complex *z;             // [8 rows, or lags v >= 0][column][row]
 };
@@ -424,7 +342,6 @@ GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
 void gp_correlator_free(struct gp_correlator *t);
 
 /* Fills all but a->n at one wavelength. */
-GP_MUST_CHECK gp_status gp_correlate(const struct gp_log *log,
-    const struct gp_correlator *t, double nm, struct gp_lags *a);
+void gp_correlate(const struct gp_correlator *t, double nm, struct gp_lags *a);
 
 #endif

@@ -160,29 +160,24 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
     enum { ANGLES = 1024, FEW = 256 };
     static const double RATIO = 0.1, STEP = 0.07, LEAST = 1e-4;
     struct gp_deposit d = {0};
-    double *at = NULL;
     const double side = fmin(m->a, m->b);
     const double end = fmin(GP_NEEDLE_END,
                             hypot(m->a * (NEAR + 1), m->b * (NEAR + 1)));
-    gp_status st;
-    GP_TRY(gp_deposit_make(log, NEAR, NEAR, &d));
-    GP_TRY(gp_alloc(log, "kernel", 4 * ANGLES, sizeof *at, &at));
-    for (int i = 0; i < 2 * ANGLES; i++) { // middles of ANGLES are odd
-        const double angle = 2.0 * M_PI * (0.5 * i / ANGLES + m->turn);
-        at[2 * i] = cos(angle) / m->a;
-        at[2 * i + 1] = -sin(angle) / m->b;
-    }
+    gp_status st = gp_deposit_make(log, NEAR, NEAR, &d);
+    if (st)
+        return st;
     for (double t = LEAST * side; t < end;) {
         const double step = fmin(fmin(RATIO * t, STEP * side), end - t);
         const double mid = t + 0.5 * step;
         const double ring = 2.0 * M_PI * mid * step * corona_at(m->of, mid);
         const int angles = t < side / 2.0 ? FEW : ANGLES;
-        const int steps = CIRCLE / angles, halves = ANGLES / angles;
+        const int steps = CIRCLE / angles;
         for (int i = 0; i < angles; i++) {
             const double more =
                 m->first[(i + 1) * steps] - m->first[i * steps];
-            const double *const to = at + 2 * (2 * i + 1) * halves;
-            gp_deposit_add(&d, mid * to[0], mid * to[1],
+            const double angle = 2.0 * M_PI * ((i + 0.5) / angles + m->turn);
+            gp_deposit_add(&d, mid * (cos(angle) / m->a),
+                           mid * (-sin(angle) / m->b),
                            (const double[3]) {ring * more});
         }
         t = step < end - t ? t + step : end;
@@ -197,10 +192,8 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
             *sum += (double) *to;
         }
     }
-out:
-    gp_free(at);
     gp_deposit_free(&d);
-    return st;
+    return GP_OK;
 }
 
 gp_status gp_needles_make(const struct gp_log *log, const struct gp_recipe *r,

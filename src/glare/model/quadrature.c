@@ -1,12 +1,10 @@
 /* Rules of quadrature, and integrals of profiles over the plane. */
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { MOST_NODES = 16, MOST_TENT = 10 };
 
@@ -51,12 +49,8 @@ static double tent_polynomial(const double *b, int n, double x, double *before,
     return p1;
 }
 
-static double tent_grid(int i, int steps)
-{
-    return -1.0 + 2.0 * i / steps;
-}
-
-/* Gauss rules for the tent, by Stieltjes' way: Gautschi 2004, section 2.2. */
+/* Gauss rules for the tent, by Stieltjes' way: Gautschi 2004, section 2.2. Between
+ * each two roots of the polynomial before is one, and beyond both ends. */
 static void make_tents(void)
 {
     const struct gp_gauss *const g = &rules[MOST_NODES];
@@ -70,28 +64,13 @@ static void make_tents(void)
         }
         b[k] = k > 0 ? norm[k] / norm[k - 1] : 0.0;
     }
-    // a root is between each two of the polynomial before, and beyond both ends
-    enum { GRID = 4001 }; // an odd number: 0 is no end of a step
-    int before[MOST_TENT + 1] = {0}, now[MOST_TENT]; // steps with a root
     for (int n = 1; n <= MOST_TENT; n++) {
-        before[n - 1] = GRID;
         tents[n].n = n;
         for (int i = 0; i < n; i++) {
-            int first = i > 0 ? before[i - 1] : 0, end = before[i];
-            double low = tent_grid(first, GRID);
+            double low = i > 0 ? tents[n - 1].node[i - 1] : -1.0;
+            double high = i < n - 1 ? tents[n - 1].node[i] : 1.0;
             const double at = tent_polynomial(b, n, low, &p, &slope);
-            while (end - first > 1) {
-                const int mid = (first + end) / 2;
-                if ((tent_polynomial(b, n, tent_grid(mid, GRID), &p, &slope) >
-                     0.0) == (at > 0.0))
-                    first = mid;
-                else
-                    end = mid;
-            }
-            now[i] = first;
-            low = tent_grid(first, GRID);
-            double high = low + 2.0 / GRID;
-            for (int step = 0; step < 60; step++) {
+            for (int step = 0; step < 100; step++) {
                 const double mid = 0.5 * (low + high);
                 if ((tent_polynomial(b, n, mid, &p, &slope) > 0.0) ==
                     (at > 0.0))
@@ -104,7 +83,6 @@ static void make_tents(void)
             tents[n].node[i] = x;
             tents[n].weight[i] = norm[n - 1] / (slope * p);
         }
-        memcpy(before, now, (size_t) n * sizeof *now);
     }
 }
 
@@ -136,72 +114,23 @@ double gp_plane_factor(double t)
     return degree * degree * (radians > 1e-4 ? sin(radians) / radians : 1.0);
 }
 
-/* The angle from the light, degrees, of a place `t` degrees away in the plane;
- * *slope is its change by t. */
-static double plane_angle(double t, double *slope)
-{
-    static const double EVEN = 45.0, SKY = 90.0;
-    const double scale = (SKY - EVEN) * 2.0 / M_PI;
-    const double x = fmax(t - EVEN, 0.0) / scale;
-    *slope = 1.0 / (1.0 + x * x);
-    return x > 0.0 ? EVEN + scale * atan(x) : t;
-}
-
-void gp_sky_in_plane(const void *sky, double t, double out[3])
-{
-    const struct gp_sky *const s = sky;
-    double slope;
-    const double angle = plane_angle(t, &slope);
-    s->p(s->ctx, angle, out);
-    for (int c = 0; c < s->channels && slope < 1.0; c++)
-        out[c] *= angle * slope / t;
-}
-
-enum { STEPS_OUT = 512, STEPS_A_TASK = 32, STEP_NODES = 8 };
-
-struct integral {
-    gp_profile p;
-    const void *ctx; // of p
-    int channels;
-    double from, least, end; // degrees
-    double adds[STEPS_OUT + 1][STEP_NODES][3]; // each node adds
-};
-
-static void integrate_steps(void *ctx, int task, int thread)
-{
-    struct integral *const s = ctx;
-    const struct gp_gauss *const g = gp_gauss_rule(STEP_NODES);
-    const int first = task * STEPS_A_TASK;
-    const double growth = s->end / s->least;
-    (void) thread;
-    for (int i = first; i < first + STEPS_A_TASK && i <= STEPS_OUT; i++) {
-        const double low = i > 0 ? s->least * pow(growth, (i - 1.0) / STEPS_OUT)
-                                 : s->from;
-        const double high = s->least * pow(growth, (double) i / STEPS_OUT);
-        for (int k = 0; k < STEP_NODES && high > low; k++) {
-            const double t = 0.5 * (low + high) + (high - low) * g->node[k];
-            double v[3];
-            s->p(s->ctx, t, v);
-            for (int c = 0; c < s->channels; c++)
-                s->adds[i][k][c] =
-                    (high - low) * g->weight[k] * 2.0 * M_PI * t * v[c];
-        }
-    }
-}
-
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3])
 {
-    struct integral s = {
-        .p = p, .ctx = ctx, .channels = channels,
-        .from = from, .least = fmax(from, 1e-6), .end = end,
-    };
-    gp_parallel_do(STEPS_OUT / STEPS_A_TASK + 1, integrate_steps, &s);
-    for (int c = 0; c < 3; c++) {
-        sum[c] = 0.0;
-        for (int i = 0; i <= STEPS_OUT; i++) {
-            for (int k = 0; k < STEP_NODES; k++)
-                sum[c] += s.adds[i][k][c];
+    enum { STEPS = 512 };
+    const struct gp_gauss *const g = gp_gauss_rule(8);
+    const double least = fmax(from, 1e-6), growth = end / least;
+    sum[0] = sum[1] = sum[2] = 0.0;
+    for (int i = 0; i <= STEPS; i++) {
+        const double low =
+            i > 0 ? least * pow(growth, (i - 1.0) / STEPS) : from;
+        const double high = least * pow(growth, (double) i / STEPS);
+        for (int k = 0; k < g->n && high > low; k++) {
+            const double t = 0.5 * (low + high) + (high - low) * g->node[k];
+            double v[3];
+            p(ctx, t, v);
+            for (int c = 0; c < channels; c++)
+                sum[c] += (high - low) * g->weight[k] * 2.0 * M_PI * t * v[c];
         }
     }
 }

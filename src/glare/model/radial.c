@@ -1,7 +1,6 @@
 /* Shapes of profiles: integrals over pixels of light around a point. */
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
@@ -142,31 +141,11 @@ static gp_status make_table(const struct gp_log *log, int channels,
     return st;
 }
 
-/* Rings near the light, in parts that are added up in order. */
-enum { RINGS_A_PART = 8 };
-struct ringing {
-    gp_profile p;
-    const void *ctx; // of p
-    const struct gp_field *f;
-    double end;
-    struct gp_deposit *part;
-};
-
 /* Returns the start of ring i: each is a tenth wider than the one before. */
 static double ring_from(int i)
 {
     static const double LEAST = 1e-6, RATIO = 1.1;
     return i > 0 ? LEAST * pow(RATIO, i - 1.0) : 0.0;
-}
-
-static void fill_part(void *ctx, int part, int thread)
-{
-    const struct ringing *const r = ctx;
-    double light[3] = {0};
-    (void) thread;
-    for (int i = part * RINGS_A_PART; i < (part + 1) * RINGS_A_PART; i++)
-        gp_deposit_rings(&r->part[part], r->p, r->ctx, r->f, ring_from(i),
-                         fmin(ring_from(i + 1), r->end), light);
 }
 
 /* Fills pixels under two of the longer sides from the light; where pixels are
@@ -181,27 +160,22 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     const int rx = (int) ceil(reach / a) - 1;
     const int ry = (int) ceil(reach / b) - 1;
     const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
-    struct ringing r = {
-        .p = p, .ctx = ctx, .f = &t->f, .end = hypot(a * (rx + 1), b * (ry + 1)),
-    };
-    int parts = 1;
+    const double end = hypot(a * (rx + 1), b * (ry + 1));
+    struct gp_deposit eight = {0}; // rings: sums of sums keep more digits
+    double light[3] = {0};
     gp_status st;
-    while (ring_from(parts * RINGS_A_PART) < r.end)
-        parts++;
     GP_TRY(gp_deposit_make(log, rx, ry, &t->near));
-    GP_TRY(gp_alloc_zero(log, "kernel", (size_t) parts, sizeof *r.part,
-                         &r.part));
-    for (int i = 0; i < parts; i++)
-        GP_TRY(gp_deposit_make(log, rx, ry, &r.part[i]));
-    gp_parallel_do(parts, fill_part, &r);
-    for (int i = 0; i < parts; i++) {
-        for (size_t k = 0; k < 3 * n; k++)
-            t->near.v[0][k] += r.part[i].v[0][k];
+    GP_TRY(gp_deposit_make(log, rx, ry, &eight));
+    for (int i = 0; ring_from(i) < end || i % 8; i++) {
+        gp_deposit_rings(&eight, p, ctx, &t->f, ring_from(i),
+                         fmin(ring_from(i + 1), end), light);
+        for (size_t k = 0; k < 3 * n && i % 8 == 7; k++) {
+            t->near.v[0][k] += eight.v[0][k];
+            eight.v[0][k] = 0.0;
+        }
     }
 out:
-    for (int i = 0; i < parts && r.part; i++)
-        gp_deposit_free(&r.part[i]);
-    gp_free(r.part);
+    gp_deposit_free(&eight);
     return st;
 }
 
@@ -215,24 +189,18 @@ static double square_of(const struct table *t, int i, double *step)
     return s;
 }
 
-struct filling {
-    struct radial_table *t;
-    gp_profile p;
-    const void *ctx; // of p
-};
-
 /* Fills entry i of the profile's table, and the far one's value. */
-static void fill_entry(const struct filling *fill, int i)
+static void fill_entry(struct radial_table *t, gp_profile p, const void *ctx,
+                       int i)
 {
     static const double h = 1e-3; // of s, for slopes
-    struct radial_table *const t = fill->t;
     const double twelfth = t->f.degrees * t->f.degrees / 12.0;
     const int far = i - (int) (t->far.first - t->profile.first);
     double step, at[3], low[3], high[3];
     const double s = square_of(&t->profile, i, &step);
-    fill->p(fill->ctx, sqrt(s), at);
-    fill->p(fill->ctx, sqrt(s * (1.0 - h)), low);
-    fill->p(fill->ctx, sqrt(s * (1.0 + h)), high);
+    p(ctx, sqrt(s), at);
+    p(ctx, sqrt(s * (1.0 - h)), low);
+    p(ctx, sqrt(s * (1.0 + h)), high);
     for (int c = 0; c < t->channels; c++) {
         const double slope = (high[c] - low[c]) / (2.0 * h * s);
         const double bend = (high[c] - 2.0 * at[c] + low[c]) / (h * h * s * s);
@@ -243,16 +211,6 @@ static void fill_entry(const struct filling *fill, int i)
             t->far.value[2 * (far * t->channels + c)] =
                 at[c] + twelfth * 4.0 * (s * bend + slope);
     }
-}
-
-static void fill_octave(void *ctx, int octave, int thread)
-{
-    const struct filling *const fill = ctx;
-    const int from = octave * STEPS;
-    const int to = gp_min(from + STEPS, fill->t->profile.n + 1);
-    (void) thread;
-    for (int i = from; i < to; i++)
-        fill_entry(fill, i);
 }
 
 /* Fills the far table's slopes: the profile's, and what neighbours differ from
@@ -302,13 +260,13 @@ gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
         free_radial(t);
         return st;
     }
-    struct filling fill = {.t = t, .p = p, .ctx = ctx};
-    gp_parallel_do(t->profile.n / STEPS + 1, fill_octave, &fill);
+    for (int i = 0; i <= t->profile.n; i++)
+        fill_entry(t, p, ctx, i);
     if (t->far.value)
         fill_far_slopes(t);
     *out = (struct gp_shape) {
         .state = t, .free = free_radial, .row = radial_row,
-        .grey = channels == 1, .even = true, .reach = INT_MAX, .fits = {1, 1},
+        .grey = channels == 1, .even = true, .reach = INT_MAX,
     };
     return GP_OK;
 }

@@ -531,12 +531,8 @@ static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
     *out = (struct gp_shape) {
         .state = s, .free = rays_free,
         .row = coarse ? points_row : rays_row, .smooth = INFINITY,
-        .reach = gp_max(s->rx, s->ry), .rows = s->ry,
+        .reach = gp_max(s->rx, s->ry),
     };
-    if (!cut) {
-        out->fits[0] = s->rx + 1;
-        out->fits[1] = s->ry + 1;
-    }
     return GP_OK;
 out:
     rays_free(s);

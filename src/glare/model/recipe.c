@@ -29,26 +29,6 @@ const struct gp_model_preset gp_model_presets[] = {
     {0},
 };
 
-const char *gp_model_name(const struct gp_model *m)
-{
-    return m->name;
-}
-
-const char *gp_model_text(const struct gp_model *m)
-{
-    return m->text;
-}
-
-const char *gp_model_source(const struct gp_model *m)
-{
-    return m->source;
-}
-
-const struct gp_model_key *gp_model_keys(const struct gp_model *m)
-{
-    return m->keys;
-}
-
 /* Text up to `end` equals a whole name. */
 static bool is_name(const char *name, const char *text, const char *end)
 {
@@ -162,15 +142,12 @@ static gp_status read_value(const struct gp_log *log, const char *text,
     }
     char *stop = NULL;
     *out = length ? strtod(from, &stop) : NAN;
-    if (!length || strchr(" \t\n\v\f\r", *from) || stop != end)
-        return gp_fail(log, GP_ERR_USAGE, "%s: %s is no number (found "
-                       "\"%s\"); give %g to %g", show(text, SIZE_MAX).text,
-                       key->name, show(from, length).text, key->lo, key->hi);
-    if (!(*out >= key->lo && *out <= key->hi))
-        return gp_fail(log, GP_ERR_USAGE, "%s: %s is out of range (found "
-                       "%s); give %g to %g", show(text, SIZE_MAX).text,
-                       key->name, show(from, length).text, key->lo, key->hi);
-    return GP_OK;
+    if (length && !strchr(" \t\n\v\f\r", *from) && stop == end &&
+        *out >= key->lo && *out <= key->hi)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_USAGE, "%s: %s is no number from %g to %g (found "
+                   "\"%s\"); give one", show(text, SIZE_MAX).text, key->name,
+                   key->lo, key->hi, show(from, length).text);
 }
 
 /* Length of a file's name up to the next comma without a backslash. */
@@ -243,6 +220,15 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
     return GP_OK;
 }
 
+/* A recipe that says nothing but its model, or NULL. */
+static struct gp_recipe usual_recipe(const struct gp_model *m)
+{
+    struct gp_recipe r = {.model = m};
+    for (int i = 0; m && m->keys[i].name; i++)
+        r.value[i] = m->keys[i].preset;
+    return r;
+}
+
 gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
                           struct gp_recipe *out)
 {
@@ -252,7 +238,7 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
     const struct gp_model_preset *const preset = find_preset(name, end);
     const char *const recipe = preset ? preset->recipe : name;
     const char *const recipe_end = recipe + strcspn(recipe, ":");
-    struct gp_recipe r = {.model = find_model(recipe, recipe_end)};
+    struct gp_recipe r = usual_recipe(find_model(recipe, recipe_end));
     if (!r.model) {
         struct names n = names_for(name, end);
         for (int i = 0; gp_models[i]; i++)
@@ -263,8 +249,6 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         }
         return no_such(log, text, "model of glare", &n);
     }
-    for (int i = 0; r.model->keys[i].name; i++)
-        r.value[i] = r.model->keys[i].preset;
     gp_status st = GP_OK;
     if (*recipe_end && preset)
         st = read_keys(log, text, recipe_end + 1, &r);
@@ -296,15 +280,11 @@ void gp_recipe_preset(struct gp_recipe *r, const char *key, double value)
 gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
     double degrees, double percent, struct gp_recipe *out)
 {
-    const struct gp_model *const m = &gp_model_image;
-    struct gp_recipe r = {.model = m};
-    for (int i = 0; m->keys[i].name; i++) {
-        r.value[i] = m->keys[i].preset;
-        if (strcmp(m->keys[i].name, "size") == 0)
-            r.value[i] = degrees;
-        if (strcmp(m->keys[i].name, "percent") == 0)
-            r.value[i] = percent;
-        if (m->keys[i].file && !(r.file[i] = gp_strdup(path)))
+    struct gp_recipe r = usual_recipe(&gp_model_image);
+    gp_recipe_preset(&r, "size", degrees);
+    gp_recipe_preset(&r, "percent", percent);
+    for (int i = 0; r.model->keys[i].name; i++) {
+        if (r.model->keys[i].file && !(r.file[i] = gp_strdup(path)))
             return gp_no_memory(log, path);
     }
     *out = r;
@@ -356,11 +336,6 @@ char *gp_recipe_text(const struct gp_recipe *r)
         between = ',';
     }
     return text;
-}
-
-bool gp_recipe_moves(const struct gp_recipe *r)
-{
-    return r->model->moves;
 }
 
 double gp_recipe_pupil(const struct gp_recipe *r, const struct gp_field *f)

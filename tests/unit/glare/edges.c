@@ -74,10 +74,10 @@ static const char *word_at(int i)
     }
     for (const struct gp_model *const *m = gp_models; *m; m++) {
         int p = 0;
-        while (preset[p].name && strcmp(preset[p].name, gp_model_name(*m)) != 0)
+        while (preset[p].name && strcmp(preset[p].name, (*m)->name) != 0)
             p++;
         if (!preset[p].name && i-- == 0)
-            return gp_model_name(*m);
+            return (*m)->name;
     }
     return NULL;
 }

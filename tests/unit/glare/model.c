@@ -3,6 +3,8 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/far_field/far_field.h"
+#include "glare/kernel_kept.h"
 #include "glare/model/model_priv.h"
 #include "kept_log.h"
 #include "model_scene.h"
@@ -86,7 +88,7 @@ static void messages_are_short(void **state)
                          GP_ERR_USAGE);
         assert_kept(rows[i].says);
         for (int m = 0; i == 0 && gp_models[m]; m++)
-            assert_kept(gp_model_name(gp_models[m]));
+            assert_kept(gp_models[m]->name);
     }
     static const char *const starts[] = {
         "builtin:", "star:share=", "star:share=1,share=", "star:", "star:share",
@@ -320,7 +322,54 @@ static void halation_is_of_film(void **state)
     gp_kernel_free(&k);
 }
 
+/* A frame of a sequence has its own kernel and far part: those of its size, its
+ * angle and its time. */
+static void frames_have_their_own_kernels(void **state)
+{
+    (void) state;
+    static const struct {
+        int w, frame;
+        double degrees;
+        bool made;
+    } rows[] = {
+        {330, 1, 1.0 / 36.0, true}, {330, 1, 1.0 / 36.0, false},
+        {330, 2, 1.0 / 36.0, true}, {360, 2, 1.0 / 36.0, true},
+        {360, 2, 1.0 / 30.0, true},
+    };
+    struct gp_kernel_request r = {.recipes = 2};
+    struct gp_kernels *kernels;
+    struct gp_far_state *tail = NULL;
+    r.recipe[0] = scene_recipe("cie");
+    r.recipe[1] = scene_recipe("temporal:reach=1,wavelengths=3");
+    assert_ok(gp_kernels_make(NULL, &r, &kernels));
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_field f = scene_field(rows[i].w, 310, rows[i].degrees, 1.0);
+        struct gp_made_kernel *m;
+        struct gp_far_state *own = NULL;
+        struct gp_kernel k;
+        bool made;
+        f.frame = rows[i].frame;
+        assert_ok(gp_kernels_take(NULL, kernels, NULL, &f, &made, &m));
+        assert_int_equal(made, rows[i].made);
+        assert_ok(gp_model_kernel(NULL, r.recipe, 2, &f, &k));
+        assert_true(m->k.w == k.w && m->k.h == k.h);
+        assert_memory_equal(m->k.k.c[0], k.k.c[0],
+                            (size_t) k.w * (size_t) k.h * sizeof(float));
+        assert_ok(gp_far_open(NULL, m->k.tail, &tail));
+        assert_ok(gp_far_open(NULL, k.tail, &own));
+        assert_memory_equal(gp_far_error_of(tail), gp_far_error_of(own),
+                            sizeof(struct gp_far_error));
+        gp_far_close(&own);
+        gp_kernel_free(&k);
+        gp_made_kernel_free(&m);
+    }
+    gp_far_close(&tail);
+    gp_kernels_free(&kernels);
+    gp_kernel_request_free(&r);
+}
+
 SUITE_OF(model, NULL, NULL, halation_is_of_film, recipes_are_read,
          messages_are_short, resolution_does_not_matter, light_is_kept,
-         recipes_add_up, images_are_recipes)
+         recipes_add_up, images_are_recipes,
+         frames_have_their_own_kernels)
 

@@ -10,6 +10,29 @@ static const struct gp_field plain = {
     .luminance = gp_rec709_luminance,
 };
 
+/* The share of a model's light that is farther than t degrees. */
+static double beyond(const char *text, double t)
+{
+    enum { R = 100 };
+    struct gp_recipe r = scene_recipe(text);
+    // beyond 45 degrees places are crowded: model.h
+    const double scale = 90.0 / M_PI;
+    const double place = t > 45.0 ? 45.0 + scale * tan((t - 45.0) / scale) : t;
+    struct gp_field f = plain;
+    struct gp_shape s;
+    double sum = 1.0, v[2 * R + 1];
+    f.degrees = place / R;
+    assert_ok(r.model->open(NULL, &r, &f, &s));
+    for (int y = -R; y <= R; y++) {
+        s.row(s.state, -R, y, 2 * R + 1, (double *[3]) {v, NULL, NULL});
+        for (int x = -R; x <= R; x++)
+            sum -= v[x + R] * fmin(fmax(R + 0.5 - hypot(x, y), 0.0), 1.0);
+    }
+    s.free(s.state);
+    gp_recipe_free(&r);
+    return sum;
+}
+
 /* Shares of light beyond 0.1 to 60 degrees: Spencer's photopic function, and
  * the CIE's at 35 and 70 years. */
 static void light_goes_as_far_as_published(void **state)
@@ -25,16 +48,14 @@ static void light_goes_as_far_as_published(void **state)
         {"cie:age=70", {.382, .170, .131, .104, .084, .067, .051, .035, .015}},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_recipe r = scene_recipe(rows[i].text);
         for (int k = 0; k < 9; k++) {
-            const double got = gp_eye_beyond(&r, &plain, angles[k]);
+            const double got = beyond(rows[i].text, angles[k]);
             // (three digits; 0.1305 of 70 years beyond 1 degree is given as
             // .131)
             if (!(fabs(got - rows[i].beyond[k]) <= 0.0006))
                 fail_msg("%s beyond %g: %.4f, not %.3f", rows[i].text,
                          angles[k], got, rows[i].beyond[k]);
         }
-        gp_recipe_free(&r);
     }
 }
 

@@ -54,6 +54,7 @@ static double own_share(const char *text, double degrees, double aspect,
                    (1.0 - fabs((double) y / parts));
         }
     }
+    sum += luminance((double *[3]) {&s.own[0], &s.own[1], &s.own[2]}, s.grey);
     s.free(s.state);
     gp_recipe_free(&r);
     return sum;
