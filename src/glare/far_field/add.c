@@ -95,31 +95,19 @@ static double frequency(int i, int n)
     return (double) (2 * i <= n ? i : i - n) / n;
 }
 
-/* Limits of the error from the columns of the spectrum, COLUMNS a task. */
+/* What one channel's spectrum limits the error by. */
 struct limits {
-    double most, edge;       // of the frequencies
-    double sum, square;      // over all frequencies
-    double most_column;      // sum over the rows of a column
+    double most, edge;  // of the frequencies
+    double sum, square; // over all frequencies
 };
-
-struct limiting {
-    const struct gp_far_field *t;
-    const struct gp_far_state *s;
-    const struct keeping *down, *across; // ny; nx / 2 + 1
-    int tasks;             // of one channel
-    struct limits *found;  // of each task
-    double *row;           // ny of each task: sums over its columns
-};
-
-enum { COLUMNS = 32 };
 
 /* Adds a column of the spectrum, of frequency u across and as many as `twice`
- * alike, to l and to row. */
+ * alike, to l. */
 GP_CLONES static void limit_column(const float *restrict z, double scale,
     const struct keeping *u, const struct keeping *down, int ny, double twice,
-    struct limits *l, double *restrict row)
+    struct limits *l)
 {
-    double most = l->most, edge = l->edge, column = 0.0, squares = 0.0;
+    double most = l->most, edge = l->edge, sum = 0.0, squares = 0.0;
     for (int y = 0; y < ny; y++) {
         const struct keeping *const v = &down[y];
         const double own = u->own * v->own;
@@ -131,111 +119,53 @@ GP_CLONES static void limit_column(const float *restrict z, double scale,
             sqrt(gp_maxd(u->square * v->square - kept * kept, 0.0));
         const double eta = u->sum * v->sum - kept;
         const double same = lost + kept * eta, other = kept + eta;
-        const double all = f * (lost + 2.0 * kept * eta + eta * eta);
         most = gp_maxd(most, f * (lost + kept * eps + eps * eps));
         edge = gp_maxd(edge, u->edge || v->edge ? f : 0.0);
-        column += all;
-        row[y] += twice * all;
+        sum += f * (lost + 2.0 * kept * eta + eta * eta);
         squares += f * f * (same * same + eps * eps * other * other);
     }
     l->most = most;
     l->edge = edge;
-    l->sum += twice * column;
+    l->sum += twice * sum;
     l->square += twice * squares;
-    l->most_column = gp_maxd(l->most_column, column);
 }
 
-static void limit_columns(void *ctx, int i, int thread)
-{
-    const struct limiting *const a = ctx;
-    const struct gp_fft_matrix *const m = &a->s->spectrum;
-    const int nx = a->s->x.n, ny = a->s->y.n, c = i / a->tasks;
-    const int first = i % a->tasks * COLUMNS;
-    const int end = gp_min(first + COLUMNS, nx / 2 + 1);
-    const double step = a->t->split.step;
-    // the passes' factor 1 / 2 of rows was left out once
-    const double scale = 2.0 * nx * ny * step * step;
-    double *const row = a->row + (size_t) i * (size_t) ny;
-    struct limits l = {0};
-    (void) thread;
-    memset(row, 0, (size_t) ny * sizeof *row);
-    for (int x = first; x < end; x++)
-        limit_column(m->z[c] + 2 * (size_t) x * m->pitch, scale,
-                     &a->across[x], a->down, ny,
-                     x == 0 || 2 * x == nx ? 1.0 : 2.0, &l, row);
-    a->found[i] = l;
-}
-
-/* Widens `e` to the limits of one channel, those of its tasks added in
- * order. */
-static void widen_error(const struct limiting *a, int c,
-                        struct gp_far_error *e)
-{
-    const int nx = a->s->x.n, ny = a->s->y.n;
-    const double step = a->t->split.step, area = step * step;
-    const size_t first = (size_t) c * (size_t) a->tasks, height = (size_t) ny;
-    double *const row = a->row + first * height;
-    struct limits l = a->found[first];
-    for (size_t i = 1; i < (size_t) a->tasks; i++) {
-        const struct limits *const k = &a->found[first + i];
-        l.most = fmax(l.most, k->most);
-        l.edge = fmax(l.edge, k->edge);
-        l.sum += k->sum;
-        l.square += k->square;
-        l.most_column = fmax(l.most_column, k->most_column);
-        for (size_t y = 0; y < height; y++)
-            row[y] += row[i * height + y];
-    }
-    double most_row = 0.0;
-    for (size_t y = 0; y < height; y++)
-        most_row = fmax(most_row, row[y]);
-    const double points = (double) nx * ny;
-    const double narrow = a->t->w / step * (most_row / nx + 2.0 * l.edge);
-    const double low = a->t->h / step * (l.most_column / ny + 2.0 * l.edge);
-    e->norm = fmax(e->norm, fmin(l.most + 2.0 * l.edge, fmin(narrow, low)));
-    e->pixel = fmax(e->pixel, (l.sum / points + 2.0 * l.edge) / area);
-    e->column = fmax(e->column,
-                     sqrt(l.square / points + 4.0 * l.edge * l.edge) / step);
-}
-
-/* Finds the error's limits from the spectrum: tail.h. */
+/* Finds the error's limits from the spectrum: far_field.h. */
 static gp_status find_error(const struct gp_log *log, const struct gp_far_field *t,
                             struct gp_far_state *s)
 {
     static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
                                           // a step's pixels and nodes, and more
-    const int nx = s->x.n, ny = s->y.n, channels = t->grey ? 1 : 3;
-    struct limiting a = {
-        .t = t, .s = s, .tasks = (nx / 2 + COLUMNS) / COLUMNS,
-    };
-    const size_t tasks = (size_t) channels * (size_t) a.tasks;
-    struct keeping *down = NULL; // ny, then nx / 2 + 1 across
-    gp_status st;
-    GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
-                    &down));
-    GP_TRY(gp_alloc(log, "tail", tasks, sizeof *a.found, &a.found));
-    GP_TRY(gp_alloc(log, "tail", tasks * (size_t) ny, sizeof *a.row, &a.row));
-    struct keeping *const across = down + ny;
+    const int nx = s->x.n, ny = s->y.n;
+    const double step = t->split.step, area = step * step;
+    const double points = (double) nx * ny;
+    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
+    struct keeping *down;
+    gp_status st = gp_alloc(log, "tail", (size_t) ny, sizeof *down, &down);
+    if (st)
+        return st;
     for (int i = 0; i < ny; i++)
         down[i] = keep_of(frequency(i, ny));
-    for (int i = 0; i <= nx / 2; i++)
-        across[i] = keep_of(frequency(i, nx));
-    a.down = down;
-    a.across = across;
-    gp_parallel_do((int) tasks, limit_columns, &a);
-    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
     double norm1 = 0.0;
-    for (int c = 0; c < channels; c++) {
-        widen_error(&a, c, &e);
+    for (int c = 0; c < (t->grey ? 1 : 3); c++) {
+        struct limits l = {0};
+        for (int x = 0; x <= nx / 2; x++) {
+            const struct keeping across = keep_of(frequency(x, nx));
+            // the passes' factor 1 / 2 of rows was left out once
+            limit_column(s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch,
+                         2.0 * points * area, &across, down, ny,
+                         x == 0 || 2 * x == nx ? 1.0 : 2.0, &l);
+        }
+        e.norm = fmax(e.norm, l.most + 2.0 * l.edge);
+        e.pixel = fmax(e.pixel, (l.sum / points + 2.0 * l.edge) / area);
+        e.column = fmax(e.column, sqrt(l.square / points +
+                                       4.0 * l.edge * l.edge) / step);
         norm1 = fmax(norm1, t->norm1[c]);
     }
     e.norm += e.share * norm1;
     s->error = e;
-out:
     gp_free(down);
-    gp_free(a.found);
-    gp_free(a.row);
-    return st;
+    return GP_OK;
 }
 
 gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
