@@ -228,12 +228,6 @@ double gp_far_pixel_error(const struct gp_far_state *s,
 
 // -- light to the grid --------------------------------------------------------
 
-typedef float v4 __attribute__((vector_size(16)));
-typedef float v4_loose __attribute__((vector_size(16), aligned(4), may_alias));
-typedef float v8 __attribute__((vector_size(32)));
-typedef int vi __attribute__((vector_size(32)));
-typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
-
 struct gp_far_rows {
     const struct gp_far_field *t;
     const struct gp_far_state *s;
@@ -262,15 +256,18 @@ static void spread_along(const struct gp_far_rows *a, uint32_t from, uint32_t to
     const float *const b = src->rgb[2];
     for (uint32_t i = from; i < to;) {
         const int node = src->x[i] >> bits;
-        v4 sum[3] = {{0}};
+        float sum[3][TAPS] = {{0}};
         for (; i < to && src->x[i] >> bits == node; i++) {
-            const v4 w = *(const v4_loose *) a->s->weight[src->x[i] & mask];
-            sum[0] += w * r[i];
-            sum[1] += w * g[i];
-            sum[2] += w * b[i];
+            const float *const w = a->s->weight[src->x[i] & mask];
+            for (int k = 0; k < TAPS; k++) {
+                sum[0][k] += w[k] * r[i];
+                sum[1][k] += w[k] * g[i];
+                sum[2][k] += w[k] * b[i];
+            }
         }
-        for (size_t c = 0; c < 3; c++)
-            *(v4_loose *) (line + c * a->pitch + node) += sum[c];
+        for (size_t k = 0; k < 3 * TAPS; k++)
+            line[k / TAPS * a->pitch + (size_t) node + k % TAPS] +=
+                sum[k / TAPS][k % TAPS];
     }
 }
 
@@ -325,35 +322,19 @@ static void store_nodes(const void *ctx, int c, int j, int thread,
         to[x] = z[2 * x];
 }
 
-enum { AHEAD = 1024 }; // floats that are fetched before they are needed: a CPU
-                       // does not foresee beyond a page
-
 /* Adds a line of nodes to a row of w pixels, or sets it to that, `at` the weights
  * of each tap. */
 GP_CLONES static void put_line(float *restrict row, int w, bool add,
     const float *restrict line, int step, const float at[TAPS][MOST_STEP])
 {
-    const v8 dark = {0};
-    const int whole = w / step * step;
-    for (int x = 0; x < whole; x += step, line++) {
-        for (int i = 0; i < step; i += LANES) {
-            __builtin_prefetch(row + x + i + AHEAD, 1);
-            v8_loose *const to = (v8_loose *) (row + x + i);
-            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
-            v += line[1] * *(const v8_loose *) (at[1] + i);
-            v += line[2] * *(const v8_loose *) (at[2] + i);
-            v += line[3] * *(const v8_loose *) (at[3] + i);
-            if (add)
-                v += *to;
-            *to = (v8) ((vi) v & (vi) (v > dark));
+    for (int x = 0; x < w; x += step, line++) {
+        const int n = gp_min(step, w - x);
+        for (int i = 0; i < n; i++) {
+            float v = line[0] * at[0][i] + line[1] * at[1][i] +
+                      line[2] * at[2][i] + line[3] * at[3][i];
+            v += add ? row[x + i] : 0.0f;
+            row[x + i] = v > 0.0f ? v : 0.0f;
         }
-    }
-    for (int x = whole; x < w; x++) {
-        float v = line[0] * at[0][x - whole];
-        for (int k = 1; k < TAPS; k++)
-            v += line[k] * at[k][x - whole];
-        v += add ? row[x] : 0.0f;
-        row[x] = v > 0.0f ? v : 0.0f;
     }
 }
 
@@ -415,18 +396,22 @@ static void spread_flat(const struct gp_far_state *s, int step, int n,
     }
 }
 
-/* As gp_far_find(), of a->src. */
-static gp_status find_rows(const struct gp_log *log, struct gp_far_rows *a)
+/* Makes rows of `like`. */
+static gp_status make_rows(const struct gp_log *log,
+    const struct gp_far_rows *like, struct gp_far_rows **out)
 {
     gp_status st;
-    const struct gp_far_field *const t = a->t;
-    const struct gp_far_state *const state = a->s;
-    const int step = t->split.step, channels = a->src || !t->grey ? 3 : 1;
+    const struct gp_far_field *const t = like->t;
+    const struct gp_far_state *const state = like->s;
+    struct gp_far_rows *a = NULL;
+    const int step = t->split.step, channels = like->src || !t->grey ? 3 : 1;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
-    if (a->w > t->w || a->h > t->h)
+    if (like->w > t->w || like->h > t->h)
         return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
-                            "pixels meets %dx%d", t->w, t->h, a->w, a->h);
+                            "pixels meets %dx%d", t->w, t->h, like->w, like->h);
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *a, &a));
+    *a = *like;
     a->nodes_x = gp_far_nodes(a->w, step);
     a->nodes_y = gp_far_nodes(a->h, step);
     a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
@@ -463,25 +448,12 @@ static gp_status find_rows(const struct gp_log *log, struct gp_far_rows *a)
     GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
     GP_FREE(a->sums);
+    *out = a;
+    a = NULL;
 out:
+    gp_far_rows_free(&a);
     gp_free(places);
     gp_fft_matrix_free(&m);
-    return st;
-}
-
-/* Makes rows of `like`. */
-static gp_status make_rows(const struct gp_log *log,
-    const struct gp_far_rows *like, struct gp_far_rows **out)
-{
-    struct gp_far_rows *a;
-    gp_status st = gp_alloc_zero(log, "tail", 1, sizeof *a, &a);
-    if (st)
-        return st;
-    *a = *like;
-    st = find_rows(log, a);
-    if (st)
-        gp_far_rows_free(&a);
-    *out = a;
     return st;
 }
 
