@@ -4,7 +4,8 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/fft/fft.h"
-#include "glare/far_field/far_field_priv.h"
+#include "glare/far_field/far_field.h"
+#include "glare/kernel.h"
 
 #include <math.h>
 #include <stdlib.h>
