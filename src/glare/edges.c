@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/direct/direct.h"
 #include "glare/kernel.h"
 #include "glare/far_field/far_field.h"
 
@@ -60,15 +61,6 @@ static inline float cube_root(float v)
     return v >= FLT_MIN ? r : 0.0f;
 }
 
-GP_CLONES static void find_roots(const float *restrict light, int n,
-                                 float *restrict root)
-{
-    for (int i = 0; i < n; i++)
-        root[i] = cube_root(light[i]);
-}
-
-enum { RUN = 256 }; // sources of a task's line
-
 /* Sets the means of the light in a box, and of its cube roots; NULL: not wanted. */
 static void sum_box(const struct gp_sources *s, struct gp_rect box,
                     float *light, float *root)
@@ -76,26 +68,13 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
     const double n = (double) gp_rect_w(box) * (double) gp_rect_h(box);
     double sum[3] = {0}, roots[3] = {0};
     for (int y = box.y0; y < box.y1; y++) {
-        uint32_t low = s->row[y], high = s->row[y + 1];
-        while (low < high) { // the first from x0 on
-            const uint32_t mid = low + (high - low) / 2;
-            if (s->x[mid] < box.x0)
-                low = mid + 1;
-            else
-                high = mid;
-        }
-        uint32_t end = low;
-        while (end < s->row[y + 1] && s->x[end] < box.x1)
-            end++;
-        for (int c = 0; c < 3; c++) {
-            float line[RUN];
-            for (uint32_t i = low; light && i < end; i++)
+        const uint32_t past = s->row[y + 1];
+        uint32_t i = gp_first_from(s->x, s->row[y], past, box.x0);
+        for (; i < past && s->x[i] < box.x1; i++) {
+            for (int c = 0; c < 3; c++) {
                 sum[c] += (double) s->rgb[c][i];
-            for (uint32_t i = low; root && i < end; i += RUN) {
-                const int run = end - i < RUN ? (int) (end - i) : RUN;
-                find_roots(s->rgb[c] + i, run, line);
-                for (int k = 0; k < run; k++)
-                    roots[c] += (double) line[k];
+                if (root)
+                    roots[c] += (double) cube_root(s->rgb[c][i]);
             }
         }
     }
@@ -334,51 +313,27 @@ struct box_sums {
     double *at;
 };
 
-enum {
-    ROWS = 4,    // of a task: sums that do not wait for each other
-    STRIP = 256, // columns of a task
-};
-
 /* The row of sums before row y of channel c. */
 static double *box_row(const struct box_sums *s, int c, int y)
 {
     return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
 }
 
-static void sum_along(void *ctx, int i, int thread)
+static void sum_channel(void *ctx, int c, int thread)
 {
     const struct box_sums *const s = ctx;
     const struct gp_kernel *const k = s->k;
-    const int groups = (k->h + ROWS - 1) / ROWS, c = i / groups;
-    const float *from[ROWS];
-    double *to[ROWS], sum[ROWS] = {0};
     (void) thread;
-    for (int r = 0; r < ROWS; r++) { // the last may be summed again
-        const int y = gp_min(i % groups * ROWS + r, k->h - 1);
-        from[r] = k->k.c[c] + (size_t) y * (size_t) k->w;
-        to[r] = box_row(s, c, y + 1);
-        to[r][0] = 0.0;
-    }
-    for (int x = 0; x < k->w; x++) {
-        for (int r = 0; r < ROWS; r++) {
-            sum[r] += (double) from[r][x];
-            to[r][x + 1] = sum[r];
+    memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
+    for (int y = 0; y < k->h; y++) {
+        const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
+        const double *const above = box_row(s, c, y);
+        double *const to = box_row(s, c, y + 1), sum = 0.0;
+        to[0] = 0.0;
+        for (int x = 0; x < k->w; x++) {
+            sum += (double) from[x];
+            to[x + 1] = above[x + 1] + sum;
         }
-    }
-}
-
-static void sum_down(void *ctx, int i, int thread)
-{
-    const struct box_sums *const s = ctx;
-    const size_t strips = (s->pitch + STRIP - 1) / STRIP;
-    const size_t from = (size_t) i % strips * STRIP;
-    const size_t n = s->pitch - from < STRIP ? s->pitch - from : STRIP;
-    double *row = box_row(s, (int) ((size_t) i / strips), 0) + from;
-    (void) thread;
-    memset(row, 0, n * sizeof *row);
-    for (int y = 0; y < s->k->h; y++, row += s->pitch) {
-        for (size_t x = 0; x < n; x++)
-            row[x + s->pitch] += row[x];
     }
 }
 
@@ -391,12 +346,9 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
     };
     gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
                             (size_t) (k->h + 1) * s->pitch, sizeof *s->at, &s->at);
-    if (st)
-        return st;
-    gp_parallel_do(s->channels * ((k->h + ROWS - 1) / ROWS), sum_along, s);
-    gp_parallel_do(s->channels * (int) ((s->pitch + STRIP - 1) / STRIP),
-                   sum_down, s);
-    return GP_OK;
+    if (!st)
+        gp_parallel_do(s->channels, sum_channel, s);
+    return st;
 }
 
 /* The first row or column i of n of a kernel, centre c, that meets light at or
@@ -416,8 +368,6 @@ struct gp_outside {
     const struct gp_far_state *state; // what `tail` is of
     double *box;   // pitch of the kernel for each thread
     float *share;  // 2 w of the picture for each thread: w; the tail inside
-    float *inner;  // w of each channel: of rows that all of the kernel's meet
-    int clear[2];  // where that is 0 in all channels: [from, to)
 };
 
 /* Fills share[x] with w in row y, but for the tail's. */
@@ -459,38 +409,6 @@ GP_CLONES static void add_light(float *restrict layer,
     }
 }
 
-/* The same with the share of a tail: all of it but what is inside. */
-GP_CLONES static void add_tails_light(float *restrict layer,
-    const float *restrict share, const float *restrict inside, float all,
-    const float *restrict above, const float *restrict below, float down, int n)
-{
-    for (int x = 0; x < n; x++) {
-        const float b = above[x] + down * (below[x] - above[x]);
-        const float w = share[x] + (all - inside[x]);
-        layer[x] = gp_maxf(gp_minf(layer[x] + w * b, FLT_MAX), -FLT_MAX);
-    }
-}
-
-/* Returns the share in row y of channel c but the tail's, made in `thread`'s
- * line unless it is one of the inner rows'. */
-static const float *share_of(const struct gp_outside *o, int c, int y, int thread)
-{
-    const struct gp_kernel *const k = o->sums.k;
-    const size_t w = (size_t) o->w;
-    const int y0 = kernel_from((long long) y - o->h + 1, k->cy, k->h);
-    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
-    if (thread >= 0 && y0 == 0 && y1 == k->h)
-        return o->inner + (size_t) c * w;
-    float *const share = thread >= 0 ? o->share + (size_t) thread * 2 * w
-                                     : o->inner + (size_t) c * w;
-    const double *const low = box_row(&o->sums, c, y0);
-    const double *const high = box_row(&o->sums, c, y1);
-    const double all = box_row(&o->sums, c, k->h)[k->w];
-    find_shares(k, low, high, k->left_out + (all - (high[k->w] - low[k->w])),
-                o->w, o->box + (size_t) gp_max(thread, 0) * o->sums.pitch, share);
-    return share;
-}
-
 void gp_beyond_add_row(void *ctx, int i, int thread)
 {
     const struct gp_beyond_adding *const a = ctx;
@@ -498,24 +416,26 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     const struct gp_outside *const o = a->outside;
     const struct gp_kernel *const k = o->sums.k;
     const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
-    const float *const share = share_of(o, from, y, thread);
     const size_t w = (size_t) b->w;
-    const float *const above = b->b[c] + (size_t) (y / b->side) * w;
-    const float down = (float) (y % b->side) / (float) b->side;
-    float *const row = a->layer->c[c] + (size_t) y * w;
+    float *const share = o->share + (size_t) thread * 2 * w;
+    float *const inside = share + w;
+    const double *const low = box_row(
+        &o->sums, from, kernel_from((long long) y - b->h + 1, k->cy, k->h));
+    const double *const high =
+        box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
+    const double all = box_row(&o->sums, from, k->h)[k->w];
+    find_shares(k, low, high,
+                k->beyond[from] + (all - (high[k->w] - low[k->w])), b->w,
+                o->box + (size_t) thread * o->sums.pitch, share);
     if (o->tail) {
-        float *const inside = o->share + ((size_t) thread * 2 + 1) * w;
+        const float tail = (float) k->tail->sum[from];
         gp_far_row(o->tail, from, y, thread, inside);
-        add_tails_light(row, share, inside, (float) k->tail->sum[from], above,
-                        above + w, down, b->w);
-    } else if (share == o->inner + (size_t) from * w) {
-        const int to = o->clear[1];
-        add_light(row, share, above, above + w, down, o->clear[0]);
-        add_light(row + to, share + to, above + to, above + w + to, down,
-                  b->w - to);
-    } else {
-        add_light(row, share, above, above + w, down, b->w);
+        for (size_t x = 0; x < w; x++)
+            share[x] += tail - inside[x];
     }
+    const float *const above = b->b[c] + (size_t) (y / b->side) * w;
+    add_light(a->layer->c[c] + (size_t) y * w, share, above, above + w,
+              (float) (y % b->side) / (float) b->side, b->w);
 }
 
 struct adding_exactly {
@@ -561,28 +481,8 @@ void gp_outside_free(struct gp_outside **outside)
         gp_free(o->sums.at);
         gp_free(o->box);
         gp_free(o->share);
-        gp_free(o->inner);
     }
     GP_FREE(*outside);
-}
-
-/* Finds the shares of rows that all of the kernel meets. */
-static void find_inner(struct gp_outside *o)
-{
-    const struct gp_kernel *const k = o->sums.k;
-    const int y = gp_min(gp_max(k->h - 1 - k->cy, 0), o->h - 1);
-    o->clear[0] = 0;
-    o->clear[1] = o->w;
-    for (int c = 0; c < o->sums.channels; c++) {
-        const float *const share = share_of(o, c, y, -1);
-        int from = 0, to;
-        while (from < o->clear[1] && share[from] != 0.0f)
-            from++;
-        for (to = from; to < o->clear[1] && share[to] == 0.0f;)
-            to++;
-        o->clear[0] = gp_max(o->clear[0], from);
-        o->clear[1] = gp_max(to, o->clear[0]);
-    }
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
@@ -605,9 +505,6 @@ gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
                     &o->box));
     GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->share,
                     &o->share));
-    GP_TRY(gp_alloc(log, "edges", (size_t) o->sums.channels * wide,
-                    sizeof *o->inner, &o->inner));
-    find_inner(o);
     if (k->tail)
         GP_TRY(gp_far_flat(log, k->tail, tail, w, h, &o->tail));
     *outside = o;

@@ -16,14 +16,6 @@ static int mirrored(int i, int n)
     return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i;
 }
 
-/* Adds source i of src at column x of row y, both of the larger picture. */
-static void add_mirrored(const struct gp_sources *src, uint32_t i, int x, int y,
-                         struct gp_sources *out)
-{
-    const float rgb[3] = {src->rgb[0][i], src->rgb[1][i], src->rgb[2][i]};
-    gp_sources_add(out, x, y, rgb);
-}
-
 static gp_status mirror_sources(const struct gp_log *log,
     const struct gp_sources *src, int reach, struct gp_sources *out)
 {
@@ -47,14 +39,14 @@ static gp_status mirror_sources(const struct gp_log *log,
         const uint32_t first = src->row[from], end = src->row[from + 1];
         for (uint32_t i = end; i-- > first;) { // left of the picture
             if (src->x[i] < reach)
-                add_mirrored(src, i, reach - 1 - src->x[i], y + reach, out);
+                gp_sources_copy(src, i, reach - 1 - src->x[i], y + reach, out);
         }
         for (uint32_t i = first; i < end; i++)
-            add_mirrored(src, i, reach + src->x[i], y + reach, out);
+            gp_sources_copy(src, i, reach + src->x[i], y + reach, out);
         for (uint32_t i = end; i-- > first;) {
             if (src->x[i] >= w - reach)
-                add_mirrored(src, i, reach + 2 * w - 1 - src->x[i], y + reach,
-                             out);
+                gp_sources_copy(src, i, reach + 2 * w - 1 - src->x[i],
+                                y + reach, out);
         }
     }
     gp_sources_finish(out);

@@ -10,22 +10,12 @@
 #include <stdbool.h>
 #include <string.h>
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
-
 enum {
     BLOCK = 16,  // rows a task takes
     WIDE = 4,    // doubles summed side by side
     TABLES = 4,  // histograms, by turns: a sky's neighbours share one bin
     PIECE = 256, // pixels of a row at a time: they stay in the L1 cache
-    LANES = 8,   // pixels looked at together with AVX2
 };
-
-typedef double wide __attribute__((vector_size(8 * WIDE)));
-typedef float narrow
-    __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
-typedef int32_t ints __attribute__((vector_size(4 * WIDE)));
 
 /* The dark percentile is found to within a sixteenth, on a fixed grid. */
 enum {
@@ -35,21 +25,12 @@ enum {
     BLACK = DARK_BINS - 1, // no luminance over 0 has it
 };
 
-/* Bright pixels: those whose non-negative part has luminance over `open`. */
-struct bright_rule {
-    float open;
-    bool ramp;       // of a knee
-    float weight[3]; // of luminance
-    bool avx2;
-    uint8_t order[1 << LANES][LANES]; // for avx2: the places of an index's
-                                      // bits, lowest first
-};
-
-/* The bright pixels of a piece, packed. Vectors are stored whole: values after
- * the last pixel are undefined. */
+/* The bright pixels of a piece of a row, packed, and dark ones that fill the
+ * last WIDE of them. */
 struct bright_piece {
-    float rgb[3][PIECE + LANES]; // non-negative part
-    int32_t x[PIECE + LANES];
+    float rgb[3][PIECE + WIDE]; // non-negative part, then its light
+    float largest[PIECE + WIDE]; // channel of each
+    int32_t x[PIECE];
 };
 
 /* Sums of one block of rows; added up in the order of the blocks. */
@@ -59,8 +40,8 @@ struct block_sum {
     bool infinite;     // has +Inf
     float largest;     // measure_block()
     double light[3];
-    wide flux[3], energy[3];
-    narrow brightest;
+    double flux[3][WIDE], energy[3][WIDE]; // of every WIDE-th source of a piece
+    float brightest;
     uint32_t count[GP_SOURCE_BINS];
 };
 
@@ -69,7 +50,8 @@ struct sense {
     float most;                  // limit of a channel
     float top;                   // replaces +Inf; 0: not known yet
     bool again;                  // bad pixels were counted
-    struct bright_rule rule;
+    float open;                  // luminance over which a pixel is bright
+    float weight[3];             // of luminance
     int w, h;
     float *rgb[3];
     struct block_sum *block;
@@ -157,20 +139,20 @@ static void clean_block(void *ctx, int i, int thread)
         const size_t at = (size_t) y * (size_t) s->w;
         const float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
         const float *const b = s->rgb[2] + at;
-        struct row_count n = count_row(r, g, b, s->w, s->most, s->rule.weight,
-                                       s->rule.open);
+        struct row_count n = count_row(r, g, b, s->w, s->most, s->weight,
+                                       s->open);
         const int bad = n.nonfinite, over = n.clamped;
         if (bad || over) {
             clean_row(s, sum, at);
-            n = count_row(r, g, b, s->w, s->most, s->rule.weight,
-                          s->rule.open);
+            n = count_row(r, g, b, s->w, s->most, s->weight,
+                          s->open);
         }
         // the grid's pixels of the row, which is in the cache by now: every
         // k-th pixel of the frame, about GRID in all
         const size_t row_end = at + (size_t) s->w;
         for (size_t k = (at + s->step - 1) / s->step * s->step; k < row_end;
              k += s->step) {
-            const float lum = gp_lit_luminance(s->rule.weight, s->rgb[0][k],
+            const float lum = gp_lit_luminance(s->weight, s->rgb[0][k],
                                                s->rgb[1][k], s->rgb[2][k]);
             uint32_t bits;
             memcpy(&bits, &lum, sizeof bits);
@@ -239,124 +221,59 @@ static void warn_of_clamping(const struct gp_log *log, const char *path,
                   o->clamped, (double) s->p->max_value);
 }
 
-// -- the bright pixels of a row -----------------------------------------------
+// -- the list -----------------------------------------------------------------
 
-/* Pixels [from, n), after `at` that were found before. */
-static int find_plain(const struct bright_rule *rule, const float *const rgb[3],
-    int x0, int from, int n, int at, struct bright_piece *out)
+/* Packs the bright ones of n <= PIECE cleaned pixels whose first is at column
+ * x0, with the part of each that is light; returns how many. */
+GP_CLONES static int find_bright(const struct sense *s,
+    const float *const rgb[3], int x0, int n, struct bright_piece *out)
 {
-    for (int i = from; i < n; i++) {
-        const float c[3] = {gp_lit(rgb[0][i]), gp_lit(rgb[1][i]),
-                            gp_lit(rgb[2][i])};
-        if (!(gp_lit_luminance(rule->weight, c[0], c[1], c[2]) > rule->open))
-            continue;
+    float light[3][PIECE], lum[PIECE];
+    int at = 0;
+    for (int i = 0; i < n; i++) {
         for (int k = 0; k < 3; k++)
-            out->rgb[k][at] = c[k];
-        out->x[at++] = x0 + i;
+            light[k][i] = gp_lit(rgb[k][i]);
+        lum[i] = gp_lit_luminance(s->weight, light[0][i], light[1][i],
+                                  light[2][i]);
+    }
+    for (int i = 0; i < n; i++) { // a dark one is overwritten by the next
+        for (int k = 0; k < 3; k++)
+            out->rgb[k][at] = light[k][i];
+        out->largest[at] = lum[i];
+        out->x[at] = x0 + i;
+        at += lum[i] > s->open;
+    }
+    const bool whole =
+        s->p->mode == GP_THRESHOLD_WHOLE && !(s->p->knee > 0.0f);
+    for (int i = 0; i < at && !whole; i++) {
+        const float pass = gp_bright_pass(s->p, out->largest[i]);
+        for (int k = 0; k < 3; k++)
+            out->rgb[k][i] *= pass;
     }
     return at;
 }
 
-#ifdef __x86_64__
-/* The same, eight pixels at a time: those that are bright move to the front
- * of their vector, and the next vector overwrites the rest. */
-GP_X86_AVX2 static int find_avx2(const struct bright_rule *rule,
-    const float *const rgb[3], int x0, int n, struct bright_piece *out)
-{
-    const __m256 zero = _mm256_setzero_ps(), open = _mm256_set1_ps(rule->open);
-    const __m256 weight[3] = {_mm256_set1_ps(rule->weight[0]),
-                              _mm256_set1_ps(rule->weight[1]),
-                              _mm256_set1_ps(rule->weight[2])};
-    __m256i x = _mm256_add_epi32(_mm256_set1_epi32(x0),
-                                 _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-    int i = 0, at = 0;
-    for (; i + LANES <= n; i += LANES) {
-        __m256 c[3];
-        for (int k = 0; k < 3; k++)
-            c[k] = _mm256_max_ps(_mm256_loadu_ps(rgb[k] + i), zero);
-        const __m256 y = _mm256_add_ps(
-            _mm256_add_ps(_mm256_mul_ps(weight[0], c[0]),
-                          _mm256_mul_ps(weight[1], c[1])),
-            _mm256_mul_ps(weight[2], c[2]));
-        const int bright =
-            _mm256_movemask_ps(_mm256_cmp_ps(y, open, _CMP_GT_OQ));
-        if (bright) {
-            const __m256i order = _mm256_cvtepu8_epi32(
-                _mm_loadl_epi64((const __m128i *) rule->order[bright]));
-            for (int k = 0; k < 3; k++)
-                _mm256_storeu_ps(out->rgb[k] + at,
-                                 _mm256_permutevar8x32_ps(c[k], order));
-            _mm256_storeu_si256((__m256i *) (void *) (out->x + at),
-                                _mm256_permutevar8x32_epi32(x, order));
-            at += __builtin_popcount((unsigned) bright);
-        }
-        x = _mm256_add_epi32(x, _mm256_set1_epi32(LANES));
-    }
-    return find_plain(rule, rgb, x0, i, n, at, out);
-}
-#endif
-
-/* Finds the bright ones of n <= PIECE cleaned pixels whose first is at column
- * x0; returns how many. The same bits with AVX2 and without. */
-static int find_bright(const struct bright_rule *rule,
-    const float *const rgb[3], int x0, int n, struct bright_piece *out)
-{
-#ifdef __x86_64__
-    if (rule->avx2)
-        return find_avx2(rule, rgb, x0, n, out);
-#endif
-    return find_plain(rule, rgb, x0, 0, n, 0, out);
-}
-
-// -- the list -----------------------------------------------------------------
-
-static inline __attribute__((always_inline)) narrow larger(narrow a, narrow b)
-{
-    const ints which = a > b;
-    return (narrow) ((which & (ints) a) | (~which & (ints) b));
-}
-
-/* Keeps the part of n bright pixels that is light: gp_bright_pass(). */
-GP_CLONES static void keep_excess(struct bright_piece *c, int n, float t,
-                                  const float *restrict weight)
-{
-    for (int i = 0; i < n; i++) {
-        const float y = gp_lit_luminance(weight, c->rgb[0][i], c->rgb[1][i],
-                                      c->rgb[2][i]);
-        const float pass = y > FLT_MAX ? 1.0f : (y - t) / y;
-        for (int k = 0; k < 3; k++)
-            c->rgb[k][i] *= pass;
-    }
-}
-
 /* Adds n sources to the sums, each lane by itself, in the order of the row:
  * the same bits with any vectors. */
-GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
+GP_CLONES static void sum_row(struct bright_piece *c, int n,
                               struct block_sum *sum)
 {
     for (int i = n; i % WIDE; i++) // dark lanes fill the last vector
         c->rgb[0][i] = c->rgb[1][i] = c->rgb[2][i] = 0.0f;
     for (int k = 0; k < 3; k++) {
-        wide flux = sum->flux[k], energy = sum->energy[k];
         for (int i = 0; i < n; i += WIDE) {
-            const wide v = __builtin_convertvector(
-                *(const narrow *) (c->rgb[k] + i), wide);
-            flux += v;
-            energy += v * v;
+            for (int j = 0; j < WIDE; j++) {
+                const double v = (double) c->rgb[k][i + j];
+                sum->flux[k][j] += v;
+                sum->energy[k][j] += v * v;
+            }
         }
-        sum->flux[k] = flux;
-        sum->energy[k] = energy;
     }
-    narrow brightest = sum->brightest;
-    for (int i = 0; i < n; i += WIDE) {
-        const narrow r = *(const narrow *) (c->rgb[0] + i);
-        const narrow g = *(const narrow *) (c->rgb[1] + i);
-        const narrow b = *(const narrow *) (c->rgb[2] + i);
-        const narrow v = larger(larger(r, g), b);
-        *(narrow *) (largest + i) = v;
-        brightest = larger(v, brightest);
+    for (int i = 0; i < n; i++) {
+        c->largest[i] = gp_maxf(gp_maxf(c->rgb[0][i], c->rgb[1][i]),
+                                c->rgb[2][i]);
+        sum->brightest = gp_maxf(c->largest[i], sum->brightest);
     }
-    sum->brightest = brightest;
 }
 
 /* Writes the sources of a block's rows at their places in the list. */
@@ -367,7 +284,6 @@ static void list_block(void *ctx, int block, int thread)
     struct block_sum *const sum = &s->block[block];
     uint32_t count[TABLES][GP_SOURCE_BINS];
     struct bright_piece c;
-    float largest[PIECE + LANES]; // channel of each
     const int y0 = block * BLOCK, end = gp_min(y0 + BLOCK, s->h);
     (void) thread;
     if (o->row[end] == o->row[y0])
@@ -379,22 +295,11 @@ static void list_block(void *ctx, int block, int thread)
             const size_t first = (size_t) y * (size_t) s->w + (size_t) x0;
             const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
                                          s->rgb[2] + first};
-            const int n = find_bright(&s->rule, rgb, x0,
-                                      gp_min(s->w - x0, PIECE), &c);
-            if (!n)
-                continue;
-            if (s->p->mode == GP_THRESHOLD_EXCESS)
-                keep_excess(&c, n, s->p->threshold, s->rule.weight);
-            for (int i = 0; s->rule.ramp && i < n; i++) {
-                const float pass = gp_bright_pass(
-                    s->p, gp_lit_luminance(s->rule.weight, c.rgb[0][i],
-                                        c.rgb[1][i], c.rgb[2][i]));
-                for (int k = 0; k < 3; k++)
-                    c.rgb[k][i] *= pass;
-            }
-            sum_row(&c, n, largest, sum);
+            const int n =
+                find_bright(s, rgb, x0, gp_min(s->w - x0, PIECE), &c);
+            sum_row(&c, n, sum);
             for (int i = 0; i < n; i++)
-                count[i % TABLES][gp_source_bin(largest[i])]++;
+                count[i % TABLES][gp_source_bin(c.largest[i])]++;
             memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
             for (int k = 0; k < 3; k++)
                 memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
@@ -440,16 +345,17 @@ static void find_darkest(const struct sense *s, int threads,
     out->hidden = dark ? ldexp(HALF_CODE, -6) : 0.0;
 }
 
-static double total(wide v)
+static double total(const double v[WIDE])
 {
     return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
-/* Sets the rule for a threshold in luminance. */
-static void set_rule(const struct gp_sensor_params *p, struct bright_rule *r)
+/* Returns the luminance over which a pixel is bright, for a threshold in
+ * luminance. */
+static float opening(const struct gp_sensor_params *p)
 {
-    r->ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
-    r->open = r->ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
+    const bool ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
+    return ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
 }
 
 /* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
@@ -460,7 +366,7 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
     gp_status st = GP_OK;
     const bool relative = p->unit != GP_THRESHOLD_LUMINANCE;
     bool infinite = false;
-    set_rule(p, &s->rule);
+    s->open = opening(p);
     gp_parallel_do(blocks, clean_block, s);
     for (int i = 0; i < blocks; i++)
         infinite = infinite || s->block[i].infinite;
@@ -480,7 +386,7 @@ static gp_status clean_frame(const struct gp_log *log, struct sense *s,
                                     (double) FLT_MAX);
     p->unit = GP_THRESHOLD_LUMINANCE;
     if (relative && !st) {
-        set_rule(p, &s->rule);
+        s->open = opening(p);
         clean_again(s, blocks);
     }
     return st;
@@ -504,14 +410,7 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         .most = p->max_value > 0.0f ? p->max_value : FLT_MAX,
     };
     const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
-    memcpy(s.rule.weight, f->luminance, sizeof s.rule.weight);
-    s.rule.avx2 = gp_cpu_has_avx2();
-    for (int m = 0; m < 1 << LANES; m++) {
-        for (int i = 0, k = 0; i < LANES; i++) {
-            if (m >> i & 1)
-                s.rule.order[m][k++] = (uint8_t) i;
-        }
-    }
+    memcpy(s.weight, f->luminance, sizeof s.weight);
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
                          sizeof *s.block, &s.block));
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
@@ -535,8 +434,7 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
             o.energy[k] += total(b->energy[k]);
             o.flux_clamped[k] += b->taken[k];
         }
-        for (int k = 0; k < WIDE; k++)
-            o.brightest = gp_maxf(b->brightest[k], o.brightest);
+        o.brightest = gp_maxf(b->brightest, o.brightest);
         for (int k = 0; k < GP_SOURCE_BINS; k++)
             o.count[k] += b->count[k];
     }
@@ -554,10 +452,8 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     // the list anew without light under FLT_MIN, which is rare
     GP_TRY(gp_sources_make(log, &o, o.n, out));
     for (int y = 0; y < o.h; y++) {
-        for (uint32_t i = o.row[y]; i < o.row[y + 1]; i++) {
-            const float rgb[3] = {o.rgb[0][i], o.rgb[1][i], o.rgb[2][i]};
-            gp_sources_add(out, o.x[i], y, rgb);
-        }
+        for (uint32_t i = o.row[y]; i < o.row[y + 1]; i++)
+            gp_sources_copy(&o, i, o.x[i], y, out);
     }
     gp_sources_finish(out);
 out:

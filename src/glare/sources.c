@@ -27,17 +27,16 @@ gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out)
 {
     gp_status st;
-    struct gp_sources s = {
-        .w = like->w, .h = like->h, .x0 = like->x0, .y0 = like->y0,
-        .luminance = {like->luminance[0], like->luminance[1],
-                      like->luminance[2]},
-        .faint = {like->faint[0], like->faint[1], like->faint[2]},
-        .nonfinite = like->nonfinite, .clamped = like->clamped,
-        .flux_clamped = {like->flux_clamped[0], like->flux_clamped[1],
-                         like->flux_clamped[2]},
-        .threshold = like->threshold, .darkest = like->darkest,
-        .visible = like->visible, .hidden = like->hidden,
-    };
+    struct gp_sources s = *like; // its facts of the frame
+    s.row = NULL;
+    s.x = NULL;
+    memset(s.rgb, 0, sizeof s.rgb);
+    memset(s.flux, 0, sizeof s.flux);
+    memset(s.energy, 0, sizeof s.energy);
+    memset(s.count, 0, sizeof s.count);
+    s.n = 0;
+    s.box = (struct gp_rect) {0};
+    s.brightest = 0.0f;
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row,
                          &s.row));
     GP_TRY(gp_alloc(log, "sources", room, sizeof *s.x, &s.x));
@@ -69,6 +68,13 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
     s->brightest = gp_maxf(s->brightest, most);
     s->count[gp_source_bin(most)]++;
     s->row[y + 1] = (uint32_t) ++s->n;
+}
+
+void gp_sources_copy(const struct gp_sources *src, uint32_t i, int x, int y,
+                     struct gp_sources *to)
+{
+    const float rgb[3] = {src->rgb[0][i], src->rgb[1][i], src->rgb[2][i]};
+    gp_sources_add(to, x, y, rgb);
 }
 
 void gp_sources_finish(struct gp_sources *s)
@@ -191,6 +197,12 @@ gp_status gp_sources_join(const struct gp_log *log,
 
 // -- one list to two, and to planes -------------------------------------------
 
+static float largest_of(const struct gp_sources *s, size_t i)
+{
+    const float rgb[3] = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]};
+    return largest_channel(rgb);
+}
+
 gp_status gp_sources_split(const struct gp_log *log,
                            const struct gp_sources *src, float hot,
                            struct gp_sources *hottest, struct gp_sources *rest)
@@ -199,17 +211,13 @@ gp_status gp_sources_split(const struct gp_log *log,
     struct gp_sources split[2] = {{0}};
     size_t n = 0; // of the hot ones
     for (size_t i = 0; i < src->n; i++)
-        n += gp_maxf(src->rgb[0][i],
-                     gp_maxf(src->rgb[1][i], src->rgb[2][i])) >= hot;
+        n += largest_of(src, i) >= hot;
     GP_TRY(gp_sources_make(log, src, src->n - n, &split[0]));
     GP_TRY(gp_sources_make(log, src, n, &split[1]));
     for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const float rgb[3] = {src->rgb[0][i], src->rgb[1][i],
-                                  src->rgb[2][i]};
-            gp_sources_add(&split[largest_channel(rgb) >= hot], src->x[i], y,
-                           rgb);
-        }
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            gp_sources_copy(src, i, src->x[i], y,
+                            &split[largest_of(src, i) >= hot]);
     }
     gp_sources_finish(&split[0]);
     gp_sources_finish(&split[1]);

@@ -82,6 +82,10 @@ static inline double gp_sources_dark(const struct gp_sources *s)
  * `faint`; a source without light is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
+/* Appends source i of `src` in the same way, at (x, y). */
+void gp_sources_copy(const struct gp_sources *src, uint32_t i, int x, int y,
+                     struct gp_sources *to);
+
 /* Completes row[] and box once all sources are in the list. */
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);

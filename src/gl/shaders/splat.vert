@@ -16,9 +16,8 @@
 //      centre    of the kernel, its whole part, in kernel pixels
 //      rest      the rest of the centre: 0 or 1/2 each
 //      shrinks   x: 1 when polygons shrink
-//      view      corner of the view in target pixels
-//      viewed    its size
-// out  quads cut to the view, so that none leaves the clip volume
+//      size      columns and rows of the target
+// out  quads cut to the target, so that none leaves the clip volume
 // CPU twin: plain_groups.h of the tests; direct.c where cells are pixels
 uniform sampler2D sensors;
 uniform sampler2D places;
@@ -34,8 +33,7 @@ uniform ivec2 extent;
 uniform ivec2 centre;
 uniform vec2 rest;
 uniform ivec2 shrinks;
-uniform ivec2 view;
-uniform ivec2 viewed;
+uniform ivec2 size;
 
 flat out vec3 light;    // of the polygon
 flat out ivec2 corner;  // target pixel of kernel pixel (0, 0)
@@ -43,12 +41,6 @@ flat out vec2 fraction; // in [0, 1): of the kernel, right and below `corner`
 flat out ivec4 limits;  // first column and row, those after the last
 
 const int QUADS = 64; // of one instance; the same as in splat/draw.c
-
-// Clip coordinates of a place in half pixels from the view's corner.
-vec4 clip_of_half(ivec2 twice)
-{
-    return vec4(vec2(twice - viewed) / vec2(viewed), 0.0, 1.0);
-}
 
 void main()
 {
@@ -81,9 +73,10 @@ void main()
     open = open && all(greaterThan(high, low));
     limits = ivec4(low, high);
 
-    low = clamp(low - view, ivec2(0), viewed);
-    high = clamp(high - view, ivec2(0), viewed);
-    ivec2 size = open ? high - low : ivec2(0);
-    gl_Position =
-        clip_of_half(2 * (low + size * quad_corner(gl_VertexID % 6)));
+    low = clamp(low, ivec2(0), size);
+    high = clamp(high, ivec2(0), size);
+    if (!open)
+        high = low;
+    gl_Position = clip_of_corner(
+        low + (high - low) * quad_corner(gl_VertexID % 6), size);
 }

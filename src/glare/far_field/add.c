@@ -4,7 +4,8 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/fft/fft.h"
-#include "glare/far_field/far_field_priv.h"
+#include "glare/far_field/far_field.h"
+#include "glare/kernel.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -95,31 +96,19 @@ static double frequency(int i, int n)
     return (double) (2 * i <= n ? i : i - n) / n;
 }
 
-/* Limits of the error from the columns of the spectrum, COLUMNS a task. */
+/* What one channel's spectrum limits the error by. */
 struct limits {
-    double most, edge;       // of the frequencies
-    double sum, square;      // over all frequencies
-    double most_column;      // sum over the rows of a column
+    double most, edge;  // of the frequencies
+    double sum, square; // over all frequencies
 };
-
-struct limiting {
-    const struct gp_far_field *t;
-    const struct gp_far_state *s;
-    const struct keeping *down, *across; // ny; nx / 2 + 1
-    int tasks;             // of one channel
-    struct limits *found;  // of each task
-    double *row;           // ny of each task: sums over its columns
-};
-
-enum { COLUMNS = 32 };
 
 /* Adds a column of the spectrum, of frequency u across and as many as `twice`
- * alike, to l and to row. */
+ * alike, to l. */
 GP_CLONES static void limit_column(const float *restrict z, double scale,
     const struct keeping *u, const struct keeping *down, int ny, double twice,
-    struct limits *l, double *restrict row)
+    struct limits *l)
 {
-    double most = l->most, edge = l->edge, column = 0.0, squares = 0.0;
+    double most = l->most, edge = l->edge, sum = 0.0, squares = 0.0;
     for (int y = 0; y < ny; y++) {
         const struct keeping *const v = &down[y];
         const double own = u->own * v->own;
@@ -131,111 +120,53 @@ GP_CLONES static void limit_column(const float *restrict z, double scale,
             sqrt(gp_maxd(u->square * v->square - kept * kept, 0.0));
         const double eta = u->sum * v->sum - kept;
         const double same = lost + kept * eta, other = kept + eta;
-        const double all = f * (lost + 2.0 * kept * eta + eta * eta);
         most = gp_maxd(most, f * (lost + kept * eps + eps * eps));
         edge = gp_maxd(edge, u->edge || v->edge ? f : 0.0);
-        column += all;
-        row[y] += twice * all;
+        sum += f * (lost + 2.0 * kept * eta + eta * eta);
         squares += f * f * (same * same + eps * eps * other * other);
     }
     l->most = most;
     l->edge = edge;
-    l->sum += twice * column;
+    l->sum += twice * sum;
     l->square += twice * squares;
-    l->most_column = gp_maxd(l->most_column, column);
 }
 
-static void limit_columns(void *ctx, int i, int thread)
-{
-    const struct limiting *const a = ctx;
-    const struct gp_fft_matrix *const m = &a->s->spectrum;
-    const int nx = a->s->x.n, ny = a->s->y.n, c = i / a->tasks;
-    const int first = i % a->tasks * COLUMNS;
-    const int end = gp_min(first + COLUMNS, nx / 2 + 1);
-    const double step = a->t->split.step;
-    // the passes' factor 1 / 2 of rows was left out once
-    const double scale = 2.0 * nx * ny * step * step;
-    double *const row = a->row + (size_t) i * (size_t) ny;
-    struct limits l = {0};
-    (void) thread;
-    memset(row, 0, (size_t) ny * sizeof *row);
-    for (int x = first; x < end; x++)
-        limit_column(m->z[c] + 2 * (size_t) x * m->pitch, scale,
-                     &a->across[x], a->down, ny,
-                     x == 0 || 2 * x == nx ? 1.0 : 2.0, &l, row);
-    a->found[i] = l;
-}
-
-/* Widens `e` to the limits of one channel, those of its tasks added in
- * order. */
-static void widen_error(const struct limiting *a, int c,
-                        struct gp_far_error *e)
-{
-    const int nx = a->s->x.n, ny = a->s->y.n;
-    const double step = a->t->split.step, area = step * step;
-    const size_t first = (size_t) c * (size_t) a->tasks, height = (size_t) ny;
-    double *const row = a->row + first * height;
-    struct limits l = a->found[first];
-    for (size_t i = 1; i < (size_t) a->tasks; i++) {
-        const struct limits *const k = &a->found[first + i];
-        l.most = fmax(l.most, k->most);
-        l.edge = fmax(l.edge, k->edge);
-        l.sum += k->sum;
-        l.square += k->square;
-        l.most_column = fmax(l.most_column, k->most_column);
-        for (size_t y = 0; y < height; y++)
-            row[y] += row[i * height + y];
-    }
-    double most_row = 0.0;
-    for (size_t y = 0; y < height; y++)
-        most_row = fmax(most_row, row[y]);
-    const double points = (double) nx * ny;
-    const double narrow = a->t->w / step * (most_row / nx + 2.0 * l.edge);
-    const double low = a->t->h / step * (l.most_column / ny + 2.0 * l.edge);
-    e->norm = fmax(e->norm, fmin(l.most + 2.0 * l.edge, fmin(narrow, low)));
-    e->pixel = fmax(e->pixel, (l.sum / points + 2.0 * l.edge) / area);
-    e->column = fmax(e->column,
-                     sqrt(l.square / points + 4.0 * l.edge * l.edge) / step);
-}
-
-/* Finds the error's limits from the spectrum: tail.h. */
+/* Finds the error's limits from the spectrum: far_field.h. */
 static gp_status find_error(const struct gp_log *log, const struct gp_far_field *t,
                             struct gp_far_state *s)
 {
     static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
                                           // a step's pixels and nodes, and more
-    const int nx = s->x.n, ny = s->y.n, channels = t->grey ? 1 : 3;
-    struct limiting a = {
-        .t = t, .s = s, .tasks = (nx / 2 + COLUMNS) / COLUMNS,
-    };
-    const size_t tasks = (size_t) channels * (size_t) a.tasks;
-    struct keeping *down = NULL; // ny, then nx / 2 + 1 across
-    gp_status st;
-    GP_TRY(gp_alloc(log, "tail", (size_t) ny + (size_t) nx, sizeof *down,
-                    &down));
-    GP_TRY(gp_alloc(log, "tail", tasks, sizeof *a.found, &a.found));
-    GP_TRY(gp_alloc(log, "tail", tasks * (size_t) ny, sizeof *a.row, &a.row));
-    struct keeping *const across = down + ny;
+    const int nx = s->x.n, ny = s->y.n;
+    const double step = t->split.step, area = step * step;
+    const double points = (double) nx * ny;
+    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
+    struct keeping *down;
+    gp_status st = gp_alloc(log, "tail", (size_t) ny, sizeof *down, &down);
+    if (st)
+        return st;
     for (int i = 0; i < ny; i++)
         down[i] = keep_of(frequency(i, ny));
-    for (int i = 0; i <= nx / 2; i++)
-        across[i] = keep_of(frequency(i, nx));
-    a.down = down;
-    a.across = across;
-    gp_parallel_do((int) tasks, limit_columns, &a);
-    struct gp_far_error e = {.share = ROUNDINGS * 0x1p-24};
     double norm1 = 0.0;
-    for (int c = 0; c < channels; c++) {
-        widen_error(&a, c, &e);
+    for (int c = 0; c < (t->grey ? 1 : 3); c++) {
+        struct limits l = {0};
+        for (int x = 0; x <= nx / 2; x++) {
+            const struct keeping across = keep_of(frequency(x, nx));
+            // the passes' factor 1 / 2 of rows was left out once
+            limit_column(s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch,
+                         2.0 * points * area, &across, down, ny,
+                         x == 0 || 2 * x == nx ? 1.0 : 2.0, &l);
+        }
+        e.norm = fmax(e.norm, l.most + 2.0 * l.edge);
+        e.pixel = fmax(e.pixel, (l.sum / points + 2.0 * l.edge) / area);
+        e.column = fmax(e.column, sqrt(l.square / points +
+                                       4.0 * l.edge * l.edge) / step);
         norm1 = fmax(norm1, t->norm1[c]);
     }
     e.norm += e.share * norm1;
     s->error = e;
-out:
     gp_free(down);
-    gp_free(a.found);
-    gp_free(a.row);
-    return st;
+    return GP_OK;
 }
 
 gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
@@ -298,12 +229,6 @@ double gp_far_pixel_error(const struct gp_far_state *s,
 
 // -- light to the grid --------------------------------------------------------
 
-typedef float v4 __attribute__((vector_size(16)));
-typedef float v4_loose __attribute__((vector_size(16), aligned(4), may_alias));
-typedef float v8 __attribute__((vector_size(32)));
-typedef int vi __attribute__((vector_size(32)));
-typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
-
 struct gp_far_rows {
     const struct gp_far_field *t;
     const struct gp_far_state *s;
@@ -332,15 +257,18 @@ static void spread_along(const struct gp_far_rows *a, uint32_t from, uint32_t to
     const float *const b = src->rgb[2];
     for (uint32_t i = from; i < to;) {
         const int node = src->x[i] >> bits;
-        v4 sum[3] = {{0}};
+        float sum[3][TAPS] = {{0}};
         for (; i < to && src->x[i] >> bits == node; i++) {
-            const v4 w = *(const v4_loose *) a->s->weight[src->x[i] & mask];
-            sum[0] += w * r[i];
-            sum[1] += w * g[i];
-            sum[2] += w * b[i];
+            const float *const w = a->s->weight[src->x[i] & mask];
+            for (int k = 0; k < TAPS; k++) {
+                sum[0][k] += w[k] * r[i];
+                sum[1][k] += w[k] * g[i];
+                sum[2][k] += w[k] * b[i];
+            }
         }
-        for (size_t c = 0; c < 3; c++)
-            *(v4_loose *) (line + c * a->pitch + node) += sum[c];
+        for (size_t k = 0; k < 3 * TAPS; k++)
+            line[k / TAPS * a->pitch + (size_t) node + k % TAPS] +=
+                sum[k / TAPS][k % TAPS];
     }
 }
 
@@ -395,35 +323,19 @@ static void store_nodes(const void *ctx, int c, int j, int thread,
         to[x] = z[2 * x];
 }
 
-enum { AHEAD = 1024 }; // floats that are fetched before they are needed: a CPU
-                       // does not foresee beyond a page
-
 /* Adds a line of nodes to a row of w pixels, or sets it to that, `at` the weights
  * of each tap. */
 GP_CLONES static void put_line(float *restrict row, int w, bool add,
     const float *restrict line, int step, const float at[TAPS][MOST_STEP])
 {
-    const v8 dark = {0};
-    const int whole = w / step * step;
-    for (int x = 0; x < whole; x += step, line++) {
-        for (int i = 0; i < step; i += LANES) {
-            __builtin_prefetch(row + x + i + AHEAD, 1);
-            v8_loose *const to = (v8_loose *) (row + x + i);
-            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
-            v += line[1] * *(const v8_loose *) (at[1] + i);
-            v += line[2] * *(const v8_loose *) (at[2] + i);
-            v += line[3] * *(const v8_loose *) (at[3] + i);
-            if (add)
-                v += *to;
-            *to = (v8) ((vi) v & (vi) (v > dark));
+    for (int x = 0; x < w; x += step, line++) {
+        const int n = gp_min(step, w - x);
+        for (int i = 0; i < n; i++) {
+            float v = line[0] * at[0][i] + line[1] * at[1][i] +
+                      line[2] * at[2][i] + line[3] * at[3][i];
+            v += add ? row[x + i] : 0.0f;
+            row[x + i] = v > 0.0f ? v : 0.0f;
         }
-    }
-    for (int x = whole; x < w; x++) {
-        float v = line[0] * at[0][x - whole];
-        for (int k = 1; k < TAPS; k++)
-            v += line[k] * at[k][x - whole];
-        v += add ? row[x] : 0.0f;
-        row[x] = v > 0.0f ? v : 0.0f;
     }
 }
 
@@ -485,18 +397,22 @@ static void spread_flat(const struct gp_far_state *s, int step, int n,
     }
 }
 
-/* As gp_far_find(), of a->src. */
-static gp_status find_rows(const struct gp_log *log, struct gp_far_rows *a)
+/* Makes rows of `like`. */
+static gp_status make_rows(const struct gp_log *log,
+    const struct gp_far_rows *like, struct gp_far_rows **out)
 {
     gp_status st;
-    const struct gp_far_field *const t = a->t;
-    const struct gp_far_state *const state = a->s;
-    const int step = t->split.step, channels = a->src || !t->grey ? 3 : 1;
+    const struct gp_far_field *const t = like->t;
+    const struct gp_far_state *const state = like->s;
+    struct gp_far_rows *a = NULL;
+    const int step = t->split.step, channels = like->src || !t->grey ? 3 : 1;
     struct gp_fft_matrix m = {0};
     int *places = NULL;
-    if (a->w > t->w || a->h > t->h)
+    if (like->w > t->w || like->h > t->h)
         return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
-                            "pixels meets %dx%d", t->w, t->h, a->w, a->h);
+                            "pixels meets %dx%d", t->w, t->h, like->w, like->h);
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *a, &a));
+    *a = *like;
     a->nodes_x = gp_far_nodes(a->w, step);
     a->nodes_y = gp_far_nodes(a->h, step);
     a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
@@ -533,25 +449,12 @@ static gp_status find_rows(const struct gp_log *log, struct gp_far_rows *a)
     GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &kernel, 0, a->nodes_y));
     GP_TRY(gp_fft_rows_out(&fft, &m, a->nodes_y, store_nodes, a));
     GP_FREE(a->sums);
+    *out = a;
+    a = NULL;
 out:
+    gp_far_rows_free(&a);
     gp_free(places);
     gp_fft_matrix_free(&m);
-    return st;
-}
-
-/* Makes rows of `like`. */
-static gp_status make_rows(const struct gp_log *log,
-    const struct gp_far_rows *like, struct gp_far_rows **out)
-{
-    struct gp_far_rows *a;
-    gp_status st = gp_alloc_zero(log, "tail", 1, sizeof *a, &a);
-    if (st)
-        return st;
-    *a = *like;
-    st = find_rows(log, a);
-    if (st)
-        gp_far_rows_free(&a);
-    *out = a;
     return st;
 }
 

@@ -1,6 +1,7 @@
 /* A tail spread over a light's disc, on the tail's own grid. */
 #include "core/memory.h"
-#include "glare/far_field/far_field_priv.h"
+#include "glare/far_field/far_field.h"
+#include "glare/kernel.h"
 
 #include <math.h>
 #include <string.h>

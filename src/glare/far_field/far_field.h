@@ -1,22 +1,22 @@
-/* The whole field: what a kernel leaves beyond its core, on a coarse grid.
+/* The far field: what a kernel has beyond its core, added on a coarse grid.
  *
  *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows
  *
- * The first part is the core. It is summed at full rate and ends without a rim.
- * The second part is the tail T. It bends on the scale of `share` at least,
- * some 95 pixels, so that samples every 8 pixels hold it.
+ * The first part is the core. It is summed at every pixel, and its rim is 0.
+ * The second part is the tail T. It is smooth over some 95 pixels, the width in
+ * which `share` grows. So samples at every 8th pixel hold it.
  *
  * Let B be the cubic B-spline of step s, and j and k nodes of the grid. Then
  *
  *   tail(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
  *
- * C is T at the nodes, with B's own samples divided out, once for each sum. So
- * at whole steps the two splines give T itself. The middle sum is a convolution
- * of 1/64 of the pixels. Fourier transforms make it.
+ * From the right: light q is set down on the nodes around it, nodes are
+ * convolved with C by a Fourier transform, and pixels are read between nodes. C
+ * is T at the nodes, divided by B's own samples once for each of the two
+ * splines. So from node to node the sum gives T itself.
  *
- * The error. It is periodic in s on each axis: light of one frequency moves to
- * the frequencies 1/s apart, its images. For a frequency f of the coarse band
- * let
+ * The error. Light of one frequency also comes out at the frequencies that are
+ * 1/s apart, its images. For a frequency f of the grid let
  *
  *   F     be the transform of T's samples, times s^2
  *   beta  what the splines keep of it
@@ -26,20 +26,11 @@
  *
  *   |source| (max_f F (|1 - beta^2| + beta eps + eps^2) + 2 max_edge F)
  *
- * The last term is for what T has beyond the band. It is taken to be no more
- * than what T has in the band's last tenth.
- *
- * Frames of few columns see little of what T does across. Light of one column
- * in another is an integral over the frequencies across. Let eta be the sum of
- * what the splines let through of the images. For w columns the error is a
- * matrix of w x w blocks, and its norm is at most
- *
- *   |source| w / s (max_fy mean_fx F (|1 - beta^2| + 2 beta eta + eta^2) +
- *                   2 max_edge F)
- *
- * The same holds for rows. */
-#ifndef GP_GLARE_FAR_FIELD_TAIL_H
-#define GP_GLARE_FAR_FIELD_TAIL_H
+ * The last term is for what T has at frequencies that the grid does not hold.
+ * It is taken to be no more than what T has in the last tenth of those that it
+ * does. */
+#ifndef GP_GLARE_FAR_FIELD_H
+#define GP_GLARE_FAR_FIELD_H
 
 #include "core/image.h"
 #include "core/status.h"
@@ -152,5 +143,30 @@ GP_MUST_CHECK gp_status gp_far_flat(const struct gp_log *log,
 /* Sets `row` to it in row y of channel c. */
 void gp_far_row(const struct gp_far_rows *rows, int c, int y, int thread,
                     float *row);
+
+// -- shared by the files of this folder ----------------------------------------
+
+enum {
+    GP_FAR_TAPS = 4,  // nodes that a cubic B-spline meets, from one before
+                       // the pixel's own
+    GP_FAR_FADE = 12, // steps over which a tail fades out past the frame
+};
+
+/* Nodes that n pixels meet: of pixel x from x / step on, the first being one
+ * step before the frame. */
+static inline int gp_far_nodes(int n, int step)
+{
+    return (n - 1) / step + GP_FAR_TAPS;
+}
+
+/* The cubic B-spline at the nodes one before to two after t in [0, 1). */
+static inline void gp_far_spline(double t, double b[GP_FAR_TAPS])
+{
+    const double u = 1.0 - t;
+    b[0] = u * u * u / 6.0;
+    b[1] = (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;
+    b[2] = (4.0 + u * u * (3.0 * u - 6.0)) / 6.0;
+    b[3] = t * t * t / 6.0;
+}
 
 #endif

@@ -3,7 +3,8 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/far_field/far_field_priv.h"
+#include "glare/far_field/far_field.h"
+#include "glare/kernel.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -69,8 +70,9 @@ void gp_far_free(struct gp_far_field *t)
 struct sampling {
     struct gp_far_field *t;
     const struct gp_far_kernel *kernel;
-    double *at[3];   // as t->c
-    double *fade[2]; // of offsets 0 .. rx, 0 .. ry
+    double *at[3];     // as t->c
+    double *fade[2];   // of offsets 0 .. rx, 0 .. ry
+    double *weight[2]; // of nodes -rx .. rx, -ry .. ry: pixels_of()
 };
 
 /* Beyond the offsets that frames meet the tail fades out over GP_FAR_FADE
@@ -78,13 +80,10 @@ struct sampling {
  * splines and the transform is that of a smooth function everywhere. */
 static gp_status make_fade(const struct gp_log *log, int r, double **out)
 {
-    double *fade;
-    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof *fade, &fade);
+    gp_status st = gp_alloc(log, "tail", (size_t) r + 1, sizeof **out, out);
     for (int i = 0; i <= r && !st; i++)
-        fade[i] = 1.0 - smooth_step((double) (i - (r - GP_FAR_FADE)) /
-                                    GP_FAR_FADE);
-    if (!st)
-        *out = fade;
+        (*out)[i] = 1.0 - smooth_step((double) (i - (r - GP_FAR_FADE)) /
+                                      GP_FAR_FADE);
     return st;
 }
 
@@ -124,121 +123,77 @@ static void mirror(const struct gp_far_field *t, double *at)
 }
 
 /* Norms of one channel from its samples, and its least sample where all is tail
- * and frames meet it. Of even samples a quarter stands for all. */
-static void find_norms(struct gp_far_field *t, int c, bool even, const double *at)
+ * and frames meet it. */
+static void find_norms(struct gp_far_field *t, int c, const double *at)
 {
     static const double MORE = 1.0 + 1e-3; // than samples of all pixels
-    const int s = t->split.step, rx = t->rx, ry = t->ry;
+    const int s = t->split.step;
     const double to = t->split.to / s;
-    double square = 0.0, sum = 0.0, least = t->least;
-    for (int y = even ? 0 : -ry; y <= ry; y++) {
-        const double *const row =
-            at + (size_t) (ry + y) * (2 * (size_t) rx + 1) + rx;
-        const double rows = even && y ? 2.0 : 1.0;
-        double row_square = 0.0, row_sum = 0.0;
-        for (int x = even ? 1 : -rx; x <= rx; x++) {
-            row_sum += row[x];
-            row_square += row[x] * row[x];
-        }
-        if (even) {
-            row_sum = 2.0 * row_sum + row[0];
-            row_square = 2.0 * row_square + row[0] * row[0];
-        }
-        sum += rows * row_sum;
-        square += rows * row_square;
-        const int end = abs(y) * s < t->h ? gp_min(rx, (t->w - 1) / s) : -1;
-        for (int x = even ? 0 : -end; x <= end; x++) {
-            if (row[x] < least &&
+    double square = 0.0, sum = 0.0;
+    for (int y = -t->ry; y <= t->ry; y++) {
+        for (int x = -t->rx; x <= t->rx; x++, at++) {
+            sum += *at;
+            square += *at * *at;
+            if (abs(x) * s < t->w && abs(y) * s < t->h && *at < t->least &&
                 (double) x * x + (double) y * y >= to * to)
-                least = row[x];
+                t->least = *at;
         }
     }
-    t->least = least;
     t->norm1[c] = MORE * sum * s * s;
     t->norm2[c] = MORE * sqrt(square) * s;
 }
 
 // -- the splines divided out --------------------------------------------------
 
-/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of n values
- * `pitch` apart, twice, zero beyond both ends: Unser et al. 1993, part II, eq.
- * 2.5. Of `lines` such rows, `across` apart. */
-static inline __attribute__((always_inline)) void
-divide(double *v, int n, size_t pitch, int lines, size_t across)
+enum { LINES = 16 }; // that go through together: each is a chain of sums that
+                     // wait for one another
+
+/* Lines of n values `pitch` apart, `across` from line to line. */
+struct dividing {
+    double *at;
+    int n, lines;
+    size_t pitch, across;
+};
+
+/* Divides the samples 1/6, 4/6, 1/6 of the cubic B-spline out of lines, twice,
+ * zero beyond both ends: Unser et al. 1993, part II, eq. 2.5. */
+static void divide_lines(void *ctx, int task, int thread)
 {
     static const double Z = -0.26794919243112270647; // sqrt 3 - 2
+    const struct dividing *const d = ctx;
+    const size_t pitch = d->pitch, across = d->across;
+    const size_t lines = (size_t) gp_min(d->lines - task * LINES, LINES);
+    (void) thread;
     for (int twice = 0; twice < 2; twice++) {
-        double *at = v;
-        for (int i = 1; i < n; i++, at += pitch) {
-            for (size_t k = 0; k < (size_t) lines; k++)
+        double *at = d->at + (size_t) task * LINES * across;
+        for (int i = 1; i < d->n; i++, at += pitch) {
+            for (size_t k = 0; k < lines; k++)
                 at[pitch + k * across] += Z * at[k * across];
         }
-        for (size_t k = 0; k < (size_t) lines; k++)
+        for (size_t k = 0; k < lines; k++)
             at[k * across] *= 6.0 * -Z / (1.0 - Z * Z);
-        for (int i = 1; i < n; i++) {
+        for (int i = 1; i < d->n; i++) {
             at -= pitch;
-            for (size_t k = 0; k < (size_t) lines; k++)
+            for (size_t k = 0; k < lines; k++)
                 at[k * across] =
                     Z * (at[pitch + k * across] - 6.0 * at[k * across]);
         }
     }
 }
 
-enum { LINES = 16 }; // that go through together
-
-struct dividing {
-    double *at;
-    int w, h, first_x, first_y; // lines from these on
-};
-
-/* Rows side by side: each is a chain of sums that wait for one another. */
-GP_CLONES static void divide_rows(const struct dividing *d, int y, int n)
-{
-    const size_t w = (size_t) d->w;
-    double *const at = d->at + (size_t) y * w;
-    if (n == LINES)
-        divide(at, d->w, 1, LINES, w);
-    else
-        divide(at, d->w, 1, n, w);
-}
-
-static void divide_row_group(void *ctx, int i, int thread)
-{
-    const struct dividing *const d = ctx;
-    const int y = d->first_y + i * LINES;
-    (void) thread;
-    divide_rows(d, y, gp_min(d->h - y, LINES));
-}
-
-GP_CLONES static void divide_columns(const struct dividing *d, int x, int n)
-{
-    if (n == LINES)
-        divide(d->at + x, d->h, (size_t) d->w, LINES, 1);
-    else
-        divide(d->at + x, d->h, (size_t) d->w, n, 1);
-}
-
-static void divide_column_group(void *ctx, int i, int thread)
-{
-    const struct dividing *const d = ctx;
-    const int x = d->first_x + i * LINES;
-    (void) thread;
-    divide_columns(d, x, gp_min(d->w - x, LINES));
-}
-
 /* Divides the splines out of a channel's samples along both axes; of even ones
  * the lower rows, then the right columns. */
 static void divide_out(const struct gp_far_field *t, bool even, double *at)
 {
-    struct dividing d = {
-        .at = at, .w = 2 * t->rx + 1, .h = 2 * t->ry + 1,
-        .first_x = even ? t->rx : 0, .first_y = even ? t->ry : 0,
-    };
-    gp_parallel_do((d.h - d.first_y + LINES - 1) / LINES, divide_row_group, &d);
+    const int w = 2 * t->rx + 1, h = 2 * t->ry + 1;
+    const int x = even ? t->rx : 0, y = even ? t->ry : 0;
+    const size_t pitch = (size_t) w;
+    struct dividing rows = {at + (size_t) y * pitch, w, h - y, 1, pitch};
+    struct dividing columns = {at + x, h, w - x, pitch, 1};
+    gp_parallel_do((rows.lines + LINES - 1) / LINES, divide_lines, &rows);
     if (even)
         mirror(t, at);
-    gp_parallel_do((d.w - d.first_x + LINES - 1) / LINES, divide_column_group,
-                   &d);
+    gp_parallel_do((columns.lines + LINES - 1) / LINES, divide_lines, &columns);
     if (even)
         mirror(t, at);
 }
@@ -261,37 +216,28 @@ static double pixels_of(int node, int step, int n)
     return sum;
 }
 
-/* Finds pixels_of() nodes -r .. r; those whose splines end within n pixels have
- * that of the middle one. */
-static void find_weights(int r, int step, int n, double *weight)
+/* Makes the weights of nodes -r .. r. */
+static gp_status make_weights(const struct gp_log *log, int r, int step, int n,
+                              double **out)
 {
-    for (int i = 0; i <= 2 * r; i++) {
-        const bool inner = (abs(i - r) + 3) * step <= n;
-        weight[i] = inner && i > 0 && (abs(i - 1 - r) + 3) * step <= n
-                        ? weight[i - 1] : pixels_of(i - r, step, n);
-    }
+    gp_status st =
+        gp_alloc(log, "tail", 2 * (size_t) r + 1, sizeof **out, out);
+    for (int i = 0; i <= 2 * r && !st; i++)
+        (*out)[i] = pixels_of(i - r, step, n);
+    return st;
 }
 
-static gp_status find_sum(const struct gp_log *log, struct gp_far_field *t, int c,
-                          const double *at)
+/* Finds the sum that a channel's nodes add to a frame. */
+static double find_sum(const struct sampling *s, const double *at)
 {
-    const int rx = t->rx, ry = t->ry, s = t->split.step;
-    double *weight, *down;
-    const size_t across = 2 * (size_t) rx + 1, n = across + 2 * (size_t) ry + 1;
-    gp_status st = gp_alloc(log, "tail", n, sizeof *weight, &weight);
-    if (st)
-        return st;
-    down = weight + across;
-    find_weights(rx, s, t->w, weight);
-    find_weights(ry, s, t->h, down);
-    for (int y = -ry; y <= ry; y++) {
+    double sum = 0.0;
+    for (int y = 0; y <= 2 * s->t->ry; y++) {
         double row = 0.0;
-        for (int x = 0; x <= 2 * rx; x++)
-            row += *at++ * weight[x];
-        t->sum[c] += row * down[y + ry];
+        for (int x = 0; x <= 2 * s->t->rx; x++)
+            row += *at++ * s->weight[0][x];
+        sum += row * s->weight[1][y];
     }
-    gp_free(weight);
-    return GP_OK;
+    return sum;
 }
 
 gp_status gp_far_make(const struct gp_log *log,
@@ -320,13 +266,15 @@ gp_status gp_far_make(const struct gp_log *log,
     }
     GP_TRY(make_fade(log, t->rx, &s.fade[0]));
     GP_TRY(make_fade(log, t->ry, &s.fade[1]));
+    GP_TRY(make_weights(log, t->rx, split->step, w, &s.weight[0]));
+    GP_TRY(make_weights(log, t->ry, split->step, h, &s.weight[1]));
     gp_parallel_do(even ? t->ry + 1 : down, sample_row, &s);
     for (int c = 0; c < (grey ? 1 : 3); c++) {
         if (even)
             mirror(t, s.at[c]);
-        find_norms(t, c, even, s.at[c]);
+        find_norms(t, c, s.at[c]);
         divide_out(t, even, s.at[c]);
-        GP_TRY(find_sum(log, t, c, s.at[c]));
+        t->sum[c] = find_sum(&s, s.at[c]);
         for (size_t i = 0; i < n; i++)
             t->c[c][i] = (float) s.at[c][i];
     }
@@ -340,8 +288,10 @@ gp_status gp_far_make(const struct gp_log *log,
 out:
     for (int c = 0; c < 3; c++)
         gp_free(s.at[c]);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         gp_free(s.fade[i]);
+        gp_free(s.weight[i]);
+    }
     gp_far_free(t);
     return st;
 }

@@ -19,6 +19,7 @@ enum {
     CHUNK_MIN = 64,     // polygons; adding up costs as much as two
     CORE_SIDE = 2 * GP_CORE_RADIUS + 1,
     SMOOTH_ROUNDINGS = 9, // of a bilinear sample
+    QUAD_PIXELS = 1 << 25, // of a target that quads are blended in: 512 MiB
 };
 
 /* Returns the part of the kernel, in its pixels, that can reach one pixel of a
@@ -36,73 +37,26 @@ static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
     };
 }
 
-/* -- the layout's key ------------------------------------------------------ */
-
-static uint64_t mix_bytes(uint64_t hash, const void *data, size_t bytes)
-{
-    const unsigned char *const at = data;
-    for (size_t i = 0; i < bytes; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, at + i, bytes - i < 8 ? bytes - i : 8);
-        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
-/* Hashes all that a layout depends on, the kernel by its unique serial; 0 is
- * never the key of a layout. */
-static uint64_t key_of(const struct gp_glare_request *req)
-{
-    const struct gp_sources *const s = req->src;
-    const struct gp_splat_params *const p = &req->params->splat;
-    const long long whole[] = {
-        s->w, s->h, s->x0, s->y0, (long long) s->n, p->group, p->cluster,
-        p->primitive, req->params->gl,
-        (long long) req->kernel->serial,
-    };
-    const float real[] = {p->cluster_fill, p->shrink, s->luminance[0],
-                          s->luminance[1], s->luminance[2]};
-    uint64_t key = mix_bytes(1, whole, sizeof whole);
-    key = mix_bytes(key, real, sizeof real);
-    key = mix_bytes(key, s->row, ((size_t) s->h + 1) * sizeof *s->row);
-    key = mix_bytes(key, s->x, s->n * sizeof *s->x);
-    for (int c = 0; c < 3; c++)
-        key = mix_bytes(key, s->rgb[c], s->n * sizeof(float));
-    return key ? key : 1;
-}
-
 /* -- the layout's bound ---------------------------------------------------- */
 
 /* Float roundings that a pixel may take, each 2^-24 of what is summed so far.
  * In a blended layer each may be up to 2^-23, as GL leaves the direction to
  * the driver: so two of 2^-24. One product, the sums in a chunk, and one for
- * each chunk. The form is known only with a context, so AUTO takes the worse
- * of both. */
+ * each chunk. The form is known only with a context, so this is the worse of
+ * both. */
 static double roundings(const struct gp_splat_layout *p)
 {
     const double n = (double) p->polygons.n, chunk = (double) p->chunk;
     double sums = n <= chunk ? n : chunk + n / chunk + 1.0;
-    if (p->turned)
-        sums += SMOOTH_ROUNDINGS;
     if (!p->single) // a cell's light, row by row
         sums += SMOOTH_ROUNDINGS +
                 2.0 * gp_max(p->params.cluster, p->params.group);
     if (p->core)
         sums += CORE_SIDE * CORE_SIDE;
-    const double blended = 2.0 * (1.0 + sums);
-    // a core goes by direct, in groups of 32, and is added to the rest
+    // of tiles a core goes by direct, in groups of 32, and is added to the rest
     const double tiled = gp_tiles_roundings(&p->polygons) +
                          (p->core ? 36.0 : 0.0);
-    switch (p->params.primitive) {
-    case GP_PRIMITIVE_TILE:
-        return tiled;
-    case GP_PRIMITIVE_QUAD:
-        return blended;
-    case GP_PRIMITIVE_AUTO:
-        break;
-    }
-    return fmax(blended, tiled);
+    return fmax(2.0 * (1.0 + sums), tiled);
 }
 
 /* -- the layout's area ----------------------------------------------------- */
@@ -146,31 +100,15 @@ static double count_pixels(const struct gp_glare_request *req,
 
 /* -- the layout ------------------------------------------------------------ */
 
-static void free_layout(struct gp_splat_layout *p)
-{
-    gp_polygons_free(&p->polygons);
-    *p = (struct gp_splat_layout) {0};
-}
-
-/* Makes the layout of a request, or keeps *p when it was made from the same
- * light, kernel and parameters. src->n is over 0.
- * Errors: GP_ERR_BUG out of memory; *p is then empty. */
+/* Makes the layout of a request; src->n is over 0. Errors: GP_ERR_BUG out of
+ * memory; *out is then empty. */
 static gp_status make_layout(const struct gp_glare_request *req,
-                             struct gp_splat_layout *p)
+                             struct gp_splat_layout *out)
 {
     gp_status st;
     const struct gp_kernel *const k = req->kernel;
-    const uint64_t key = key_of(req);
-    if (p->valid && p->key == key && k->serial)
-        return GP_OK;
-    free_layout(p);
-    struct gp_splat_layout o = {.valid = true, .key = key,
-                              .params = req->params->splat};
+    struct gp_splat_layout o = {.params = req->params->splat};
     o.single = gp_splat_single(&o.params);
-    o.turned = o.single && k->unturned &&
-               (o.params.primitive == GP_PRIMITIVE_QUAD ||
-                (o.params.primitive == GP_PRIMITIVE_AUTO &&
-                 req->params->gl == GP_GL_EGL)); // a GPU may be there
     o.core = !o.single;
     o.crop = crop_of(k, req->src->w, req->src->h,
                      gp_max(o.params.cluster, o.params.group));
@@ -191,34 +129,11 @@ static gp_status make_layout(const struct gp_glare_request *req,
         const double e = roundings(&o) * 0x1p-24;
         o.bound = k->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
     }
-    if (o.turned && !(o.params.shrink > 0.0f)) {
-        // turned quads sample at most `place` pixels off in x and in y by
-        // rounding (splat_turn.frag). Each sample is then wrong by at most
-        // 2 * place of the largest of its taps, as none is negative; at most
-        // five points of a turned grid are within a pixel of a tap in x and y;
-        // and flux times that error's norm is the most that all sources can
-        // make of it (Young's inequality)
-        const struct gp_unturned *const u = k->unturned;
-        const double radius = hypot(fabs((double) u->cx) + u->w,
-                                    fabs((double) u->cy) + u->h);
-        const double place = 0x1p-23 + 0x1p-31 * radius;
-        double least = 0.0, wrong = 0.0;
-        GP_TRY(gp_layer_least(req->log, req->src, k, &least));
-        for (int c = 0; c < 3; c++) {
-            double sum = 0.0;
-            for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
-                sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
-            const double e =
-                req->src->flux[c] * 2.0 * place * sqrt(5.0 * sum);
-            wrong += e * e;
-        }
-        o.bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
-    }
     o.polygon_pixels = count_pixels(req, &o);
-    *p = o;
-    return GP_OK;
+    *out = o;
+    o.polygons = (struct gp_polygons) {0};
 out:
-    free_layout(&o);
+    gp_polygons_free(&o.polygons);
     return st;
 }
 
@@ -247,7 +162,6 @@ static void close_splat(void **state)
     if (!s)
         return;
     close_context(s);
-    free_layout(&s->layout);
     gp_free(s->band);
     GP_FREE(*state);
 }
@@ -300,18 +214,21 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     }
     gp_status st;
     struct gp_taps taps = {0};
+    struct gp_splat_layout layout = {0};
+    const struct gp_splat_layout *const p = &layout;
     double most;
     GP_TRY(gp_splat_make(req->log, state));
     struct gp_splat *const s = *state;
-    const struct gp_splat_layout *const p = &s->layout;
     GP_TRY(gp_splat_open(req->log, s, req->params->gl));
-    GP_TRY(make_layout(req, &s->layout));
+    GP_TRY(make_layout(req, &layout));
+    const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
-        form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
-                                           : GP_PRIMITIVE_QUAD;
-    if (form != GP_PRIMITIVE_TILE)
-        GP_TRY(gp_splat_draw(req, s));
+        form = gl->software ? GP_PRIMITIVE_TILE : GP_PRIMITIVE_QUAD;
+    if (pixels > QUAD_PIXELS || gp_max(req->src->w, req->src->h) > gl->max_size)
+        form = GP_PRIMITIVE_TILE; // no target holds the layer
+    if (form == GP_PRIMITIVE_QUAD)
+        GP_TRY(gp_splat_draw(req, s, p));
     else if (p->tail)
         GP_TRY(gp_tiles_draw(req->log, s->gl, &(struct gp_tiles_light) {
             req->kernel, p->crop, p->core, &p->polygons, &p->shrink,
@@ -335,8 +252,9 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form];
     stats->bound = p->bound;
-    stats->gl = gp_gl_info(s->gl)->name;
+    stats->gl = gl->name;
 out:
+    gp_polygons_free(&layout.polygons);
     gp_taps_free(&taps);
     return st;
 }

@@ -16,11 +16,8 @@
 /* The drawing, and the bound of its error: made on the CPU before any
  * drawing. */
 struct gp_splat_layout {
-    bool valid;
-    uint64_t key;                  // of what it was made from
     struct gp_splat_params params;
     bool single;                   // each source is a polygon on whole pixels
-    bool turned;                   // quads may turn an unturned kernel
     bool core;                     // sources draw the kernel's core
     bool tail;                     // the kernel is more than its core
     struct gp_rect crop;           // of the kernel, that can reach the frame
@@ -43,7 +40,6 @@ enum { GP_SPLAT_BAND_TEXELS = 1 << 18 };
 #define GP_SPLAT_PROGRAMS(X)                                                  \
     X(GP_SPLAT_EXACT_QUAD, "splat.vert", "splat.frag")                        \
     X(GP_SPLAT_SMOOTH_QUAD, "splat.vert", "splat_smooth.frag")                \
-    X(GP_SPLAT_TURNED_QUAD, "splat_turn.vert", "splat_turn.frag")             \
     X(GP_SPLAT_GROUP, "add.vert", "group.frag")                               \
     X(GP_SPLAT_ADD, "add.vert", "add.frag")
 #define GP_SPLAT_ENUM(name, vert, frag) name,
@@ -55,7 +51,6 @@ enum gp_splat_program {
 enum {
     GP_SPLAT_WHOLE = GP_BLURS, // not blurred, for sensors on whole pixels
     GP_SPLAT_CORE,             // GP_CORE_RADIUS pixels around the centre
-    GP_SPLAT_TURNED,           // as it was before --rotate
     GP_SPLAT_KERNELS,
 };
 struct gp_splat_kernel {
@@ -83,8 +78,6 @@ struct gp_splat {
     unsigned long serial;
     struct gp_rect crop;
     bool tail;
-
-    struct gp_splat_layout layout;
 };
 
 /* Makes *state, without a context, or keeps it. Errors: GP_ERR_BUG out of
@@ -115,51 +108,13 @@ GP_MUST_CHECK gp_status gp_splat_fit_target(const struct gp_log *log,
 
 void gp_splat_drop_kernels(struct gp_splat *s);
 
-/* A grid of cells of side x side pixels. Pixels count from the data window's
- * corner, so the grid's may be negative. */
-struct gp_cells {
-    int side;
-    int x, y; // the first cell's corner
-    int w, h; // cells
-};
-
-/* The whole cells, counted from EXR pixel (0, 0), that meet the pixels of
- * `rect`, which is not empty; and their pixels. */
-struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
-                              int side);
-
-/* Uploads the light of the pixels of `rect`, which is inside the frame, to
- * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
-GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
-    struct gp_splat *s, const struct gp_sources *src, struct gp_rect rect);
-
-/* Cells of a side, made by a pass before. */
-struct gp_splat_parents {
-    const struct gp_target *cells;
-    int side;
-};
-
-/* One pass over what gp_splat_upload() left of `rect` (Ando et al. 2007,
- * sections 4.1 and 4.2): makes `out`, at least c->w x c->h, two attachments,
- * as group.frag says.
- *
- *   boxes    bits of the blurs that may be taken
- *   fill     share of bright pixels under which a cell stays shut; 0: none
- *   parents  clusters whose cells stay shut, over the same pixels; NULL: none
- * Errors: GP_ERR_GL. */
-GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
-    struct gp_splat *s, struct gp_rect rect, const struct gp_cells *c,
-    unsigned boxes, float fill, const struct gp_splat_parents *parents,
-    struct gp_target *out);
-
 /* -- drawing --------------------------------------------------------------- */
 
-/* Draws the layer of s->layout by blended quads. The context is open and
- * current. Nothing is read back before a field of the
- * layer is done.
+/* Draws the layer of a layout, which fits into a target, by blended quads. The
+ * context is open and current. Nothing is read back before the layer is done.
  * Errors: GP_ERR_GL; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_request *req,
-                                      struct gp_splat *s);
+    struct gp_splat *s, const struct gp_splat_layout *layout);
 
 /* Programs, packed kernels and targets of tiles, kept from frame to frame. */
 struct gp_tiles;

@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/far_field/far_field_priv.h"
+#include "glare/far_field/far_field.h"
 #include "hard_cases.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
