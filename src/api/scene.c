@@ -5,7 +5,7 @@
 #include "core/depth.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "scene/relit.h"
+#include "scene/relight.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -314,14 +314,17 @@ gp_status gp_api_relight(struct glarepp_frame *f)
         return GP_OK;
     GP_TRY(check_planes(f));
     const struct gp_relit_frame frame = {
-        .path = f->sink.name, .camera = own->frame_camera,
-        .display = f->image.display, .data = f->image.data,
-        .depth = &f->depth, .normal = f->normal, .albedo = f->albedo,
-        .normal_of_camera = p->camera_normals, .up_unknown = !own->settled,
+        .path = f->sink.name, .up_unknown = !own->settled,
         .light_scale = p->light_scale,
+        .surfaces = {
+            .rgb = &f->image.rgb, .data = f->image.data,
+            .camera = own->frame_camera, .display = f->image.display,
+            .z = &f->depth, .normal = f->normal, .albedo = f->albedo,
+            .normal_of_camera = p->camera_normals,
+        },
     };
     GP_TRY(gp_relit_add(&f->log, &own->scene, &own->meshes, &frame, p->relight,
-                        p->relights, &f->image.rgb, &lit, &n));
+                        p->relights, &lit, &n));
     GP_TRY(gp_alloc(&f->log, "lights", (size_t) n + 1, sizeof *f->relit,
                     &f->relit));
     for (int i = 0; i < n; i++)

@@ -152,7 +152,8 @@ static gp_status open_library(struct gp_listener *user, struct glarepp **out)
     p.picture = gp_picture_read;
     p.release = gp_picture_release;
     p.user = user;
-    p.keep_memory = true;
+    // (a scene's textures are decoded once; GL has pages of its own)
+    p.keep_memory = s->command != GP_COMMAND_SETS;
     gp_environment_read(&p);
     const int st = glarepp_open(&p, out);
     if (!st)

@@ -2,7 +2,6 @@
 #include "scene/rays.h"
 
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "scene/bounds.h"
 #include "scene/scene_priv.h"
 #include "scene/tree.h"
@@ -18,8 +17,8 @@ struct triangle {
 };
 
 struct gp_mesh_tree {
-    struct gp_tree tree;       // without its items
-    struct triangle *triangle; // in the order of leaves; owned
+    struct gp_tree tree;       // of them
+    struct triangle *triangle; // owned
     bool made;
 };
 
@@ -69,65 +68,48 @@ double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
 
 // -- meshes ------------------------------------------------------------------
 
-static struct gp_tree_box box_of(const struct triangle *t)
+/* Copies the triangles of a submesh, and finds their boxes. */
+static void list_triangles(const struct gp_scene *s,
+                           const struct gp_submesh *p, struct triangle *out,
+                           struct gp_box *box)
 {
-    struct gp_tree_box b;
-    for (int c = 0; c < 3; c++) {
-        b.lo[c] = gp_minf(gp_minf(t->at[c], t->at[3 + c]), t->at[6 + c]);
-        b.hi[c] = gp_maxf(gp_maxf(t->at[c], t->at[3 + c]), t->at[6 + c]);
-    }
-    return b;
-}
-
-/* Copies the triangles of a mesh; returns how many. `out` NULL: counts them. */
-static int list_triangles(const struct gp_scene *s, const struct gp_mesh *m,
-                          struct triangle *out)
-{
-    int n = 0;
-    for (int k = m->first; k < m->first + m->submeshes; k++) {
-        const struct gp_submesh *const submesh = &s->submesh[k];
-        for (int i = submesh->first; out && i < submesh->first + submesh->count;
-             i += 3) {
-            struct triangle *const t = &out[n + (i - submesh->first) / 3];
-            t->index = i;
-            t->material = submesh->material;
-            for (int v = 0; v < 3; v++)
-                memcpy(t->at + 3 * v,
-                       s->position + 3 * (size_t) s->index[i + v],
-                       3 * sizeof *t->at);
+    for (int i = p->first; i < p->first + p->count; i += 3, out++, box++) {
+        out->index = i;
+        out->material = p->material;
+        *box = GP_BOX_EMPTY;
+        for (int v = 0; v < 3; v++) {
+            const uint32_t at = s->index[i + v];
+            memcpy(out->at + 3 * v, s->position + 3 * (size_t) at,
+                   3 * sizeof *out->at);
+            *box = gp_box_with(*box, gp_scene_vertex(s, at));
         }
-        n += submesh->count / 3;
     }
-    return n;
 }
 
 static gp_status make_mesh(const struct gp_log *log, const struct gp_scene *s,
                            const struct gp_mesh *m, struct gp_mesh_tree *out)
 {
     static const char what[] = "triangles before a light";
-    const size_t n = (size_t) list_triangles(s, m, NULL);
-    struct triangle *listed = NULL;
-    struct gp_tree_box *box = NULL;
-    struct gp_tree tree = {0};
+    const struct gp_submesh *const part = s->submesh + m->first;
+    struct gp_box *box = NULL;
+    size_t most = 0, n = 0;
     gp_status st;
-    GP_TRY(gp_alloc(log, what, n + 1, sizeof *listed, &listed));
-    GP_TRY(gp_alloc(log, what, n + 1, sizeof *box, &box));
-    list_triangles(s, m, listed);
-    for (size_t i = 0; i < n; i++)
-        box[i] = box_of(&listed[i]);
-    GP_TRY(gp_tree_make(log, box, (int) n, &tree));
-    GP_FREE(box);
-    GP_TRY(gp_alloc(log, what, n + 1, sizeof *out->triangle, &out->triangle));
-    for (size_t i = 0; i < n; i++)
-        out->triangle[i] = listed[tree.item[i]];
-    GP_FREE(tree.item);
-    out->tree = tree;
-    tree = (struct gp_tree) {0};
+    for (int k = 0; k < m->submeshes; k++)
+        most += (size_t) part[k].count / 3;
+    GP_TRY(gp_alloc(log, what, most, sizeof *box, &box));
+    GP_TRY(gp_alloc(log, what, most, sizeof *out->triangle, &out->triangle));
+    for (int k = 0; k < m->submeshes; k++) {
+        list_triangles(s, &part[k], out->triangle + n, box + n);
+        n += (size_t) part[k].count / 3;
+    }
+    GP_TRY(gp_tree_make(log, box, (int) n, &out->tree));
     out->made = true;
 out:
-    gp_tree_free(&tree);
     gp_free(box);
-    gp_free(listed);
+    if (st) { // a later call makes it anew
+        gp_tree_free(&out->tree);
+        GP_FREE(out->triangle);
+    }
     return st;
 }
 
@@ -206,33 +188,28 @@ gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
                        struct gp_meshes *meshes, const int *object, int objects,
                        struct gp_rays *out)
 {
-    struct gp_rays_place *listed = NULL;
-    struct gp_tree_box *box = NULL;
+    static const char what[] = "objects before a light";
+    struct gp_box *box = NULL;
     gp_status st;
     int n = 0;
     out->scene = s;
     GP_TRY(make_meshes(log, s, object, objects, meshes));
     out->mesh = meshes->tree;
-    GP_TRY(gp_alloc(log, "objects before a light", (size_t) objects + 1,
-                    sizeof *listed, &listed));
-    GP_TRY(gp_alloc(log, "objects before a light", (size_t) objects + 1,
-                    sizeof *box, &box));
+    GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *out->place,
+                    &out->place));
+    GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *box, &box));
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &s->object[object[i]];
-        listed[n].object = object[i];
-        if (out->mesh[o->mesh].tree.n == 0 || !set_place(o, &listed[n]))
+        const int triangles = out->mesh[o->mesh].tree.n;
+        out->place[n].object = object[i];
+        if (triangles == 0 || !set_place(o, &out->place[n]))
             continue;
-        box[n++] = gp_tree_box_of(&o->box);
-        out->triangles += out->mesh[o->mesh].tree.n;
+        box[n++] = o->box;
+        out->triangles += triangles;
     }
-    GP_TRY(gp_tree_make(log, box, n, &out->tree));
-    GP_TRY(gp_alloc(log, "objects before a light", (size_t) n + 1,
-                    sizeof *out->place, &out->place));
-    for (int i = 0; i < n; i++)
-        out->place[i] = listed[out->tree.item[i]];
+    st = gp_tree_make(log, box, n, &out->tree);
 out:
     gp_free(box);
-    gp_free(listed);
     return st;
 }
 
@@ -312,41 +289,32 @@ static inline double triangle_at(const struct walk *w, const struct triangle *t,
     return stops ? at : most;
 }
 
-static double meet_triangles(void *user, int first, int n, double most)
+static double meet_triangle(void *user, int item, double most)
 {
     struct walk *const w = user;
-    for (int i = first; i < first + n; i++) {
-        const double at = triangle_at(w, &w->mesh->triangle[i], most);
-        if (!(at < most))
-            continue;
-        w->found = &w->mesh->triangle[i];
-        most = at;
-        if (w->any)
-            return -1.0;
-    }
-    return most;
+    const double at = triangle_at(w, &w->mesh->triangle[item], most);
+    if (!(at < most))
+        return most;
+    w->found = &w->mesh->triangle[item];
+    return w->any ? -1.0 : at;
 }
 
-static double meet_objects(void *user, int first, int n, double most)
+static double meet_object(void *user, int item, double most)
 {
     struct walk *const w = user;
-    const struct gp_scene *const s = w->rays->scene;
-    for (int i = first; i < first + n && most >= 0.0; i++) {
-        const struct gp_rays_place *const p = &w->rays->place[i];
-        const struct gp_v3 from = gp_v3_sub(w->world_from, p->move);
-        const double before = most;
-        w->mesh = &w->rays->mesh[s->object[p->object].mesh];
-        w->from = (struct gp_v3) {gp_v3_dot(from, p->in[0]),
-                                  gp_v3_dot(from, p->in[1]),
-                                  gp_v3_dot(from, p->in[2])};
-        w->along = (struct gp_v3) {gp_v3_dot(w->world_along, p->in[0]),
-                                   gp_v3_dot(w->world_along, p->in[1]),
-                                   gp_v3_dot(w->world_along, p->in[2])};
-        most = gp_tree_walk(&w->mesh->tree, w->from, w->along, most,
-                            meet_triangles, w);
-        w->object = most < before ? p->object : w->object;
-    }
-    return most;
+    const struct gp_rays_place *const p = &w->rays->place[item];
+    const struct gp_v3 from = gp_v3_sub(w->world_from, p->move);
+    w->mesh = &w->rays->mesh[w->rays->scene->object[p->object].mesh];
+    w->from = (struct gp_v3) {gp_v3_dot(from, p->in[0]),
+                              gp_v3_dot(from, p->in[1]),
+                              gp_v3_dot(from, p->in[2])};
+    w->along = (struct gp_v3) {gp_v3_dot(w->world_along, p->in[0]),
+                               gp_v3_dot(w->world_along, p->in[1]),
+                               gp_v3_dot(w->world_along, p->in[2])};
+    const double at = gp_tree_walk(&w->mesh->tree, w->from, w->along, most,
+                                   meet_triangle, w);
+    w->object = at < most ? p->object : w->object;
+    return at;
 }
 
 bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
@@ -355,7 +323,7 @@ bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
     struct walk w = {
         .rays = r, .world_from = from, .world_along = along, .any = true,
     };
-    gp_tree_walk(&r->tree, from, along, most, meet_objects, &w);
+    gp_tree_walk(&r->tree, from, along, most, meet_object, &w);
     return w.found;
 }
 
@@ -363,7 +331,7 @@ bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
                    struct gp_v3 along, double most, struct gp_rays_hit *out)
 {
     struct walk w = {.rays = r, .world_from = from, .world_along = along};
-    most = gp_tree_walk(&r->tree, from, along, most, meet_objects, &w);
+    most = gp_tree_walk(&r->tree, from, along, most, meet_object, &w);
     if (!w.found)
         return false;
     const double *const m = r->scene->object[w.object].to_world;

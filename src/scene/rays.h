@@ -24,7 +24,7 @@ struct gp_rays {
     const struct gp_scene *scene;     // borrowed
     const struct gp_mesh_tree *mesh;  // borrowed
     struct gp_tree tree;
-    struct gp_rays_place *place;      // owned; in the order of leaves
+    struct gp_rays_place *place;      // owned
     long long triangles;              // of all places
 };
 

@@ -23,18 +23,13 @@ struct surface {
     double albedo[3]; // in units of the colours
 };
 
-struct row_facts {
-    long long pixels, rays;
-    double flux[3];
-};
-
 /* A light's pass. */
 struct lamp {
     const struct relit *of;
     const struct gp_relight_pass *pass;
     struct gp_rect cut;      // in the data
     struct gp_rays rays;     // casters
-    struct row_facts *row;   // of cut
+    struct gp_relit *row;   // of cut
     unsigned char *mark;     // of its pixels
 };
 
@@ -108,15 +103,6 @@ static bool read_pixel(const struct relit *w, int x, int y, struct surface *s,
     return true;
 }
 
-// -- pixels that show two surfaces --------------------------------------------
-//
-// Colour, normal and albedo are means over a pixel; depth is one sample of it.
-// The light of a mean normal at that one place would be wrong along each edge.
-// So a pixel there is taken apart: its mean is a mix of two surfaces beside it,
-// each with the light that it has itself.
-
-enum { BESIDE = 2 }; // pixels that are searched on each side
-
 /* Returns the distance along the view axis at which a surface's plane is seen
  * at a place of the picture; 0: never. */
 static double plane_at(const struct relit *w, const struct surface *s,
@@ -126,16 +112,6 @@ static double plane_at(const struct relit *w, const struct surface *s,
     const double z = slope != 0.0 ? gp_v3_dot(s->normal, gp_v3_sub(s->place,
                                                        w->eye)) / slope : 0.0;
     return z > 0.0 ? z : 0.0;
-}
-
-/* True where a surface's plane goes on in another's. */
-static bool goes_on(const struct relit *w, const struct surface *a,
-                    const struct surface *b)
-{
-    const struct gp_v3 way = gp_v3_scale(gp_v3_sub(b->place, w->eye),
-                                         1.0 / b->z);
-    return gp_v3_dot(a->normal, b->normal) > 0.9 &&
-           fabs(plane_at(w, a, way) - b->z) < 0.02 * b->z;
 }
 
 /* Reads a pixel that shows one surface only: its normal was not shortened. */
@@ -162,113 +138,6 @@ static bool is_mixed(const struct relit *w, const struct surface *own,
     return false;
 }
 
-/* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest by
- * albedo and normal, and the square of what is left. b NULL: no surface. */
-static double share_of(const double mean[6], const struct surface *a,
-                       const struct surface *b, double *left)
-{
-    const double u[6] = {a->albedo[0], a->albedo[1], a->albedo[2], a->normal.x,
-                         a->normal.y, a->normal.z};
-    double v[6] = {0}, up = 0.0, down = 0.0;
-    if (b) {
-        memcpy(v, b->albedo, sizeof b->albedo);
-        v[3] = b->normal.x;
-        v[4] = b->normal.y;
-        v[5] = b->normal.z;
-    }
-    for (int i = 0; i < 6; i++) {
-        up += (mean[i] - v[i]) * (u[i] - v[i]);
-        down += (u[i] - v[i]) * (u[i] - v[i]);
-    }
-    // alike: three quarters of such pixels are of the surface at their middle
-    const double t = down > 1e-3 ? fmin(fmax(up / down, 0.0), 1.0) : 0.75;
-    *left = 0.0;
-    for (int i = 0; i < 6; i++) {
-        const double d = mean[i] - v[i] - t * (u[i] - v[i]);
-        *left += d * d;
-    }
-    return t;
-}
-
-/* Finds the surfaces that a pixel shows, one or two, and their shares. Returns
- * how many. *edge: it may show others than its own. */
-static int find_surfaces(const struct relit *w, int x, int y,
-                         struct surface of[2], double share[2], bool *edge)
-{
-    struct surface own, near, best = {0};
-    double length, least = INFINITY, found = 1.0;
-    bool has_own = false;
-    *edge = false;
-    if (!read_pixel(w, x, y, &own, &length))
-        return 0;
-    of[0] = own;
-    share[0] = 1.0;
-    if (own.z > 0.0 && !is_mixed(w, &own, length, x, y))
-        return 1;
-    *edge = true;
-    const double mean[6] = {
-        own.albedo[0], own.albedo[1], own.albedo[2], length * own.normal.x,
-        length * own.normal.y, length * own.normal.z};
-    // the surface of the sample of depth: a pure one that goes on to there
-    double nearest = INFINITY;
-    const struct gp_v3 way = way_to(w, x + 0.5, y + 0.5);
-    for (int i = 0; i < (2 * BESIDE + 1) * (2 * BESIDE + 1); i++) {
-        const int dx = i % (2 * BESIDE + 1) - BESIDE;
-        const int dy = i / (2 * BESIDE + 1) - BESIDE;
-        if (dx * dx + dy * dy >= nearest || !(own.z > 0.0) ||
-            !read_pure(w, x + dx, y + dy, &near) ||
-            fabs(plane_at(w, &near, way) - own.z) > 0.01 * own.z)
-            continue;
-        nearest = dx * dx + dy * dy;
-        has_own = true;
-        of[0] = near;
-        of[0].z = own.z;
-        of[0].place = own.place;
-    }
-    if (!has_own && own.z > 0.0) // a thin thing: its normal is the mean's
-        of[0] = own;
-    bool two = false;
-    for (int i = 0; i < (2 * BESIDE + 1) * (2 * BESIDE + 1); i++) {
-        const int dx = i % (2 * BESIDE + 1) - BESIDE;
-        const int dy = i / (2 * BESIDE + 1) - BESIDE;
-        const bool empty = depth_at(w->f, x + dx, y + dy) == 0.0;
-        double left, t;
-        if (empty && own.z > 0.0) {
-            t = share_of(mean, &of[0], NULL, &left);
-        } else {
-            if (empty || !read_pure(w, x + dx, y + dy, &near) ||
-                (own.z > 0.0 && goes_on(w, &of[0], &near)))
-                continue;
-            t = own.z > 0.0 ? share_of(mean, &of[0], &near, &left)
-                            : 1.0 - share_of(mean, &near, NULL, &left);
-        }
-        left += 1e-6 * (dx * dx + dy * dy); // of like ones the nearest
-        if (left >= least)
-            continue;
-        least = left;
-        found = t;
-        two = !empty;
-        best = near;
-    }
-    if (own.z > 0.0)
-        share[0] = found;
-    else if (two)
-        share[0] = 0.0;
-    else
-        return 0;
-    if (!two)
-        return 1;
-    of[1] = best;
-    share[1] = own.z > 0.0 ? 1.0 - share[0] : 1.0 - found;
-    // where its plane is seen here
-    const double z = plane_at(w, &best, way);
-    if (z > 0.8 * best.z && z < 1.25 * best.z) {
-        of[1].z = z;
-        of[1].place = gp_v3_add(w->eye, gp_v3_scale(way, z));
-    }
-    return 2;
-}
-
 /* Returns the light that falls on a surface by the formula, without shadows. */
 static double light_at(const struct gp_scene_light *l, const struct surface *s)
 {
@@ -285,18 +154,6 @@ static double light_at(const struct gp_scene_light *l, const struct surface *s)
         light *= fmax(1.0 - far * far, 0.0);
     }
     return light * gp_spot_share(l, gp_v3_scale(to, -1.0 / d));
-}
-
-/* True where a light's range and cone hold a place. */
-static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
-{
-    if (l->kind == GP_LIGHT_DIRECTIONAL)
-        return true;
-    const struct gp_v3 from = gp_v3_sub(place, l->at);
-    const double d = gp_v3_length(from);
-    return !(l->range > 0.0 && d >= l->range) &&
-           (l->kind != GP_LIGHT_SPOT ||
-            gp_v3_dot(from, l->along) > d * cos(l->outer));
 }
 
 // -- a light's pass -------------------------------------------------------------
@@ -323,7 +180,7 @@ static bool is_free(const struct lamp *lamp, struct gp_v3 place,
 
 /* Returns the part of a pixel's surface that the light reaches. */
 static double clear_share(const struct lamp *lamp, const struct surface *s,
-                          int x, int y, struct row_facts *facts)
+                          int x, int y, struct gp_relit *facts)
 {
     const struct relit *const w = lamp->of;
     double clear = 0.0;
@@ -352,36 +209,26 @@ static void means_of(const struct surface *s, double out[GP_MEANS])
     out[5] = any ? s->normal.z : 0.0;
 }
 
-/* Scales the albedo of places so that their mix is the pixel's, as far as it may
- * be that of these surfaces. */
-static void scale_places(const double own[3], const double weight[MANY],
-                         struct surface of[MANY])
-{
-    static const double MOST = 4.0;
-    for (int c = 0; c < 3; c++) {
-        double mix = 0.0;
-        for (int i = 0; i < MANY; i++)
-            mix += of[i].z > 0.0 ? weight[i] * of[i].albedo[c] : 0.0;
-        if (!(mix > 0.0))
-            continue;
-        const double scale = fmin(fmax(own[c] / mix, 1.0 / MOST), MOST);
-        for (int i = 0; i < MANY; i++)
-            of[i].albedo[c] *= scale;
-    }
-}
+/* The surfaces of a pixel: found once for all lights. */
+struct pixel {
+    int x, y;
+    bool any, edge;        // it has a surface; it may show others as well
+    struct surface own;
+    double length;         // of its normal
+    bool looked, placed;   // find_places() was called; its result
+    struct surface at[MANY];
+    double weight[MANY];
+};
 
 /* Finds the scene's surfaces at the places of a pixel, and their weights. False
  * where these are not those of the frame: their mean normal and albedo differ. */
-static bool find_places(const struct relit *w, int x, int y,
-                        struct surface of[MANY], double weight[MANY])
+static bool find_places(const struct relit *w, struct pixel *p)
 {
     const struct gp_colours *const k = &w->colours;
-    struct surface own;
-    double one[MANY][GP_MEANS], frame[GP_MEANS], length, left = 0.0;
-    if (!read_pixel(w, x, y, &own, &length))
-        return false;
+    struct surface own = p->own, *const of = p->at;
+    double one[MANY][GP_MEANS], frame[GP_MEANS], left = 0.0;
     for (int i = 0; i < MANY; i++) {
-        const struct gp_v3 way = way_to_place(w, x, y, i);
+        const struct gp_v3 way = way_to_place(w, p->x, p->y, i);
         struct gp_rays_hit hit;
         of[i].z = 0.0;
         if (gp_rays_first(&w->shown, w->eye, way, INFINITY, &hit)) {
@@ -396,7 +243,7 @@ static bool find_places(const struct relit *w, int x, int y,
         }
         means_of(&of[i], one[i]);
     }
-    own.normal = gp_v3_scale(own.normal, length);
+    own.normal = gp_v3_scale(own.normal, p->length);
     own.z = 1.0;
     means_of(&own, frame);
     for (int j = 0; j < GP_MEANS; j++) {
@@ -407,8 +254,7 @@ static bool find_places(const struct relit *w, int x, int y,
     }
     if (left > 0.1)
         return false;
-    gp_places_weigh((const double(*)[GP_MEANS]) one, frame, weight);
-    scale_places(own.albedo, weight, of);
+    gp_places_weigh((const double(*)[GP_MEANS]) one, frame, p->weight);
     return true;
 }
 
@@ -460,7 +306,7 @@ out:
 /* Adds the light of the surfaces at a pixel's places. */
 static void light_places(const struct lamp *lamp, const struct surface of[MANY],
                          const double weight[MANY], double add[3],
-                         struct row_facts *facts)
+                         struct gp_relit *facts)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
     for (int i = 0; i < MANY; i++) {
@@ -514,61 +360,47 @@ static int marks_around(const struct lamp *lamp, int x, int y)
     return marks;
 }
 
-/* The surfaces of a pixel: found once for all lights. */
-struct pixel {
-    int x, y, n;           // n: of[], 0 to 2
-    struct surface of[2];
-    double share[2];
-    bool edge;
-    bool looked, placed;   // find_places() was called; its result
-    struct surface at[MANY];
-    double weight[MANY];
-};
+/* Adds the light of a pixel's own surface. */
+static void light_own(const struct lamp *lamp, const struct pixel *p, int next,
+                      double add[3], struct gp_relit *facts)
+{
+    const struct gp_relight_pass *const pass = lamp->pass;
+    const struct surface *const s = &p->own;
+    double light = s->z > 0.0 ? light_at(pass->light, s) : 0.0;
+    if (!(light > 0.0) || s->z < pass->near || s->z > pass->far)
+        return;
+    if (p->edge || next != 1 << LIT)
+        light *= clear_share(lamp, s, p->x, p->y, facts);
+    for (int c = 0; c < 3; c++)
+        add[c] += pass->light_scale * light / pi * pass->light->color[c] *
+                  s->albedo[c];
+}
 
 /* Adds a light to a pixel. */
 static void light_pixel(const struct lamp *lamp, struct pixel *p)
 {
     const struct relit *const w = lamp->of;
-    const struct gp_relight_pass *const pass = lamp->pass;
-    struct row_facts *const facts = &lamp->row[p->y - lamp->cut.y0];
+    struct gp_relit *const facts = &lamp->row[p->y - lamp->cut.y0];
     const int next = marks_around(lamp, p->x, p->y);
     double add[3] = {0};
-    bool reached = false;
-    for (int k = 0; k < p->n; k++)
-        reached = reached || reaches(pass->light, p->of[k].place);
-    if (!reached || (!p->edge && !(next & 1 << LIT)))
+    if (!p->edge && !(next & 1 << LIT))
         return;
     if (p->edge && !p->looked) {
-        p->placed = find_places(w, p->x, p->y, p->at, p->weight);
+        p->placed = find_places(w, p);
         p->looked = true;
     }
     if (p->edge && p->placed)
         light_places(lamp, p->at, p->weight, add, facts);
-    for (int k = 0; k < p->n && !(p->edge && p->placed); k++) {
-        const struct surface *const s = &p->of[k];
-        double light = p->share[k] * light_at(pass->light, s);
-        if (!(light > 0.0) || s->z < pass->near || s->z > pass->far)
-            continue;
-        light *= !p->edge && next == 1 << LIT    ? 1.0
-                 : !p->edge && next == 1 << DARK ? 0.0
-                                                 : clear_share(lamp, s, p->x,
-                                                               p->y, facts);
-        for (int c = 0; c < 3; c++)
-            add[c] += pass->light_scale * light / pi * pass->light->color[c] *
-                      s->albedo[c];
-    }
+    else
+        light_own(lamp, p, next, add, facts);
     if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
         return;
-    for (int c = 0; c < 3; c++)
-        add[c] *= w->colours.unit;
     const size_t at = (size_t) (p->y - w->f->data.y0) *
                           (size_t) gp_rect_w(w->f->data) +
                       (size_t) (p->x - w->f->data.x0);
     facts->pixels++;
-    for (int c = 0; c < 3; c++) {
-        w->f->rgb->c[c][at] += (float) add[c];
-        facts->flux[c] += add[c];
-    }
+    for (int c = 0; c < 3; c++)
+        w->f->rgb->c[c][at] += (float) (add[c] * w->colours.unit);
 }
 
 static void light_row(void *ctx, int i, int thread)
@@ -582,11 +414,14 @@ static void light_row(void *ctx, int i, int thread)
             const struct gp_rect cut = w->lamp[k].cut;
             if (p.x < cut.x0 || p.x >= cut.x1 || p.y < cut.y0 || p.y >= cut.y1)
                 continue;
-            if (!found)
-                p.n = find_surfaces(w, p.x, p.y, p.of, p.share, &p.edge);
-            p.looked = found && p.looked;
+            if (!found) {
+                p.any = read_pixel(w, p.x, p.y, &p.own, &p.length);
+                p.edge = p.any && (!(p.own.z > 0.0) ||
+                                   is_mixed(w, &p.own, p.length, p.x, p.y));
+                p.looked = false;
+            }
             found = true;
-            if (p.n > 0)
+            if (p.any)
                 light_pixel(&w->lamp[k], &p);
         }
     }
@@ -651,8 +486,6 @@ static struct gp_relit facts_of(const struct lamp *lamp)
     for (int i = 0; i < rows; i++) {
         facts.pixels += lamp->row[i].pixels;
         facts.rays += lamp->row[i].rays;
-        for (int c = 0; c < 3; c++)
-            facts.flux[c] += lamp->row[i].flux[c];
     }
     return facts;
 }

@@ -1,108 +1,14 @@
-#include "scene/relit.h"
+/* The lights of a scene that are named: passes from its visibility sets. */
+#include "scene/relight.h"
 
 #include "core/depth.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "scene/sets/sets.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double BLENDER = 1.0 / 683.0; // radiance a cd or lux
-
-// -- the axis of normals that points up ---------------------------------------
-
-enum { UP_ACROSS = 256 }; // pixels that are looked at across the picture
-
-/* Returns the sample of a plane, or 0 outside. */
-static double sample_of(const struct gp_plane *p, int x, int y)
-{
-    const struct gp_rect w = p->window;
-    const bool inside = x >= w.x0 && x < w.x1 && y >= w.y0 && y < w.y1;
-    return inside ? (double) p->v[(ptrdiff_t) (y - w.y0) * gp_rect_w(w) + x -
-                                  w.x0] : 0.0;
-}
-
-/* Finds the place that a pixel shows; false: none. */
-static bool place_at(const struct gp_surfaces *f, int x, int y,
-                     struct gp_v3 *place)
-{
-    const struct gp_camera *const c = &f->camera;
-    const double z = sample_of(f->z, x, y);
-    const double w = gp_rect_w(f->display), h = gp_rect_h(f->display);
-    if (!(z > 0.0 && z < (double) GP_DEPTH_HUGE))
-        return false;
-    *place = gp_camera_point(c, (x + 0.5 - f->display.x0) / w,
-                             (y + 0.5 - f->display.y0) / h, z);
-    return true;
-}
-
-/* Finds the normal of the depths around a pixel; false: they are no plane. */
-static bool normal_at(const struct gp_surfaces *f, int x, int y,
-                      struct gp_v3 *normal)
-{
-    struct gp_v3 at, left, right, up, down;
-    if (!place_at(f, x, y, &at) || !place_at(f, x - 1, y, &left) ||
-        !place_at(f, x + 1, y, &right) || !place_at(f, x, y - 1, &up) ||
-        !place_at(f, x, y + 1, &down))
-        return false;
-    const struct gp_v3 a = gp_v3_sub(right, left), b = gp_v3_sub(down, up);
-    const struct gp_v3 n = gp_v3_unit(gp_v3_cross(a, b));
-    const double most = 0.05 * (gp_v3_length(a) + gp_v3_length(b));
-    *normal = n;
-    return fabs(gp_v3_dot(n, gp_v3_sub(left, at))) < most &&
-           fabs(gp_v3_dot(n, gp_v3_sub(up, at))) < most;
-}
-
-/* Turns normals of a world that is z up to the scene's, which is y up, where
- * only so they fit the frame's own depths: of a frame without a camera nothing
- * else says so. Warns where both or neither fit. */
-static void turn_normals(const struct gp_log *log,
-                         const struct gp_relit_frame *f,
-                         const struct gp_surfaces *own)
-{
-    const struct gp_rect d = f->depth->window;
-    struct gp_plane *const normal = f->normal;
-    const double fits = 0.95; // cosine
-    const int step = 1 + gp_max(gp_rect_w(d), gp_rect_h(d)) / UP_ACROSS;
-    int looked = 0, only_y = 0, only_z = 0;
-    for (int y = d.y0 + 1; y < d.y1 - 1; y += step) {
-        for (int x = d.x0 + 1; x < d.x1 - 1; x += step) {
-            struct gp_v3 at;
-            const struct gp_v3 n = {sample_of(&normal[0], x, y),
-                                    sample_of(&normal[1], x, y),
-                                    sample_of(&normal[2], x, y)};
-            const double length = gp_v3_length(n);
-            if (!(fabs(length - 1.0) < 0.01) || !normal_at(own, x, y, &at))
-                continue;
-            const struct gp_v3 turned = {n.x, n.z, -n.y};
-            const bool is_y = fabs(gp_v3_dot(at, n)) > fits * length;
-            const bool is_z = fabs(gp_v3_dot(at, turned)) > fits * length;
-            looked++;
-            only_y += is_y && !is_z;
-            only_z += is_z && !is_y;
-        }
-    }
-    const int more = only_y > only_z ? only_y : only_z;
-    if (more < 4 * (only_y + only_z - more) || 8 * more <= looked) {
-        gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
-                  "camera, and its normals fit its depth y up as well as z up "
-                  "(%d and %d of %d pixels), y up is taken", f->path, only_y,
-                  only_z, looked);
-    } else if (only_z == more) {
-        const struct gp_plane y = normal[1];
-        const size_t n = (size_t) gp_rect_w(y.window) *
-                         (size_t) gp_rect_h(y.window);
-        for (size_t i = 0; i < n; i++)
-            y.v[i] = -y.v[i];
-        normal[1] = normal[2];
-        normal[2] = y;
-        gp_say(log, GP_LEVEL_INFO, "%s: normals are of a world that is z "
-               "up (%d of %d pixels)", f->path, only_z, looked);
-    }
-}
-
-// -- lights -------------------------------------------------------------------
 
 /* A frame while lights are added: those of a batch in one call. */
 struct lighting {
@@ -114,36 +20,33 @@ struct lighting {
     struct gp_sets *sets;
     struct gp_relit_light *out;
     int lit;
-    struct gp_relight_pass pass[GP_RELIGHT_PASSES];
-    int index[GP_RELIGHT_PASSES]; // of each pass, in out
+    struct gp_relight_pass pass[GP_RELIGHT_PASSES]; // of the last of out[]
     int *list;                    // of casters: s->objects for each pass; owned
     int n;
 };
 
-/* Lists a light, and its pass where it may reach a pixel. */
+/* Lists a light and its pass, which is empty where it reaches no pixel. */
 static void list_light(struct lighting *l, int light)
 {
     const struct gp_scene *const s = l->s;
-    const int index = l->lit++;
-    l->out[index] = (struct gp_relit_light) {.name = s->light[light].name};
-    if (!gp_sets_light(l->sets, light))
-        return;
+    const bool any = gp_sets_light(l->sets, light);
     const uint8_t *const flag = gp_sets_flags(l->sets);
     const struct gp_scissor cut = gp_sets_scissor(l->sets);
     int *const list = l->list + (size_t) l->n * (size_t) s->objects;
     int casters = 0;
-    for (int i = 0; i < s->objects; i++) {
+    for (int i = 0; any && i < s->objects; i++) {
         if (flag[i] & GP_SET_S)
             list[casters++] = i;
     }
-    l->pass[l->n] = (struct gp_relight_pass) {
+    l->pass[l->n++] = (struct gp_relight_pass) {
         .light = &s->light[light], .caster = list, .casters = casters,
         .light_scale = l->f->light_scale > 0.0 ? l->f->light_scale : BLENDER,
         .cut = cut.rect, .near = cut.near * (1.0 - 1e-6),
         .far = cut.far * (1.0 + 1e-6),
     };
-    l->index[l->n++] = index;
-    l->out[index].casters = casters;
+    l->out[l->lit++] = (struct gp_relit_light) {
+        .name = s->light[light].name, .casters = casters,
+    };
 }
 
 /* Adds the lights of a batch to the frame's colour, and empties it. */
@@ -152,18 +55,18 @@ static gp_status add_lights(struct lighting *l)
     struct gp_relit facts[GP_RELIGHT_PASSES];
     const gp_status st =
         gp_relight(l->log, l->s, l->meshes, &l->surfaces, l->pass, l->n, facts);
-    if (st)
-        return st;
-    for (int i = 0; i < l->n; i++) {
-        struct gp_relit_light *const o = &l->out[l->index[i]];
+    for (int i = 0; i < l->n && !st; i++) {
+        struct gp_relit_light *const o = &l->out[l->lit - l->n + i];
         o->pixels = facts[i].pixels;
         o->rays = facts[i].rays;
+        if (gp_rect_empty(l->pass[i].cut))
+            continue;
         gp_say(l->log, GP_LEVEL_INFO, "%s: %s lights %lld pixels, %d objects "
                "may cast shadows, %lld rays", l->f->path, o->name, o->pixels,
                o->casters, o->rays);
     }
     l->n = 0;
-    return GP_OK;
+    return st;
 }
 
 gp_status gp_relit_find(const struct gp_log *log, const struct gp_scene *s,
@@ -222,14 +125,11 @@ static double nearest(const struct gp_plane *depth)
 
 gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
     struct gp_meshes *meshes, const struct gp_relit_frame *f,
-    const char *const *name, int names, const struct gp_planes *rgb,
-    struct gp_relit_light **out, int *lit)
+    const char *const *name, int names, struct gp_relit_light **out, int *lit)
 {
     struct lighting l = {
         .log = log, .s = s, .meshes = meshes, .f = f,
-        .surfaces = {.rgb = rgb, .data = f->data, .camera = f->camera, .display = f->display, .z = f->depth,
-                     .normal = f->normal, .albedo = f->albedo,
-                     .normal_of_camera = f->normal_of_camera},
+        .surfaces = f->surfaces,
     };
     unsigned char *asked = NULL;
     int *visible = NULL;
@@ -242,11 +142,14 @@ gp_status gp_relit_add(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, "lights", (size_t) s->lights + 1, sizeof *l.out,
                     &l.out));
     GP_TRY(gp_relit_find(log, s, name, names, asked));
-    if (f->up_unknown && !f->normal_of_camera)
-        turn_normals(log, f, &l.surfaces);
+    if (f->up_unknown && !f->surfaces.normal_of_camera)
+        gp_say_at(log, GP_LEVEL_WARN, "scene.camera_normals", "%s: has no "
+                  "camera, so its normals are taken for those of a world that "
+                  "is y up", f->path);
+    const struct gp_plane *const z = f->surfaces.z;
     const struct gp_sets_view view = {
-        .camera = f->camera, .display = f->display, .window = f->depth->window,
-        .near = nearest(f->depth), .depth = f->depth->v,
+        .camera = f->surfaces.camera, .display = f->surfaces.display,
+        .window = z->window, .near = nearest(z), .depth = z->v,
     };
     GP_TRY(gp_sets_open(log, s, &view, GP_SETS_ALL | GP_SETS_DEPTHS, &l.sets));
     for (int i = 0; i < s->objects; i++) {
