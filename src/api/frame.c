@@ -59,7 +59,7 @@ int glarepp_frame(struct glarepp_plan *plan,
                                       p.file.y1};
     f->sink.name = f->image.path;
     f->about = (struct gp_sun_about) {
-        .name = f->image.path, .numbered = p.numbered, .number = p.number,
+        .numbered = p.numbered, .number = p.number,
         .has_camera = p.has_camera, .has_ndc = p.has_ndc,
         .ndc = (enum gp_ndc) p.ndc,
     };

@@ -289,8 +289,6 @@ static gp_status read_picture(void *user, const struct gp_log *log,
 
 gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
 {
-    const struct gp_sun_reader reader = {.user = plan,
-                                         .picture = read_picture};
     struct gp_api_work *w;
     gp_status st;
     pthread_mutex_lock(&plan->lock);
@@ -302,8 +300,8 @@ gp_status gp_api_lend(struct glarepp_plan *plan, struct gp_api_work **out)
     if (w)
         return GP_OK;
     GP_TRY(gp_alloc_zero(&plan->log, "plan", 1, sizeof *w, &w));
-    GP_TRY(gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl, &reader,
-                         &w->suns));
+    GP_TRY(gp_suns_begin(&plan->log, &plan->sun, plan->glare.gl, read_picture,
+                         plan, &w->suns));
     GP_TRY(gp_api_scene_begin(plan, w));
     *out = w;
     w = NULL;

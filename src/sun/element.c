@@ -111,30 +111,31 @@ static double least_radius(const struct gp_flare_element *e)
            : e->shape == GP_FLARE_POLYGON ? 0.5 / cos(M_PI / e->sides) : 0.5;
 }
 
+/* The radius of a channel, in pixels. */
+static double radius_of(const struct gp_flare_look *l, int c)
+{
+    return fmax(l->radius * (double) l->e.scale[c], least_radius(&l->e));
+}
+
 /* Notes the hard edges of round shapes in t. */
 static void find_edges(struct gp_flare_look *l)
 {
     const struct gp_flare_element *const e = &l->e;
+    const bool ring = e->shape == GP_FLARE_RING;
     if (e->softness > 0.0 || e->dispersion != 0.0 || l->aspect != 1.0 ||
         has_rays(e) || e->shape == GP_FLARE_GLOW || e->shape == GP_FLARE_DIRT)
         return;
+    l->flat = ring && !e->profiles && e->rim == 0.0;
     for (int c = 0; c < 3; c++) {
-        const double r = fmax(l->radius * (double) e->scale[c],
-                              least_radius(e));
-        const double hole = e->shape == GP_FLARE_RING ? hole_of(e, r) : 0.0;
+        const double r = radius_of(l, c), hole = ring ? hole_of(e, r) : 0.0;
+        l->outer[c] = (float) r;
+        l->inner[c] = (float) (hole * r);
+        l->weight[c] = (float) (l->radius * l->radius / (r * r)); // table's s^2
         if (c > 0 && e->scale[c] == e->scale[c - 1])
             continue;
         l->edge[l->edges++] = (float) (r / l->radius);
         if (hole > 0.0)
             l->edge[l->edges++] = (float) (hole * r / l->radius);
-    }
-    l->flat = e->shape == GP_FLARE_RING && !e->profiles && e->rim == 0.0;
-    for (int c = 0; c < 3 && l->flat; c++) {
-        const double r = fmax(l->radius * (double) e->scale[c],
-                              least_radius(e));
-        l->outer[c] = (float) r;
-        l->inner[c] = (float) (hole_of(e, r) * r);
-        l->weight[c] = (float) (l->radius * l->radius / (r * r)); // table's s^2
     }
 }
 
@@ -150,8 +151,7 @@ static gp_status make_table(const struct gp_log *log, struct gp_flare_look *l)
     if (spread)
         gp_spectrum_weights(gp_rec709_chromaticities, BANDS, nm, rgb);
     for (int c = 0; c < 3; c++) {
-        size[c] = fmax(l->radius * (double) e->scale[c], least_radius(e)) /
-                  l->radius;
+        size[c] = radius_of(l, c) / l->radius;
         most = fmax(most, size[c]);
     }
     // edges reach half a pixel beyond
@@ -348,14 +348,6 @@ void gp_flare_look_free(struct gp_flare_look *l)
     *l = (struct gp_flare_look) {0};
 }
 
-double gp_flare_ray_width(const struct gp_flare_look *l, int i)
-{
-    const double half = (double) l->ray[i].half;
-    // of a Gaussian up to exp(-12), and the pixel that it is widened by
-    return l->e.shape == GP_FLARE_SPIKES ? 3.0 * half + 3.0
-                                         : half * (1.0 + l->e.softness) + 2.0;
-}
-
 double gp_flare_look_reach(const struct gp_flare_element *e, double diameter)
 {
     const double least = least_radius(e), r = fmax(0.5 * diameter, least);
@@ -467,15 +459,22 @@ static float left_of(const struct gp_flare_look *l,
     return gp_clamp01(0.5f + (r - sqrtf(dx * dx + dy * dy)) / soft);
 }
 
-void gp_flare_look_row(const struct gp_flare_quad *q, int y, int x0, int x1,
+void gp_flare_look_row(const struct gp_flare_quad *q, int y,
                        const float amount[3], float *const out[3])
 {
     const struct gp_flare_look *const l = q->look;
     const float py = q->base[1] + (float) (y - q->rect.y0);
     const float c = q->turn[0], s = q->turn[1];
     const bool cut = q->cut[0] != 0.0f || q->cut[1] != 0.0f;
-    for (int x = x0; x < x1; x++) {
-        const float px = q->base[0] + (float) (x - q->rect.x0);
+    int first = 0, end = gp_rect_w(q->rect);
+    if (!l->rays) { // within a circle
+        const double r = l->reach * l->radius * fmax(l->aspect, 1.0) + 1.0;
+        const double half = sqrt(fmax(r * r - (double) (py * py), 0.0)) + 1.0;
+        first = gp_clamp_whole(-half - (double) q->base[0], 0, end);
+        end = gp_clamp_whole(half - (double) q->base[0] + 1.0, first, end);
+    }
+    for (int i = first; i < end; i++) {
+        const float px = q->base[0] + (float) i;
         float v[3] = {0};
         value_at(l, q, px * c - py * s, px * s + py * c, v);
         const float left = cut ? left_of(l, q, px, py) : 1.0f;
@@ -483,7 +482,7 @@ void gp_flare_look_row(const struct gp_flare_quad *q, int y, int x0, int x1,
             const float dirt = l->e.shape == GP_FLARE_DIRT
                 ? gp_flare_sample(q->image, k, px * q->dirt[0] + q->dirt[2],
                                   py * q->dirt[1] + q->dirt[3]) : 1.0f;
-            out[k][x - x0] += amount[k] * left * dirt * v[k];
+            out[k][i] += amount[k] * left * dirt * v[k];
         }
     }
 }

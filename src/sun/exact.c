@@ -1,12 +1,11 @@
-/* Discs: the area inside a rectangle, and the visible share of a light by the
- * area of each pixel under it. */
-#include "sun/sun_priv.h"
+/* Discs: the area inside a rectangle, the visible share of a light by the area
+ * of each pixel under it, and the bounds of that share. */
+#include "sun/occluder.h"
 
 #include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdint.h>
 
 /* -- area of a disc in a rectangle ----------------------------------------
@@ -171,32 +170,32 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
     return area > 0.0 ? fmin(area, w * h) : 0.0;
 }
 
-/* A disc of no area has no share. */
-static const double least_radius = 1e-3;
-
-/* Larger than any frame, and small enough for a finite square. */
-static const double most_radius = 1e9;
-
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
 {
     return gp_disc_rect_area(cx, cy, r, x, y, (double) x + 1.0,
                              (double) y + 1.0);
 }
 
-struct gp_rect gp_disc_box(double x, double y, double r, struct gp_rect rect)
+/* A disc of no area has no share; one of 1e9 is larger than any frame, and has
+ * a finite square. */
+static double radius_of(const struct gp_light *l)
 {
-    const int x0 = gp_clamp_whole(floor(x - r), rect.x0, rect.x1);
-    const int y0 = gp_clamp_whole(floor(y - r), rect.y0, rect.y1);
-    return (struct gp_rect) {x0, y0, gp_clamp_whole(ceil(x + r), x0, rect.x1),
-                             gp_clamp_whole(ceil(y + r), y0, rect.y1)};
+    return fmin(fmax(l->radius, 1e-3), 1e9);
 }
 
-/* Areas in square pixels: of the disc, and of its visible part. */
-struct sums {
-    double area, shown;
-};
+static double area_in(const struct gp_light *l, struct gp_rect rect)
+{
+    return gp_disc_rect_area(l->x, l->y, radius_of(l), rect.x0, rect.y0,
+                             rect.x1, rect.y1);
+}
 
 // -- the pixels of a rectangle -----------------------------------------------
+
+/* Areas in square pixels: of the disc; of what is visible of it, at least and
+ * at most, which are one for the share itself. */
+struct sums {
+    double area, low, high;
+};
 
 /* Rows go in bands, and the sums of the bands in order: the same bits for any
  * number of threads, and no memory that grows with the frame. */
@@ -206,89 +205,52 @@ struct bands {
     const struct gp_occluders *o;
     const struct gp_light *light;
     double radius;
+    void (*add)(const struct bands *b, int y, struct sums *s); // a row
+    int most;             // bands
     struct gp_rect rect;  // pixels that the disc may reach
     int n;
     struct sums sum[BANDS];
 };
 
-/* Returns half the chord at a distance from the centre; under 0: none. */
-static double half_chord(double r, double distance)
-{
-    return distance < r ? sqrt((r - distance) * (r + distance)) : -1.0;
-}
-
-static void add_edge(const struct bands *b, int x0, int x1, int y,
-                     struct sums *s)
-{
-    const struct gp_light *const l = b->light;
-    for (int x = x0; x < x1; x++) {
-        const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
-        if (area > 0.0) {
-            s->area += area;
-            s->shown += area * gp_occluders_show(b->o, l, x, y, NULL);
-        }
-    }
-}
-
 static void add_band(void *ctx, int i, int thread)
 {
     (void) thread;
     struct bands *const b = ctx;
-    struct sums *const s = &b->sum[i];
-    const struct gp_light *const l = b->light;
-    const struct gp_rect rect = b->rect;
-    const int64_t h = gp_rect_h(rect);
-    for (int64_t k = h * i / b->n; k < h * (i + 1) / b->n; k++) {
-        const int y = (int) (rect.y0 + k);
-        const double above = l->y - (double) y;
-        const double below = (double) y + 1.0 - l->y;
-        const double nearest = fmax(fmax(-above, -below), 0.0);
-        const double outer = half_chord(b->radius, nearest);
-        const double inner = half_chord(b->radius, fmax(above, below));
-        if (outer < 0.0)
-            continue;
-        // a pixel more on each side: the chords are rounded
-        const int x0 = gp_clamp_whole(floor(l->x - outer) - 1.0, rect.x0,
-                                      rect.x1);
-        const int x1 = gp_clamp_whole(ceil(l->x + outer) + 1.0, x0, rect.x1);
-        // (a whole one that add_edge() takes counts the same)
-        int in0 = x1, in1 = x1;
-        if (inner > 0.0) {
-            in0 = gp_clamp_whole(ceil(l->x - inner) + 1.0, x0, x1);
-            in1 = gp_clamp_whole(floor(l->x + inner) - 1.0, in0, x1);
-        }
-        add_edge(b, x0, in0, y, s);
-        s->area += (double) in1 - (double) in0;
-        s->shown += gp_occluders_sum(b->o, l, in0, in1, y);
-        add_edge(b, in1, x1, y, s);
-    }
+    const int64_t h = gp_rect_h(b->rect);
+    b->sum[i] = (struct sums) {0};
+    for (int64_t k = h * i / b->n; k < h * (i + 1) / b->n; k++)
+        b->add(b, (int) (b->rect.y0 + k), &b->sum[i]);
 }
 
-/* Sums over the pixels of `rect` that the disc touches. */
-static struct sums sum_rect(const struct gp_occluders *o,
-    const struct gp_light *l, double r, struct gp_rect rect)
+/* Adds the pixels of `rect` that the disc touches. */
+static void add_rect(struct bands *b, struct gp_rect rect, struct sums *s)
 {
-    struct bands b = {.o = o, .light = l, .radius = r,
-                      .rect = gp_disc_box(l->x, l->y, r, rect)};
-    struct sums s = {0};
-    if (gp_rect_empty(b.rect))
-        return s;
-    const int h = gp_rect_h(b.rect);
-    b.n = h < BANDS ? h : BANDS;
-    if ((int64_t) h * gp_rect_w(b.rect) > ALONE) {
-        gp_parallel_do(b.n, add_band, &b);
+    const double x = b->light->x, y = b->light->y, r = b->radius;
+    const int x0 = gp_clamp_whole(floor(x - r), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(y - r), rect.y0, rect.y1);
+    struct sums own = {0};
+    b->rect = (struct gp_rect) {x0, y0,
+                                gp_clamp_whole(ceil(x + r), x0, rect.x1),
+                                gp_clamp_whole(ceil(y + r), y0, rect.y1)};
+    if (gp_rect_empty(b->rect))
+        return;
+    const int h = gp_rect_h(b->rect);
+    b->n = gp_min(h, b->most);
+    if ((int64_t) h * gp_rect_w(b->rect) > ALONE) {
+        gp_parallel_do(b->n, add_band, b);
     } else { // waking threads would take longer
-        for (int i = 0; i < b.n; i++)
-            add_band(&b, i, 0);
+        for (int i = 0; i < b->n; i++)
+            add_band(b, i, 0);
     }
-    for (int i = 0; i < b.n; i++) {
-        s.area += b.sum[i].area;
-        s.shown += b.sum[i].shown;
+    for (int i = 0; i < b->n; i++) {
+        own.area += b->sum[i].area;
+        own.low += b->sum[i].low;
+        own.high += b->sum[i].high;
     }
-    return s;
+    s->area += own.area;
+    s->low += own.low;
+    s->high += own.high;
 }
-
-// -- the frame ---------------------------------------------------------------
 
 /* The part of the frame in which a plane has samples; empty for NULL. */
 static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
@@ -306,8 +268,13 @@ static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
     return r;
 }
 
-int gp_sun_rects(const struct gp_occluders *o, int margin,
-                 struct gp_rect rect[GP_SUN_RECTS])
+/* Divides the pixels of the frame in which a plane has samples, and `margin` (0
+ * or 1) more on each side, into rectangles that do not overlap; some may be
+ * empty. Returns how many. Only these are visited: a display window may be
+ * larger than any plane by any factor. */
+enum { RECTS = 5 };
+static int known_rects(const struct gp_occluders *o, int margin,
+                       struct gp_rect rect[RECTS])
 {
     const struct gp_rect depth = known_rect(o->depth, o->frame, margin);
     const struct gp_rect mask = known_rect(o->mask, o->frame, margin);
@@ -320,53 +287,175 @@ int gp_sun_rects(const struct gp_occluders *o, int margin,
     rect[2] = (struct gp_rect) {mask.x0, both.y0, both.x0, both.y1};
     rect[3] = (struct gp_rect) {both.x1, both.y0, mask.x1, both.y1};
     rect[4] = (struct gp_rect) {mask.x0, both.y1, mask.x1, mask.y1};
-    return apart ? 2 : GP_SUN_RECTS;
+    return apart ? 2 : RECTS;
 }
 
-static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
+// -- the share ---------------------------------------------------------------
+
+/* Returns half the chord at a distance from the centre; under 0: none. */
+static double half_chord(double r, double distance)
 {
-    return gp_disc_rect_area(l->x, l->y, r, rect.x0, rect.y0, rect.x1, rect.y1);
+    return distance < r ? sqrt((r - distance) * (r + distance)) : -1.0;
+}
+
+static void add_edge(const struct bands *b, int x0, int x1, int y,
+                     struct sums *s)
+{
+    const struct gp_light *const l = b->light;
+    for (int x = x0; x < x1; x++) {
+        const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
+        if (area > 0.0) {
+            s->area += area;
+            s->low += area * gp_occluders_show(b->o, l, x, y, NULL);
+        }
+    }
+}
+
+/* Adds a row: pixels at the disc's edge by their area, those between whole. */
+static void add_shown(const struct bands *b, int y, struct sums *s)
+{
+    const struct gp_light *const l = b->light;
+    const struct gp_rect rect = b->rect;
+    const double above = l->y - (double) y;
+    const double below = (double) y + 1.0 - l->y;
+    const double nearest = fmax(fmax(-above, -below), 0.0);
+    const double outer = half_chord(b->radius, nearest);
+    const double inner = half_chord(b->radius, fmax(above, below));
+    if (outer < 0.0)
+        return;
+    // a pixel more on each side: the chords are rounded
+    const int x0 = gp_clamp_whole(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
+    const int x1 = gp_clamp_whole(ceil(l->x + outer) + 1.0, x0, rect.x1);
+    // (a whole one that add_edge() takes counts the same)
+    int in0 = x1, in1 = x1;
+    if (inner > 0.0) {
+        in0 = gp_clamp_whole(ceil(l->x - inner) + 1.0, x0, x1);
+        in1 = gp_clamp_whole(floor(l->x + inner) - 1.0, in0, x1);
+    }
+    add_edge(b, x0, in0, y, s);
+    s->area += (double) in1 - (double) in0;
+    s->low += gp_occluders_sum(b->o, l, in0, in1, y);
+    add_edge(b, in1, x1, y, s);
 }
 
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n)
 {
-    // only pixels in a plane's window are visited: a display window may be
-    // larger than any plane by any factor
-    struct gp_rect rect[GP_SUN_RECTS];
-    const int rects = gp_sun_rects(o, 0, rect);
+    struct gp_rect rect[RECTS];
+    const int rects = known_rects(o, 0, rect);
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
-        l->visibility = 0.0;
         if (l->behind) {
             l->visibility = outside == GP_OUTSIDE_SCENE ? l->outside : 0.0;
             continue;
         }
-        const double r = fmin(fmax(l->radius, least_radius), most_radius);
-        const double disc = M_PI * r * r;
-        const double frame = area_in(l, r, o->frame);
+        struct bands b = {.o = o, .light = l, .radius = radius_of(l),
+                          .add = add_shown, .most = BANDS};
+        const double disc = M_PI * b.radius * b.radius;
+        const double frame = area_in(l, o->frame);
         struct sums s = {0};
         double known_area = 0.0;
         for (int k = 0; k < rects; k++) {
-            const struct sums of = sum_rect(o, l, r, rect[k]);
-            s.area += of.area;
-            s.shown += of.shown;
-            known_area += area_in(l, r, rect[k]);
+            add_rect(&b, rect[k], &s);
+            known_area += area_in(l, rect[k]);
         }
         // two closed forms of one area differ only by rounding: no light
         // shines through that
         const double clear = frame - known_area;
         if (clear > 1e-12 * frame) {
             s.area += clear;
-            s.shown += clear;
+            s.low += clear;
         }
         const double beyond = disc - frame;
         if (outside != GP_OUTSIDE_IGNORE && beyond > 1e-12 * disc) {
             s.area += beyond;
-            s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond
-                       : outside == GP_OUTSIDE_SCENE ? beyond * l->outside
-                                                     : 0.0;
+            s.low += outside == GP_OUTSIDE_VISIBLE ? beyond
+                     : outside == GP_OUTSIDE_SCENE ? beyond * l->outside : 0.0;
         }
-        l->visibility = s.area > 0.0 ? fmin(s.shown / s.area, 1.0) : 0.0;
+        l->visibility = s.area > 0.0 ? fmin(s.low / s.area, 1.0) : 0.0;
+    }
+}
+
+// -- bounds of the share -----------------------------------------------------
+
+/* Finds the least and the largest that pixel (x, y) may show. */
+static void bounds_of(const struct bands *b, int x, int y, double *lo,
+                      double *hi)
+{
+    const struct gp_occluders *const o = b->o;
+    const struct gp_rect f = o->frame;
+    const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
+    bool beyond, any = false;
+    const double own = gp_occluders_show(o, b->light, x, y, &beyond);
+    *lo = *hi = own;
+    for (int j = gp_max(y - around, f.y0); j <= gp_min(y + around, f.y1 - 1);
+         j++) {
+        for (int i = gp_max(x - around, f.x0);
+             i <= gp_min(x + around, f.x1 - 1); i++) {
+            bool past;
+            const double s = gp_occluders_show(o, b->light, i, j, &past);
+            *lo = fmin(*lo, s);
+            *hi = fmax(*hi, s);
+            any = any || past;
+        }
+    }
+    // coverage has its edges in itself, but for those of surfaces beyond the
+    // light, which show all of it
+    if (o->mask && !beyond) {
+        *lo = own;
+        *hi = any ? 1.0 : own;
+    }
+}
+
+static void add_bounds(const struct bands *b, int y, struct sums *s)
+{
+    const struct gp_light *const l = b->light;
+    for (int x = b->rect.x0; x < b->rect.x1; x++) {
+        const double dx = fmax(fabs(x - l->x), fabs(x + 1.0 - l->x));
+        const double dy = fmax(fabs(y - l->y), fabs(y + 1.0 - l->y));
+        const double area =
+            dx * dx + dy * dy < b->radius * b->radius
+                ? 1.0 : gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
+        double lo, hi;
+        bounds_of(b, x, y, &lo, &hi);
+        // where there is no edge all of them show all, or nothing
+        s->area += area;
+        s->low += lo >= 1.0 ? area : 0.0;
+        s->high += hi > 0.0 ? area : 0.0;
+    }
+}
+
+void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+                     struct gp_light *light, int n)
+{
+    // pixels beside the planes' windows and their edges are clear
+    struct gp_rect rect[RECTS];
+    const int rects = known_rects(o, 1, rect);
+    const bool scene = outside == GP_OUTSIDE_SCENE;
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
+                                : 0.0;
+        const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
+                                : 1.0;
+        struct bands b = {.o = o, .light = l, .radius = radius_of(l),
+                          .add = add_bounds, .most = BANDS / 4};
+        struct sums s = {0};
+        const double disc = M_PI * b.radius * b.radius;
+        if (!l->behind) {
+            for (int k = 0; k < rects; k++)
+                add_rect(&b, rect[k], &s);
+            // (rounding lets no light in)
+            const double left = area_in(l, o->frame) - s.area;
+            const double clear = left > 1e-9 * disc ? left : 0.0;
+            s.area += clear;
+            s.low += clear;
+            s.high += clear;
+        }
+        l->in_frame = s.area > 0.0;
+        const double rest = disc - s.area > 1e-9 * disc ? disc - s.area : 0.0;
+        const double all = s.area + rest;
+        l->low = fmin((s.low + rest * lo) / all, l->visibility);
+        l->high = fmax(fmin((s.high + rest * hi) / all, 1.0), l->visibility);
     }
 }

@@ -151,7 +151,7 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
 static int to_pixel(double v)
 {
     enum { FAR = 1 << 30 }; // no window goes beyond
-    return v < -FAR ? -FAR : v > FAR ? FAR : (int) v;
+    return gp_clamp_whole(v, -FAR, FAR);
 }
 
 /* Finds all pixels that the element may reach, inside the frame or not. */
@@ -190,56 +190,6 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     return gp_rect_meet(whole_reach(e, l, display), frame);
 }
 
-/* Cuts [*lo, *hi] to the values of (limit - a * y) / b at four corners. */
-static void narrow_span(double limit, double a, double b, const double y[2],
-                        double *lo, double *hi)
-{
-    double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < 4; i++) {
-        const double x = ((i & 1 ? limit : -limit) - a * y[i >> 1]) / b;
-        low = fmin(low, x);
-        high = fmax(high, x);
-    }
-    *lo = fmax(*lo, low);
-    *hi = fmin(*hi, high);
-}
-
-/* Finds columns [*x0, *x1) outside of which the quad reaches nothing in rows
- * [y0, y1); cut to its rect. Returns false where there are none. */
-static bool find_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
-                      int *x1)
-{
-    const struct gp_flare_look *const look = i->look;
-    const int top = y0 > i->rect.y0 ? y0 : i->rect.y0;
-    const int bottom = y1 < i->rect.y1 ? y1 : i->rect.y1;
-    *x0 = i->rect.x0;
-    *x1 = i->rect.x1;
-    if (top >= bottom)
-        return false;
-    if (!look)
-        return true;
-    const double y[2] = {top + 0.5 - i->y, bottom - 0.5 - i->y};
-    double lo = -INFINITY, hi = INFINITY;
-    if (look->rays == 1 && look->e.shape == GP_FLARE_STREAK) {
-        const double c = (double) i->turn[0], s = (double) i->turn[1];
-        if (fabs(s) > 1e-6)
-            narrow_span(gp_flare_ray_width(look, 0), c, s, y, &lo, &hi);
-    } else if (!look->rays) { // for the rows' centre nearest to the place
-        const double radius = look->reach * look->radius *
-                                  fmax(look->aspect, 1.0) + 1.0;
-        const double d = y[0] > 0.0 ? y[0] : y[1] < 0.0 ? -y[1] : 0.0;
-        hi = d < radius ? sqrt(radius * radius - d * d) : -1.0;
-        lo = -hi;
-    }
-    lo += i->x - 1.0;
-    hi += i->x + 1.0;
-    if (lo > *x0)
-        *x0 = lo < *x1 ? (int) lo : *x1;
-    if (hi < *x1)
-        *x1 = hi > *x0 ? (int) hi : *x0;
-    return *x0 < *x1;
-}
-
 // -- quads -------------------------------------------------------------------
 
 /* One element of one light, as that light sees it, of which quads are made. */
@@ -247,7 +197,7 @@ struct pair {
     struct gp_flare_element e;
     const struct gp_light *light;
     const struct gp_flare_level *level; // of an image, else NULL
-    struct gp_rect whole, frame, display;
+    struct gp_rect whole, rect, display; // rect: what is in the frame of it
     double diameter;
 };
 
@@ -260,6 +210,26 @@ struct quads {
     struct gp_flare_level *level; // owned; one an element
     int elements;
 };
+
+/* Finds element k as a light sees it; returns its quads, none for a hidden
+ * light. */
+static int find_pair(const struct gp_flare *f, int k, const struct gp_light *l,
+    struct gp_rect frame, struct gp_rect display, struct pair *p)
+{
+    *p = (struct pair) {.e = dress(f, k, l, display), .light = l,
+                        .display = display};
+    const struct gp_flare_element e = p->e;
+    p->whole = whole_reach(&e, l, display);
+    p->rect = gp_rect_meet(p->whole, frame);
+    p->diameter = diameter_of(&e, display);
+    if (!gp_light_has_flux(l) || !(l->visibility > 0.0) ||
+        e.source != GP_FLARE_LIGHTS ||
+        (e.only && fnmatch(e.only, l->name, 0) != 0) ||
+        gp_rect_empty(p->rect))
+        return 0;
+    const bool dispersed = e.scale[0] != e.scale[1] || e.scale[1] != e.scale[2];
+    return is_image(&e) && !e.plain && dispersed ? 3 : 1;
+}
 
 static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
 {
@@ -288,15 +258,12 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
-        int x0, x1;
-        if (!find_span(&q, y, y + 1, &x0, &x1))
-            continue;
         if (q.look)
-            gp_flare_look_row(&q, y, x0, x1, one, to);
+            gp_flare_look_row(&q, y, one, to);
         for (int c = 0; c < 3; c++) {
             if (!q.look)
-                gp_flare_add_row(&q, c, y, x0, x1, 1.0f, row[c]);
-            for (int x = 0; x < x1 - x0; x++)
+                gp_flare_add_row(&q, c, y, 1.0f, row[c]);
+            for (int x = 0; x < gp_rect_w(whole); x++)
                 sum[c] += (double) row[c][x];
         }
     }
@@ -363,46 +330,32 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
 
 /* Adds a quad for channels [first, end), unless it is dark. */
 static void add_quad(struct quads *quads, const struct pair *p,
-    const struct gp_flare_look *look, int light, int first, int end)
+                     const struct gp_flare_look *look, int first, int end)
 {
     const double angle = p->e.rotation * M_PI / 180.0;
+    const float visible = (float) p->light->visibility;
     struct gp_flare_quad q = {
-        .plain = p->e.plain && p->level, .look = look, .light = light,
+        .plain = p->e.plain && p->level, .look = look,
         .turn = {(float) cos(angle), (float) sin(angle)},
         .image = p->level ? &p->level->image : NULL,
     };
     place_of(&p->e, p->light, p->display, &q.x, &q.y);
-    place_quad(&q, gp_rect_meet(p->whole, p->frame));
+    place_quad(&q, p->rect);
     if (q.plain)
         memcpy(q.amount, p->light->flux, sizeof q.amount);
     else if (look)
         fit_look(p, &q);
     else
         fit_image(p, first, end, &q);
+    for (int c = 0; c < 3; c++)
+        q.amount[c] *= visible;
     if (q.amount[0] != 0.0f || q.amount[1] != 0.0f || q.amount[2] != 0.0f)
         quads->at[quads->n++] = q;
 }
 
-/* Counts the quads of element k for a light; none for a hidden one. */
-static int quads_of(const struct gp_flare *f, int k, const struct gp_light *l,
-                    struct gp_rect frame, struct gp_rect display)
-{
-    const struct gp_flare_element e = dress(f, k, l, display);
-    const bool dark = l->flux[0] <= 0.0f && l->flux[1] <= 0.0f &&
-                      l->flux[2] <= 0.0f;
-    if (dark || e.source != GP_FLARE_LIGHTS ||
-        !(l->visibility > 0.0) ||
-        (e.only && fnmatch(e.only, l->name, 0) != 0) ||
-        gp_rect_empty(gp_flare_reach(&e, l, frame, display)))
-        return 0;
-    const bool dispersed = e.scale[0] != e.scale[1] || e.scale[1] != e.scale[2];
-    return is_image(&e) && !e.plain && dispersed ? 3 : 1;
-}
-
 /* Finds the look of a pair among those of its element, or makes it. */
 static gp_status find_look(const struct gp_log *log, const struct pair *p,
-    int element, struct quads *quads,
-    const struct gp_flare_look **out)
+    int element, struct quads *quads, const struct gp_flare_look **out)
 {
     int *const last = &quads->last[element]; // from 1
     struct gp_flare_look *const look = quads->look;
@@ -416,30 +369,14 @@ static gp_status find_look(const struct gp_log *log, const struct pair *p,
     return st;
 }
 
-/* Makes quads of all elements that are not empty, of lights whose visibility is
- * over 0. *out is zero before; free_quads() frees it, after a failure too. */
-static gp_status make_quads(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n,
-    struct gp_rect frame, struct gp_rect display, struct quads *out)
+/* Makes levels of images at the sizes that they are drawn in. */
+static gp_status make_levels(const struct gp_log *log, const struct gp_flare *f,
+                             struct gp_rect display, struct quads *out)
 {
-    size_t most = 0;
     gp_status st;
-    for (int l = 0; l < n; l++) {
-        for (int k = 0; k < f->n; k++)
-            most += (size_t) quads_of(f, k, &light[l], frame, display);
-    }
-    if (most == 0)
-        return GP_OK;
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
-                    &out->at));
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->look,
-                    &out->look));
-    GP_TRY(gp_alloc_zero(log, "flare elements", (size_t) f->n,
-                         sizeof *out->last, &out->last));
     GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
                          sizeof *out->level, &out->level));
     out->elements = f->n;
-    // images at the sizes that they are drawn in
     for (int k = 0; k < f->n; k++) {
         const struct gp_flare_element *const e = &f->element[k];
         if (e->image.w < 1 || e->image.h < 1)
@@ -452,22 +389,40 @@ static gp_status make_quads(const struct gp_log *log,
                                             least_scale(e), 1.0),
                                        &out->level[k]));
     }
-    for (int l = 0; l < n; l++) {
-        for (int k = 0; k < f->n; k++) {
-            const int quads = quads_of(f, k, &light[l], frame, display);
-            struct pair p = {
-                .e = dress(f, k, &light[l], display), .light = &light[l],
-                .level = f->element[k].image.w ? &out->level[k] : NULL,
-                .frame = frame, .display = display,
-            };
-            const struct gp_flare_look *look = NULL;
-            p.whole = whole_reach(&p.e, &light[l], display);
-            p.diameter = diameter_of(&p.e, display);
-            if (quads && !is_image(&p.e))
-                GP_TRY(find_look(log, &p, k, out, &look));
-            for (int i = 0; i < quads; i++)
-                add_quad(out, &p, look, l, i, quads == 1 ? 3 : i + 1);
-        }
+out:
+    return st;
+}
+
+/* Makes quads of all elements that are not empty, of lights whose visibility is
+ * over 0. *out is zero before; free_quads() frees it, after a failure too. */
+static gp_status make_quads(const struct gp_log *log,
+    const struct gp_flare *f, const struct gp_light *light, int n,
+    struct gp_rect frame, struct gp_rect display, struct quads *out)
+{
+    struct pair p;
+    size_t most = 0;
+    gp_status st;
+    for (int i = 0; i < n * f->n; i++)
+        most += (size_t) find_pair(f, i % f->n, &light[i / f->n], frame,
+                                   display, &p);
+    if (most == 0)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
+                    &out->at));
+    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->look,
+                    &out->look));
+    GP_TRY(gp_alloc_zero(log, "flare elements", (size_t) f->n,
+                         sizeof *out->last, &out->last));
+    GP_TRY(make_levels(log, f, display, out));
+    for (int i = 0; i < n * f->n; i++) {
+        const int k = i % f->n;
+        const int quads = find_pair(f, k, &light[i / f->n], frame, display, &p);
+        const struct gp_flare_look *look = NULL;
+        p.level = f->element[k].image.w ? &out->level[k] : NULL;
+        if (quads && !is_image(&p.e))
+            GP_TRY(find_look(log, &p, k, out, &look));
+        for (int c = 0; c < quads; c++)
+            add_quad(out, &p, look, c, quads == 1 ? 3 : c + 1);
     }
 out:
     return st;
@@ -493,7 +448,6 @@ enum { ROWS = 16 }; // of a task
 
 struct adding {
     const struct quads *quads;
-    const struct gp_light *light;
     struct gp_rect frame;
     struct gp_planes *layer;
 };
@@ -503,29 +457,20 @@ static void add_rows(void *ctx, int i, int thread)
     const struct adding *const a = ctx;
     const struct gp_rect f = a->frame;
     const int y0 = f.y0 + i * ROWS;
-    const int y1 = f.y1 - y0 < ROWS ? f.y1 : y0 + ROWS;
     (void) thread;
     for (int k = 0; k < a->quads->n; k++) {
         const struct gp_flare_quad *const q = &a->quads->at[k];
-        const float visible = (float) a->light[q->light].visibility;
-        float amount[3];
-        int x0, x1;
-        if (q->rect.y0 >= y1 || q->rect.y1 <= y0)
-            continue;
-        for (int c = 0; c < 3; c++)
-            amount[c] = q->amount[c] * visible;
-        for (int y = y0; y < y1; y++) {
-            if (!find_span(q, y, y + 1, &x0, &x1))
-                continue;
+        const int end = gp_min(y0 + ROWS, q->rect.y1);
+        for (int y = gp_max(y0, q->rect.y0); y < end; y++) {
             const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
-                              (size_t) (x0 - f.x0);
+                              (size_t) (q->rect.x0 - f.x0);
             float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
                                   a->layer->c[2] + at};
             if (q->look)
-                gp_flare_look_row(q, y, x0, x1, amount, to);
+                gp_flare_look_row(q, y, q->amount, to);
             for (int c = 0; c < 3 && !q->look; c++) {
                 if (q->amount[c] != 0.0f)
-                    gp_flare_add_row(q, c, y, x0, x1, amount[c], to[c]);
+                    gp_flare_add_row(q, c, y, q->amount[c], to[c]);
             }
         }
     }
@@ -538,7 +483,7 @@ gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
     struct quads quads = {0};
     gp_status st = make_quads(log, f, light, n, frame, display, &quads);
     if (!st && quads.n > 0) {
-        struct adding a = {&quads, light, frame, layer};
+        struct adding a = {&quads, frame, layer};
         gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
     }
     free_quads(&quads);

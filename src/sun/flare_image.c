@@ -67,23 +67,6 @@ gp_status gp_flare_level_make(const struct gp_log *log,
 
 // -- rows --------------------------------------------------------------------
 
-/* Columns `from`, ... of a row, counted from the rect's corner. */
-struct run {
-    int from, n;
-    float x, y;   // pixel's place: x + column, y
-    float amount;
-    float *out;
-};
-
-static struct run cut(const struct run *r, int first, int end)
-{
-    struct run clipped = *r;
-    clipped.from += first;
-    clipped.n = end - first;
-    clipped.out += first;
-    return clipped;
-}
-
 static float texel(const struct gp_flare_image *m, int c, int x, int y)
 {
     return x < 0 || y < 0 || x >= m->w || y >= m->h
@@ -114,69 +97,59 @@ float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y)
     return blend(upper, lower, v - top);
 }
 
-static void add_image(const struct run *r, const struct gp_flare_quad *q, int c)
+GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
+                               const float fraction[2], float amount,
+                               float *out)
 {
-    const struct gp_flare_image *const m = q->image;
-    const float cosine = q->turn[0] * q->radius;
-    const float sine = q->turn[1] * q->radius;
-    for (int i = 0; i < r->n; i++) {
-        const float x = r->x + (float) (r->from + i);
-        r->out[i] += r->amount *
-            gp_flare_sample(m, c, x * cosine - r->y * sine + q->inner[0],
-                            x * sine + r->y * cosine + q->inner[1]);
-    }
-}
-
-GP_CLONES static void add_taps(const struct run *r, const float *upper,
-                               const float *lower, float s, float t)
-{
-    float *const out = r->out;
-    const float amount = r->amount;
-    for (int i = 0; i < r->n; i++) {
+    const float s = fraction[0], t = fraction[1];
+    for (int i = 0; i < n; i++) {
         const float a = upper[i] * (1.0f - s) + upper[i + 1] * s;
         const float b = lower[i] * (1.0f - s) + lower[i + 1] * s;
         out[i] += amount * (a * (1.0f - t) + b * t);
     }
 }
 
-/* At its own pixels: all of a run have the same weights. */
-static void add_plain(const struct run *r, const struct gp_flare_quad *q,
-                      int c, int row)
+/* At its own pixels, n of texel row ty: all have the same weights. */
+static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
+                      float amount, float *out)
 {
     const struct gp_flare_image *const m = q->image;
-    const float s = q->fraction[0], t = q->fraction[1];
-    const int ty = q->corner[1] + row;
-    const int tx = q->corner[0] + r->from; // texel of weight 1 - s
+    const int tx = q->corner[0];
     const bool inside = ty >= 0 && ty + 1 < m->h;
-    const int first = tx < 0 ? -tx : 0;
-    const int end = m->w - 1 - tx < r->n ? m->w - 1 - tx : r->n;
-    for (int i = 0; i < r->n; i++) {
-        if (inside && i >= first && i < end) {
-            const struct run clipped = cut(r, i, end);
-            const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
-                (size_t) (tx + i);
-            add_taps(&clipped, at, at + m->w, s, t);
-            i = end - 1;
+    // columns whose four texels are there
+    const int first = inside ? gp_clamp(-tx, 0, n) : n;
+    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
+    if (first < end) {
+        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
+                                (size_t) (tx + first);
+        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
+    }
+    for (int i = 0; i < n; i++) {
+        if (i >= first && i < end)
             continue;
-        }
         const float a = blend(texel(m, c, tx + i, ty),
-                              texel(m, c, tx + i + 1, ty), s);
+                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
         const float b = blend(texel(m, c, tx + i, ty + 1),
-                              texel(m, c, tx + i + 1, ty + 1), s);
-        r->out[i] += r->amount * blend(a, b, t);
+                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
+        out[i] += amount * blend(a, b, q->fraction[1]);
     }
 }
 
-void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
-                      int x1, float amount, float *out)
+void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, float amount,
+                      float *out)
 {
-    const int row = y - q->rect.y0;
-    const struct run r = {
-        .from = x0 - q->rect.x0, .n = x1 - x0, .x = q->base[0],
-        .y = q->base[1] + (float) row, .amount = amount, .out = out,
-    };
-    if (q->plain)
-        add_plain(&r, q, c, row);
-    else
-        add_image(&r, q, c);
+    const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
+    if (q->plain) {
+        add_plain(q, c, q->corner[1] + row, n, amount, out);
+        return;
+    }
+    const float cosine = q->turn[0] * q->radius;
+    const float sine = q->turn[1] * q->radius;
+    const float py = q->base[1] + (float) row;
+    for (int i = 0; i < n; i++) {
+        const float px = q->base[0] + (float) i;
+        out[i] += amount *
+            gp_flare_sample(q->image, c, px * cosine - py * sine + q->inner[0],
+                            px * sine + py * cosine + q->inner[1]);
+    }
 }

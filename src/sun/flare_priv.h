@@ -49,9 +49,6 @@ void gp_flare_look_free(struct gp_flare_look *l);
 /* Pixels from the place, in any direction, beyond which the element is 0. */
 double gp_flare_look_reach(const struct gp_flare_element *e, double diameter);
 
-/* Pixels from the middle of ray i across it, beyond which it is 0. */
-double gp_flare_ray_width(const struct gp_flare_look *l, int i);
-
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
 /* Distance in [0, 1] that by_place measures, of a light at (x, y). */
@@ -78,7 +75,6 @@ GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
 /* The quad of one element of one light. */
 struct gp_flare_quad {
     bool plain;
-    int light;
     const struct gp_flare_look *look; // NULL: an image
     struct gp_rect rect;  // pixels of the frame that it may reach; not empty
     double x, y;          // place, EXR pixel space
@@ -90,7 +86,7 @@ struct gp_flare_quad {
     float fraction[2];    // weight is 1 - fraction, and the next one's it
     float cut[2];         // radii by which the pupil's rim is moved
     float dirt[4];        // texels a pixel, and the place in texels
-    float amount[3];      // light where the value or sample is 1, when clear
+    float amount[3];      // light where the value or sample is 1
     const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
@@ -99,14 +95,12 @@ struct gp_flare_quad {
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
 
-/* Adds amount * sample of an image's channel c in row y to out[0] = column x0,
- * and on to x1; both inside the quad's rect. */
-void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
-                      int x1, float amount, float *out);
+/* Adds amount * sample of an image's channel c in row y of the quad's rect. */
+void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, float amount,
+                      float *out);
 
-/* Adds amount * value of all channels in row y to out[c][0] = column x0, and on
- * to x1; both inside the quad's rect. The quad has a look. */
-void gp_flare_look_row(const struct gp_flare_quad *q, int y, int x0, int x1,
+/* The same of a look, amount * value of all channels. */
+void gp_flare_look_row(const struct gp_flare_quad *q, int y,
                        const float amount[3], float *const out[3]);
 
 /* Bilinear sample at a place in texels; 0 outside. */

@@ -6,11 +6,10 @@
 #include "core/memory.h"
 #include "sun/flare_priv.h"
 
-#include <dirent.h>
+#include <glob.h>
 #include <limits.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_ELEMENTS = 1024, MOST_RAYS = 512 };
@@ -27,49 +26,70 @@ enum {
     LISTED = 1 << 30, // of lights only
 };
 
+/* A number's range, and its place in an element; 0: no number. */
+#define TO(field) offsetof(struct gp_flare_element, field)
 static const struct key {
     const char *name;
     unsigned of;
+    double lo, hi;
+    size_t to;
 } keys[] = {
-    {"shape", ANY},         {"source", ANY},
-    {"position", ANY},      {"size", ANY},
-    {"color", ANY},         {"rotation", ANY},
-    {"scale", ANY},         {"flicker", ANY},
-    {"seed", ANY},          {"by_place", ANY},
-    {"profile", FORMED},    {"softness", FORMED},
-    {"rim", FORMED},        {"dispersion", FORMED},
-    {"aspect", FORMED},     {"width", RAYS | BIT(RING)},
-    {"completion", BIT(RING)},
-    {"feather", BIT(RING)}, {"sides", BIT(POLYGON)},
-    {"round", BIT(POLYGON)},
-    {"falloff", BIT(GLOW) | BIT(DIRT)},
-    {"random", RAYS},       {"image", BIT(IMAGE) | BIT(DIRT)},
-    {"count", ANY & ~BIT(DIRT)},
-    {"spread", ANY & ~(BIT(DIRT) | BIT(SPIKES))},
-    {"turn", ANY | LISTED}, {"offset", ANY | LISTED},
-    {"cut", FORMED | LISTED},
-    {"shrink", ANY | LISTED},
-    {"only", ANY | LISTED}, {NULL, 0},
+    {"shape", ANY, 0, 0, 0},
+    {"source", ANY, 0, 0, 0},
+    {"position", ANY, -10, 10, TO(at)},
+    {"size", ANY, 0, 10, TO(size)},
+    {"color", ANY, 0, 0, 0},
+    {"rotation", ANY, -36000, 36000, TO(rotation)},
+    {"scale", ANY, 0, 0, 0},
+    {"flicker", ANY, 0, 1, TO(flicker)},
+    {"seed", ANY, 0, 0, 0},
+    {"by_place", ANY, 0, 0, 0},
+    {"profile", FORMED, 0, 0, 0},
+    {"softness", FORMED, 0, 1, TO(softness)},
+    {"rim", FORMED, 0, 100, TO(rim)},
+    {"dispersion", FORMED, -1, 1, TO(dispersion)},
+    {"aspect", FORMED, 0.05, 20, TO(aspect)},
+    {"width", RAYS | BIT(RING), 1e-6, 1, TO(width)},
+    {"completion", BIT(RING), 0.001, 1, TO(completion)},
+    {"feather", BIT(RING), 0, 1, TO(feather)},
+    {"sides", BIT(POLYGON), 0, 0, 0},
+    {"round", BIT(POLYGON), 0, 1, TO(round)},
+    {"falloff", BIT(GLOW) | BIT(DIRT), 0.1, 100, TO(falloff)},
+    {"random", RAYS, 0, 1, TO(random)},
+    {"image", BIT(IMAGE) | BIT(DIRT), 0, 0, 0},
+    {"count", ANY & ~BIT(DIRT), 0, 0, 0},
+    {"spread", BIT(STREAK), 0, 360, TO(spread)},
+    {"spread", ANY & ~(BIT(DIRT) | RAYS), 0, 10, TO(spread)},
+    {"turn", ANY | LISTED, 0, 0, 0},
+    {"offset", ANY | LISTED, -10, 10, TO(offset)},
+    {"cut", FORMED | LISTED, 0, 1, TO(cut)},
+    {"shrink", ANY | LISTED, 0, 1, TO(shrink)},
+    {"only", ANY | LISTED, 0, 0, 0},
 };
-
 enum { KEYS = sizeof keys / sizeof *keys };
 
-/* Refuses keys that the element has no use for. */
-static gp_status check_keys(const struct gp_json_place *p, json_t *o,
-                            const struct gp_flare_element *e)
+/* Refuses keys that the element has no use for, and reads its numbers. */
+static gp_status read_keys(const struct gp_json_place *p, json_t *o,
+                           struct gp_flare_element *e)
 {
-    const char *of_shape[KEYS], *allowed[KEYS];
-    int n = 0, m = 0;
-    for (const struct key *k = keys; k->name; k++) {
-        if (!(k->of & 1u << e->shape))
-            continue;
-        of_shape[n++] = k->name;
-        if (e->source == GP_FLARE_LIGHTS || !(k->of & LISTED))
-            allowed[m++] = k->name;
+    const char *allowed[KEYS + 1];
+    gp_status st = GP_OK;
+    int n = 0;
+    for (int i = 0; i < KEYS; i++) {
+        const bool listed = e->source == GP_FLARE_LIGHTS ||
+                            !(keys[i].of & LISTED);
+        if (keys[i].of & 1u << e->shape && listed)
+            allowed[n++] = keys[i].name;
     }
-    of_shape[n] = allowed[m] = NULL;
-    gp_status st = gp_json_keys(p, o, of_shape);
-    return st ? st : gp_json_keys(p, o, allowed);
+    allowed[n] = NULL;
+    GP_TRY(gp_json_keys(p, o, allowed));
+    for (int i = 0; i < KEYS; i++) {
+        if (keys[i].of & 1u << e->shape && keys[i].to)
+            GP_TRY(gp_json_number(p, o, keys[i].name, keys[i].lo, keys[i].hi,
+                                  (double *) ((char *) e + keys[i].to), NULL));
+    }
+out:
+    return st;
 }
 
 // -- values ------------------------------------------------------------------
@@ -123,45 +143,39 @@ static gp_status read_profile(const struct gp_json_place *p, json_t *o,
 static gp_status read_by_place(const struct gp_json_place *p, json_t *o,
                                struct gp_flare_element *e)
 {
-    static const char *const of_lights[] = {"from", "size", "brightness",
-                                            "color", NULL};
-    static const char *const of_bright[] = {"from", "brightness", "color",
-                                            NULL};
+    static const char *const names[] = {"from", "brightness", "color", NULL};
+    static const char *const sized[] = {"from", "size", "brightness", "color",
+                                        NULL};
     static const char *const from[] = {"centre", "edge", NULL};
     struct gp_flare_by_place *const b = &e->by_place;
     json_t *const own = json_object_get(o, "by_place");
+    json_t *const colours = json_object_get(own, "color");
     double bright[2] = {1.0, 1.0};
     int edge = 0;
     gp_status st = GP_OK;
-    *b = (struct gp_flare_by_place) {.size = {1.0, 1.0}};
-    if (own) {
-        json_t *const colours = json_object_get(own, "color");
-        b->given = true;
-        GP_TRY(gp_json_keys(p, own, e->source == GP_FLARE_BRIGHT ? of_bright
-                                                                 : of_lights));
-        GP_TRY(gp_json_choice(p, own, "from", from, &edge, NULL));
-        GP_TRY(gp_json_numbers(p, own, "size", 2, 0.0, 100.0, b->size,
-                               NULL));
-        GP_TRY(gp_json_numbers(p, own, "brightness", 2, 0.0, 1e3, bright,
-                               NULL));
-        if (colours && json_array_size(colours) != 2)
-            GP_TRY(gp_json_fail(p, "\"color\" of \"by_place\" is not two "
-                                "colours; give [[r, g, b], [r, g, b]]"));
-        for (int i = 0; i < 2; i++) {
-            float rgb[3] = {1.0f, 1.0f, 1.0f};
-            if (colours) { // one of the two, under the key's name
-                json_t *const one = json_object();
-                json_object_set(one, "color", json_array_get(colours,
-                                                             (size_t) i));
-                st = read_floats(p, one, "color", true, 0.0, 1e3, rgb);
-                json_decref(one);
-                GP_TRY(st);
-            }
-            for (int c = 0; c < 3; c++)
-                b->colour[i][c] = (double) rgb[c] * bright[i];
+    *b = (struct gp_flare_by_place) {.given = own, .size = {1.0, 1.0}};
+    if (!own)
+        return GP_OK;
+    GP_TRY(gp_json_keys(p, own, e->source == GP_FLARE_BRIGHT ? names : sized));
+    GP_TRY(gp_json_choice(p, own, "from", from, &edge, NULL));
+    GP_TRY(gp_json_numbers(p, own, "size", 2, 0.0, 100.0, b->size, NULL));
+    GP_TRY(gp_json_numbers(p, own, "brightness", 2, 0.0, 1e3, bright, NULL));
+    if (colours && json_array_size(colours) != 2)
+        GP_TRY(gp_json_fail(p, "\"color\" of \"by_place\" is not two colours; "
+                            "give [[r, g, b], [r, g, b]]"));
+    for (int i = 0; i < 2; i++) {
+        float rgb[3] = {1.0f, 1.0f, 1.0f};
+        if (colours) { // one of the two, under the key's name
+            json_t *const one = json_object();
+            json_object_set(one, "color", json_array_get(colours, (size_t) i));
+            st = read_floats(p, one, "color", true, 0.0, 1e3, rgb);
+            json_decref(one);
+            GP_TRY(st);
         }
-        b->edge = edge == 1;
+        for (int c = 0; c < 3; c++)
+            b->colour[i][c] = (double) rgb[c] * bright[i];
     }
+    b->edge = edge == 1;
 out:
     return st;
 }
@@ -196,16 +210,14 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
                                          "image", "glow", "spikes", "caustic",
                                          "dirt", NULL};
     static const char *const turns[] = {"fixed", "axis", NULL};
-    const char *names[KEYS], *only = NULL;
+    const char *only = NULL;
     int shape = 0, turn = 0;
     bool found = false;
-    gp_status st;
+    gp_status st = GP_OK;
     *e = (struct gp_flare_element) GP_FLARE_DEFAULTS;
     e->source = source;
-    for (int i = 0; i < KEYS; i++)
-        names[i] = keys[i].name;
-    GP_TRY(gp_json_keys(p, o, names));
-    GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
+    if (json_is_object(o))
+        GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
     if (!found)
         GP_TRY(gp_json_fail(p, "no shape; add \"shape\": disc, ring, polygon, "
                             "streak, image, glow, spikes, caustic or dirt"));
@@ -217,33 +229,7 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     if (e->shape == GP_FLARE_DIRT && e->source == GP_FLARE_BRIGHT)
         GP_TRY(gp_json_fail(p, "dirt is lit by lights (found \"source\": "
                             "\"bright\"); use \"lights\""));
-    GP_TRY(check_keys(p, o, e));
-    const struct {
-        const char *key;
-        double lo, hi, *out;
-    } numbers[] = {
-        {"position", -10.0, 10.0, &e->at},
-        {"size", 0.0, 10.0, &e->size},
-        {"rotation", -36000.0, 36000.0, &e->rotation},
-        {"width", 1e-6, 1.0, &e->width},
-        {"softness", 0.0, 1.0, &e->softness},
-        {"rim", 0.0, 100.0, &e->rim},
-        {"dispersion", -1.0, 1.0, &e->dispersion},
-        {"aspect", 0.05, 20.0, &e->aspect},
-        {"completion", 0.001, 1.0, &e->completion},
-        {"feather", 0.0, 1.0, &e->feather},
-        {"round", 0.0, 1.0, &e->round},
-        {"falloff", 0.1, 100.0, &e->falloff},
-        {"random", 0.0, 1.0, &e->random},
-        {"spread", 0.0, rays ? 360.0 : 10.0, &e->spread},
-        {"offset", -10.0, 10.0, &e->offset},
-        {"cut", 0.0, 1.0, &e->cut},
-        {"shrink", 0.0, 1.0, &e->shrink},
-        {"flicker", 0.0, 1.0, &e->flicker},
-    };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        GP_TRY(gp_json_number(p, o, numbers[i].key, numbers[i].lo,
-                              numbers[i].hi, numbers[i].out, NULL));
+    GP_TRY(read_keys(p, o, e));
     GP_TRY(gp_json_int(p, o, "sides", 3, GP_FLARE_SIDES, &e->sides, NULL));
     GP_TRY(gp_json_int(p, o, "count", 1, rays ? MOST_RAYS : MOST_ELEMENTS,
                        &e->count, NULL));
@@ -263,90 +249,60 @@ out:
     return st;
 }
 
-/* Appends e, or its copies, and takes it. */
-static gp_status add_element(const struct gp_json_place *p,
-                             struct gp_flare_element *e, struct gp_flare *f)
+/* Makes copies of the last element. Each is of half to all of the size, and has
+ * its share of the light. */
+static gp_status copy_element(const struct gp_json_place *p, struct gp_flare *f)
 {
-    const int copies = RAYS >> e->shape & 1u ? 1 : e->count;
-    void *block = f->element;
-    gp_status st = GP_OK;
-    if (f->n + copies > MOST_ELEMENTS)
-        GP_TRY(gp_json_fail(p, "too many elements, with copies (found %d); "
-                            "give at most %d", f->n + copies, MOST_ELEMENTS));
-    GP_TRY(gp_resize(p->log, "flare elements", (size_t) (f->n + copies) *
-                     sizeof *f->element, &block));
-    f->element = block;
+    const struct gp_flare_element e = f->element[f->n - 1];
+    const int copies = RAYS >> e.shape & 1u ? 1 : e.count;
     double weights = 0.0; // of the light, in 0.5 to 1.5 each
+    if (f->n - 1 + copies > MOST_ELEMENTS)
+        return gp_json_fail(p, "too many elements, with copies (found %d); "
+                            "give at most %d", f->n - 1 + copies,
+                            MOST_ELEMENTS);
     for (int i = 0; i < copies; i++)
-        weights += 0.5 + gp_flare_random(e->seed, 3 * i + 2);
-    for (int i = 0; i < copies; i++) {
-        struct gp_flare_element *const to = &f->element[f->n];
-        *to = *e;
-        to->only = e->only ? gp_strdup(e->only) : NULL;
-        to->path = e->path ? gp_strdup(e->path) : NULL;
-        f->n++;
-        if ((e->only && !to->only) || (e->path && !to->path))
-            GP_TRY(gp_no_memory(p->log, p->path));
-        if (copies == 1)
-            break;
-        // each is of half to all of the size, and has its share of the light
-        to->at += e->spread * (2.0 * gp_flare_random(e->seed, 3 * i) - 1.0);
-        to->size *= 0.5 + 0.5 * gp_flare_random(e->seed, 3 * i + 1);
+        weights += 0.5 + gp_flare_random(e.seed, 3 * i + 2);
+    for (int i = 0; i < copies && copies > 1; i++) {
+        struct gp_flare_element *const to = &f->element[f->n - 1 + (i > 0)];
+        if (i > 0) {
+            *to = e;
+            to->only = e.only ? gp_strdup(e.only) : NULL;
+            to->path = e.path ? gp_strdup(e.path) : NULL;
+            f->n++;
+        }
+        if ((e.only && !to->only) || (e.path && !to->path))
+            return gp_no_memory(p->log, p->path);
+        to->at += e.spread * (2.0 * gp_flare_random(e.seed, 3 * i) - 1.0);
+        to->size *= 0.5 + 0.5 * gp_flare_random(e.seed, 3 * i + 1);
         const double share =
-            (0.5 + gp_flare_random(e->seed, 3 * i + 2)) / weights;
+            (0.5 + gp_flare_random(e.seed, 3 * i + 2)) / weights;
         for (int c = 0; c < 3; c++)
-            to->colour[c] = (float) ((double) e->colour[c] * share);
+            to->colour[c] = (float) ((double) e.colour[c] * share);
     }
-out:
-    gp_free(e->only);
-    gp_free(e->path);
-    *e = (struct gp_flare_element) {0};
-    return st;
-}
-
-// -- presets -----------------------------------------------------------------
-
-static int is_preset(const struct dirent *d)
-{
-    const char *const end = strrchr(d->d_name, '.');
-    return d->d_name[0] != '.' && end && strcmp(end, ".json") == 0;
-}
-
-/* Writes the names of the installed flares, in order and with `between` after each
- * but the last; a list of more than `size` bytes is cut off. */
-static gp_status list_presets(const struct gp_log *log, const char *name,
-                           const char *between, char *list, size_t size)
-{
-    char folder[PATH_MAX];
-    struct dirent **entry = NULL;
-    int n = 0;
-    size_t used = 0;
-    if (gp_example_find("flares", folder, sizeof folder))
-        n = scandir(folder, &entry, is_preset, alphasort);
-    if (n <= 0)
-        return gp_fail(log, GP_ERR_IO, "preset:%s: no flares beside the "
-                       "program; install it whole, or name their folder's "
-                       "parent in GLAREPP_EXAMPLES", name);
-    for (int i = 0; i < n; i++) {
-        const char *const word = entry[i]->d_name;
-        const int bytes = (int) (strrchr(word, '.') - word);
-        const int more = snprintf(list + used, size - used, "%s%.*s",
-                                  i ? between : "", bytes, word);
-        used = used + (size_t) more < size ? used + (size_t) more : size - 1;
-        free(entry[i]);
-    }
-    free(entry);
     return GP_OK;
 }
+
+// -- files -------------------------------------------------------------------
 
 /* Refuses a preset that is not installed, and lists those that are. */
 static gp_status refuse_preset(const struct gp_log *log, const char *name)
 {
-    char list[512] = "";
-    const gp_status st = list_presets(log, name, ", ", list, sizeof list);
-    return st ? st
-              : gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
-                        "this name; use one of %s, or give a file", name, list);
+    char pattern[PATH_MAX], list[512] = "";
+    glob_t found = {0};
+    size_t used = 0;
+    if (gp_example_find("flares", pattern, sizeof pattern - 8))
+        (void) glob(strcat(pattern, "/*.json"), 0, NULL, &found);
+    for (size_t i = 0; i < found.gl_pathc && used < sizeof list; i++) {
+        const char *const word = strrchr(found.gl_pathv[i], '/') + 1;
+        used += (size_t) snprintf(list + used, sizeof list - used, "%s%.*s",
+                                  i ? ", " : "", (int) strlen(word) - 5, word);
+    }
+    globfree(&found);
+    return used ? gp_fail(log, GP_ERR_USAGE, "preset:%s: no installed flare has "
+                          "this name; use one of %s, or give a file", name, list)
+                : gp_fail(log, GP_ERR_IO, "preset:%s: no flares beside the "
+                          "program; install it whole, or name their folder's "
+                          "parent in GLAREPP_EXAMPLES", name);
 }
 
 /* Finds the file of "preset:NAME"; others are files themselves. */
@@ -378,7 +334,6 @@ gp_status gp_flare_read(const struct gp_log *log, const char *word,
         return st;
     struct gp_json_place place = {log, path, "element", 0};
     enum gp_flare_source source = GP_FLARE_LIGHTS;
-    struct gp_flare_element e = {0};
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
@@ -390,17 +345,18 @@ gp_status gp_flare_read(const struct gp_log *log, const char *word,
     f.path = gp_strdup(path);
     if (!f.path)
         GP_TRY(gp_no_memory(log, path));
+    GP_TRY(gp_alloc_zero(log, "flare elements", MOST_ELEMENTS + 1,
+                         sizeof *f.element, &f.element));
     const int n = (int) json_array_size(array);
     for (place.index = 1; place.index <= n; place.index++) {
-        json_t *const o = json_array_get(array, (size_t) place.index - 1);
-        GP_TRY(read_element(&place, o, source, &e));
-        GP_TRY(add_element(&place, &e, &f));
+        GP_TRY(read_element(&place,
+                            json_array_get(array, (size_t) place.index - 1),
+                            source, &f.element[f.n++]));
+        GP_TRY(copy_element(&place, &f));
     }
     *out = f;
     f = (struct gp_flare) {0};
 out:
-    gp_free(e.only);
-    gp_free(e.path);
     json_decref(root);
     gp_flare_free(&f);
     return st;

@@ -3,91 +3,71 @@
 #include "sun/stage.h"
 
 #include "core/memory.h"
-#include "sun/sun_priv.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The sun of --sun or --sun-dir. */
-static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
-{
-    if (p->sun)
-        return *p->sun;
-    const struct gp_light usual = GP_LIGHT_DEFAULTS;
-    const struct gp_numbers *const color = &p->color;
-    struct gp_light_spec spec = {
-        .place = p->at.n ? GP_PLACE_PIXEL : GP_PLACE_DIRECTION,
-        .radius = p->at.n == 3 ? fabs(p->at.v[2])
-                  : p->at.n ? usual.radius : -1.0,
-        .degrees = (double) p->size, .depth = NAN, .bias = usual.bias,
-        .name = "sun",
-    };
-    memcpy(spec.at, p->at.n ? p->at.v : p->dir.v, sizeof spec.at);
-    for (int c = 0; c < 3; c++)
-        spec.flux[c] =
-            color->n ? (float) color->v[color->n == 3 ? c : 0] : 0.0f;
-    return spec;
-}
 
 static bool has_flux(const struct gp_light_spec *s)
 {
     return s->flux[0] > 0.0f || s->flux[1] > 0.0f || s->flux[2] > 0.0f;
 }
 
+/* Reads the image of an element, which becomes light: no NaN, no negative
+ * values. */
+static gp_status read_image(const struct gp_log *log, gp_sun_picture picture,
+                            void *user, struct gp_flare_element *e)
+{
+    struct gp_image image = {0};
+    const gp_status st = picture(user, log, e->path, &image);
+    if (st)
+        return st;
+    const int w = gp_image_w(&image), h = gp_image_h(&image);
+    for (int c = 0; c < 3; c++) {
+        float *const v = image.rgb.c[c];
+        for (size_t i = 0; i < gp_image_pixels(&image); i++)
+            v[i] = v[i] > 0.0f && v[i] <= 1e30f ? v[i] : 0.0f;
+    }
+    e->image = (struct gp_flare_image) {
+        .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
+    };
+    image.rgb = (struct gp_planes) {0};
+    gp_image_free(&image);
+    return GP_OK;
+}
+
 gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
-    enum gp_gl_api api, const struct gp_sun_reader *reader, struct gp_suns *out)
+    enum gp_gl_api api, gp_sun_picture picture, void *user, struct gp_suns *out)
 {
     struct gp_light_spec *lamps = NULL;
-    struct gp_image image = {0};
     int n = 0;
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
     if (p->lights)
         GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
-    const int sun = p->sun ? p->specs : p->at.n || p->dir.n;
-    GP_TRY(gp_alloc(log, "lights", (size_t) (sun + n) + 1, sizeof *out->spec,
-                    &out->spec));
-    if (p->sun && sun)
-        memcpy(out->spec, p->spec, (size_t) sun * sizeof *p->spec);
-    else if (sun)
-        out->spec[0] = sun_spec(p);
+    GP_TRY(gp_alloc(log, "lights", (size_t) (p->specs + n) + 1,
+                    sizeof *out->spec, &out->spec));
+    if (p->specs)
+        memcpy(out->spec, p->spec, (size_t) p->specs * sizeof *p->spec);
     if (n)
-        memcpy(out->spec + sun, lamps, (size_t) n * sizeof *lamps);
-    out->specs = sun + n;
+        memcpy(out->spec + p->specs, lamps, (size_t) n * sizeof *lamps);
+    out->specs = p->specs + n;
     if (p->camera)
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-    bool lit = p->color.n || p->lights || p->more_flux;
-    for (int i = 0; p->sun && i < sun; i++)
+    bool lit = p->lights || p->more_flux || (p->camera && has_flux(p->sun));
+    for (int i = 0; i < p->specs; i++)
         lit |= has_flux(&p->spec[i]);
-    if (p->sun)
-        lit |= p->camera && has_flux(p->sun);
     if (gp_flare_has(&out->flare, GP_FLARE_LIGHTS) && !lit)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE,
-                          p->specs || p->camera || p->lights ? "lights.sun" : "lights.flare",
+                          p->specs || p->camera ? "lights.sun" : "lights.flare",
                           "%s: has elements of lights, and there is no light "
                           "with flux; write \"source\": \"bright\" in it",
                           p->flare));
-    // images of flare elements become light: no NaN, no negative values
     for (int k = 0; k < out->flare.n; k++) {
-        struct gp_flare_element *const e = &out->flare.element[k];
-        if (!e->path)
-            continue;
-        GP_TRY(reader->picture(reader->user, log, e->path, &image));
-        const int w = gp_image_w(&image), h = gp_image_h(&image);
-        const size_t pixels = gp_image_pixels(&image);
-        for (int c = 0; c < 3; c++) {
-            float *const v = image.rgb.c[c];
-            for (size_t i = 0; i < pixels; i++)
-                v[i] = v[i] > 0.0f && v[i] <= 1e30f ? v[i] : 0.0f;
-        }
-        e->image = (struct gp_flare_image) {
-            .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
-        };
-        image.rgb = (struct gp_planes) {0};
-        gp_image_free(&image);
+        if (out->flare.element[k].path)
+            GP_TRY(read_image(log, picture, user, &out->flare.element[k]));
     }
 out:
     gp_free(lamps);
@@ -96,27 +76,11 @@ out:
 
 // -- places of the lights ----------------------------------------------------
 
-double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
-                   const struct gp_image *f)
-{
-    const struct gp_camera_frame *const entry = gp_camera_frame_find(
-        &suns->cameras, about->numbered ? about->number : -1);
-    struct gp_camera camera;
-    if (entry)
-        return gp_camera_fov(&entry->camera);
-    // a matrix that is wrong is said where a light needs it
-    if (!about->has_ndc ||
-        gp_camera_make(NULL, f->path, NULL, about->to_ndc,
-                       suns->p->ndc == GP_NDC_AUTO ? about->ndc : suns->p->ndc,
-                       &camera))
-        return suns->more_fov;
-    return gp_camera_fov(&camera);
-}
-
 /* Finds the entry of --camera for a frame; NULL without --camera. */
 static gp_status find_entry(const struct gp_log *log,
                             const struct gp_suns *suns,
                             const struct gp_sun_about *about,
+                            const struct gp_image *f,
                             const struct gp_camera_frame **out)
 {
     const char *const path = suns->p->camera;
@@ -128,12 +92,12 @@ static gp_status find_entry(const struct gp_log *log,
     if (!*out && about->numbered)
         return gp_fail_at(log, GP_ERR_DATA, "lights.cameras.frame",
                           "%s: no camera for frame %d of %s; add it", path,
-                          about->number, about->name);
+                          about->number, f->path);
     if (!*out)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: %s has no frame number to find its camera by; "
                        "add one to its name, or keep one camera in the "
-                       "file", path, about->name);
+                       "file", path, f->path);
     return GP_OK;
 }
 
@@ -144,7 +108,7 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
 {
     const struct gp_camera_frame *entry;
     const enum gp_ndc asked = suns->p->ndc;
-    gp_status st = find_entry(log, suns, about, &entry);
+    gp_status st = find_entry(log, suns, about, f, &entry);
     *found = entry || about->has_ndc;
     if (entry)
         *out = entry->camera;
@@ -156,11 +120,39 @@ gp_status gp_suns_camera(const struct gp_log *log, const struct gp_suns *suns,
     return st;
 }
 
-static gp_status place_lights(const struct gp_log *log,
-                              const struct gp_sun_about *about,
-                              const struct gp_image *f, struct gp_suns *suns)
+double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
+                   const struct gp_image *f)
 {
-    static const struct gp_sun_params usual = GP_SUN_DEFAULTS;
+    struct gp_sun_about own = *about;
+    struct gp_camera camera;
+    bool found;
+    own.has_camera = false;
+    // a matrix that is wrong is said where a light needs it
+    if (gp_suns_camera(NULL, suns, &own, f, &camera, &found) || !found)
+        return suns->more_fov;
+    return gp_camera_fov(&camera);
+}
+
+/* The sun that the camera's file names, of a frame's entry. */
+static struct gp_light_spec sun_of(const struct gp_suns *suns,
+    const struct gp_camera_frame *entry, const struct gp_image *f)
+{
+    struct gp_light_spec spec = *suns->p->sun;
+    memcpy(spec.at, entry->sun_dir, sizeof spec.at);
+    spec.place = GP_PLACE_DIRECTION;
+    spec.radius = -1.0;
+    // pixels of the pictures that the file was written for
+    if (entry->sun_radius > 0.0 && suns->p->size == 0.533f)
+        spec.radius = entry->sun_radius *
+                      (suns->cameras.width > 0.0
+                           ? gp_rect_w(f->display) / suns->cameras.width : 1.0);
+    return spec;
+}
+
+gp_status gp_suns_find(const struct gp_log *log,
+                       const struct gp_sun_about *about,
+                       const struct gp_image *f, struct gp_suns *suns)
+{
     const struct gp_sun_params *const p = suns->p;
     const struct gp_suns_more *const more = &suns->more;
     const int all = suns->specs + more->specs;
@@ -172,16 +164,15 @@ static gp_status place_lights(const struct gp_log *log,
     // a camera that no light needs is not looked at, and may be wrong
     for (int i = 0; i < suns->specs; i++)
         needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
-    GP_TRY(find_entry(log, suns, about, &entry));
+    GP_TRY(find_entry(log, suns, about, f, &entry));
     if (needed)
         GP_TRY(gp_suns_camera(log, suns, about, f, &camera, &found));
     if (needed && !found && more->camera) {
         found = true;
         camera = *more->camera;
     }
-    // the sun of --camera, where the command line names none
-    const bool sun = entry && entry->has_sun &&
-                     !(p->sun ? p->specs : p->at.n || p->dir.n);
+    // where the command line names none
+    const bool sun = entry && entry->has_sun && !p->specs;
     if (all + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: too many lights with the sun (%d); the limit is %d",
@@ -194,20 +185,9 @@ static gp_status place_lights(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "lights", (size_t) (all + sun),
                     sizeof *suns->light, &suns->light));
     for (int i = -(int) sun; i < all; i++) {
-        struct gp_light_spec spec = i < 0             ? sun_spec(p)
-                                    : i < suns->specs ? suns->spec[i]
-                                    : more->spec[i - suns->specs];
-        if (i < 0) {
-            memcpy(spec.at, entry->sun_dir, sizeof spec.at);
-            spec.place = GP_PLACE_DIRECTION;
-            spec.radius = -1.0;
-        }
-        // pixels of the pictures that the file was written for
-        if (i < 0 && entry->sun_radius > 0.0 && p->size == usual.size)
-            spec.radius = entry->sun_radius *
-                          (suns->cameras.width > 0.0
-                               ? gp_rect_w(f->display) / suns->cameras.width
-                               : 1.0);
+        const struct gp_light_spec spec =
+            i < 0             ? sun_of(suns, entry, f)
+            : i < suns->specs ? suns->spec[i] : more->spec[i - suns->specs];
         GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
                                  p->depth_type, f->display,
                                  &suns->light[suns->n]));
@@ -219,18 +199,19 @@ out:
 
 /* Warns of a plane from another file that does not cover the frame: it may be
  * the wrong file. */
-static void warn_of_window(const struct gp_log *log, const char *path,
-    const struct gp_plane *p, const struct gp_image *f, struct gp_suns *suns)
+static void warn_of_window(const struct gp_log *log, const struct gp_plane *p,
+                           const struct gp_image *f, struct gp_suns *suns)
 {
     const struct gp_rect own = gp_image_read(f);
+    if (!p || !p->name || suns->warned_window)
+        return;
     const struct gp_rect common = gp_rect_meet(p->window, own);
-    if (!path || !p->v || suns->warned_window ||
-        memcmp(&common, &own, sizeof common) == 0)
+    if (memcmp(&common, &own, sizeof common) == 0)
         return;
     suns->warned_window = true;
     gp_say(log, GP_LEVEL_WARN,
            "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
-           "%dx%d at %d,%d); the rest counts as empty", path, f->path,
+           "%dx%d at %d,%d); the rest counts as empty", p->name, f->path,
            gp_rect_w(p->window), gp_rect_h(p->window), p->window.x0,
            p->window.y0, gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
 }
@@ -249,7 +230,8 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
                       l->x - l->radius < r.x1 && l->y + l->radius > r.y0 &&
                       l->y - l->radius < r.y1);
     }
-    if (!any || suns->depth.v || suns->mask.v || suns->warned_clear)
+    if (!any || suns->occluders.depth || suns->occluders.mask ||
+        suns->warned_clear)
         return;
     suns->warned_clear = true;
     gp_say_at(log, GP_LEVEL_WARN, "frame.coverage",
@@ -257,32 +239,14 @@ static void warn_of_clear(const struct gp_log *log, const struct gp_image *f,
               f->path, scene ? " inside the frame" : "");
 }
 
-gp_status gp_suns_find(const struct gp_log *log,
-                       const struct gp_sun_about *about,
-                       const struct gp_image *f, struct gp_suns *suns)
-{
-    return place_lights(log, about, f, suns);
-}
-
 void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   struct gp_suns *suns)
 {
-    if (depth && depth != &suns->depth) {
-        suns->depth = *depth;
-        suns->depth.borrowed = true;
-        suns->depth.name = NULL;
-        warn_of_window(log, depth->name, depth, f, suns);
-    }
-    if (mask && mask != &suns->mask) {
-        suns->mask = *mask;
-        suns->mask.borrowed = true;
-        suns->mask.name = NULL;
-        warn_of_window(log, mask->name, mask, f, suns);
-    }
+    warn_of_window(log, depth, f, suns);
+    warn_of_window(log, mask, f, suns);
     suns->occluders = (struct gp_occluders) {
-        .depth = suns->depth.v ? &suns->depth : NULL,
-        .mask = suns->mask.v ? &suns->mask : NULL,
+        .depth = depth, .mask = mask,
         .type = suns->p->depth_type,
         // a scene knows what is outside the file's pixels, and in the display
         .frame = suns->p->map.outside == GP_OUTSIDE_SCENE
@@ -329,8 +293,7 @@ double gp_suns_mean(const struct gp_suns *suns)
 
 void gp_suns_end_frame(struct gp_suns *suns)
 {
-    gp_plane_free(&suns->depth);
-    gp_plane_free(&suns->mask);
+    suns->occluders = (struct gp_occluders) {0};
     GP_FREE(suns->light);
     suns->n = 0;
 }
@@ -338,7 +301,6 @@ void gp_suns_end_frame(struct gp_suns *suns)
 void gp_suns_close(struct gp_suns *suns)
 {
     gp_suns_end_frame(suns);
-    gp_suns_drop_sprite(suns);
     if (suns->map)
         gp_sun_map_close(suns->gl, &suns->map);
     if (suns->gl)

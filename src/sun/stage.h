@@ -2,8 +2,7 @@
  * their visibility, and adds their light.
  *
  * For each frame, in this order: gp_suns_find(), gp_suns_hide(), gp_suns_measure(),
- * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). Files
- * are read through a gp_sun_reader. */
+ * gp_suns_join() with the engines, gp_suns_draw(), gp_suns_end_frame(). */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
@@ -26,17 +25,16 @@ enum gp_sun_method {
 };
 
 /* Suns and lamps, their occluders and their light. Files are NULL when not
- * given; those of planes are opened by the reader. */
+ * given. */
 struct gp_sun_params {
     enum gp_sun_method method;
     struct gp_map_params map;
     const struct gp_light_spec *spec; // `specs` lights, and all but the place of
-    int specs;                 // the sun that the camera's file names. NULL: by
-    const struct gp_light_spec *sun; // at, dir and color
-    struct gp_numbers at;      // x, y and maybe radius, pixels
-    struct gp_numbers dir;     // towards the sun, world
-    struct gp_numbers color;   // flux by channel, or one for all
-    float size;                // degrees across, with dir and camera
+    int specs;                 // the sun that the camera's file names
+    const struct gp_light_spec *sun;
+    float size;                // degrees across, of suns that do not say; where
+                               // it is not the default of 0.533, not even
+                               // pixels of the camera's file count
     bool in_frame;             // the frame's pixels hold the lights already
     bool more_flux;            // gp_suns.more has lights with flux
     bool needed;               // a frame without any light is an error
@@ -44,13 +42,10 @@ struct gp_sun_params {
     enum gp_ndc ndc;
     enum gp_depth_type depth_type;
     const char *camera, *lights, *flare;
-    const char *depth_file, *mask, *mask_file;
 };
-#define GP_SUN_DEFAULTS { .map = GP_MAP_DEFAULTS, .size = 0.533f }
 
-/* Facts of a frame's file that the stage needs beside its pixels. */
+/* The camera of a frame, as its file has it. */
 struct gp_sun_about {
-    const char *name;          // for messages
     bool numbered;
     int number;                // of the frame, for --camera
     bool has_camera, has_ndc;
@@ -66,47 +61,25 @@ struct gp_suns_more {
     const struct gp_camera *camera;   // of frames that have none; NULL: none
 };
 
-/* Reads files for the stage. `user` is the first argument of each call. */
-struct gp_sun_reader {
-    void *user;
-    gp_status (*picture)(void *user, const struct gp_log *log,
-                         const char *path, struct gp_image *out);
-    void (*about)(void *user, const struct gp_image *f,
-                  struct gp_sun_about *out);
-    // depth and coverage of a frame; empty where it has none
-    gp_status (*planes)(void *user, const struct gp_log *log,
-                        const struct gp_image *f, struct gp_plane *depth,
-                        struct gp_plane *mask);
-};
-
-/* The kernel spread over a light's disc, drawn as a flare element at the
- * light's own place. */
-struct gp_sun_sprite {
-    double radius;
-    unsigned long kernel; // serial of the kernel that it is made of
-    int height;           // of the display that the tail is sized for
-    struct gp_flare_element element[2]; // the kernel's core; its tail
-    int n;                // 0: no sprite
-};
+/* Reads the image of a flare element; `user` as given beside it. */
+typedef gp_status (*gp_sun_picture)(void *user, const struct gp_log *log,
+                                    const char *path, struct gp_image *out);
 
 struct gp_suns {
     // of the run
     const struct gp_sun_params *p; // borrowed
     enum gp_gl_api api;
-    struct gp_light_spec *spec; // owned; the sun of the command line first
+    struct gp_light_spec *spec; // owned
     int specs;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
     double more_fov;            // degrees, of the scene's camera; 0: none
     bool warned_clear;          // warned that nothing hides the lights
     bool warned_window;         // warned that a plane does not cover the frame
-    // kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
-    struct gp_sun_sprite sprite; // of the last light beyond a frame
     // of the frame
     struct gp_suns_more more;   // set by the caller, before gp_suns_find()
-    struct gp_plane depth, mask;
     struct gp_occluders occluders;
     struct gp_light *light;     // owned
     int n;
@@ -115,11 +88,11 @@ struct gp_suns {
 /* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out
  *   out  zero; freed by gp_suns_close() in any case
- * Errors: those of the readers; GP_ERR_USAGE elements of lights, and no light
+ * Errors: those of `picture`; GP_ERR_USAGE elements of lights, and no light
  * with flux. */
 GP_MUST_CHECK gp_status gp_suns_begin(
     const struct gp_log *log, const struct gp_sun_params *p, enum gp_gl_api api,
-    const struct gp_sun_reader *reader, struct gp_suns *out);
+    gp_sun_picture picture, void *user, struct gp_suns *out);
 
 /* The camera of a frame: that of --camera, or of the frame's own attributes;
  * *found false: neither. `out` is written where it is found.
@@ -129,15 +102,16 @@ GP_MUST_CHECK gp_status gp_suns_camera(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_sun_about *about,
     const struct gp_image *f, struct gp_camera *out, bool *found);
 
-/* Gives each light its place; then tells what may hide them. Planes are borrowed
- * to the end of the frame, NULL where there are none; one with a name is of
- * another file, and a warning says so where it does not cover the frame.
- * Errors of the first: GP_ERR_USAGE, and GP_ERR_DATA a frame that the cameras do
- * not have, or one without a sun there where p->needed and no other light is
- * given. */
+/* Gives each light its place. Errors: GP_ERR_USAGE, and GP_ERR_DATA a frame that
+ * the cameras do not have, or one without a sun there where p->needed and no
+ * other light is given. */
 GP_MUST_CHECK gp_status gp_suns_find(const struct gp_log *log,
     const struct gp_sun_about *about, const struct gp_image *f,
     struct gp_suns *suns);
+
+/* Tells what may hide the lights: planes, borrowed to the end of the frame, NULL
+ * where there are none. One with a name is of another file, and a warning says
+ * so where it does not cover the frame. */
 void gp_suns_hide(const struct gp_log *log, const struct gp_image *f,
                   const struct gp_plane *depth, const struct gp_plane *mask,
                   struct gp_suns *suns);
@@ -164,7 +138,9 @@ void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
 bool gp_suns_add_light(const struct gp_suns *suns);
 
 /* Joins the sources and the visible light of those lights that go through the
- * engines: none that reaches beyond the frame. Sets *joined when *out was
+ * engines: none that reaches beyond the frame. A light is the pixels of its
+ * disc, each with its share of flux * visibility, moved to its place by
+ * bilinear shares, which keep flux and centroid. Sets *joined when *out was
  * made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_image *f,

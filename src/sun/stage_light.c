@@ -5,28 +5,26 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "sun/sun_priv.h"
 
 #include <math.h>
 #include <string.h>
 
 // -- a light's disc in pixels ------------------------------------------------
 
-/* Pixels from a disc's centre pixel to its last one. */
+/* Weights of the (2m+1) x (2m+1) pixels around a disc's centre pixel, whose
+ * sum is 1; one pixel for a radius up to 1/2. */
+struct disc {
+    int m;
+    float *weight; // owned
+};
+
 static int disc_reach(double radius)
 {
     return radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
 }
 
-size_t gp_disc_room(double radius)
-{
-    // bilinear: one more
-    const size_t side = 2 * (size_t) disc_reach(radius) + 2;
-    return side * side;
-}
-
-gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
-                              struct gp_disc_pixels *out)
+static gp_status make_disc(const struct gp_log *log, double radius,
+                           struct disc *out)
 {
     const int m = disc_reach(radius), side = 2 * m + 1;
     const double all = M_PI * radius * radius;
@@ -40,12 +38,12 @@ gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
                            : (float) (gp_disc_pixel_area(0.5, 0.5, radius,
                                                          i % side - m,
                                                          i / side - m) / all);
-    *out = (struct gp_disc_pixels) {m, weight};
+    *out = (struct disc) {m, weight};
     return GP_OK;
 }
 
 /* Weight of pixel (x, y) from the centre pixel; 0 outside. */
-static double weight_at(const struct gp_disc_pixels *d, int x, int y)
+static double weight_at(const struct disc *d, int x, int y)
 {
     const int m = d->m;
     const size_t side = 2 * (size_t) m + 1;
@@ -54,14 +52,13 @@ static double weight_at(const struct gp_disc_pixels *d, int x, int y)
     return (double) d->weight[(size_t) (y + m) * side + (size_t) (x + m)];
 }
 
-void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
-                   struct gp_rect frame, struct gp_source *list, size_t *n)
+/* Appends the pixels of `frame` that a light's disc falls on. */
+static void add_disc(const struct disc *d, const struct gp_light *l,
+                     struct gp_rect frame, struct gp_source *list, size_t *n)
 {
     const double left = floor(l->x - 0.5), top = floor(l->y - 0.5);
     const double fx = l->x - 0.5 - left, fy = l->y - 0.5 - top;
     const int m = d->m;
-    if (!(fabs(left) < 1e8 && fabs(top) < 1e8))
-        return;
     for (int y = -m; y <= m + 1; y++) {
         for (int x = -m; x <= m + 1; x++) {
             const int px = (int) left + x, py = (int) top + y;
@@ -94,24 +91,19 @@ bool gp_suns_glare(const struct gp_suns *suns)
     return false;
 }
 
-/* Returns true when light l is drawn as a sprite: engines have no sources
- * outside the frame and would cut the light of one that is partly outside. */
-static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
-                      struct gp_rect data)
+/* Returns true when light l has glare of its own to add. */
+static bool glares(const struct gp_suns *suns, const struct gp_light *l)
 {
-    const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
-    const bool beyond = l->x - r < data.x0 || l->y - r < data.y0 ||
-                        l->x + r > data.x1 || l->y + r > data.y1;
-    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0 &&
-           beyond;
+    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0;
 }
 
-/* Returns true when light l goes through the engines. */
-static bool is_source(const struct gp_suns *suns, const struct gp_light *l,
-                      struct gp_rect data)
+/* Returns true when light l goes through the engines, which have no sources
+ * outside the frame: one that is partly outside, or nowhere, is a sprite. */
+static bool is_inside(const struct gp_light *l, struct gp_rect data)
 {
-    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0 &&
-           !is_sprite(suns, l, data);
+    const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
+    return l->x - r >= data.x0 && l->y - r >= data.y0 &&
+           l->x + r <= data.x1 && l->y + r <= data.y1;
 }
 
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
@@ -123,7 +115,7 @@ void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
         const double r = fmax(l->radius, 0.5) + 1.5; // with bilinear shares
         const double x = fmax(fabs(l->x - data.x0), fabs(l->x - data.x1)) + r;
         const double y = fmax(fabs(l->y - data.y0), fabs(l->y - data.y1)) + r;
-        if (l->behind || !is_sprite(suns, l, data) || !(x < 1e8 && y < 1e8))
+        if (!glares(suns, l) || is_inside(l, data) || !(x < 1e8 && y < 1e8))
             continue;
         offset[0] = gp_max(offset[0], (int) ceil(x));
         offset[1] = gp_max(offset[1], (int) ceil(y));
@@ -149,19 +141,21 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
     size_t n = 0, room = 0;
     *joined = false;
     for (int i = 0; i < suns->n; i++) {
-        if (is_source(suns, &suns->light[i], f->data))
-            room += gp_disc_room(suns->light[i].radius);
+        const size_t side = 2 * (size_t) disc_reach(suns->light[i].radius) + 2;
+        if (glares(suns, &suns->light[i]) &&
+            is_inside(&suns->light[i], f->data))
+            room += side * side;
     }
     if (!room)
         return GP_OK;
     GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &list));
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
-        struct gp_disc_pixels d;
-        if (!is_source(suns, l, f->data))
+        struct disc d;
+        if (!glares(suns, l) || !is_inside(l, f->data))
             continue;
-        GP_TRY(gp_disc_pixels_make(log, l->radius, &d));
-        gp_disc_light(&d, l, f->data, list, &n);
+        GP_TRY(make_disc(log, l->radius, &d));
+        add_disc(&d, l, f->data, list, &n);
         gp_free(d.weight);
     }
     GP_TRY(gp_sources_join(log, src, list, n, out));
@@ -171,13 +165,15 @@ out:
     return st;
 }
 
+// -- sprites: the kernel spread over a light's disc ---------------------------
+
 enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
 
-void gp_suns_drop_sprite(struct gp_suns *suns)
+static void drop_sprite(struct gp_flare *sprite)
 {
-    for (int k = 0; k < suns->sprite.n; k++)
-        gp_planes_free(&suns->sprite.element[k].image.rgb);
-    suns->sprite.n = 0;
+    for (int k = 0; k < sprite->n; k++)
+        gp_planes_free(&sprite->element[k].image.rgb);
+    sprite->n = 0;
 }
 
 /* A spread kernel as an element; takes its planes. That of a tail is drawn as
@@ -204,37 +200,29 @@ static struct gp_flare_element element_of(const struct gp_spread_kernel *k,
     return e;
 }
 
-/* Makes the sprite of a radius, unless the last one is the same. */
+/* Makes elements of the kernel's core and tail; out->element has room for two. */
 static gp_status make_sprite(const struct gp_log *log,
                              const struct gp_kernel *k, double radius,
-                             int height, struct gp_suns *suns)
+                             int height, struct gp_flare *out)
 {
-    struct gp_sun_sprite *const s = &suns->sprite;
-    struct gp_disc_pixels d;
-    struct gp_spread_kernel core, tail;
+    struct disc d;
+    struct gp_spread_kernel spread;
     if (radius > SPRITE_RADIUS)
         return gp_fail_bare_at(log, GP_ERR_DATA, "lights.in_frame",
             "a light of radius %g pixels is too large for glare of its own at "
             "the frame's edge (the limit is %d); leave its flux out", radius,
             SPRITE_RADIUS);
-    radius = radius > 0.5 ? radius : 0.5;
-    if (s->n && s->radius == radius && s->kernel == k->serial &&
-        s->height == height)
-        return GP_OK;
-    gp_suns_drop_sprite(suns);
-    gp_status st = gp_disc_pixels_make(log, radius, &d);
+    drop_sprite(out);
+    gp_status st = make_disc(log, fmax(radius, 0.5), &d);
     if (st)
         return st;
-    GP_TRY(gp_kernel_spread(log, k, d.m, d.weight, &core));
-    *s = (struct gp_sun_sprite) {radius, k->serial, height,
-                                 {element_of(&core, height)}, 1};
+    GP_TRY(gp_kernel_spread(log, k, d.m, d.weight, &spread));
+    out->element[out->n++] = element_of(&spread, height);
     if (k->tail) {
-        GP_TRY(gp_kernel_spread_far(log, k, d.m, d.weight, &tail));
-        s->element[s->n++] = element_of(&tail, height);
+        GP_TRY(gp_kernel_spread_far(log, k, d.m, d.weight, &spread));
+        out->element[out->n++] = element_of(&spread, height);
     }
 out:
-    if (st)
-        gp_suns_drop_sprite(suns);
     gp_free(d.weight);
     return st;
 }
@@ -244,38 +232,25 @@ out:
 gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                        const struct gp_kernel *kernel, struct gp_image *f)
 {
+    struct gp_flare_element element[2];
+    struct gp_flare sprite = {.element = element};
+    double radius = 0.0; // of the sprite
     gp_status st = GP_OK;
-    struct gp_light *some = NULL; // those of other radii without flux
-    bool *done = NULL;
-    const size_t n = (size_t) suns->n;
-    if (!gp_suns_add_light(suns))
-        return GP_OK;
-    // the glare of the sprites' lights, those of one radius at a time
-    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
-    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
-    for (int first = 0; first < suns->n; first++) {
-        const double radius = suns->light[first].radius;
-        if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!glares(suns, l) || is_inside(l, f->data))
             continue;
-        for (int i = 0; i < suns->n; i++) {
-            some[i] = suns->light[i];
-            if (!done[i] && some[i].radius == radius &&
-                is_sprite(suns, &some[i], f->data))
-                done[i] = true;
-            else
-                memset(some[i].flux, 0, sizeof some[i].flux);
-        }
-        GP_TRY(make_sprite(log, kernel, radius, gp_rect_h(f->display), suns));
-        const struct gp_flare one = {.element = suns->sprite.element,
-                                     .n = suns->sprite.n};
-        GP_TRY(gp_flare_add(log, &one, some, suns->n, f->data, f->display,
+        if (!sprite.n || radius != l->radius)
+            GP_TRY(make_sprite(log, kernel, l->radius, gp_rect_h(f->display),
+                               &sprite));
+        radius = l->radius;
+        GP_TRY(gp_flare_add(log, &sprite, l, 1, f->data, f->display,
                             &f->layer));
     }
     if (suns->flare.n)
         GP_TRY(gp_flare_add(log, &suns->flare, suns->light, suns->n, f->data,
                             f->display, &f->layer));
 out:
-    gp_free(some);
-    gp_free(done);
+    drop_sprite(&sprite);
     return st;
 }

@@ -42,7 +42,6 @@ struct gp_map_params {
     enum gp_sun_sum sum;
     int side; // texels of a sun map's side, 2 to 256, even
 };
-#define GP_MAP_DEFAULTS { .side = 16 }
 
 /* Programs, textures and targets on a context, kept from frame to frame. */
 struct gp_sun_map {

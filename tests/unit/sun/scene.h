@@ -8,7 +8,7 @@
 #include "core/memory.h"
 #include "kept_log.h"
 #include "sun/flare_priv.h"
-#include "sun/sun_priv.h"
+#include "sun/stage.h"
 
 enum { MODES = 4 }; // of enum gp_sun_outside
 

@@ -1,64 +1,65 @@
 /* sun/stage_light: a light's disc in pixels. */
 #include "unit.h"
-#include "sun/sun_priv.h"
-#include "core/memory.h"
+#include "sun/stage.h"
 
-enum { W = 40, H = 30, MOST = 4096 };
+enum { W = 40, H = 30 };
+
+/* Joins a light and no sources of a frame from (-3, 7) on; false: the light does
+ * not go through the engines. */
+static bool join(const struct gp_light *light, struct gp_sources *out)
+{
+    const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
+    const struct gp_sun_params p = {0};
+    const struct gp_image image = {.data = frame, .display = frame};
+    const struct gp_sources like = {.x0 = -3, .y0 = 7, .w = W, .h = H};
+    struct gp_light l = *light;
+    const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
+    struct gp_sources none;
+    bool joined;
+    assert_ok(gp_sources_make(NULL, &like, 0, &none));
+    gp_sources_finish(&none);
+    assert_ok(gp_suns_join(NULL, &suns, &image, &none, out, &joined));
+    gp_sources_free(&none);
+    return joined;
+}
 
 /* Flux is kept and the centroid is the light's place, wherever it stands. */
 static void a_disc_keeps_flux_and_place(void **state)
 {
     static const double radius[] = {0.0, 0.3, 0.5, 0.51, 1.0, 2.48, 7.9};
-    static const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
-    for (int r = 0; r < 7; r++) {
-        struct gp_disc_pixels d;
-        assert_ok(gp_disc_pixels_make(NULL, radius[r], &d));
-        for (int step = 0; step < 64; step++) {
-            struct gp_source list[MOST];
-            size_t n = 0;
-            double sum = 0.0, x = 0.0, y = 0.0; // from the frame's corner
-            const struct gp_light l = {
-                .x = 14.0 + step / 8.0, .y = 20.0 + step / 32.0,
-                .radius = radius[r], .flux = {1000.0f, 10.0f, 1.0f},
-                .visibility = 0.25,
-            };
-            gp_disc_light(&d, &l, frame, list, &n);
-            for (size_t i = 0; i < n; i++) {
-                sum += (double) list[i].rgb[0];
-                x += (double) list[i].rgb[0] * (list[i].x + 0.5);
-                y += (double) list[i].rgb[0] * (list[i].y + 0.5);
+    for (int k = 0; k < 7 * 64; k++) {
+        struct gp_sources s;
+        double sum = 0.0, x = 0.0, y = 0.0;
+        const struct gp_light l = {
+            .x = 14.0 + k % 64 / 8.0, .y = 20.0 + k % 64 / 32.0,
+            .radius = radius[k / 64], .flux = {1000.0f, 10.0f, 1.0f},
+            .visibility = 0.25,
+        };
+        assert_true(join(&l, &s));
+        for (int row = 0; row < H; row++) {
+            for (uint32_t i = s.row[row]; i < s.row[row + 1]; i++) {
+                sum += (double) s.rgb[0][i];
+                x += (double) s.rgb[0][i] * (s.x[i] + 0.5 - 3.0);
+                y += (double) s.rgb[0][i] * (row + 0.5 + 7.0);
             }
-            assert_true(fabs(sum / 250.0 - 1.0) < 1e-6);
-            assert_true(fabs(x / sum - 3.0 - l.x) < 1e-5);
-            assert_true(fabs(y / sum + 7.0 - l.y) < 1e-5);
         }
-        gp_free(d.weight);
+        assert_true(fabs(sum / 250.0 - 1.0) < 1e-6);
+        assert_true(fabs(x / sum - l.x) < 1e-5);
+        assert_true(fabs(y / sum - l.y) < 1e-5);
+        gp_sources_free(&s);
     }
 }
 
-/* Beyond the frame there is no pixel, and no light either. */
-static void a_disc_is_cut_to_the_frame(void **state)
+/* The engines have no pixels beyond the frame for a light. */
+static void lights_beyond_the_frame_are_no_sources(void **state)
 {
-    static const struct { double x, y, share; } row[] = {
-        {0.0, 15.0, 0.5}, {0.0, 0.0, 0.25}, {40.0, 15.0, 0.5},
-        {-90.0, 15.0, 0.0}, {1e300, 15.0, 0.0}, {-1e9, -1e9, 0.0},
-    };
-    struct gp_disc_pixels d;
-    assert_ok(gp_disc_pixels_make(NULL, 6.0, &d));
-    for (int i = 0; i < 6; i++) {
-        struct gp_source list[MOST];
-        size_t n = 0;
-        double total = 0.0;
-        const struct gp_light l = {
-            .x = row[i].x, .y = row[i].y, .radius = 6.0,
-            .flux = {1.0f, 1.0f, 1.0f}, .visibility = 1.0,
-        };
-        gp_disc_light(&d, &l, (struct gp_rect) {0, 0, W, H}, list, &n);
-        for (size_t k = 0; k < n; k++)
-            total += (double) list[k].rgb[0];
-        assert_true(fabs(total - row[i].share) < 1e-6);
+    static const double x[] = {-3.0, 37.0, -90.0, 1e300, -1e9, NAN};
+    for (size_t i = 0; i < COUNT(x); i++) {
+        struct gp_sources s;
+        const struct gp_light l = {.x = x[i], .y = 15.0, .radius = 6.0,
+                                   .flux = {1.0f}, .visibility = 1.0};
+        assert_false(join(&l, &s));
     }
-    gp_free(d.weight);
 }
 
 /* The kernel must reach from lights beside the frame to its far side, but not for
@@ -79,7 +80,7 @@ static void offsets_reach_the_far_side(void **state)
         {{.x = -1e12, .y = 15, .radius = 3, .visibility = 1}, 0, 0},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct gp_sun_params p = GP_SUN_DEFAULTS;
+        const struct gp_sun_params p = {0};
         struct gp_light l = rows[i].l;
         const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
         int offset[2];
@@ -93,4 +94,4 @@ static void offsets_reach_the_far_side(void **state)
 }
 
 SUITE_OF(stage_light, NULL, NULL, a_disc_keeps_flux_and_place,
-         a_disc_is_cut_to_the_frame, offsets_reach_the_far_side)
+         lights_beyond_the_frame_are_no_sources, offsets_reach_the_far_side)
