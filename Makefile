@@ -209,7 +209,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
           libopencolorio-dev libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
           libgl1-mesa-dri libcmocka-dev openimageio-tools openexr mandoc valgrind \
-          perl procps dpkg-dev gnuplot-nox \
+          perl procps dpkg-dev \
           python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
