@@ -134,7 +134,7 @@ $(B)/glarepp-oiio: $(OIIO_SRC) src/io/oiio/protocol.h
 	    -o $@ $(addprefix -include ,$(wordlist 2,9,$(OIIO_SRC))) $(firstword $(OIIO_SRC)) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
-$(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
+$(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h src/glarepp.h
 	@mkdir -p $(@D)
 	$(call say,CXX,$@)$(CXX) $(CXX_FLAGS) $(CFLAGS) -fPIC -shared $(HARDEN_SO) -fvisibility=hidden \
 	    -o $@ $(OCIO_SRC) $(call pc,--cflags --libs,OpenColorIO)
