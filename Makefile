@@ -134,7 +134,7 @@ $(B)/glarepp-oiio: $(OIIO_SRC) src/io/oiio/protocol.h
 	    -o $@ $(addprefix -include ,$(wordlist 2,9,$(OIIO_SRC))) $(firstword $(OIIO_SRC)) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
-$(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
+$(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h src/glarepp.h
 	@mkdir -p $(@D)
 	$(call say,CXX,$@)$(CXX) $(CXX_FLAGS) $(CFLAGS) -fPIC -shared $(HARDEN_SO) -fvisibility=hidden \
 	    -o $@ $(OCIO_SRC) $(call pc,--cflags --libs,OpenColorIO)
@@ -209,7 +209,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
           libopencolorio-dev libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
           libgl1-mesa-dri libcmocka-dev openimageio-tools openexr mandoc valgrind \
-          perl procps dpkg-dev gnuplot-nox \
+          perl procps dpkg-dev \
           python3 python3-numpy python3-scipy python3-openimageio python3-pil
 # Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \

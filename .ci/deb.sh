@@ -136,7 +136,6 @@ depends=$(needs "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*)
 package glarepp "$tree" graphics <<EOF
 Depends: $depends, $opened, libglarepp0 (= $version)
 $gl
-Suggests: gnuplot
 Description: add the glare of bright light to HDR frames
  glarepp reads scene-linear OpenEXR frames, adds the glare that bright light
  makes in an eye or a lens, with the sun hidden behind what stands in front of

@@ -1,7 +1,6 @@
 #include "api/api.h"
 
 #include "compare/compare.h"
-#include "core/colour.h"
 #include "core/memory.h"
 
 #include <stdint.h>
@@ -9,47 +8,33 @@
 
 struct glarepp_compare {
     struct glarepp *gp;
-    struct gp_stored_image image[2]; // views of the caller's; channels owned
+    struct glarepp_stored image[2];  // the caller's; list of channels owned
     struct gp_compare_match match;
-    struct gp_compare_flip flip;
+    float *map;                      // of FLIP; NULL: none
     const char **name;               // of each pair
     int *channel[2];                 // of each pair in each image
     struct glarepp_compare_facts facts;
 };
 
-/* Takes an image as it is: only its list of channels is made again. */
-static gp_status view_of(const struct gp_log *log,
-    const struct glarepp_stored *from, struct gp_stored_image *to)
+/* Takes an image, and a list of its channels of its own. */
+static gp_status take_image(const struct gp_log *log,
+    const struct glarepp_stored *from, struct glarepp_stored *to)
 {
-    struct gp_image blank;
     struct glarepp_stored s = {.size = sizeof s};
-    gp_status st = gp_api_params(log, "stored", &s, sizeof s, from);
-    if (st)
-        return st;
-    const struct gp_rect data = {s.data.x0, s.data.y0, s.data.x1, s.data.y1};
-    const bool lit = s.light[0] && s.light[1] && s.light[2];
-    if (gp_rect_empty(data))
-        return gp_fail_at(log, GP_ERR_USAGE, "stored.data", "%s: no window of "
+    struct glarepp_channel *list;
+    gp_status st;
+    GP_TRY(gp_api_params(log, "stored", &s, sizeof s, from));
+    const struct glarepp_rect r = s.data;
+    if (r.x1 <= r.x0 || r.y1 <= r.y0)
+        GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "stored.data", "%s: no window of "
                           "pixels (found %d,%d to %d,%d)",
-                          s.name ? s.name : "image", data.x0, data.y0, data.x1,
-                          data.y1);
-    blank = gp_image_blank(data);
-    *to = (struct gp_stored_image) {
-        .data = data, .display = data, .channels = s.channels,
-        .deep = s.first != NULL, .first = (int64_t *) s.first,
-        .integers = s.integers,
-    };
-    for (int c = 0; c < 3; c++)
-        to->light[c] = lit ? s.light[c] : NULL;
-    memcpy(to->luminance, blank.luminance, sizeof to->luminance);
-    if (s.primaries)
-        gp_luminance_weights(s.primaries, to->luminance);
-    st = gp_alloc(log, "channels", (size_t) s.channels, sizeof *to->channel,
-                  &to->channel);
-    for (int i = 0; i < s.channels && !st; i++)
-        to->channel[i] = (struct gp_stored_channel) {
-            (char *) s.channel[i].name, s.channel[i].is_uint,
-            (void *) s.channel[i].v};
+                          s.name ? s.name : "image", r.x0, r.y0, r.x1, r.y1));
+    GP_TRY(gp_alloc(log, "channels", (size_t) s.channels, sizeof *list, &list));
+    if (s.channels)
+        memcpy(list, s.channel, (size_t) s.channels * sizeof *list);
+    s.channel = list;
+    *to = s;
+out:
     return st;
 }
 
@@ -60,7 +45,7 @@ static gp_status check_windows(const struct gp_log *log,
 {
     const long long w = (long long) m->window.x1 - m->window.x0;
     const long long h = (long long) m->window.y1 - m->window.y0;
-    if (m->a->deep != m->b->deep)
+    if (!m->a->first != !m->b->first)
         return gp_fail_at(log, GP_ERR_DATA, "stored.first", "%s: only one of it "
                           "and %s is deep", a, b);
     // windows far apart make a union much larger than both images
@@ -86,28 +71,11 @@ static gp_status list_pairs(const struct gp_log *log, struct glarepp_compare *c)
         c->channel[0][i] = p->a ? (int) (p->a - m->a->channel) : -1;
         c->channel[1][i] = p->b ? (int) (p->b - m->b->channel) : -1;
     }
+    c->facts.pair = c->name;
+    c->facts.in_a = c->channel[0];
+    c->facts.in_b = c->channel[1];
 out:
     return st;
-}
-
-static void note_facts(struct glarepp_compare *c,
-                       const struct gp_compare_figures *f)
-{
-    const struct gp_rect w = c->match.window;
-    const struct gp_compare_flip *const flip = &c->flip;
-    c->facts = (struct glarepp_compare_facts) {
-        .window = {w.x0, w.y0, w.x1, w.y1}, .pairs = c->match.pairs,
-        .pair = c->name, .in_a = c->channel[0], .in_b = c->channel[1],
-        .max = f->max, .x = f->x, .y = f->y, .channel = f->channel,
-        .worst_a = f->worst_a, .worst_b = f->worst_b, .mean = f->mean,
-        .rms = f->rms, .psnr = f->psnr, .rel_l2 = f->rel_l2,
-        .max_rel = f->max_rel, .nonfinite = f->nonfinite, .uneven = f->uneven,
-        .uneven_x = f->uneven_x, .uneven_y = f->uneven_y, .warned = f->warned,
-        .failed = f->failed, .seen = f->seen, .pixels = f->pixels,
-        .lit = c->match.lit, .has_flip = flip->known, .hdr = flip->hdr,
-        .flip = flip->mean, .start = flip->exposures.start,
-        .stop = flip->exposures.stop, .exposures = flip->exposures.count,
-    };
 }
 
 int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how,
@@ -118,35 +86,25 @@ int glarepp_compare(struct glarepp *gp, const struct glarepp_compare_params *how
     struct gp_api_sink sink = {.gp = gp, .name = a->name};
     const struct gp_log log = gp_api_log(&sink);
     struct glarepp_compare_params p = GLAREPP_COMPARE_PARAMS;
-    struct gp_compare_figures f;
     struct glarepp_compare *c = NULL;
     gp_status st;
     *out = NULL;
     GP_TRY(gp_api_params(&log, "compare", &p, sizeof p, how));
-    const struct gp_compare_params limits = {
-        .fail = p.fail, .warn = p.warn, .fail_relative = p.fail_relative,
-        .warn_relative = p.warn_relative, .fail_percent = p.fail_percent,
-        .warn_percent = p.warn_percent, .hard_fail = p.hard_fail,
-        .hard_warn = p.hard_warn, .allow_failures = p.allow_failures,
-        .fail_flip = p.fail_flip, .fail_rel = p.fail_rel,
-    };
-    const struct gp_flip_exposures e = {p.start, p.stop, p.exposures};
     GP_TRY(gp_alloc_zero(&log, "comparison", 1, sizeof *c, &c));
     c->gp = gp;
-    GP_TRY(view_of(&log, a, &c->image[0]));
-    GP_TRY(view_of(&log, b, &c->image[1]));
+    GP_TRY(take_image(&log, a, &c->image[0]));
+    GP_TRY(take_image(&log, b, &c->image[1]));
+    const struct gp_compare_match *const m = &c->match;
     GP_TRY(gp_compare_match_make(&log, &c->image[0], &c->image[1], &c->match));
-    GP_TRY(check_windows(&log, &c->match, p.most, a->name ? a->name : "image",
+    GP_TRY(check_windows(&log, m, p.most, a->name ? a->name : "image",
                          b->name ? b->name : "the other"));
+    GP_TRY(gp_compare_measure(&log, &p, m, &c->facts));
     GP_TRY(list_pairs(&log, c));
-    GP_TRY(gp_compare_measure(&log, &limits, &c->match, &f));
-    if (p.flip)
-        GP_TRY(gp_compare_flip(&log, p.exposures ? &e : NULL, &c->match,
-                               &c->flip));
-    if (p.perceptual && c->match.lit)
-        GP_TRY(gp_compare_see(&log, &c->match, &f.seen));
-    note_facts(c, &f);
-    c->facts.result = (int) gp_compare_judge(&limits, &f, &c->flip);
+    if (p.flip && m->lit)
+        GP_TRY(gp_compare_flip(&log, &p, m, &c->facts, &c->map));
+    if (p.perceptual && m->lit)
+        GP_TRY(gp_compare_see(&log, m, &c->facts.seen));
+    c->facts.result = gp_compare_judge(&p, &c->facts);
     *out = c;
     c = NULL;
 out:
@@ -159,10 +117,10 @@ void glarepp_compare_end(struct glarepp_compare **compare)
     struct glarepp_compare *const c = *compare;
     if (!c)
         return;
-    gp_compare_flip_free(&c->flip);
     gp_compare_match_free(&c->match);
+    gp_free(c->map);
     for (int i = 0; i < 2; i++) {
-        gp_free(c->image[i].channel);
+        gp_free((void *) c->image[i].channel);
         gp_free(c->channel[i]);
     }
     gp_free(c->name);
@@ -185,15 +143,15 @@ int glarepp_compare_view(const struct glarepp_compare *c, int pair,
     struct gp_planes p = {0};
     gp_status st;
     *out = (struct glarepp_image) GLAREPP_IMAGE;
-    if (pair < -1 || pair >= c->match.pairs || (pair == -1 && !c->flip.known))
+    if (pair < -1 || pair >= c->match.pairs || (pair == -1 && !c->map))
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "pair", "comparison: %s (found %d)",
                           pair == -1 ? "no map of FLIP" : "no such pair", pair));
-    if (pair >= 0 && c->match.a->deep)
+    if (pair >= 0 && c->match.a->first)
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "pair", "comparison: deep images "
                           "have no pictures (found pair %d)", pair));
     if (pair == -1) {
         GP_TRY(gp_planes_make(log, "heatmap", pixels, &p));
-        gp_compare_heatmap(c->flip.map, pixels, &p);
+        gp_compare_heatmap(c->map, pixels, &p);
     } else {
         GP_TRY(gp_alloc(log, c->name[pair], pixels, sizeof(float), &p.c[0]));
         gp_compare_subtract(&c->match, pair, absolute, scale, p.c[0]);

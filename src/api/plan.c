@@ -189,20 +189,10 @@ static gp_status take_tone(struct glarepp_plan *plan,
     gp_status st;
     GP_TRY(gp_api_params(&plan->log, "tone", &p, sizeof p, from));
     GP_TRY(keep(plan, &p.curve));
-    plan->tone = (struct gp_tone_params) {
-        .curve = p.curve, .exposure = p.exposure,
-        .auto_exposure = p.auto_exposure, .key = p.key, .white = p.white,
-    };
-    if (!p.config)
-        return GP_OK;
-    plan->converts = p.output != NULL;
-    const struct gp_ocio_params ocio = {
-        .config = p.config, .input = p.input, .display = p.display,
-        .view = p.view, .look = p.look, .output = p.output,
-        .context = p.context, .contexts = p.contexts,
-        .any_primaries = p.any_primaries, .shows = p.shows,
-    };
-    st = gp_ocio_open(&plan->log, &ocio, &plan->ocio);
+    plan->tone = p;
+    plan->converts = p.config && p.output;
+    if (p.config)
+        st = gp_ocio_open(&plan->log, &p, &plan->ocio);
 out:
     return st;
 }
@@ -329,15 +319,19 @@ static gp_status fill_facts(struct glarepp_plan *plan,
 {
     struct glarepp_plan_facts *const f = &plan->facts;
     const struct gp_flare *const flare = &w->suns.flare;
-    const struct gp_ocio_names *const names =
-        plan->ocio ? gp_ocio_names(plan->ocio) : NULL;
-    const int most = 5 + flare->n + (names ? names->files : 0);
     const char *const own[] = {plan->sun.lights, plan->sun.camera, flare->path,
                                plan->lens_params.lens, plan->scene.path};
-    const gp_status st = gp_alloc(&plan->log, "file names", (size_t) most,
+    if (plan->ocio)
+        *f = *gp_ocio_facts(plan->ocio);
+    const char *const *const more = f->file;
+    const int n = f->files;
+    const gp_status st = gp_alloc(&plan->log, "file names",
+                                  (size_t) (5 + flare->n + n),
                                   sizeof *plan->file, &plan->file);
     if (st)
         return st;
+    f->file = plan->file;
+    f->files = 0;
     for (int i = 0; i < 5; i++) {
         if (own[i])
             plan->file[f->files++] = own[i];
@@ -346,20 +340,9 @@ static gp_status fill_facts(struct glarepp_plan *plan,
         if (flare->element[i].path)
             plan->file[f->files++] = flare->element[i].path;
     }
-    for (int i = 0; names && i < names->files; i++)
-        plan->file[f->files++] = names->file[i];
-    f->file = plan->file;
+    for (int i = 0; i < n; i++)
+        plan->file[f->files++] = more[i];
     f->lights = plan->lit || plan->scene.path;
-    if (!names)
-        return GP_OK;
-    f->config = names->config;
-    f->input = names->input;
-    f->display = names->display;
-    f->view = names->view;
-    f->look = names->look;
-    f->output = names->output;
-    f->output_primaries = gp_ocio_output_primaries(plan->ocio);
-    memcpy(f->cicp, gp_ocio_code_points(plan->ocio), sizeof f->cicp);
     return GP_OK;
 }
 

@@ -66,7 +66,7 @@ struct glarepp_plan {
     struct gp_light_spec camera_sun; // sun.sun
     struct glarepp_lens_params lens_params; // lens NULL: none
     struct glarepp_scene_params scene;      // path NULL: none
-    struct gp_tone_params tone;
+    struct glarepp_tone_params tone; // curve and exposure
     bool converts;                 // the tone's output space is given
     char **text;                   // owned copies of the parameters' strings,
     int texts;                     // and lists of them

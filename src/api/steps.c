@@ -531,7 +531,7 @@ static gp_status show(struct glarepp_frame *f)
 {
     return f->plan->ocio ? gp_ocio_show(&f->log, f->plan->ocio,
                                         &f->plan->tone, &f->image)
-                         : gp_tone_map(&f->log, &f->plan->tone, &f->image, NULL);
+                         : gp_tone_map(&f->log, &f->plan->tone, &f->image);
 }
 
 static gp_status finish(struct glarepp_frame *f)

@@ -92,19 +92,19 @@ static gp_status run_once(struct trial *t, const struct gp_frame *f,
     gp_status st;
     p.image = view_of(f);
     p.user = &t->log;
-    GP_TRY((gp_status) glarepp_frame(t->plan, &p, &frame));
+    GP_TRY(glarepp_frame(t->plan, &p, &frame));
     const double start = gp_now_ms();
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_SENSE));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_SENSE));
     const double middle = gp_now_ms();
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_KERNEL));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_KERNEL));
     const double made = gp_now_ms();
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_LAYER));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_LAYER));
     const double end = gp_now_ms();
     const struct glarepp_facts *const facts = glarepp_frame_facts(frame);
     *r = (struct run) {middle - start, end - made,
                        middle - start + end - made, facts->sense.sources};
     t->row->facts = facts->layer;
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_DONE));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_DONE));
     if (out) {
         *out = frame;
         frame = NULL;
@@ -228,45 +228,43 @@ static gp_status time_row(struct trial *t, const char *engine,
 static gp_status show(struct glarepp_frame *frame, struct glarepp_image *out)
 {
     gp_status st;
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_COMPOSE));
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_TONE));
-    GP_TRY((gp_status) glarepp_frame_run(frame, GLAREPP_DONE));
-    GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_SHOWN, 0, out));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_COMPOSE));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_TONE));
+    GP_TRY(glarepp_frame_run(frame, GLAREPP_DONE));
+    GP_TRY(glarepp_frame_view(frame, GLAREPP_SHOWN, 0, out));
 out:
     return st;
 }
 
-/* Returns a picture as glarepp_compare() takes it. */
-static struct glarepp_stored stored_of(const struct glarepp_image *image,
-                                       const struct glarepp_channel channel[3])
+/* Compares a picture with the exact one: as display-linear ones by FLIP, or as
+ * light without it. */
+static gp_status compare_views(const struct bench *b,
+    const struct glarepp_image *exact, const struct glarepp_image *picture,
+    bool shown, struct glarepp_compare_facts *out)
 {
-    return (struct glarepp_stored) {
-        .size = sizeof(struct glarepp_stored), .data = image->data,
-        .channel = channel, .channels = 3, .integers = true,
-        .light = {image->plane[0], image->plane[1], image->plane[2]},
-    };
-}
-
-/* Measures mean LDR-FLIP of a picture against the exact one's. */
-static gp_status measure_flip(const struct bench *b,
-                              const struct glarepp_image *picture, double *flip)
-{
-    struct glarepp_image exact = *picture;
-    struct glarepp_channel channel[2][3];
-    struct glarepp_compare *c = NULL;
     static const char *const names[] = {"R", "G", "B"};
-    for (int k = 0; k < 3; k++) {
-        exact.plane[k] = b->shown.c[k];
-        channel[0][k] = (struct glarepp_channel) {names[k], exact.plane[k], 0};
-        channel[1][k] =
-            (struct glarepp_channel) {names[k], picture->plane[k], 0};
+    const struct glarepp_image *const image[2] = {exact, picture};
+    struct glarepp_compare_params p = GLAREPP_COMPARE_PARAMS;
+    struct glarepp_channel channel[2][3];
+    struct glarepp_stored pair[2];
+    struct glarepp_compare *c = NULL;
+    for (int k = 0; k < 2; k++) {
+        pair[k] = (struct glarepp_stored) {
+            .size = sizeof *pair, .data = image[k]->data,
+            .channel = channel[k], .channels = 3, .integers = shown,
+            .primaries = shown ? NULL : image[k]->primaries,
+        };
+        for (int i = 0; i < 3; i++) {
+            pair[k].light[i] = image[k]->plane[i];
+            channel[k][i] = (struct glarepp_channel) {
+                names[i], image[k]->plane[i], false};
+        }
     }
-    const struct glarepp_stored pair[2] = {stored_of(&exact, channel[0]),
-                                           stored_of(picture, channel[1])};
-    const gp_status st = (gp_status) glarepp_compare(b->req->gp, NULL, &pair[0],
+    p.flip = shown;
+    const gp_status st = (gp_status) glarepp_compare(b->req->gp, &p, &pair[0],
                                                      &pair[1], &c);
     if (!st)
-        *flip = glarepp_compare_facts(c)->flip;
+        *out = *glarepp_compare_facts(c);
     glarepp_compare_end(&c);
     return st;
 }
@@ -276,16 +274,21 @@ static gp_status measure_error(const struct bench *b,
                                struct glarepp_frame *frame,
                                struct gp_bench_row *row)
 {
-    struct glarepp_image layer, picture;
+    struct glarepp_image layer, picture, exact;
+    struct glarepp_compare_facts facts;
     gp_status st;
-    GP_TRY((gp_status) glarepp_frame_view(frame, GLAREPP_GLARE, 0, &layer));
-    GP_TRY((gp_status) glarepp_frame_set(b->truth, GLAREPP_GLARE, &layer));
-    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_VERIFY));
+    GP_TRY(glarepp_frame_view(frame, GLAREPP_GLARE, 0, &layer));
+    GP_TRY(glarepp_frame_set(b->truth, GLAREPP_GLARE, &layer));
+    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));
     row->error = glarepp_frame_facts(b->truth)->errors;
     row->measured = true;
     if (b->shown.c[0]) {
         GP_TRY(show(frame, &picture));
-        GP_TRY(measure_flip(b, &picture, &row->flip));
+        exact = picture;
+        for (int k = 0; k < 3; k++)
+            exact.plane[k] = b->shown.c[k];
+        GP_TRY(compare_views(b, &exact, &picture, true, &facts));
+        row->flip = facts.flip;
     }
 out:
     return st;
@@ -353,6 +356,7 @@ static gp_status plan_extra(const struct bench *b, const struct extra *e,
     if (p.lens)
         lens = *p.lens;
     lens.detail = exact ? e->true_detail : e->detail;
+    layer.mix = GLAREPP_ADD;
     if (exact && e->step == GLAREPP_FLARE) {
         layer.engine = "fft";
         layer.in_double = true;
@@ -372,52 +376,38 @@ static gp_status draw_extra(const struct bench *b, const struct extra *e,
     struct glarepp_frame_params p = b->params;
     gp_status st;
     p.image = view_of(b->f);
-    GP_TRY((gp_status) glarepp_frame(plan, &p, out));
-    GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_SENSE));
+    GP_TRY(glarepp_frame(plan, &p, out));
+    GP_TRY(glarepp_frame_run(*out, GLAREPP_SENSE));
     const double start = gp_now_ms();
-    GP_TRY((gp_status) glarepp_frame_run(*out, e->step));
+    GP_TRY(glarepp_frame_run(*out, e->step));
     *ms = gp_now_ms() - start;
-    GP_TRY((gp_status) glarepp_frame_run(*out, GLAREPP_DONE));
+    GP_TRY(glarepp_frame_run(*out, GLAREPP_DONE));
 out:
     return st;
 }
 
-/* Measures a layer against another that counts as exact; the composite is that
- * over the frame. */
-static void compare_layers(const struct bench *b,
-    const struct glarepp_image *layer, const struct glarepp_image *exact,
-    struct glarepp_errors *out)
+/* Measures layers against those that count as exact, and composites, where light
+ * is added. */
+static gp_status compare_extra(const struct bench *b,
+    struct glarepp_frame *frame[2], struct glarepp_errors *out)
 {
-    const size_t n = gp_frame_pixels(b->f);
-    const double gain = (double) b->req->plan->layer->gain;
-    double off = 0.0, all = 0.0, sum[2] = {0}, most = 0.0, worst = 0.0;
-    *out = (struct glarepp_errors) {0};
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < n; i++) {
-            double y = 0.0, dy = 0.0;
-            for (int c = 0; c < 3; c++) {
-                const double is = (double) ((float *) layer->plane[c])[i];
-                const double was = (double) ((float *) exact->plane[c])[i];
-                const double weight = (double) b->f->luminance[c];
-                y += weight * ((double) b->f->rgb.c[c][i] + gain * was);
-                dy += weight * gain * (is - was);
-                if (pass)
-                    continue;
-                off += (is - was) * (is - was);
-                all += was * was;
-                sum[0] += is;
-                sum[1] += was;
-                out->max_abs = fmax(out->max_abs, fabs(is - was));
-            }
-            if (!pass)
-                most = fmax(most, y);
-            else if (y + 1e-6 * most > 0.0)
-                worst = fmax(worst, fabs(dy) / (y + 1e-6 * most));
-        }
+    struct glarepp_image view[2];
+    struct glarepp_compare_facts f;
+    gp_status st;
+    for (int k = 0; k < 2; k++)
+        GP_TRY(glarepp_frame_view(frame[k], GLAREPP_GLARE, 0, &view[k]));
+    GP_TRY(compare_views(b, &view[1], &view[0], false, &f));
+    out->rel_l2 = f.rel_l2;
+    out->max_abs = f.max;
+    for (int k = 0; k < 2; k++) {
+        GP_TRY(glarepp_frame_run(frame[k], GLAREPP_COMPOSE));
+        GP_TRY(glarepp_frame_run(frame[k], GLAREPP_DONE));
+        GP_TRY(glarepp_frame_view(frame[k], GLAREPP_LIT, 0, &view[k]));
     }
-    out->rel_l2 = all > 0.0 ? sqrt(off / all) : sqrt(off);
-    out->max_rel = worst;
-    out->flux_error = sum[1] > 0.0 ? fabs(sum[0] / sum[1] - 1.0) : 0.0;
+    GP_TRY(compare_views(b, &view[1], &view[0], false, &f));
+    out->max_rel = f.max_rel;
+out:
+    return st;
 }
 
 static gp_status run_extra(struct bench *b, const struct extra *e,
@@ -425,7 +415,6 @@ static gp_status run_extra(struct bench *b, const struct extra *e,
 {
     struct glarepp_plan *plan[2] = {NULL, NULL};
     struct glarepp_frame *frame[2] = {NULL, NULL};
-    struct glarepp_image layer[2];
     double took, total = 0.0;
     int runs = 0;
     gp_status st;
@@ -448,10 +437,7 @@ static gp_status run_extra(struct bench *b, const struct extra *e,
     row->ms_max = b->ms[runs - 1];
     row->bound = e->step == GLAREPP_FLARE
                      ? glarepp_frame_facts(frame[0])->flare.bound : (double) NAN;
-    for (int k = 0; k < 2; k++)
-        GP_TRY((gp_status) glarepp_frame_view(frame[k], GLAREPP_GLARE, 0,
-                                              &layer[k]));
-    compare_layers(b, &layer[0], &layer[1], &row->error);
+    GP_TRY(compare_extra(b, frame, &row->error));
     row->measured = true;
     gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
            row->ms, row->error.rel_l2);
@@ -476,12 +462,12 @@ static gp_status make_truth(struct bench *b)
     b->params.details = true; // keeps the sum
     b->params.user = &b->errors;
     GP_TRY(make_plan(b, NULL, &b->plan));
-    GP_TRY((gp_status) glarepp_frame(b->plan, &b->params, &b->truth));
-    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_SENSE));
+    GP_TRY(glarepp_frame(b->plan, &b->params, &b->truth));
+    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_SENSE));
     b->sense = glarepp_frame_facts(b->truth)->sense;
     if (!b->sense.sources)
         return GP_OK;
-    GP_TRY((gp_status) glarepp_frame_view(b->truth, GLAREPP_SOURCES, 0, &view));
+    GP_TRY(glarepp_frame_view(b->truth, GLAREPP_SOURCES, 0, &view));
     for (b->first = 0; b->first < n; b->first++) {
         bool lit = false;
         for (int c = 0; c < 3; c++)
@@ -489,14 +475,14 @@ static gp_status make_truth(struct bench *b)
         if (lit)
             break;
     }
-    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_KERNEL));
-    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_LAYER));
-    GP_TRY((gp_status) glarepp_frame_run(b->truth, GLAREPP_VERIFY));
+    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_KERNEL));
+    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_LAYER));
+    GP_TRY(glarepp_frame_run(b->truth, GLAREPP_VERIFY));
     // FLIP judges the tone-mapped composite, not light
     if (strcmp(b->req->plan->tone->curve, "none") == 0)
         return GP_OK;
-    GP_TRY((gp_status) glarepp_frame_view(b->truth, GLAREPP_TRUTH, 0, &view));
-    GP_TRY((gp_status) glarepp_frame_set(b->truth, GLAREPP_GLARE, &view));
+    GP_TRY(glarepp_frame_view(b->truth, GLAREPP_TRUTH, 0, &view));
+    GP_TRY(glarepp_frame_set(b->truth, GLAREPP_GLARE, &view));
     GP_TRY(show(b->truth, &view));
     GP_TRY(gp_planes_make(b->log, "picture", n, &b->shown));
     for (int c = 0; c < 3; c++)
@@ -576,12 +562,12 @@ static gp_status make_kernel(struct bench *b, bool own)
     struct gp_frame image = {0};
     gp_status st;
     if (own) {
-        GP_TRY(gp_paper_kernel(b->log, GP_PAPER_KERNEL, &image));
+        GP_TRY(gp_paper_kernel(b->log, &image));
         view = view_of(&image);
         p = (struct glarepp_kernel_params) GLAREPP_KERNEL_PARAMS;
         p.image = &view;
     }
-    GP_TRY((gp_status) glarepp_kernel(b->req->gp, &p, &b->kernel));
+    GP_TRY(glarepp_kernel(b->req->gp, &p, &b->kernel));
 out:
     gp_frame_free(&image);
     return st;
@@ -593,23 +579,18 @@ static gp_status check_outputs(const struct gp_log *log,
                                const struct gp_bench_params *p)
 {
     const char *const files[] = {p->csv, p->json, p->plot};
-    size_t n = p->plot ? strlen(p->plot) : 0;
-    gp_status st = GP_OK;
-    char *answer;
-    for (int i = 0; i < 3 && !st; i++) {
-        if (files[i] && !gp_is_dash(files[i]))
-            st = gp_file_check(log, files[i], false);
+    const size_t n = p->plot ? strlen(p->plot) : 0;
+    for (int i = 0; i < 3; i++) {
+        const gp_status st = files[i] && !gp_is_dash(files[i])
+                                 ? gp_file_check(log, files[i], false) : GP_OK;
+        if (st)
+            return st;
     }
-    if (st || !p->plot)
-        return st;
-    if (!gp_is_dash(p->plot) &&
-        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
-        return gp_fail(log, GP_ERR_USAGE,
-            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
-    st = gp_gnuplot(log, "exit\n", &answer, &n); // it runs
-    if (!st)
-        free(answer);
-    return st;
+    return !p->plot || gp_is_dash(p->plot) ||
+                   (n >= 4 && strcasecmp(p->plot + n - 4, ".svg") == 0)
+               ? GP_OK
+               : gp_fail(log, GP_ERR_USAGE, "%s: the plot is an SVG; give a name "
+                         "that ends in .svg", p->plot);
 }
 
 gp_status gp_bench_run(const struct gp_log *log,
@@ -635,8 +616,7 @@ gp_status gp_bench_run(const struct gp_log *log,
     GP_TRY(make_kernel(&b, own));
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
-        GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
-                                      GP_PAPER_H, &f)
+        GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, &f)
                      : gp_read_frame(log, req->read, req->input, &f));
         b.params = (struct glarepp_frame_params) GLAREPP_FRAME_PARAMS;
         if (!paper)

@@ -52,8 +52,7 @@ struct gp_bench_request {
  * against its own truth.
  *
  * A technique that cannot run here (no GL) is a row that says so.
- * Errors: as reading, writing and the library's; GP_ERR_IO also when
- * gnuplot, which --plot needs, is not installed or fails. */
+ * Errors: as reading, writing and the library's. */
 GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
                                      const struct gp_bench_request *req);
 

@@ -17,9 +17,9 @@ enum gp_paper_kind {
     GP_PAPER_KINDS,
 };
 
-/* The paper's size of glare images. Its frames were 1024 x 786, as printed. */
 enum { GP_BENCH_WHY = 512 }; // bytes of a line
 
+/* The paper's size of glare images. Its frames were 1024 x 786, as printed. */
 enum { GP_PAPER_W = 1024, GP_PAPER_H = 768, GP_PAPER_KERNEL = 512 };
 
 /* The paper's figures of its approximate method on a GeForce 7800 GTX: frames
@@ -31,18 +31,14 @@ struct gp_paper_rate {
 };
 extern const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS];
 
-/* Makes a frame of w x h pixels, float, BT.709, everything else dim (0.05 to
- * 0.8). Luminance counts in that of BT.709. The same bytes on any machine.
- *   out  written only on GP_OK; free with gp_frame_free()
- * Errors: GP_ERR_USAGE under 64 x 48 or over 16384 pixels a side; GP_ERR_BUG
- * out of memory. */
+/* Makes a frame, float, BT.709, everything but its light dim (0.05 to 0.8). The
+ * same bytes on any machine. */
 GP_MUST_CHECK gp_status gp_paper_frame(const struct gp_log *log,
-    enum gp_paper_kind kind, int w, int h, struct gp_frame *out);
+    enum gp_paper_kind kind, struct gp_frame *out);
 
-/* Makes a kernel image of size x size pixels with its centre at pixel
- * (size / 2, size / 2): a halo and coloured streaks, 0 on its border.
- * Errors: GP_ERR_USAGE under 16 or over 4096; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log, int size,
+/* Makes a square kernel image with its centre in the middle: a halo and coloured
+ * streaks, 0 on its border. */
+GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log,
                                         struct gp_frame *out);
 
 // -- table.c: techniques, and their measurements -----------------------------
@@ -115,11 +111,25 @@ void gp_bench_mark_pareto(struct gp_bench_frame *f);
 /* The median of n values, which are sorted; n >= 1. */
 double gp_bench_median(double *v, int n);
 
+/* A cell of a table: text, a number, or nothing. CSV and JSON have the same. */
+struct gp_bench_cell {
+    const char *name;  // of its column
+    const char *text;  // or NULL
+    double number;     // NaN: nothing
+    enum { GP_CELL_REAL, GP_CELL_WHOLE, GP_CELL_TRUTH } kind; // of the number
+};
+
+/* Writes rows of cells as CSV, RFC 4180: a header line, then one line a row,
+ * unknown cells empty. */
+GP_MUST_CHECK gp_status gp_bench_save_csv(const struct gp_log *log,
+    const char *path, const struct gp_bench_cell *c, int rows, int cells);
+
+/* Makes an object of a row, unknown cells left out. */
+json_t *gp_bench_json_row(const struct gp_bench_cell *c, int cells);
+
 /* Prints the table on stdout, up to 141 columns, and its legend, and writes it
- * to the files of `p`. CSV is RFC 4180: a header line, then one line a row,
- * unknown cells empty; JSON is one object, unknown cells left out. With `-`
- * as a file, only that file goes to stdout.
- * Errors: GP_ERR_IO; GP_ERR_BUG out of memory; as gp_bench_plot(). */
+ * to the files of `p`. With `-` as a file, only that file goes to stdout.
+ * Errors: GP_ERR_IO; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
     const struct gp_bench_params *p, const struct gp_bench_table *t);
 
@@ -132,25 +142,6 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bench_thin(const struct gp_log *log,
     const struct gp_frame *f, size_t first, int nth, struct gp_frame *out);
-
-// -- table.c: the plot --------------------------------------------------------
-
-/* Milliseconds against rel_l2, both logarithmic, a picture below the other
- * for each frame: SVG. Rows without an error are not in it.
- * Errors: GP_ERR_IO cannot write; gnuplot missing or failed (a line of it). */
-GP_MUST_CHECK gp_status gp_bench_plot(
-    const struct gp_log *log, const struct gp_bench_table *t, const char *path);
-
-/* Runs gnuplot as a child, without any shell and without the user's start-up
- * file, with `script` as its standard input.
- *
- *   out   its standard output; owned, free(); a byte of 0 follows the `size`.
- *         Written only on GP_OK.
- *
- * Errors: GP_ERR_IO no gnuplot (names the package), or it failed (its first
- * line); GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
-                                   char **out, size_t *size);
 
 // -- sun.c -------------------------------------------------------------------
 

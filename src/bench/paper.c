@@ -216,19 +216,14 @@ static gp_status make_frame(const struct gp_log *log, const char *name, int w,
 }
 
 gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
-                         int w, int h, struct gp_frame *out)
+                         struct gp_frame *out)
 {
     static void (*const paint[GP_PAPER_KINDS])(const struct canvas *) = {
         [GP_PAPER_POINTS] = paint_points, [GP_PAPER_WINDOWS] = paint_windows,
         [GP_PAPER_SKY] = paint_sky,
     };
-    enum { W_MIN = 64, H_MIN = 48, SIDE_MAX = 16384 };
-    const char *const name = gp_paper_rates[kind].name;
-    if (w < W_MIN || h < H_MIN || w > SIDE_MAX || h > SIDE_MAX)
-        return gp_fail(log, GP_ERR_USAGE,
-            "%s: unusable frame size (%d x %d); give %d x %d to %d x %d", name,
-            w, h, W_MIN, H_MIN, SIDE_MAX, SIDE_MAX);
-    gp_status st = make_frame(log, name, w, h, out);
+    enum { w = GP_PAPER_W, h = GP_PAPER_H };
+    gp_status st = make_frame(log, gp_paper_rates[kind].name, w, h, out);
     if (st)
         return st;
     const struct canvas v = {out, w, h};
@@ -254,16 +249,11 @@ struct streak {
 
 enum { STREAKS = 44, STRONG = 8 };
 
-gp_status gp_paper_kernel(const struct gp_log *log, int size,
-                          struct gp_frame *out)
+gp_status gp_paper_kernel(const struct gp_log *log, struct gp_frame *out)
 {
     static const double spread[3] = {1.06, 1.0, 0.93}; // red scatters widest
-    enum { LEAST = 16, MOST = 4096 };
+    enum { size = GP_PAPER_KERNEL };
     struct streak s[STREAKS];
-    if (size < LEAST || size > MOST)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "kernel: unusable size (%d); give %d to %d", size, LEAST,
-                       MOST);
     gp_status st = make_frame(log, "kernel", size, size, out);
     if (st)
         return st;

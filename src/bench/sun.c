@@ -166,44 +166,45 @@ static void print_table(const struct bench *b)
         printf("GL ran on %s\n", gp_printable(b->gl).text);
 }
 
+enum { CELLS = 9 };
+
+/* All cells of a row; the last is not of CSV. */
+static void make_cells(const struct row *r, struct gp_bench_cell c[CELLS])
+{
+    const bool ran = !r->why[0];
+    const char *const names[CELLS] = {
+        "method", "ms", "ms_min", "ms_max", "ms_first", "visibility",
+        "error_mean", "error_worst", "why",
+    };
+    const double numbers[CELLS] = {
+        NAN, r->ms, r->least, r->most, r->first, r->visibility, r->mean,
+        r->worst, NAN,
+    };
+    for (int i = 0; i < CELLS; i++)
+        c[i] = (struct gp_bench_cell) {
+            .name = names[i], .number = ran ? numbers[i] : (double) NAN,
+        };
+    c[0].text = r->name;
+    c[CELLS - 1].text = ran ? NULL : r->why;
+}
+
 static gp_status save_csv(const struct bench *b, const char *path)
 {
-    char *text = NULL;
-    size_t size;
-    FILE *const to = open_memstream(&text, &size);
-    if (!to)
-        return gp_no_memory(b->log, path);
-    fprintf(to, "method,ms,ms_min,ms_max,ms_first,visibility,error_mean,"
-            "error_worst\r\n");
+    struct gp_bench_cell all[ROWS * (CELLS - 1)], c[CELLS];
     for (int i = 0; i < ROWS; i++) {
-        const struct row *const r = &b->row[i];
-        if (r->why[0])
-            fprintf(to, "%s,,,,,,,\r\n", r->name);
-        else
-            fprintf(to, "%s,%.4f,%.4f,%.4f,%.4f,%.9g,%.6g,%.6g\r\n",
-                    r->name, r->ms, r->least, r->most, r->first, r->visibility,
-                    r->mean, r->worst);
+        make_cells(&b->row[i], c);
+        memcpy(all + i * (CELLS - 1), c, (CELLS - 1) * sizeof *c);
     }
-    gp_status st = fclose(to) == 0 ? gp_file_save(b->log, path, text, size)
-                                   : gp_no_memory(b->log, path);
-    free(text);
-    return st;
+    return gp_bench_save_csv(b->log, path, all, ROWS, CELLS - 1);
 }
 
 static gp_status save_json(const struct bench *b, const char *path)
 {
     json_t *const rows = json_array();
     for (int i = 0; i < ROWS; i++) {
-        const struct row *const r = &b->row[i];
-        json_array_append_new(
-            rows,
-            r->why[0]
-                ? json_pack("{ss so}", "method", r->name, "why",
-                            gp_json_name(r->why))
-                : json_pack("{ss sf sf sf sf sf sf sf}", "method", r->name,
-                            "ms", r->ms, "ms_min", r->least, "ms_max", r->most,
-                            "ms_first", r->first, "visibility", r->visibility,
-                            "error_mean", r->mean, "error_worst", r->worst));
+        struct gp_bench_cell c[CELLS];
+        make_cells(&b->row[i], c);
+        json_array_append_new(rows, gp_bench_json_row(c, CELLS));
     }
     json_t *const all = json_pack("{so si si si so}", "input",
         gp_json_name(b->frame.path), "lights", b->lights, "runs",

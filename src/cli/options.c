@@ -561,8 +561,7 @@ const struct gp_option gp_options[] = {
         .help = "bench, sets: write the table as JSON; compare: write one object a "
                 "line for each pair; - is stdout"),
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE", .once = true,
-        .help = "Draw error over time with the Pareto front, as SVG, by "
-                "gnuplot"),
+        .help = "Draw error over time with the Pareto front, as SVG"),
     OPT(bench.paper, .name = "paper", BENCH,
         .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
         .help = "Measure three generated frames like the paper's: few points, "

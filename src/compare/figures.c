@@ -1,5 +1,6 @@
 #include "compare/compare.h"
 
+#include "compare/flip.h"
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -10,8 +11,8 @@
 
 // -- pairs of channels -------------------------------------------------------
 
-static const struct gp_stored_channel *find_channel(
-    const struct gp_stored_image *image, const char *name)
+static const struct glarepp_channel *find_channel(
+    const struct glarepp_stored *image, const char *name)
 {
     for (int i = 0; i < image->channels; i++) {
         if (strcmp(image->channel[i].name, name) == 0)
@@ -20,15 +21,28 @@ static const struct gp_stored_channel *find_channel(
     return NULL;
 }
 
+static struct gp_rect rect_of(const struct glarepp_stored *image)
+{
+    const struct glarepp_rect r = image->data;
+    return (struct gp_rect) {r.x0, r.y0, r.x1, r.y1};
+}
+
+static bool is_lit(const struct glarepp_stored *image)
+{
+    return image->light[0] && image->light[1] && image->light[2];
+}
+
 gp_status gp_compare_match_make(
-    const struct gp_log *log, const struct gp_stored_image *a,
-    const struct gp_stored_image *b, struct gp_compare_match *m)
+    const struct gp_log *log, const struct glarepp_stored *a,
+    const struct glarepp_stored *b, struct gp_compare_match *m)
 {
     static const char *const first[] = {"R", "G", "B", "A"};
     *m = (struct gp_compare_match) {
-        .a = a, .b = b, .lit = a->light[0] && b->light[0],
-        .window = gp_rect_join(a->data, b->data),
+        .a = a, .b = b, .lit = is_lit(a) && is_lit(b),
+        .window = gp_rect_join(rect_of(a), rect_of(b)),
     };
+    gp_luminance_weights(a->primaries ? a->primaries : gp_rec709_chromaticities,
+                         m->luminance);
     gp_status st = gp_alloc(log, "channels",
                             (size_t) a->channels + (size_t) b->channels + 1,
                             sizeof *m->pair, &m->pair);
@@ -82,16 +96,16 @@ const char *gp_compare_name(const struct gp_compare_match *m, int pair)
 // -- values ------------------------------------------------------------------
 
 /* The index of a pixel of the window in an image, or -1 outside it. */
-static int64_t index_at(const struct gp_stored_image *image, int x, int y)
+static int64_t index_at(const struct glarepp_stored *image, int x, int y)
 {
-    const struct gp_rect r = image->data;
+    const struct gp_rect r = rect_of(image);
     if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
         return -1;
     return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
 }
 
 /* The samples of a pixel: `n` from *from on; of a flat one 1, outside 0. */
-static int64_t samples_at(const struct gp_stored_image *image, int64_t at,
+static int64_t samples_at(const struct glarepp_stored *image, int64_t at,
                           int64_t *from)
 {
     *from = at;
@@ -101,20 +115,12 @@ static int64_t samples_at(const struct gp_stored_image *image, int64_t at,
     return image->first[at + 1] - image->first[at];
 }
 
-static double value_at(const struct gp_stored_channel *c, int64_t at)
+static double value_at(const struct glarepp_channel *c, int64_t at)
 {
     if (!c || at < 0)
         return 0.0;
     return c->is_uint ? (double) ((const uint32_t *) c->v)[at]
                     : (double) ((const float *) c->v)[at];
-}
-
-static double pair_value(const struct gp_compare_match *m, bool of_b, int pair,
-                        int x, int y)
-{
-    const struct gp_compare_pair *const p = &m->pair[pair];
-    return of_b ? value_at(p->b, index_at(m->b, x, y))
-                : value_at(p->a, index_at(m->a, x, y));
 }
 
 static bool same_nonfinite(double a, double b)
@@ -124,11 +130,11 @@ static bool same_nonfinite(double a, double b)
 
 /* Luminance of a pixel, by the weights of the first image. */
 static double luminance(const struct gp_compare_match *m,
-                        const struct gp_stored_image *image, int64_t at)
+                        const struct glarepp_stored *image, int64_t at)
 {
     double y = 0.0;
     for (int c = 0; c < 3 && at >= 0; c++)
-        y += (double) m->a->luminance[c] * (double) image->light[c][at];
+        y += (double) m->luminance[c] * (double) image->light[c][at];
     return y;
 }
 
@@ -148,7 +154,7 @@ struct sums {
 };
 
 struct measure {
-    const struct gp_compare_params *limits;
+    const struct glarepp_compare_params *limits;
     const struct gp_compare_match *m;
     struct sums *row;
     double bright;                   // of all rows
@@ -173,7 +179,7 @@ static void sum_row(void *ctx, int row, int thread)
     const struct gp_compare_match *const m = t->m;
     struct sums *const s = &t->row[row];
     const int y = m->window.y0 + row;
-    const struct gp_compare_params *const l = t->limits;
+    const struct glarepp_compare_params *const l = t->limits;
     for (int x = m->window.x0; x < m->window.x1; x++) {
         int64_t at_a, at_b;
         const int64_t in_a = samples_at(m->a, index_at(m->a, x, y), &at_a);
@@ -243,8 +249,8 @@ static void relative_row(void *ctx, int row, int thread)
 // -- figures -----------------------------------------------------------------
 
 gp_status gp_compare_measure(
-    const struct gp_log *log, const struct gp_compare_params *limits,
-    const struct gp_compare_match *m, struct gp_compare_figures *out)
+    const struct gp_log *log, const struct glarepp_compare_params *limits,
+    const struct gp_compare_match *m, struct glarepp_compare_facts *out)
 {
     const int rows = gp_rect_h(m->window);
     struct measure t = {.limits = limits, .m = m};
@@ -261,8 +267,11 @@ gp_status gp_compare_measure(
     const double values = (double) gp_rect_w(m->window) * (double) rows *
                           (double) m->pairs;
     double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
-    *out = (struct gp_compare_figures) {
-        .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
+    *out = (struct glarepp_compare_facts) {
+        .window = {m->window.x0, m->window.y0, m->window.x1, m->window.y1},
+        .pairs = m->pairs, .lit = m->lit,
+        .pixels = (long long) gp_rect_w(rect_of(m->a)) *
+                  gp_rect_h(rect_of(m->a)),
         .x = m->window.x0, .y = m->window.y0, .seen = -1,
         .max_rel = m->lit ? 0.0 : (double) NAN,
     };
@@ -299,14 +308,14 @@ gp_status gp_compare_measure(
     return GP_OK;
 }
 
-enum gp_compare_result gp_compare_judge(const struct gp_compare_params *limits,
-    const struct gp_compare_figures *f, const struct gp_compare_flip *flip)
+int gp_compare_judge(const struct glarepp_compare_params *limits,
+                     const struct glarepp_compare_facts *f)
 {
     const double hundredth = (double) f->pixels / 100.0;
     const bool eye = f->seen >= 0;
     const long long failed = eye ? f->seen : f->failed;
     if (f->rel_l2 > (double) limits->fail_rel ||
-        (flip->known && flip->mean > (double) limits->fail_flip))
+        (f->has_flip && f->flip > (double) limits->fail_flip))
         return GP_COMPARE_FAILURE;
     if (limits->allow_failures < 0 || failed <= limits->allow_failures)
         return GP_COMPARE_MATCH;
@@ -323,7 +332,7 @@ enum gp_compare_result gp_compare_judge(const struct gp_compare_params *limits,
 
 gp_status gp_compare_light(
     const struct gp_log *log, const struct gp_compare_match *m,
-    const struct gp_stored_image *image, bool hdr, struct gp_planes *out)
+    const struct glarepp_stored *image, bool hdr, struct gp_planes *out)
 {
     static const float BRIGHTEST = 65504.0f;
     const size_t w = (size_t) gp_rect_w(m->window);
@@ -337,7 +346,7 @@ gp_status gp_compare_light(
             if (at >= 0)
                 memcpy(to + (image->data.x0 - m->window.x0),
                        image->light[c] + at,
-                       (size_t) gp_rect_w(image->data) * sizeof *to);
+                       (size_t) gp_rect_w(rect_of(image)) * sizeof *to);
         }
         for (size_t i = 0; i < pixels && hdr; i++) {
             if (isinf(out->c[c][i]) && out->c[c][i] > 0.0f)
@@ -348,39 +357,34 @@ gp_status gp_compare_light(
 }
 
 gp_status gp_compare_flip(
-    const struct gp_log *log, const struct gp_flip_exposures *e,
-    const struct gp_compare_match *m, struct gp_compare_flip *out)
+    const struct gp_log *log, const struct glarepp_compare_params *p,
+    const struct gp_compare_match *m, struct glarepp_compare_facts *out,
+    float **map)
 {
     const int w = gp_rect_w(m->window), h = gp_rect_h(m->window);
     const size_t pixels = (size_t) w * (size_t) h;
+    const bool hdr = !(m->a->integers && m->b->integers);
+    struct gp_flip_exposures e = {p->start, p->stop, p->exposures};
     struct gp_planes a = {0}, b = {0};
     gp_status st;
-    *out = (struct gp_compare_flip) {
-        .hdr = !(m->a->integers && m->b->integers),
-    };
-    if (!m->lit)
-        return GP_OK;
-    GP_TRY(gp_compare_light(log, m, m->a, out->hdr, &a));
-    GP_TRY(gp_compare_light(log, m, m->b, out->hdr, &b));
-    GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof *out->map, &out->map));
-    if (out->hdr && e)
-        out->exposures = *e;
-    else if (out->hdr)
-        GP_TRY(gp_flip_exposures_find(log, pixels, &a, &out->exposures));
-    GP_TRY(out->hdr ? gp_flip_hdr(log, w, h, &a, &b, &out->exposures,
-                                  out->map, &out->mean)
-                    : gp_flip_ldr(log, w, h, &a, &b, out->map, &out->mean));
-    out->known = true;
+    GP_TRY(gp_compare_light(log, m, m->a, hdr, &a));
+    GP_TRY(gp_compare_light(log, m, m->b, hdr, &b));
+    GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof **map, map));
+    if (hdr && !e.count)
+        GP_TRY(gp_flip_exposures_find(log, pixels, &a, &e));
+    GP_TRY(hdr ? gp_flip_hdr(log, w, h, &a, &b, &e, *map, &out->flip)
+               : gp_flip_ldr(log, w, h, &a, &b, *map, &out->flip));
+    out->has_flip = true;
+    out->hdr = hdr;
+    if (hdr) {
+        out->start = e.start;
+        out->stop = e.stop;
+        out->exposures = e.count;
+    }
 out:
     gp_planes_free(&a);
     gp_planes_free(&b);
     return st;
-}
-
-void gp_compare_flip_free(struct gp_compare_flip *f)
-{
-    GP_FREE(f->map);
-    f->known = false;
 }
 
 // -- pictures ----------------------------------------------------------------
@@ -413,8 +417,9 @@ void gp_compare_subtract(const struct gp_compare_match *m, int pair,
 {
     for (int y = m->window.y0; y < m->window.y1; y++) {
         for (int x = m->window.x0; x < m->window.x1; x++) {
-            const float d = (float) (pair_value(m, false, pair, x, y) -
-                                     pair_value(m, true, pair, x, y));
+            const float d =
+                (float) (value_at(m->pair[pair].a, index_at(m->a, x, y)) -
+                         value_at(m->pair[pair].b, index_at(m->b, x, y)));
             *to++ = (absolute ? fabsf(d) : d) * scale;
         }
     }

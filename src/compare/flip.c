@@ -133,7 +133,7 @@ struct metric {
     float to_xyz[9], to_rgb[9];    // BT.709 and XYZ over that of white
     float most;                    // largest colour difference, raised
     struct tile *tile;             // of each thread
-    float *map;                    // or NULL
+    float *map;
     double *sum;                   // one a tile
 };
 
@@ -284,12 +284,9 @@ static void compare_tile(void *ctx, int i, int thread)
     resolve(m, t, 1);
     for (int y = 0; y < t->h; y++) {
         const size_t at = (size_t) (t->y0 + y) * (size_t) m->w + (size_t) t->x0;
-        float *const to = m->map ? m->map + at : NULL;
         for (int x = 0; x < t->w; x++) {
-            const float d = difference(m, t, y * TILE_W + x);
-            sum += (double) d;
-            if (to)
-                to[x] = d;
+            m->map[at + (size_t) x] = difference(m, t, y * TILE_W + x);
+            sum += (double) m->map[at + (size_t) x];
         }
     }
     m->sum[i] = sum;
@@ -299,9 +296,6 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
                       const struct gp_planes *a, const struct gp_planes *b,
                       float *map, double *mean)
 {
-    if (w < 1 || h < 1)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "flip: no pixels (found %d x %d); give pictures", w, h);
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
@@ -334,8 +328,7 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
         double sum = 0.0;
         for (int i = 0; i < tiles; i++)
             sum += m.sum[i];
-        if (mean)
-            *mean = sum / ((double) w * (double) h);
+        *mean = sum / ((double) w * (double) h);
     }
     gp_free(m.tile);
     gp_free(m.sum);
@@ -398,8 +391,6 @@ gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
 {
     const float *const k = gp_rec709_luminance;
     float *y, most = 0.0f;
-    if (pixels == 0)
-        return gp_fail(log, GP_ERR_USAGE, "flip: no pixels; give pictures");
     gp_status st = gp_alloc(log, "flip", pixels, sizeof *y, &y);
     if (st)
         return st;
@@ -469,24 +460,20 @@ gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
     const struct gp_flip_exposures *e, float *map, double *mean)
 {
     gp_status st;
-    const size_t n = w > 0 && h > 0 ? (size_t) w * (size_t) h : 0;
+    const size_t n = (size_t) w * (size_t) h;
     const struct gp_planes *const in[2] = {reference, test};
     struct gp_planes shown[2] = {{{NULL}}};
-    float *one = NULL, *most = NULL; // FLIP of an exposure, of all so far
-    struct gp_flip_exposures found;
+    float *one = NULL; // FLIP of an exposure
     double sum = 0.0;
-    if (e && (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
-              !isfinite(e->start) || !isfinite(e->stop)))
+    if (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
+        !isfinite(e->start) || !isfinite(e->stop))
         return gp_fail(log, GP_ERR_USAGE, "flip: exposures out of range (found "
             "%d from %g to %g); give 1 to %d of finite EV", e->count,
             (double) e->start, (double) e->stop, GP_FLIP_EXPOSURES_MAX);
-    if (!e)
-        GP_TRY(gp_flip_exposures_find(log, n, reference, &found));
-    e = e ? e : &found;
     for (int i = 0; i < 2; i++)
         GP_TRY(gp_planes_make(log, "flip", n, &shown[i]));
     GP_TRY(gp_alloc(log, "flip", n, sizeof *one, &one));
-    GP_TRY(gp_alloc_zero(log, "flip", n, sizeof *most, &most));
+    memset(map, 0, n * sizeof *map);
     for (int i = 0; i < e->count; i++) {
         const double start = (double) e->start, stop = (double) e->stop;
         const double ev =
@@ -497,20 +484,17 @@ gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
             struct toning t = {in[k], scale, n, &shown[k]};
             gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
         }
-        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], one, NULL));
+        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], one, &sum));
         for (size_t j = 0; j < n; j++)
-            most[j] = gp_maxf(one[j], most[j]);
+            map[j] = gp_maxf(one[j], map[j]);
     }
+    sum = 0.0;
     for (size_t j = 0; j < n; j++)
-        sum += (double) most[j];
-    if (map)
-        memcpy(map, most, n * sizeof *map);
-    if (mean)
-        *mean = sum / (double) n;
+        sum += (double) map[j];
+    *mean = sum / (double) n;
 out:
     for (int i = 0; i < 2; i++)
         gp_planes_free(&shown[i]);
     gp_free(one);
-    gp_free(most);
     return st;
 }

@@ -24,11 +24,10 @@ enum { GP_FLIP_EXPOSURES_MAX = 64 };
  *
  *   a, b   display-linear BT.709 (the sRGB curve undone); values outside [0,1]
  *          are clamped, NaN counts as 0
- *   map    w * h values in [0,1], or NULL
- *   mean   of the map; NULL where it is not wanted
+ *   map    w * h values in [0,1]
+ *   mean   of the map; written only on GP_OK
  *
- * Beyond the border the outermost pixels are repeated. Both are written only on
- * GP_OK. Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory. */
+ * Beyond the border the outermost pixels are repeated. */
 GP_MUST_CHECK gp_status gp_flip_ldr(
     const struct gp_log *log, int w, int h, const struct gp_planes *a,
     const struct gp_planes *b, float *map, double *mean);
@@ -47,8 +46,7 @@ struct gp_flip_exposures {
  *   reference  `pixels` samples, scene-linear BT.709; negative and NaN are 0
  *
  * A median of 0, which the paper leaves open, is replaced by that of the pixels
- * over 0; a black frame gives exposure 0, once.
- * Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory. */
+ * over 0; a black frame gives exposure 0, once. */
 GP_MUST_CHECK gp_status gp_flip_exposures_find(
     const struct gp_log *log, size_t pixels, const struct gp_planes *reference,
     struct gp_flip_exposures *out);
@@ -57,10 +55,10 @@ GP_MUST_CHECK gp_status gp_flip_exposures_find(
  * mapped by the ACES curve (Narkowicz 2016, its input times 0.6).
  *
  *   reference, test  scene-linear BT.709; negative and NaN count as 0
- *   e                the exposures; NULL finds them from `reference`
+ *   e                the exposures
  *
- * The rest, and the errors, as in gp_flip_ldr(); GP_ERR_USAGE also for
- * exposures that are not finite, or a count out of range. */
+ * The rest as in gp_flip_ldr(). Errors: GP_ERR_USAGE exposures that are not
+ * finite, or a count out of range. */
 GP_MUST_CHECK gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
     const struct gp_planes *reference, const struct gp_planes *test,
     const struct gp_flip_exposures *e, float *map, double *mean);

@@ -18,7 +18,7 @@ enum { ARENA = false };
 enum { ARENA = true };
 #endif
 
-enum { ARENA_LEAST = 64 << 10 }; // bytes of a block of the arena
+enum { ARENA_LEAST = 512 << 10 }; // bytes of a block of the arena
 
 static atomic_bool arena_on; // never off again
 
@@ -58,9 +58,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
 
 void gp_free(void *p)
 {
-    if (has_arena() && gp_arena_has(p))
-        gp_arena_give(p);
-    else
+    if (!has_arena() || !gp_arena_give(p))
         free(p);
 }
 

@@ -425,7 +425,7 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
         box_row(&o->sums, from, kernel_from((long long) y + 1, k->cy, k->h));
     const double all = box_row(&o->sums, from, k->h)[k->w];
     find_shares(k, low, high,
-                k->beyond[from] + (all - (high[k->w] - low[k->w])), b->w,
+                k->left_out + (all - (high[k->w] - low[k->w])), b->w,
                 o->box + (size_t) thread * o->sums.pitch, share);
     if (o->tail) {
         const float tail = (float) k->tail->sum[from];

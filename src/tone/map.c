@@ -81,7 +81,8 @@ static void measure_peak(void *ctx, int band, int thread)
                                                  : GP_LIGHT_MAX;
 }
 
-float gp_tone_scale(const struct gp_tone_params *p, const struct gp_image *f)
+float gp_tone_scale(const struct glarepp_tone_params *p,
+                    const struct gp_image *f)
 {
     double scale = exp2((double) p->exposure);
     if (p->auto_exposure) {
@@ -111,8 +112,8 @@ static void map_block(void *ctx, int block, int thread)
     m->curve->map(out[0], out[1], out[2], n, m->white);
 }
 
-gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
-                      struct gp_image *f, float *scale)
+gp_status gp_tone_map(const struct gp_log *log,
+    const struct glarepp_tone_params *p, struct gp_image *f)
 {
     struct mapping m = {
         .f = f, .curve = gp_tone_find(p->curve), .scale = 1.0f, .white = 1.0f,
@@ -154,7 +155,5 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
         m.white = peak > 0.0f ? peak : 1.0f;
     }
     gp_parallel_do((int) ((pixels + BLOCK - 1) / BLOCK), map_block, &m);
-    if (scale)
-        *scale = m.scale;
     return GP_OK;
 }

@@ -18,8 +18,7 @@ struct gp_ocio {
     struct gp_ocio_opened opened;
     bool any_primaries;     // of the params
     bool noted, noted_output; // gp_ocio_note() has printed its lines
-    bool has_primaries;     // of the output space:
-    float primaries[8];
+    float primaries[8];     // of facts.output_primaries
 };
 
 // -- primaries ----------------------------------------------------------------
@@ -104,13 +103,13 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_image *f)
 {
     const struct gp_ocio_opened *const opened = &ocio->opened;
-    const char *const config = opened->names.config;
+    const char *const config = opened->facts.config;
     double m[9];
-    if (opened->names.output && !ocio->has_primaries && !ocio->noted_output)
+    if (opened->facts.output && !opened->facts.output_primaries && !ocio->noted_output)
         gp_say_at(log, GP_LEVEL_WARN, "tone.output.primaries", "output space "
                   "%s: primaries unknown (not linear, or %s has no role "
                   "aces_interchange); the lit frame gets no chromaticities",
-                  opened->names.output, config);
+                  opened->facts.output, config);
     ocio->noted_output = true;
     const bool usable = gp_rgb_to_rgb(f->chromaticities,
                                       opened->input_light.known
@@ -124,30 +123,20 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
         gp_say_at(log, GP_LEVEL_WARN, "tone.input", "%s: its chromaticities are "
                   "ignored: it is read as %s, whose primaries are unknown (not "
                   "linear, or %s has no role aces_interchange)", f->path,
-                  opened->names.input, config);
+                  opened->facts.input, config);
     else
         gp_say_at(log, GP_LEVEL_WARN, "tone.any_primaries", "%s: its "
                   "chromaticities are ignored: they are no colours (red %g,%g, "
                   "white %g,%g); it is read as %s; correct them", f->path,
                   (double) f->chromaticities[0], (double) f->chromaticities[1],
                   (double) f->chromaticities[6], (double) f->chromaticities[7],
-                  opened->names.input);
-}
-
-const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
-{
-    return ocio->has_primaries ? ocio->primaries : NULL;
-}
-
-const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio)
-{
-    return ocio->opened.cicp;
+                  opened->facts.input);
 }
 
 // -- the config ---------------------------------------------------------------
 
 gp_status gp_ocio_open(const struct gp_log *log,
-                       const struct gp_ocio_params *p, struct gp_ocio **out)
+                       const struct glarepp_tone_params *p, struct gp_ocio **out)
 {
     char why[2048];
     struct gp_ocio_fault fault;
@@ -173,7 +162,8 @@ gp_status gp_ocio_open(const struct gp_log *log,
         return gp_fail_at(log, st, fault.parameter, "%s", fault.line);
     }
     o->any_primaries = p->any_primaries;
-    o->has_primaries = name_primaries(&o->opened.output_light, o->primaries);
+    if (name_primaries(&o->opened.output_light, o->primaries))
+        o->opened.facts.output_primaries = o->primaries;
     *out = o;
     return GP_OK;
 }
@@ -185,9 +175,9 @@ void gp_ocio_close(struct gp_ocio **ocio)
     GP_FREE(*ocio);
 }
 
-const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
+const struct glarepp_plan_facts *gp_ocio_facts(const struct gp_ocio *ocio)
 {
-    return &ocio->opened.names;
+    return &ocio->opened.facts;
 }
 
 // -- pixels ------------------------------------------------------------------
@@ -245,7 +235,7 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
 }
 
 gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
-                       const struct gp_tone_params *p, struct gp_image *f)
+                       const struct glarepp_tone_params *p, struct gp_image *f)
 {
     return run_pass(log, "shown frame", ocio, f, &(struct ocio_pass) {
         .processor = ocio->opened.view, .in = &f->lit, .out = &f->shown,

@@ -22,11 +22,13 @@ struct gp_ocio;
  * memory.
  */
 GP_MUST_CHECK gp_status gp_ocio_open(const struct gp_log *log,
-    const struct gp_ocio_params *p, struct gp_ocio **out);
+    const struct glarepp_tone_params *p, struct gp_ocio **out);
 void gp_ocio_close(struct gp_ocio **ocio);
 
-/* Returns the names in use; lives as long as `ocio`. */
-const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
+/* Returns the names, files and code points in use, and the chromaticities of
+ * the output space: the published ones, else those that give the same light with
+ * the reference's white. Lives as long as `ocio`. */
+const struct glarepp_plan_facts *gp_ocio_facts(const struct gp_ocio *ocio);
 
 /* Warns, once, of an output space whose chromaticities are not known; and, for
  * the first such frame, that a frame's chromaticities are ignored, as they or
@@ -34,34 +36,24 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_image *f);
 
-/* Returns the chromaticities of gp_ocio_params.output, rx ry gx gy bx by wx wy:
- * the published ones of the space, else those that give the same light with the
- * reference's white. Lives as long as `ocio`; NULL where the config does not
- * define them. */
-const float *gp_ocio_output_primaries(const struct gp_ocio *ocio);
-
-/* ITU-T H.273 ColourPrimaries and TransferCharacteristics of what
- * gp_ocio_show() makes; 0, 0 unknown. */
-const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio);
-
 /* A frame whose file names chromaticities, other than those of the input space
  * as far as that is known, is converted to the input space first (white to
- * white, gp_rgb_to_rgb()), but for gp_ocio_params.any_primaries.
+ * white, gp_rgb_to_rgb()), but for any_primaries.
  *
  * Makes f->shown from f->lit: exposure (and auto-exposure) of `p` as a scale,
  * then the view; p->curve and p->white do not count. f->shown is
  * display-encoded then, in whatever range the display's space has. Scaled
  * light is kept finite; NaN stays with its own pixel. f->shown is made when it
  * is empty, else it has the frame's size and is written over.
- *   ocio  was asked for a view (gp_ocio_params.shows)
+ *   ocio  was asked for a view (shows)
  * Errors: GP_ERR_BUG no memory, or no view.
  */
 GP_MUST_CHECK gp_status gp_ocio_show(
     const struct gp_log *log, const struct gp_ocio *ocio,
-    const struct gp_tone_params *p, struct gp_image *f);
+    const struct glarepp_tone_params *p, struct gp_image *f);
 
 /* Makes *out from *in, `n` pixels of colour of a layer of f's part: the same
- * light in the space that gp_ocio_params.output names; no exposure. *out is made
+ * light in the output space; no exposure. *out is made
  * when it is empty, else written over, and owned by the caller. Errors:
  * GP_ERR_BUG no memory, or no such space was asked for; *out is empty then. */
 GP_MUST_CHECK gp_status gp_ocio_convert(

@@ -44,7 +44,7 @@ struct Owned {
 
 // A config and what it was asked for.
 struct Asked {
-    const gp_ocio_params *p;
+    const glarepp_tone_params *p;
     OCIO::ConstConfigRcPtr config;
     OCIO::ConstContextRcPtr context;
     Owned *own;
@@ -421,7 +421,7 @@ int put(const Refusal &r, gp_ocio_fault *fault)
     return r.status;
 }
 
-int open_config(const gp_ocio_params *p, gp_ocio_opened *out,
+int open_config(const glarepp_tone_params *p, gp_ocio_opened *out,
                 gp_ocio_fault *fault)
 try {
     *out = {};
@@ -457,7 +457,7 @@ try {
                             space ? space : "scene_linear"); // lists all
     if (p->shows) {
         make_view(a);
-        find_code_points(a, out->cicp);
+        find_code_points(a, out->facts.cicp);
     }
     if (!p->any_primaries || p->output)
         out->input_light = light_of(a, own->input);
@@ -471,16 +471,16 @@ try {
         }
         out->output_light = light_of(a, own->wanted);
     }
-    out->names.config = own->config.c_str();
-    out->names.input = own->input.c_str();
-    out->names.display = text_or_null(own->display);
-    out->names.view = text_or_null(own->viewed);
-    out->names.look = text_or_null(own->look);
-    out->names.output = text_or_null(own->wanted);
+    out->facts.config = own->config.c_str();
+    out->facts.input = own->input.c_str();
+    out->facts.display = text_or_null(own->display);
+    out->facts.view = text_or_null(own->viewed);
+    out->facts.look = text_or_null(own->look);
+    out->facts.output = text_or_null(own->wanted);
     for (const std::string &name : own->files)
         own->file.push_back(name.c_str());
-    out->names.file = own->file.data();
-    out->names.files = static_cast<int>(own->file.size());
+    out->facts.file = own->file.data();
+    out->facts.files = static_cast<int>(own->file.size());
     out->view = own->view.get();
     out->output = own->output.get();
     out->own = own.release();

@@ -5,41 +5,14 @@
 #ifndef GP_TONE_OCIO_BRIDGE_H
 #define GP_TONE_OCIO_BRIDGE_H
 
+#include "glarepp.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Names to look up in a config. Strings are borrowed. */
-struct gp_ocio_params {
-    const char *config;   // file, or ocio://NAME; "" or "env": what $OCIO
-                          // says. NULL: no OCIO
-    const char *input;    // the frame's space; NULL: role scene_linear, else
-                          // reference, else default
-    const char *display;  // NULL: the config's default
-    const char *view;     // NULL: the display's default for the input
-    const char *look;     // "a, +b, -c | d" in place of the view's own looks;
-                          // NULL: those
-    const char *output;   // space of --hdr; NULL: as it is
-    const char *const *context;  // `contexts` settings, "NAME=VALUE"
-    int contexts;
-    bool shows;           // a display's view is wanted
-    bool any_primaries;   // frames are in `input` whatever their file names
-};
-
-/* The names that were found, as the config spells them. Strings live until the
- * processors are closed. */
-struct gp_ocio_names {
-    const char *config;         // file or URI
-    const char *input;
-    const char *display, *view; // NULL when !shows
-    const char *look;           // NULL: none was asked for
-    const char *output;         // NULL: none was asked for
-    const char *const *file;    // `files` that the processors were made of,
-    int files;                  // besides the config; some may be in it
-};
 
 /* The light of a colour space. */
 struct gp_ocio_light {
@@ -49,15 +22,12 @@ struct gp_ocio_light {
     float of[8];         // rx ry gx gy bx by wx wy
 };
 
-/* Processors; NULL for what was not asked for. Any thread may use them. */
+/* Processors; NULL for what was not asked for. Any thread may use them. The names
+ * of `facts`, as the config spells them, and files besides it live as long. */
 struct gp_ocio_opened {
-    struct gp_ocio_names names;
+    struct glarepp_plan_facts facts;
     const void *view, *output;
     struct gp_ocio_light input_light, output_light;
-    /* ITU-T H.273 ColourPrimaries and TransferCharacteristics of the view's
-     * picture, which is full-range RGB: those of sRGB, PQ and HLG in BT.709,
-     * P3-D65 and BT.2020. 0, 0 where the config does not say. */
-    unsigned char cicp[2];
     void *own;
 };
 
@@ -70,14 +40,15 @@ struct gp_ocio_fault {
 struct gp_ocio_api {
     int version;  // GP_OCIO_API_VERSION
 
-    /* Reads the config and makes what `p` asks for. Returns GP_OK, or another
+    /* Reads the config and makes what `p`, whose config is not NULL, asks for. The
+     * code points of a picture are those of full-range RGB. Returns GP_OK, or another
      * enum gp_status with the error in *fault; *out is empty then.
      *   GP_ERR_USAGE  a name that the config does not have (lists those it
      *                 has), $OCIO unset, ocio:// without built-in configs
      *   GP_ERR_IO     the config cannot be read
      *   GP_ERR_DATA   OpenColorIO refuses the config or a file of it
      */
-    int (*open)(const struct gp_ocio_params *p, struct gp_ocio_opened *out,
+    int (*open)(const struct glarepp_tone_params *p, struct gp_ocio_opened *out,
                 struct gp_ocio_fault *fault);
     void (*close)(struct gp_ocio_opened *opened);
 
@@ -85,7 +56,7 @@ struct gp_ocio_api {
      * fails (out of memory). */
     int (*apply)(const void *processor, float *r, float *g, float *b, size_t n);
 };
-enum { GP_OCIO_API_VERSION = 4 };
+enum { GP_OCIO_API_VERSION = 5 };
 
 /* The one symbol of the bridge. */
 const struct gp_ocio_api *gp_ocio_api(void);

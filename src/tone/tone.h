@@ -8,19 +8,9 @@
 
 #include "core/image.h"
 #include "core/status.h"
+#include "glarepp.h"
 
 #include <stdbool.h>
-
-struct gp_tone_params {
-    const char *curve;   // name of an operator in gp_tone_curves
-    float exposure;      // EV: light is scaled by 2^exposure first
-    bool auto_exposure;  // scales so that the log-average maps to `key`
-    float key;           // Reinhard's a, (0,1]
-    float white;         // reinhard-extended: smallest luminance that burns
-                         // out, in scaled units; 0 takes the frame's maximum;
-                         // FLT_MIN where it is under that
-};
-#define GP_TONE_DEFAULTS { .curve = "neutral", .key = 0.18f }
 
 /* Light that counts as this where it is more: every operator has reached its
  * end far below, and squares of it stay finite. */
@@ -49,15 +39,14 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
  * core/colour.h), exposure, operator. `none` copies f->lit as it is,
  * primaries and exposure untouched. f->shown is made when it is empty, else it
  * has the frame's size and is written over.
- *   scale   the factor that exposure and auto-exposure made, within 2^-140 and
- *           2^60, 1 for `none`; may be NULL
- * Errors: GP_ERR_USAGE unknown curve (lists them); GP_ERR_BUG no memory.
- */
+ * White 0 is the frame's maximum, FLT_MIN where it is under that.
+ * Errors: GP_ERR_USAGE unknown curve (lists them). */
 GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
-    const struct gp_tone_params *p, struct gp_image *f, float *scale);
+    const struct glarepp_tone_params *p, struct gp_image *f);
 
 /* The factor that exposure and auto-exposure of f->lit make, within 2^-140 and
  * 2^60. Same value for any thread count. */
-float gp_tone_scale(const struct gp_tone_params *p, const struct gp_image *f);
+float gp_tone_scale(const struct glarepp_tone_params *p,
+                    const struct gp_image *f);
 
 #endif

@@ -23,45 +23,11 @@ if [ -n "${PEER-}" ]; then
         "$frames" "$runs"
 fi
 
-echo "# auto against the fastest single engine"
-data=${GLAREPP_DATA:-../shared/data}
-real=()
-[ ! -d "$data" ] || while IFS= read -r frame; do
-    real+=("$frame")
-done < <(find "$data" -name '*.exr' ! -path '*/damaged/*' | sort)
-for kernel in builtin:eye "$frames/k512.exr"; do
-    GLAREPP_BRIDGES=$build "$build/bench/auto" "$kernel" "$runs" \
-        "$frames"/w?_1024.exr "$frames"/w?_1920.exr ${real[@]+"${real[@]}"}
-done
-
-echo "# kernels of models"
-"$build/bench/models" "$runs"
-
-echo "# glare stage (bright pass to layer) against plain 2-D FFTW at its best"
-for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
-    set -- $size
-    for frame in w1 w2 w3; do
-        for plan in measure estimate; do
-            printf '%s %-8s ' $frame $plan
-            "$build/bench/stage" "$frames/${frame}_$1.exr" \
-                "$frames/k512.exr" "$2" "$3" "$runs" $plan
-        done
-    done
-done
-
-echo "# the same, CPU time on one processor"
-taskset -c 0 "$build/bench/stage" "$frames/w2_1024.exr" "$frames/k512.exr" \
-    1280 1024 "$runs" measure
-
 echo "# plans of lengths, measured once"
 "$build/bench/plans" 1 2>&1 >/dev/null
 
 echo "# glare stage, the first frame of a run against later ones"
 /usr/bin/python3 "$here/first.py" "$glarepp" "$frames"
-
-echo "# glare stage, the eye over the whole field against its middle 511 pixels"
-"$build/bench/tail" builtin:eye "$runs" "$frames"/w?_1920.exr \
-    ${real[@]+"${real[@]}"}
 
 echo "# whole process, w2, float ZIP in, half ZIP out, against OpenEXR C++ + FFTW"
 for size in "1920 2304 1344" "3840 4096 2560"; do

@@ -87,11 +87,11 @@ static double bar_of(const struct way *w)
 
 static void map(const struct way *w, struct gp_image *f)
 {
-    struct gp_tone_params p = GP_TONE_DEFAULTS;
+    struct glarepp_tone_params p = GLAREPP_TONE_PARAMS;
     p.curve = w->curve;
     p.exposure = w->exposure;
     p.auto_exposure = w->metered;
-    if (gp_tone_map(&kept_log, &p, f, NULL))
+    if (gp_tone_map(&kept_log, &p, f))
         hard_die(w->name, kept_line);
 }
 

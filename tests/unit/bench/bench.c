@@ -1,7 +1,6 @@
 /* bench: the Pareto front, parts of a frame, options, files. */
 #include "unit.h"
 #include "bench/bench_priv.h"
-#include "kept_log.h"
 
 static void the_front_is_what_nothing_beats(void **state)
 {
@@ -121,35 +120,6 @@ static void no_light_has_a_part_without_any(void **state)
     gp_frame_free(&f);
 }
 
-static void gnuplot_gives_all_it_writes(void **state)
-{
-    char *out = NULL, *script = NULL;
-    size_t size = 0;
-    if (gp_gnuplot(NULL, "exit\n", &out, &size) != GP_OK)
-        skip_for("no gnuplot");
-    assert_int_equal(size, 0);
-    free(out);
-    // far more than a pipe holds, both ways
-    enum { N = 40000 };
-    static const char start[] = "set print '-'\n", line[] = "print 123456789\n";
-    script = calloc(N + 1, sizeof line);
-    assert_non_null(script);
-    char *end = stpcpy(script, start);
-    for (int i = 0; i < N; i++)
-        end = stpcpy(end, line);
-    assert_ok(gp_gnuplot(&kept_log, script, &out, &size));
-    assert_int_equal(size, N * 10);
-    assert_memory_equal(out, "123456789\n123456789\n", 20);
-    free(out);
-    free(script);
-    kept_clear();
-    assert_int_equal(gp_gnuplot(&kept_log, "no such word\n", &out, &size),
-                     GP_ERR_IO);
-    assert_kept("gnuplot: ");
-    assert_null(strchr(kept_line, '\n'));
-}
-
 SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,
     layers_have_their_own_front, options_ask_for_the_technique,
-    parts_are_even_and_untouched, no_light_has_a_part_without_any,
-    gnuplot_gives_all_it_writes)
+    parts_are_even_and_untouched, no_light_has_a_part_without_any)

@@ -48,9 +48,9 @@ static int start(void **state)
     return 0;
 }
 
-static struct gp_ocio_params ask(void)
+static struct glarepp_tone_params ask(void)
 {
-    return (struct gp_ocio_params) {.config = wf_path("c.ocio"),
+    return (struct glarepp_tone_params) {.config = wf_path("c.ocio"),
                                     .shows = true};
 }
 
@@ -66,7 +66,7 @@ static struct gp_image lit_frame(int w, int h, float first)
     return f;
 }
 
-static struct gp_ocio *opened(const struct gp_ocio_params *p)
+static struct gp_ocio *opened(const struct glarepp_tone_params *p)
 {
     struct gp_ocio *o;
     kept_clear();
@@ -90,11 +90,11 @@ static void view_of_every_pixel(void **state)
         {4097, 3, -2, 4e4f, false}, {64, 64, 3, 4e4f, false},
         {9, 7, 0, 1, true},
     };
-    struct gp_ocio_params p = ask();
+    struct glarepp_tone_params p = ask();
     struct gp_ocio *o = opened(&p);
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_image f = lit_frame(rows[i].w, rows[i].h, rows[i].first);
-        struct gp_tone_params tone = GP_TONE_DEFAULTS;
+        struct glarepp_tone_params tone = GLAREPP_TONE_PARAMS;
         tone.exposure = rows[i].ev;
         tone.auto_exposure = rows[i].automatic;
         tone.curve = "none"; // does not count
@@ -119,11 +119,11 @@ static void view_of_every_pixel(void **state)
 static void bad_pixels_stay_alone(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
-    struct gp_ocio_params p = ask();
+    struct glarepp_tone_params p = ask();
     struct gp_ocio *o = opened(&p);
     for (size_t i = 0; i < COUNT(bad); i++) {
         struct gp_image f = lit_frame(5, 5, bad[i]);
-        struct gp_tone_params tone = GP_TONE_DEFAULTS;
+        struct glarepp_tone_params tone = GLAREPP_TONE_PARAMS;
         tone.exposure = 8;
         assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
         for (size_t k = 1; k < 25; k++)
@@ -136,13 +136,13 @@ static void bad_pixels_stay_alone(void **state)
 
 static void same_for_any_threads(void **state)
 {
-    struct gp_ocio_params p = ask();
+    struct glarepp_tone_params p = ask();
     p.view = "Twice";
     p.output = "turned";
     struct gp_ocio *o = opened(&p);
     struct gp_image f = lit_frame(301, 97, 0.1f);
     const size_t n = gp_image_pixels(&f);
-    const struct gp_tone_params tone = {.exposure = 0.3f, .key = 0.18f,
+    const struct glarepp_tone_params tone = {.exposure = 0.3f, .key = 0.18f,
                                         .auto_exposure = true};
     float *first = malloc(n * sizeof *first);
     assert_non_null(first);
@@ -167,13 +167,13 @@ static void same_for_any_threads(void **state)
 /* A transform that was not asked for is an error, not a crash. */
 static void only_what_was_asked(void **state)
 {
-    struct gp_ocio_params p = ask();
+    struct glarepp_tone_params p = ask();
     struct gp_image f = lit_frame(2, 2, 1.0f);
     struct gp_planes out = {0};
-    const struct gp_tone_params tone = GP_TONE_DEFAULTS;
+    const struct glarepp_tone_params tone = GLAREPP_TONE_PARAMS;
     p.shows = false;
     struct gp_ocio *o = opened(&p);
-    assert_null(gp_ocio_names(o)->view);
+    assert_null(gp_ocio_facts(o)->view);
     assert_int_equal(gp_ocio_show(&kept_all, o, &tone, &f), GP_ERR_BUG);
     assert_int_equal(gp_ocio_convert(&kept_all, o, &f, gp_image_pixels(&f),
                                   &f.lit, &out), GP_ERR_BUG);
@@ -183,11 +183,11 @@ static void only_what_was_asked(void **state)
 }
 
 /* The red of pixel (0, 0) in the view that `p` asks for. */
-static float shown_red(const struct gp_ocio_params *p, float light)
+static float shown_red(const struct glarepp_tone_params *p, float light)
 {
     struct gp_ocio *o = opened(p);
     struct gp_image f = lit_frame(1, 1, light);
-    const struct gp_tone_params tone = GP_TONE_DEFAULTS;
+    const struct glarepp_tone_params tone = GLAREPP_TONE_PARAMS;
     assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
     const float red = f.shown.c[0][0];
     gp_image_free(&f);
@@ -216,13 +216,13 @@ static void what_is_chosen(void **state)
         {NULL, NULL, "Shot", NULL, "lin", "Screen", "Shot", 4.0f},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_ocio_params p = ask();
+        struct glarepp_tone_params p = ask();
         p.input = rows[i].input;
         p.display = rows[i].display;
         p.view = rows[i].view;
         p.look = rows[i].look;
         struct gp_ocio *o = opened(&p);
-        const struct gp_ocio_names *const n = gp_ocio_names(o);
+        const struct glarepp_plan_facts *const n = gp_ocio_facts(o);
         assert_string_equal(n->config, p.config);
         assert_string_equal(n->input, rows[i].is_input);
         assert_string_equal(n->display, rows[i].is_display);
@@ -242,7 +242,7 @@ static void wrong_names_list_the_right_ones(void **state)
 {
     static const char *const blank[] = {"=x"};
     const struct {
-        struct gp_ocio_params p;
+        struct glarepp_tone_params p;
         const char *parameter, *offers;
     } rows[] = {
         {{.input = "x"}, "tone.input", "scene_linear (role)"},
@@ -255,7 +255,7 @@ static void wrong_names_list_the_right_ones(void **state)
          "(found \"=x\")"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_ocio_params p = rows[i].p;
+        struct glarepp_tone_params p = rows[i].p;
         struct gp_ocio *o;
         p.config = wf_path("c.ocio");
         assert_int_equal(gp_ocio_open(&kept_all, &p, &o), GP_ERR_USAGE);
@@ -277,7 +277,7 @@ static void many_names_are_cut(void **state)
         end += sprintf(end, "  - !<ColorSpace> {name: s%d}\n", i);
     wf_write_text(wf_path("many.ocio"), text);
     free(text);
-    struct gp_ocio_params p = {.config = wf_path("many.ocio"), .input = "x"};
+    struct glarepp_tone_params p = {.config = wf_path("many.ocio"), .input = "x"};
     struct gp_ocio *o;
     assert_int_equal(gp_ocio_open(&kept_all, &p, &o), GP_ERR_USAGE);
     assert_kept("s0, s1, s2");
@@ -285,7 +285,7 @@ static void many_names_are_cut(void **state)
     assert_true(strlen(kept_line) < 800);
     p.input = NULL; // no scene_linear: the default
     o = opened(&p);
-    assert_string_equal(gp_ocio_names(o)->input, "s0");
+    assert_string_equal(gp_ocio_facts(o)->input, "s0");
     gp_ocio_close(&o);
 }
 
@@ -317,7 +317,7 @@ static void bad_configs(void **state)
         {"huge.ocio", GP_ERR_DATA, "too large"}, {".", GP_ERR_IO, "is a file"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_ocio_params p = {.config = wf_path(rows[i].name),
+        struct glarepp_tone_params p = {.config = wf_path(rows[i].name),
                                    .shows = true};
         struct gp_ocio *o;
         assert_int_equal(gp_ocio_open(&kept_all, &p, &o), rows[i].status);
