@@ -12,21 +12,41 @@ static bool fits(struct gp_rect r)
     return w <= FUZZ_PIXELS && h <= FUZZ_PIXELS / w;
 }
 
+/* An image as compare has it; `channel` has room for its channels. */
+static struct glarepp_stored stored(const struct gp_stored_image *m,
+                                    struct glarepp_channel *channel)
+{
+    for (int i = 0; i < m->channels; i++)
+        channel[i] = (struct glarepp_channel) {
+            m->channel[i].name, m->channel[i].v, m->channel[i].is_uint};
+    return (struct glarepp_stored) {
+        .size = sizeof(struct glarepp_stored), .first = m->first,
+        .data = {m->data.x0, m->data.y0, m->data.x1, m->data.y1},
+        .channel = channel, .channels = m->channels, .integers = m->integers,
+        .light = {m->light[0], m->light[1], m->light[2]},
+        .primaries = m->chromaticities,
+    };
+}
+
 static void compare(const struct gp_stored_image *a, const struct gp_stored_image *b)
 {
-    const struct gp_compare_params limits = GP_COMPARE_DEFAULTS;
+    const struct glarepp_compare_params limits = GLAREPP_COMPARE_PARAMS;
+    struct glarepp_channel *const list =
+        calloc((size_t) (a->channels + b->channels) + 1, sizeof *list);
+    const struct glarepp_stored s[] = {stored(a, list),
+                                       stored(b, list + a->channels)};
     struct gp_compare_match m;
-    struct gp_compare_figures f;
-    if (a->deep != b->deep)
-        return;
-    // rows of compare's loops count in int, as its own check of the union
-    if (!fuzz_line(gp_compare_match_make(&fuzz_log, a, b, &m)) &&
-        fits(m.window) && m.pairs &&
-        !fuzz_line(gp_compare_measure(&fuzz_log, &limits, &m, &f)) &&
-        a == b && gp_compare_judge(&limits, &f, &(struct gp_compare_flip) {0}) !=
-                      GP_COMPARE_MATCH)
-        abort();
-    gp_compare_match_free(&m);
+    struct glarepp_compare_facts f;
+    if (a->deep == b->deep) {
+        // rows of compare's loops count in int, as its own check of the union
+        if (!fuzz_line(gp_compare_match_make(&fuzz_log, &s[0], &s[1], &m)) &&
+            fits(m.window) && m.pairs &&
+            !fuzz_line(gp_compare_measure(&fuzz_log, &limits, &m, &f)) &&
+            a == b && gp_compare_judge(&limits, &f) != GP_COMPARE_MATCH)
+            abort();
+        gp_compare_match_free(&m);
+    }
+    free(list);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

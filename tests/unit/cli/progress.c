@@ -114,7 +114,8 @@ static void names_without_numbers(void **state)
 /* Jobs that fail, of frames 1 to 5 or of nameless ones, each of two views. */
 static void failed_views(void **state)
 {
-    static const char *const views[] = {"l", "r"};
+    static char l[] = "l", r[] = "r";
+    char *const views[] = {l, r};
     static const struct {
         int views;          // jobs of one input: 1 or 2
         bool numbered;
@@ -141,7 +142,7 @@ static void failed_views(void **state)
         }
         const struct gp_jobs j = {
             .job = job, .n = 10, .views = rows[i].views,
-            .view = {.name = (const char **) views, .n = 2},
+            .view = {.name = {l, r}, .n = 2},
         };
         assert_ok(gp_failures_make(NULL, &j, &f));
         for (int k = 0; k < 10; k++) {
