@@ -148,7 +148,7 @@ print(f"{'not ' if found or ended < times else ''}ok interrupted {ended} times "
 for line in found[:5]:
     print("# " + line)
 PY
-times=20
+times=8
 [ -z "$quick" ] || times=4
 "$python" interrupt.py "$glarepp" $times >verdicts 2>&1
 is $? 0 'interrupted: tried'
@@ -161,8 +161,7 @@ if sanitized; then
     done_testing
     exit
 fi
-count=1000
-[ -z "$quick" ] || count=300
+count=300
 frame small.exr size=320x180 seed=3 dim=0.5
 mkdir long
 for n in $(seq -f %04.0f $count); do
