@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Takes a large block at a huge page, not cleared; NULL when there is no memory.
+/* Takes a large block at a page, not cleared; NULL when there is no memory.
  * Call from any thread. */
 void *gp_arena_take(size_t bytes);
 

@@ -18,7 +18,7 @@ enum { ARENA = false };
 enum { ARENA = true };
 #endif
 
-enum { ARENA_LEAST = 512 << 10 }; // bytes of a block of the arena
+enum { ARENA_LEAST = 128 << 10 }; // bytes of a block of the arena
 
 static atomic_bool arena_on; // never off again
 
