@@ -8,7 +8,7 @@
 // -- commands ----------------------------------------------------------------
 
 const struct gp_command_row gp_commands[] = {
-    {"", GP_COMMAND_MAIN,
+    {"", GP_COMMAND_MAIN, 1, INT_MAX,
      "Adds the glare of bright light to HDR frames: halos, rays and streaks.\n\n"
      "  glarepp [options] -o OUTPUT INPUT...\n\n"
      "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or patterns:\n"
@@ -16,14 +16,14 @@ const struct gp_command_row gp_commands[] = {
      {{"glarepp -o out.png frame.exr", "as a camera sees it"},
       {"glarepp --style anamorphic -o out.png frame.exr", "blue streaks"},
       {"glarepp --hdr lit.####.exr shot.####.exr", "a sequence, linear"}}},
-    {"bench", GP_COMMAND_BENCH,
+    {"bench", GP_COMMAND_BENCH, 1, 1,
      "Measures speed against error on a frame, for every technique.\n\n"
      "  glarepp bench [options] INPUT\n"
      "  glarepp bench [options] --paper\n\n"
      "INPUT is a file, or - for stdin (EXR).\n",
      {{"glarepp bench frame.exr", "a table"},
       {"glarepp bench --csv t.csv --plot t.svg frame.exr", "and a plot"}}},
-    {"compare", GP_COMMAND_COMPARE,
+    {"compare", GP_COMMAND_COMPARE, 2, 2,
      "Measures the error between two images or two sequences.\n\n"
      "  glarepp compare [options] A B\n\n"
      "A, the reference, and B are files or patterns; one may be - for stdin.\n"
@@ -35,7 +35,7 @@ const struct gp_command_row gp_commands[] = {
      {{"glarepp compare a.exr b.exr", "the error"},
       {"glarepp compare --fail 0.004 --heatmap d.png a.exr b.exr",
        "and where it is"}}},
-    {"kernel", GP_COMMAND_KERNEL,
+    {"kernel", GP_COMMAND_KERNEL, 0, 1,
      "Makes a glare kernel, or checks one.\n\n"
      "  glarepp kernel [options] -o FILE\n"
      "  glarepp kernel [options] --check FILE|MODEL [FRAME]\n"
@@ -44,7 +44,7 @@ const struct gp_command_row gp_commands[] = {
      "--check looks at what FRAME would show; exit status 1 for a fault.\n",
      {{"glarepp kernel --list", "models, keys and presets"},
       {"glarepp kernel -k aperture:blades=6 -o k.exr", "rays of six blades"}}},
-    {"lens", GP_COMMAND_LENS,
+    {"lens", GP_COMMAND_LENS, 0, 0,
      "Lists the lenses for --lens, checks one, or draws it.\n\n"
      "  glarepp lens [--list]\n"
      "  glarepp lens --check FILE|NAME [--draw FILE]\n\n"
@@ -52,7 +52,7 @@ const struct gp_command_row gp_commands[] = {
      "the\nsurfaces do not make what the file claims.\n",
      {{"glarepp lens", "those that are installed"},
       {"glarepp lens --check heliar --draw heliar.svg", "one and its rays"}}},
-    {"sets", GP_COMMAND_SETS,
+    {"sets", GP_COMMAND_SETS, 1, 1,
      "Times the drawing of what a scene's camera and lights reach.\n\n"
      "  glarepp sets [options] SCENE\n\n"
      "SCENE is a glTF file with a camera: .glb or .gltf. Exit status 1 where "
@@ -60,7 +60,7 @@ const struct gp_command_row gp_commands[] = {
      {{"glarepp sets scene.glb", "a table"},
       {"glarepp sets --size 1280x720 --debug sets=map.png scene.glb",
        "and a map"}}},
-    {"styles", GP_COMMAND_STYLES,
+    {"styles", GP_COMMAND_STYLES, 0, 1,
      "Lists the styles, or draws a frame in each of them.\n\n"
      "  glarepp styles\n"
      "  glarepp styles [options] -o SHEET FRAME\n\n"
@@ -68,7 +68,7 @@ const struct gp_command_row gp_commands[] = {
      "each,\nwith its command.\n",
      {{"glarepp styles", "their names"},
       {"glarepp styles -o sheet.png frame.exr", "a frame in all of them"}}},
-    {"help", GP_COMMAND_HELP, NULL, {{0}}},
+    {"help", GP_COMMAND_HELP, 0, 1, NULL, {{0}}},
     {0},
 };
 

@@ -88,6 +88,7 @@ enum gp_need {
     GP_NEED_AUTO = 1 << 20,       // --engine auto
     GP_NEED_STREAM = 1 << 21,     // an output without an ending
     GP_NEED_FILES = 1 << 22,      // an output file
+    GP_NEEDS = 23,
 };
 
 struct gp_option {
@@ -183,6 +184,7 @@ static inline bool gp_read_whole(const char *text, const char *between, int *v)
 struct gp_command_row {
     const char *word;    // "" of the main one
     enum gp_command bit;
+    int least, most;     // inputs
     const char *usage;   // what it does, a line, then how to write it; NULL of
                          // help, whose options are topics
     struct gp_example {

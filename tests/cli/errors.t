@@ -288,7 +288,7 @@ while read -r row; do
     (cd texts && exec "$glarepp" ${row%% => *}) </dev/null >out 2>err
     is "$(cat err)" "glarepp: ${row#* => }" "the whole line: ${row%% => *}"
 done <<'ROWS'
--q => no input; write glarepp -o out.png frame.exr, or see glarepp --help
+-q => no input; write glarepp -o out.png frame.exr
 f.exr => no output is given (found f.exr); give -o out.png
 f.exr out.png => no output is given (found f.exr out.png); give -o out.png
 -g 2 f.exr none/a.tif => no output is given (found f.exr none/a.tif); give -o none/a.tif
@@ -325,7 +325,7 @@ s.####.exr => no output is given (found s.####.exr); give -o out.####.png
 -o a i --threshold-mode excesss => --threshold-mode: no such value (found "excesss"); did you mean excess? Else give one of excess, whole
 --layer diffuse in.exr => diffuse: --layer writes a file (ending is missing); end the name in .exr, or to choose an EXR layer use --layer-in diffuse
 compare -fial 1 a b => -fial: unknown option; did you mean --fail?
-compare a => compare: needs two images (found 1); write glarepp compare A B
+compare a => only one input; write glarepp compare a.exr b.exr
 --hdr h i --ocio c --view v => --view: needs a picture; give -o FILE
 -o a i --ocio c --output-space s => --output-space: converts only --hdr; give --hdr FILE
 -o a i --ocio c --tonemap reinhard => --tonemap: --ocio replaces it; leave one of the two out
@@ -336,8 +336,8 @@ bench --report f i => --report: not for glarepp bench; see glarepp bench --help
 -o a i --cluster 1 => --cluster: must be larger than --group (found 1 and 4); give a larger one, or 0 for none
 -o a i --debug polygons= => --debug: no file (found "polygons="); write polygons=FILE
 -o a i --csv x => --csv: not for pictures; write glarepp bench --csv, or leave it out
-bench => no input; write glarepp bench frame.exr, or glarepp bench --paper
-bench a b => b: bench measures one frame (found 2); give one
+bench => no input; write glarepp bench frame.exr
+bench a b => b: too many inputs (found 2, glarepp bench reads 1); leave it out
 bench --paper a => --paper: measures frames of its own (found input a); leave one of the two out
 bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 -o o.png s.####.exr => o.png: one name for a sequence (found 3 frames); write a pattern such as out.####.png, or -

@@ -172,7 +172,7 @@ static void slips_of_commands(void **state)
         {"./bnech -o a", NULL},
         {"he -o a", NULL},          // too short to say
         {"tests -o a", NULL},       // far from all
-        {"help a b", "too many words (found b)"},
+        {"help a b", "b: too many inputs"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
