@@ -40,11 +40,13 @@ struct gp_job {
 /* Takes tone-mapped pictures in place of the files of a run: `picture` has the
  * samples of f's data window, display-linear, or with --tonemap none
  * scene-linear. Both end with the call. */
+struct gp_report;
 struct gp_taker {
     gp_status (*take)(void *user, const struct gp_log *log,
                       const struct gp_frame *f,
                       const struct gp_planes *picture);
     void *user;
+    struct gp_report *report; // of several runs; open where one is wanted
 };
 
 /* The views of a frame follow each other, in the order of the list. */

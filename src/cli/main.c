@@ -1,6 +1,6 @@
 #include "cli/output_guard.h"
 #include "cli/commands.h"
-#include "cli/environment.h"
+#include "cli/machine.h"
 #include "cli/hints.h"
 #include "cli/jobs.h"
 #include "cli/options.h"

@@ -61,9 +61,6 @@ struct pipeline {
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
     size_t largest;                  // bytes of the largest unit so far
-    size_t shared;                   // bytes that are no unit's
-    bool lit;                        // a unit with light was computed
-    int most;                        // units in flight so far
     struct gp_failures failures;
     int frames, dark;                // written; of these without sources
     struct gp_frame_report brightest; // of the dark frames
@@ -287,7 +284,7 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
         if (p->s->run.report)
-            reported = gp_report_frame(p->log, &p->run.report, facts);
+            reported = gp_report_frame(p->log, p->run.report, facts);
     }
     free_unit(u);
     return st && !skipped ? st : reported;
@@ -297,41 +294,28 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Memory that all units share, in parts of the largest one, until a frame
- * has a kernel: that of a frame full of light is up to twice as wide and high,
- * and so are its transforms. */
-enum { UNKNOWN_SHARED = 4 };
+/* Memory that all units share, the kernel and its transforms, in parts of the
+ * largest unit, at most: that of a frame full of light is up to twice as wide and
+ * high. */
+enum { SHARED = 2 };
 
 /* True when one more unit may start beside `in_flight` others: all of them and
  * what they share take half of the memory at most, each as much as the largest
  * so far. The first is read by itself, as nothing is known before. */
 static bool has_room(const struct pipeline *p, int in_flight)
 {
-    const size_t half = p->memory / 2;
-    const size_t shared = p->lit ? p->shared : UNKNOWN_SHARED * p->largest;
     return in_flight == 0 || p->s->run.frame_jobs || p->memory == 0 ||
-           (p->largest > 0 && shared < half &&
-            p->largest < (half - shared) / (size_t) (in_flight + 1));
+           (p->largest > 0 && p->largest < p->memory / 2 /
+                                  (size_t) (in_flight + 1 + SHARED));
 }
 
-/* Measures what a unit took, and what units share. */
-static void measure_unit(struct pipeline *p, const struct unit *u,
-                         enum gp_phase phase)
+/* Notes what a unit takes. */
+static void measure_unit(struct pipeline *p, const struct unit *u)
 {
     size_t bytes = 0;
-    bool lit = false;
-    for (int v = 0; v < u->begun; v++) {
+    for (int v = 0; v < u->begun; v++)
         bytes += u->view[v].facts.cost.bytes;
-        lit = lit || u->view[v].facts.lib.kernel.w > 0;
-    }
     p->largest = bytes > p->largest ? bytes : p->largest;
-    if (phase != GP_PHASE_COMPUTE || !lit)
-        return;
-    const size_t peak = gp_peak_memory();
-    const size_t units = (size_t) p->most * p->largest;
-    if (peak > units && peak - units > p->shared)
-        p->shared = peak - units;
-    p->lit = true;
 }
 
 /* Chooses the next phase of a thread; false when there is none. Writing comes
@@ -364,7 +348,6 @@ static bool pick_phase(struct pipeline *p, bool first_thread, int *unit,
     if (p->next_read >= p->units || p->next_read >= p->limit ||
         in_flight >= p->slots || !has_room(p, in_flight))
         return false;
-    p->most = in_flight + 1 > p->most ? in_flight + 1 : p->most;
     *phase = GP_PHASE_READ;
     *unit = p->next_read++;
     return true;
@@ -401,7 +384,7 @@ static void run_phases(struct pipeline *p, bool first_thread)
         pthread_mutex_unlock(&p->lock);
         u->st = run_phase(p, unit, phase);
         pthread_mutex_lock(&p->lock);
-        measure_unit(p, u, phase);
+        measure_unit(p, u);
         u->state = u->st ? DONE : next[phase];
         if (u->st && unit < p->limit && !can_skip(p, u, u->st))
             p->limit = unit;
@@ -468,10 +451,9 @@ static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
     if (facts->files)
         GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, facts->file,
                                    facts->files));
-    if (r->s->run.report)
+    if (r->s->run.report && !r->jobs->taker)
         GP_TRY(gp_report_open(log, r->s->run.report,
-                              r->s->output.write.create_dir, r->s->run.append,
-                              &r->report));
+                              r->s->output.write.create_dir, r->report));
 out:
     return st;
 }
@@ -482,6 +464,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
 {
     gp_status st;
     char line[GP_LINE_BYTES] = "";
+    struct gp_report own = {0};
     const int units = jobs->n / jobs->views;
     const double start = gp_now_ms();
     // a person reads: notes say the same in more words
@@ -491,6 +474,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     struct pipeline p = {
         .log = log, .gp = gp, .s = s, .jobs = jobs, .progress = progress,
         .run = {.s = s, .jobs = jobs,
+                .report = jobs->taker ? jobs->taker->report : &own,
                 .details = person || s->run.level >= GP_LEVEL_INFO ||
                            s->run.report},
         .units = units, .slots = most < units ? most : units > 0 ? units : 1,
@@ -527,7 +511,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     }
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
-    const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);
+    const gp_status closed = gp_report_close(st ? NULL : log, &own);
     for (int i = 0; p.unit && i < p.slots; i++) {
         free_unit(&p.unit[i]);
         gp_free(p.unit[i].view);

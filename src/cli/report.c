@@ -567,28 +567,26 @@ static void remove_created(struct gp_report *r)
 }
 
 gp_status gp_report_open(const struct gp_log *log, const char *path,
-                         bool create_dir, bool append, struct gp_report *out)
+                         bool create_dir, struct gp_report *out)
 {
-    struct gp_report r = {.path = path, .append = append};
+    struct gp_report r = {.path = path};
     const int given = gp_file_descriptor(path);
     r.given = given >= 0;
     if (given == STDOUT_FILENO) {
         r.file = stdout;
     } else {
         int fd;
-        gp_status st = gp_file_open_lines(log, path, create_dir, append, &fd,
+        gp_status st = gp_file_open_lines(log, path, create_dir, &fd,
                                           &r.created);
         if (st)
             return st;
-        r.file = fdopen(fd, append ? "a" : "w");
+        r.file = fdopen(fd, "w");
         if (!r.file) {
             close(fd);
             remove_created(&r);
             gp_free(r.created);
             return gp_no_memory(log, path);
         }
-        if (append)
-            (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
     }
     *out = r;
     return GP_OK;
@@ -620,11 +618,10 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line)
         return gp_no_memory(log, r->path);
-    const bool first = r->lines == 0 && !r->append;
     const long before = ftell(r->file);
     // old lines are removed with the first new one, so that a run that fails
     // before keeps them
-    const bool fine = (!first || cut_file(r, 0)) &&
+    const bool fine = (r->lines > 0 || cut_file(r, 0)) &&
                       fprintf(r->file, "%s\n", line) > 0 &&
                       fflush(r->file) == 0;
     free(line);

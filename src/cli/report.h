@@ -123,15 +123,14 @@ struct gp_report {
     const char *path;  // borrowed; "-" is stdout
     char *created;     // owned: the file that did not exist; NULL: it did
     bool given;        // an open descriptor's, whose file is never cut
-    bool append;
     long long lines;
 };
 
 /* Opens the file, in folders that are made if `create_dir`. Its old lines are
- * removed with the first new one, not before; with `append` they stay. Errors:
- * GP_ERR_IO with the system's reason. */
+ * removed with the first new one, not before. Errors: GP_ERR_IO with the
+ * system's reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
-    const char *path, bool create_dir, bool append, struct gp_report *out);
+    const char *path, bool create_dir, struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;
  * NaN and Inf are null; bytes of names that are not UTF-8 become U+FFFD. The

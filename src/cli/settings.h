@@ -145,7 +145,6 @@ struct gp_run_settings {
     int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
     const char *report;
-    bool append;                       // to the report, by glarepp styles
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
 };

@@ -70,7 +70,7 @@ struct gp_run {
     const struct gp_jobs *jobs;
     struct glarepp_kernel *kernel;
     struct glarepp_plan *plan;
-    struct gp_report report;
+    struct gp_report *report;
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
     bool layer_ends;               // no stage after compose reads the layer

@@ -156,6 +156,7 @@ struct tile {
     struct sheet *sheet;
     int i;
     const char *caption;
+    struct gp_report report;
 };
 
 static gp_status take_picture(void *user, const struct gp_log *log,
@@ -172,7 +173,7 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
     const struct gp_settings *s, const char *first, struct tile *t)
 {
     gp_status st;
-    struct gp_taker taker = {take_picture, t};
+    struct gp_taker taker = {take_picture, t, &t->report};
     struct gp_settings one = {0};
     struct gp_jobs jobs = {0};
     struct gp_progress none;
@@ -194,7 +195,6 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
             GP_TRY(gp_no_memory(log, s->input.files.at[0]));
     }
     GP_TRY(gp_options_parse(log, words, word, &one));
-    one.run.append = t->i > 0;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
@@ -248,7 +248,9 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
     }
     while (gp_styles[sheet.tiles - 1].name)
         sheet.tiles++;
-    struct tile t = {&sheet, 0, "no glare"};
+    struct tile t = {&sheet, 0, "no glare", {0}};
+    if (s->run.report)
+        GP_TRY(gp_report_open(log, s->run.report, false, &t.report));
     GP_TRY(make_tile(log, gp, s, "--gain=0", &t));
     for (; style->name; style++) {
         char word[64];
@@ -267,7 +269,8 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
         gp_make_printable(line);
         fprintf(stderr, "%s\n", line);
     }
-out:
+out:;
+    const gp_status closed = gp_report_close(st ? NULL : log, &t.report);
     gp_planes_free(&sheet.planes);
-    return st;
+    return st ? st : closed;
 }

@@ -383,7 +383,7 @@ done
 
 # the page has each field, and no other: .It Cm has fields, .Cm those of the
 # object before; cpu_ms has those of times_ms
-"$glarepp" --help-man | awk -F '[\t.]' '$1 == "field" {
+"$glarepp" --help-table | awk -F '[\t.]' '$1 == "field" {
     print $2
     if (NF > 2 && $2 != "cpu_ms") print $2 "." $3 }' | sort -u >fields
 is "$(awk '/^\.Sh/ { on = /THE REPORT/ }

@@ -46,7 +46,7 @@ static char *reported(const struct gp_frame_report *facts, int n)
 {
     in_folder("reported.json");
     struct gp_report r;
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     for (int i = 0; i < n; i++)
         assert_ok(gp_report_frame(&kept_log, &r, facts));
     char *text = calloc(1, 65536);
@@ -205,7 +205,7 @@ static void files_are_touched_with_the_first_line(void **state)
     in_folder("r.json");
     struct gp_frame_report facts = full_facts();
     struct gp_report r;
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), -1);
 
@@ -213,55 +213,26 @@ static void files_are_touched_with_the_first_line(void **state)
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), 16000);
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_frame(&kept_log, &r, &facts));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_in_range(size_of(path), 100, 2000);
-}
-
-static void lines_are_appended(void **state)
-{
-    static const char *const rows[] = {"", "old\n", "old\nold\n"};
-    in_folder("append.json");
-    struct gp_frame_report facts = full_facts();
-    unlink(path);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        char text[8192] = "";
-        struct gp_report r;
-        FILE *f = fopen(path, "w");
-        fputs(rows[i], f);
-        fclose(f);
-        const size_t whole = strlen(rows[i]);
-        assert_ok(gp_report_open(&kept_log, path, false, true, &r));
-        assert_int_equal(size_of(path), whole);
-        for (int k = 0; k < 2; k++)
-            assert_ok(gp_report_frame(&kept_log, &r, &facts));
-        assert_ok(gp_report_close(&kept_log, &r));
-        f = fopen(path, "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_memory_equal(text, rows[i], whole);
-        const char *const second = strchr(text + whole, '\n') + 1;
-        assert_true(text[whole] == '{' && second[0] == '{');
-        assert_true(strchr(second, '\n')[1] == '\0');
-    }
 }
 
 static void errors_of_files(void **state)
 {
     struct gp_frame_report facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&kept_log, "/no/such/r.json", false, false,
-                                    &r), GP_ERR_IO);
+    assert_int_equal(gp_report_open(&kept_log, "/no/such/r.json", false, &r), GP_ERR_IO);
     assert_kept("/no/such/r.json: ");
-    assert_int_equal(gp_report_open(&kept_log, "/tmp", false, false, &r),
+    assert_int_equal(gp_report_open(&kept_log, "/tmp", false, &r),
                      GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip_for("no /dev/full");
-    assert_ok(gp_report_open(&kept_log, "/dev/full", false, false, &r));
+    assert_ok(gp_report_open(&kept_log, "/dev/full", false, &r));
     assert_int_equal(gp_report_frame(&kept_log, &r, &facts), GP_ERR_IO);
     assert_kept("No space left");
     (void) gp_report_close(NULL, &r);
@@ -286,4 +257,4 @@ SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
          a_failed_frame_says_why, lights_of_relight,
          what_was_not_needed_is_left_out, hard_values_stay_json,
          locales_do_not_matter, files_are_touched_with_the_first_line,
-         lines_are_appended, errors_of_files, lines_are_cut_not_overrun)
+         errors_of_files, lines_are_cut_not_overrun)
