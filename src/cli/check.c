@@ -333,35 +333,6 @@ static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Says that no output is given. Where the last input has a name that can be
- * written, and is not there or of another format than the first, it was meant as
- * the output. */
-static gp_status no_output(const struct gp_log *log,
-                           const struct gp_settings *s)
-{
-    const int n = s->input.files.n;
-    const char *const *const in = (const char *const *) s->input.files.at;
-    const char *const first = in[0], *const last = in[n - 1];
-    const char *const slash = strrchr(last, '/'); // (or the folder is missing)
-    char ending[16], other[16];
-    gp_file_ending(first, other, sizeof other);
-    gp_file_ending(last, ending, sizeof ending);
-    const bool meant =
-        n > 1 && (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
-        gp_write_check(NULL, &s->output.write, slash ? slash + 1 : last) ==
-            GP_OK;
-    const bool one = n - meant == 1 && !strpbrk(first, "#@%");
-    const char *const out = meant ? last : one ? "out.png" : "out.####.png";
-    if (meant && strcmp(ending, "exr") == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
-                       "give --hdr %s for linear light, or -o %s for a "
-                       "tone-mapped picture", first, n > 2 ? " ... " : " ",
-                       last, out, out);
-    return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); give "
-                   "-o %s", first, n > 2 ? " ... " : n > 1 ? " " : "",
-                   n > 1 ? last : "", out);
-}
-
 /* Checks the number of inputs. */
 static gp_status check_inputs(const struct gp_log *log,
                               const struct gp_settings *s)
@@ -405,8 +376,12 @@ static gp_status check_outputs(const struct gp_log *log,
                        "pixels, and lights by their visibility (found a "
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
+    const struct gp_texts *const in = &s->input.files;
     if (!bench && !wants)
-        return no_output(log, s);
+        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
+                       "give -o out.png, or --hdr out.exr for linear light",
+                       in->at[0], in->n > 2 ? " ... " : in->n > 1 ? " " : "",
+                       in->n > 1 ? in->at[in->n - 1] : "");
     return GP_OK;
 }
 

@@ -254,40 +254,6 @@ static gp_status check_patterns(const struct gp_log *log,
     return st;
 }
 
-static int by_frame(const void *a, const void *b)
-{
-    const struct gp_job *x = *(struct gp_job *const *) a;
-    const struct gp_job *y = *(struct gp_job *const *) b;
-    if (x->frame != y->frame)
-        return x->frame > y->frame ? 1 : -1;
-    const int order = x->view && y->view ? strcmp(x->view, y->view) : 0;
-    return order ? order : (x > y) - (x < y);
-}
-
-/* Checks that no two inputs of a view have the same number: they would write
- * the same file. */
-static gp_status check_numbers(const struct gp_log *log,
-                               const struct gp_jobs *j)
-{
-    const struct gp_job **order;
-    gp_status st = gp_alloc(log, "frame list", (size_t) j->n, sizeof *order,
-                            &order);
-    if (st)
-        return st;
-    for (int i = 0; i < j->n; i++)
-        order[i] = &j->job[i];
-    qsort(order, (size_t) j->n, sizeof *order, by_frame);
-    for (int i = 1; i < j->n && !st; i++) {
-        if (order[i]->frame == order[i - 1]->frame &&
-            order[i]->view == order[i - 1]->view)
-            st = gp_fail(log, GP_ERR_USAGE, "%s: the same frame number as %s "
-                         "(found %d); make them in separate runs",
-                         order[i]->input, order[i - 1]->input, order[i]->frame);
-    }
-    gp_free(order);
-    return st;
-}
-
 /* Checks that the frames of --frames, and all views of a frame, exist where
  * they are needed, before any is made. */
 static gp_status check_missing(const struct gp_log *log,
@@ -415,8 +381,6 @@ static gp_status check_outputs(const struct gp_log *log,
     bool later)
 {
     gp_status st = check_patterns(log, j, patterns, later);
-    if (!st && has_place(j))
-        st = check_numbers(log, j);
     for (int i = 0; i < j->targets && !st; i++) {
         const struct gp_output *const t = &j->target[i];
         if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))

@@ -55,25 +55,6 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
 
 // -- -o -----------------------------------------------------------------------
 
-/* Checks the names of outputs before anything is read. */
-static gp_status check_names(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_write_params *write)
-{
-    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
-    struct gp_output_guard c;
-    gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, &c));
-    for (int i = 0; i < s->output.pictures.n; i++) {
-        const char *const path = s->output.pictures.at[i];
-        GP_TRY(gp_write_hdr_check(log, write, keeps, path));
-        GP_TRY(gp_output_guard_add(&c, path, "-o", path, NULL));
-    }
-    GP_TRY(gp_output_guard_settle(&c));
-out:
-    gp_output_guard_end(&c);
-    return st;
-}
-
 /* Attributes of a kernel's file. */
 struct texts {
     struct gp_attribute at[GP_KERNEL_RECIPES + 7];
@@ -135,7 +116,10 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
     struct gp_write_stats stats = {0};
     struct texts texts;
     write.type = GP_OUT_FLOAT;
-    GP_TRY(check_names(log, s, &write));
+    for (int i = 0; i < outputs->n; i++)
+        GP_TRY(gp_write_hdr_check(log, &write, "-o of a kernel keeps floats and "
+                                  "its recipe", outputs->at[i]));
+    GP_TRY(gp_output_guard_check(log, s, NULL, NULL));
     GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
     GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
     make_texts(s, k, &label, &texts);

@@ -54,7 +54,7 @@ GP_MUST_CHECK gp_status gp_output_guard_input(const struct gp_output_guard *c,
 
 void gp_output_guard_end(struct gp_output_guard *c);
 
-/* All of it, for a command whose only outputs are those of plain options.
+/* All of it, for a command whose outputs have plain names.
  *   path  of its input, NULL: none */
 GP_MUST_CHECK gp_status gp_output_guard_check(const struct gp_log *log,
     const struct gp_settings *s, const char *what, const char *path);

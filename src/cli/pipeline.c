@@ -16,7 +16,6 @@
 struct schedule {
     bool on[GP_STAGES];       // the stage runs
     unsigned dead[GP_STAGES]; // data that no later stage needs
-    size_t pixel_bytes;       // peak of a frame, without carried channels
 };
 
 enum state {
@@ -67,35 +66,6 @@ struct pipeline {
     struct gp_tally tally;           // of those written
 };
 
-/* Counts the peak bytes of a pixel. */
-static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
-{
-    enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
-           FFT = 16, // rows and columns while they are made, some as doubles
-           SPLAT = 4 * sizeof(float), // render target
-           LENS = 32, // steps of 1, 2, 4, 8 and 16 pixels, 24 bytes each
-           REST = 9 }; // sources, 14 each, and files
-    const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
-                              GP_HAS_SHOWN};
-    const char *const name = r->s->light.layer.engine;
-    const size_t engine = strcmp(name, "direct") == 0 ? 0
-                          : strcmp(name, "fft") == 0 ? FFT : SPLAT;
-    unsigned alive = 0;
-    for (int i = 0; i < GP_STAGES; i++) {
-        const unsigned gives = p->on[i] ? gp_stages[i].gives : 0u;
-        size_t bytes = REST + (gives & GP_HAS_LAYER ? engine : 0) +
-                       (gives & GP_HAS_MEASURED ? EXACT : 0) +
-                       (gives & GP_HAS_LENS ? LENS : 0);
-        alive |= gives;
-        if ((gives & GP_HAS_LIT) && (p->dead[i] & GP_HAS_LAYER))
-            alive &= ~(unsigned) GP_HAS_LAYER; // the lit frame's memory is that
-        for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-            bytes += alive & kinds[k] ? PLANES : 0;
-        p->pixel_bytes = bytes > p->pixel_bytes ? bytes : p->pixel_bytes;
-        alive &= p->on[i] ? ~p->dead[i] : ~0u;
-    }
-}
-
 /* Chooses the stages that the wanted files need, from the last to the first. */
 static void make_schedule(const struct gp_run *r, struct schedule *p)
 {
@@ -118,7 +88,6 @@ static void make_schedule(const struct gp_run *r, struct schedule *p)
             wanted |= stage->needs |
                       (stage->gives == GP_HAS_FILES ? written : 0u);
     }
-    count_pixel_bytes(r, p);
 }
 
 // -- phases of a unit --------------------------------------------------------
@@ -135,14 +104,19 @@ static size_t carried_bytes(const struct gp_frame *f)
     return bytes;
 }
 
-/* Estimates the memory that a frame takes in flight, at most. */
+/* Estimates the memory that a frame takes in flight, at most: the frame, its
+ * layer, and sources and rows of transforms, or with --verify three planes of
+ * doubles, or with a lens its steps of 1 to 16 pixels. */
 static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
+    enum { USUAL = 49, VERIFY = 57, LENS = 65 }; // bytes of a pixel
     const size_t pixels = gp_frame_pixels(&fs->file);
+    const size_t pixel = p->s->lens.lens      ? LENS
+                         : p->s->run.verify ? VERIFY : USUAL;
     const size_t group =
         (p->s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
-    size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->file);
+    size_t bytes = pixels * pixel + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
     return bytes;

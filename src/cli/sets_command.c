@@ -31,29 +31,6 @@ static int pictures(const struct gp_settings *s)
     return s->output.pictures.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
 }
 
-/* Checks that no picture replaces the scene or another output. */
-static gp_status check_names(const struct gp_log *log,
-                             const struct gp_settings *s)
-{
-    struct gp_output_guard c;
-    gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, &c));
-    for (int i = 0; i < pictures(s); i++) {
-        const char *const path = picture_path(s, i);
-        if (!path)
-            continue;
-        GP_TRY(gp_write_check(log, &s->output.write, path));
-        GP_TRY(gp_output_guard_add(&c, path, i < s->output.pictures.n
-                                                 ? "-o" : "--debug",
-                                   path, NULL));
-    }
-    GP_TRY(gp_output_guard_settle(&c));
-    GP_TRY(gp_output_guard_input(&c, "scene", s->input.files.at[0]));
-out:
-    gp_output_guard_end(&c);
-    return st;
-}
-
 static gp_status write_pictures(const struct gp_log *log,
     const struct gp_settings *s, struct glarepp_sets *sets)
 {
@@ -164,7 +141,11 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.w = s->making.w;
     p.h = s->making.h;
     p.gl = s->light.layer.gl;
-    GP_TRY(check_names(log, s));
+    for (int i = 0; i < pictures(s); i++) {
+        if (picture_path(s, i))
+            GP_TRY(gp_write_check(log, &s->output.write, picture_path(s, i)));
+    }
+    GP_TRY(gp_output_guard_check(log, s, "scene", p.path));
     GP_TRY(glarepp_sets(gp, &p, &sets));
     for (int i = 0; i < ROWS; i++)
         *differ = *differ || !sets.row[i].same;

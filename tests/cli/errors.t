@@ -246,7 +246,7 @@ run in.exr
 fails_with 2 'give -o out.png' 'no output given'
 : >old.png
 run in.exr old.png
-fails_with 2 'give -o old.png' 'no output given, but a picture that exists'
+fails_with 2 'give -o out.png' 'no output given, but a picture that exists'
 refuses 2 --csv 'an option of glarepp bench' --csv x in.exr
 run bench -o there/x.png in.exr
 fails_with 2 --output 'glarepp bench with an option of pictures'
@@ -289,13 +289,9 @@ while read -r row; do
     is "$(cat err)" "glarepp: ${row#* => }" "the whole line: ${row%% => *}"
 done <<'ROWS'
 -q => no input; write glarepp -o out.png frame.exr
-f.exr => no output is given (found f.exr); give -o out.png
-f.exr out.png => no output is given (found f.exr out.png); give -o out.png
--g 2 f.exr none/a.tif => no output is given (found f.exr none/a.tif); give -o none/a.tif
-f.exr out.exr => no output is given (found f.exr out.exr); give --hdr out.exr for linear light, or -o out.exr for a tone-mapped picture
-s.0001.exr s.0002.exr => no output is given (found s.0001.exr s.0002.exr); give -o out.####.png
-s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.png); give -o o.#.png
-s.####.exr => no output is given (found s.####.exr); give -o out.####.png
+f.exr => no output is given (found f.exr); give -o out.png, or --hdr out.exr for linear light
+f.exr out.png => no output is given (found f.exr out.png); give -o out.png, or --hdr out.exr for linear light
+s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.png); give -o out.png, or --hdr out.exr for linear light
 --help xyzzyquux => help: no such topic (found "xyzzyquux"); glarepp help lists them
 --gian 2 i => --gian: unknown option; did you mean --gain?
 --xyzzyquux i => --xyzzyquux: unknown option; glarepp --help lists them
@@ -342,7 +338,7 @@ bench --paper a => --paper: measures frames of its own (found input a); leave on
 bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 -o o.png s.####.exr => o.png: one name for a sequence (found 3 frames); write a pattern such as out.####.png, or -
 -o o.#.png in.exr => in.exr: no frame number in this input (o.#.png needs one); add one to its name, or give plain output names
--o o.#.png s.0001.exr x.0001.exr => x.0001.exr: the same frame number as s.0001.exr (found 1); make them in separate runs
+-o o.#.png s.0001.exr x.0001.exr => o.1.png: given for two outputs (--output o.#.png for s.0001.exr and --output o.#.png for x.0001.exr); give each a name of its own
 -o o.#.#.png s.####.exr => o.#.#.png: two places for the frame number (# and #); leave one
 -f 1-2 -o o.png in.exr => in.exr: --frames needs a pattern (found a plain name); write shot.####.exr, or leave --frames out
 -f 1- -o o.#.png s.####.exr => --frames: not a list of frames (found 1- in 1-); write 7, 1-100, 1-100x2 or 3,4,10-20:2
