@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* True when some output is a pattern. */
@@ -21,6 +22,18 @@ static bool has_place(const struct gp_jobs *j)
     return false;
 }
 
+/* True for --views all, and without --views. */
+static bool views_all(const struct gp_settings *s)
+{
+    return !s->input.views || strcmp(s->input.views, "all") == 0;
+}
+
+static gp_status too_many(const struct gp_log *log, const char *path)
+{
+    return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make them "
+                   "in several runs", path, GP_FRAME_LIST_MAX);
+}
+
 // -- frames ------------------------------------------------------------------
 
 /* Appends all views of one frame. */
@@ -29,18 +42,19 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
 {
     const int views = gp_jobs_of_frame(j);
     if (j->n > GP_FRAME_LIST_MAX - views)
-        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
-                       "them in several runs", p->path, GP_FRAME_LIST_MAX);
+        return too_many(log, p->path);
     for (int i = 0; i < views; i++) {
         const char *const view = j->view.n ? j->view.name[i] : NULL;
-        char *const input = gp_pattern_name(p, frame, view);
+        char *const input = i && j->views > 1 ? j->job[j->n - 1].input
+                                              : gp_pattern_name(p, frame, view);
         struct gp_job *grown = NULL;
         if (input) // doubles at powers of two
             grown = (j->n & (j->n - 1)) ? j->job
                     : realloc(j->job, (size_t) (j->n ? 2 * j->n : 1) *
                                           sizeof *grown);
         if (!grown) {
-            gp_free(input);
+            if (!i || j->views == 1)
+                gp_free(input);
             return gp_no_memory_bare(log, "frame list");
         }
         j->job = grown;
@@ -112,11 +126,11 @@ static gp_status add_inputs(const struct gp_log *log,
                 "%s); make them in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
-    if (in_names && s->input.views && gp_views_all(s))
+    if (in_names && s->input.views && views_all(s))
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all means the views inside "
             "a file (found %%V or %%v in %s); list them, e.g. --views "
             "left,right", in[0].path));
-    if (in_names || !gp_views_all(s))
+    if (in_names || !views_all(s))
         GP_TRY(gp_views_parse(
             log, s->input.views ? s->input.views : "left,right", &j->view));
     for (int i = 0; i < s->input.files.n; i++)
@@ -162,8 +176,7 @@ static gp_status read_stdin(const struct gp_log *log,
         return st;
     const int frames = j->members.n;
     if (frames > GP_FRAME_LIST_MAX / j->views)
-        return gp_fail(log, GP_ERR_USAGE, "-: too many frames (over %d); make "
-                       "them in several runs", GP_FRAME_LIST_MAX);
+        return too_many(log, "-");
     const int n = frames * j->views;
     struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
     if (!grown)
@@ -186,13 +199,141 @@ static gp_status read_stdin(const struct gp_log *log,
         if (frames == 1)
             continue;
         snprintf(name, sizeof name, "- (frame %d)", job->frame);
-        free(job->input);
+        if (i % j->views == 0)
+            free(job->input);
         job->numbered = true;
-        job->input = gp_strdup(name);
+        job->input = i % j->views ? job[-1].input : gp_strdup(name);
         if (!job->input)
             st = gp_no_memory_bare(log, "frame list");
     }
     gp_frames_free(&f);
+    return st;
+}
+
+// -- views that the command line does not name -------------------------------
+
+/* Replaces each job by one for each view; takes over `found`. */
+static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
+                              struct gp_views *found)
+{
+    const int n = found->n;
+    j->view = *found;
+    *found = (struct gp_views) {0};
+    if (j->n > GP_FRAME_LIST_MAX / n)
+        return too_many(log, j->job[0].input);
+    struct gp_job *const grown =
+        realloc(j->job, (size_t) j->n * (size_t) n * sizeof *grown);
+    if (!grown)
+        return gp_no_memory_bare(log, "frame list");
+    j->job = grown;
+    j->n *= n;
+    j->views = n;
+    j->views_inside = true;
+    for (int i = j->n - 1; i >= 0; i--) {
+        grown[i] = grown[i / n];
+        grown[i].view = j->view.name[i % n];
+    }
+    return GP_OK;
+}
+
+/* Finds the views of the first input that is a regular file: a pipe can be read
+ * only once. `log` is NULL where reading the frame will report the error. */
+static gp_status find_views(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j,
+    struct gp_views *found, const char **input)
+{
+    *input = j->job[0].input;
+    if (j->members.n)
+        return gp_members_views(log, &s->input.read, &j->members, 0, found);
+    gp_status st = GP_OK;
+    for (int i = 0; i < j->n; i++) {
+        struct stat info;
+        *input = j->job[i].input;
+        if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        st = gp_read_views(log, &s->input.read, *input, found);
+        if (!st || st == GP_ERR_BUG)
+            return st;
+    }
+    return st;
+}
+
+/* Finds the views inside the first input, if an output has a place for several,
+ * replaces each job by one for each view, and warns in one line of the choice. */
+static gp_status add_views(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j)
+{
+    struct gp_views found = {0};
+    char list[512] = "", line[GP_LINE_BYTES];
+    const char *input, *hero = NULL; // an output of the first view only
+    bool places = false;             // an output by view
+    j->views_found = j->targets == 0;  // the report has a line for each
+    for (int i = 0; i < j->targets; i++) {
+        const struct gp_output *const t = &j->target[i];
+        places = places || t->name.views;
+        if (!hero && t->kind != GP_TARGET_HDR && !t->name.views)
+            hero = t->name.path;
+        j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
+                         t->name.views;
+    }
+    gp_status st = find_views(NULL, s, j, &found, &input);
+    // names with %V cannot be made without views: report why there are none
+    if (st == GP_ERR_IO && places && j->n == 1)
+        GP_TRY(find_views(log, s, j, &found, &input));
+    if (st == GP_ERR_BUG)
+        return gp_no_memory(log, input);
+    if (st || found.n == 0)
+        return GP_OK;
+    for (int i = 0; i < found.n; i++) {
+        const char *const name = found.name[i];
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
+        if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
+                       strcmp(name, "..") == 0))
+            st = gp_fail(log, GP_ERR_DATA, "%s: has a view whose name cannot "
+                         "be part of a file name (found %s); choose others "
+                         "with --views", input, name);
+    }
+    if (!st && !j->views_found)
+        snprintf(line, sizeof line, "%s: makes only view %s of %s; write a "
+                 "name with %%V to make all, or choose with --views", input,
+                 found.name[0], list);
+    else if (hero)
+        snprintf(line, sizeof line, "%s: makes its views %s, but of %s only "
+                 "%s; write a name with %%V to make all, or choose with "
+                 "--views", input, list, hero, found.name[0]);
+    else
+        snprintf(line, sizeof line, "%s: makes its views %s; choose with "
+                 "--views", input, list);
+    if (!st) {
+        gp_say(log, GP_LEVEL_WARN, "%s", line);
+        free(j->views_line);
+        j->views_line = gp_strdup(line);
+        st = j->views_line ? GP_OK : gp_no_memory(log, input);
+    }
+    if (!st && j->views_found)
+        st = spread_views(log, j, &found);
+out:
+    gp_views_free(&found);
+    return st;
+}
+
+gp_status gp_jobs_check_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_jobs *j,
+    const struct gp_frame *f)
+{
+    struct gp_views own;
+    gp_status st = gp_frame_views(log, p, f, &own);
+    for (int i = 0; i < own.n && !st; i++) {
+        int k = 0;
+        while (k < j->view.n && strcmp(j->view.name[k], own.name[i]) != 0)
+            k++;
+        if (k == j->view.n)
+            st = gp_fail(log, GP_ERR_USAGE, "%s: has view %s (the first input "
+                "has %s); choose with --views, or make it in a run of its own",
+                f->path, own.name[i], j->view.n ? "others" : "none");
+    }
+    gp_views_free(&own);
     return st;
 }
 
@@ -442,9 +583,9 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = gp_is_dash(j.job[0].input);
-    const bool looks = gp_views_all(s) && !j.view.n;
+    const bool looks = views_all(s) && !j.view.n;
     if (looks && !piped)
-        GP_TRY(gp_jobs_find_views(log, s, &j));
+        GP_TRY(add_views(log, s, &j));
     mark_outputs(&j);
     // outputs are checked before stdin is read, and again with its views
     GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
@@ -452,7 +593,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     if (piped) {
         GP_TRY(read_stdin(log, s, &j));
         if (looks)
-            GP_TRY(gp_jobs_find_views(log, s, &j));
+            GP_TRY(add_views(log, s, &j));
         mark_outputs(&j);
         GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
@@ -474,7 +615,7 @@ out:
 
 void gp_jobs_free(struct gp_jobs *j)
 {
-    for (int i = 0; i < j->n; i++)
+    for (int i = 0; i < j->n; i += j->views)
         free(j->job[i].input);
     gp_free(j->job);
     gp_members_free(&j->members);

@@ -1,9 +1,8 @@
 #include "cli/commands.h"
 
 #include "cli/output_guard.h"
-#include "cli/hints.h"
+#include "cli/listener.h"
 #include "cli/options.h"
-#include "cli/pictures.h"
 #include "glarepp.h"
 #include "io/file.h"
 #include "io/read.h"

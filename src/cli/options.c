@@ -1,6 +1,5 @@
 #include "cli/options.h"
 
-#include "cli/styles.h"
 
 #include <float.h>
 

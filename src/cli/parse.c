@@ -1,5 +1,4 @@
 #include "cli/options.h"
-#include "cli/styles.h"
 
 #include "core/memory.h"
 

@@ -1,6 +1,5 @@
-#include "cli/pictures.h"
+#include "cli/listener.h"
 
-#include "cli/hints.h"
 #include "cli/options.h"
 #include "core/memory.h"
 #include "io/plane.h"

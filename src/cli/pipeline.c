@@ -1,7 +1,7 @@
 #include "cli/commands.h"
 
 #include "cli/machine.h"
-#include "cli/say.h"
+#include "cli/report.h"
 #include "cli/stages.h"
 #include "core/clock.h"
 #include "core/memory.h"

@@ -4,14 +4,9 @@
 #define GP_CLI_PROGRESS_H
 
 #include "cli/jobs.h"
-#include "cli/settings.h"
-#include "core/status.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdio.h>
 
 /* The progress line: one for each run; not to be copied while open. */
 struct gp_progress {
@@ -34,13 +29,11 @@ struct gp_progress {
     bool ticking;
 };
 
-/* Starts the clock. AUTO draws on a terminal only, after one second; ALWAYS
- * draws at once, in a pipe too; `quiet` draws nothing.
- *
- * The lines for programs begin with 0 and never decrease. PERCENT prints one
+/* Starts the clock; `quiet` draws nothing. AUTO draws after one second, ALWAYS at
+ * once, in a pipe too. The lines for programs never decrease: PERCENT prints one
  * when the whole number changes; OPENJD and JSON when a frame is done, at most
- * ten a second. Source of OPENJD: openjd-specifications, "How Jobs Are Run",
- * "Stdout/Stderr Messages": a single line on either. */
+ * ten a second. OPENJD: openjd-specifications, "How Jobs Are Run",
+ * "Stdout/Stderr Messages". */
 void gp_progress_open(struct gp_progress *p, FILE *file,
                       enum gp_progress_when when, bool quiet);
 
@@ -83,10 +76,8 @@ struct gp_frame_log {
     size_t warned_bytes;             // its null byte
 };
 
-/* Starts without messages. `l` must not move until gp_frame_log_close().
- *
- *   name  file of the unit, put before errors that name none (GP_LEVEL_BARE);
- *         borrowed until gp_frame_log_close() */
+/* Starts without messages. `l` must not move until gp_frame_log_close(). `name` is
+ * put before errors that name no file (GP_LEVEL_BARE). */
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
     const atomic_int *head, int unit, const char *name);
 

@@ -3,13 +3,8 @@
 #define GP_CLI_REPORT_H
 
 #include "cli/jobs.h"
-#include "core/status.h"
-#include "glarepp.h"
-#include "io/read.h"
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <stdio.h>
 
 /* Stages that are timed, in their order. */
 enum gp_time {
@@ -27,8 +22,6 @@ enum gp_time {
     GP_TIME_TOTAL,
     GP_TIMES,
 };
-
-struct gp_settings;
 
 /* Of the frame's job and its end. */
 struct gp_job_report {
@@ -154,5 +147,31 @@ const char *gp_report_field(int i);
  * f being of the brightest. The report has it for each dark frame. */
 void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *line,
                    size_t size);
+
+// -- words about a run for the person who started it --------------------------
+
+/* Prints notes about a frame: what was read, the light that glares, the kernel
+ * and its angle of view, lights, ghosts, measured errors, what was written; and
+ * why, where an option or the frame decided. f->settings is set. */
+void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f);
+
+/* The frames of a run together. Zeroed is none. */
+struct gp_tally {
+    int made;                    // jobs
+    char name[1024];             // of the first one's picture, else output
+    long long fewest, most;      // sources
+    struct glarepp_sense_facts light; // sums of light, bright, lamps
+    double narrow, wide;         // angles of view, degrees; 0: no kernel has any
+    const char *fov_from;        // of the last
+    const struct glarepp_plan_facts *ocio; // borrowed; NULL: tone curves
+};
+
+void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f);
+
+/* Prints what happened, without a newline: the picture, sources, light, angle of
+ * view, tones, wall time. There are targets, and at least one job was made. */
+void gp_tally_print(FILE *f, const struct gp_tally *t,
+                    const struct gp_settings *s, const struct gp_jobs *jobs,
+                    double seconds);
 
 #endif

@@ -1,8 +1,7 @@
-#include "cli/say.h"
+#include "cli/report.h"
 
 #include "cli/options.h"
 #include "cli/progress.h"
-#include "cli/styles.h"
 #include "io/file.h"
 
 #include <math.h>

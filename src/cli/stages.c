@@ -1,7 +1,7 @@
 #include "cli/stages.h"
 
 #include "cli/options.h"
-#include "cli/pictures.h"
+#include "cli/listener.h"
 #include "core/memory.h"
 #include "io/grow.h"
 #include "io/sequence.h"

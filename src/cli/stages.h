@@ -3,16 +3,8 @@
 #ifndef GP_CLI_STAGES_H
 #define GP_CLI_STAGES_H
 
-#include "cli/jobs.h"
 #include "cli/report.h"
-#include "cli/settings.h"
-#include "core/status.h"
-#include "glarepp.h"
 #include "io/plane.h"
-#include "io/read.h"
-#include "io/write.h"
-
-#include <stdbool.h>
 
 /* COMPUTE runs on one thread, frame after frame; the others on any thread, frames
  * in any order. */

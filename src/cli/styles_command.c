@@ -2,7 +2,6 @@
 
 #include "cli/options.h"
 #include "cli/stages.h"
-#include "cli/styles.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"

@@ -1,7 +1,7 @@
 /* cli/say: words about a run, on a terminal and of --verbose. */
 #include "unit.h"
 #include "cli/option_line.h"
-#include "cli/say.h"
+#include "cli/report.h"
 
 static char *names[] = {"lit.exr", "out.png"};
 static enum gp_target_kind kinds[] = {
