@@ -471,6 +471,8 @@ static void set_params(struct gp_settings *s)
     struct glarepp_kernel_params *const k = &s->kernel.p;
     k->word = s->kernel.words.at;
     k->words = s->kernel.words.n;
+    k->centred = s->kernel.centre.n > 0;
+    memcpy(k->centre, s->kernel.centre.v, sizeof k->centre);
     k->as_it_is = given && none;
     k->normalized = given && !none;
     set_lights(&s->sun);
@@ -505,7 +507,6 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
     sun->p.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
-    s->kernel.p.centred = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL) {
         GP_TRY(check_making(log, s));
         return check_kernels(log, s);

@@ -339,14 +339,18 @@ gp_status gp_jobs_check_views(const struct gp_log *log,
 
 // -- outputs -----------------------------------------------------------------
 
-static const char *const target_options[] = {
-    [GP_TARGET_HDR] = "--hdr",
-    [GP_TARGET_LAYER] = "--layer",
-    [GP_TARGET_PICTURE] = "--output",
-    [GP_TARGET_SENSORS] = "--debug sensors",
-    [GP_TARGET_POLYGONS] = "--debug polygons",
-    [GP_TARGET_SUNMAP] = "--debug sunmap",
-    [GP_TARGET_INTENSITY] = "--debug intensity",
+const struct gp_target gp_targets[] = {
+    [GP_TARGET_HDR] = {"--hdr", "linear light", GLAREPP_OUTPUT},
+    [GP_TARGET_LAYER] = {"--layer", "the glare alone, linear light",
+                         GLAREPP_GLARE},
+    [GP_TARGET_PICTURE] = {"--output", "", GLAREPP_SHOWN},
+    [GP_TARGET_SENSORS] = {"--debug sensors", "the light that glares",
+                           GLAREPP_SOURCES},
+    [GP_TARGET_POLYGONS] = {"--debug polygons", "outlines of polygons",
+                            GLAREPP_POLYGONS},
+    [GP_TARGET_SUNMAP] = {"--debug sunmap", "sun maps", GLAREPP_SUNMAP},
+    [GP_TARGET_INTENSITY] = {"--debug intensity", "intensity map",
+                             GLAREPP_INTENSITY},
 };
 
 static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
@@ -477,7 +481,7 @@ gp_status gp_jobs_check_names(
                      ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
                                "which is stdout; write ./%s", p->path, p->path)
                      : gp_output_guard_add(&c, name,
-                                           target_options[target->kind],
+                                           gp_targets[target->kind].option,
                                            p->path, j->n > 1 ? job->input
                                                              : NULL);
             free(name);
@@ -555,12 +559,6 @@ static gp_status check_outputs(const struct gp_log *log,
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
-    static const enum gp_target_kind debug[GP_DEBUG_KINDS] = {
-        [GP_DEBUG_SENSORS] = GP_TARGET_SENSORS,
-        [GP_DEBUG_POLYGONS] = GP_TARGET_POLYGONS,
-        [GP_DEBUG_SUNMAP] = GP_TARGET_SUNMAP,
-        [GP_DEBUG_INTENSITY] = GP_TARGET_INTENSITY,
-    };
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
@@ -577,9 +575,10 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     for (int i = 0; i < s->output.pictures.n; i++)
         GP_TRY(
             add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+    for (unsigned i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->output.debug[i])
-            GP_TRY(add_target(log, &j, debug[i], s->output.debug[i]));
+            GP_TRY(add_target(log, &j, GP_TARGET_SENSORS + i,
+                              s->output.debug[i]));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = gp_is_dash(j.job[0].input);

@@ -6,7 +6,7 @@
 #include "cli/options.h"
 #include "io/sequence.h"
 
-/* Contents of a file that is written. */
+/* Contents of a file that is written; those of --debug in its order. */
 enum gp_target_kind {
     GP_TARGET_HDR,
     GP_TARGET_LAYER,
@@ -16,6 +16,11 @@ enum gp_target_kind {
     GP_TARGET_SUNMAP,
     GP_TARGET_INTENSITY,
 };
+struct gp_target {
+    const char *option, *text; // the text for notes
+    enum glarepp_view view;
+};
+extern const struct gp_target gp_targets[];
 
 /* A file, or one for each frame or view when its name is a pattern. */
 struct gp_output {

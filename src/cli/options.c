@@ -118,7 +118,6 @@ static const struct gp_option_choice gp_plans[] = {
                     double *: GP_KIND_REAL,                                   \
                     struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
-                    double (*)[2]: GP_KIND_PAIR,                              \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
                     struct gp_texts *: GP_KIND_TEXTS,                         \
@@ -247,8 +246,8 @@ const struct gp_option gp_options[] = {
     OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
-    OPT(kernel.p.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
-        .lo = -1e6, .hi = 1e6,
+    OPT(kernel.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
+        .least = 2, .most = 2, .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
                 "centre of the first); without it, the centre of pixel "
                 "(w/2, h/2) rounded down"),

@@ -98,6 +98,7 @@ enum gp_kernel_sum { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
 struct gp_kernel_settings {
     struct gp_texts words;             // files and recipes
+    struct gp_numbers centre;          // x, y
     struct glarepp_kernel_params p;    // of these
     enum gp_kernel_sum normalize;      // ... where it is given
     const char *size;                  // as given; NULL: 100 percent
@@ -202,7 +203,6 @@ enum gp_option_kind {
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
-    GP_KIND_PAIR,    // double[2], "x,y"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
     GP_KIND_EITHER,  // bool: one of two `choices`

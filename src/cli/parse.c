@@ -115,36 +115,31 @@ static gp_status set_threshold(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* Sets two doubles, or a struct gp_numbers, from "x,y,...". */
+/* Sets numbers from "x,y,...". */
 static gp_status set_list(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
-    const bool pair = o->kind == GP_KIND_PAIR;
-    const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
     struct gp_numbers list = {0};
     const char *s = u->value;
     char range[16] = "";
     bool whole = false;
-    while (!whole && list.n < most && read_double(&s, &list.v[list.n])) {
+    while (!whole && list.n < o->most && read_double(&s, &list.v[list.n])) {
         list.n++;
         whole = *s == '\0';
         if (!whole && *s++ != ',')
             break;
     }
-    if (least < most)
-        snprintf(range, sizeof range, "%d to ", least);
-    if (!whole || list.n < least)
+    if (o->least < o->most)
+        snprintf(range, sizeof range, "%d to ", o->least);
+    if (!whole || list.n < o->least)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: not %s%d numbers (found \"%s\"); write %s",
-                       o->name, range, most, u->value, o->arg);
+                       o->name, range, o->most, u->value, o->arg);
     for (int i = 0; i < list.n; i++) {
         if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
     }
-    if (pair)
-        memcpy(field, list.v, 2 * sizeof *list.v);
-    else
-        memcpy(field, &list, sizeof list);
+    memcpy(field, &list, sizeof list);
     return GP_OK;
 }
 
@@ -261,7 +256,6 @@ static gp_status set_value(const struct use *u, void *field)
         return set_number(u, field);
     case GP_KIND_THRESHOLD:
         return set_threshold(u, field);
-    case GP_KIND_PAIR:
     case GP_KIND_NUMBERS:
         return set_list(u, field);
     case GP_KIND_CHOICE:

@@ -240,11 +240,24 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
 
 // -- messages in the order of frames -----------------------------------------
 
-static void print_message(const struct gp_frame_log *l, enum gp_level level,
-                          const char *line)
+/* Prints a message, kept as its level, its line and a null byte. */
+static void print_message(const struct gp_frame_log *l, const char *kept)
 {
+    const enum gp_level level = (enum gp_level) *kept;
     if (l->to && l->to->sink && level <= l->to->level)
-        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", line});
+        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", kept + 1});
+}
+
+/* Returns false when memory is full. */
+static bool append(char **text, size_t *used, const char *more, size_t bytes)
+{
+    char *const grown = realloc(*text, *used + bytes);
+    if (!grown)
+        return false;
+    memcpy(grown + *used, more, bytes);
+    *text = grown;
+    *used += bytes;
+    return true;
 }
 
 /* Prints a message of the unit that is ended next, and keeps others, which it
@@ -252,44 +265,21 @@ static void print_message(const struct gp_frame_log *l, enum gp_level level,
 static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
-    enum gp_level level = message->level;
-    const char *line = message->text;
-    char named[GP_LINE_BYTES];
-    if (level == GP_LEVEL_BARE) {
-        snprintf(named, sizeof named, "%s: %s", l->name, line);
-        line = named;
-        level = GP_LEVEL_ERROR;
-    }
-    if (level == GP_LEVEL_WARN) { // for the report
-        const size_t n = strlen(line) + 1;
-        char *const warned = realloc(l->warned, l->warned_bytes + n);
-        if (warned) {
-            memcpy(warned + l->warned_bytes, line, n);
-            l->warned = warned;
-            l->warned_bytes += n;
-        }
-    }
+    const bool bare = message->level == GP_LEVEL_BARE;
+    const enum gp_level level = bare ? GP_LEVEL_ERROR : message->level;
+    char kept[GP_LINE_BYTES + 1] = {(char) level};
+    snprintf(kept + 1, sizeof kept - 1, "%s%s%s", bare ? l->name : "",
+             bare ? ": " : "", message->text);
+    const size_t bytes = strlen(kept + 1) + 2;
+    if (level == GP_LEVEL_WARN) // for the report
+        (void) append(&l->warned, &l->warned_bytes, kept + 1, bytes - 1);
     if (level == GP_LEVEL_ERROR)
-        snprintf(l->last, sizeof l->last, "%s", line);
-    const size_t bytes = strlen(line) + 2;
-    bool keeps = atomic_load(l->head) != l->unit;
-    if (keeps && bytes > l->room - l->used) {
-        const size_t room = 2 * l->room + bytes;
-        char *const text = realloc(l->text, room);
-        keeps = text != NULL;
-        if (text) {
-            l->text = text;
-            l->room = room;
-        }
-    }
-    if (!keeps) {
+        snprintf(l->last, sizeof l->last, "%s", kept + 1);
+    if (atomic_load(l->head) == l->unit ||
+        !append(&l->text, &l->used, kept, bytes)) {
         gp_frame_log_flush(l);
-        print_message(l, level, line);
-        return;
+        print_message(l, kept);
     }
-    l->text[l->used] = (char) level;
-    memcpy(l->text + l->used + 1, line, bytes - 1);
-    l->used += bytes;
 }
 
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
@@ -305,7 +295,7 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
 void gp_frame_log_flush(struct gp_frame_log *l)
 {
     for (size_t at = 0; at < l->used; at += strlen(l->text + at + 1) + 2)
-        print_message(l, (enum gp_level) l->text[at], l->text + at + 1);
+        print_message(l, l->text + at);
     l->used = 0;
 }
 
@@ -352,34 +342,22 @@ void gp_failures_add(struct gp_failures *f, int index)
     f->failed[index] = true;
 }
 
-/* Prints one item of a frame list, a frame or an evenly spaced run, from the
- * failed frame whose first job is *at. Moves *at after it and returns how many
- * frames it has. */
+/* Prints one item of a frame list, a frame or several in a row, from the failed
+ * frame whose first job is *at. Moves *at after it and returns how many frames it
+ * has. */
 static int print_run(const struct gp_failures *f, int *at, char *text,
                      size_t size)
 {
     const struct gp_job *const job = f->jobs->job;
-    const int views = gp_jobs_of_frame(f->jobs), jobs = f->jobs->n;
-    const int first = *at, second = next_failed(f, first + views, views);
-    const int step = second < jobs ? job[second].frame - job[first].frame : 0;
-    int last = first, next = second, n = 1;
-    while (next < jobs && job[next].frame - job[last].frame == step) {
-        last = next;
-        next = next_failed(f, next + views, views);
+    const int views = gp_jobs_of_frame(f->jobs), first = *at;
+    int last = first, n = 1;
+    while ((*at = next_failed(f, last + views, views)) < f->jobs->n &&
+           job[*at].frame - job[last].frame == 1) {
+        last = *at;
         n++;
     }
-    const bool apart = abs(step) != 1;
-    *at = next;
-    if (n == 1 || (n == 2 && apart)) {
-        snprintf(text, size, "%d", job[first].frame);
-        *at = second;
-        return 1;
-    }
-    if (apart)
-        snprintf(text, size, "%d-%dx%d", job[first].frame, job[last].frame,
-                 abs(step));
-    else
-        snprintf(text, size, "%d-%d", job[first].frame, job[last].frame);
+    snprintf(text, size, n > 1 ? "%d-%d" : "%d", job[first].frame,
+             job[last].frame);
     return n;
 }
 

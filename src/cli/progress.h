@@ -69,8 +69,8 @@ struct gp_frame_log {
     const atomic_int *head;          // unit that is ended next; borrowed
     int unit;
     const char *name;                // of the unit's file; borrowed
-    char *text;                      // owned: for each message a byte for its
-    size_t used, room;               // level, its line and a null byte
+    char *text;                      // owned: messages that are kept, and
+    size_t used;                     // their bytes
     char last[GP_LINE_BYTES];        // the last error's line
     char *warned;                    // owned: the lines of warnings, each with
     size_t warned_bytes;             // its null byte
@@ -106,7 +106,7 @@ void gp_failures_add(struct gp_failures *f, int index);
 
 /* Prints how many frames were skipped (a warning), and how many failed with
  * their list, each in one line and only if there are any. The list is a value
- * of --frames (2-4,9,20-40x10) when all have numbers, else the names of their
+ * of --frames (2-4,9) when all have numbers, else the names of their
  * inputs; after GP_FAILURES_BYTES the rest is only counted.
  * Errors: GP_ERR_FRAMES some failed. */
 enum { GP_FAILURES_BYTES = 1200 };

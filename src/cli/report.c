@@ -135,7 +135,6 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
     const void *const at = (const char *) s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
-    const double *const pair = at;
     const char *const *const word = at;
     json_t *v = NULL;
     char text[32];
@@ -159,9 +158,6 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
         return json_integer(*(const int *) at);
     case GP_KIND_COUNT:
         return json_integer(*(const long long *) at);
-    case GP_KIND_PAIR:
-        return gp_option_given(s, o->name)
-                   ? json_pack("[ff]", pair[0], pair[1]) : NULL;
     case GP_KIND_NUMBERS:
         v = list->n ? json_array() : NULL;
         for (int i = 0; i < list->n; i++)

@@ -158,11 +158,10 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f);
 /* The frames of a run together. Zeroed is none. */
 struct gp_tally {
     int made;                    // jobs
-    char name[1024];             // of the first one's picture, else output
     long long fewest, most;      // sources
     struct glarepp_sense_facts light; // sums of light, bright, lamps
-    double narrow, wide;         // angles of view, degrees; 0: no kernel has any
-    const char *fov_from;        // of the last
+    double fov;                  // of the last, degrees
+    const char *fov_from;        // NULL: no kernel has an angle of view
     const struct glarepp_plan_facts *ocio; // borrowed; NULL: tone curves
 };
 

@@ -368,13 +368,6 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
  * shares are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
-    static const struct {
-        enum gp_debug_kind kind;
-        enum glarepp_view view;
-    } maps[] = {
-        {GP_DEBUG_SUNMAP, GLAREPP_SUNMAP},
-        {GP_DEBUG_INTENSITY, GLAREPP_INTENSITY},
-    };
     const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st = GP_OK;
@@ -384,10 +377,12 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
                                                       : GP_EDGES_MASK
                            : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
     }
-    for (size_t i = 0; i < sizeof maps / sizeof *maps && !st; i++) {
+    for (int i = 0; i < r->jobs->targets && !st; i++) {
+        const enum gp_target_kind kind = r->jobs->target[i].kind;
         struct glarepp_image v;
-        if (r->s->output.debug[maps[i].kind])
-            st = (gp_status) glarepp_frame_view(fs->frame, maps[i].view, 0, &v);
+        if (kind == GP_TARGET_SUNMAP || kind == GP_TARGET_INTENSITY)
+            st = (gp_status) glarepp_frame_view(fs->frame,
+                                                gp_targets[kind].view, 0, &v);
     }
     return st;
 }
@@ -528,13 +523,6 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_write_params *p, const struct gp_output *t,
     const char *name, struct gp_write_stats *stats)
 {
-    static const enum glarepp_view views[] = {
-        [GP_TARGET_LAYER] = GLAREPP_GLARE,
-        [GP_TARGET_SENSORS] = GLAREPP_SOURCES,
-        [GP_TARGET_POLYGONS] = GLAREPP_POLYGONS,
-        [GP_TARGET_SUNMAP] = GLAREPP_SUNMAP,
-        [GP_TARGET_INTENSITY] = GLAREPP_INTENSITY,
-    };
     const bool picture = t->kind == GP_TARGET_PICTURE;
     const bool map = t->kind == GP_TARGET_SUNMAP ||
                      t->kind == GP_TARGET_INTENSITY;
@@ -549,9 +537,8 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     if (picture || t->kind == GP_TARGET_POLYGONS)
         kind = r->s->tone.map.config ? GP_PICTURE_ENCODED
                : untoned(r->s) ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
-    const enum glarepp_view view = !picture        ? views[t->kind]
-                                   : untoned(r->s) ? GLAREPP_LIT
-                                                   : GLAREPP_SHOWN;
+    const enum glarepp_view view = picture && untoned(r->s)
+                                       ? GLAREPP_LIT : gp_targets[t->kind].view;
     gp_status st = look_at(fs, view, 0, &planes, &f.data);
     if (map) { // of a size of its own, and each pixel is a share
         f.display = f.data;

@@ -11,7 +11,7 @@ static void the_table_is_sound(void **state)
             assert_ptr_equal(gp_option_letter(o->letter, o->commands), o);
         bool number = o->kind == GP_KIND_FLOAT ||
                       o->kind == GP_KIND_THRESHOLD || o->kind == GP_KIND_INT ||
-                      o->kind == GP_KIND_COUNT || o->kind == GP_KIND_PAIR;
+                      o->kind == GP_KIND_COUNT || o->kind == GP_KIND_NUMBERS;
         bool none = o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET;
         assert_true(!number || o->lo < o->hi);
         assert_int_equal(none, o->arg == NULL);

@@ -77,7 +77,6 @@ static void check_stored(const struct gp_option *o, const char *value,
     const void *const at = (const char *) &s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
-    const double *const pair = at;
     const char *const *const word = at;
     const bool stored =
         o->kind == GP_KIND_FLAG      ? *(const bool *) at == !o->off
@@ -88,7 +87,6 @@ static void check_stored(const struct gp_option *o, const char *value,
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
         : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
-        : o->kind == GP_KIND_PAIR    ? pair[0] == 1.0 && pair[1] == 2.0
         : o->kind == GP_KIND_NUMBERS ? list->n == o->least &&
                                            list->v[list->n - 1] == list->n
         : o->choices && o->kind != GP_KIND_NAMED
@@ -117,9 +115,8 @@ static void every_option_is_stored(void **state)
             snprintf(value, sizeof value, "7x7");
         else if (strcmp(o->name, "kernel") == 0)
             snprintf(value, sizeof value, "k.exr");
-        else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
-            snprintf(value, sizeof value, "%.*s",
-                     o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
+        else if (o->kind == GP_KIND_NUMBERS)
+            snprintf(value, sizeof value, "%.*s", 2 * o->least - 1, "1,2,3");
         else if (o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT)
             snprintf(value, sizeof value, "%.17g", v);
         if (!gp_option_value(o, 0, &text) || o->open)

@@ -23,7 +23,7 @@ static const char *printed_list(bool *whole)
 /* The list of these frames when they fail, every other of the jobs. */
 static const char *list_of(const struct gp_frames *f, bool *whole)
 {
-    struct gp_jobs j = {.n = 2 * f->n};
+    struct gp_jobs j = {.n = 2 * f->n, .views = 1};
     struct gp_failures failed = {0};
     j.job = calloc((size_t) j.n, sizeof *j.job);
     assert_non_null(j.job);
@@ -47,9 +47,8 @@ static const char *list_of(const struct gp_frames *f, bool *whole)
 static void failed_lists(void **state)
 {
     static const char *const rows[][2] = {
-        {"5", "5"}, {"5,6", "5-6"}, {"5,7", "5,7"}, {"5,7,9", "5-9x2"},
-        {"1,2,3,7,9,12", "1-3,7,9,12"}, {"1,2,4,6,8", "1-2,4-8x2"},
-        {"9-5,1", "9-5,1"}, {"40-10x10", "40-10x10"}, {"-3--1", "-3--1"},
+        {"5", "5"}, {"5,6", "5-6"}, {"5,7", "5,7"}, {"-3--1", "-3--1"},
+        {"1,2,3,7,9,12", "1-3,7,9,12"}, {"7-5,1", "7,6,5,1"},
         {"-999999999,999999999,-999999998", "-999999999,999999999,-999999998"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -76,7 +75,7 @@ static void long_lists_are_cut(void **state)
         int number[260], items = 1, more = 0;
         const struct gp_frames f = {.number = number, .n = n};
         bool whole;
-        for (int i = 0; i < n; i++) // no three evenly apart
+        for (int i = 0; i < n; i++) // no two in a row
             number[i] = i * i * 7 + i % 3;
         const char *const text = list_of(&f, &whole);
         const char *const rest = strstr(text, " and ");
