@@ -535,17 +535,7 @@ static gp_status check_outputs(const struct gp_log *log,
             if (later && t->name.views)
                 continue;
             char *const name = gp_job_name(&j->job[k], t);
-            char ending[16] = "-";
-            if (name && t->kind == GP_TARGET_LAYER &&
-                !gp_file_is_straight(name))
-                gp_file_ending(name, ending, sizeof ending);
             st = !name ? gp_no_memory(log, t->name.path)
-                 : !ending[0]
-                     ? gp_fail(log, GP_ERR_USAGE,
-                               "%s: --layer writes a file "
-                               "(ending is missing); end the name in .exr, or "
-                               "to choose an EXR layer use --layer-in %s",
-                               name, name)
                  : t->kind == GP_TARGET_HDR
                      ? gp_write_hdr_check(log, &s->output.write, GP_HDR_KEEPS,
                                           name)

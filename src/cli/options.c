@@ -24,6 +24,12 @@ const struct gp_settings gp_defaults = {
     .run.level = GP_LEVEL_WARN,
 };
 
+static const struct gp_option_choice gp_grows[] = {
+    {"kernel", 0, "as far as the kernel reaches"},
+    {"none", 0, "outputs keep the data window, and glare ends at its edges"},
+    {0},
+};
+static const struct gp_option_choice gp_topics[] = {{"all", 0, NULL}, {0}};
 static const struct gp_option_choice gp_normalizes[] = {
     {"luminance", GP_NORMALIZE_LUMINANCE, "so that the luminance of its sum is "
      "1; channels keep their ratios"},
@@ -172,8 +178,7 @@ const struct gp_option gp_options[] = {
                 "than once",
         .usual = "Write an EXR: only the glare, to add in comp"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
-        .list = gp_grow_word,
-        .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
+        .choices = gp_grows, .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
         "display window, by PIXELS on each side"),
     OPT(output.debug, .name = "debug", .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",
@@ -630,7 +635,7 @@ const struct gp_option gp_options[] = {
     OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),
     OPT(words.help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
-        .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
+        .commands = ~0u, .arg = "[TOPIC]", .choices = gp_topics, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
     OPT(words.help_table, .name = "help-table", IN(GENERAL), .hidden = true,

@@ -156,6 +156,8 @@ struct gp_run_settings {
 
 /* The command line itself. */
 struct gp_word_settings {
+    char *const *argv;                 // borrowed, as given
+    int argc;
     struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
     uint64_t given[4];                 // a bit for each option of the table
@@ -232,7 +234,7 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name suffices
 };
 
-// Values of options, in option_lists.c
+// Values of options, in lookup.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
     gp_types[], gp_compressions[], gp_bits[], gp_alphas[], gp_stdout_formats[],
     gp_raws[];
@@ -302,12 +304,9 @@ extern const struct gp_option gp_options[];  // NULL name at the end
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
-/* Lists of values for the table's `list`: engines, tone curves, words of
- * --grow and --help. */
+/* Lists of values for the table's `list`: engines, tone curves. */
 const char *gp_engine_name(int i, const char **text);
 const char *gp_curve_name(int i, const char **text);
-const char *gp_grow_word(int i, const char **text);
-const char *gp_help_word(int i, const char **text);
 
 /* The i-th word of --kernel that is no file: presets, then models without a
  * preset of their name. Valid until the next call. */

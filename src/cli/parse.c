@@ -215,7 +215,7 @@ static gp_status set_text(const struct use *u, void *field)
     const char *text, *name;
     const char *const keys = strncmp(u->value, "builtin:", 8) == 0
                                  ? strchr(u->value + 8, ':') : u->value;
-    bool known = !o->list ||
+    bool known = !(o->list || o->choices) ||
                  (keys && o->at == offsetof(struct gp_settings, kernel.words) &&
                   !gp_kernel_is_file(u->value));
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
@@ -398,6 +398,8 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     bool options = true; // until "--"
     int i = 1;
     *out = gp_defaults;
+    out->words.argv = argv;
+    out->words.argc = argc;
     for (int k = 0; k < LISTS; k++) {
         struct gp_texts *const list = list_of(out, k);
         st = gp_alloc(log, "command line", 2 * (size_t) argc + GP_STYLE_WORDS,

@@ -104,21 +104,15 @@ static void print_news(struct gp_progress *p, double now, bool end)
                 floor(percent * 10.0) / 10.0, line);
     }
     if (p->when == GP_PROGRESS_JSON) {
-        json_t *const o = json_object();
-        json_object_set_new(o, "done", json_integer(p->done));
-        if (p->failed)
-            json_object_set_new(o, "failed", json_integer(p->failed));
-        json_object_set_new(o, "total", json_integer(p->total));
-        json_object_set_new(o, "percent",
-                            json_real(floor(percent * 10.0) / 10.0));
-        json_object_set_new(o, "seconds", json_real(seconds));
-        if (p->done > 0)
-            json_object_set_new(o, "seconds_left",
-                json_real(seconds / p->done * (p->total - p->done)));
-        if (p->name[0])
-            json_object_set_new(o, "file", gp_json_name(p->name));
-        if (p->name[0])
-            json_object_set_new(o, "stage", json_string(p->stage));
+        const double left = seconds / p->done * (p->total - p->done);
+        json_t *const o = json_pack(
+            "{si so* si sf sf so* so* so*}", "done", p->done,
+            "failed", p->failed ? json_integer(p->failed) : NULL,
+            "total", p->total, "percent", floor(percent * 10.0) / 10.0,
+            "seconds", seconds,
+            "seconds_left", p->done > 0 ? json_real(left) : NULL,
+            "file", p->name[0] ? gp_json_name(p->name) : NULL,
+            "stage", p->name[0] ? json_string(p->stage) : NULL);
         char *const text =
             gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(6));
         if (text) // a run without a line is still a run

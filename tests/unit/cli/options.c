@@ -89,9 +89,9 @@ static void check_stored(const struct gp_option *o, const char *value,
         : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
         : o->kind == GP_KIND_NUMBERS ? list->n == o->least &&
                                            list->v[list->n - 1] == list->n
+        : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
         : o->choices && o->kind != GP_KIND_NAMED
             ? gp_option_chosen(o, at)->value == choice
-        : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
         : o->kind == GP_KIND_TEXTS ? strcmp(texts->at[texts->n - 1], value) == 0
                                      : strcmp(word[choice], "f") == 0;
     if (!stored || !gp_option_given(&s, o->name))
