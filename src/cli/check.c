@@ -21,11 +21,11 @@ static bool open_ended(const char *path)
     return ending[0] == '\0';
 }
 
-/* A need: whether the settings meet it, and what is said of an option that has it
- * where they do not, after "--NAME: ". */
+/* A need: whether the settings meet it, and what is said of an option that has
+ * it where they do not, after "--NAME: ". */
 struct need {
     bool met;
-    const char *text, *found, *end; // `found` and `end` are printed after `text`
+    const char *text, *found, *end; // printed one after the other
 };
 
 /* All needs: the i-th is of bit 1 << i, and they are checked in this order. */
@@ -156,15 +156,14 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     char *end;
     const long n = strtol(word, &end, 10);
     const bool number = end != word && !*end && *word >= '0' && *word <= '9';
-    s->output.grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
-                  : strcmp(word, "none") == 0 ? GP_GROW_NONE : GP_GROW_PIXELS;
-    if (s->output.grow_how != GP_GROW_PIXELS)
-        return GP_OK;
-    if (!number || n > MOST)
+    const bool kernel = strcmp(word, "kernel") == 0;
+    const bool none = strcmp(word, "none") == 0;
+    if (!kernel && !none && (!number || n > MOST))
         return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
                        "(found \"%s\"); give 0 to %d, kernel or none", word,
                        MOST);
-    s->output.grow_pixels = (int) n;
+    s->output.grow_pixels = kernel ? GP_GROW_KERNEL
+                            : none ? GP_GROW_NONE : (int) n;
     return GP_OK;
 }
 
@@ -442,7 +441,7 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-// -- parameters of the library -------------------------------------------------
+// -- parameters of the library -----------------------------------------------
 
 /* Fills in the sun of --sun or --sun-dir, and of --camera all but its place. */
 static void set_lights(struct gp_sun_settings *s)

@@ -1,5 +1,5 @@
-/* The main job, a run over frames, and the commands that are more than that. Their
- * errors are those of reading, of the library and of writing. */
+/* The main job, a run over frames, and the commands that are more than that.
+ * Their errors are those of reading, of the library and of writing. */
 #ifndef GP_CLI_COMMANDS_H
 #define GP_CLI_COMMANDS_H
 
@@ -9,20 +9,21 @@
  *
  *   read -> sun -> sensors -> glare -> compose -> tonemap -> write
  *
- * A stage runs only when a later one, or an output, needs its result. Reading and
- * writing overlap the computing of other frames; computing, reports, messages and
- * streams keep the order of the jobs, so that no result depends on how many are
- * in flight.
+ * A stage runs only when a later one, or an output, needs its result. Reading
+ * and writing overlap the computing of other frames; computing, reports,
+ * messages and streams keep the order of the jobs, so that no result depends on
+ * how many are in flight.
  *
  * Makes all frames but those for which gp_job_complete() is true; ends at the
- * first that fails. With --skip-bad-frames it skips frames that have bad data or
- * cannot be read or written, reports each, and lists them at the end.
+ * first that fails. With --skip-bad-frames it skips frames that have bad data
+ * or cannot be read or written, reports each, and lists them at the end.
  * Errors: GP_ERR_FRAMES some frames were skipped as bad. */
 GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
-/* glarepp bench: measures every technique on the input's one frame (bench.h). */
+/* glarepp bench: measures every technique on the input's one frame
+ * (bench.h). */
 GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s);
 
@@ -37,18 +38,18 @@ enum {
     GP_COMPARE_USAGE = 64,
 };
 
-/* glarepp compare: compares the two inputs, part by part with --all, and frame by
- * frame where one of them is a pattern. Prints idiff's lines and more to stdout,
- * or JSON in their place, and writes the pictures. With --quiet it prints only
- * FAILURE, to stderr as idiff -q does.
- * Returns the program's exit status: the worst of all pairs (a frame that cannot
- * be read is a file error, and the next frame is compared); GP_COMPARE_USAGE;
- * GP_ERR_BUG when memory is full. */
+/* glarepp compare: compares the two inputs, part by part with --all, and frame
+ * by frame where one of them is a pattern. Prints idiff's lines and more to
+ * stdout, or JSON in their place, and writes the pictures. With --quiet it
+ * prints only FAILURE, to stderr as idiff -q does. Returns the program's exit
+ * status: the worst of all pairs (a frame that cannot be read is a file error,
+ * and the next frame is compared); GP_COMPARE_USAGE; GP_ERR_BUG when memory is
+ * full. */
 int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                        const struct gp_settings *s);
 
-/* glarepp kernel: writes kernels with the recipe that made them, lists models and
- * checks kernels. *faulty is true where --check finds a fault. */
+/* glarepp kernel: writes kernels with the recipe that made them, lists models
+ * and checks kernels. *faulty is true where --check finds a fault. */
 GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
@@ -57,8 +58,8 @@ GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
-/* glarepp styles: lists the styles, or draws the frame without glare and in each
- * of them on a sheet, by a run of the main job for each. */
+/* glarepp styles: lists the styles, or draws the frame without glare and in
+ * each of them on a sheet, by a run of the main job for each. */
 GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s);
 

@@ -30,8 +30,8 @@ static bool views_all(const struct gp_settings *s)
 
 static gp_status too_many(const struct gp_log *log, const char *path)
 {
-    return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make them "
-                   "in several runs", path, GP_FRAME_LIST_MAX);
+    return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                   "them in several runs", path, GP_FRAME_LIST_MAX);
 }
 
 // -- frames ------------------------------------------------------------------
@@ -259,7 +259,8 @@ static gp_status find_views(const struct gp_log *log,
 }
 
 /* Finds the views inside the first input, if an output has a place for several,
- * replaces each job by one for each view, and warns in one line of the choice. */
+ * replaces each job by one for each view, and warns in one line of the
+ * choice. */
 static gp_status add_views(const struct gp_log *log,
     const struct gp_settings *s, struct gp_jobs *j)
 {

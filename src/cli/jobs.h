@@ -77,8 +77,8 @@ struct gp_jobs {
  *     regular file or of stdin's first image, if an output has a place for
  *     several; one line names them. Outputs without %V or %v then hold the
  *     first: `hero`
- *   - with several views, --hdr without %V or %v holds all: it is `whole`; other
- *     outputs than `-` need %V or %v
+ *   - with several views, --hdr without %V or %v holds all: it is `whole`;
+ *     other outputs than `-` need %V or %v
  *   - several frames need patterns or `-` for all outputs, and for patterns a
  *     number: the input pattern's, or the last in a plain name
  *   - after all other checks, stdin is read to its end: each image in it is a
@@ -115,8 +115,9 @@ bool gp_job_number(const struct gp_job *job, int *number);
 bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
                      const struct gp_job *job);
 
-/* Checks that the run writes no file twice, and none that it reads, as the `n` of
- * `also`, which another file names (output_guard.h). Errors: GP_ERR_USAGE. */
+/* Checks that the run writes no file twice, and none that it reads, as the `n`
+ * of `also`, which another file names (output_guard.h). Errors:
+ * GP_ERR_USAGE. */
 GP_MUST_CHECK gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *j, const char *const *also, int n);

@@ -116,8 +116,8 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
     struct texts texts;
     write.type = GP_OUT_FLOAT;
     for (int i = 0; i < outputs->n; i++)
-        GP_TRY(gp_write_hdr_check(log, &write, "-o of a kernel keeps floats and "
-                                  "its recipe", outputs->at[i]));
+        GP_TRY(gp_write_hdr_check(log, &write, "-o of a kernel keeps floats "
+                                  "and its recipe", outputs->at[i]));
     GP_TRY(gp_output_guard_check(log, s, NULL, NULL));
     GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
     GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));

@@ -10,18 +10,16 @@ struct gp_listener {
     const struct gp_settings *s;
 };
 
-/* The message callback of a context, whose user is a struct gp_listener. Prints
- * to the log that is the user of a frame, else to the context's, and adds what to
- * do. */
+/* The message callback of a context. Prints to the log that is the user of a
+ * frame, else to the listener's, and adds what to do. */
 void gp_hear(void *user, const struct glarepp_message *m);
 
 /* Returns words to put after the text of a message about that parameter: "; use
- * --engine fft", or ", or use --engine fft" where the text gives advice already.
- * "": none are needed. */
+ * --engine fft", or ", or use --engine fft" where the text gives advice, or
+ * "". */
 const char *gp_hint(const char *parameter, const char *text);
 
-/* Returns a view of planes of a frame, as its file describes them. It borrows
- * from both. */
+/* Returns a view of planes of a frame, as its file describes them. */
 struct glarepp_image gp_decoded_of(const struct gp_frame *f,
                                  const struct gp_planes *planes);
 
@@ -37,15 +35,13 @@ struct gp_recipe_name {
 };
 struct gp_recipe_name gp_recipe_name(int i);
 
-/* Reads what the file of a kernel says of it. All 0 where it is not by glarepp
- * kernel.
- * Errors: GP_ERR_DATA a recipe that this program does not know, with the file's
- * and the attribute's name; GP_ERR_BUG out of memory. */
+/* Reads what the file of a kernel says of it; all 0 where it is not by glarepp
+ * kernel. Errors: GP_ERR_DATA a recipe that this program does not know. */
 GP_MUST_CHECK gp_status gp_label_read(const struct gp_log *log,
     const struct gp_frame *f, struct glarepp_label *out);
 
-/* The callbacks of a context whose user is a struct gp_listener. A picture is
- * released by the thread that read it, before it reads another. */
+/* Callbacks of a context. A picture is released by the thread that read it,
+ * before it reads another. */
 int gp_picture_read(void *user, const struct glarepp_picture *p,
                     struct glarepp_image *out, struct glarepp_label *label);
 void gp_picture_release(void *user, struct glarepp_image *image);

@@ -1,5 +1,5 @@
-/* The commands; finds options by name or letter; lists that the table names: its
- * headings, and values that the library and io list. */
+/* The commands; finds options by name or letter; lists that the table names:
+ * its headings, and values that the library and io list. */
 #include "cli/options.h"
 
 #include <float.h>
@@ -162,7 +162,7 @@ bool gp_lights_wanted(const struct gp_settings *s)
            s->scene.path;
 }
 
-// -- lists that the table of options names -------------------------------------
+// -- lists that the table of options names -----------------------------------
 
 const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",

@@ -16,8 +16,8 @@
 size_t gp_memory_limit(const char *root);
 
 /* Returns the most bytes that this process had in memory so far: VmHWM of
- * proc(5), as ru_maxrss of getrusage(2) starts at the memory of the process that
- * started this one. 0 when unknown. */
+ * proc(5), as ru_maxrss of getrusage(2) starts at the memory of the process
+ * that started this one. 0 when unknown. */
 size_t gp_peak_memory(void);
 
 /* Reads variables into *p:

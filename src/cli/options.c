@@ -178,8 +178,9 @@ const struct gp_option gp_options[] = {
                 "than once",
         .usual = "Write an EXR: only the glare, to add in comp"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
-        .choices = gp_grows, .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
-        "display window, by PIXELS on each side"),
+        .choices = gp_grows, .open = true, .pixels = true,
+        .help = "Extend outputs beyond the union of data and display window, "
+                "by PIXELS on each side"),
     OPT(output.debug, .name = "debug", .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of an intermediate "

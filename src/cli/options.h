@@ -51,12 +51,9 @@ enum gp_command {
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
-/* Growth of a frame beyond data and display window (--grow). */
-enum gp_grow_how {
-    GP_GROW_PIXELS,  // by grow_pixels
-    GP_GROW_KERNEL,  // as far as the kernel reaches
-    GP_GROW_NONE,    // outputs keep the data window
-};
+/* Words of --grow in place of a number of pixels: as far as the kernel reaches,
+ * or not beyond the data window. */
+enum { GP_GROW_KERNEL = -1, GP_GROW_NONE = -2 };
 
 /* Words from the command line, in its order. */
 struct gp_texts {
@@ -80,8 +77,7 @@ struct gp_output_settings {
     struct gp_texts hdr, layer;
     const char *debug[GP_DEBUG_KINDS];
     const char *grow;                  // as given; NULL: 0 pixels
-    enum gp_grow_how grow_how;         // ... as checked
-    int grow_pixels;
+    int grow_pixels;                   // ... as checked; or GP_GROW_*
     struct gp_write_params write;
     bool no_provenance;                // no glarepp:command in files
 };
@@ -299,17 +295,16 @@ struct gp_option {
 };
 extern const struct gp_option gp_options[];  // NULL name at the end
 
-/* The i-th value that the option names; *text is its line or NULL. NULL after
- * the last. */
+/* The i-th value that the option names, and its line or NULL; NULL after the
+ * last. */
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
-/* Lists of values for the table's `list`: engines, tone curves. */
+/* Lists of values for the table's `list`: engines, tone curves, styles, and
+ * words of --kernel that are no file, valid until the next call. */
 const char *gp_engine_name(int i, const char **text);
 const char *gp_curve_name(int i, const char **text);
-
-/* The i-th word of --kernel that is no file: presets, then models without a
- * preset of their name. Valid until the next call. */
+const char *gp_style_name(int i, const char **text);
 const char *gp_kernel_word(int i, const char **text);
 
 /* The range of a number in words: "0 to 1", "0 or more", "any number". */
@@ -318,7 +313,7 @@ struct gp_range_text {
 };
 struct gp_range_text gp_option_range(const struct gp_option *o);
 
-/* The option of that name, or of that letter for one of the commands (bits); or
+/* The option of that name, or of that letter for one of the commands; or
  * NULL. */
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter, unsigned commands);
@@ -371,12 +366,9 @@ extern const struct gp_command_row gp_commands[];
 const struct gp_command_row *gp_command_of(unsigned commands);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
- * of an option wins, unless it is `once`. The first word may be a command's;
- * `--` ends the options, `-` is a file. Then checks the settings, unless --help
- * or --version is given.
- *
- *   out  written in any case; free with gp_settings_free(); borrows from argv
- * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory. */
+ * of an option wins, unless it is `once`. Then checks the settings, unless
+ * --help or --version is given. *out is written in any case, and borrows from
+ * argv. */
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
     char *const argv[], struct gp_settings *out);
 
@@ -384,16 +376,13 @@ GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
 unsigned gp_needs_unmet(const struct gp_settings *s);
 
 /* Checks settings that depend on each other, sets fields that follow from
- * several options, and warns of options that do nothing.
- * Errors: GP_ERR_USAGE with one line. */
+ * several options, and warns of options that do nothing. */
 GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
                                           struct gp_settings *s);
 
-/* The command line that makes the same picture of those inputs: the given
- * options that a pixel can depend on, then the inputs; quoted for a shell, in
- * UTF-8, on one line, file names without their folders. It is the same in any
- * folder and for any --threads.
- *   out  from malloc; NULL on failure. Errors: GP_ERR_BUG out of memory. */
+/* The command line that makes the same picture of those inputs, from malloc:
+ * the given options that a pixel can depend on, then the inputs; quoted for a
+ * shell, in UTF-8, on one line, file names without their folders. */
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
     const struct gp_settings *s, const char *const *input, int inputs,
     char **out);
@@ -408,16 +397,14 @@ void gp_help(FILE *f, enum gp_command command);
  * 80 columns, the 29th its first. */
 void gp_help_text(FILE *f, int column, const char *text);
 
-/* Prints the table of options, models and statuses, a row a line, its fields
- * separated by tabs: man/page.awk and man/completions.awk read it. */
+/* Prints the table of options, models and statuses for man/page.awk and
+ * man/completions.awk: a row a line, fields separated by tabs. */
 void gp_help_table(FILE *f);
 
-/* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
- * topic is a command, the word of a group, all (as --help all), an option's
- * name or letter with or without dashes, a value's name, or a section of the
- * manual, which man(1) shows in place of this program.
- * Errors: GP_ERR_USAGE no such topic, with the nearest if there is one;
- * GP_ERR_IO the manual cannot be shown. */
+/* Prints `glarepp help TOPIC`; a NULL topic lists the topics. A topic is a
+ * command, the word of a group, all, an option's name or letter with or without
+ * dashes, a value's name, or a section of the manual, which man(1) shows.
+ * Errors: GP_ERR_USAGE no such topic; GP_ERR_IO the manual cannot be shown. */
 GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
                                       const char *topic);
 
@@ -440,8 +427,5 @@ const struct gp_style *gp_style_of(const char *name);
 
 /* True when a style has a value for an option, by its long name. */
 bool gp_style_sets(const char *style, const char *option);
-
-/* The i-th name and its line, for the option table; NULL after the last. */
-const char *gp_style_name(int i, const char **text);
 
 #endif

@@ -2,8 +2,8 @@
  * the first file is opened.
  *
  * Files are compared by identity: files that exist by device and inode, files
- * to be made by those of their folder and their name in it. Pipes and devices lose
- * nothing by being written and may be given any number of times. So may
+ * to be made by those of their folder and their name in it. Pipes and devices
+ * lose nothing by being written and may be given any number of times. So may
  * descriptors (stdout, /dev/fd/N), unless they are of a file that is read; `-`
  * may be given once.
  *
@@ -26,8 +26,9 @@ struct gp_output_guard {
 GP_MUST_CHECK gp_status gp_output_guard_begin(const struct gp_log *log,
     const struct gp_settings *s, struct gp_output_guard *out);
 
-/* Adds an output: the option `what` with its value `as`, which may be a pattern,
- * made of the input `of` (NULL: the only one). All but the path are borrowed. */
+/* Adds an output: the option `what` with its value `as`, which may be a
+ * pattern, made of the input `of` (NULL: the only one). All but the path are
+ * borrowed. */
 GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
     const char *path, const char *what, const char *as, const char *of);
 

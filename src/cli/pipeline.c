@@ -269,8 +269,8 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
 /* Memory that all units share, the kernel and its transforms, in parts of the
- * largest unit, at most: that of a frame full of light is up to twice as wide and
- * high. */
+ * largest unit, at most: that of a frame full of light is up to twice as wide
+ * and high. */
 enum { SHARED = 2 };
 
 /* True when one more unit may start beside `in_flight` others: all of them and

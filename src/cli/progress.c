@@ -337,8 +337,8 @@ void gp_failures_add(struct gp_failures *f, int index)
 }
 
 /* Prints one item of a frame list, a frame or several in a row, from the failed
- * frame whose first job is *at. Moves *at after it and returns how many frames it
- * has. */
+ * frame whose first job is *at. Moves *at after it and returns how many frames
+ * it has. */
 static int print_run(const struct gp_failures *f, int *at, char *text,
                      size_t size)
 {

@@ -238,9 +238,9 @@ enum kind {
     PEAK, THREADS, VERSION, SCHEMA, // no fact
 };
 
-/* A field: its name, after that of the object that holds it and a dot; where its
- * value is among the facts, or in the item whose fields they are; when it is
- * there. */
+/* A field: its name, after that of the object that holds it and a dot; where
+ * its value is among the facts, or in the item whose fields they are; when it
+ * is there. */
 struct row {
     const char *name;
     enum kind kind;
@@ -525,8 +525,8 @@ static bool is_there(const struct row *r, const char *from)
     return !r->if_bytes || set != r->unless;
 }
 
-/* Adds the fields of rows to an object. `nested`: it is the one that their names
- * begin with. */
+/* Adds the fields of rows to an object. `nested`: it is the one that their
+ * names begin with. */
 static void put_rows(json_t *line, const struct row *r, const void *from,
                      bool nested)
 {

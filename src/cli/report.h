@@ -59,8 +59,7 @@ struct gp_clamp_facts {
     double flux[3];              // by channel
 };
 
-/* Measure of the edges before the lights that the frame shows, by which the
- * report says how near their shares are. */
+/* What says where a light in the frame is hidden: how near its share is. */
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
     GP_EDGES_DEPTH,
@@ -95,8 +94,8 @@ struct gp_cost_facts {
 /* Adds to the time of a stage, an enum gp_time; under 0 is none. */
 void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu);
 
-/* The facts about one frame: the library's, and the program's, a struct a stage,
- * which fills it. Strings and lists are borrowed where none says owned. */
+/* The facts about one frame: the library's, and the program's, a struct a
+ * stage. Strings and lists are borrowed where none says owned. */
 struct gp_frame_report {
     struct gp_job_report job;
     struct gp_read_facts read;
@@ -150,9 +149,8 @@ void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *lin
 
 // -- words about a run for the person who started it --------------------------
 
-/* Prints notes about a frame: what was read, the light that glares, the kernel
- * and its angle of view, lights, ghosts, measured errors, what was written; and
- * why, where an option or the frame decided. f->settings is set. */
+/* Prints notes about a frame: what was used, and why where an option or the
+ * frame decided. */
 void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f);
 
 /* The frames of a run together. Zeroed is none. */
@@ -167,8 +165,8 @@ struct gp_tally {
 
 void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f);
 
-/* Prints what happened, without a newline: the picture, sources, light, angle of
- * view, tones, wall time. There are targets, and at least one job was made. */
+/* Prints what happened, without a newline. There are targets, and at least one
+ * job was made. */
 void gp_tally_print(FILE *f, const struct gp_tally *t,
                     const struct gp_settings *s, const struct gp_jobs *jobs,
                     double seconds);

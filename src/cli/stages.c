@@ -143,9 +143,9 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     };
     struct gp_rect window, before;
     gp_status st;
-    if (s->output.grow_how == GP_GROW_NONE)
+    if (s->output.grow_pixels == GP_GROW_NONE)
         return GP_OK;
-    if (s->output.grow_how == GP_GROW_KERNEL)
+    if (s->output.grow_pixels == GP_GROW_KERNEL)
         GP_TRY(find_reach(r, fs, &p));
     window = gp_grow_window(&p, &fs->file);
     do { // until the window is on the subsampling grids of all frames
@@ -364,8 +364,8 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
     return st ? st : (gp_status) glarepp_frame_run(fs->frame, GLAREPP_SHARES);
 }
 
-/* Makes the pictures of the shares, which need the lights, and says how near the
- * shares are. */
+/* Makes the pictures of the shares, which need the lights, and says how near
+ * the shares are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);

@@ -118,9 +118,9 @@ static gp_status begin(const struct gp_log *log, const struct gp_frame *f,
 }
 
 /* Draws tile i: the display window of f from `picture`, the samples of its data
- * window, scaled down by areas; outside of the data window it is black. The first
- * tile sets the size of all. Captions are of a to z, spaces and dashes; longer
- * ones are cut. */
+ * window, scaled down by areas; outside of the data window it is black. The
+ * first tile sets the size of all. Captions are of a to z, spaces and dashes;
+ * longer ones are cut. */
 static gp_status draw_tile(const struct gp_log *log, struct sheet *s, int i,
     const char *caption, const struct gp_frame *f,
     const struct gp_planes *picture)
