@@ -207,21 +207,14 @@ static gp_status check_kernels(const struct gp_log *log,
                            at[i]);
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
-    if (s->kernel.size && !files)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
-                       "file (found %s); write image:file=PATH,size=DEGREES, "
-                       "or leave it out", s->kernel.size);
-    if (s->kernel.p.centred && !one)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
-                       "several kernels (found %g,%g); write "
-                       "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
-                       s->kernel.p.centre[0], s->kernel.p.centre[1]);
-    if (gp_option_given(s, "kernel-normalize") && !one &&
-        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
-                       "several kernels share out a pixel's light (found "
-                       "luminance); give share=S to each, or leave it out");
-    return GP_OK;
+    const char *const image =
+        s->kernel.size && !files        ? "kernel-size"
+        : s->kernel.p.centred && !one   ? "kernel-center"
+        : s->kernel.p.normalized && !one ? "kernel-normalize" : NULL;
+    return !image ? GP_OK : gp_fail(log, GP_ERR_USAGE, "--%s: is of one image "
+        "of a kernel, and %s is none; write image:file=PATH with its keys "
+        "size, x, y and share, or leave --%s out", image,
+        n > 1 ? "several kernels" : at[0], image);
 }
 
 /* Sets the size of --size, or the usual one. */

@@ -555,13 +555,6 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
 
 // -- the file ----------------------------------------------------------------
 
-/* Removes the file that this run made, if any. */
-static void remove_created(struct gp_report *r)
-{
-    if (r->created)
-        unlink(r->created);
-}
-
 gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, struct gp_report *out)
 {
@@ -579,7 +572,8 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         r.file = fdopen(fd, "w");
         if (!r.file) {
             close(fd);
-            remove_created(&r);
+            if (r.created)
+                unlink(r.created);
             gp_free(r.created);
             return gp_no_memory(log, path);
         }
@@ -607,11 +601,15 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
-/* Writes the line of an object, whose reference it takes. */
-static gp_status write_object(const struct gp_log *log, struct gp_report *r,
-                              json_t *o)
+gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
+                          const struct gp_frame_report *facts)
 {
-    char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
+    json_t *const o = json_object();
+    put_rows(o, job_rows, facts, false);
+    if (!facts->job.status)
+        put_rows(o, made_rows, facts, false);
+    put_rows(o, end_rows, facts, false);
+    char *const line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line)
         return gp_no_memory(log, r->path);
     const long before = ftell(r->file);
@@ -621,26 +619,14 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                       fprintf(r->file, "%s\n", line) > 0 &&
                       fflush(r->file) == 0;
     free(line);
-    if (!fine) {
-        const gp_status st = write_failed(log, r);
-        if (r->file != stdout)
-            __fpurge(r->file); // or closing it would try again
-        (void) cut_file(r, before); // leave no half line
-        return st;
-    }
-    r->lines++;
-    return GP_OK;
-}
-
-gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
-                          const struct gp_frame_report *facts)
-{
-    json_t *const o = json_object();
-    put_rows(o, job_rows, facts, false);
-    if (!facts->job.status)
-        put_rows(o, made_rows, facts, false);
-    put_rows(o, end_rows, facts, false);
-    return write_object(log, r, o);
+    r->lines += fine;
+    if (fine)
+        return GP_OK;
+    const gp_status st = write_failed(log, r);
+    if (r->file != stdout)
+        __fpurge(r->file); // or closing it would try again
+    (void) cut_file(r, before); // leave no half line
+    return st;
 }
 
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
@@ -649,8 +635,8 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
         return GP_OK;
     bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
     gp_status st = fine ? GP_OK : write_failed(log, r);
-    if (r->lines == 0)
-        remove_created(r);
+    if (r->lines == 0 && r->created)
+        unlink(r->created);
     gp_free(r->created);
     *r = (struct gp_report) {0};
     return st;
