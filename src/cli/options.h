@@ -57,7 +57,7 @@ enum { GP_GROW_KERNEL = -1, GP_GROW_NONE = -2 };
 
 /* Words from the command line, in its order. */
 struct gp_texts {
-    const char **at;  // owned array of borrowed words
+    const char **at;  // borrowed words
     int n;
 };
 
@@ -154,6 +154,7 @@ struct gp_run_settings {
 struct gp_word_settings {
     char *const *argv;                 // borrowed, as given
     int argc;
+    const char **all;                  // those of all lists; owned
     struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
     uint64_t given[4];                 // a bit for each option of the table

@@ -11,25 +11,9 @@
 
 // -- settings ----------------------------------------------------------------
 
-/* The lists of words. */
-enum { LISTS = 9 };
-static struct gp_texts *list_of(struct gp_settings *s, int i)
-{
-    struct gp_texts *const list[LISTS] = {
-        &s->input.files, &s->output.pictures, &s->output.hdr,
-        &s->output.layer, &s->input.light_groups, &s->kernel.words,
-        &s->sun.relight, &s->tone.context, &s->words.options,
-    };
-    return list[i];
-}
-
 void gp_settings_free(struct gp_settings *s)
 {
-    for (int i = 0; i < LISTS; i++) {
-        struct gp_texts *const list = list_of(s, i);
-        GP_FREE(list->at);
-        list->n = 0;
-    }
+    GP_FREE(s->words.all);
 }
 
 // -- values ------------------------------------------------------------------
@@ -400,13 +384,19 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     *out = gp_defaults;
     out->words.argv = argv;
     out->words.argc = argc;
-    for (int k = 0; k < LISTS; k++) {
-        struct gp_texts *const list = list_of(out, k);
-        st = gp_alloc(log, "command line", 2 * (size_t) argc + GP_STYLE_WORDS,
-                      sizeof *list->at, &list->at);
-        if (st)
-            return st;
-    }
+    struct gp_texts *const lists[] = {
+        &out->input.files, &out->output.pictures, &out->output.hdr,
+        &out->output.layer, &out->input.light_groups, &out->kernel.words,
+        &out->sun.relight, &out->tone.context, &out->words.options,
+    };
+    enum { LISTS = sizeof lists / sizeof *lists };
+    const size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    st = gp_alloc(log, "command line", LISTS * room, sizeof *out->words.all,
+                  &out->words.all);
+    for (size_t k = 0; k < LISTS && !st; k++)
+        lists[k]->at = out->words.all + k * room;
+    if (st)
+        return st;
     // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
     struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);

@@ -66,6 +66,17 @@ struct pipeline {
     struct gp_tally tally;           // of those written
 };
 
+/* Data that the command line asks nothing of, so that it counts as present. */
+static unsigned unasked(const struct gp_settings *s)
+{
+    const bool lights = gp_lights_wanted(s);
+    return (s->scene.path ? 0u : GP_HAS_SCENE) |
+           (s->scene.path && s->sun.relight.n ? 0u : GP_HAS_RELIT) |
+           (lights ? 0u : GP_HAS_SUNS | GP_HAS_SHARES) |
+           (lights || s->sun.p.flare ? 0u : GP_HAS_FLARE) |
+           (s->lens.lens ? 0u : GP_HAS_LENS);
+}
+
 /* Chooses the stages that the wanted files need, from the last to the first. */
 static void make_schedule(const struct gp_run *r, struct schedule *p)
 {
@@ -81,8 +92,7 @@ static void make_schedule(const struct gp_run *r, struct schedule *p)
         // (composing tells what the layer's flux is)
         const bool idle = stage->gives == GP_HAS_END &&
                           (!r->s->run.report || wanted & GP_HAS_LIT);
-        p->on[i] = (stage->gives & wanted) &&
-                   (!stage->asked || stage->asked(r->s));
+        p->on[i] = stage->gives & wanted & ~unasked(r->s);
         p->dead[i] = ~wanted;
         if (p->on[i] && !idle)
             wanted |= stage->needs |

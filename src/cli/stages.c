@@ -75,16 +75,6 @@ void gp_frame_state_end(struct gp_frame_state *fs)
 
 // -- reading -----------------------------------------------------------------
 
-static bool scene_asked(const struct gp_settings *s)
-{
-    return s->scene.path != NULL;
-}
-
-static bool lens_asked(const struct gp_settings *s)
-{
-    return s->lens.lens != NULL;
-}
-
 /* Begins the library's frame with the planes that were read. */
 static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
 {
@@ -332,16 +322,6 @@ out:
 }
 
 // -- computing ----------------------------------------------------------------
-
-static bool relight_asked(const struct gp_settings *s)
-{
-    return s->scene.path && s->sun.relight.n;
-}
-
-static bool flare_asked(const struct gp_settings *s)
-{
-    return gp_lights_wanted(s) || s->sun.p.flare;
-}
 
 static gp_status run_relight(struct gp_run *r, struct gp_frame_state *fs)
 {
@@ -616,29 +596,25 @@ enum {
 #define STEP(name) GLAREPP_##name, NULL
 #define RUN(function) 0, function
 const struct gp_stage gp_stages[GP_STAGES] = {
-    {"read", READ, GP_TIME_READ, 0, RGB, RUN(run_read), NULL},
-    {"scene", COMPUTE, GP_TIME_SCENE, RGB, SCENE, STEP(POSE), scene_asked},
-    {"relight", COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, RELIT, RUN(run_relight),
-     relight_asked},
-    {"sun", COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, RUN(run_suns),
-     gp_lights_wanted},
-    {"sensors", COMPUTE, GP_TIME_SENSORS, RGB | RELIT, SOURCES, STEP(SENSE),
-     NULL},
-    {"kernel", COMPUTE, -1, SOURCES | SUNS, KERNEL, STEP(KERNEL), NULL},
+    {"read", READ, GP_TIME_READ, 0, RGB, RUN(run_read)},
+    {"scene", COMPUTE, GP_TIME_SCENE, RGB, SCENE, STEP(POSE)},
+    {"relight", COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, RELIT, RUN(run_relight)},
+    {"sun", COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, RUN(run_suns)},
+    {"sensors", COMPUTE, GP_TIME_SENSORS, RGB | RELIT, SOURCES, STEP(SENSE)},
+    {"kernel", COMPUTE, -1, SOURCES | SUNS, KERNEL, STEP(KERNEL)},
     {"glare", COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,
-     STEP(LAYER), NULL},
+     STEP(LAYER)},
     {"verify", COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
-     STEP(VERIFY), NULL},
+     STEP(VERIFY)},
     {"flare", COMPUTE, GP_TIME_SUN, SOURCES | LAYER | KERNEL | SUNS, FLARE,
-     STEP(FLARE), flare_asked},
+     STEP(FLARE)},
     {"lens", COMPUTE, GP_TIME_LENS, RGB | SOURCES | LAYER | FLARE, LENS,
-     STEP(LENS), lens_asked},
+     STEP(LENS)},
     {"compose", COMPUTE, GP_TIME_COMPOSE,
-     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, STEP(COMPOSE), NULL},
-    {"shares", COMPUTE, -1, FLARE, SHARES, RUN(run_shares), gp_lights_wanted},
-    {"end", COMPUTE, -1, LAYER | FLARE | LENS, END, RUN(run_end), NULL},
-    {"tonemap", COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, RUN(run_tonemap),
-     NULL},
+     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, STEP(COMPOSE)},
+    {"shares", COMPUTE, -1, FLARE, SHARES, RUN(run_shares)},
+    {"end", COMPUTE, -1, LAYER | FLARE | LENS, END, RUN(run_end)},
+    {"tonemap", COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, RUN(run_tonemap)},
     {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES | END, GP_HAS_FILES,
-     RUN(run_write), NULL},
+     RUN(run_write)},
 };

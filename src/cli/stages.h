@@ -77,8 +77,7 @@ GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
 
 /* A stage of a frame, a step of the library or a function. `time` is an enum
  * gp_time, or -1 for stages that are not part of making the picture. The last
- * stage also needs what the targets need. Where `asked` is false, its data
- * counts as present. */
+ * stage also needs what the targets need. */
 struct gp_stage {
     const char *name;
     enum gp_phase phase;
@@ -86,7 +85,6 @@ struct gp_stage {
     unsigned needs, gives;
     enum glarepp_step step;
     gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs); // NULL: step
-    bool (*asked)(const struct gp_settings *s);
 };
 enum { GP_STAGES = 15 };
 extern const struct gp_stage gp_stages[GP_STAGES];
