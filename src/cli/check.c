@@ -212,9 +212,9 @@ static gp_status check_kernels(const struct gp_log *log,
         : s->kernel.p.centred && !one   ? "kernel-center"
         : s->kernel.p.normalized && !one ? "kernel-normalize" : NULL;
     return !image ? GP_OK : gp_fail(log, GP_ERR_USAGE, "--%s: is of one image "
-        "of a kernel, and %s is none; write image:file=PATH with its keys "
-        "size, x, y and share, or leave --%s out", image,
-        n > 1 ? "several kernels" : at[0], image);
+        "of a kernel (found %s); write image:file=PATH with its keys size, x, "
+        "y and share, or leave it out", image,
+        n > 1 ? "several kernels" : at[0]);
 }
 
 /* Sets the size of --size, or the usual one. */

@@ -435,7 +435,7 @@ static const char *const wrong[][2] = {
     {"-o a i -k k.exr --kernel-size 200deg", "--kernel-size: "},
     {"-o a i --kernel-size 50", "--kernel-size: is of one image"},
     {"-o a i -k k.exr -k star --kernel-center 1,2", "several kernels"},
-    {"bench i -k k.exr -k star --kernel-normalize luminance", "share=S"},
+    {"bench i -k k.exr -k star --kernel-normalize luminance", "of one image"},
     {"kernel --check star --kernel-size 50", "--kernel-size: "},
     {"kernel", ""},
     {"kernel --list -o k", ""},
