@@ -58,7 +58,8 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
             return gp_no_memory_bare(log, "frame list");
         }
         j->job = grown;
-        j->job[j->n++] = (struct gp_job) {input, numbered, frame, view};
+        j->job[j->n++] = (struct gp_job) {
+            input, numbered, frame, view, false};
     }
     return GP_OK;
 }

@@ -36,6 +36,7 @@ struct gp_job {
     bool numbered;     // has a number: by an input or output pattern, or stdin
     int frame;         // when numbered
     const char *view;  // of gp_jobs.view; NULL without views
+    bool failed;       // and was skipped
 };
 
 /* Takes tone-mapped pictures in place of the files of a run: `picture` has the

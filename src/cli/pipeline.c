@@ -60,7 +60,6 @@ struct pipeline {
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
     size_t largest;                  // bytes of the largest unit so far
-    struct gp_failures failures;
     int frames, dark;                // written; of these without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
@@ -244,8 +243,6 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
     const int first = atomic_load(&p->head) * p->jobs->views;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
-    if (u->kept)
-        p->failures.kept += p->jobs->views;
     if (skipped)
         gp_progress_fail(p->progress, p->jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
@@ -264,7 +261,7 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             p->frames++;
         }
         if (st)
-            gp_failures_add(&p->failures, first + v);
+            p->jobs->job[first + v].failed = true;
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
         if (p->s->run.report)
@@ -471,7 +468,6 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
             p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
     }
     GP_TRY(begin_run(log, gp, &p.run));
-    GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
     for (int i = 0; i < p.slots; i++)
@@ -493,7 +489,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_frame_report_dark(&p.brightest, p.frames, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
-    GP_TRY(gp_failures_report(log, &p.failures));
+    GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &own);
     for (int i = 0; p.unit && i < p.slots; i++) {
@@ -501,7 +497,6 @@ out:;
         gp_free(p.unit[i].view);
     }
     gp_free(p.unit);
-    gp_failures_free(&p.failures);
     glarepp_plan_end(&p.run.plan);
     glarepp_kernel_end(&p.run.kernel);
     return st ? st : closed;

@@ -302,93 +302,60 @@ void gp_frame_log_close(struct gp_frame_log *l)
 
 // -- frames that failed ------------------------------------------------------
 
-gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
-                           struct gp_failures *out)
-{
-    *out = (struct gp_failures) {.jobs = jobs};
-    return gp_alloc_zero(log, "frame list", (size_t) jobs->n,
-                         sizeof *out->failed, &out->failed);
-}
-
-void gp_failures_free(struct gp_failures *f)
-{
-    gp_free(f->failed);
-    *f = (struct gp_failures) {0};
-}
-
 /* Returns the first job of the next `n` of which one failed, from `i` on, a
- * multiple of n; jobs->n when there is none. */
-static int next_failed(const struct gp_failures *f, int i, int n)
+ * multiple of n; j->n when there is none. */
+static int next_failed(const struct gp_jobs *j, int i, int n)
 {
-    for (; i < f->jobs->n; i += n) {
+    for (; i < j->n; i += n) {
         for (int k = i; k < i + n; k++) {
-            if (f->failed[k])
+            if (j->job[k].failed)
                 return i;
         }
     }
     return i;
 }
 
-void gp_failures_add(struct gp_failures *f, int index)
+static int count_failed(const struct gp_jobs *j, int n)
 {
-    const int n = gp_jobs_of_frame(f->jobs), first = index - index % n;
-    f->bad += next_failed(f, first, n) != first;
-    f->failed[index] = true;
+    int found = 0;
+    for (int i = 0; (i = next_failed(j, i, n)) < j->n; i += n)
+        found++;
+    return found;
 }
 
-/* Prints one item of a frame list, a frame or several in a row, from the failed
- * frame whose first job is *at. Moves *at after it and returns how many frames
- * it has. */
-static int print_run(const struct gp_failures *f, int *at, char *text,
-                     size_t size)
-{
-    const struct gp_job *const job = f->jobs->job;
-    const int views = gp_jobs_of_frame(f->jobs), first = *at;
-    int last = first, n = 1;
-    while ((*at = next_failed(f, last + views, views)) < f->jobs->n &&
-           job[*at].frame - job[last].frame == 1) {
-        last = *at;
-        n++;
-    }
-    snprintf(text, size, n > 1 ? "%d-%d" : "%d", job[first].frame,
-             job[last].frame);
-    return n;
-}
-
-gp_status gp_failures_report(const struct gp_log *log,
-                             const struct gp_failures *f)
+gp_status gp_failures_report(const struct gp_log *log, const struct gp_jobs *j,
+                             int kept)
 {
     enum { MORE = 32 }; // bytes of ", and N more"
-    char list[GP_FAILURES_BYTES] = "";
-    const struct gp_jobs *const jobs = f->jobs;
-    const int views = gp_jobs_of_frame(jobs), frames = jobs->n / views;
+    char list[GP_FAILURES_BYTES] = "", item[64];
+    const struct gp_job *const job = j->job;
+    const int views = gp_jobs_of_frame(j), frames = j->n / views;
+    const int bad = count_failed(j, views);
     bool numbers = true;
     size_t used = 0;
-    int left = 0;
-    if (f->kept)
+    if (kept)
         gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
-               "outputs exist); remove the files to make them again", f->kept,
-               jobs->n, views > 1 ? "view" : "frame", jobs->n == 1 ? "" : "s");
-    if (!f->bad)
+               "outputs exist); remove the files to make them again", kept,
+               j->n, views > 1 ? "view" : "frame", j->n == 1 ? "" : "s");
+    if (!bad)
         return GP_OK;
     // numbers where all have one, else names; an item is for `step` jobs, those
     // of a frame or, in a list of names, of an input
-    for (int i = 0; i < jobs->n; i++)
-        numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
-    const int step = numbers ? views : jobs->views > 1 ? jobs->views : 1;
-    for (int i = 0; (i = next_failed(f, i, step)) < jobs->n; i += step)
-        left++;
-    for (int i = next_failed(f, 0, step); i < jobs->n;) {
-        const char *const between = !used ? "" : numbers ? "," : ", ";
-        char number[64];
-        const char *word = number;
-        int n = 1;
-        if (numbers) {
-            n = print_run(f, &i, number, sizeof number);
-        } else {
-            word = jobs->job[i].input;
-            i = next_failed(f, i + step, step);
+    for (int i = 0; i < j->n; i++)
+        numbers = numbers && (!job[i].failed || job[i].numbered);
+    const int step = numbers ? views : j->views;
+    int left = count_failed(j, step);
+    for (int i = next_failed(j, 0, step), next; i < j->n; i = next) {
+        int last = i, n = 1;
+        while ((next = next_failed(j, last + step, step)) < j->n && numbers &&
+               job[next].frame - job[last].frame == 1) {
+            last = next;
+            n++;
         }
+        snprintf(item, sizeof item, n > 1 ? "%d-%d" : "%d", job[i].frame,
+                 job[last].frame);
+        const char *const word = numbers ? item : job[i].input;
+        const char *const between = !used ? "" : numbers ? "," : ", ";
         if (used + strlen(between) + strlen(word) + MORE >= sizeof list) {
             snprintf(list + used, sizeof list - used, "%s%d more",
                      used ? " and " : "", left);
@@ -401,6 +368,6 @@ gp_status gp_failures_report(const struct gp_log *log,
     }
     return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
                    "failed (%s); fix the errors above, then make them "
-                   "again%s%s", f->bad, frames, frames == 1 ? "" : "s", list,
+                   "again%s%s", bad, frames, frames == 1 ? "" : "s", list,
                    numbers ? " with --frames " : "", numbers ? list : "");
 }

@@ -83,28 +83,12 @@ void gp_frame_log_flush(struct gp_frame_log *l);
 /* Drops kept messages and frees. A zeroed one is fine. */
 void gp_frame_log_close(struct gp_frame_log *l);
 
-/* Frames of a run that failed or were skipped. Zeroed is empty. */
-struct gp_failures {
-    const struct gp_jobs *jobs;  // borrowed
-    bool *failed;                // one a job, owned
-    int bad;                     // frames with a job that failed
-    int kept;                    // jobs skipped, by --no-clobber
-};
-
-/* Starts with no frame failed. */
-GP_MUST_CHECK gp_status gp_failures_make(const struct gp_log *log,
-    const struct gp_jobs *jobs, struct gp_failures *out);
-void gp_failures_free(struct gp_failures *f);
-
-/* Marks jobs->job[index] as failed; a frame counts once, whatever its views. */
-void gp_failures_add(struct gp_failures *f, int index);
-
-/* Prints how many frames were skipped (a warning), and how many failed with
+/* Prints that `kept` jobs were skipped by --no-clobber, and how many failed with
  * their list: a value of --frames (2-4,9) when all have numbers, else the names
  * of their inputs; after GP_FAILURES_BYTES the rest is only counted. Errors:
  * GP_ERR_FRAMES some failed. */
 enum { GP_FAILURES_BYTES = 1200 };
 GP_MUST_CHECK gp_status gp_failures_report(const struct gp_log *log,
-                                           const struct gp_failures *f);
+    const struct gp_jobs *j, int kept);
 
 #endif
