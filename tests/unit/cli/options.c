@@ -309,43 +309,27 @@ static void commands(void **state)
 
 // -- what the library gets --------------------------------------------------
 
-/* Each parameter of a plan that is not a field of a struct of the library. */
+/* A plan points to each struct of the library, whose lists are filled in. */
 static void plans_get_all_settings(void **state)
 {
     struct gp_settings s;
-    assert_ok(parse("--fov 40 --rotate 5 -t 3 --engine fft --sun 1,2,3 "
-                    "--sun-color 4,5,6 --sun-size 7 --lights l --camera c "
-                    "--lens heliar --sensor-size 8 --focus-distance 9 "
-                    "--f-number 10 --scene s --scene-camera k --scene-start 11 "
-                    "--scene-up z --light-scale 12 --lamp-size 13 "
-                    "--relight all --normal-space camera --ocio o --ocio-context A=B "
-                    "--view v -o a i", &s));
-    assert_true(s.plan.fov == 40.0 && s.plan.rotate == 5.0);
-    assert_true(s.plan.sense->threshold == 3.0f);
-    assert_string_equal(s.plan.layer->engine, "fft");
+    assert_ok(parse("--sun 1,2,3 --sun-color 4,5,6 --sun-size 7 --scene s "
+                    "--relight all --ocio o --ocio-context A=B -o a i", &s));
+    assert_true(s.plan.sense == &s.light.sense &&
+                s.plan.layer == &s.light.layer && s.plan.lens == &s.lens &&
+                s.plan.lights == &s.sun.p && s.plan.scene == &s.scene &&
+                s.plan.tone == &s.tone.map && s.plan.tone->shows);
     const struct glarepp_light_params *const l = s.plan.lights;
-    assert_int_equal(l->lights, 1);
-    assert_int_equal(l->light->place, GLAREPP_PIXEL);
+    assert_true(l->lights == 1 && l->light->place == GLAREPP_PIXEL);
     assert_true(l->light->at[0] == 1.0 && l->light->at[1] == 2.0 &&
                 l->light->radius == 3.0);
     assert_true(l->sun.flux[0] == 4.0f && l->sun.flux[2] == 6.0f &&
-                l->sun.degrees == 7.0 && l->degrees == 7.0f);
+                l->sun.degrees == 7.0);
     assert_string_equal(l->sun.name, "sun");
-    assert_string_equal(l->file, "l");
-    assert_string_equal(l->cameras, "c");
     assert_int_equal(l->outside, GLAREPP_BY_SCENE);
-    assert_string_equal(s.plan.lens->lens, "heliar");
-    assert_true(s.plan.lens->sensor == 8.0 && s.plan.lens->distance == 9.0 &&
-                s.plan.lens->f_number == 10.0);
-    const struct glarepp_scene_params *const scene = s.plan.scene;
-    assert_string_equal(scene->path, "s");
-    assert_string_equal(scene->camera, "k");
-    assert_true(scene->start == 11.0 && scene->light_scale == 12.0 &&
-                scene->lamp_size == 13.0 && scene->camera_normals);
-    assert_int_equal(scene->up, GLAREPP_UP_Z);
-    assert_int_equal(scene->relights, 1);
-    assert_string_equal(scene->relight[0], "all");
-    assert_true(s.plan.tone->contexts == 1 && s.plan.tone->shows);
+    assert_int_equal(s.plan.scene->relights, 1);
+    assert_string_equal(s.plan.scene->relight[0], "all");
+    assert_int_equal(s.plan.tone->contexts, 1);
     assert_string_equal(s.plan.tone->context[0], "A=B");
     gp_settings_free(&s);
 }
