@@ -109,27 +109,6 @@ static void lines_say_what_happened(void **state)
     }
 }
 
-static void angles_say_where_they_are_from(void **state)
-{
-    static const char *const rows[][2] = {
-        {"option", "degrees (--fov)"}, {"camera", "degrees (of its camera)"},
-        {"lens", "degrees (of the lens)"}, {"default", "degrees (assumed)"},
-    };
-    struct gp_settings s;
-    char line[400];
-    assert_ok(parse("-o a i", &s));
-    struct gp_frame_report f = some_facts(&s);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        f.lib.kernel.fov_from = rows[i][0];
-        line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
-        assert_non_null(strstr(line, rows[i][1]));
-    }
-    f.lib.kernel.deg_per_pixel = 0.0; // an image of a kernel
-    line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
-    assert_null(strstr(line, "view"));
-    gp_settings_free(&s);
-}
-
 // -- notes -------------------------------------------------------------------
 
 static char notes[8192];
@@ -211,5 +190,5 @@ static void notes_of_what_else_there_is(void **state)
 }
 
 SUITE_OF(say, NULL, NULL, lines_say_what_happened,
-         angles_say_where_they_are_from, notes_say_what_and_why,
+         notes_say_what_and_why,
          notes_of_what_else_there_is)
