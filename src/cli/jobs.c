@@ -440,23 +440,35 @@ static gp_status check_missing(const struct gp_log *log,
 
 // -- names -------------------------------------------------------------------
 
-/* Checks the files of --depth-file and --mask-file when these are patterns. */
-static gp_status check_beside(const struct gp_log *log,
-                              const struct gp_output_guard *c, const char *what,
+gp_status gp_job_beside(const struct gp_log *log, const struct gp_job *job,
+                        const char *path, char **name)
+{
+    struct gp_pattern p;
+    int number = 0;
+    gp_status st = gp_pattern_of_input(log, path, &p);
+    if (st)
+        return st;
+    if (p.views && !job->view)
+        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
+            "none); give a plain file name, or --views", path, job->input);
+    if (p.len && !gp_job_number(job, &number))
+        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
+                       "(%s has none); give a plain file name", path,
+                       job->input);
+    *name = gp_pattern_name(&p, number, job->view);
+    return *name ? GP_OK : gp_no_memory(log, path);
+}
+
+/* Checks the files of --depth-file or --mask-file. */
+static gp_status check_beside(const struct gp_output_guard *c, const char *what,
                               const char *path, const struct gp_jobs *j)
 {
-    struct gp_pattern p = {0};
-    gp_status st = path ? gp_pattern_of_input(log, path, &p) : GP_OK;
-    if (st || (!p.len && !p.views))
-        return st;
-    for (int i = 0; i < j->n && !st; i++) {
-        const struct gp_job *const job = &j->job[i];
-        int number = job->frame;
-        if ((p.views && !job->view) ||
-            (p.len && !job->numbered && !gp_frame_number(job->input, &number)))
+    gp_status st = GP_OK;
+    for (int i = 0; path && i < j->n && !st; i++) {
+        char *name;
+        if (gp_job_beside(NULL, &j->job[i], path, &name))
             continue; // reading the frame reports it
-        char *const name = gp_pattern_name(&p, number, job->view);
-        st = name ? gp_output_guard_input(c, what, name) : gp_no_memory(log, path);
+        st = gp_output_guard_input(c, what, name);
         free(name);
     }
     return st;
@@ -497,8 +509,8 @@ gp_status gp_jobs_check_names(
     for (int i = 0; i < j->n && c.exists && !j->members.n; i += j->views)
         GP_TRY(gp_output_guard_input(&c, "input", j->job[i].input));
     if (c.exists) {
-        GP_TRY(check_beside(log, &c, "--depth-file", s->sun.depth_file, j));
-        GP_TRY(check_beside(log, &c, "--mask-file", s->sun.mask_file, j));
+        GP_TRY(check_beside(&c, "--depth-file", s->sun.depth_file, j));
+        GP_TRY(check_beside(&c, "--mask-file", s->sun.mask_file, j));
     }
     for (int i = 0; i < n; i++)
         GP_TRY(gp_output_guard_input(&c, "another file names", also[i]));

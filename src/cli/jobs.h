@@ -111,6 +111,11 @@ char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 /* Finds the number of a frame: the job's, else the one in its file's name. */
 bool gp_job_number(const struct gp_job *job, int *number);
 
+/* Finds the file beside a job's frame, from malloc; the path may be a pattern.
+ * Errors: GP_ERR_USAGE it needs views or numbers. */
+GP_MUST_CHECK gp_status gp_job_beside(const struct gp_log *log,
+    const struct gp_job *job, const char *path, char **name);
+
 /* True when p->no_clobber is set, there are outputs and all of the job's exist;
  * with an output that holds all views, those of every view of the frame. */
 bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,

@@ -226,7 +226,7 @@ static bool can_skip(const struct pipeline *p, const struct unit *u,
 {
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
         const struct gp_frame_state *const fs = &u->view[v];
-        const char *const writing = fs->facts.write.name[fs->facts.write.n];
+        const char *const writing = fs->facts.write.file[fs->facts.write.n].name;
         if (writing && gp_is_dash(writing))
             return false;
     }

@@ -330,7 +330,7 @@ static const struct row job_rows[] = {
 
 /* Those of a frame that was made. */
 static const struct row made_rows[] = {
-    LIST("outputs", TEXT, write.name, write.n),
+    LIST("outputs", TEXT, write.file, write.n),
     SOME("style", job.style),
     SOME("command", job.command),
     FACT("width", read.width),

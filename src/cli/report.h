@@ -77,9 +77,11 @@ struct gp_occluder_facts {
 
 /* Of the files written. */
 struct gp_write_facts {
-    char **name;                 // `n`, then the one being written, then NULL;
-                                 // all owned
-    enum gp_target_kind *kind;   // of each; owned
+    struct gp_written {
+        char *name;
+        enum gp_target_kind kind;
+    } *file;                     // `n`, then the one being written, then NULL
+                                 // names; all owned
     int n;
 };
 

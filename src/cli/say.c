@@ -145,7 +145,7 @@ static void say_input(FILE *w, const struct gp_frame_report *f)
 static bool is_lit(const struct gp_write_facts *f)
 {
     for (int i = 0; i < f->n; i++) {
-        if (f->kind[i] == GP_TARGET_HDR || f->kind[i] == GP_TARGET_PICTURE)
+        if (f->file[i].kind == GP_TARGET_HDR || f->file[i].kind == GP_TARGET_PICTURE)
             return true;
     }
     return false;
@@ -253,10 +253,10 @@ static void say_outputs(FILE *w, const struct gp_frame_report *f)
 {
     const struct gp_settings *const s = f->job.settings;
     for (int i = 0; i < f->write.n; i++) {
-        const char *const path = f->write.name[i];
+        const char *const path = f->write.file[i].name;
         fprintf(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
-                gp_targets[f->write.kind[i]].text);
-        if (f->write.kind[i] != GP_TARGET_PICTURE)
+                gp_targets[f->write.file[i].kind].text);
+        if (f->write.file[i].kind != GP_TARGET_PICTURE)
             continue;
         add_tones(w, s, f->ocio, true);
         if (looks_linear(s, path))

@@ -30,11 +30,8 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     struct gp_cost_facts *const cost = &out->facts.cost;
     for (int i = 0; i < GP_TIMES; i++)
         cost->ms[i] = cost->cpu_ms[i] = -1.0;
-    gp_status st = gp_alloc_zero(log, "output list", names, sizeof *w->name,
-                                 &w->name);
-    if (!st)
-        st = gp_alloc_zero(log, "output list", names, sizeof *w->kind,
-                           &w->kind);
+    const gp_status st = gp_alloc_zero(log, "output list", names,
+                                       sizeof *w->file, &w->file);
     return st ? st : gp_command_text(log, r->s, &input, 1,
                                      &out->facts.job.command);
 }
@@ -63,10 +60,9 @@ void gp_frame_state_end(struct gp_frame_state *fs)
         gp_plane_free(&fs->albedo[c]);
     }
     struct gp_frame_report *const f = &fs->facts;
-    for (int i = 0; f->write.name && f->write.name[i]; i++)
-        free(f->write.name[i]);
-    gp_free(f->write.name);
-    gp_free(f->write.kind);
+    for (int i = 0; f->write.file && f->write.file[i].name; i++)
+        free(f->write.file[i].name);
+    gp_free(f->write.file);
     free(f->job.command);
     gp_free(f->hidden.depth);
     gp_free(f->hidden.mask);
@@ -119,17 +115,12 @@ static gp_status find_reach(const struct gp_run *r, struct gp_frame_state *fs,
  * outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
 {
-    static const enum gp_depth_type types[] = {
-        [GLAREPP_Z] = GP_DEPTH_Z, [GLAREPP_RAY] = GP_DEPTH_RAY,
-        [GLAREPP_INVERSE] = GP_DEPTH_INVERSE,
-        [GLAREPP_NORMALIZED] = GP_DEPTH_NORMALIZED,
-    };
     const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_grow_params p = {
         .left = s->output.grow_pixels, .top = s->output.grow_pixels,
         .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
-        .depth = s->input.depth, .type = types[s->sun.p.depth],
+        .depth = s->input.depth, .type = (enum gp_depth_type) s->sun.p.depth,
     };
     struct gp_rect window, before;
     gp_status st;
@@ -219,24 +210,11 @@ static gp_status read_beside(const struct gp_settings *s,
     const struct gp_frame_state *fs, const char *path, const char *channel,
     bool depth, struct gp_plane *out)
 {
-    const struct gp_log *const log = fs->log;
-    const struct gp_job *const job = fs->job;
-    struct gp_pattern pattern;
-    int number = 0;
-    gp_status st = gp_pattern_of_input(log, path, &pattern);
+    char *name;
+    gp_status st = gp_job_beside(fs->log, fs->job, path, &name);
     if (st)
         return st;
-    if (pattern.views && !job->view)
-        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
-            "none); give a plain file name, or --views", path, job->input);
-    if (pattern.len && !gp_job_number(job, &number))
-        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
-                       "(%s has none); give a plain file name", path,
-                       job->input);
-    char *const name = gp_pattern_name(&pattern, number, job->view);
-    if (!name)
-        return gp_no_memory(log, path);
-    st = gp_read_plane_file(log, &s->input.read, name, channel, depth, out);
+    st = gp_read_plane_file(fs->log, &s->input.read, name, channel, depth, out);
     free(name);
     return st;
 }
@@ -568,8 +546,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
             st = gp_no_memory(log, t->name.path);
             break;
         }
-        facts->name[facts->n] = name;
-        facts->kind[facts->n] = t->kind;
+        facts->file[facts->n] = (struct gp_written) {name, t->kind};
         st = write_target(r, fs, &p, t, name, &stats);
         facts->n += !st;
     }

@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 static char depth[] = "Z";
-static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
+static struct gp_written two_files[] = {{"a.0007.png", GP_TARGET_PICTURE},
+                                        {"b.exr", GP_TARGET_HDR}};
 
 static struct gp_frame_report full_facts(void)
 {
@@ -18,7 +19,7 @@ static struct gp_frame_report full_facts(void)
                 .warned = "one\0two", .warned_bytes = 8},
         .read = {.taken = {"2", "diffuse", "left"}, .width = 640,
                  .height = 480, .window = {-2, 3, 638, 483}, .grown = true},
-        .write = {.name = (char **) two_names, .n = 2},
+        .write = {.file = two_files, .n = 2},
         .lib = {
             .sense = {.sources = 12, .flux = {1.5, 2.5, 3.5}, .nonfinite = 3,
                       .clamped = 4},

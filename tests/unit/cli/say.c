@@ -3,9 +3,9 @@
 #include "cli/option_line.h"
 #include "cli/report.h"
 
-static char *names[] = {"lit.exr", "out.png"};
-static enum gp_target_kind kinds[] = {
-    GP_TARGET_HDR, GP_TARGET_PICTURE, GP_TARGET_LAYER, GP_TARGET_PICTURE,
+static struct gp_written files[] = {
+    {"lit.exr", GP_TARGET_HDR}, {"out.png", GP_TARGET_PICTURE},
+    {NULL, GP_TARGET_LAYER}, {NULL, GP_TARGET_PICTURE},
 };
 
 /* A frame of 1000 of light, of which 31 are bright, at 30 degrees. */
@@ -22,7 +22,7 @@ static struct gp_frame_report some_facts(const struct gp_settings *s)
                        .fov_from = "default"},
             .layer = {.engine = "fft", .why = "for 2 sources"},
         },
-        .write = {.name = names, .kind = kinds, .n = 2},
+        .write = {.file = files, .n = 2},
     };
     return f;
 }
@@ -42,7 +42,7 @@ static void line_of(const struct gp_settings *s, const struct gp_frame_report *f
     struct gp_output list[4];
     struct gp_jobs jobs = {.target = list};
     for (int i = 0; i < 4; i++) {
-        struct gp_output o = {.kind = kinds[i]};
+        struct gp_output o = {.kind = files[i].kind};
         o.name.path = paths[i];
         if (targets >> i & 1)
             list[jobs.targets++] = o;
