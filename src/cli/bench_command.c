@@ -3,7 +3,7 @@
 
 #include "cli/output_guard.h"
 #include "cli/options.h"
-#include "cli/pictures.h"
+#include "cli/listener.h"
 #include "cli/stages.h"
 #include "bench/bench.h"
 #include "core/memory.h"

@@ -21,105 +21,91 @@ static bool open_ended(const char *path)
     return ending[0] == '\0';
 }
 
-/* Finds whether pictures are written, and one without an ending. */
-static void find_outputs(const struct gp_settings *s, bool *stream, bool *files)
+/* A need: whether the settings meet it, and what is said of an option that has
+ * it where they do not, after "--NAME: ". */
+struct need {
+    bool met;
+    const char *text, *found, *end; // printed one after the other
+};
+
+/* All needs: the i-th is of bit 1 << i, and they are checked in this order. */
+struct needs {
+    struct need at[GP_NEEDS];
+};
+static struct needs needs_of(const struct gp_settings *s)
 {
     const struct gp_texts *const outputs[] = {&s->output.pictures,
                                               &s->output.hdr, &s->output.layer};
-    *stream = *files = false;
-    for (int k = 0; k < 3; k++) {
-        *files = *files || outputs[k]->n;
-        for (int i = 0; i < outputs[k]->n; i++)
-            *stream = *stream || open_ended(outputs[k]->at[i]);
-    }
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
-        *stream = *stream || open_ended(s->output.debug[i]);
-        *files = *files || s->output.debug[i];
-    }
-}
-
-/* Messages, in the order of the checks. They follow "--NAME: "; where there is
- * an `end`, the value that was found is printed before it. */
-static const struct {
-    unsigned bit;
-    const char *text, *end;
-} needs[] = {
-    {GP_NEED_OWN_FRAMES, "measures frames of its own (found input ",
-     "); leave one of the two out"},
-    {GP_NEED_NO_LIGHT, "its frames have no depth to hide a light; leave "
-     "--paper or the lights out", NULL},
-    {GP_NEED_REPORT, "no output shows its result; add --report FILE or -v",
-     NULL},
-    {GP_NEED_RAW, "contradicts --stdout-format; leave one of the two out",
-     NULL},
-    {GP_NEED_LIGHT, "needs a light; give --sun, --sun-dir, --camera, --lights "
-     "or --scene", NULL},
-    {GP_NEED_NO_PLACE, "--sun already places the sun; leave one of the two out",
-     NULL},
-    {GP_NEED_SUN, "needs --sun, --sun-dir or --camera; lights of --lights have "
-     "flux of their own", NULL},
-    {GP_NEED_CONFIG, "needs --ocio; give --ocio CONFIG or --ocio env", NULL},
-    {GP_NEED_NO_CONFIG, "--ocio replaces it; leave one of the two out", NULL},
-    {GP_NEED_PICTURE, "needs a picture; give -o FILE", NULL},
-    {GP_NEED_HDR, "converts only --hdr; give --hdr FILE", NULL},
-    {GP_NEED_LENS, "needs --lens; give --lens NAME, see glarepp lens --list",
-     NULL},
-    {GP_NEED_SCENE, "needs --scene; give --scene FILE", NULL},
-    {GP_NEED_RELIGHT, "needs --relight; give --relight NAME", NULL},
-    {GP_NEED_MASK, "does nothing with this --sun-method; use --sun-method mask",
-     NULL},
-    {GP_NEED_MAP, "does nothing with this --sun-method; use --sun-method mask",
-     NULL},
-    {GP_NEED_TONES, "does nothing with --ocio; leave it out", NULL},
-    {GP_NEED_CURVE, "does nothing with --tonemap none; use --tonemap linear",
-     NULL},
-    {GP_NEED_EXTENDED, "does nothing with --tonemap ",
-     "; use --tonemap reinhard-extended"},
-    {GP_NEED_SPLAT, "does nothing with --engine ", "; use --engine splat"},
-    {GP_NEED_AUTO, "does nothing with --engine ", "; use --engine auto"},
-    {GP_NEED_STREAM, "does nothing without an output to stdout; write -o -",
-     NULL},
-    {GP_NEED_FILES, "does nothing without an output file; leave it out", NULL},
-};
-
-unsigned gp_needs_unmet(const struct gp_settings *s)
-{
     const struct gp_sun_settings *const sun = &s->sun;
     const bool light = gp_lights_wanted(s);
     const bool config = s->tone.map.config != NULL;
+    const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
     const bool mask = sun->p.method == GLAREPP_MASK ||
                       s->command == GP_COMMAND_BENCH; // runs every method
-    const bool polygons = s->output.debug[GP_DEBUG_POLYGONS] != NULL;
     const char *const engine = s->light.layer.engine;
     const char *const curve = s->tone.map.curve;
     const bool chosen = strcmp(engine, "auto") == 0;
-    bool stream, files;
-    find_outputs(s, &stream, &files);
-    unsigned met = (light ? GP_NEED_LIGHT : GP_NEED_NO_LIGHT) |
-                   (config ? GP_NEED_CONFIG
-                           : GP_NEED_NO_CONFIG | GP_NEED_TONES);
-    met |= s->input.files.n == 0 ? GP_NEED_OWN_FRAMES : 0;
-    met |= s->run.report || s->run.level >= GP_LEVEL_INFO ? GP_NEED_REPORT : 0;
-    met |= !gp_option_given(s, "stdout-format") ||
-           s->output.write.stdout_format == GP_STDOUT_RAW ? GP_NEED_RAW : 0;
-    met |= !sun->at.n ? GP_NEED_NO_PLACE : 0;
-    met |= sun->at.n || sun->dir.n || sun->p.cameras ? GP_NEED_SUN : 0;
-    met |= s->output.pictures.n || polygons ? GP_NEED_PICTURE : 0;
-    met |= s->output.hdr.n ? GP_NEED_HDR : 0;
-    met |= mask ? GP_NEED_MASK : 0;
-    met |= mask || s->output.debug[GP_DEBUG_SUNMAP] ? GP_NEED_MAP : 0;
-    met |= config || strcmp(curve, "none") != 0 ? GP_NEED_CURVE : 0;
-    met |= config || strcmp(curve, "reinhard-extended") == 0 ? GP_NEED_EXTENDED
-                                                             : 0;
-    met |= chosen || strcmp(engine, "splat") == 0 || polygons ? GP_NEED_SPLAT
-                                                              : 0;
-    met |= chosen ? GP_NEED_AUTO : 0;
-    met |= stream ? GP_NEED_STREAM : 0;
-    met |= s->lens.lens ? GP_NEED_LENS : 0;
-    met |= s->sun.relight.n ? GP_NEED_RELIGHT : 0;
-    met |= s->scene.path ? GP_NEED_SCENE : 0;
-    met |= files ? GP_NEED_FILES : 0;
-    return ~met;
+    const char *const input = s->input.files.n ? s->input.files.at[0] : "";
+    bool stream = false, files = false;
+    for (int k = 0; k < 3; k++) {
+        files = files || outputs[k]->n;
+        for (int i = 0; i < outputs[k]->n; i++)
+            stream = stream || open_ended(outputs[k]->at[i]);
+    }
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        stream = stream || open_ended(s->output.debug[i]);
+        files = files || s->output.debug[i];
+    }
+    return (struct needs) {{
+        {s->input.files.n == 0, "measures frames of its own (found input ",
+         input, "); leave one of the two out"},
+        {!light, "its frames have no depth to hide a light; leave --paper or "
+         "the lights out", "", ""},
+        {s->run.report || s->run.level >= GP_LEVEL_INFO, "no output shows its "
+         "result; add --report FILE or -v", "", ""},
+        {!gp_option_given(s, "stdout-format") ||
+         s->output.write.stdout_format == GP_STDOUT_RAW, "contradicts "
+         "--stdout-format; leave one of the two out", "", ""},
+        {light, "needs a light; give --sun, --sun-dir, --camera, --lights or "
+         "--scene", "", ""},
+        {!sun->at.n, "--sun already places the sun; leave one of the two out",
+         "", ""},
+        {sun->at.n || sun->dir.n || sun->p.cameras, "needs --sun, --sun-dir or "
+         "--camera; lights of --lights have flux of their own", "", ""},
+        {config, "needs --ocio; give --ocio CONFIG or --ocio env", "", ""},
+        {!config, "--ocio replaces it; leave one of the two out", "", ""},
+        {s->output.pictures.n || polygons, "needs a picture; give -o FILE", "",
+         ""},
+        {s->output.hdr.n, "converts only --hdr; give --hdr FILE", "", ""},
+        {s->lens.lens, "needs --lens; give --lens NAME, see glarepp lens "
+         "--list", "", ""},
+        {s->scene.path, "needs --scene; give --scene FILE", "", ""},
+        {sun->relight.n, "needs --relight; give --relight NAME", "", ""},
+        {mask, "does nothing with this --sun-method; use --sun-method mask", "",
+         ""},
+        {mask || s->output.debug[GP_DEBUG_SUNMAP], "does nothing with this "
+         "--sun-method; use --sun-method mask", "", ""},
+        {!config, "does nothing with --ocio; leave it out", "", ""},
+        {config || strcmp(curve, "none") != 0, "does nothing with --tonemap "
+         "none; use --tonemap linear", "", ""},
+        {config || strcmp(curve, "reinhard-extended") == 0, "does nothing with "
+         "--tonemap ", curve, "; use --tonemap reinhard-extended"},
+        {chosen || strcmp(engine, "splat") == 0 || polygons, "does nothing "
+         "with --engine ", engine, "; use --engine splat"},
+        {chosen, "does nothing with --engine ", engine, "; use --engine auto"},
+        {stream, "does nothing without an output to stdout; write -o -", "",
+         ""},
+        {files, "does nothing without an output file; leave it out", "", ""},
+    }};
+}
+
+unsigned gp_needs_unmet(const struct gp_settings *s)
+{
+    const struct needs needs = needs_of(s);
+    unsigned unmet = 0;
+    for (int i = 0; i < GP_NEEDS; i++)
+        unmet |= (unsigned) !needs.at[i].met << i;
+    return unmet;
 }
 
 /* Returns the first option that is given and has the need, or NULL. (--camera
@@ -140,27 +126,22 @@ static const char *first_in_need(const struct gp_settings *s, unsigned bit)
 static gp_status check_needs(const struct gp_log *log,
                              const struct gp_settings *s, bool warns)
 {
-    const unsigned unmet = gp_needs_unmet(s);
-    for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
-        const unsigned bit = needs[i].bit;
-        const char *const name = (unmet & bit) ? first_in_need(s, bit) : NULL;
+    const struct needs needs = needs_of(s);
+    for (int i = 0; i < GP_NEEDS; i++) {
+        const struct need *const n = &needs.at[i];
+        const unsigned bit = 1u << i;
+        const char *const name = n->met ? NULL : first_in_need(s, bit);
         if (!name || warns != (bit >= GP_NEED_MASK))
             continue;
-        const char *const value =
-            !needs[i].end               ? ""
-            : bit == GP_NEED_OWN_FRAMES ? s->input.files.at[0]
-            : bit == GP_NEED_EXTENDED   ? s->tone.map.curve
-                                        : s->light.layer.engine;
-        const char *const end = needs[i].end ? needs[i].end : "";
         if (warns)
-            gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, needs[i].text,
-                   value, end);
+            gp_say(log, GP_LEVEL_WARN, "--%s: %s%s%s", name, n->text, n->found,
+                   n->end);
         else if (bit == GP_NEED_CONFIG && strcmp(name, "view") == 0)
             return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
                            "for stereo use --views %s", s->tone.map.view);
         else
-            return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
-                           needs[i].text, value, end);
+            return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name, n->text,
+                           n->found, n->end);
     }
     return GP_OK;
 }
@@ -175,15 +156,14 @@ static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
     char *end;
     const long n = strtol(word, &end, 10);
     const bool number = end != word && !*end && *word >= '0' && *word <= '9';
-    s->output.grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
-                  : strcmp(word, "none") == 0 ? GP_GROW_NONE : GP_GROW_PIXELS;
-    if (s->output.grow_how != GP_GROW_PIXELS)
-        return GP_OK;
-    if (!number || n > MOST)
+    const bool kernel = strcmp(word, "kernel") == 0;
+    const bool none = strcmp(word, "none") == 0;
+    if (!kernel && !none && (!number || n > MOST))
         return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
                        "(found \"%s\"); give 0 to %d, kernel or none", word,
                        MOST);
-    s->output.grow_pixels = (int) n;
+    s->output.grow_pixels = kernel ? GP_GROW_KERNEL
+                            : none ? GP_GROW_NONE : (int) n;
     return GP_OK;
 }
 
@@ -227,21 +207,14 @@ static gp_status check_kernels(const struct gp_log *log,
                            at[i]);
     }
     const bool one = n == 1 && files && s->command != GP_COMMAND_KERNEL;
-    if (s->kernel.size && !files)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-size: no kernel is a plain "
-                       "file (found %s); write image:file=PATH,size=DEGREES, "
-                       "or leave it out", s->kernel.size);
-    if (s->kernel.p.centred && !one)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-center: not for models or "
-                       "several kernels (found %g,%g); write "
-                       "image:file=PATH,x=COLUMN,y=ROW, or leave it out",
-                       s->kernel.p.centre[0], s->kernel.p.centre[1]);
-    if (gp_option_given(s, "kernel-normalize") && !one &&
-        s->kernel.normalize == GP_NORMALIZE_LUMINANCE)
-        return gp_fail(log, GP_ERR_USAGE, "--kernel-normalize: models and "
-                       "several kernels share out a pixel's light (found "
-                       "luminance); give share=S to each, or leave it out");
-    return GP_OK;
+    const char *const image =
+        s->kernel.size && !files        ? "kernel-size"
+        : s->kernel.p.centred && !one   ? "kernel-center"
+        : s->kernel.p.normalized && !one ? "kernel-normalize" : NULL;
+    return !image ? GP_OK : gp_fail(log, GP_ERR_USAGE, "--%s: is of one image "
+        "of a kernel (found %s); write image:file=PATH with its keys size, x, "
+        "y and share, or leave it out", image,
+        n > 1 ? "several kernels" : at[0]);
 }
 
 /* Sets the size of --size, or the usual one. */
@@ -268,11 +241,6 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
                        "MODEL -o FILE, --check FILE and --list",
                        m->list || m->check || makes ? "too much to do"
                                                     : "nothing to make");
-    if (s->input.files.n > (m->check ? 1 : 0))
-        return gp_fail(log, GP_ERR_USAGE, "%s: kernel reads %s; write -k FILE "
-                       "for an image of a kernel",
-                       s->input.files.at[s->input.files.n - 1],
-                       m->check ? "one frame" : "no frames");
     const bool sized = m->size || m->radius || gp_option_given(s, "fov") ||
                        gp_option_given(s, "frame");
     const bool kernel = gp_option_given(s, "kernel");
@@ -292,9 +260,6 @@ static gp_status check_making(const struct gp_log *log, struct gp_settings *s)
 
 static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 {
-    if (s->input.files.n != 1)
-        return gp_fail(log, GP_ERR_USAGE, "sets: one scene (found %d); write "
-                       "glarepp sets scene.glb", s->input.files.n);
     for (int i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->output.debug[i])
             return gp_fail(log, GP_ERR_USAGE, "--debug %s: not of glarepp "
@@ -309,9 +274,6 @@ static gp_status check_sets(const struct gp_log *log, struct gp_settings *s)
 static gp_status check_lens(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_making *const m = &s->making;
-    if (s->input.files.n)
-        return gp_fail(log, GP_ERR_USAGE, "%s: lens reads no frames; write "
-                       "--check FILE for a lens", s->input.files.at[0]);
     if (m->list && m->check)
         return gp_fail(log, GP_ERR_USAGE, "too much to do; write one of "
                        "glarepp lens --check FILE|NAME and --list");
@@ -327,9 +289,6 @@ static gp_status check_styles(const struct gp_log *log,
                               const struct gp_settings *s)
 {
     const bool makes = s->output.pictures.n || s->run.report;
-    if (s->input.files.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
-                       "%d); give one", s->input.files.at[1], s->input.files.n);
     if (s->input.files.n && !makes)
         return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp "
                        "styles -o sheet.png %s", s->input.files.at[0]);
@@ -366,38 +325,30 @@ static gp_status check_groups(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-/* Says that no output is given. Where the last input has a name that can be
- * written, and is not there or of another format than the first, it was meant as
- * the output. */
-static gp_status no_output(const struct gp_log *log,
-                           const struct gp_settings *s)
-{
-    const int n = s->input.files.n;
-    const char *const *const in = (const char *const *) s->input.files.at;
-    const char *const first = in[0], *const last = in[n - 1];
-    const char *const slash = strrchr(last, '/'); // (or the folder is missing)
-    char ending[16], other[16];
-    gp_file_ending(first, other, sizeof other);
-    gp_file_ending(last, ending, sizeof ending);
-    const bool meant =
-        n > 1 && (access(last, F_OK) != 0 || strcmp(ending, other) != 0) &&
-        gp_write_check(NULL, &s->output.write, slash ? slash + 1 : last) ==
-            GP_OK;
-    const bool one = n - meant == 1 && !strpbrk(first, "#@%");
-    const char *const out = meant ? last : one ? "out.png" : "out.####.png";
-    if (meant && strcmp(ending, "exr") == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
-                       "give --hdr %s for linear light, or -o %s for a "
-                       "tone-mapped picture", first, n > 2 ? " ... " : " ",
-                       last, out, out);
-    return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); give "
-                   "-o %s", first, n > 2 ? " ... " : n > 1 ? " " : "",
-                   n > 1 ? last : "", out);
-}
-
-/* Checks that something is read and made. */
+/* Checks the number of inputs. */
 static gp_status check_inputs(const struct gp_log *log,
                               const struct gp_settings *s)
+{
+    const struct gp_command_row *const c = gp_command_of(s->command);
+    const int n = s->input.files.n;
+    const bool none = s->bench.paper ||
+                      (s->command == GP_COMMAND_KERNEL && !s->making.check);
+    const int least = none ? 0 : c->least;
+    // (--paper says itself that it reads none)
+    const int most = none && !s->bench.paper ? 0 : c->most;
+    if (n > most)
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many inputs (found %d, "
+                       "glarepp %s reads %d); leave it out",
+                       s->input.files.at[most], n, c->word, most);
+    if (n < least)
+        return gp_fail(log, GP_ERR_USAGE, "%s; write %s", n ? "only one input"
+                       : "no input", c->example->line);
+    return GP_OK;
+}
+
+/* Checks that something is made. */
+static gp_status check_outputs(const struct gp_log *log,
+                               const struct gp_settings *s)
 {
     const bool bench = s->command == GP_COMMAND_BENCH;
     bool wants = s->output.pictures.n || s->output.hdr.n || s->output.layer.n ||
@@ -417,17 +368,12 @@ static gp_status check_inputs(const struct gp_log *log,
                        "pixels, and lights by their visibility (found a "
                        "light); leave one out", s->lens.lens ? "--lens"
                                                              : "--flare");
-    if (bench && !s->bench.paper && s->input.files.n == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
-                       "frame.exr, or glarepp bench --paper");
-    if (bench && !s->bench.paper && s->input.files.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
-            "(found %d); give one", s->input.files.at[1], s->input.files.n);
-    if (!bench && s->input.files.n == 0)
-        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
-                       "frame.exr, or see glarepp --help");
+    const struct gp_texts *const in = &s->input.files;
     if (!bench && !wants)
-        return no_output(log, s);
+        return gp_fail(log, GP_ERR_USAGE, "no output is given (found %s%s%s); "
+                       "give -o out.png, or --hdr out.exr for linear light",
+                       in->at[0], in->n > 2 ? " ... " : in->n > 1 ? " " : "",
+                       in->n > 1 ? in->at[in->n - 1] : "");
     return GP_OK;
 }
 
@@ -465,10 +411,6 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
         p->limits.fail = INFINITY;
     if (own && !gp_option_given(s, "warn"))
         p->limits.warn = INFINITY;
-    if (s->input.files.n != 2)
-        return gp_fail(log, GP_ERR_USAGE, "%s: needs two images (found %d); "
-                       "write glarepp compare A B",
-                       s->input.files.n > 2 ? input[2] : "compare", s->input.files.n);
     if (gp_is_dash(input[0]) && gp_is_dash(input[1]))
         return gp_fail(log, GP_ERR_USAGE,
                        "-: stdin holds only one image; give a file as the "
@@ -492,7 +434,7 @@ static gp_status check_compare(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-// -- parameters of the library -------------------------------------------------
+// -- parameters of the library -----------------------------------------------
 
 /* Fills in the sun of --sun or --sun-dir, and of --camera all but its place. */
 static void set_lights(struct gp_sun_settings *s)
@@ -521,6 +463,8 @@ static void set_params(struct gp_settings *s)
     struct glarepp_kernel_params *const k = &s->kernel.p;
     k->word = s->kernel.words.at;
     k->words = s->kernel.words.n;
+    k->centred = s->kernel.centre.n > 0;
+    memcpy(k->centre, s->kernel.centre.v, sizeof k->centre);
     k->as_it_is = given && none;
     k->normalized = given && !none;
     set_lights(&s->sun);
@@ -541,11 +485,9 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     gp_status st;
     const struct gp_log *const warn = s->run.level < GP_LEVEL_WARN ? NULL : log;
     struct gp_sun_settings *const sun = &s->sun;
-    if (s->command == GP_COMMAND_HELP && s->input.files.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
-                       "give one topic", s->input.files.at[1]);
-    if (s->command == GP_COMMAND_HELP)
-        return GP_OK;
+    st = check_inputs(log, s);
+    if (st || s->command == GP_COMMAND_HELP)
+        return st;
     if (s->command == GP_COMMAND_COMPARE)
         return check_compare(log, s);
     set_params(s);
@@ -557,7 +499,6 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "FILE; give it, or another rule, e.g. --sun-outside "
                        "ignore"));
     sun->p.needed = first_in_need(s, GP_NEED_LIGHT) != NULL;
-    s->kernel.p.centred = gp_option_given(s, "kernel-center");
     if (s->command == GP_COMMAND_KERNEL) {
         GP_TRY(check_making(log, s));
         return check_kernels(log, s);
@@ -568,7 +509,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return check_sets(log, s);
     if (s->command == GP_COMMAND_STYLES)
         return check_styles(log, s);
-    GP_TRY(check_inputs(log, s));
+    GP_TRY(check_outputs(log, s));
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_grow(log, s));
     GP_TRY(check_groups(log, s));

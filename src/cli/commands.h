@@ -1,38 +1,29 @@
-/* The main job, a run over frames, and the commands that are more than that. */
+/* The main job, a run over frames, and the commands that are more than that.
+ * Their errors are those of reading, of the library and of writing. */
 #ifndef GP_CLI_COMMANDS_H
 #define GP_CLI_COMMANDS_H
 
-#include "cli/jobs.h"
 #include "cli/progress.h"
-#include "cli/settings.h"
-#include "core/status.h"
-#include "glarepp.h"
 
 /* Runs frames through the stages, several in flight at once.
  *
  *   read -> sun -> sensors -> glare -> compose -> tonemap -> write
  *
- * A stage runs only when a later one, or an output, needs its result. Kernel,
- * spectra, plans, OCIO processors and GL objects are made once for all frames.
- * Reading and writing overlap the computing of other frames; computing,
- * reports, messages and streams keep the order of the jobs, so that no result
- * depends on how many are in flight.
+ * A stage runs only when a later one, or an output, needs its result. Reading
+ * and writing overlap the computing of other frames; computing, reports,
+ * messages and streams keep the order of the jobs, so that no result depends on
+ * how many are in flight.
  *
- * Makes all frames of `jobs` but those for which gp_job_complete() is true; ends
- * at the first that fails. With --skip-bad-frames it skips frames that have bad
- * data or cannot be read or written, reports each, and lists them at the end.
- * Files that were written before stay.
- *
- *   log       gets the errors, and with --verbose a line for each frame
- *   progress  open
- * Errors: those of the stages, with their line printed; GP_ERR_FRAMES some
- * frames were skipped as bad. */
+ * Makes all frames but those for which gp_job_complete() is true; ends at the
+ * first that fails. With --skip-bad-frames it skips frames that have bad data
+ * or cannot be read or written, reports each, and lists them at the end.
+ * Errors: GP_ERR_FRAMES some frames were skipped as bad. */
 GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, struct glarepp *gp, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);
 
-/* glarepp bench: measures every technique on the input's one frame (bench.h).
- * Errors: those of gp_bench_run(). */
+/* glarepp bench: measures every technique on the input's one frame
+ * (bench.h). */
 GP_MUST_CHECK gp_status gp_bench_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s);
 
@@ -47,45 +38,33 @@ enum {
     GP_COMPARE_USAGE = 64,
 };
 
-/* glarepp compare: compares the two inputs, part by part with --all, and frame by
- * frame where one of them is a pattern: those of --frames, else all that either
- * has on disk. Prints idiff's lines and more to stdout, the last of them PASS,
- * WARNING or FAILURE, or JSON in its place, and writes the pictures. With
- * --quiet it prints only FAILURE, to stderr as idiff -q does; with --verbose the
- * figures of a sequence's frames in full.
- *
- * Returns the program's exit status: the worst of all pairs (a frame that cannot
- * be read is a file error, and the next frame is compared); GP_COMPARE_USAGE;
- * GP_ERR_BUG when memory is full. */
+/* glarepp compare: compares the two inputs, part by part with --all, and frame
+ * by frame where one of them is a pattern. Prints idiff's lines and more to
+ * stdout, or JSON in their place, and writes the pictures. With --quiet it
+ * prints only FAILURE, to stderr as idiff -q does. Returns the program's exit
+ * status: the worst of all pairs (a frame that cannot be read is a file error,
+ * and the next frame is compared); GP_COMPARE_USAGE; GP_ERR_BUG when memory is
+ * full. */
 int gp_compare_command(const struct gp_log *log, struct glarepp *gp,
                        const struct gp_settings *s);
 
-/* glarepp kernel: writes kernels with the recipe that made them, makes them
- * again, lists models and checks kernels, as s->making and s->output.pictures ask.
- * *faulty is true where --check finds a fault.
- * Errors: those of reading images, making kernels and writing pictures. */
+/* glarepp kernel: writes kernels with the recipe that made them, lists models
+ * and checks kernels. *faulty is true where --check finds a fault. */
 GP_MUST_CHECK gp_status gp_kernel_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
-/* glarepp lens: lists and checks lenses, and draws them, as s->making asks.
- * *faulty is true where --check finds a lens that does not make what its file
- * claims.
- * Errors: those of glarepp_lens(); GP_ERR_IO writing. */
+/* glarepp lens: lists and checks lenses, and draws them. *faulty is true where
+ * --check finds a lens that does not make what its file claims. */
 GP_MUST_CHECK gp_status gp_lens_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s, bool *faulty);
 
-/* glarepp styles: lists the styles, or draws the frame without glare and in each
- * of them on a sheet, by a run of the main job for each. The report has a line
- * for each.
- * Errors: those of the main job; GP_ERR_USAGE several frames. */
+/* glarepp styles: lists the styles, or draws the frame without glare and in
+ * each of them on a sheet, by a run of the main job for each. */
 GP_MUST_CHECK gp_status gp_styles_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s);
 
-/* glarepp sets: O'Rorke's Table 15-1 for a scene. Reads the scene, draws each
- * row, prints the table, and writes what is asked.
- *   differ  true where a row draws another picture than the first; the command's
- *           exit status is 1 then
- * Errors: those of reading the scene, of its camera, of GL, of writing. */
+/* glarepp sets: draws each row of O'Rorke's Table 15-1 for a scene. *differ is
+ * true where a row draws another picture than the first. */
 GP_MUST_CHECK gp_status gp_sets_command(const struct gp_log *log,
     struct glarepp *gp, const struct gp_settings *s, bool *differ);
 

@@ -11,7 +11,6 @@
 enum {
     WIDTH = 79,   // columns of --help
     INDENT = 28,  // column of the options' texts
-    TOPIC_BYTES = 32,
 };
 
 /* Formats an option's text, its values if wanted, range and default. */
@@ -146,30 +145,37 @@ void gp_help(FILE *f, enum gp_command command)
 
 // -- topics ------------------------------------------------------------------
 
-/* Sections of the man page that are topics: words for each, the first for the
- * list of topics, and its heading. check-man compares them with the page. */
+/* Sections of the man page that are topics: their words and heading. Check-man
+ * compares them with the page. */
 static const struct section {
-    const char *words, *title;
+    const char *word, *more, *title;
 } sections[] = {
-    {"sequences", "Sequences"},
-    {"views", "Views"},
-    {"layers parts stereo cryptomatte",
+    {"sequences", "", "Sequences"},
+    {"views", "", "Views"},
+    {"layers", "parts stereo cryptomatte",
      "Layers, parts, stereo and Cryptomatte"},
-    {"farms pipes", "Pipes and farms"},
-    {"numbers", "What the numbers mean"},
-    {"kernels", "Kernels"},
-    {"lights suns lamps flare", "Suns, lamps and lens flare"},
-    {"measuring speed error", "Measuring speed against error"},
-    {"comparing images", "Comparing images"},
-    {"completions", "Help and completions"},
-    {"report", "THE REPORT"},
-    {"environment", "ENVIRONMENT"},
-    {"files", "FILES"},
-    {"status exit", "EXIT STATUS"},
-    {"examples", "EXAMPLES"},
-    {"diagnostics", "DIAGNOSTICS"},
+    {"farms", "pipes", "Pipes and farms"},
+    {"numbers", "", "What the numbers mean"},
+    {"kernels", "", "Kernels"},
+    {"lights", "suns lamps flare", "Suns, lamps and lens flare"},
+    {"measuring", "speed error", "Measuring speed against error"},
+    {"comparing", "images", "Comparing images"},
+    {"completions", "", "Help and completions"},
+    {"report", "", "THE REPORT"},
+    {"environment", "", "ENVIRONMENT"},
+    {"files", "", "FILES"},
+    {"status", "exit", "EXIT STATUS"},
+    {"examples", "", "EXAMPLES"},
+    {"diagnostics", "", "DIAGNOSTICS"},
 };
 enum { SECTIONS = sizeof sections / sizeof *sections };
+
+/* Topics: commands, all, groups, and sections with other names. */
+struct topic {
+    enum { COMMAND, ALL_OPTIONS, GROUP, SECTION } kind;
+    const char *word, *text; // the text may have more than one line
+    unsigned commands;       // that take options of the group
+};
 
 /* True when one of the words is the topic, ignoring case and an "s" at the end
  * of either. */
@@ -188,52 +194,48 @@ static bool is_topic(const char *topic, const char *words)
     return false;
 }
 
-/* True when a group has the section's first word too. */
-static bool is_group(const struct section *s)
+static bool is_group(const char *word)
 {
-    const size_t n = strcspn(s->words, " ");
+    int g = 0;
+    while (g < GP_GROUPS && strcmp(gp_option_groups[g].word, word) != 0)
+        g++;
+    return g < GP_GROUPS;
+}
+
+/* Finds the i-th topic; false after the last. */
+static bool topic_at(int i, struct topic *t)
+{
+    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
+        *t = (struct topic) {COMMAND, c->word, c->usage, 0};
+        if (i-- == 0)
+            return true;
+    }
+    *t = (struct topic) {ALL_OPTIONS, "all", "", 0};
+    if (i-- == 0)
+        return true;
     for (int g = 0; g < GP_GROUPS; g++) {
-        const char *const word = gp_option_groups[g].word;
-        if (strlen(word) == n && strncmp(word, s->words, n) == 0)
+        const struct gp_option_heading *const head = &gp_option_groups[g];
+        *t = (struct topic) {GROUP, head->word, head->title, 0};
+        for (const struct gp_option *o = gp_options; o->name; o++)
+            t->commands |= (int) o->group == g ? o->commands : 0;
+        if (i-- == 0)
+            return true;
+    }
+    for (const struct section *k = sections; k < sections + SECTIONS; k++) {
+        *t = (struct topic) {SECTION, k->word, k->title, 0};
+        if (!is_group(k->word) && i-- == 0)
             return true;
     }
     return false;
-}
-
-/* The i-th topic, in `word` or a constant: commands, all, groups, sections with
- * other names; NULL after the last. */
-static const char *topic_at(int i, char word[TOPIC_BYTES])
-{
-    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
-        if (i-- == 0)
-            return c->word;
-    }
-    if (i-- == 0)
-        return "all";
-    if (i < GP_GROUPS)
-        return gp_option_groups[i].word;
-    i -= GP_GROUPS;
-    for (int k = 0; k < SECTIONS; k++) {
-        if (is_group(&sections[k]) || i-- > 0)
-            continue;
-        snprintf(word, TOPIC_BYTES, "%.*s",
-                 (int) strcspn(sections[k].words, " "), sections[k].words);
-        return word;
-    }
-    return NULL;
 }
 
 static gp_status unknown_topic(const struct gp_log *log, const char *topic)
 {
     const char *const bare = topic + strspn(topic, "-");
     struct gp_nearest near = gp_nearest_to(bare, strlen(bare), 3);
-    const char *word;
-    char name[TOPIC_BYTES], kept[TOPIC_BYTES] = "";
-    for (int i = 0; (word = topic_at(i, name)); i++) {
-        gp_nearest_try(&near, word);
-        if (near.name == name) // the next topic overwrites `name`
-            near.name = memcpy(kept, name, sizeof kept);
-    }
+    struct topic t;
+    for (int i = 0; topic_at(i, &t); i++)
+        gp_nearest_try(&near, t.word);
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if (!o->hidden)
             gp_nearest_try(&near, o->name);
@@ -342,22 +344,21 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         return GP_OK;
     }
     if (!topic) {
-        fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
-                   "TOPIC is a command:\n");
-        for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
-            if (c->bit != GP_COMMAND_HELP)
-                fprintf(f, "  %-14s%.*s\n", c->word,
-                        (int) strcspn(c->usage, ".\n"), c->usage);
-        }
-        fprintf(f, "\nthe options of pictures:\n  all\n\noptions for a task:\n");
-        for (int g = 0; g < GP_GROUPS; g++)
-            fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
-                    gp_option_groups[g].title);
-        fprintf(f, "\na section of the manual:\n");
-        for (const struct section *s = sections; s < sections + SECTIONS; s++) {
-            if (!is_group(s))
-                fprintf(f, "  %-14.*s%s\n", (int) strcspn(s->words, " "),
-                        s->words, s->title);
+        static const char *const heads[] = {
+            "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
+            "TOPIC is a command:", "the options of pictures:",
+            "options for a task:", "a section of the manual:",
+        };
+        struct topic t;
+        for (int i = 0, kind = -1; topic_at(i, &t); i++) {
+            if (!t.text) // of help itself
+                continue;
+            if (kind != (int) t.kind)
+                fprintf(f, "%s%s\n", i ? "\n" : "", heads[t.kind]);
+            kind = (int) t.kind;
+            fprintf(f, *t.text ? "  %-14s%.*s\n" : "  %s\n", t.word,
+                    (int) strcspn(t.text, t.kind == COMMAND ? ".\n" : ""),
+                    t.text);
         }
         fprintf(f, "\nor an option or one of its values:\n"
                    "  glarepp help --kernel\n  glarepp help splat\n");
@@ -379,7 +380,9 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
             print_group(f, g, ~0u);
     }
     for (int i = 0; !dashed && i < SECTIONS && !section; i++)
-        section = is_topic(bare, sections[i].words) ? &sections[i] : NULL;
+        section = is_topic(bare, sections[i].word) ||
+                          is_topic(bare, sections[i].more)
+                      ? &sections[i] : NULL;
     found = found || print_options_of(f, bare, EXACT) > 0;
     if (!found && !section)
         found = print_options_of(f, bare, LOOSE) > 0 ||
@@ -419,12 +422,13 @@ static void print_model(FILE *f, int model)
 
 void gp_help_table(FILE *f)
 {
-    char text[1024], word[TOPIC_BYTES];
+    char text[1024];
     const char *name, *line;
+    struct topic t;
     for (const struct gp_command_row *c = gp_commands; c->word; c++)
         fprintf(f, "command\t%s\n", *c->word ? c->word : "main");
-    for (int i = 0; (name = topic_at(i, word)); i++)
-        fprintf(f, "topic\t%s\n", name);
+    for (int i = 0; topic_at(i, &t); i++)
+        fprintf(f, "topic\t%s\n", t.word);
     for (int g = 0; g < GP_GROUPS; g++) {
         fprintf(f, "group\t%s\t%s\n", gp_option_groups[g].title,
                 gp_option_groups[g].example);
@@ -461,44 +465,27 @@ void gp_help_table(FILE *f)
 
 // -- one screen --------------------------------------------------------------
 
-/* True when pictures take options of the group. */
-static bool is_of_pictures(int group)
-{
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if ((int) o->group == group && (o->commands & GP_COMMAND_MAIN))
-            return true;
-    }
-    return false;
-}
-
 void gp_help_screen(FILE *f)
 {
     const char *const usage = gp_commands->usage;
     char text[1024];
     size_t at = 0;
+    struct topic t;
     fprintf(f, "%.*s\n\n", (int) strcspn(usage, "\n"), usage);
     print_examples(f, gp_commands);
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if (o->usual)
             fprintf(f, "%*s%s\n", INDENT + 1 - print_name(f, o), "", o->usual);
     }
-    for (const struct gp_command_row *c = gp_commands + 1; c->word; c++) {
-        if (c->bit != GP_COMMAND_HELP)
+    for (int i = 0; topic_at(i, &t); i++) {
+        if (t.kind == COMMAND && t.text)
+            fprintf(f, "%s%s", i ? ", " : "\nCommands: ", t.word);
+        if (t.kind == ALL_OPTIONS)
+            fprintf(f, " (glarepp COMMAND --help)\n");
+        if (t.kind == SECTION ||
+            (t.kind == GROUP && (t.commands & GP_COMMAND_MAIN)))
             at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
-                                    at ? ", " : "Commands: ", c->word);
-    }
-    fprintf(f, "\n%s (glarepp COMMAND --help)\n", text);
-    at = 0;
-    for (int g = 0; g < GP_GROUPS; g++) {
-        if (is_of_pictures(g))
-            at += (size_t) snprintf(text + at, sizeof text - at, "%s%s",
-                                    at ? ", " : "Topics: ",
-                                    gp_option_groups[g].word);
-    }
-    for (const struct section *s = sections; s < sections + SECTIONS; s++) {
-        if (!is_group(s))
-            at += (size_t) snprintf(text + at, sizeof text - at, ", %.*s",
-                                    (int) strcspn(s->words, " "), s->words);
+                                    at ? ", " : "Topics: ", t.word);
     }
     snprintf(text + at, sizeof text - at, " (glarepp help TOPIC)");
     print_wrapped(f, 0, 2, text);

@@ -1,4 +1,4 @@
-#include "cli/hints.h"
+#include "cli/listener.h"
 
 #include "core/minmax.h"
 

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* True when some output is a pattern. */
@@ -21,6 +22,18 @@ static bool has_place(const struct gp_jobs *j)
     return false;
 }
 
+/* True for --views all, and without --views. */
+static bool views_all(const struct gp_settings *s)
+{
+    return !s->input.views || strcmp(s->input.views, "all") == 0;
+}
+
+static gp_status too_many(const struct gp_log *log, const char *path)
+{
+    return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                   "them in several runs", path, GP_FRAME_LIST_MAX);
+}
+
 // -- frames ------------------------------------------------------------------
 
 /* Appends all views of one frame. */
@@ -29,22 +42,24 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
 {
     const int views = gp_jobs_of_frame(j);
     if (j->n > GP_FRAME_LIST_MAX - views)
-        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
-                       "them in several runs", p->path, GP_FRAME_LIST_MAX);
+        return too_many(log, p->path);
     for (int i = 0; i < views; i++) {
         const char *const view = j->view.n ? j->view.name[i] : NULL;
-        char *const input = gp_pattern_name(p, frame, view);
+        char *const input = i && j->views > 1 ? j->job[j->n - 1].input
+                                              : gp_pattern_name(p, frame, view);
         struct gp_job *grown = NULL;
         if (input) // doubles at powers of two
             grown = (j->n & (j->n - 1)) ? j->job
                     : realloc(j->job, (size_t) (j->n ? 2 * j->n : 1) *
                                           sizeof *grown);
         if (!grown) {
-            gp_free(input);
+            if (!i || j->views == 1)
+                gp_free(input);
             return gp_no_memory_bare(log, "frame list");
         }
         j->job = grown;
-        j->job[j->n++] = (struct gp_job) {input, numbered, frame, view};
+        j->job[j->n++] = (struct gp_job) {
+            input, numbered, frame, view, false};
     }
     return GP_OK;
 }
@@ -112,11 +127,11 @@ static gp_status add_inputs(const struct gp_log *log,
                 "%s); make them in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
-    if (in_names && s->input.views && gp_views_all(s))
+    if (in_names && s->input.views && views_all(s))
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all means the views inside "
             "a file (found %%V or %%v in %s); list them, e.g. --views "
             "left,right", in[0].path));
-    if (in_names || !gp_views_all(s))
+    if (in_names || !views_all(s))
         GP_TRY(gp_views_parse(
             log, s->input.views ? s->input.views : "left,right", &j->view));
     for (int i = 0; i < s->input.files.n; i++)
@@ -162,8 +177,7 @@ static gp_status read_stdin(const struct gp_log *log,
         return st;
     const int frames = j->members.n;
     if (frames > GP_FRAME_LIST_MAX / j->views)
-        return gp_fail(log, GP_ERR_USAGE, "-: too many frames (over %d); make "
-                       "them in several runs", GP_FRAME_LIST_MAX);
+        return too_many(log, "-");
     const int n = frames * j->views;
     struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
     if (!grown)
@@ -186,9 +200,10 @@ static gp_status read_stdin(const struct gp_log *log,
         if (frames == 1)
             continue;
         snprintf(name, sizeof name, "- (frame %d)", job->frame);
-        free(job->input);
+        if (i % j->views == 0)
+            free(job->input);
         job->numbered = true;
-        job->input = gp_strdup(name);
+        job->input = i % j->views ? job[-1].input : gp_strdup(name);
         if (!job->input)
             st = gp_no_memory_bare(log, "frame list");
     }
@@ -196,16 +211,148 @@ static gp_status read_stdin(const struct gp_log *log,
     return st;
 }
 
+// -- views that the command line does not name -------------------------------
+
+/* Replaces each job by one for each view; takes over `found`. */
+static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
+                              struct gp_views *found)
+{
+    const int n = found->n;
+    j->view = *found;
+    *found = (struct gp_views) {0};
+    if (j->n > GP_FRAME_LIST_MAX / n)
+        return too_many(log, j->job[0].input);
+    struct gp_job *const grown =
+        realloc(j->job, (size_t) j->n * (size_t) n * sizeof *grown);
+    if (!grown)
+        return gp_no_memory_bare(log, "frame list");
+    j->job = grown;
+    j->n *= n;
+    j->views = n;
+    j->views_inside = true;
+    for (int i = j->n - 1; i >= 0; i--) {
+        grown[i] = grown[i / n];
+        grown[i].view = j->view.name[i % n];
+    }
+    return GP_OK;
+}
+
+/* Finds the views of the first input that is a regular file: a pipe can be read
+ * only once. `log` is NULL where reading the frame will report the error. */
+static gp_status find_views(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j,
+    struct gp_views *found, const char **input)
+{
+    *input = j->job[0].input;
+    if (j->members.n)
+        return gp_members_views(log, &s->input.read, &j->members, 0, found);
+    gp_status st = GP_OK;
+    for (int i = 0; i < j->n; i++) {
+        struct stat info;
+        *input = j->job[i].input;
+        if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        st = gp_read_views(log, &s->input.read, *input, found);
+        if (!st || st == GP_ERR_BUG)
+            return st;
+    }
+    return st;
+}
+
+/* Finds the views inside the first input, if an output has a place for several,
+ * replaces each job by one for each view, and warns in one line of the
+ * choice. */
+static gp_status add_views(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j)
+{
+    struct gp_views found = {0};
+    char list[512] = "", line[GP_LINE_BYTES];
+    const char *input, *hero = NULL; // an output of the first view only
+    bool places = false;             // an output by view
+    j->views_found = j->targets == 0;  // the report has a line for each
+    for (int i = 0; i < j->targets; i++) {
+        const struct gp_output *const t = &j->target[i];
+        places = places || t->name.views;
+        if (!hero && t->kind != GP_TARGET_HDR && !t->name.views)
+            hero = t->name.path;
+        j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
+                         t->name.views;
+    }
+    gp_status st = find_views(NULL, s, j, &found, &input);
+    // names with %V cannot be made without views: report why there are none
+    if (st == GP_ERR_IO && places && j->n == 1)
+        GP_TRY(find_views(log, s, j, &found, &input));
+    if (st == GP_ERR_BUG)
+        return gp_no_memory(log, input);
+    if (st || found.n == 0)
+        return GP_OK;
+    for (int i = 0; i < found.n; i++) {
+        const char *const name = found.name[i];
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
+        if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
+                       strcmp(name, "..") == 0))
+            st = gp_fail(log, GP_ERR_DATA, "%s: has a view whose name cannot "
+                         "be part of a file name (found %s); choose others "
+                         "with --views", input, name);
+    }
+    if (!st && !j->views_found)
+        snprintf(line, sizeof line, "%s: makes only view %s of %s; write a "
+                 "name with %%V to make all, or choose with --views", input,
+                 found.name[0], list);
+    else if (hero)
+        snprintf(line, sizeof line, "%s: makes its views %s, but of %s only "
+                 "%s; write a name with %%V to make all, or choose with "
+                 "--views", input, list, hero, found.name[0]);
+    else
+        snprintf(line, sizeof line, "%s: makes its views %s; choose with "
+                 "--views", input, list);
+    if (!st) {
+        gp_say(log, GP_LEVEL_WARN, "%s", line);
+        free(j->views_line);
+        j->views_line = gp_strdup(line);
+        st = j->views_line ? GP_OK : gp_no_memory(log, input);
+    }
+    if (!st && j->views_found)
+        st = spread_views(log, j, &found);
+out:
+    gp_views_free(&found);
+    return st;
+}
+
+gp_status gp_jobs_check_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_jobs *j,
+    const struct gp_frame *f)
+{
+    struct gp_views own;
+    gp_status st = gp_frame_views(log, p, f, &own);
+    for (int i = 0; i < own.n && !st; i++) {
+        int k = 0;
+        while (k < j->view.n && strcmp(j->view.name[k], own.name[i]) != 0)
+            k++;
+        if (k == j->view.n)
+            st = gp_fail(log, GP_ERR_USAGE, "%s: has view %s (the first input "
+                "has %s); choose with --views, or make it in a run of its own",
+                f->path, own.name[i], j->view.n ? "others" : "none");
+    }
+    gp_views_free(&own);
+    return st;
+}
+
 // -- outputs -----------------------------------------------------------------
 
-static const char *const target_options[] = {
-    [GP_TARGET_HDR] = "--hdr",
-    [GP_TARGET_LAYER] = "--layer",
-    [GP_TARGET_PICTURE] = "--output",
-    [GP_TARGET_SENSORS] = "--debug sensors",
-    [GP_TARGET_POLYGONS] = "--debug polygons",
-    [GP_TARGET_SUNMAP] = "--debug sunmap",
-    [GP_TARGET_INTENSITY] = "--debug intensity",
+const struct gp_target gp_targets[] = {
+    [GP_TARGET_HDR] = {"--hdr", "linear light", GLAREPP_OUTPUT},
+    [GP_TARGET_LAYER] = {"--layer", "the glare alone, linear light",
+                         GLAREPP_GLARE},
+    [GP_TARGET_PICTURE] = {"--output", "", GLAREPP_SHOWN},
+    [GP_TARGET_SENSORS] = {"--debug sensors", "the light that glares",
+                           GLAREPP_SOURCES},
+    [GP_TARGET_POLYGONS] = {"--debug polygons", "outlines of polygons",
+                            GLAREPP_POLYGONS},
+    [GP_TARGET_SUNMAP] = {"--debug sunmap", "sun maps", GLAREPP_SUNMAP},
+    [GP_TARGET_INTENSITY] = {"--debug intensity", "intensity map",
+                             GLAREPP_INTENSITY},
 };
 
 static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
@@ -254,40 +401,6 @@ static gp_status check_patterns(const struct gp_log *log,
     return st;
 }
 
-static int by_frame(const void *a, const void *b)
-{
-    const struct gp_job *x = *(struct gp_job *const *) a;
-    const struct gp_job *y = *(struct gp_job *const *) b;
-    if (x->frame != y->frame)
-        return x->frame > y->frame ? 1 : -1;
-    const int order = x->view && y->view ? strcmp(x->view, y->view) : 0;
-    return order ? order : (x > y) - (x < y);
-}
-
-/* Checks that no two inputs of a view have the same number: they would write
- * the same file. */
-static gp_status check_numbers(const struct gp_log *log,
-                               const struct gp_jobs *j)
-{
-    const struct gp_job **order;
-    gp_status st = gp_alloc(log, "frame list", (size_t) j->n, sizeof *order,
-                            &order);
-    if (st)
-        return st;
-    for (int i = 0; i < j->n; i++)
-        order[i] = &j->job[i];
-    qsort(order, (size_t) j->n, sizeof *order, by_frame);
-    for (int i = 1; i < j->n && !st; i++) {
-        if (order[i]->frame == order[i - 1]->frame &&
-            order[i]->view == order[i - 1]->view)
-            st = gp_fail(log, GP_ERR_USAGE, "%s: the same frame number as %s "
-                         "(found %d); make them in separate runs",
-                         order[i]->input, order[i - 1]->input, order[i]->frame);
-    }
-    gp_free(order);
-    return st;
-}
-
 /* Checks that the frames of --frames, and all views of a frame, exist where
  * they are needed, before any is made. */
 static gp_status check_missing(const struct gp_log *log,
@@ -327,23 +440,35 @@ static gp_status check_missing(const struct gp_log *log,
 
 // -- names -------------------------------------------------------------------
 
-/* Checks the files of --depth-file and --mask-file when these are patterns. */
-static gp_status check_beside(const struct gp_log *log,
-                              const struct gp_output_guard *c, const char *what,
+gp_status gp_job_beside(const struct gp_log *log, const struct gp_job *job,
+                        const char *path, char **name)
+{
+    struct gp_pattern p;
+    int number = 0;
+    gp_status st = gp_pattern_of_input(log, path, &p);
+    if (st)
+        return st;
+    if (p.views && !job->view)
+        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
+            "none); give a plain file name, or --views", path, job->input);
+    if (p.len && !gp_job_number(job, &number))
+        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
+                       "(%s has none); give a plain file name", path,
+                       job->input);
+    *name = gp_pattern_name(&p, number, job->view);
+    return *name ? GP_OK : gp_no_memory(log, path);
+}
+
+/* Checks the files of --depth-file or --mask-file. */
+static gp_status check_beside(const struct gp_output_guard *c, const char *what,
                               const char *path, const struct gp_jobs *j)
 {
-    struct gp_pattern p = {0};
-    gp_status st = path ? gp_pattern_of_input(log, path, &p) : GP_OK;
-    if (st || (!p.len && !p.views))
-        return st;
-    for (int i = 0; i < j->n && !st; i++) {
-        const struct gp_job *const job = &j->job[i];
-        int number = job->frame;
-        if ((p.views && !job->view) ||
-            (p.len && !job->numbered && !gp_frame_number(job->input, &number)))
+    gp_status st = GP_OK;
+    for (int i = 0; path && i < j->n && !st; i++) {
+        char *name;
+        if (gp_job_beside(NULL, &j->job[i], path, &name))
             continue; // reading the frame reports it
-        char *const name = gp_pattern_name(&p, number, job->view);
-        st = name ? gp_output_guard_input(c, what, name) : gp_no_memory(log, path);
+        st = gp_output_guard_input(c, what, name);
         free(name);
     }
     return st;
@@ -370,7 +495,7 @@ gp_status gp_jobs_check_names(
                      ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
                                "which is stdout; write ./%s", p->path, p->path)
                      : gp_output_guard_add(&c, name,
-                                           target_options[target->kind],
+                                           gp_targets[target->kind].option,
                                            p->path, j->n > 1 ? job->input
                                                              : NULL);
             free(name);
@@ -384,8 +509,8 @@ gp_status gp_jobs_check_names(
     for (int i = 0; i < j->n && c.exists && !j->members.n; i += j->views)
         GP_TRY(gp_output_guard_input(&c, "input", j->job[i].input));
     if (c.exists) {
-        GP_TRY(check_beside(log, &c, "--depth-file", s->sun.depth_file, j));
-        GP_TRY(check_beside(log, &c, "--mask-file", s->sun.mask_file, j));
+        GP_TRY(check_beside(&c, "--depth-file", s->sun.depth_file, j));
+        GP_TRY(check_beside(&c, "--mask-file", s->sun.mask_file, j));
     }
     for (int i = 0; i < n; i++)
         GP_TRY(gp_output_guard_input(&c, "another file names", also[i]));
@@ -415,8 +540,6 @@ static gp_status check_outputs(const struct gp_log *log,
     bool later)
 {
     gp_status st = check_patterns(log, j, patterns, later);
-    if (!st && has_place(j))
-        st = check_numbers(log, j);
     for (int i = 0; i < j->targets && !st; i++) {
         const struct gp_output *const t = &j->target[i];
         if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))
@@ -426,17 +549,7 @@ static gp_status check_outputs(const struct gp_log *log,
             if (later && t->name.views)
                 continue;
             char *const name = gp_job_name(&j->job[k], t);
-            char ending[16] = "-";
-            if (name && t->kind == GP_TARGET_LAYER &&
-                !gp_file_is_straight(name))
-                gp_file_ending(name, ending, sizeof ending);
             st = !name ? gp_no_memory(log, t->name.path)
-                 : !ending[0]
-                     ? gp_fail(log, GP_ERR_USAGE,
-                               "%s: --layer writes a file "
-                               "(ending is missing); end the name in .exr, or "
-                               "to choose an EXR layer use --layer-in %s",
-                               name, name)
                  : t->kind == GP_TARGET_HDR
                      ? gp_write_hdr_check(log, &s->output.write, GP_HDR_KEEPS,
                                           name)
@@ -450,12 +563,6 @@ static gp_status check_outputs(const struct gp_log *log,
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
-    static const enum gp_target_kind debug[GP_DEBUG_KINDS] = {
-        [GP_DEBUG_SENSORS] = GP_TARGET_SENSORS,
-        [GP_DEBUG_POLYGONS] = GP_TARGET_POLYGONS,
-        [GP_DEBUG_SUNMAP] = GP_TARGET_SUNMAP,
-        [GP_DEBUG_INTENSITY] = GP_TARGET_INTENSITY,
-    };
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
@@ -472,15 +579,16 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     for (int i = 0; i < s->output.pictures.n; i++)
         GP_TRY(
             add_target(log, &j, GP_TARGET_PICTURE, s->output.pictures.at[i]));
-    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+    for (unsigned i = 0; i < GP_DEBUG_SCISSOR; i++) {
         if (s->output.debug[i])
-            GP_TRY(add_target(log, &j, debug[i], s->output.debug[i]));
+            GP_TRY(add_target(log, &j, GP_TARGET_SENSORS + i,
+                              s->output.debug[i]));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = gp_is_dash(j.job[0].input);
-    const bool looks = gp_views_all(s) && !j.view.n;
+    const bool looks = views_all(s) && !j.view.n;
     if (looks && !piped)
-        GP_TRY(gp_jobs_find_views(log, s, &j));
+        GP_TRY(add_views(log, s, &j));
     mark_outputs(&j);
     // outputs are checked before stdin is read, and again with its views
     GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
@@ -488,7 +596,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     if (piped) {
         GP_TRY(read_stdin(log, s, &j));
         if (looks)
-            GP_TRY(gp_jobs_find_views(log, s, &j));
+            GP_TRY(add_views(log, s, &j));
         mark_outputs(&j);
         GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
@@ -510,7 +618,7 @@ out:
 
 void gp_jobs_free(struct gp_jobs *j)
 {
-    for (int i = 0; i < j->n; i++)
+    for (int i = 0; i < j->n; i += j->views)
         free(j->job[i].input);
     gp_free(j->job);
     gp_members_free(&j->members);

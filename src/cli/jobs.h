@@ -3,14 +3,10 @@
 #ifndef GP_CLI_JOBS_H
 #define GP_CLI_JOBS_H
 
-#include "cli/settings.h"
-#include "core/status.h"
-#include "io/read.h"
+#include "cli/options.h"
 #include "io/sequence.h"
 
-#include <stdbool.h>
-
-/* Contents of a file that is written. */
+/* Contents of a file that is written; those of --debug in its order. */
 enum gp_target_kind {
     GP_TARGET_HDR,
     GP_TARGET_LAYER,
@@ -20,6 +16,11 @@ enum gp_target_kind {
     GP_TARGET_SUNMAP,
     GP_TARGET_INTENSITY,
 };
+struct gp_target {
+    const char *option, *text; // the text for notes
+    enum glarepp_view view;
+};
+extern const struct gp_target gp_targets[];
 
 /* A file, or one for each frame or view when its name is a pattern. */
 struct gp_output {
@@ -31,20 +32,23 @@ struct gp_output {
 
 /* One frame to make, or one view of it. */
 struct gp_job {
-    char *input;       // owned
+    char *input;       // owned by the first of gp_jobs.views consecutive ones
     bool numbered;     // has a number: by an input or output pattern, or stdin
     int frame;         // when numbered
     const char *view;  // of gp_jobs.view; NULL without views
+    bool failed;       // and was skipped
 };
 
 /* Takes tone-mapped pictures in place of the files of a run: `picture` has the
  * samples of f's data window, display-linear, or with --tonemap none
  * scene-linear. Both end with the call. */
+struct gp_report;
 struct gp_taker {
     gp_status (*take)(void *user, const struct gp_log *log,
                       const struct gp_frame *f,
                       const struct gp_planes *picture);
     void *user;
+    struct gp_report *report; // of several runs; open where one is wanted
 };
 
 /* The views of a frame follow each other, in the order of the list. */
@@ -66,48 +70,34 @@ struct gp_jobs {
 
 /* Expands the inputs and checks every name that the command line gives:
  *
- *   - a pattern means the frames of --frames, or those on disk; a file that has
- *     the pattern's own name is that file
+ *   - a pattern means the frames of --frames, or those on disk
  *   - %V and %v in inputs are the views of --views, or left,right: a file for
- *     each, and `views` is 1. Without them, --views are parts or channels of
- *     each file: `views` jobs for it. One run cannot have both
+ *     each. Without them, --views are parts or channels of each file: `views`
+ *     jobs for it. One run cannot have both
  *   - without --views, or with --views all, the views are those of the first
  *     regular file or of stdin's first image, if an output has a place for
  *     several; one line names them. Outputs without %V or %v then hold the
  *     first: `hero`
- *   - several views of --views need %V or %v in all outputs but `-`
- *   - with several views, --hdr without %V or %v holds all: it is `whole`
- *   - several frames need patterns or `-` for all outputs, and for patterns
- *     numbers that differ: the input pattern's, or the last in a plain name
+ *   - with several views, --hdr without %V or %v holds all: it is `whole`;
+ *     other outputs than `-` need %V or %v
+ *   - several frames need patterns or `-` for all outputs, and for patterns a
+ *     number: the input pattern's, or the last in a plain name
  *   - after all other checks, stdin is read to its end: each image in it is a
  *     frame, numbered by --frames or from 1
- *   - no file is written twice, or read and written; `-` is given at most once
- *     as an output, and is no terminal
- *   - gp_write_check() holds for the first frame's outputs
+ *   - no file is written twice, or read and written
  *   - every frame of --frames exists, and every view of a frame, unless
  *     --skip-bad-frames is given or gp_job_complete() is true for it
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
- * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, frames that are
- * missing, and as gp_write_check(). */
+ * Errors: GP_ERR_USAGE; GP_ERR_IO frames that are missing, and as
+ * gp_write_check(); GP_ERR_DATA a view that cannot be part of a file name. */
 GP_MUST_CHECK gp_status gp_jobs_make(
     const struct gp_log *log, const struct gp_settings *s, struct gp_jobs *out);
 void gp_jobs_free(struct gp_jobs *j);
 
-/* True for --views all, and without --views. */
-bool gp_views_all(const struct gp_settings *s);
-
-/* Finds the views inside the first input, if an output has a place for several,
- * replaces each job by one for each view, and warns in one line of the choice.
- * Errors: GP_ERR_DATA a view cannot be part of a file name, and outputs have
- * %V; GP_ERR_USAGE too many frames; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_jobs_find_views(const struct gp_log *log,
-    const struct gp_settings *s, struct gp_jobs *j);
-
 /* Checks that a frame has no views but those of j->view, for runs with
- * j->views_found.
- * Errors: GP_ERR_USAGE it has others; GP_ERR_BUG out of memory. */
+ * j->views_found. Errors: GP_ERR_USAGE it has others; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_jobs_check_views(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_jobs *j,
     const struct gp_frame *f);
@@ -115,27 +105,25 @@ GP_MUST_CHECK gp_status gp_jobs_check_views(const struct gp_log *log,
 /* Jobs of one frame: one a view, 1 without views. */
 int gp_jobs_of_frame(const struct gp_jobs *j);
 
-/* The name of one target for one job; the caller owns it (free()). NULL when
- * memory is full. */
+/* The name of one target for one job, from malloc; NULL when memory is full. */
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 
-/* Finds the number of a frame: the job's, else the one in its file's name.
- * Returns false where there is none. */
+/* Finds the number of a frame: the job's, else the one in its file's name. */
 bool gp_job_number(const struct gp_job *job, int *number);
 
-/* True when p->no_clobber is set, there are outputs and all of the job's exist.
- * With an output that holds all views, those of every view of the frame must
- * exist.
- *
- *   job  one of j->job */
+/* Finds the file beside a job's frame, from malloc; the path may be a pattern.
+ * Errors: GP_ERR_USAGE it needs views or numbers. */
+GP_MUST_CHECK gp_status gp_job_beside(const struct gp_log *log,
+    const struct gp_job *job, const char *path, char **name);
+
+/* True when p->no_clobber is set, there are outputs and all of the job's exist;
+ * with an output that holds all views, those of every view of the frame. */
 bool gp_job_complete(const struct gp_write_params *p, const struct gp_jobs *j,
                      const struct gp_job *job);
 
-/* Checks that the run writes no file twice, and none that it reads (output_guard.h).
- *
- *   also  `n` files that it reads because another file names them
- *
- * Errors: GP_ERR_USAGE */
+/* Checks that the run writes no file twice, and none that it reads, as the `n`
+ * of `also`, which another file names (output_guard.h). Errors:
+ * GP_ERR_USAGE. */
 GP_MUST_CHECK gp_status gp_jobs_check_names(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *j, const char *const *also, int n);

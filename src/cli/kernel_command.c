@@ -1,9 +1,8 @@
 #include "cli/commands.h"
 
 #include "cli/output_guard.h"
-#include "cli/hints.h"
+#include "cli/listener.h"
 #include "cli/options.h"
-#include "cli/pictures.h"
 #include "glarepp.h"
 #include "io/file.h"
 #include "io/read.h"
@@ -55,47 +54,26 @@ static gp_status draw_kernel(const struct glarepp_kernel *k,
 
 // -- -o -----------------------------------------------------------------------
 
-/* Checks the names of outputs before anything is read. */
-static gp_status check_names(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_write_params *write)
-{
-    static const char keeps[] = "-o of a kernel keeps floats and its recipe";
-    struct gp_output_guard c;
-    gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, &c));
-    for (int i = 0; i < s->output.pictures.n; i++) {
-        const char *const path = s->output.pictures.at[i];
-        GP_TRY(gp_write_hdr_check(log, write, keeps, path));
-        GP_TRY(gp_output_guard_add(&c, path, "-o", path, NULL));
-    }
-    GP_TRY(gp_output_guard_settle(&c));
-out:
-    gp_output_guard_end(&c);
-    return st;
-}
-
 /* Attributes of a kernel's file. */
 struct texts {
     struct gp_attribute at[GP_KERNEL_RECIPES + 7];
-    char name[GP_KERNEL_RECIPES + 7][24];
-    char value[6][40];    // of those that are made here
+    char value[GP_KERNEL_RECIPES + 7][40]; // of those that are made here
+    struct gp_recipe_name name[GP_KERNEL_RECIPES];
     int n;
 };
 
 static void add_text(struct texts *t, const char *name, const char *text)
 {
-    snprintf(t->name[t->n], sizeof *t->name, "%s", name);
-    t->at[t->n] = (struct gp_attribute) {
-        .name = t->name[t->n], .kind = GP_ATTRIBUTE_TEXT,
+    t->at[t->n++] = (struct gp_attribute) {
+        .name = (char *) (uintptr_t) name, .kind = GP_ATTRIBUTE_TEXT,
         .text = (char *) (uintptr_t) text,
     };
-    t->n++;
 }
 
-static void add_number(struct texts *t, int i, const char *name, double v)
+static void add_number(struct texts *t, const char *name, double v)
 {
-    snprintf(t->value[i], sizeof *t->value, "%.17g", v);
-    add_text(t, name, t->value[i]);
+    snprintf(t->value[t->n], sizeof *t->value, "%.17g", v);
+    add_text(t, name, t->value[t->n]);
 }
 
 /* Fills in all of them; recipes are the kernel's. */
@@ -107,19 +85,21 @@ static void make_texts(const struct gp_settings *s,
     const char *recipe;
     out->n = 0;
     for (int i = 0; i < GP_KERNEL_RECIPES &&
-                    (recipe = glarepp_kernel_recipe(k, i)); i++)
-        add_text(out, gp_recipe_name(i).text, recipe);
+                    (recipe = glarepp_kernel_recipe(k, i)); i++) {
+        out->name[i] = gp_recipe_name(i);
+        add_text(out, out->name[i].text, recipe);
+    }
     while (c->value != (int) s->output.write.compression)
         c++;
-    add_number(out, 0, "glarepp:fov", label->fov);
-    snprintf(out->value[1], sizeof *out->value, "%dx%d,%d", label->w, label->h,
-             s->making.radius);
-    add_text(out, "glarepp:size", out->value[1]);
-    add_number(out, 2, "glarepp:rotate", s->plan.rotate);
-    add_number(out, 3, "glarepp:frame", s->making.frame);
+    add_number(out, "glarepp:fov", label->fov);
+    snprintf(out->value[out->n], sizeof *out->value, "%dx%d,%d", label->w,
+             label->h, s->making.radius);
+    add_text(out, "glarepp:size", out->value[out->n]);
+    add_number(out, "glarepp:rotate", s->plan.rotate);
+    add_number(out, "glarepp:frame", s->making.frame);
     add_text(out, "glarepp:compression", c->name);
-    add_number(out, 4, "glarepp:left_out", label->left_out);
-    add_number(out, 5, "glarepp:beyond", label->beyond);
+    add_number(out, "glarepp:left_out", label->left_out);
+    add_number(out, "glarepp:beyond", label->beyond);
 }
 
 static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
@@ -135,7 +115,10 @@ static gp_status write_kernel(const struct gp_log *log, struct glarepp *gp,
     struct gp_write_stats stats = {0};
     struct texts texts;
     write.type = GP_OUT_FLOAT;
-    GP_TRY(check_names(log, s, &write));
+    for (int i = 0; i < outputs->n; i++)
+        GP_TRY(gp_write_hdr_check(log, &write, "-o of a kernel keeps floats "
+                                  "and its recipe", outputs->at[i]));
+    GP_TRY(gp_output_guard_check(log, s, NULL, NULL));
     GP_TRY(read_kernel(gp, s, words->at, words->n, &k));
     GP_TRY(draw_kernel(k, s, outputs->at[0], &f, &label));
     make_texts(s, k, &label, &texts);

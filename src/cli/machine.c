@@ -1,6 +1,8 @@
 #include "cli/machine.h"
 
 #include <errno.h>
+#include <limits.h>
+#include <malloc.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -48,19 +50,6 @@ static size_t least_upwards(const char *mount, const char *group,
     }
 }
 
-/* True when a list with commas has that word. */
-static bool lists(const char *list, size_t bytes, const char *word)
-{
-    const size_t n = strlen(word);
-    for (size_t at = 0; at + n <= bytes; at++) {
-        if ((at == 0 || list[at - 1] == ',') &&
-            strncmp(list + at, word, n) == 0 &&
-            (at + n == bytes || list[at + n] == ','))
-            return true;
-    }
-    return false;
-}
-
 /* Returns the least limit of this process's control groups, `most` where there
  * is none below. */
 static size_t group_limit(const char *root, size_t most)
@@ -75,22 +64,17 @@ static size_t group_limit(const char *root, size_t most)
     // "4:cpu,memory:/job/step" of v1, "0::/job/step" of v2; cgroups(7)
     while (getline(&line, &room, f) > 0) {
         line[strcspn(line, "\n")] = '\0';
-        const char *const list = strchr(line, ':');
-        const char *const group = list ? strchr(list + 1, ':') : NULL;
+        char *const list = strchr(line, ':');
+        char *const group = list ? strchr(list + 1, ':') : NULL;
         if (!group)
             continue;
-        const size_t bytes = (size_t) (group - list) - 1;
-        if (lists(list + 1, bytes, "memory")) {
-            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup/memory", root);
-            most = least_upwards(mount, group + 1, "memory.limit_in_bytes",
-                                 most);
-        } else if (bytes == 0) {
-            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup", root);
-            most = least_upwards(mount, group + 1, "memory.max", most);
-            // beside controllers of v1
-            snprintf(mount, sizeof mount, "%s/sys/fs/cgroup/unified", root);
-            most = least_upwards(mount, group + 1, "memory.max", most);
-        }
+        *group = '\0';
+        const bool v1 = strstr(list, "memory") != NULL;
+        snprintf(mount, sizeof mount, "%s/sys/fs/cgroup%s", root,
+                 v1 ? "/memory" : "");
+        if (v1 || !list[1])
+            most = least_upwards(mount, group + 1, v1 ? "memory.limit_in_bytes"
+                                                      : "memory.max", most);
     }
     free(line);
     fclose(f);
@@ -112,7 +96,6 @@ size_t gp_memory_limit(const char *root)
 
 size_t gp_peak_memory(void)
 {
-    struct rusage used;
     char line[128];
     unsigned long long kib = 0;
     FILE *const f = fopen("/proc/self/status", "re");
@@ -122,7 +105,45 @@ size_t gp_peak_memory(void)
     }
     if (f)
         fclose(f);
-    if (kib == 0 && getrusage(RUSAGE_SELF, &used) == 0)
-        kib = (unsigned long long) used.ru_maxrss; // in KiB, as proc(5)'s
     return (size_t) kib << 10;
+}
+
+// -- the environment ---------------------------------------------------------
+
+/* Returns a variable; NULL where it is empty or not set. */
+static const char *variable(const char *name)
+{
+    const char *const v = getenv(name);
+    return v && *v ? v : NULL;
+}
+
+void gp_environment_read(struct glarepp_params *p)
+{
+    const char *const size = variable("GLAREPP_GL_MAX_SIZE");
+    const long side = size ? strtol(size, NULL, 10) : 0;
+    const char *const cpu = variable("GLAREPP_CPU");
+    p->bridges = variable("GLAREPP_BRIDGES");
+    p->data = variable("GLAREPP_EXAMPLES");
+    p->osmesa = variable("GLAREPP_OSMESA");
+    p->egl = variable("GLAREPP_EGL");
+    p->gl_size = side > 0 && side < INT_MAX ? (int) side : 0;
+    p->base_cpu = cpu && strcmp(cpu, "base") == 0;
+}
+
+void gp_environment_set_heap(void)
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 256 << 10); // larger blocks are mapped
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);   // free bytes that the heap keeps
+    mallopt(M_ARENA_MAX, 1); // a heap for each thread would grow by what other
+                             // threads take from it and free
+#endif
+}
+
+void gp_environment_set_gl(int threads)
+{
+    char text[16];
+    snprintf(text, sizeof text, "%d", threads);
+    setenv("LP_NUM_THREADS", text, 0);
+    setenv("EGL_LOG_LEVEL", "fatal", 0);
 }

@@ -1,10 +1,9 @@
 #include "cli/output_guard.h"
 #include "cli/commands.h"
-#include "cli/environment.h"
-#include "cli/hints.h"
+#include "cli/machine.h"
+#include "cli/listener.h"
 #include "cli/jobs.h"
 #include "cli/options.h"
-#include "cli/pictures.h"
 #include "cli/progress.h"
 #include "bench/bench.h"
 #include "core/json.h"
@@ -166,13 +165,10 @@ static gp_status run_command(const struct gp_log *log, struct glarepp *gp,
                              struct voice *voice, const struct gp_settings *s,
                              int *status, bool *differs)
 {
-    const unsigned may_open_gl = GP_COMMAND_MAIN | GP_COMMAND_BENCH |
-                                 GP_COMMAND_SETS | GP_COMMAND_STYLES;
     if (s->words.help || s->words.help_table || s->words.version ||
         s->words.list_flares)
         return print_text(log, gp, s);
-    if (s->command & may_open_gl)
-        gp_environment_set_gl(gp_threads()); // while there is one thread
+    gp_environment_set_gl(gp_threads()); // while there is one thread
     switch (s->command) {
     case GP_COMMAND_HELP:
         return print_text(log, gp, s);

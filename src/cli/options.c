@@ -1,6 +1,5 @@
 #include "cli/options.h"
 
-#include "cli/styles.h"
 
 #include <float.h>
 
@@ -25,6 +24,12 @@ const struct gp_settings gp_defaults = {
     .run.level = GP_LEVEL_WARN,
 };
 
+static const struct gp_option_choice gp_grows[] = {
+    {"kernel", 0, "as far as the kernel reaches"},
+    {"none", 0, "outputs keep the data window, and glare ends at its edges"},
+    {0},
+};
+static const struct gp_option_choice gp_topics[] = {{"all", 0, NULL}, {0}};
 static const struct gp_option_choice gp_normalizes[] = {
     {"luminance", GP_NORMALIZE_LUMINANCE, "so that the luminance of its sum is "
      "1; channels keep their ratios"},
@@ -119,7 +124,6 @@ static const struct gp_option_choice gp_plans[] = {
                     double *: GP_KIND_REAL,                                   \
                     struct glarepp_sense_params *: GP_KIND_THRESHOLD,         \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
-                    double (*)[2]: GP_KIND_PAIR,                              \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
                     struct gp_texts *: GP_KIND_TEXTS,                         \
@@ -174,9 +178,9 @@ const struct gp_option gp_options[] = {
                 "than once",
         .usual = "Write an EXR: only the glare, to add in comp"),
     OPT(output.grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS",
-        .list = gp_grow_word,
-        .open = true, .pixels = true, .help = "Extend outputs beyond the union of data and "
-        "display window, by PIXELS on each side"),
+        .choices = gp_grows, .open = true, .pixels = true,
+        .help = "Extend outputs beyond the union of data and display window, "
+                "by PIXELS on each side"),
     OPT(output.debug, .name = "debug", .group = GP_GROUP_OUTPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_SETS, .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of an intermediate "
@@ -248,8 +252,8 @@ const struct gp_option gp_options[] = {
     OPT(kernel.size, .name = "kernel-size", LENS(LIGHT), .arg = "PCT|DEGdeg",
         .help = "Resample kernel images by areas: 50 or 50% for half as many "
                 "pixels, 2deg for a height of 2 degrees of view"),
-    OPT(kernel.p.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
-        .lo = -1e6, .hi = 1e6,
+    OPT(kernel.centre, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
+        .least = 2, .most = 2, .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
                 "centre of the first); without it, the centre of pixel "
                 "(w/2, h/2) rounded down"),
@@ -631,7 +635,7 @@ const struct gp_option gp_options[] = {
     OPT(words.version, .name = "version", ALL(GENERAL),
         .help = "Print the versions of the program and its libraries"),
     OPT(words.help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
-        .commands = ~0u, .arg = "[TOPIC]", .list = gp_help_word, .open = true,
+        .commands = ~0u, .arg = "[TOPIC]", .choices = gp_topics, .open = true,
         .blank = true, .optional = true, .help = "Print help: one screen, "
         "a command's own, a topic of glarepp help"),
     OPT(words.help_table, .name = "help-table", IN(GENERAL), .hidden = true,

@@ -1,21 +1,196 @@
-/* The command line.
- *
- * app/ as a room: argv in, exit status out.
- *   options   the one table of options: lookup.c, parse.c, check.c, help.c,
- *             report.c read it
- *   jobs      the frames of a run and the names of its files
- *   pipeline  frame after frame through the stages
- *   report    JSON lines; progress: the line on the terminal */
+/* The command line: its settings, and the one table of options that lookup.c,
+ * parse.c, check.c, help.c and report.c read. */
 #ifndef GP_CLI_OPTIONS_H
 #define GP_CLI_OPTIONS_H
 
-#include "cli/settings.h"
+#include "bench/bench.h"
 #include "core/status.h"
+#include "glarepp.h"
+#include "io/read.h"
+#include "io/write.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+/* Values of --progress. AUTO draws on a terminal only. The last three print
+ * lines for programs, on a terminal and in a pipe alike. */
+enum gp_progress_when {
+    GP_PROGRESS_AUTO,
+    GP_PROGRESS_ALWAYS,
+    GP_PROGRESS_NEVER,
+    GP_PROGRESS_PERCENT,
+    GP_PROGRESS_OPENJD,
+    GP_PROGRESS_JSON,
+};
+
+/* Kinds of --debug KIND=FILE. */
+enum gp_debug_kind {
+    GP_DEBUG_SENSORS,
+    GP_DEBUG_POLYGONS,
+    GP_DEBUG_SUNMAP,
+    GP_DEBUG_INTENSITY,
+    GP_DEBUG_SCISSOR, // of glarepp sets, as the next
+    GP_DEBUG_SETS,
+    GP_DEBUG_KINDS,
+};
+
+/* Commands: the first word of the command line. Bits, as options have sets of
+ * them. */
+enum gp_command {
+    GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
+    GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
+    GP_COMMAND_COMPARE = 1 << 2, // "compare": error between two images
+    GP_COMMAND_KERNEL = 1 << 3, // "kernel": a kernel as a file
+    GP_COMMAND_LENS = 1 << 4,   // "lens": figures of a lens
+    GP_COMMAND_SETS = 1 << 5,   // "sets": visibility sets of a scene
+    GP_COMMAND_STYLES = 1 << 6, // "styles": lists them, or draws a frame in all
+    GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
+};
+
+/* Words of --grow in place of a number of pixels: as far as the kernel reaches,
+ * or not beyond the data window. */
+enum { GP_GROW_KERNEL = -1, GP_GROW_NONE = -2 };
+
+/* Words from the command line, in its order. */
+struct gp_texts {
+    const char **at;  // borrowed words
+    int n;
+};
+
+/* Frames to read. */
+struct gp_input_settings {
+    struct gp_texts files;
+    const char *frames, *views;        // lists as given; NULL: not given
+    struct gp_read_params read;
+    struct gp_texts light_groups;      // layers that glare
+    const char *depth;                 // channel
+    bool skip_bad_frames;
+};
+
+/* Files to write. */
+struct gp_output_settings {
+    struct gp_texts pictures;          // -o
+    struct gp_texts hdr, layer;
+    const char *debug[GP_DEBUG_KINDS];
+    const char *grow;                  // as given; NULL: 0 pixels
+    int grow_pixels;                   // ... as checked; or GP_GROW_*
+    struct gp_write_params write;
+    bool no_provenance;                // no glarepp:command in files
+};
+
+/* What glares, and how its layer is made and joins the frame. */
+struct gp_light_settings {
+    const char *style;                 // a word of gp_styles
+    struct glarepp_sense_params sense;
+    struct glarepp_layer_params layer; // edges, where not given: black with add
+};
+
+/* Forms of --kernel-normalize. */
+enum gp_kernel_sum { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
+
+struct gp_kernel_settings {
+    struct gp_texts words;             // files and recipes
+    struct gp_numbers centre;          // x, y
+    struct glarepp_kernel_params p;    // of these
+    enum gp_kernel_sum normalize;      // ... where it is given
+    const char *size;                  // as given; NULL: 100 percent
+};
+
+/* Suns and lamps, and what hides them. */
+struct gp_sun_settings {
+    struct gp_numbers at;              // x, y and maybe radius, pixels
+    struct gp_numbers dir;             // towards the sun, world
+    struct gp_numbers color;           // flux by channel, or one for all
+    struct glarepp_light light;        // of these
+    struct glarepp_light_params p;     // degrees is --sun-size
+    const char *depth_file, *mask, *mask_file;
+    struct gp_texts relight;           // names of the scene's lights, or all
+};
+
+/* A view of the config, or a curve where map.config is NULL. */
+struct gp_tone_settings {
+    struct glarepp_tone_params map;
+    struct gp_texts context;           // ... of map
+};
+
+/* What glarepp kernel and glarepp lens make. */
+struct gp_making {
+    bool list;
+    const char *check;                 // NULL: not given
+    const char *size;                  // of the frame, as given
+    int w, h;                          // ... as checked
+    int radius;                        // most of an offset; 0: the frame's
+    int frame;                         // number, for models that move
+    const char *draw;                  // SVG of the lens that `check` names
+};
+
+/* Limits of glarepp compare, and pictures to write. */
+struct gp_compare_settings {
+    struct glarepp_compare_params limits; // flip and perceptual too
+    bool all_parts;                   // else the first
+    struct gp_numbers flip_exposures; // start, stop, count; n 0: automatic
+    const char *heatmap, *difference; // pictures of FLIP, of a - b; NULL: none
+    bool only_different, absolute;    // only of pairs that differ; |a - b|
+    float scale;                      // times this
+};
+
+enum { GP_FRAME_JOBS = 64 }; // most frames in flight
+
+/* How a run goes and what it says. */
+struct gp_run_settings {
+    int threads;                       // 0: all processors
+    int frame_jobs;                    // frames in flight; 0: by memory
+    bool verify;
+    const char *report;
+    enum gp_level level;               // of messages
+    enum gp_progress_when progress;
+};
+
+/* The command line itself. */
+struct gp_word_settings {
+    char *const *argv;                 // borrowed, as given
+    int argc;
+    const char **all;                  // those of all lists; owned
+    struct gp_texts options;           // name and value (NULL: takes none) of
+                                       // each option given, in turn
+    uint64_t given[4];                 // a bit for each option of the table
+    const char *help;                  // topic, "" without one; NULL: no --help
+    bool help_table, version;
+    bool list_flares;                  // print their names, nothing else
+};
+
+/* Each stage gets its own. Strings are borrowed from argv or are constants. The
+ * params of a plan point to others here: it must not move. */
+struct gp_settings {
+    enum gp_command command;
+    struct gp_input_settings input;
+    struct gp_output_settings output;
+    struct gp_light_settings light;
+    struct gp_kernel_settings kernel;
+    struct gp_sun_settings sun;
+    struct glarepp_lens_params lens;
+    struct glarepp_scene_params scene; // light_scale 0: its lights have no flux
+    struct gp_tone_settings tone;
+    struct glarepp_plan_params plan;   // of all these, but for its kernel
+    struct gp_making making;
+    struct gp_bench_params bench;      // json: of compare and sets too
+    struct glarepp_sets_params sets;   // its size is making's
+    struct gp_compare_settings compare;
+    struct gp_run_settings run;
+    struct gp_word_settings words;
+};
+
+/* The defaults of all options. */
+extern const struct gp_settings gp_defaults;
+
+/* Frees what gp_options_parse() made. */
+void gp_settings_free(struct gp_settings *s);
+
+// -- the table ---------------------------------------------------------------
 
 /* Kinds of values. The field's type gives the kind; a field of another type
  * does not compile. */
@@ -27,7 +202,6 @@ enum gp_option_kind {
     GP_KIND_THRESHOLD, // struct glarepp_sense_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
-    GP_KIND_PAIR,    // double[2], "x,y"
     GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
     GP_KIND_EITHER,  // bool: one of two `choices`
@@ -57,7 +231,7 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name suffices
 };
 
-// Values of options, in option_lists.c
+// Values of options, in lookup.c
 extern const struct gp_option_choice gp_progresses[], gp_debugs[], gp_gls[],
     gp_types[], gp_compressions[], gp_bits[], gp_alphas[], gp_stdout_formats[],
     gp_raws[];
@@ -88,6 +262,7 @@ enum gp_need {
     GP_NEED_AUTO = 1 << 20,       // --engine auto
     GP_NEED_STREAM = 1 << 21,     // an output without an ending
     GP_NEED_FILES = 1 << 22,      // an output file
+    GP_NEEDS = 23,
 };
 
 struct gp_option {
@@ -121,20 +296,16 @@ struct gp_option {
 };
 extern const struct gp_option gp_options[];  // NULL name at the end
 
-/* The i-th value that the option names; *text is its line or NULL. NULL after
- * the last. */
+/* The i-th value that the option names, and its line or NULL; NULL after the
+ * last. */
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
-/* Lists of values for the table's `list`: engines, tone curves, words of
- * --grow and --help. */
+/* Lists of values for the table's `list`: engines, tone curves, styles, and
+ * words of --kernel that are no file, valid until the next call. */
 const char *gp_engine_name(int i, const char **text);
 const char *gp_curve_name(int i, const char **text);
-const char *gp_grow_word(int i, const char **text);
-const char *gp_help_word(int i, const char **text);
-
-/* The i-th word of --kernel that is no file: presets, then models without a
- * preset of their name. Valid until the next call. */
+const char *gp_style_name(int i, const char **text);
 const char *gp_kernel_word(int i, const char **text);
 
 /* The range of a number in words: "0 to 1", "0 or more", "any number". */
@@ -143,7 +314,7 @@ struct gp_range_text {
 };
 struct gp_range_text gp_option_range(const struct gp_option *o);
 
-/* The option of that name, or of that letter for one of the commands (bits); or
+/* The option of that name, or of that letter for one of the commands; or
  * NULL. */
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter, unsigned commands);
@@ -183,6 +354,7 @@ static inline bool gp_read_whole(const char *text, const char *between, int *v)
 struct gp_command_row {
     const char *word;    // "" of the main one
     enum gp_command bit;
+    int least, most;     // inputs
     const char *usage;   // what it does, a line, then how to write it; NULL of
                          // help, whose options are topics
     struct gp_example {
@@ -195,12 +367,9 @@ extern const struct gp_command_row gp_commands[];
 const struct gp_command_row *gp_command_of(unsigned commands);
 
 /* Reads the command line into *out, which starts as gp_defaults; the last value
- * of an option wins, unless it is `once`. The first word may be a command's;
- * `--` ends the options, `-` is a file. Then checks the settings, unless --help
- * or --version is given.
- *
- *   out  written in any case; free with gp_settings_free(); borrows from argv
- * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory. */
+ * of an option wins, unless it is `once`. Then checks the settings, unless
+ * --help or --version is given. *out is written in any case, and borrows from
+ * argv. */
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
     char *const argv[], struct gp_settings *out);
 
@@ -208,16 +377,13 @@ GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
 unsigned gp_needs_unmet(const struct gp_settings *s);
 
 /* Checks settings that depend on each other, sets fields that follow from
- * several options, and warns of options that do nothing.
- * Errors: GP_ERR_USAGE with one line. */
+ * several options, and warns of options that do nothing. */
 GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
                                           struct gp_settings *s);
 
-/* The command line that makes the same picture of those inputs: the given
- * options that a pixel can depend on, then the inputs; quoted for a shell, in
- * UTF-8, on one line, file names without their folders. It is the same in any
- * folder and for any --threads.
- *   out  from malloc; NULL on failure. Errors: GP_ERR_BUG out of memory. */
+/* The command line that makes the same picture of those inputs, from malloc:
+ * the given options that a pixel can depend on, then the inputs; quoted for a
+ * shell, in UTF-8, on one line, file names without their folders. */
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
     const struct gp_settings *s, const char *const *input, int inputs,
     char **out);
@@ -232,17 +398,35 @@ void gp_help(FILE *f, enum gp_command command);
  * 80 columns, the 29th its first. */
 void gp_help_text(FILE *f, int column, const char *text);
 
-/* Prints the table of options, models and statuses, a row a line, its fields
- * separated by tabs: man/page.awk and man/completions.awk read it. */
+/* Prints the table of options, models and statuses for man/page.awk and
+ * man/completions.awk: a row a line, fields separated by tabs. */
 void gp_help_table(FILE *f);
 
-/* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
- * topic is a command, the word of a group, all (as --help all), an option's
- * name or letter with or without dashes, a value's name, or a section of the
- * manual, which man(1) shows in place of this program.
- * Errors: GP_ERR_USAGE no such topic, with the nearest if there is one;
- * GP_ERR_IO the manual cannot be shown. */
+/* Prints `glarepp help TOPIC`; a NULL topic lists the topics. A topic is a
+ * command, the word of a group, all, an option's name or letter with or without
+ * dashes, a value's name, or a section of the manual, which man(1) shows.
+ * Errors: GP_ERR_USAGE no such topic; GP_ERR_IO the manual cannot be shown. */
 GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
                                       const char *topic);
+
+// -- styles: names for options that belong together, as their words -----------
+
+#define GP_STYLE_USUAL "camera" // of a run without --style
+
+enum { GP_STYLE_WORDS = 16 };   // most of one style, with the NULL
+
+struct gp_style {
+    const char *name;
+    const char *text;           // one line
+    const char *word[GP_STYLE_WORDS]; // names of options, without dashes, and
+                                // their values in turn; then NULL
+};
+extern const struct gp_style gp_styles[]; // ends with name NULL
+
+/* The style of that name, which must be one. */
+const struct gp_style *gp_style_of(const char *name);
+
+/* True when a style has a value for an option, by its long name. */
+bool gp_style_sets(const char *style, const char *option);
 
 #endif

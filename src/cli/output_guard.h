@@ -2,22 +2,16 @@
  * the first file is opened.
  *
  * Files are compared by identity: files that exist by device and inode, files
- * to be made by those of their folder and their name in it. So links, ./ and
- * folders with two names hide nothing. Pipes and devices lose nothing by being
- * written and may be given any number of times. So may descriptors (stdout,
- * /dev/fd/N), unless they are of a file that is read; `-` may be given once.
+ * to be made by those of their folder and their name in it. Pipes and devices
+ * lose nothing by being written and may be given any number of times. So may
+ * descriptors (stdout, /dev/fd/N), unless they are of a file that is read; `-`
+ * may be given once.
  *
- * All outputs are added first, then gp_output_guard_settle(), then inputs. An output
- * costs one lstat() (and its folder one stat()), an input one stat(), or none
- * where no output exists yet. */
+ * All outputs are added first, then gp_output_guard_settle(), then inputs. */
 #ifndef GP_CLI_OUTPUT_GUARD_H
 #define GP_CLI_OUTPUT_GUARD_H
 
-#include "cli/settings.h"
-#include "core/status.h"
-
-#include <stdbool.h>
-#include <stddef.h>
+#include "cli/options.h"
 
 struct gp_output_guard {
     const struct gp_log *log;
@@ -27,16 +21,14 @@ struct gp_output_guard {
     bool exists;                  // some output exists: it may be an input
 };
 
-/* Starts with the files that options with plain names write.
- *   s    borrowed until gp_output_guard_end()
- *   out  end with gp_output_guard_end(), also after a failure
- * Errors: GP_ERR_BUG out of memory. */
+/* Starts with the files that options with plain names write. End with
+ * gp_output_guard_end(), also after a failure. */
 GP_MUST_CHECK gp_status gp_output_guard_begin(const struct gp_log *log,
     const struct gp_settings *s, struct gp_output_guard *out);
 
-/* Adds an output: the option `what` with its value `as`, which may be a pattern,
- * made of the input `of` (NULL: the only one). All but the path are borrowed.
- * Errors: GP_ERR_BUG out of memory. */
+/* Adds an output: the option `what` with its value `as`, which may be a
+ * pattern, made of the input `of` (NULL: the only one). All but the path are
+ * borrowed. */
 GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
     const char *path, const char *what, const char *as, const char *of);
 
@@ -45,16 +37,14 @@ GP_MUST_CHECK gp_status gp_output_guard_add(struct gp_output_guard *c,
  * Errors: GP_ERR_USAGE names the first that is given twice, or is read. */
 GP_MUST_CHECK gp_status gp_output_guard_settle(struct gp_output_guard *c);
 
-/* Compares the outputs with a file that is read; `-` is stdin. A file that does
- * not exist is fine.
- *   what  option of the file, or "input", for the message
- * Errors: GP_ERR_USAGE an output would replace it. */
+/* Compares the outputs with a file that is read, of the option `what`; `-` is
+ * stdin. Errors: GP_ERR_USAGE an output would replace it. */
 GP_MUST_CHECK gp_status gp_output_guard_input(const struct gp_output_guard *c,
                                          const char *what, const char *path);
 
 void gp_output_guard_end(struct gp_output_guard *c);
 
-/* All of it, for a command whose only outputs are those of plain options.
+/* All of it, for a command whose outputs have plain names.
  *   path  of its input, NULL: none */
 GP_MUST_CHECK gp_status gp_output_guard_check(const struct gp_log *log,
     const struct gp_settings *s, const char *what, const char *path);

@@ -1,5 +1,4 @@
 #include "cli/options.h"
-#include "cli/styles.h"
 
 #include "core/memory.h"
 
@@ -12,25 +11,9 @@
 
 // -- settings ----------------------------------------------------------------
 
-/* The lists of words. */
-enum { LISTS = 9 };
-static struct gp_texts *list_of(struct gp_settings *s, int i)
-{
-    struct gp_texts *const list[LISTS] = {
-        &s->input.files, &s->output.pictures, &s->output.hdr,
-        &s->output.layer, &s->input.light_groups, &s->kernel.words,
-        &s->sun.relight, &s->tone.context, &s->words.options,
-    };
-    return list[i];
-}
-
 void gp_settings_free(struct gp_settings *s)
 {
-    for (int i = 0; i < LISTS; i++) {
-        struct gp_texts *const list = list_of(s, i);
-        GP_FREE(list->at);
-        list->n = 0;
-    }
+    GP_FREE(s->words.all);
 }
 
 // -- values ------------------------------------------------------------------
@@ -116,36 +99,31 @@ static gp_status set_threshold(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* Sets two doubles, or a struct gp_numbers, from "x,y,...". */
+/* Sets numbers from "x,y,...". */
 static gp_status set_list(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
-    const bool pair = o->kind == GP_KIND_PAIR;
-    const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
     struct gp_numbers list = {0};
     const char *s = u->value;
     char range[16] = "";
     bool whole = false;
-    while (!whole && list.n < most && read_double(&s, &list.v[list.n])) {
+    while (!whole && list.n < o->most && read_double(&s, &list.v[list.n])) {
         list.n++;
         whole = *s == '\0';
         if (!whole && *s++ != ',')
             break;
     }
-    if (least < most)
-        snprintf(range, sizeof range, "%d to ", least);
-    if (!whole || list.n < least)
+    if (o->least < o->most)
+        snprintf(range, sizeof range, "%d to ", o->least);
+    if (!whole || list.n < o->least)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: not %s%d numbers (found \"%s\"); write %s",
-                       o->name, range, most, u->value, o->arg);
+                       o->name, range, o->most, u->value, o->arg);
     for (int i = 0; i < list.n; i++) {
         if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
     }
-    if (pair)
-        memcpy(field, list.v, 2 * sizeof *list.v);
-    else
-        memcpy(field, &list, sizeof list);
+    memcpy(field, &list, sizeof list);
     return GP_OK;
 }
 
@@ -221,7 +199,7 @@ static gp_status set_text(const struct use *u, void *field)
     const char *text, *name;
     const char *const keys = strncmp(u->value, "builtin:", 8) == 0
                                  ? strchr(u->value + 8, ':') : u->value;
-    bool known = !o->list ||
+    bool known = !(o->list || o->choices) ||
                  (keys && o->at == offsetof(struct gp_settings, kernel.words) &&
                   !gp_kernel_is_file(u->value));
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
@@ -262,7 +240,6 @@ static gp_status set_value(const struct use *u, void *field)
         return set_number(u, field);
     case GP_KIND_THRESHOLD:
         return set_threshold(u, field);
-    case GP_KIND_PAIR:
     case GP_KIND_NUMBERS:
         return set_list(u, field);
     case GP_KIND_CHOICE:
@@ -405,13 +382,21 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     bool options = true; // until "--"
     int i = 1;
     *out = gp_defaults;
-    for (int k = 0; k < LISTS; k++) {
-        struct gp_texts *const list = list_of(out, k);
-        st = gp_alloc(log, "command line", 2 * (size_t) argc + GP_STYLE_WORDS,
-                      sizeof *list->at, &list->at);
-        if (st)
-            return st;
-    }
+    out->words.argv = argv;
+    out->words.argc = argc;
+    struct gp_texts *const lists[] = {
+        &out->input.files, &out->output.pictures, &out->output.hdr,
+        &out->output.layer, &out->input.light_groups, &out->kernel.words,
+        &out->sun.relight, &out->tone.context, &out->words.options,
+    };
+    enum { LISTS = sizeof lists / sizeof *lists };
+    const size_t room = 2 * (size_t) argc + GP_STYLE_WORDS;
+    st = gp_alloc(log, "command line", LISTS * room, sizeof *out->words.all,
+                  &out->words.all);
+    for (size_t k = 0; k < LISTS && !st; k++)
+        lists[k]->at = out->words.all + k * room;
+    if (st)
+        return st;
     // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
     struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);

@@ -1,6 +1,5 @@
-#include "cli/pictures.h"
+#include "cli/listener.h"
 
-#include "cli/hints.h"
 #include "cli/options.h"
 #include "core/memory.h"
 #include "io/plane.h"
@@ -80,21 +79,11 @@ static bool read_number(const struct gp_frame *f, const char *name, double lo,
     return good;
 }
 
-/* Reads a number in the range of an option. */
-static bool read_option(const struct gp_frame *f, const char *name,
-                        const char *option, double *v)
-{
-    const struct gp_option *const o = gp_option_find(option, strlen(option));
-    return read_number(f, name, o->lo, o->hi, v);
-}
-
-/* Reads the attributes but the recipes; all 0 where they are not whole, or out
- * of their options' ranges. */
+/* Reads the attributes but the recipes; all 0 where they are not whole. */
 static struct glarepp_label read_label(const struct gp_frame *f)
 {
     struct glarepp_label l = {.present = true};
     const double slack = 1e-3; // sums of floats
-    double turn, frame;        // of no use here, and part of what is whole
     int v[3] = {0};
     char *const size = gp_frame_text(f, "glarepp:size");
     const bool sized = size && gp_read_whole(size, "x,", v) && v[0] > 0 &&
@@ -103,9 +92,7 @@ static struct glarepp_label read_label(const struct gp_frame *f)
     gp_free(size);
     l.w = v[0];
     l.h = v[1];
-    return sized && read_option(f, "glarepp:fov", "fov", &l.fov) &&
-           read_option(f, "glarepp:rotate", "rotate", &turn) &&
-           read_option(f, "glarepp:frame", "frame", &frame) &&
+    return sized && read_number(f, "glarepp:fov", 0.001, 180.0, &l.fov) &&
            read_number(f, "glarepp:left_out", -slack, 1.0 + slack,
                        &l.left_out) &&
            read_number(f, "glarepp:beyond", -slack, 1.0 + slack, &l.beyond)

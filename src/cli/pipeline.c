@@ -1,7 +1,7 @@
 #include "cli/commands.h"
 
 #include "cli/machine.h"
-#include "cli/say.h"
+#include "cli/report.h"
 #include "cli/stages.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -16,7 +16,6 @@
 struct schedule {
     bool on[GP_STAGES];       // the stage runs
     unsigned dead[GP_STAGES]; // data that no later stage needs
-    size_t pixel_bytes;       // peak of a frame, without carried channels
 };
 
 enum state {
@@ -61,42 +60,20 @@ struct pipeline {
     int limit;                       // units from here on get no further phase
     gp_status result;                // of the unit that ended the run
     size_t largest;                  // bytes of the largest unit so far
-    size_t shared;                   // bytes that are no unit's
-    bool lit;                        // a unit with light was computed
-    int most;                        // units in flight so far
-    struct gp_failures failures;
     int frames, dark;                // written; of these without sources
     struct gp_frame_report brightest; // of the dark frames
     struct gp_tally tally;           // of those written
 };
 
-/* Counts the peak bytes of a pixel. */
-static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
+/* Data that the command line asks nothing of, so that it counts as present. */
+static unsigned unasked(const struct gp_settings *s)
 {
-    enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
-           FFT = 16, // rows and columns while they are made, some as doubles
-           SPLAT = 4 * sizeof(float), // render target
-           LENS = 32, // steps of 1, 2, 4, 8 and 16 pixels, 24 bytes each
-           REST = 9 }; // sources, 14 each, and files
-    const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
-                              GP_HAS_SHOWN};
-    const char *const name = r->s->light.layer.engine;
-    const size_t engine = strcmp(name, "direct") == 0 ? 0
-                          : strcmp(name, "fft") == 0 ? FFT : SPLAT;
-    unsigned alive = 0;
-    for (int i = 0; i < GP_STAGES; i++) {
-        const unsigned gives = p->on[i] ? gp_stages[i].gives : 0u;
-        size_t bytes = REST + (gives & GP_HAS_LAYER ? engine : 0) +
-                       (gives & GP_HAS_MEASURED ? EXACT : 0) +
-                       (gives & GP_HAS_LENS ? LENS : 0);
-        alive |= gives;
-        if ((gives & GP_HAS_LIT) && (p->dead[i] & GP_HAS_LAYER))
-            alive &= ~(unsigned) GP_HAS_LAYER; // the lit frame's memory is that
-        for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-            bytes += alive & kinds[k] ? PLANES : 0;
-        p->pixel_bytes = bytes > p->pixel_bytes ? bytes : p->pixel_bytes;
-        alive &= p->on[i] ? ~p->dead[i] : ~0u;
-    }
+    const bool lights = gp_lights_wanted(s);
+    return (s->scene.path ? 0u : GP_HAS_SCENE) |
+           (s->scene.path && s->sun.relight.n ? 0u : GP_HAS_RELIT) |
+           (lights ? 0u : GP_HAS_SUNS | GP_HAS_SHARES) |
+           (lights || s->sun.p.flare ? 0u : GP_HAS_FLARE) |
+           (s->lens.lens ? 0u : GP_HAS_LENS);
 }
 
 /* Chooses the stages that the wanted files need, from the last to the first. */
@@ -114,14 +91,12 @@ static void make_schedule(const struct gp_run *r, struct schedule *p)
         // (composing tells what the layer's flux is)
         const bool idle = stage->gives == GP_HAS_END &&
                           (!r->s->run.report || wanted & GP_HAS_LIT);
-        p->on[i] = (stage->gives & wanted) &&
-                   (!stage->asked || stage->asked(r->s));
+        p->on[i] = stage->gives & wanted & ~unasked(r->s);
         p->dead[i] = ~wanted;
         if (p->on[i] && !idle)
             wanted |= stage->needs |
                       (stage->gives == GP_HAS_FILES ? written : 0u);
     }
-    count_pixel_bytes(r, p);
 }
 
 // -- phases of a unit --------------------------------------------------------
@@ -138,14 +113,19 @@ static size_t carried_bytes(const struct gp_frame *f)
     return bytes;
 }
 
-/* Estimates the memory that a frame takes in flight, at most. */
+/* Estimates the memory that a frame takes in flight, at most: the frame, its
+ * layer, and sources and rows of transforms, or with --verify three planes of
+ * doubles, or with a lens its steps of 1 to 16 pixels. */
 static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
+    enum { USUAL = 49, VERIFY = 57, LENS = 65 }; // bytes of a pixel
     const size_t pixels = gp_frame_pixels(&fs->file);
+    const size_t pixel = p->s->lens.lens      ? LENS
+                         : p->s->run.verify ? VERIFY : USUAL;
     const size_t group =
         (p->s->output.hdr.n ? 6 : 3) * sizeof(float); // read, lit
-    size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->file);
+    size_t bytes = pixels * pixel + carried_bytes(&fs->file);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i]);
     return bytes;
@@ -246,7 +226,7 @@ static bool can_skip(const struct pipeline *p, const struct unit *u,
 {
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
         const struct gp_frame_state *const fs = &u->view[v];
-        const char *const writing = fs->facts.write.name[fs->facts.write.n];
+        const char *const writing = fs->facts.write.file[fs->facts.write.n].name;
         if (writing && gp_is_dash(writing))
             return false;
     }
@@ -263,8 +243,6 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
     const int first = atomic_load(&p->head) * p->jobs->views;
     gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
-    if (u->kept)
-        p->failures.kept += p->jobs->views;
     if (skipped)
         gp_progress_fail(p->progress, p->jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
@@ -283,11 +261,11 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
             p->frames++;
         }
         if (st)
-            gp_failures_add(&p->failures, first + v);
+            p->jobs->job[first + v].failed = true;
         else if (p->log->level >= GP_LEVEL_INFO)
             gp_say_frame(p->log, facts);
         if (p->s->run.report)
-            reported = gp_report_frame(p->log, &p->run.report, facts);
+            reported = gp_report_frame(p->log, p->run.report, facts);
     }
     free_unit(u);
     return st && !skipped ? st : reported;
@@ -297,41 +275,28 @@ static gp_status end_unit(struct pipeline *p, struct unit *u)
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Memory that all units share, in parts of the largest one, until a frame
- * has a kernel: that of a frame full of light is up to twice as wide and high,
- * and so are its transforms. */
-enum { UNKNOWN_SHARED = 4 };
+/* Memory that all units share, the kernel and its transforms, in parts of the
+ * largest unit, at most: that of a frame full of light is up to twice as wide
+ * and high. */
+enum { SHARED = 2 };
 
 /* True when one more unit may start beside `in_flight` others: all of them and
  * what they share take half of the memory at most, each as much as the largest
  * so far. The first is read by itself, as nothing is known before. */
 static bool has_room(const struct pipeline *p, int in_flight)
 {
-    const size_t half = p->memory / 2;
-    const size_t shared = p->lit ? p->shared : UNKNOWN_SHARED * p->largest;
     return in_flight == 0 || p->s->run.frame_jobs || p->memory == 0 ||
-           (p->largest > 0 && shared < half &&
-            p->largest < (half - shared) / (size_t) (in_flight + 1));
+           (p->largest > 0 && p->largest < p->memory / 2 /
+                                  (size_t) (in_flight + 1 + SHARED));
 }
 
-/* Measures what a unit took, and what units share. */
-static void measure_unit(struct pipeline *p, const struct unit *u,
-                         enum gp_phase phase)
+/* Notes what a unit takes. */
+static void measure_unit(struct pipeline *p, const struct unit *u)
 {
     size_t bytes = 0;
-    bool lit = false;
-    for (int v = 0; v < u->begun; v++) {
+    for (int v = 0; v < u->begun; v++)
         bytes += u->view[v].facts.cost.bytes;
-        lit = lit || u->view[v].facts.lib.kernel.w > 0;
-    }
     p->largest = bytes > p->largest ? bytes : p->largest;
-    if (phase != GP_PHASE_COMPUTE || !lit)
-        return;
-    const size_t peak = gp_peak_memory();
-    const size_t units = (size_t) p->most * p->largest;
-    if (peak > units && peak - units > p->shared)
-        p->shared = peak - units;
-    p->lit = true;
 }
 
 /* Chooses the next phase of a thread; false when there is none. Writing comes
@@ -364,7 +329,6 @@ static bool pick_phase(struct pipeline *p, bool first_thread, int *unit,
     if (p->next_read >= p->units || p->next_read >= p->limit ||
         in_flight >= p->slots || !has_room(p, in_flight))
         return false;
-    p->most = in_flight + 1 > p->most ? in_flight + 1 : p->most;
     *phase = GP_PHASE_READ;
     *unit = p->next_read++;
     return true;
@@ -401,7 +365,7 @@ static void run_phases(struct pipeline *p, bool first_thread)
         pthread_mutex_unlock(&p->lock);
         u->st = run_phase(p, unit, phase);
         pthread_mutex_lock(&p->lock);
-        measure_unit(p, u, phase);
+        measure_unit(p, u);
         u->state = u->st ? DONE : next[phase];
         if (u->st && unit < p->limit && !can_skip(p, u, u->st))
             p->limit = unit;
@@ -468,10 +432,9 @@ static gp_status begin_run(const struct gp_log *log, struct glarepp *gp,
     if (facts->files)
         GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, facts->file,
                                    facts->files));
-    if (r->s->run.report)
+    if (r->s->run.report && !r->jobs->taker)
         GP_TRY(gp_report_open(log, r->s->run.report,
-                              r->s->output.write.create_dir, r->s->run.append,
-                              &r->report));
+                              r->s->output.write.create_dir, r->report));
 out:
     return st;
 }
@@ -482,6 +445,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
 {
     gp_status st;
     char line[GP_LINE_BYTES] = "";
+    struct gp_report own = {0};
     const int units = jobs->n / jobs->views;
     const double start = gp_now_ms();
     // a person reads: notes say the same in more words
@@ -491,6 +455,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
     struct pipeline p = {
         .log = log, .gp = gp, .s = s, .jobs = jobs, .progress = progress,
         .run = {.s = s, .jobs = jobs,
+                .report = jobs->taker ? jobs->taker->report : &own,
                 .details = person || s->run.level >= GP_LEVEL_INFO ||
                            s->run.report},
         .units = units, .slots = most < units ? most : units > 0 ? units : 1,
@@ -503,7 +468,6 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
             p.run.layer_ends = p.schedule.dead[i] & GP_HAS_LAYER;
     }
     GP_TRY(begin_run(log, gp, &p.run));
-    GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
                          sizeof *p.unit, &p.unit));
     for (int i = 0; i < p.slots; i++)
@@ -525,15 +489,14 @@ gp_status gp_pipeline_run(const struct gp_log *log, struct glarepp *gp,
         gp_frame_report_dark(&p.brightest, p.frames, line, sizeof line);
         gp_say(log, GP_LEVEL_WARN, "%s", line);
     }
-    GP_TRY(gp_failures_report(log, &p.failures));
+    GP_TRY(gp_failures_report(log, jobs, atomic_load(&p.kept)));
 out:;
-    const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);
+    const gp_status closed = gp_report_close(st ? NULL : log, &own);
     for (int i = 0; p.unit && i < p.slots; i++) {
         free_unit(&p.unit[i]);
         gp_free(p.unit[i].view);
     }
     gp_free(p.unit);
-    gp_failures_free(&p.failures);
     glarepp_plan_end(&p.run.plan);
     glarepp_kernel_end(&p.run.kernel);
     return st ? st : closed;

@@ -104,21 +104,15 @@ static void print_news(struct gp_progress *p, double now, bool end)
                 floor(percent * 10.0) / 10.0, line);
     }
     if (p->when == GP_PROGRESS_JSON) {
-        json_t *const o = json_object();
-        json_object_set_new(o, "done", json_integer(p->done));
-        if (p->failed)
-            json_object_set_new(o, "failed", json_integer(p->failed));
-        json_object_set_new(o, "total", json_integer(p->total));
-        json_object_set_new(o, "percent",
-                            json_real(floor(percent * 10.0) / 10.0));
-        json_object_set_new(o, "seconds", json_real(seconds));
-        if (p->done > 0)
-            json_object_set_new(o, "seconds_left",
-                json_real(seconds / p->done * (p->total - p->done)));
-        if (p->name[0])
-            json_object_set_new(o, "file", gp_json_name(p->name));
-        if (p->name[0])
-            json_object_set_new(o, "stage", json_string(p->stage));
+        const double left = seconds / p->done * (p->total - p->done);
+        json_t *const o = json_pack(
+            "{si so* si sf sf so* so* so*}", "done", p->done,
+            "failed", p->failed ? json_integer(p->failed) : NULL,
+            "total", p->total, "percent", floor(percent * 10.0) / 10.0,
+            "seconds", seconds,
+            "seconds_left", p->done > 0 ? json_real(left) : NULL,
+            "file", p->name[0] ? gp_json_name(p->name) : NULL,
+            "stage", p->name[0] ? json_string(p->stage) : NULL);
         char *const text =
             gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(6));
         if (text) // a run without a line is still a run
@@ -240,11 +234,24 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
 
 // -- messages in the order of frames -----------------------------------------
 
-static void print_message(const struct gp_frame_log *l, enum gp_level level,
-                          const char *line)
+/* Prints a message, kept as its level, its line and a null byte. */
+static void print_message(const struct gp_frame_log *l, const char *kept)
 {
+    const enum gp_level level = (enum gp_level) *kept;
     if (l->to && l->to->sink && level <= l->to->level)
-        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", line});
+        l->to->sink(l->to->user, &(struct gp_line) {level, GP_OK, "", kept + 1});
+}
+
+/* Returns false when memory is full. */
+static bool append(char **text, size_t *used, const char *more, size_t bytes)
+{
+    char *const grown = realloc(*text, *used + bytes);
+    if (!grown)
+        return false;
+    memcpy(grown + *used, more, bytes);
+    *text = grown;
+    *used += bytes;
+    return true;
 }
 
 /* Prints a message of the unit that is ended next, and keeps others, which it
@@ -252,44 +259,21 @@ static void print_message(const struct gp_frame_log *l, enum gp_level level,
 static void log_message(void *user, const struct gp_line *message)
 {
     struct gp_frame_log *const l = user;
-    enum gp_level level = message->level;
-    const char *line = message->text;
-    char named[GP_LINE_BYTES];
-    if (level == GP_LEVEL_BARE) {
-        snprintf(named, sizeof named, "%s: %s", l->name, line);
-        line = named;
-        level = GP_LEVEL_ERROR;
-    }
-    if (level == GP_LEVEL_WARN) { // for the report
-        const size_t n = strlen(line) + 1;
-        char *const warned = realloc(l->warned, l->warned_bytes + n);
-        if (warned) {
-            memcpy(warned + l->warned_bytes, line, n);
-            l->warned = warned;
-            l->warned_bytes += n;
-        }
-    }
+    const bool bare = message->level == GP_LEVEL_BARE;
+    const enum gp_level level = bare ? GP_LEVEL_ERROR : message->level;
+    char kept[GP_LINE_BYTES + 1] = {(char) level};
+    snprintf(kept + 1, sizeof kept - 1, "%s%s%s", bare ? l->name : "",
+             bare ? ": " : "", message->text);
+    const size_t bytes = strlen(kept + 1) + 2;
+    if (level == GP_LEVEL_WARN) // for the report
+        (void) append(&l->warned, &l->warned_bytes, kept + 1, bytes - 1);
     if (level == GP_LEVEL_ERROR)
-        snprintf(l->last, sizeof l->last, "%s", line);
-    const size_t bytes = strlen(line) + 2;
-    bool keeps = atomic_load(l->head) != l->unit;
-    if (keeps && bytes > l->room - l->used) {
-        const size_t room = 2 * l->room + bytes;
-        char *const text = realloc(l->text, room);
-        keeps = text != NULL;
-        if (text) {
-            l->text = text;
-            l->room = room;
-        }
-    }
-    if (!keeps) {
+        snprintf(l->last, sizeof l->last, "%s", kept + 1);
+    if (atomic_load(l->head) == l->unit ||
+        !append(&l->text, &l->used, kept, bytes)) {
         gp_frame_log_flush(l);
-        print_message(l, level, line);
-        return;
+        print_message(l, kept);
     }
-    l->text[l->used] = (char) level;
-    memcpy(l->text + l->used + 1, line, bytes - 1);
-    l->used += bytes;
 }
 
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
@@ -305,7 +289,7 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
 void gp_frame_log_flush(struct gp_frame_log *l)
 {
     for (size_t at = 0; at < l->used; at += strlen(l->text + at + 1) + 2)
-        print_message(l, (enum gp_level) l->text[at], l->text + at + 1);
+        print_message(l, l->text + at);
     l->used = 0;
 }
 
@@ -318,105 +302,60 @@ void gp_frame_log_close(struct gp_frame_log *l)
 
 // -- frames that failed ------------------------------------------------------
 
-gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
-                           struct gp_failures *out)
-{
-    *out = (struct gp_failures) {.jobs = jobs};
-    return gp_alloc_zero(log, "frame list", (size_t) jobs->n,
-                         sizeof *out->failed, &out->failed);
-}
-
-void gp_failures_free(struct gp_failures *f)
-{
-    gp_free(f->failed);
-    *f = (struct gp_failures) {0};
-}
-
 /* Returns the first job of the next `n` of which one failed, from `i` on, a
- * multiple of n; jobs->n when there is none. */
-static int next_failed(const struct gp_failures *f, int i, int n)
+ * multiple of n; j->n when there is none. */
+static int next_failed(const struct gp_jobs *j, int i, int n)
 {
-    for (; i < f->jobs->n; i += n) {
+    for (; i < j->n; i += n) {
         for (int k = i; k < i + n; k++) {
-            if (f->failed[k])
+            if (j->job[k].failed)
                 return i;
         }
     }
     return i;
 }
 
-void gp_failures_add(struct gp_failures *f, int index)
+static int count_failed(const struct gp_jobs *j, int n)
 {
-    const int n = gp_jobs_of_frame(f->jobs), first = index - index % n;
-    f->bad += next_failed(f, first, n) != first;
-    f->failed[index] = true;
+    int found = 0;
+    for (int i = 0; (i = next_failed(j, i, n)) < j->n; i += n)
+        found++;
+    return found;
 }
 
-/* Prints one item of a frame list, a frame or an evenly spaced run, from the
- * failed frame whose first job is *at. Moves *at after it and returns how many
- * frames it has. */
-static int print_run(const struct gp_failures *f, int *at, char *text,
-                     size_t size)
-{
-    const struct gp_job *const job = f->jobs->job;
-    const int views = gp_jobs_of_frame(f->jobs), jobs = f->jobs->n;
-    const int first = *at, second = next_failed(f, first + views, views);
-    const int step = second < jobs ? job[second].frame - job[first].frame : 0;
-    int last = first, next = second, n = 1;
-    while (next < jobs && job[next].frame - job[last].frame == step) {
-        last = next;
-        next = next_failed(f, next + views, views);
-        n++;
-    }
-    const bool apart = abs(step) != 1;
-    *at = next;
-    if (n == 1 || (n == 2 && apart)) {
-        snprintf(text, size, "%d", job[first].frame);
-        *at = second;
-        return 1;
-    }
-    if (apart)
-        snprintf(text, size, "%d-%dx%d", job[first].frame, job[last].frame,
-                 abs(step));
-    else
-        snprintf(text, size, "%d-%d", job[first].frame, job[last].frame);
-    return n;
-}
-
-gp_status gp_failures_report(const struct gp_log *log,
-                             const struct gp_failures *f)
+gp_status gp_failures_report(const struct gp_log *log, const struct gp_jobs *j,
+                             int kept)
 {
     enum { MORE = 32 }; // bytes of ", and N more"
-    char list[GP_FAILURES_BYTES] = "";
-    const struct gp_jobs *const jobs = f->jobs;
-    const int views = gp_jobs_of_frame(jobs), frames = jobs->n / views;
+    char list[GP_FAILURES_BYTES] = "", item[64];
+    const struct gp_job *const job = j->job;
+    const int views = gp_jobs_of_frame(j), frames = j->n / views;
+    const int bad = count_failed(j, views);
     bool numbers = true;
     size_t used = 0;
-    int left = 0;
-    if (f->kept)
+    if (kept)
         gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
-               "outputs exist); remove the files to make them again", f->kept,
-               jobs->n, views > 1 ? "view" : "frame", jobs->n == 1 ? "" : "s");
-    if (!f->bad)
+               "outputs exist); remove the files to make them again", kept,
+               j->n, views > 1 ? "view" : "frame", j->n == 1 ? "" : "s");
+    if (!bad)
         return GP_OK;
     // numbers where all have one, else names; an item is for `step` jobs, those
     // of a frame or, in a list of names, of an input
-    for (int i = 0; i < jobs->n; i++)
-        numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
-    const int step = numbers ? views : jobs->views > 1 ? jobs->views : 1;
-    for (int i = 0; (i = next_failed(f, i, step)) < jobs->n; i += step)
-        left++;
-    for (int i = next_failed(f, 0, step); i < jobs->n;) {
-        const char *const between = !used ? "" : numbers ? "," : ", ";
-        char number[64];
-        const char *word = number;
-        int n = 1;
-        if (numbers) {
-            n = print_run(f, &i, number, sizeof number);
-        } else {
-            word = jobs->job[i].input;
-            i = next_failed(f, i + step, step);
+    for (int i = 0; i < j->n; i++)
+        numbers = numbers && (!job[i].failed || job[i].numbered);
+    const int step = numbers ? views : j->views;
+    int left = count_failed(j, step);
+    for (int i = next_failed(j, 0, step), next; i < j->n; i = next) {
+        int last = i, n = 1;
+        while ((next = next_failed(j, last + step, step)) < j->n && numbers &&
+               job[next].frame - job[last].frame == 1) {
+            last = next;
+            n++;
         }
+        snprintf(item, sizeof item, n > 1 ? "%d-%d" : "%d", job[i].frame,
+                 job[last].frame);
+        const char *const word = numbers ? item : job[i].input;
+        const char *const between = !used ? "" : numbers ? "," : ", ";
         if (used + strlen(between) + strlen(word) + MORE >= sizeof list) {
             snprintf(list + used, sizeof list - used, "%s%d more",
                      used ? " and " : "", left);
@@ -429,6 +368,6 @@ gp_status gp_failures_report(const struct gp_log *log,
     }
     return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
                    "failed (%s); fix the errors above, then make them "
-                   "again%s%s", f->bad, frames, frames == 1 ? "" : "s", list,
+                   "again%s%s", bad, frames, frames == 1 ? "" : "s", list,
                    numbers ? " with --frames " : "", numbers ? list : "");
 }

@@ -4,14 +4,9 @@
 #define GP_CLI_PROGRESS_H
 
 #include "cli/jobs.h"
-#include "cli/settings.h"
-#include "core/status.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdio.h>
 
 /* The progress line: one for each run; not to be copied while open. */
 struct gp_progress {
@@ -34,59 +29,51 @@ struct gp_progress {
     bool ticking;
 };
 
-/* Starts the clock. AUTO draws on a terminal only, after one second; ALWAYS
- * draws at once, in a pipe too; `quiet` draws nothing.
- *
- * The lines for programs begin with 0 and never decrease. PERCENT prints one
- * when the whole number changes; OPENJD and JSON when a frame is done, at most
- * ten a second. Source of OPENJD: openjd-specifications, "How Jobs Are Run",
- * "Stdout/Stderr Messages": a single line on either. */
+/* Starts the clock; `quiet` draws nothing. AUTO draws after one second, ALWAYS
+ * at once, in a pipe too. The lines for programs never decrease: PERCENT prints
+ * one when the whole number changes; OPENJD and JSON when a frame is done, at
+ * most ten a second. OPENJD: openjd-specifications, "How Jobs Are Run",
+ * "Stdout/Stderr Messages". */
 void gp_progress_open(struct gp_progress *p, FILE *file,
                       enum gp_progress_when when, bool quiet);
 
 /* Wipes the line and stops the clock. */
 void gp_progress_close(struct gp_progress *p);
 
-/* Prints 100 % in the lines for programs: all frames are made, failed or
- * skipped. */
+/* Prints 100 % in the lines for programs. */
 void gp_progress_end(struct gp_progress *p);
 
 /* Counts `n` frames that end and are not made. */
 void gp_progress_fail(struct gp_progress *p, int n);
 
 /* Shows that `done` of `total` frames are made or failed, and that `stage` of
- * the file `name`, without its folder, comes next. In a pipe it draws at most ten
- * lines a second. */
+ * the file `name` comes next. */
 void gp_progress_update(struct gp_progress *p, int done, int total,
                         const char *name, const char *stage);
 
 /* Formats a time: "45 s", "3 min 20 s", "2 h 5 min". */
 void gp_print_duration(char *text, size_t size, double seconds);
 
-/* Prints a message to `file` on a line of its own, and redraws no progress in
- * between. */
+/* Prints a message to `file` on a line of its own. */
 void gp_progress_say(struct gp_progress *p, FILE *file, const char *line);
 
-/* Messages about a unit in flight. They are printed in unit order; the oldest
- * unfinished unit prints directly. `log` is for the steps of the unit, one
- * after the other. */
+/* Messages about a unit in flight, by its `log`. They are printed in unit
+ * order; the oldest unfinished unit prints directly. */
 struct gp_frame_log {
     struct gp_log log;
     const struct gp_log *to;         // borrowed
     const atomic_int *head;          // unit that is ended next; borrowed
     int unit;
     const char *name;                // of the unit's file; borrowed
-    char *text;                      // owned: for each message a byte for its
-    size_t used, room;               // level, its line and a null byte
+    char *text;                      // owned: messages that are kept, and
+    size_t used;                     // their bytes
     char last[GP_LINE_BYTES];        // the last error's line
     char *warned;                    // owned: the lines of warnings, each with
     size_t warned_bytes;             // its null byte
 };
 
-/* Starts without messages. `l` must not move until gp_frame_log_close().
- *
- *   name  file of the unit, put before errors that name none (GP_LEVEL_BARE);
- *         borrowed until gp_frame_log_close() */
+/* Starts without messages. `l` must not move until gp_frame_log_close(). `name`
+ * is put before errors that name no file (GP_LEVEL_BARE). */
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
     const atomic_int *head, int unit, const char *name);
 
@@ -96,30 +83,12 @@ void gp_frame_log_flush(struct gp_frame_log *l);
 /* Drops kept messages and frees. A zeroed one is fine. */
 void gp_frame_log_close(struct gp_frame_log *l);
 
-/* Frames of a run that failed or were skipped. Zeroed is empty. */
-struct gp_failures {
-    const struct gp_jobs *jobs;  // borrowed
-    bool *failed;                // one a job, owned
-    int bad;                     // frames with a job that failed
-    int kept;                    // jobs skipped, by --no-clobber
-};
-
-/* Starts with no frame failed. Free with gp_failures_free().
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_failures_make(const struct gp_log *log,
-    const struct gp_jobs *jobs, struct gp_failures *out);
-void gp_failures_free(struct gp_failures *f);
-
-/* Marks jobs->job[index] as failed; a frame counts once, whatever its views. */
-void gp_failures_add(struct gp_failures *f, int index);
-
-/* Prints how many frames were skipped (a warning), and how many failed with
- * their list, each in one line and only if there are any. The list is a value
- * of --frames (2-4,9,20-40x10) when all have numbers, else the names of their
- * inputs; after GP_FAILURES_BYTES the rest is only counted.
- * Errors: GP_ERR_FRAMES some failed. */
+/* Prints that `kept` jobs were skipped by --no-clobber, and how many failed with
+ * their list: a value of --frames (2-4,9) when all have numbers, else the names
+ * of their inputs; after GP_FAILURES_BYTES the rest is only counted. Errors:
+ * GP_ERR_FRAMES some failed. */
 enum { GP_FAILURES_BYTES = 1200 };
 GP_MUST_CHECK gp_status gp_failures_report(const struct gp_log *log,
-                                           const struct gp_failures *f);
+    const struct gp_jobs *j, int kept);
 
 #endif

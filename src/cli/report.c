@@ -135,7 +135,6 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
     const void *const at = (const char *) s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
-    const double *const pair = at;
     const char *const *const word = at;
     json_t *v = NULL;
     char text[32];
@@ -159,9 +158,6 @@ json_t *gp_option_json(const struct gp_settings *s, const struct gp_option *o)
         return json_integer(*(const int *) at);
     case GP_KIND_COUNT:
         return json_integer(*(const long long *) at);
-    case GP_KIND_PAIR:
-        return gp_option_given(s, o->name)
-                   ? json_pack("[ff]", pair[0], pair[1]) : NULL;
     case GP_KIND_NUMBERS:
         v = list->n ? json_array() : NULL;
         for (int i = 0; i < list->n; i++)
@@ -242,9 +238,9 @@ enum kind {
     PEAK, THREADS, VERSION, SCHEMA, // no fact
 };
 
-/* A field: its name, after that of the object that holds it and a dot; where its
- * value is among the facts, or in the item whose fields they are; when it is
- * there. */
+/* A field: its name, after that of the object that holds it and a dot; where
+ * its value is among the facts, or in the item whose fields they are; when it
+ * is there. */
 struct row {
     const char *name;
     enum kind kind;
@@ -334,7 +330,7 @@ static const struct row job_rows[] = {
 
 /* Those of a frame that was made. */
 static const struct row made_rows[] = {
-    LIST("outputs", TEXT, write.name, write.n),
+    LIST("outputs", TEXT, write.file, write.n),
     SOME("style", job.style),
     SOME("command", job.command),
     FACT("width", read.width),
@@ -529,8 +525,8 @@ static bool is_there(const struct row *r, const char *from)
     return !r->if_bytes || set != r->unless;
 }
 
-/* Adds the fields of rows to an object. `nested`: it is the one that their names
- * begin with. */
+/* Adds the fields of rows to an object. `nested`: it is the one that their
+ * names begin with. */
 static void put_rows(json_t *line, const struct row *r, const void *from,
                      bool nested)
 {
@@ -559,36 +555,28 @@ static void put_rows(json_t *line, const struct row *r, const void *from,
 
 // -- the file ----------------------------------------------------------------
 
-/* Removes the file that this run made, if any. */
-static void remove_created(struct gp_report *r)
-{
-    if (r->created)
-        unlink(r->created);
-}
-
 gp_status gp_report_open(const struct gp_log *log, const char *path,
-                         bool create_dir, bool append, struct gp_report *out)
+                         bool create_dir, struct gp_report *out)
 {
-    struct gp_report r = {.path = path, .append = append};
+    struct gp_report r = {.path = path};
     const int given = gp_file_descriptor(path);
     r.given = given >= 0;
     if (given == STDOUT_FILENO) {
         r.file = stdout;
     } else {
         int fd;
-        gp_status st = gp_file_open_lines(log, path, create_dir, append, &fd,
+        gp_status st = gp_file_open_lines(log, path, create_dir, &fd,
                                           &r.created);
         if (st)
             return st;
-        r.file = fdopen(fd, append ? "a" : "w");
+        r.file = fdopen(fd, "w");
         if (!r.file) {
             close(fd);
-            remove_created(&r);
+            if (r.created)
+                unlink(r.created);
             gp_free(r.created);
             return gp_no_memory(log, path);
         }
-        if (append)
-            (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
     }
     *out = r;
     return GP_OK;
@@ -613,32 +601,6 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
-/* Writes the line of an object, whose reference it takes. */
-static gp_status write_object(const struct gp_log *log, struct gp_report *r,
-                              json_t *o)
-{
-    char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
-    if (!line)
-        return gp_no_memory(log, r->path);
-    const bool first = r->lines == 0 && !r->append;
-    const long before = ftell(r->file);
-    // old lines are removed with the first new one, so that a run that fails
-    // before keeps them
-    const bool fine = (!first || cut_file(r, 0)) &&
-                      fprintf(r->file, "%s\n", line) > 0 &&
-                      fflush(r->file) == 0;
-    free(line);
-    if (!fine) {
-        const gp_status st = write_failed(log, r);
-        if (r->file != stdout)
-            __fpurge(r->file); // or closing it would try again
-        (void) cut_file(r, before); // leave no half line
-        return st;
-    }
-    r->lines++;
-    return GP_OK;
-}
-
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_frame_report *facts)
 {
@@ -647,7 +609,24 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     if (!facts->job.status)
         put_rows(o, made_rows, facts, false);
     put_rows(o, end_rows, facts, false);
-    return write_object(log, r, o);
+    char *const line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
+    if (!line)
+        return gp_no_memory(log, r->path);
+    const long before = ftell(r->file);
+    // old lines are removed with the first new one, so that a run that fails
+    // before keeps them
+    const bool fine = (r->lines > 0 || cut_file(r, 0)) &&
+                      fprintf(r->file, "%s\n", line) > 0 &&
+                      fflush(r->file) == 0;
+    free(line);
+    r->lines += fine;
+    if (fine)
+        return GP_OK;
+    const gp_status st = write_failed(log, r);
+    if (r->file != stdout)
+        __fpurge(r->file); // or closing it would try again
+    (void) cut_file(r, before); // leave no half line
+    return st;
 }
 
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
@@ -656,8 +635,8 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
         return GP_OK;
     bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
     gp_status st = fine ? GP_OK : write_failed(log, r);
-    if (r->lines == 0)
-        remove_created(r);
+    if (r->lines == 0 && r->created)
+        unlink(r->created);
     gp_free(r->created);
     *r = (struct gp_report) {0};
     return st;

@@ -3,13 +3,8 @@
 #define GP_CLI_REPORT_H
 
 #include "cli/jobs.h"
-#include "core/status.h"
-#include "glarepp.h"
-#include "io/read.h"
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <stdio.h>
 
 /* Stages that are timed, in their order. */
 enum gp_time {
@@ -27,8 +22,6 @@ enum gp_time {
     GP_TIME_TOTAL,
     GP_TIMES,
 };
-
-struct gp_settings;
 
 /* Of the frame's job and its end. */
 struct gp_job_report {
@@ -66,8 +59,7 @@ struct gp_clamp_facts {
     double flux[3];              // by channel
 };
 
-/* Measure of the edges before the lights that the frame shows, by which the
- * report says how near their shares are. */
+/* What says where a light in the frame is hidden: how near its share is. */
 enum gp_edges {
     GP_EDGES_NONE, // no light is in the frame, or nothing hides any
     GP_EDGES_DEPTH,
@@ -85,9 +77,11 @@ struct gp_occluder_facts {
 
 /* Of the files written. */
 struct gp_write_facts {
-    char **name;                 // `n`, then the one being written, then NULL;
-                                 // all owned
-    enum gp_target_kind *kind;   // of each; owned
+    struct gp_written {
+        char *name;
+        enum gp_target_kind kind;
+    } *file;                     // `n`, then the one being written, then NULL
+                                 // names; all owned
     int n;
 };
 
@@ -102,8 +96,8 @@ struct gp_cost_facts {
 /* Adds to the time of a stage, an enum gp_time; under 0 is none. */
 void gp_cost_add(struct gp_cost_facts *c, int time, double ms, double cpu);
 
-/* The facts about one frame: the library's, and the program's, a struct a stage,
- * which fills it. Strings and lists are borrowed where none says owned. */
+/* The facts about one frame: the library's, and the program's, a struct a
+ * stage. Strings and lists are borrowed where none says owned. */
 struct gp_frame_report {
     struct gp_job_report job;
     struct gp_read_facts read;
@@ -123,15 +117,14 @@ struct gp_report {
     const char *path;  // borrowed; "-" is stdout
     char *created;     // owned: the file that did not exist; NULL: it did
     bool given;        // an open descriptor's, whose file is never cut
-    bool append;
     long long lines;
 };
 
 /* Opens the file, in folders that are made if `create_dir`. Its old lines are
- * removed with the first new one, not before; with `append` they stay. Errors:
- * GP_ERR_IO with the system's reason. */
+ * removed with the first new one, not before. Errors: GP_ERR_IO with the
+ * system's reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
-    const char *path, bool create_dir, bool append, struct gp_report *out);
+    const char *path, bool create_dir, struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;
  * NaN and Inf are null; bytes of names that are not UTF-8 become U+FFFD. The
@@ -155,5 +148,29 @@ const char *gp_report_field(int i);
  * f being of the brightest. The report has it for each dark frame. */
 void gp_frame_report_dark(const struct gp_frame_report *f, int frames, char *line,
                    size_t size);
+
+// -- words about a run for the person who started it --------------------------
+
+/* Prints notes about a frame: what was used, and why where an option or the
+ * frame decided. */
+void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f);
+
+/* The frames of a run together. Zeroed is none. */
+struct gp_tally {
+    int made;                    // jobs
+    long long fewest, most;      // sources
+    struct glarepp_sense_facts light; // sums of light, bright, lamps
+    double fov;                  // of the last, degrees
+    const char *fov_from;        // NULL: no kernel has an angle of view
+    const struct glarepp_plan_facts *ocio; // borrowed; NULL: tone curves
+};
+
+void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f);
+
+/* Prints what happened, without a newline. There are targets, and at least one
+ * job was made. */
+void gp_tally_print(FILE *f, const struct gp_tally *t,
+                    const struct gp_settings *s, const struct gp_jobs *jobs,
+                    double seconds);
 
 #endif

@@ -1,8 +1,7 @@
-#include "cli/say.h"
+#include "cli/report.h"
 
 #include "cli/options.h"
 #include "cli/progress.h"
-#include "cli/styles.h"
 #include "io/file.h"
 
 #include <math.h>
@@ -146,7 +145,7 @@ static void say_input(FILE *w, const struct gp_frame_report *f)
 static bool is_lit(const struct gp_write_facts *f)
 {
     for (int i = 0; i < f->n; i++) {
-        if (f->kind[i] == GP_TARGET_HDR || f->kind[i] == GP_TARGET_PICTURE)
+        if (f->file[i].kind == GP_TARGET_HDR || f->file[i].kind == GP_TARGET_PICTURE)
             return true;
     }
     return false;
@@ -176,23 +175,12 @@ static void say_light(FILE *w, const struct gp_frame_report *f)
         fprintf(w, ": nothing glares");
 }
 
-/* Words for what says the angle of view, in notes and in the line of a run. */
-struct origin {
-    const char *from, *note, *text;
-};
-
-static const struct origin *origin(const char *from)
+/* Words for what says the angle of view. */
+static const char *origin(const char *from)
 {
-    static const struct origin all[] = {
-        {"option", "--fov", "given"},
-        {"camera", "of its camera", "of its camera"},
-        {"lens", "of the lens", "of the lens"},
-        {"default", "assumed; --fov sets it", "assumed"},
-    };
-    const struct origin *o = all;
-    while (strcmp(o->from, from) != 0)
-        o++;
-    return o;
+    return strcmp(from, "option") == 0    ? "--fov"
+           : strcmp(from, "default") == 0 ? "assumed"
+           : strcmp(from, "lens") == 0    ? "of the lens" : "of its camera";
 }
 
 static void say_kernel(FILE *w, const struct gp_frame_report *f)
@@ -213,7 +201,7 @@ static void say_kernel(FILE *w, const struct gp_frame_report *f)
     }
     if (k->deg_per_pixel > 0.0)
         fprintf(w, ", view of %.3g degrees (%s)", k->fov,
-                origin(k->fov_from)->note);
+                origin(k->fov_from));
     if (g->engine)
         fprintf(w, ", engine %s (%s)", g->engine,
                 strcmp(s->light.layer.engine, "auto") == 0 ? "chosen by auto"
@@ -263,21 +251,12 @@ static void say_ghosts(FILE *w, const struct gp_frame_report *f)
 
 static void say_outputs(FILE *w, const struct gp_frame_report *f)
 {
-    static const char *const texts[] = {
-        [GP_TARGET_HDR] = "linear light",
-        [GP_TARGET_LAYER] = "the glare alone, linear light",
-        [GP_TARGET_PICTURE] = "",
-        [GP_TARGET_SENSORS] = "the light that glares",
-        [GP_TARGET_POLYGONS] = "outlines of polygons",
-        [GP_TARGET_SUNMAP] = "sun maps",
-        [GP_TARGET_INTENSITY] = "intensity map",
-    };
     const struct gp_settings *const s = f->job.settings;
     for (int i = 0; i < f->write.n; i++) {
-        const char *const path = f->write.name[i];
+        const char *const path = f->write.file[i].name;
         fprintf(w, "%s%s: %s", i ? "; " : "wrote ", shown_name(path),
-                texts[f->write.kind[i]]);
-        if (f->write.kind[i] != GP_TARGET_PICTURE)
+                gp_targets[f->write.file[i].kind].text);
+        if (f->write.file[i].kind != GP_TARGET_PICTURE)
             continue;
         add_tones(w, s, f->ocio, true);
         if (looks_linear(s, path))
@@ -323,24 +302,16 @@ void gp_say_frame(const struct gp_log *log, const struct gp_frame_report *f)
 
 void gp_tally_add(struct gp_tally *t, const struct gp_frame_report *f)
 {
-    const struct gp_write_facts *const w = &f->write;
     const struct glarepp_sense_facts *const sense = &f->lib.sense;
     const struct glarepp_kernel_facts *const k = &f->lib.kernel;
     const long long n = sense->sources;
-    int shown = 0;
-    while (shown < w->n && w->kind[shown] != GP_TARGET_PICTURE)
-        shown++;
-    if (!t->name[0] && w->n > 0)
-        snprintf(t->name, sizeof t->name, "%s",
-                 shown_name(w->name[shown < w->n ? shown : 0]));
     t->fewest = t->made && t->fewest < n ? t->fewest : n;
     t->most = t->most > n ? t->most : n;
     t->light.light += sense->light;
     t->light.bright += sense->bright;
     t->light.lamps += sense->lamps;
     if (k->deg_per_pixel > 0.0) {
-        t->narrow = t->wide > 0.0 ? fmin(t->narrow, k->fov) : k->fov;
-        t->wide = fmax(t->wide, k->fov);
+        t->fov = k->fov;
         t->fov_from = k->fov_from;
     }
     t->ocio = f->ocio;
@@ -362,8 +333,7 @@ void gp_tally_print(FILE *w, const struct gp_tally *t,
         pictures = pictures || picture;
         linear = linear || (picture && looks_linear(s, o->name.path));
     }
-    fprintf(w, "%s", t->made > 1 || !t->name[0] ? shown_name(first->name.path)
-                                                 : t->name);
+    fprintf(w, "%s", shown_name(first->name.path));
     if (jobs->targets > 1)
         fprintf(w, " and %d more", jobs->targets - 1);
     fprintf(w, ": ");
@@ -377,12 +347,8 @@ void gp_tally_print(FILE *w, const struct gp_tally *t,
         fprintf(w, ": nothing glares");
     else
         add_light(w, s, lit, &t->light);
-    if (t->wide > 0.0)
-        fprintf(w, ", view of %.3g", t->narrow);
-    if (t->wide > t->narrow)
-        fprintf(w, " to %.3g", t->wide);
-    if (t->wide > 0.0)
-        fprintf(w, " degrees (%s)", origin(t->fov_from)->text);
+    if (t->fov_from)
+        fprintf(w, ", view of %.3g degrees (%s)", t->fov, origin(t->fov_from));
     fprintf(w, ", ");
     if (pictures)
         add_tones(w, s, t->ocio, linear);

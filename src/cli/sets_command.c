@@ -18,67 +18,24 @@ enum { ROWS = sizeof ((struct glarepp_sets *) 0)->row /
 
 // -- files --------------------------------------------------------------------
 
-/* The i-th picture that is asked for: outputs, then kinds of --debug. */
-static const char *picture_path(const struct gp_settings *s, int i)
+/* Writes a picture, where it is asked for. */
+static gp_status write_picture(const struct gp_log *log,
+    const struct gp_settings *s, struct glarepp_sets *sets, const char *path,
+    enum glarepp_view view)
 {
-    return i < s->output.pictures.n
-               ? s->output.pictures.at[i]
-               : s->output.debug[GP_DEBUG_SCISSOR + i - s->output.pictures.n];
-}
-
-static int pictures(const struct gp_settings *s)
-{
-    return s->output.pictures.n + GP_DEBUG_SETS - GP_DEBUG_SCISSOR + 1;
-}
-
-/* Checks that no picture replaces the scene or another output. */
-static gp_status check_names(const struct gp_log *log,
-                             const struct gp_settings *s)
-{
-    struct gp_output_guard c;
-    gp_status st;
-    GP_TRY(gp_output_guard_begin(log, s, &c));
-    for (int i = 0; i < pictures(s); i++) {
-        const char *const path = picture_path(s, i);
-        if (!path)
-            continue;
-        GP_TRY(gp_write_check(log, &s->output.write, path));
-        GP_TRY(gp_output_guard_add(&c, path, i < s->output.pictures.n
-                                                 ? "-o" : "--debug",
-                                   path, NULL));
-    }
-    GP_TRY(gp_output_guard_settle(&c));
-    GP_TRY(gp_output_guard_input(&c, "scene", s->input.files.at[0]));
-out:
-    gp_output_guard_end(&c);
-    return st;
-}
-
-static gp_status write_pictures(const struct gp_log *log,
-    const struct gp_settings *s, struct glarepp_sets *sets)
-{
-    const int outputs = s->output.pictures.n;
     struct gp_write_stats stats = {0};
+    struct glarepp_image image;
     struct gp_frame f =
         gp_frame_blank((struct gp_rect) {0, 0, s->making.w, s->making.h});
-    gp_status st = GP_OK;
-    for (int i = 0; i < pictures(s) && !st; i++) {
-        const char *const path = picture_path(s, i);
-        struct glarepp_image image;
-        if (!path)
-            continue;
-        st = (gp_status) glarepp_sets_view(sets, i < outputs    ? GLAREPP_LIT
-                                     : i == outputs ? GLAREPP_SHOWN
-                                                    : GLAREPP_SOURCES, &image);
-        if (st)
-            break;
-        for (int c = 0; c < 3; c++)
-            f.rgb.c[c] = image.plane[c]; // borrowed
-        st = gp_write_picture(log, &s->output.write, path, &f, &f.rgb,
-                              i < outputs ? GP_PICTURE_SCENE
-                                          : GP_PICTURE_SHOWN, &stats);
-    }
-    return st;
+    const gp_status st =
+        path ? (gp_status) glarepp_sets_view(sets, view, &image) : GP_OK;
+    if (!path || st)
+        return st;
+    for (int c = 0; c < 3; c++)
+        f.rgb.c[c] = image.plane[c]; // borrowed
+    return gp_write_picture(log, &s->output.write, path, &f, &f.rgb,
+                            view == GLAREPP_LIT ? GP_PICTURE_SCENE
+                                                : GP_PICTURE_SHOWN, &stats);
 }
 
 // -- the table ----------------------------------------------------------------
@@ -164,7 +121,15 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
     p.w = s->making.w;
     p.h = s->making.h;
     p.gl = s->light.layer.gl;
-    GP_TRY(check_names(log, s));
+    const struct gp_texts *const pictures = &s->output.pictures;
+    const char *const *const debug = s->output.debug;
+    for (int i = 0; i < pictures->n; i++)
+        GP_TRY(gp_write_check(log, &s->output.write, pictures->at[i]));
+    for (int i = GP_DEBUG_SCISSOR; i <= GP_DEBUG_SETS; i++) {
+        if (debug[i])
+            GP_TRY(gp_write_check(log, &s->output.write, debug[i]));
+    }
+    GP_TRY(gp_output_guard_check(log, s, "scene", p.path));
     GP_TRY(glarepp_sets(gp, &p, &sets));
     for (int i = 0; i < ROWS; i++)
         *differ = *differ || !sets.row[i].same;
@@ -172,7 +137,12 @@ gp_status gp_sets_command(const struct gp_log *log, struct glarepp *gp,
         print_table(s, &sets);
     if (s->bench.json)
         GP_TRY(save_json(log, s, &sets));
-    GP_TRY(write_pictures(log, s, &sets));
+    for (int i = 0; i < pictures->n; i++)
+        GP_TRY(write_picture(log, s, &sets, pictures->at[i], GLAREPP_LIT));
+    GP_TRY(write_picture(log, s, &sets, debug[GP_DEBUG_SCISSOR],
+                         GLAREPP_SHOWN));
+    GP_TRY(write_picture(log, s, &sets, debug[GP_DEBUG_SETS],
+                         GLAREPP_SOURCES));
     st = gp_flush_stdout(log);
 out:
     glarepp_sets_end(&sets);

@@ -1,7 +1,7 @@
 #include "cli/stages.h"
 
 #include "cli/options.h"
-#include "cli/pictures.h"
+#include "cli/listener.h"
 #include "core/memory.h"
 #include "io/grow.h"
 #include "io/sequence.h"
@@ -30,11 +30,8 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     struct gp_cost_facts *const cost = &out->facts.cost;
     for (int i = 0; i < GP_TIMES; i++)
         cost->ms[i] = cost->cpu_ms[i] = -1.0;
-    gp_status st = gp_alloc_zero(log, "output list", names, sizeof *w->name,
-                                 &w->name);
-    if (!st)
-        st = gp_alloc_zero(log, "output list", names, sizeof *w->kind,
-                           &w->kind);
+    const gp_status st = gp_alloc_zero(log, "output list", names,
+                                       sizeof *w->file, &w->file);
     return st ? st : gp_command_text(log, r->s, &input, 1,
                                      &out->facts.job.command);
 }
@@ -63,10 +60,9 @@ void gp_frame_state_end(struct gp_frame_state *fs)
         gp_plane_free(&fs->albedo[c]);
     }
     struct gp_frame_report *const f = &fs->facts;
-    for (int i = 0; f->write.name && f->write.name[i]; i++)
-        free(f->write.name[i]);
-    gp_free(f->write.name);
-    gp_free(f->write.kind);
+    for (int i = 0; f->write.file && f->write.file[i].name; i++)
+        free(f->write.file[i].name);
+    gp_free(f->write.file);
     free(f->job.command);
     gp_free(f->hidden.depth);
     gp_free(f->hidden.mask);
@@ -74,16 +70,6 @@ void gp_frame_state_end(struct gp_frame_state *fs)
 }
 
 // -- reading -----------------------------------------------------------------
-
-static bool scene_asked(const struct gp_settings *s)
-{
-    return s->scene.path != NULL;
-}
-
-static bool lens_asked(const struct gp_settings *s)
-{
-    return s->lens.lens != NULL;
-}
 
 /* Begins the library's frame with the planes that were read. */
 static gp_status begin_frame(const struct gp_run *r, struct gp_frame_state *fs)
@@ -129,23 +115,18 @@ static gp_status find_reach(const struct gp_run *r, struct gp_frame_state *fs,
  * outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
 {
-    static const enum gp_depth_type types[] = {
-        [GLAREPP_Z] = GP_DEPTH_Z, [GLAREPP_RAY] = GP_DEPTH_RAY,
-        [GLAREPP_INVERSE] = GP_DEPTH_INVERSE,
-        [GLAREPP_NORMALIZED] = GP_DEPTH_NORMALIZED,
-    };
     const struct gp_log *const log = fs->log;
     const struct gp_settings *const s = r->s;
     struct gp_grow_params p = {
         .left = s->output.grow_pixels, .top = s->output.grow_pixels,
         .right = s->output.grow_pixels, .bottom = s->output.grow_pixels,
-        .depth = s->input.depth, .type = types[s->sun.p.depth],
+        .depth = s->input.depth, .type = (enum gp_depth_type) s->sun.p.depth,
     };
     struct gp_rect window, before;
     gp_status st;
-    if (s->output.grow_how == GP_GROW_NONE)
+    if (s->output.grow_pixels == GP_GROW_NONE)
         return GP_OK;
-    if (s->output.grow_how == GP_GROW_KERNEL)
+    if (s->output.grow_pixels == GP_GROW_KERNEL)
         GP_TRY(find_reach(r, fs, &p));
     window = gp_grow_window(&p, &fs->file);
     do { // until the window is on the subsampling grids of all frames
@@ -229,24 +210,11 @@ static gp_status read_beside(const struct gp_settings *s,
     const struct gp_frame_state *fs, const char *path, const char *channel,
     bool depth, struct gp_plane *out)
 {
-    const struct gp_log *const log = fs->log;
-    const struct gp_job *const job = fs->job;
-    struct gp_pattern pattern;
-    int number = 0;
-    gp_status st = gp_pattern_of_input(log, path, &pattern);
+    char *name;
+    gp_status st = gp_job_beside(fs->log, fs->job, path, &name);
     if (st)
         return st;
-    if (pattern.views && !job->view)
-        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
-            "none); give a plain file name, or --views", path, job->input);
-    if (pattern.len && !gp_job_number(job, &number))
-        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
-                       "(%s has none); give a plain file name", path,
-                       job->input);
-    char *const name = gp_pattern_name(&pattern, number, job->view);
-    if (!name)
-        return gp_no_memory(log, path);
-    st = gp_read_plane_file(log, &s->input.read, name, channel, depth, out);
+    st = gp_read_plane_file(fs->log, &s->input.read, name, channel, depth, out);
     free(name);
     return st;
 }
@@ -333,16 +301,6 @@ out:
 
 // -- computing ----------------------------------------------------------------
 
-static bool relight_asked(const struct gp_settings *s)
-{
-    return s->scene.path && s->sun.relight.n;
-}
-
-static bool flare_asked(const struct gp_settings *s)
-{
-    return gp_lights_wanted(s) || s->sun.p.flare;
-}
-
 static gp_status run_relight(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = read_surfaces(r, fs);
@@ -364,17 +322,10 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
     return st ? st : (gp_status) glarepp_frame_run(fs->frame, GLAREPP_SHARES);
 }
 
-/* Makes the pictures of the shares, which need the lights, and says how near the
- * shares are. */
+/* Makes the pictures of the shares, which need the lights, and says how near
+ * the shares are. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
-    static const struct {
-        enum gp_debug_kind kind;
-        enum glarepp_view view;
-    } maps[] = {
-        {GP_DEBUG_SUNMAP, GLAREPP_SUNMAP},
-        {GP_DEBUG_INTENSITY, GLAREPP_INTENSITY},
-    };
     const struct glarepp_facts *const lib = glarepp_frame_facts(fs->frame);
     struct gp_occluder_facts *const facts = &fs->facts.hidden;
     gp_status st = GP_OK;
@@ -384,10 +335,12 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
                                                       : GP_EDGES_MASK
                            : facts->depth ? GP_EDGES_DEPTH : GP_EDGES_NONE;
     }
-    for (size_t i = 0; i < sizeof maps / sizeof *maps && !st; i++) {
+    for (int i = 0; i < r->jobs->targets && !st; i++) {
+        const enum gp_target_kind kind = r->jobs->target[i].kind;
         struct glarepp_image v;
-        if (r->s->output.debug[maps[i].kind])
-            st = (gp_status) glarepp_frame_view(fs->frame, maps[i].view, 0, &v);
+        if (kind == GP_TARGET_SUNMAP || kind == GP_TARGET_INTENSITY)
+            st = (gp_status) glarepp_frame_view(fs->frame,
+                                                gp_targets[kind].view, 0, &v);
     }
     return st;
 }
@@ -528,13 +481,6 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_write_params *p, const struct gp_output *t,
     const char *name, struct gp_write_stats *stats)
 {
-    static const enum glarepp_view views[] = {
-        [GP_TARGET_LAYER] = GLAREPP_GLARE,
-        [GP_TARGET_SENSORS] = GLAREPP_SOURCES,
-        [GP_TARGET_POLYGONS] = GLAREPP_POLYGONS,
-        [GP_TARGET_SUNMAP] = GLAREPP_SUNMAP,
-        [GP_TARGET_INTENSITY] = GLAREPP_INTENSITY,
-    };
     const bool picture = t->kind == GP_TARGET_PICTURE;
     const bool map = t->kind == GP_TARGET_SUNMAP ||
                      t->kind == GP_TARGET_INTENSITY;
@@ -549,9 +495,8 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     if (picture || t->kind == GP_TARGET_POLYGONS)
         kind = r->s->tone.map.config ? GP_PICTURE_ENCODED
                : untoned(r->s) ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
-    const enum glarepp_view view = !picture        ? views[t->kind]
-                                   : untoned(r->s) ? GLAREPP_LIT
-                                                   : GLAREPP_SHOWN;
+    const enum glarepp_view view = picture && untoned(r->s)
+                                       ? GLAREPP_LIT : gp_targets[t->kind].view;
     gp_status st = look_at(fs, view, 0, &planes, &f.data);
     if (map) { // of a size of its own, and each pixel is a share
         f.display = f.data;
@@ -601,8 +546,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
             st = gp_no_memory(log, t->name.path);
             break;
         }
-        facts->name[facts->n] = name;
-        facts->kind[facts->n] = t->kind;
+        facts->file[facts->n] = (struct gp_written) {name, t->kind};
         st = write_target(r, fs, &p, t, name, &stats);
         facts->n += !st;
     }
@@ -629,29 +573,25 @@ enum {
 #define STEP(name) GLAREPP_##name, NULL
 #define RUN(function) 0, function
 const struct gp_stage gp_stages[GP_STAGES] = {
-    {"read", READ, GP_TIME_READ, 0, RGB, RUN(run_read), NULL},
-    {"scene", COMPUTE, GP_TIME_SCENE, RGB, SCENE, STEP(POSE), scene_asked},
-    {"relight", COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, RELIT, RUN(run_relight),
-     relight_asked},
-    {"sun", COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, RUN(run_suns),
-     gp_lights_wanted},
-    {"sensors", COMPUTE, GP_TIME_SENSORS, RGB | RELIT, SOURCES, STEP(SENSE),
-     NULL},
-    {"kernel", COMPUTE, -1, SOURCES | SUNS, KERNEL, STEP(KERNEL), NULL},
+    {"read", READ, GP_TIME_READ, 0, RGB, RUN(run_read)},
+    {"scene", COMPUTE, GP_TIME_SCENE, RGB, SCENE, STEP(POSE)},
+    {"relight", COMPUTE, GP_TIME_RELIGHT, RGB | SCENE, RELIT, RUN(run_relight)},
+    {"sun", COMPUTE, GP_TIME_SUN, RGB | SCENE, SUNS, RUN(run_suns)},
+    {"sensors", COMPUTE, GP_TIME_SENSORS, RGB | RELIT, SOURCES, STEP(SENSE)},
+    {"kernel", COMPUTE, -1, SOURCES | SUNS, KERNEL, STEP(KERNEL)},
     {"glare", COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,
-     STEP(LAYER), NULL},
+     STEP(LAYER)},
     {"verify", COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
-     STEP(VERIFY), NULL},
+     STEP(VERIFY)},
     {"flare", COMPUTE, GP_TIME_SUN, SOURCES | LAYER | KERNEL | SUNS, FLARE,
-     STEP(FLARE), flare_asked},
+     STEP(FLARE)},
     {"lens", COMPUTE, GP_TIME_LENS, RGB | SOURCES | LAYER | FLARE, LENS,
-     STEP(LENS), lens_asked},
+     STEP(LENS)},
     {"compose", COMPUTE, GP_TIME_COMPOSE,
-     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, STEP(COMPOSE), NULL},
-    {"shares", COMPUTE, -1, FLARE, SHARES, RUN(run_shares), gp_lights_wanted},
-    {"end", COMPUTE, -1, LAYER | FLARE | LENS, END, RUN(run_end), NULL},
-    {"tonemap", COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, RUN(run_tonemap),
-     NULL},
+     RGB | SOURCES | KERNEL | LAYER | FLARE | LENS, LIT, STEP(COMPOSE)},
+    {"shares", COMPUTE, -1, FLARE, SHARES, RUN(run_shares)},
+    {"end", COMPUTE, -1, LAYER | FLARE | LENS, END, RUN(run_end)},
+    {"tonemap", COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, RUN(run_tonemap)},
     {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES | END, GP_HAS_FILES,
-     RUN(run_write), NULL},
+     RUN(run_write)},
 };

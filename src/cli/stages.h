@@ -3,19 +3,11 @@
 #ifndef GP_CLI_STAGES_H
 #define GP_CLI_STAGES_H
 
-#include "cli/jobs.h"
 #include "cli/report.h"
-#include "cli/settings.h"
-#include "core/status.h"
-#include "glarepp.h"
 #include "io/plane.h"
-#include "io/read.h"
-#include "io/write.h"
 
-#include <stdbool.h>
-
-/* COMPUTE runs on one thread, frame after frame; the others on any thread, frames
- * in any order. */
+/* COMPUTE runs on one thread, frame after frame; the others on any thread,
+ * frames in any order. */
 enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 
 /* Data that stages need and give, as bits: planes of the library's frame, then
@@ -53,8 +45,7 @@ struct gp_frame_state {
     struct gp_frame_report facts;
 };
 
-/* Starts with the facts that job `index` gives. End with gp_frame_state_end(),
- * also after a failure. Errors: GP_ERR_BUG memory. */
+/* Starts with the facts that job `index` gives. End it also after a failure. */
 struct gp_run;
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_run *r, int index, struct gp_frame_state *out);
@@ -63,14 +54,14 @@ void gp_frame_state_end(struct gp_frame_state *fs);
 /* Frees planes that no later stage needs; bits GP_HAS_*. */
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 
-/* Data that is made once for all frames. The write stage changes only `raw`, and
- * only when `ordered`. */
+/* Data that is made once for all frames. The write stage changes only `raw`,
+ * and only when `ordered`. */
 struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
     struct glarepp_kernel *kernel;
     struct glarepp_plan *plan;
-    struct gp_report report;
+    struct gp_report *report;
     bool ordered;                  // frames are written in order: some output
                                    // is a stream
     bool layer_ends;               // no stage after compose reads the layer
@@ -79,18 +70,14 @@ struct gp_run {
 };
 
 /* Reads depth and coverage, where --depth, --mask and their files say so or a
- * channel is depth by its name, gives them to the library's frame and names them
- * in the facts.
- * Errors: those of gp_read_plane(); GP_ERR_USAGE a file's name needs views or
- * numbers. */
+ * channel is depth by its name; gives them to the library and names them in the
+ * facts. */
 GP_MUST_CHECK gp_status gp_run_occluders(const struct gp_run *r,
                                          struct gp_frame_state *fs);
 
 /* A stage of a frame, a step of the library or a function. `time` is an enum
- * gp_time under which its milliseconds are added up, or -1 for stages that are
- * not part of making the picture. The last stage also needs what the targets
- * need. `asked`, if not NULL, is true when the command line gives the stage
- * anything to do; otherwise its data counts as present. */
+ * gp_time, or -1 for stages that are not part of making the picture. The last
+ * stage also needs what the targets need. */
 struct gp_stage {
     const char *name;
     enum gp_phase phase;
@@ -98,7 +85,6 @@ struct gp_stage {
     unsigned needs, gives;
     enum glarepp_step step;
     gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs); // NULL: step
-    bool (*asked)(const struct gp_settings *s);
 };
 enum { GP_STAGES = 15 };
 extern const struct gp_stage gp_stages[GP_STAGES];

@@ -1,4 +1,4 @@
-#include "cli/styles.h"
+#include "cli/options.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 
 #include "cli/options.h"
 #include "cli/stages.h"
-#include "cli/styles.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "io/file.h"
@@ -119,9 +118,9 @@ static gp_status begin(const struct gp_log *log, const struct gp_frame *f,
 }
 
 /* Draws tile i: the display window of f from `picture`, the samples of its data
- * window, scaled down by areas; outside of the data window it is black. The first
- * tile sets the size of all. Captions are of a to z, spaces and dashes; longer
- * ones are cut. */
+ * window, scaled down by areas; outside of the data window it is black. The
+ * first tile sets the size of all. Captions are of a to z, spaces and dashes;
+ * longer ones are cut. */
 static gp_status draw_tile(const struct gp_log *log, struct sheet *s, int i,
     const char *caption, const struct gp_frame *f,
     const struct gp_planes *picture)
@@ -156,6 +155,7 @@ struct tile {
     struct sheet *sheet;
     int i;
     const char *caption;
+    struct gp_report report;
 };
 
 static gp_status take_picture(void *user, const struct gp_log *log,
@@ -166,35 +166,30 @@ static gp_status take_picture(void *user, const struct gp_log *log,
     return draw_tile(log, t->sheet, t->i, t->caption, f, picture);
 }
 
-/* Runs the main job with `first`, an option and its value as one word, before
- * the options that were given. */
+/* Runs the main job with `last`, an option and its value as one word, after the
+ * options that were given. */
 static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
-    const struct gp_settings *s, const char *first, struct tile *t)
+    const struct gp_settings *s, char *last, struct tile *t)
 {
     gp_status st;
-    struct gp_taker taker = {take_picture, t};
+    struct gp_taker taker = {take_picture, t, &t->report};
     struct gp_settings one = {0};
     struct gp_jobs jobs = {0};
     struct gp_progress none;
     char **word = NULL;
-    int words = 1;
-    GP_TRY(gp_alloc_zero(log, "command line",
-                         (size_t) s->words.options.n / 2 + 4, sizeof *word,
-                         &word));
-    for (int i = 0; i < s->words.options.n; i += 2) {
-        const char *const value = s->words.options.at[i + 1];
-        if (asprintf(&word[words], value ? "--%s=%s" : "--%s",
-                     s->words.options.at[i], value) < 0)
-            GP_TRY(gp_no_memory(log, s->input.files.at[0]));
-        words++;
-    }
-    const char *const last[] = {first, "--", s->input.files.at[0]};
-    for (size_t i = 0; i < sizeof last / sizeof *last; i++) {
-        if (!(word[words++] = strdup(last[i])))
-            GP_TRY(gp_no_memory(log, s->input.files.at[0]));
+    char *const *const argv = s->words.argv;
+    const int argc = s->words.argc;
+    int words = 0, end = 2; // of options; argv[1] is the command
+    GP_TRY(gp_alloc(log, "command line", (size_t) argc, sizeof *word, &word));
+    while (end < argc && strcmp(argv[end], "--") != 0)
+        end++;
+    for (int i = 0; i < argc; i++) {
+        if (i != 1)
+            word[words++] = argv[i];
+        if (i + 1 == end)
+            word[words++] = last;
     }
     GP_TRY(gp_options_parse(log, words, word, &one));
-    one.run.append = t->i > 0;
     GP_TRY(gp_jobs_make(log, &one, &jobs));
     if (jobs.n != 1)
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: styles draws one frame (found "
@@ -207,8 +202,6 @@ static gp_status make_tile(const struct gp_log *log, struct glarepp *gp,
 out:
     gp_jobs_free(&jobs);
     gp_settings_free(&one);
-    for (int i = 1; word && i < words; i++)
-        free(word[i]);
     gp_free(word);
     return st;
 }
@@ -248,8 +241,10 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
     }
     while (gp_styles[sheet.tiles - 1].name)
         sheet.tiles++;
-    struct tile t = {&sheet, 0, "no glare"};
-    GP_TRY(make_tile(log, gp, s, "--gain=0", &t));
+    struct tile t = {&sheet, 0, "no glare", {0}};
+    if (s->run.report)
+        GP_TRY(gp_report_open(log, s->run.report, false, &t.report));
+    GP_TRY(make_tile(log, gp, s, (char []) {"--gain=0"}, &t));
     for (; style->name; style++) {
         char word[64];
         snprintf(word, sizeof word, "--style=%s", style->name);
@@ -267,7 +262,8 @@ gp_status gp_styles_command(const struct gp_log *log, struct glarepp *gp,
         gp_make_printable(line);
         fprintf(stderr, "%s\n", line);
     }
-out:
+out:;
+    const gp_status closed = gp_report_close(st ? NULL : log, &t.report);
     gp_planes_free(&sheet.planes);
-    return st;
+    return st ? st : closed;
 }

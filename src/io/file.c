@@ -359,10 +359,8 @@ out:
 }
 
 gp_status gp_file_open_lines(const struct gp_log *log, const char *path,
-                             bool create_dir, bool append, int *out,
-                             char **created)
+                             bool create_dir, int *out, char **created)
 {
-    const int flags = append ? O_RDWR | O_APPEND : O_WRONLY;
     bool straight;
     char *target = NULL;
     int fd = -1;
@@ -370,12 +368,12 @@ gp_status gp_file_open_lines(const struct gp_log *log, const char *path,
     *created = NULL;
     GP_TRY(check_system(log, path, &straight));
     if (straight) {
-        fd = open_straight(path, flags);
+        fd = open_straight(path, O_WRONLY);
     } else {
         GP_TRY(find_target(log, path, create_dir, &target));
-        fd = open(target, flags | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        fd = open(target, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno == EEXIST)
-            fd = open(target, flags | O_CLOEXEC);
+            fd = open(target, O_WRONLY | O_CLOEXEC);
         else if (fd >= 0)
             *created = target;
     }

@@ -64,15 +64,15 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 void gp_file_discard(struct gp_file **f);
 
 /* Opens a file that grows line by line: not replaced, for others read it, and
- * not cut. Follows links as above. Starts at the end with `append`, else at the
- * start; a descriptor of the process where it is.
+ * not cut. Follows links as above. Begins at the start, a descriptor of the
+ * process where it is.
  *
  *   out      descriptor; close() it
  *   created  the file's own name where there was none, gp_free() it; else NULL
  *
  * Errors: those of gp_file_open(). */
 GP_MUST_CHECK gp_status gp_file_open_lines(const struct gp_log *log,
-    const char *path, bool create_dir, bool append, int *out, char **created);
+    const char *path, bool create_dir, int *out, char **created);
 
 /* Writes a whole file of `size` bytes. Errors: as above. */
 GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log, const char *path,

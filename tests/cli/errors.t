@@ -246,7 +246,7 @@ run in.exr
 fails_with 2 'give -o out.png' 'no output given'
 : >old.png
 run in.exr old.png
-fails_with 2 'give -o old.png' 'no output given, but a picture that exists'
+fails_with 2 'give -o out.png' 'no output given, but a picture that exists'
 refuses 2 --csv 'an option of glarepp bench' --csv x in.exr
 run bench -o there/x.png in.exr
 fails_with 2 --output 'glarepp bench with an option of pictures'
@@ -288,14 +288,10 @@ while read -r row; do
     (cd texts && exec "$glarepp" ${row%% => *}) </dev/null >out 2>err
     is "$(cat err)" "glarepp: ${row#* => }" "the whole line: ${row%% => *}"
 done <<'ROWS'
--q => no input; write glarepp -o out.png frame.exr, or see glarepp --help
-f.exr => no output is given (found f.exr); give -o out.png
-f.exr out.png => no output is given (found f.exr out.png); give -o out.png
--g 2 f.exr none/a.tif => no output is given (found f.exr none/a.tif); give -o none/a.tif
-f.exr out.exr => no output is given (found f.exr out.exr); give --hdr out.exr for linear light, or -o out.exr for a tone-mapped picture
-s.0001.exr s.0002.exr => no output is given (found s.0001.exr s.0002.exr); give -o out.####.png
-s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.png); give -o o.#.png
-s.####.exr => no output is given (found s.####.exr); give -o out.####.png
+-q => no input; write glarepp -o out.png frame.exr
+f.exr => no output is given (found f.exr); give -o out.png, or --hdr out.exr for linear light
+f.exr out.png => no output is given (found f.exr out.png); give -o out.png, or --hdr out.exr for linear light
+s.0001.exr s.0002.exr o.#.png => no output is given (found s.0001.exr ... o.#.png); give -o out.png, or --hdr out.exr for linear light
 --help xyzzyquux => help: no such topic (found "xyzzyquux"); glarepp help lists them
 --gian 2 i => --gian: unknown option; did you mean --gain?
 --xyzzyquux i => --xyzzyquux: unknown option; glarepp --help lists them
@@ -323,9 +319,9 @@ s.####.exr => no output is given (found s.####.exr); give -o out.####.png
 -o a i -k builtin:sta => --kernel: no such value (found "builtin:sta"); did you mean builtin:star? Else give one of builtin:eye, builtin:eye-night, builtin:eye-old, builtin:star, builtin:cross, builtin:streak, builtin:ring, builtin:circle, spencer, cie, aperture, temporal, gaussian, moffat, halation, image
 -o a i -k stra => --kernel: no such file (found "stra"); did you mean builtin:star?
 -o a i --threshold-mode excesss => --threshold-mode: no such value (found "excesss"); did you mean excess? Else give one of excess, whole
---layer diffuse in.exr => diffuse: --layer writes a file (ending is missing); end the name in .exr, or to choose an EXR layer use --layer-in diffuse
+--layer diffuse in.exr => diffuse: unknown format (ending is missing); end the name in one of .exr, .png, .pfm, .hdr, .tif, .dpx, .tga, .webp, .jpg, .bmp, .ppm, .sgi
 compare -fial 1 a b => -fial: unknown option; did you mean --fail?
-compare a => compare: needs two images (found 1); write glarepp compare A B
+compare a => only one input; write glarepp compare a.exr b.exr
 --hdr h i --ocio c --view v => --view: needs a picture; give -o FILE
 -o a i --ocio c --output-space s => --output-space: converts only --hdr; give --hdr FILE
 -o a i --ocio c --tonemap reinhard => --tonemap: --ocio replaces it; leave one of the two out
@@ -336,13 +332,13 @@ bench --report f i => --report: not for glarepp bench; see glarepp bench --help
 -o a i --cluster 1 => --cluster: must be larger than --group (found 1 and 4); give a larger one, or 0 for none
 -o a i --debug polygons= => --debug: no file (found "polygons="); write polygons=FILE
 -o a i --csv x => --csv: not for pictures; write glarepp bench --csv, or leave it out
-bench => no input; write glarepp bench frame.exr, or glarepp bench --paper
-bench a b => b: bench measures one frame (found 2); give one
+bench => no input; write glarepp bench frame.exr
+bench a b => b: too many inputs (found 2, glarepp bench reads 1); leave it out
 bench --paper a => --paper: measures frames of its own (found input a); leave one of the two out
 bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 -o o.png s.####.exr => o.png: one name for a sequence (found 3 frames); write a pattern such as out.####.png, or -
 -o o.#.png in.exr => in.exr: no frame number in this input (o.#.png needs one); add one to its name, or give plain output names
--o o.#.png s.0001.exr x.0001.exr => x.0001.exr: the same frame number as s.0001.exr (found 1); make them in separate runs
+-o o.#.png s.0001.exr x.0001.exr => o.1.png: given for two outputs (--output o.#.png for s.0001.exr and --output o.#.png for x.0001.exr); give each a name of its own
 -o o.#.#.png s.####.exr => o.#.#.png: two places for the frame number (# and #); leave one
 -f 1-2 -o o.png in.exr => in.exr: --frames needs a pattern (found a plain name); write shot.####.exr, or leave --frames out
 -f 1- -o o.#.png s.####.exr => --frames: not a list of frames (found 1- in 1-); write 7, 1-100, 1-100x2 or 3,4,10-20:2

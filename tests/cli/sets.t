@@ -103,8 +103,8 @@ wrong() # STATUS TEXT NAME ARGS...
     grep -q -e "$text" err
     result $? "$name: says $text"
 }
-wrong 2 'one scene' 'no scene' sets
-wrong 2 'one scene' 'two scenes' sets square.gltf square.gltf
+wrong 2 'no input' 'no scene' sets
+wrong 2 'too many inputs' 'two scenes' sets square.gltf square.gltf
 wrong 2 'not a size' 'a size of 0' sets --size 0x9 square.gltf
 wrong 2 'not of glarepp sets' 'a picture of frames' \
     sets --debug sunmap=x.png square.gltf

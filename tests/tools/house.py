@@ -42,7 +42,6 @@ SHORT, LONG = 80, 700
 SIZES = {  # path below src: reason
     "core/image.c": "planes; what a picture is stands in its header",
     "io/frame.c": "what a frame owns",
-    "cli/environment.c": "the environment of the process, which is short",
     "cli/bench_command.c": "the command's side of bench/",
 }
 SUBJECT = re.compile(

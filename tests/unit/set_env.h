@@ -2,7 +2,7 @@
 #ifndef SET_ENV_H
 #define SET_ENV_H
 
-#include "cli/environment.h"
+#include "cli/machine.h"
 #include "core/env.h"
 
 #include <stdlib.h>

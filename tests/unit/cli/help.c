@@ -11,12 +11,13 @@ static void the_table_is_sound(void **state)
             assert_ptr_equal(gp_option_letter(o->letter, o->commands), o);
         bool number = o->kind == GP_KIND_FLOAT ||
                       o->kind == GP_KIND_THRESHOLD || o->kind == GP_KIND_INT ||
-                      o->kind == GP_KIND_COUNT || o->kind == GP_KIND_PAIR;
+                      o->kind == GP_KIND_COUNT || o->kind == GP_KIND_NUMBERS;
         bool none = o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET;
         assert_true(!number || o->lo < o->hi);
         assert_int_equal(none, o->arg == NULL);
-        assert_true((o->kind == GP_KIND_CHOICE || o->kind == GP_KIND_EITHER ||
-                     o->kind == GP_KIND_NAMED) == (o->choices != NULL));
+        assert_true(o->choices || (o->kind != GP_KIND_CHOICE &&
+                                   o->kind != GP_KIND_EITHER &&
+                                   o->kind != GP_KIND_NAMED));
         assert_true(o->help[strlen(o->help) - 1] != '.' && o->commands != 0);
         assert_true((o->group == GP_GROUP_BENCH) ==
                     (o->commands == GP_COMMAND_BENCH));
@@ -172,7 +173,7 @@ static void slips_of_commands(void **state)
         {"./bnech -o a", NULL},
         {"he -o a", NULL},          // too short to say
         {"tests -o a", NULL},       // far from all
-        {"help a b", "too many words (found b)"},
+        {"help a b", "b: too many inputs"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;

@@ -1,6 +1,6 @@
 /* cli/hints: words for each parameter that a message of the library names. */
 #include "unit.h"
-#include "cli/hints.h"
+#include "cli/listener.h"
 #include "cli/option_line.h"
 #include "cli/options.h"
 

@@ -77,7 +77,6 @@ static void check_stored(const struct gp_option *o, const char *value,
     const void *const at = (const char *) &s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
-    const double *const pair = at;
     const char *const *const word = at;
     const bool stored =
         o->kind == GP_KIND_FLAG      ? *(const bool *) at == !o->off
@@ -88,12 +87,11 @@ static void check_stored(const struct gp_option *o, const char *value,
             ? ((const struct glarepp_sense_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
         : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
-        : o->kind == GP_KIND_PAIR    ? pair[0] == 1.0 && pair[1] == 2.0
         : o->kind == GP_KIND_NUMBERS ? list->n == o->least &&
                                            list->v[list->n - 1] == list->n
+        : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
         : o->choices && o->kind != GP_KIND_NAMED
             ? gp_option_chosen(o, at)->value == choice
-        : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
         : o->kind == GP_KIND_TEXTS ? strcmp(texts->at[texts->n - 1], value) == 0
                                      : strcmp(word[choice], "f") == 0;
     if (!stored || !gp_option_given(&s, o->name))
@@ -117,9 +115,8 @@ static void every_option_is_stored(void **state)
             snprintf(value, sizeof value, "7x7");
         else if (strcmp(o->name, "kernel") == 0)
             snprintf(value, sizeof value, "k.exr");
-        else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
-            snprintf(value, sizeof value, "%.*s",
-                     o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
+        else if (o->kind == GP_KIND_NUMBERS)
+            snprintf(value, sizeof value, "%.*s", 2 * o->least - 1, "1,2,3");
         else if (o->kind >= GP_KIND_FLOAT && o->kind <= GP_KIND_COUNT)
             snprintf(value, sizeof value, "%.17g", v);
         if (!gp_option_value(o, 0, &text) || o->open)
@@ -312,43 +309,27 @@ static void commands(void **state)
 
 // -- what the library gets --------------------------------------------------
 
-/* Each parameter of a plan that is not a field of a struct of the library. */
+/* A plan points to each struct of the library, whose lists are filled in. */
 static void plans_get_all_settings(void **state)
 {
     struct gp_settings s;
-    assert_ok(parse("--fov 40 --rotate 5 -t 3 --engine fft --sun 1,2,3 "
-                    "--sun-color 4,5,6 --sun-size 7 --lights l --camera c "
-                    "--lens heliar --sensor-size 8 --focus-distance 9 "
-                    "--f-number 10 --scene s --scene-camera k --scene-start 11 "
-                    "--scene-up z --light-scale 12 --lamp-size 13 "
-                    "--relight all --normal-space camera --ocio o --ocio-context A=B "
-                    "--view v -o a i", &s));
-    assert_true(s.plan.fov == 40.0 && s.plan.rotate == 5.0);
-    assert_true(s.plan.sense->threshold == 3.0f);
-    assert_string_equal(s.plan.layer->engine, "fft");
+    assert_ok(parse("--sun 1,2,3 --sun-color 4,5,6 --sun-size 7 --scene s "
+                    "--relight all --ocio o --ocio-context A=B -o a i", &s));
+    assert_true(s.plan.sense == &s.light.sense &&
+                s.plan.layer == &s.light.layer && s.plan.lens == &s.lens &&
+                s.plan.lights == &s.sun.p && s.plan.scene == &s.scene &&
+                s.plan.tone == &s.tone.map && s.plan.tone->shows);
     const struct glarepp_light_params *const l = s.plan.lights;
-    assert_int_equal(l->lights, 1);
-    assert_int_equal(l->light->place, GLAREPP_PIXEL);
+    assert_true(l->lights == 1 && l->light->place == GLAREPP_PIXEL);
     assert_true(l->light->at[0] == 1.0 && l->light->at[1] == 2.0 &&
                 l->light->radius == 3.0);
     assert_true(l->sun.flux[0] == 4.0f && l->sun.flux[2] == 6.0f &&
-                l->sun.degrees == 7.0 && l->degrees == 7.0f);
+                l->sun.degrees == 7.0);
     assert_string_equal(l->sun.name, "sun");
-    assert_string_equal(l->file, "l");
-    assert_string_equal(l->cameras, "c");
     assert_int_equal(l->outside, GLAREPP_BY_SCENE);
-    assert_string_equal(s.plan.lens->lens, "heliar");
-    assert_true(s.plan.lens->sensor == 8.0 && s.plan.lens->distance == 9.0 &&
-                s.plan.lens->f_number == 10.0);
-    const struct glarepp_scene_params *const scene = s.plan.scene;
-    assert_string_equal(scene->path, "s");
-    assert_string_equal(scene->camera, "k");
-    assert_true(scene->start == 11.0 && scene->light_scale == 12.0 &&
-                scene->lamp_size == 13.0 && scene->camera_normals);
-    assert_int_equal(scene->up, GLAREPP_UP_Z);
-    assert_int_equal(scene->relights, 1);
-    assert_string_equal(scene->relight[0], "all");
-    assert_true(s.plan.tone->contexts == 1 && s.plan.tone->shows);
+    assert_int_equal(s.plan.scene->relights, 1);
+    assert_string_equal(s.plan.scene->relight[0], "all");
+    assert_int_equal(s.plan.tone->contexts, 1);
     assert_string_equal(s.plan.tone->context[0], "A=B");
     gp_settings_free(&s);
 }
@@ -436,9 +417,9 @@ static const char *const wrong[][2] = {
     {"-o a i -k k.exr --kernel-size 0", "--kernel-size: "},
     {"-o a i -k k.exr --kernel-size 2dag", "--kernel-size: "},
     {"-o a i -k k.exr --kernel-size 200deg", "--kernel-size: "},
-    {"-o a i --kernel-size 50", "--kernel-size: no kernel is a plain file"},
+    {"-o a i --kernel-size 50", "--kernel-size: is of one image"},
     {"-o a i -k k.exr -k star --kernel-center 1,2", "several kernels"},
-    {"bench i -k k.exr -k star --kernel-normalize luminance", "share=S"},
+    {"bench i -k k.exr -k star --kernel-normalize luminance", "of one image"},
     {"kernel --check star --kernel-size 50", "--kernel-size: "},
     {"kernel", ""},
     {"kernel --list -o k", ""},

@@ -5,12 +5,12 @@
 #include "kept_log.h"
 
 #include <jansson.h>
-#include <locale.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 static char depth[] = "Z";
-static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
+static struct gp_written two_files[] = {{"a.0007.png", GP_TARGET_PICTURE},
+                                        {"b.exr", GP_TARGET_HDR}};
 
 static struct gp_frame_report full_facts(void)
 {
@@ -19,7 +19,7 @@ static struct gp_frame_report full_facts(void)
                 .warned = "one\0two", .warned_bytes = 8},
         .read = {.taken = {"2", "diffuse", "left"}, .width = 640,
                  .height = 480, .window = {-2, 3, 638, 483}, .grown = true},
-        .write = {.name = (char **) two_names, .n = 2},
+        .write = {.file = two_files, .n = 2},
         .lib = {
             .sense = {.sources = 12, .flux = {1.5, 2.5, 3.5}, .nonfinite = 3,
                       .clamped = 4},
@@ -46,7 +46,7 @@ static char *reported(const struct gp_frame_report *facts, int n)
 {
     in_folder("reported.json");
     struct gp_report r;
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     for (int i = 0; i < n; i++)
         assert_ok(gp_report_frame(&kept_log, &r, facts));
     char *text = calloc(1, 65536);
@@ -133,24 +133,6 @@ static void a_failed_frame_says_why(void **state)
     free(text);
 }
 
-/* Lights of --relight, between the scene and the depth. */
-static void lights_of_relight(void **state)
-{
-    const struct glarepp_relit lamps[] = {
-        {"one", 1LL << 40, 1LL << 50, 3}, {"two", 0, 0, 0},
-    };
-    struct gp_frame_report facts = full_facts();
-    facts.lib.relit = lamps;
-    facts.lib.relits = 2;
-    char *text = reported(&facts, 1);
-    assert_non_null(strstr(text, "\"relit\":[{\"name\":\"one\",\"pixels\":"
-        "1099511627776,\"rays\":1125899906842624,\"casters\":3},{\"name\":"
-        "\"two\",\"pixels\":0,\"rays\":0,\"casters\":0}]"));
-    assert_non_null(strstr(text, "\"scene\":1.123,\"relight\":2.123,"
-                                 "\"sun\":3.123,"));
-    free(text);
-}
-
 /* Whatever a name or a number is, each line is one JSON object. */
 static void hard_values_stay_json(void **state)
 {
@@ -180,17 +162,6 @@ static void hard_values_stay_json(void **state)
     }
 }
 
-static void locales_do_not_matter(void **state)
-{
-    struct gp_frame_report facts = full_facts();
-    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
-        skip_for("no locale with a decimal comma");
-    char *text = reported(&facts, 1);
-    setlocale(LC_ALL, "C");
-    assert_non_null(strstr(text, "[1.5,2.5,3.5]"));
-    free(text);
-}
-
 // -- files -------------------------------------------------------------------
 
 static long size_of(const char *path)
@@ -205,7 +176,7 @@ static void files_are_touched_with_the_first_line(void **state)
     in_folder("r.json");
     struct gp_frame_report facts = full_facts();
     struct gp_report r;
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), -1);
 
@@ -213,77 +184,41 @@ static void files_are_touched_with_the_first_line(void **state)
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), 16000);
-    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_open(&kept_log, path, false, &r));
     assert_ok(gp_report_frame(&kept_log, &r, &facts));
     assert_ok(gp_report_close(&kept_log, &r));
     assert_in_range(size_of(path), 100, 2000);
-}
-
-static void lines_are_appended(void **state)
-{
-    static const char *const rows[] = {"", "old\n", "old\nold\n"};
-    in_folder("append.json");
-    struct gp_frame_report facts = full_facts();
-    unlink(path);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        char text[8192] = "";
-        struct gp_report r;
-        FILE *f = fopen(path, "w");
-        fputs(rows[i], f);
-        fclose(f);
-        const size_t whole = strlen(rows[i]);
-        assert_ok(gp_report_open(&kept_log, path, false, true, &r));
-        assert_int_equal(size_of(path), whole);
-        for (int k = 0; k < 2; k++)
-            assert_ok(gp_report_frame(&kept_log, &r, &facts));
-        assert_ok(gp_report_close(&kept_log, &r));
-        f = fopen(path, "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_memory_equal(text, rows[i], whole);
-        const char *const second = strchr(text + whole, '\n') + 1;
-        assert_true(text[whole] == '{' && second[0] == '{');
-        assert_true(strchr(second, '\n')[1] == '\0');
-    }
 }
 
 static void errors_of_files(void **state)
 {
     struct gp_frame_report facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&kept_log, "/no/such/r.json", false, false,
-                                    &r), GP_ERR_IO);
+    assert_int_equal(gp_report_open(&kept_log, "/no/such/r.json", false, &r), GP_ERR_IO);
     assert_kept("/no/such/r.json: ");
-    assert_int_equal(gp_report_open(&kept_log, "/tmp", false, false, &r),
+    assert_int_equal(gp_report_open(&kept_log, "/tmp", false, &r),
                      GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip_for("no /dev/full");
-    assert_ok(gp_report_open(&kept_log, "/dev/full", false, false, &r));
+    assert_ok(gp_report_open(&kept_log, "/dev/full", false, &r));
     assert_int_equal(gp_report_frame(&kept_log, &r, &facts), GP_ERR_IO);
     assert_kept("No space left");
     (void) gp_report_close(NULL, &r);
 }
 
-static void lines_are_cut_not_overrun(void **state)
+static void dark_frames_have_a_line(void **state)
 {
     struct gp_frame_report facts = full_facts();
     char line[300];
-    for (size_t size = 1; size < 200; size++) {
-        memset(line, '#', sizeof line);
-        gp_frame_report_dark(&facts, 3, line, size);
-        assert_true(strlen(line) < size);
-        assert_int_equal(line[size], '#');
-    }
     gp_frame_report_dark(&facts, 3, line, sizeof line);
     assert_string_equal(line, "in.0007.exr: no pixel of 3 frames is over the "
                         "threshold 0 (all are black); check the frame");
 }
 
 SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
-         a_failed_frame_says_why, lights_of_relight,
-         what_was_not_needed_is_left_out, hard_values_stay_json,
-         locales_do_not_matter, files_are_touched_with_the_first_line,
-         lines_are_appended, errors_of_files, lines_are_cut_not_overrun)
+         a_failed_frame_says_why,
+         what_was_not_needed_is_left_out, hard_values_stay_json, files_are_touched_with_the_first_line,
+         errors_of_files, dark_frames_have_a_line)

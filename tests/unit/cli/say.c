@@ -1,11 +1,11 @@
 /* cli/say: words about a run, on a terminal and of --verbose. */
 #include "unit.h"
 #include "cli/option_line.h"
-#include "cli/say.h"
+#include "cli/report.h"
 
-static char *names[] = {"lit.exr", "out.png"};
-static enum gp_target_kind kinds[] = {
-    GP_TARGET_HDR, GP_TARGET_PICTURE, GP_TARGET_LAYER, GP_TARGET_PICTURE,
+static struct gp_written files[] = {
+    {"lit.exr", GP_TARGET_HDR}, {"out.png", GP_TARGET_PICTURE},
+    {NULL, GP_TARGET_LAYER}, {NULL, GP_TARGET_PICTURE},
 };
 
 /* A frame of 1000 of light, of which 31 are bright, at 30 degrees. */
@@ -22,7 +22,7 @@ static struct gp_frame_report some_facts(const struct gp_settings *s)
                        .fov_from = "default"},
             .layer = {.engine = "fft", .why = "for 2 sources"},
         },
-        .write = {.name = names, .kind = kinds, .n = 2},
+        .write = {.file = files, .n = 2},
     };
     return f;
 }
@@ -30,7 +30,7 @@ static struct gp_frame_report some_facts(const struct gp_settings *s)
 // -- the line on a terminal --------------------------------------------------
 
 /* Formats the line of the targets that are bits, for `made` frames, of which
- * the last has other sources and another angle. */
+ * the last has other sources. */
 static void line_of(const struct gp_settings *s, const struct gp_frame_report *f,
                     unsigned targets, int made, double seconds, char *line,
                     size_t size)
@@ -42,7 +42,7 @@ static void line_of(const struct gp_settings *s, const struct gp_frame_report *f
     struct gp_output list[4];
     struct gp_jobs jobs = {.target = list};
     for (int i = 0; i < 4; i++) {
-        struct gp_output o = {.kind = kinds[i]};
+        struct gp_output o = {.kind = files[i].kind};
         o.name.path = paths[i];
         if (targets >> i & 1)
             list[jobs.targets++] = o;
@@ -50,7 +50,6 @@ static void line_of(const struct gp_settings *s, const struct gp_frame_report *f
     for (int i = 0; i < made; i++) {
         struct gp_frame_report one = *f;
         one.lib.sense.sources += made > 1 && i == made - 1 ? 7 : 0;
-        one.lib.kernel.fov += made > 1 && i == made - 1 ? 15.0 : 0.0;
         gp_tally_add(&t, &one);
     }
     FILE *const out = fmemopen(line, size, "w");
@@ -68,31 +67,31 @@ static void lines_say_what_happened(void **state)
         double seconds;
         const char *want;
     } rows[] = {
-        {"--tonemap agx", 2, 1, 1183, 0.134, "out.png: 1,183 sources, 3.1 % of "
+        {"--tonemap agx", 2, 1, 1183, 0.134, "out.####.png: 1,183 sources, 3.1 % of "
          "the light moved, view of 30 degrees (assumed), agx, 0.13 s"},
-        {"--tonemap agx", 3, 1, 1, 12.0, "out.png and 1 more: 1 source, 3.1 % "
+        {"--tonemap agx", 3, 1, 1, 12.0, "out.####.png and 1 more: 1 source, 3.1 % "
          "of the light moved, view of 30 degrees (assumed), agx, 12 s"},
-        {"-g 1", 2, 1, 0, 1.0, "out.png: 0 sources: nothing glares, view of 30 "
+        {"-g 1", 2, 1, 0, 1.0, "out.####.png: 0 sources: nothing glares, view of 30 "
          "degrees (assumed), neutral, 1.00 s"},
         {"-g 1", 2, 3, 1234567, 200.0, "out.####.png: 3 frames, 1,234,567 to "
-         "1,234,574 sources, 3.1 % of the light moved, view of 30 to 45 "
+         "1,234,574 sources, 3.1 % of the light moved, view of 30 "
          "degrees (assumed), neutral, 3 min 20 s"},
         {"-g 1", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 sources, 3.1 % "
-         "of the light moved, view of 30 to 45 degrees (assumed), tone-mapped "
+         "of the light moved, view of 30 degrees (assumed), tone-mapped "
          "by neutral (use --hdr for linear light), 1.00 s"},
         {"--tonemap none", 8, 2, 5, 1.0, "x.####.exr: 2 frames, 5 to 12 "
-         "sources, 3.1 % of the light moved, view of 30 to 45 degrees "
+         "sources, 3.1 % of the light moved, view of 30 degrees "
          "(assumed), linear, 1.00 s"},
         {"-g 1", 4, 2, 5, 1.0, "glare.####.exr: 2 frames, 5 to 12 sources, "
-         "3.1 % of the light spread, view of 30 to 45 degrees (assumed), "
+         "3.1 % of the light spread, view of 30 degrees (assumed), "
          "linear, 1.00 s"},
-        {"--mix add", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light "
+        {"--mix add", 2, 1, 2, 1.0, "out.####.png: 2 sources, 3.1 % of the light "
          "added, view of 30 degrees (assumed), neutral, 1.00 s"},
-        {"-g 0.02", 2, 1, 2, 1.0, "out.png: 2 sources, under 0.1 % of the "
+        {"-g 0.02", 2, 1, 2, 1.0, "out.####.png: 2 sources, under 0.1 % of the "
          "light moved, view of 30 degrees (assumed), neutral, 1.00 s"},
-        {"-g 10", 2, 1, 2, 1.0, "out.png: 2 sources, 3.1 % of the light moved, "
+        {"-g 10", 2, 1, 2, 1.0, "out.####.png: 2 sources, 3.1 % of the light moved, "
          "28 % added, view of 30 degrees (assumed), neutral, 1.00 s"},
-        {"-g 0", 1, 1, 2, 1.0, "lit.exr: 2 sources, 0 % of the light moved, "
+        {"-g 0", 1, 1, 2, 1.0, "lit.####.exr: 2 sources, 0 % of the light moved, "
          "view of 30 degrees (assumed), linear, 1.00 s"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -108,27 +107,6 @@ static void lines_say_what_happened(void **state)
         assert_string_equal(line, rows[i].want);
         gp_settings_free(&s);
     }
-}
-
-static void angles_say_where_they_are_from(void **state)
-{
-    static const char *const rows[][2] = {
-        {"option", "degrees (given)"}, {"camera", "degrees (of its camera)"},
-        {"lens", "degrees (of the lens)"}, {"default", "degrees (assumed)"},
-    };
-    struct gp_settings s;
-    char line[400];
-    assert_ok(parse("-o a i", &s));
-    struct gp_frame_report f = some_facts(&s);
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        f.lib.kernel.fov_from = rows[i][0];
-        line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
-        assert_non_null(strstr(line, rows[i][1]));
-    }
-    f.lib.kernel.deg_per_pixel = 0.0; // an image of a kernel
-    line_of(&s, &f, 2, 1, 1.0, line, sizeof line);
-    assert_null(strstr(line, "view"));
-    gp_settings_free(&s);
 }
 
 // -- notes -------------------------------------------------------------------
@@ -162,7 +140,7 @@ static void notes_say_what_and_why(void **state)
         "in.exr: 1,183 sources: pixels over the threshold of 1 (the default), "
         "3.1 % of the light moved\n"
         "in.exr: kernel of style camera (the default), view of 30 degrees "
-        "(assumed; --fov sets it), engine fft (chosen by auto)\n"
+        "(assumed), engine fft (chosen by auto)\n"
         "in.exr: wrote lit.exr: linear light; out.png: tone-mapped by neutral "
         "(the default)\n");
     f.job.view = "left";
@@ -212,5 +190,5 @@ static void notes_of_what_else_there_is(void **state)
 }
 
 SUITE_OF(say, NULL, NULL, lines_say_what_happened,
-         angles_say_where_they_are_from, notes_say_what_and_why,
+         notes_say_what_and_why,
          notes_of_what_else_there_is)

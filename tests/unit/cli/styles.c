@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "cli/option_line.h"
 
-#include "cli/styles.h"
+#include "cli/options.h"
 
 #include <math.h>
 
