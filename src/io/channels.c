@@ -225,7 +225,7 @@ static bool is_data(const char *name)
 
 /* -- colour --------------------------------------------------------------- */
 
-static const char *const letters[3] = {"R", "G", "B"};
+static const char letters[3] = {'R', 'G', 'B'};
 static const char *const words[3] = {"red", "green", "blue"};
 
 /* The channel whose name is the first `len` bytes of `layer` and then `last`;
@@ -241,32 +241,14 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* Counts the members of a set of three, letters as they are, words in any
- * case; `layer` ends with a dot or is "". */
-static int find_three(const char *const *name, int n, const char *layer,
-                      size_t len, const char *const last[3], int index[3])
+/* Finds the members of a set of three in the layer of `len` bytes of name[i]
+ * and the names after it: letters as they are, else words in any case. Returns
+ * how many. Those of a list that ascends stand together: a file may have
+ * thousands of layers. */
+static int find_three(const char *const *name, int n, int i, const char *layer,
+                      size_t len, bool ascending, int index[3])
 {
-    int found = 0;
-    for (int c = 0; c < 3; c++) {
-        index[c] = -1;
-        for (int i = 0; i < n && index[c] < 0; i++) {
-            if (strncmp(name[i], layer, len) == 0 &&
-                (last[c][1] ? strcasecmp : strcmp)(name[i] + len,
-                                                   last[c]) == 0)
-                index[c] = i;
-        }
-        found += index[c] >= 0;
-    }
-    return found;
-}
-
-/* All three of a layer, whose first channel is name[i]. Those of a list that
- * ascends stand together: a file may have thousands of layers. */
-static bool find_all(const char *const *name, int n, int i, size_t len,
-                     bool ascending, int index[3])
-{
-    const char *const layer = name[i];
-    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1};
+    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1}, found[2] = {0, 0};
     for (; i < n; i++) {
         if (strncmp(name[i], layer, len) != 0) {
             if (ascending && name[i][0])
@@ -277,15 +259,17 @@ static bool find_all(const char *const *name, int n, int i, size_t len,
         const bool one = last[0] && !last[1];
         for (int c = 0; c < 3; c++) {
             int *const at = one ? &letter[c] : &word[c];
-            if (*at < 0 && (one ? last[0] == letters[c][0]
+            if (*at < 0 && (one ? last[0] == letters[c]
                                 : (last[0] | 32) == words[c][0] &&
-                                  strcasecmp(last, words[c]) == 0))
+                                  strcasecmp(last, words[c]) == 0)) {
                 *at = i;
+                found[one]++;
+            }
         }
     }
-    const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;
+    const bool by_letter = found[1] == 3 || (found[1] > 0 && found[0] < 3);
     memcpy(index, by_letter ? letter : word, sizeof letter);
-    return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
+    return found[by_letter];
 }
 
 static bool choose_grey(int channel, struct gp_colour_choice *out)
@@ -302,8 +286,7 @@ static bool find_set(const char *const *name, int n, const char *layer,
     int y = find_exact(name, n, layer, len, "Y");
     int ry = find_exact(name, n, layer, len, "RY");
     int by = find_exact(name, n, layer, len, "BY");
-    if (find_three(name, n, layer, len, letters, rgb.index) ||
-        find_three(name, n, layer, len, words, rgb.index)) {
+    if (find_three(name, n, 0, layer, len, false, rgb.index) > 0) {
         *out = rgb;
         return true;
     }
@@ -349,7 +332,8 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
                        strncasecmp(last + start, pictures[k], bytes) == 0;
         }
         int at[3];
-        if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
+        if ((found && !picture) ||
+            find_three(name, n, i, name[i], len, ascending, at) < 3)
             continue;
         *out = (struct gp_colour_choice) {GP_COLOUR_RGB,
                                           {at[0], at[1], at[2]}};

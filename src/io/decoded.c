@@ -10,6 +10,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -31,16 +32,8 @@ static enum curve curve_of(const struct gp_decoded *image, float *gamma)
     if (strcasecmp(space, "KodakLog") == 0 || strcasecmp(space, "Cineon") == 0)
         return CINEON;
     if (strncasecmp(space, "Gamma", 5) == 0) {
-        for (const char *c = space + 5; *c; c++) { // "Gamma2.2", no locale
-            if (*c < '0' || *c > '9')
-                continue;
-            *gamma = (float) (*c - '0');
-            float unit = 0.1f;
-            for (const char *d = c + 2; c[1] == '.' && *d >= '0' && *d <= '9';
-                 d++, unit *= 0.1f)
-                *gamma += unit * (float) (*d - '0');
-            return GAMMA;
-        }
+        *gamma = strtof(space + strcspn(space, "0123456789"), NULL);
+        return *gamma > 0.0f ? GAMMA : LINEAR; // "Gamma2.2"
     }
     return LINEAR;
 }

@@ -68,9 +68,8 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
 
 /* -- PNG ------------------------------------------------------------------- */
 
-/* Opens a PNG of any colour type, depth and interlacing.
+/* Reads a PNG of any colour type, depth and interlacing.
  *
- *   stream  stays the caller's and must live until gp_decoded_close()
  *   part    must be 0: there is one picture
  *   out     written only on GP_OK. Channels Y, YA, RGB or RGBA: palettes and
  *           transparent colours are resolved, alpha is associated as
@@ -80,12 +79,9 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
  *           without gAMA, else its gamma to two digits. Text chunks and the
  *           time are attributes; profiles, XMP and Exif are not looked at
  *
- * Memory is that of a block of rows, with interlacing of all rows, and what
- * libpng holds of other chunks, which is bounded.
- *
- * Errors, also of rows(): GP_ERR_DATA truncated, a chunk's checksum or data are
- * wrong (the last rows() reads on to IEND), over max_pixels; GP_ERR_IO cannot
- * be read; GP_ERR_BUG out of memory.
+ * Errors: GP_ERR_DATA truncated, a chunk's checksum or data are wrong, also
+ * after the pixels, over max_pixels; GP_ERR_IO cannot be read; GP_ERR_BUG out
+ * of memory.
  * Source: W3C PNG (third edition). */
 GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,

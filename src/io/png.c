@@ -26,11 +26,7 @@ static void on_warning(png_structp png, png_const_charp message)
 // -- reading ------------------------------------------------------------------
 
 enum {
-    /* Memory that libpng may take: three rows of its widest picture, texts
-     * and profiles, and copies of what is in the file. It bounds each chunk
-     * that it unpacks, but lets there be a thousand, and trusts declared
-     * lengths. */
-    MOST_BYTES = 48 << 20, COPIES = 4,
+    MOST_TEXTS = 64,           // a file's: each may unpack to 8 MB
     WIDEST = 1000000,          // pixels a side that libpng reads by default
     DEFLATE_MOST = 1032,       // bytes that a byte of a deflated stream becomes
 };
@@ -41,7 +37,6 @@ struct png_input {
     uint64_t at;               // in the stream
     const struct gp_log *log;
     gp_status st;              // its line is printed
-    size_t taken;              // bytes that libpng got, with those it gave back
     png_structp png;
     png_infop info;
     size_t stride;             // bytes of a row
@@ -77,28 +72,6 @@ static void on_read_error(png_structp png, png_const_charp message)
                          "%s: damaged (%s); copy or render the file again",
                          in->path, message);
     png_longjmp(png, 1);
-}
-
-static void *allocate(png_structp png, png_alloc_size_t bytes)
-{
-    struct png_input *in = png_get_mem_ptr(png);
-    void *p = NULL;
-    const uint64_t most = MOST_BYTES + COPIES * in->stream->size;
-    if (!in->st && bytes > most - in->taken)
-        in->st = gp_fail(in->log, GP_ERR_DATA,
-                         "%s: damaged (its chunks declare, or unpack to, over "
-                         "%llu bytes); render the file again", in->path,
-                         (unsigned long long) most);
-    in->taken += in->st ? 0 : bytes;
-    if (!in->st)
-        in->st = gp_alloc(in->log, in->path, bytes, 1, &p);
-    return p;
-}
-
-static void release(png_structp png, void *p)
-{
-    (void) png;
-    gp_free(p);
 }
 
 /* Checks the header against the limits, before memory is taken for pixels. */
@@ -184,6 +157,7 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
     png_set_read_fn(png, in, read_bytes);
     // check_size() reports sizes over the library's own limits
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_chunk_cache_max(png, MOST_TEXTS);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, in->info);
     png_set_expand(png);
@@ -279,8 +253,8 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
         return st;
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
     struct gp_decoded image = {.path = path, .close = close_input, .own = in};
-    in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in, on_read_error,
-        on_warning, in, allocate, release);
+    in->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, in, on_read_error,
+                                     on_warning);
     if (in->png)
         in->info = png_create_info_struct(in->png);
     if (!in->info && !in->st)

@@ -2,8 +2,8 @@
  *
  * PFM, by P. Debevec: "PF" for three floats a pixel or "Pf" for one, width,
  * height, and a scale, which is negative where the floats are little-endian;
- * one white space; rows from the bottom. As netpbm's readers do, comments may
- * be in the header, and samples are multiplied by the scale. */
+ * one white space; rows from the bottom. As netpbm's readers do, multiplies
+ * samples by the scale. */
 #include "core/bytes.h"
 #include "core/memory.h"
 #include "io/file.h"
@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADER_BYTES = 4096 }; // at most
+enum { HEADER_BYTES = 64 }; // at most
 
 struct header {
     int width, height, channels;
@@ -28,35 +28,19 @@ struct header {
 /* Returns false when the bytes are no header. */
 static bool parse_header(const uint8_t *data, size_t size, struct header *h)
 {
-    size_t at = 2;
-    char word[3][32] = {{0}}, *end[3];
-    for (int i = 0; i < 3; i++) { // after white space and comments
-        bool comment = false;
-        for (; at < size; at++) {
-            comment = comment ? data[at] != '\n' : data[at] == '#';
-            if (!comment && !(data[at] == ' ' ||
-                              (data[at] >= '\t' && data[at] <= '\r')))
-                break;
-        }
-        for (size_t n = 0; at < size && data[at] > ' '; at++) {
-            if (n + 1 < sizeof word[i])
-                word[i][n++] = (char) data[at];
-        }
-        if (!word[i][0])
-            return false;
-    }
-    const long width = strtol(word[0], &end[0], 10);
-    const long height = strtol(word[1], &end[1], 10);
-    *h = (struct header) {
-        .channels = data[1] == 'F' ? 3 : 1, .bytes = at + 1,
-        .scale = strtof(word[2], &end[2]),
-    };
-    if (at >= size || *end[0] || *end[1] || *end[2] || width < 1 ||
-        height < 1 || width > INT_MAX || height > INT_MAX ||
-        !isfinite(h->scale) || h->scale == 0.0f)
+    char text[HEADER_BYTES] = "", *at = text;
+    if (size < 3)
         return false;
-    h->width = (int) width;
-    h->height = (int) height;
+    memcpy(text, data + 2, size - 2 < sizeof text ? size - 2 : sizeof text - 1);
+    const long width = strtol(at, &at, 10), height = strtol(at, &at, 10);
+    const float scale = strtof(at, &at);
+    if (width < 1 || height < 1 || width > INT_MAX || height > INT_MAX ||
+        !isfinite(scale) || scale == 0.0f || !*at || !strchr(" \t\n\v\f\r", *at))
+        return false;
+    *h = (struct header) {
+        (int) width, (int) height, data[1] == 'F' ? 3 : 1, scale,
+        2 + (uint64_t) (at - text) + 1,
+    };
     return true;
 }
 

@@ -308,7 +308,6 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
     ssize_t sent;
     ask->protocol = GP_OIIO_PROTOCOL;
     ask->threads = gp_threads();
-    ask->seconds = h->seconds;
     if (fds > 0) {
         m.msg_control = control;
         m.msg_controllen = CMSG_SPACE(fds * sizeof *fd);

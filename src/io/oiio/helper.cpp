@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <climits>
 #include <cstddef>
 #include <cstring>
 #include <exception>
@@ -20,7 +19,6 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
-#include <malloc.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -200,14 +198,6 @@ void answer(const gp_oiio_ask &ask, int fd[2], gp_oiio_reply &reply,
         OIIO::attribute("threads", threads);
         OIIO::attribute("exr_threads", threads);
     }
-    // CPU time: what is used, and the call's seconds of each processor
-    struct rusage used = {};
-    (void) getrusage(RUSAGE_SELF, &used);
-    const rlim_t processors =
-        static_cast<rlim_t>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec) +
-                          static_cast<rlim_t>(used.ru_stime.tv_sec) +
-                          ask.seconds * processors + 1, false);
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
     switch (ask.call) {
     case GP_OIIO_OPEN: {
@@ -273,11 +263,6 @@ int main()
     (void) close_range(3, ~0U, 0);
     close_network();
     std::thread(end_with_client).detach();
-    // the next picture's buffers are those of the last one, without a page
-    // fault for each 4 KiB
-    mallopt(M_MMAP_THRESHOLD, 1 << 25); // the most that glibc takes
-    mallopt(M_TRIM_THRESHOLD, INT_MAX);
-    mallopt(M_TOP_PAD, 1 << 22);
     gp_oiio_ask ask;
     gp_oiio_reply reply = {};
     std::string text;
