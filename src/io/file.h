@@ -117,8 +117,7 @@ void gp_file_ending(const char *path, char *ending, int room);
 
 /* Makes signals that end the process (from the terminal, a batch system or a
  * timer) remove its temporary files first; a signal that the parent set to be
- * ignored stays ignored. Ignores SIGPIPE, so that a closed pipe is GP_ERR_IO
- * and not a silent end. Call once at start. */
+ * ignored stays ignored. Call once at start. */
 void gp_temp_cleanup_on_signal(void);
 
 /* -- stdout ---------------------------------------------------------------- */

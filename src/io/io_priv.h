@@ -131,13 +131,6 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* -- temporary files ------------------------------------------------------- */
-
-/* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
- * cut where the whole would be longer than a file name may be. From malloc,
- * NULL when memory is full. */
-char *gp_file_temp_name(const char *path, int nth);
-
 /* -- folders --------------------------------------------------------------- */
 
 /* Makes every missing folder above `path`; 0, or -1 with errno set. */
