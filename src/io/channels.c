@@ -241,17 +241,17 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* Finds the members of a set of three in the layer of `len` bytes of name[i]
- * and the names after it: letters as they are, else words in any case. Returns
- * how many. Those of a list that ascends stand together: a file may have
- * thousands of layers. */
+/* Finds the members of a set of three in the layer of `len` bytes among name[i]
+ * and those after it: letters as they are, else words in any case. Returns how
+ * many. With `together` those of a layer follow each other, as in an EXR: a
+ * file may have thousands of layers. */
 static int find_three(const char *const *name, int n, int i, const char *layer,
-                      size_t len, bool ascending, int index[3])
+                      size_t len, bool together, int index[3])
 {
     int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1}, found[2] = {0, 0};
     for (; i < n; i++) {
         if (strncmp(name[i], layer, len) != 0) {
-            if (ascending && name[i][0])
+            if (together && name[i][0])
                 break;
             continue;
         }
@@ -303,18 +303,10 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
     static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
     const char *last = "";
     size_t last_len = 0;
-    bool ascending = true, found = false;
+    bool found = false;
     if (find_set(name, n, "", 0, out))
         return true;
-    for (int i = 0; i < n; i++) { // an EXR's names ascend
-        if (name[i][0]) {
-            ascending = ascending && strcmp(last, name[i]) <= 0;
-            last = name[i];
-        }
-    }
-
     // the first layer that has all three, or the first such picture
-    last = "";
     for (int i = 0; i < n; i++) {
         const char *dot = strrchr(name[i], '.');
         const size_t len = dot ? (size_t) (dot - name[i]) + 1 : 0;
@@ -333,7 +325,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         }
         int at[3];
         if ((found && !picture) ||
-            find_three(name, n, i, name[i], len, ascending, at) < 3)
+            find_three(name, n, i, name[i], len, true, at) < 3)
             continue;
         *out = (struct gp_colour_choice) {GP_COLOUR_RGB,
                                           {at[0], at[1], at[2]}};

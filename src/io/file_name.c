@@ -38,10 +38,6 @@ static int named_descriptor(const char *path, const char *real)
     static const char digits[] = "0123456789", task[] = "/task/";
     char own[PATH_MAX], *end;
     const char *const number = base_of(path);
-    if (strcmp(path, "/dev/stdout") == 0)
-        return STDOUT_FILENO;
-    if (strcmp(path, "/dev/stderr") == 0)
-        return STDERR_FILENO;
     const long fd = strtol(number, &end, 10);
     if (!strchr(digits, *number) || end == number || *end || fd > INT_MAX ||
         !realpath("/proc/self", own) ||
@@ -72,10 +68,9 @@ static bool follow(char at[PATH_MAX])
 }
 
 /* Follows the links of a name. Returns its descriptor, or -1; sets *system for
- * one that is, or leads to, a name in /proc, /dev/fd or /dev/std*. */
+ * one that is, or leads to, a name in /proc, as those in /dev/fd do. */
 static int follow_names(const char *path, bool *system)
 {
-    static const char *const own[] = {"/dev/fd/", "/dev/std", "/proc/"};
     char at[PATH_MAX], real[PATH_MAX];
     *system = gp_is_dash(path);
     if (gp_is_dash(path))
@@ -85,9 +80,8 @@ static int follow_names(const char *path, bool *system)
     strcpy(at, path);
     for (int links = 0; links < LINKS; links++) {
         real_folder(at, real);
-        for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-            *system |= strncmp(at, own[i], strlen(own[i])) == 0;
-        *system |= strncmp(real, "/proc/", 6) == 0;
+        *system |= strncmp(at, "/proc/", 6) == 0 ||
+                   strncmp(real, "/proc/", 6) == 0;
         const int fd = named_descriptor(at, real);
         if (fd >= 0 || !follow(at))
             return fd;

@@ -12,14 +12,7 @@
 struct gp_quantizer {
     int max;            // 255 or 65535
     bool curve, dither; // sRGB's; without it values are encoded already
-    int32_t *least;     // owned: bits of the smallest float of each code, with
-                        // the curve and without dither; max + 2 entries
 };
-
-/* Makes tables for codes of `bits`, 8 or 16. gp_free() out->least. Errors:
- * GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
-    bool curve, bool dither, struct gp_quantizer *out);
 
 /* Makes n samples codes. NaN and values below 0 become 0, values over 1 the
  * largest.
@@ -52,24 +45,23 @@ struct gp_picture {
     const struct gp_frame *f;
     const struct gp_planes *planes;
     float *alpha;       // of the data window, or NULL
-    struct gp_quantizer quantizer; // with codes
+    struct gp_quantizer quantizer;
 };
 
 /* Prepares rows of `planes`.
  *
- *   p      depth_bits, dither and alpha are used. Without GP_ALPHA_BLACK, and
- *          with an alpha channel beside the colour, the picture has four
- *          channels
- *   kind   GP_PICTURE_ENCODED planes become codes without a curve
- *   codes  false when only gp_picture_floats() will be called
- *   out    empty on failure; free with gp_picture_free()
+ *   p     depth_bits, dither and alpha are used. Without GP_ALPHA_BLACK, and
+ *         with an alpha channel beside the colour, the picture has four
+ *         channels
+ *   kind  GP_PICTURE_ENCODED planes become codes without a curve
+ *   out   empty on failure; free with gp_picture_free()
  *
  * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
  * pixels (those of files are bounded by --max-pixels when they are read);
  * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind, bool codes,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 

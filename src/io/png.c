@@ -492,7 +492,7 @@ gp_status gp_png_write(const struct gp_log *log,
     uint8_t *data = NULL;
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
-    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, true, &pic));
+    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
     f.stride = 1 + (size_t) pic.width * (size_t) pic.channels *
                    (size_t) (pic.bits / 8);
     const size_t n = f.stride * (size_t) pic.height;

@@ -191,8 +191,7 @@ static gp_status write_samples(const struct gp_log *log,
                           : p.raw == GP_RAW_RGBF32LE ? 4 : 2;
     p.depth_bits = sample == 1 ? 8 : 16;
     p.alpha = GP_ALPHA_BLACK;
-    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind,
-                           p.raw != GP_RAW_RGBF32LE, &pic));
+    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind, &pic));
     if (frames && frames->w &&
         (frames->w != pic.width || frames->h != pic.height))
         GP_TRY(gp_fail(log, GP_ERR_DATA,

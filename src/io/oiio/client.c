@@ -2,7 +2,6 @@
 #include "io/oiio/oiio.h"
 
 #include "core/bridge.h"
-#include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/oiio/protocol.h"
@@ -74,27 +73,19 @@ static void end_helper(struct helper *h, const char *why)
 /* Reads `n` bytes of an answer; a helper that gives none, or too late, ends. */
 static bool receive(struct helper *h, void *to, size_t n)
 {
-    const double end = gp_now_ms() + 1e3 * (double) h->seconds;
+    char late[64] = "";
     for (size_t done = 0; done < n;) {
-        const double left = end - gp_now_ms();
-        struct pollfd p = {.fd = h->socket, .events = POLLIN};
-        const int ready = poll(&p, 1, left <= 0.0    ? 0
-                                      : left > 1e6 ? 1000000 : (int) left + 1);
-        if (ready == 0 && left <= 0.0) {
-            char why[64];
-            snprintf(why, sizeof why, "took more than %u s", h->seconds);
-            end_helper(h, why);
-            h->killed = true;
-            return false;
-        }
-        if (ready <= 0)
-            continue;
         const ssize_t got = recv(h->socket, (char *) to + done, n - done, 0);
-        if (got == 0 || (got < 0 && errno != EINTR)) {
-            end_helper(h, NULL);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0) {
+            if (got < 0 && errno == EAGAIN)
+                snprintf(late, sizeof late, "took more than %u s", h->seconds);
+            end_helper(h, late[0] ? late : NULL);
+            h->killed = h->killed || late[0];
             return false;
         }
-        done += got > 0 ? (size_t) got : 0;
+        done += (size_t) got;
     }
     return true;
 }
@@ -103,7 +94,9 @@ static bool receive(struct helper *h, void *to, size_t n)
 static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
                           char **text)
 {
+    const struct timeval most = {.tv_sec = h->seconds};
     *text = NULL;
+    (void) setsockopt(h->socket, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most);
     if (!receive(h, reply, sizeof *reply))
         return false;
     if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT) {
