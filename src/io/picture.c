@@ -1,4 +1,3 @@
-#include "io/picture.h"
 
 #include "core/bytes.h"
 #include "core/colour.h"

@@ -7,7 +7,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
-#include "io/picture.h"
 
 #include <errno.h>
 #include <libdeflate.h>

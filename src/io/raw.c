@@ -8,7 +8,6 @@
 #include "core/memory.h"
 #include "io/file.h"
 #include "io/io_priv.h"
-#include "io/picture.h"
 
 #include <endian.h>
 #include <limits.h>

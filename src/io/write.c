@@ -5,7 +5,6 @@
 #include "io/file.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
-#include "io/picture.h"
 
 #include <errno.h>
 #include <libdeflate.h>

@@ -8,7 +8,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
-#include "io/picture.h"
 
 struct seen {
     int width;
