@@ -156,8 +156,12 @@ static bool has_depth_word(const char *layer, size_t len)
 bool gp_is_light(const char *layer, size_t len)
 {
     static const char *const data[] = {
-        "Z",       "mist",     "id",      "mask",    "matte",
-        "opacity", "coverage", "indexob", "indexma",
+        "Z",          "mist",        "id",         "mask",
+        "matte",      "opacity",     "coverage",   "indexob",
+        "indexma",    "zback",       "deepid",     "objectid",
+        "object_id",  "materialid",  "material_id", "instanceid",
+        "instance_id", "assetid",    "asset_id",   "primid",
+        "prim_id",
     };
     return !is_vector(layer, len) && !has_depth_word(layer, len) &&
            !is_called(layer, len, data, sizeof data / sizeof *data);
@@ -207,16 +211,10 @@ static int depth_rank(const struct gp_channel *channel, int channels,
  * coverage, depth under any name, its back, numbers of objects, vectors. */
 static bool is_data(const char *name)
 {
-    static const char *const data[] = {
-        "A",           "alpha",      "z",           "zback",
-        "deepid",      "objectid",   "object_id",   "materialid",
-        "material_id", "instanceid", "instance_id", "assetid",
-        "asset_id",    "primid",     "prim_id",
-    };
     const size_t layer = gp_layer_length(name);
     const char *const own = name + layer;
-    return is_called(own, strlen(own), data, sizeof data / sizeof *data) ||
-           !gp_is_light(own, strlen(own)) ||
+    return strcmp(own, "A") == 0 || strcasecmp(own, "alpha") == 0 ||
+           strcasecmp(own, "z") == 0 || !gp_is_light(own, strlen(own)) ||
            (layer > 0 && !gp_is_light(name, layer - 1)) ||
            named_like_ids(name) ||
            // depth, in a file without vectors

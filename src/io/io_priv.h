@@ -102,8 +102,7 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 
 /* -- PFM ------------------------------------------------------------------- */
 
-/* Writes unclamped values over black, in the
- * display window. */
+/* As gp_png_open(); writing, values over black that are not clamped. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
                                     long long max_pixels, struct gp_decoded *out);
@@ -216,6 +215,12 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
 /* The same row as values as they are, associated alpha, in row->linear. */
 void gp_picture_floats(const struct gp_picture *pic, int y,
                        struct gp_picture_row *row);
+
+/* The same row as interleaved samples: codes of 1 or 2 bytes, in big-endian
+ * order or not, or little-endian floats of 4. */
+void gp_picture_samples(const struct gp_picture *pic, int y,
+                        struct gp_picture_row *row, size_t bytes, bool big,
+                        uint8_t *to);
 
 /* -- folders --------------------------------------------------------------- */
 

@@ -8,6 +8,7 @@
 #include "io/channels.h"
 #include "io/io_priv.h"
 
+#include <endian.h>
 #include <limits.h>
 #include <math.h>
 #include <string.h>
@@ -267,5 +268,29 @@ void gp_picture_floats(const struct gp_picture *pic, int y,
         const float *from = c < 3 ? pic->planes->c[c] : pic->alpha;
         memcpy(row->linear[c] + s.x, from + s.at, s.n * sizeof *from);
         clear_around(row->linear[c], sizeof(float), s, (size_t) pic->width);
+    }
+}
+
+void gp_picture_samples(const struct gp_picture *pic, int y,
+                        struct gp_picture_row *row, size_t bytes, bool big,
+                        uint8_t *to)
+{
+    const size_t n = (size_t) pic->channels, w = (size_t) pic->width;
+    if (bytes == 4)
+        gp_picture_floats(pic, y, row);
+    else
+        gp_picture_codes(pic, y, row);
+    for (size_t c = 0; c < n; c++) {
+        for (size_t x = 0; bytes == 1 && x < w; x++)
+            to[x * n + c] = (uint8_t) row->code[c][x];
+        for (size_t x = 0; bytes == 2 && x < w; x++) {
+            const uint16_t code = row->code[c][x];
+            const uint16_t put = big ? htobe16(code) : htole16(code);
+            memcpy(to + 2 * (x * n + c), &put, sizeof put);
+        }
+        for (size_t x = 0; bytes == 4 && x < w; x++) {
+            const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
+            memcpy(to + 4 * (x * n + c), &bits, sizeof bits);
+        }
     }
 }

@@ -26,8 +26,6 @@ static void on_warning(png_structp png, png_const_charp message)
 
 enum {
     MOST_TEXTS = 64,           // a file's: each may unpack to 8 MB
-    WIDEST = 1000000,          // pixels a side that libpng reads by default
-    DEFLATE_MOST = 1032,       // bytes that a byte of a deflated stream becomes
 };
 
 struct png_input {
@@ -85,17 +83,6 @@ static gp_status check_size(const struct png_input *in, long long max_pixels)
                                    (int64_t) h, max_pixels);
     if (st)
         return st;
-    if (w > WIDEST || h > WIDEST)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: too large (%lu x %lu pixels; a PNG is read up to "
-                       "%d a side); cut it, or write another format",
-                       in->path, w, h, WIDEST);
-    if (png_get_rowbytes(in->png, in->info) * h / DEFLATE_MOST >
-        in->stream->size)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: damaged (%llu bytes cannot hold %lu x %lu "
-                       "pixels); copy or render the file again", in->path,
-                       (unsigned long long) in->stream->size, w, h);
     if (x <= -far || x >= far || y <= -far || y >= far)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: damaged (an offset of %d, %d pixels); render the "
@@ -154,8 +141,6 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
 {
     png_structp png = in->png;
     png_set_read_fn(png, in, read_bytes);
-    // check_size() reports sizes over the library's own limits
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_chunk_cache_max(png, MOST_TEXTS);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, in->info);
@@ -309,32 +294,18 @@ struct filtering {
     size_t stride;     // filter type and samples
 };
 
-/* Codes of 16 bits have their high byte first; the filter is on bytes. */
+/* The filter is on bytes, each after that of the pixel before. */
 static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct filtering *const f = ctx;
-    const size_t n = (size_t) f->pic->channels, w = (size_t) f->pic->width;
+    const size_t bytes = (size_t) f->pic->bits / 8;
+    const size_t step = (size_t) f->pic->channels * bytes;
     uint8_t *const line = f->to + (size_t) y * f->stride;
     uint8_t *const to = line + 1;
-    gp_picture_codes(f->pic, y, row);
+    gp_picture_samples(f->pic, y, row, bytes, true, to);
     line[0] = FILTER_SUB;
-    for (size_t c = 0; c < n; c++) {
-        const uint16_t *const code = row->code[c];
-        uint16_t before = 0;
-        if (f->pic->bits == 8) {
-            for (size_t x = 0; x < w; x++) {
-                to[x * n + c] = (uint8_t) (code[x] - before);
-                before = code[x];
-            }
-            continue;
-        }
-        for (size_t x = 0; x < w; x++) {
-            const uint16_t v = code[x];
-            to[2 * (x * n + c)] = (uint8_t) ((v >> 8) - (before >> 8));
-            to[2 * (x * n + c) + 1] = (uint8_t) (v - before);
-            before = v;
-        }
-    }
+    for (size_t i = f->stride - 2; i >= step; i--)
+        to[i] = (uint8_t) (to[i] - to[i - step]);
 }
 
 /* State of libpng's callbacks. */
@@ -350,11 +321,6 @@ static void write_bytes(png_structp png, png_bytep data, size_t n)
     t->st = gp_file_write(t->file, data, n);
     if (t->st)
         png_error(png, "write");
-}
-
-static void flush_nothing(png_structp png)
-{
-    (void) png;
 }
 
 static void on_write_error(png_structp png, png_const_charp message)
@@ -442,7 +408,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
         return t->st ? t->st
                      : gp_no_memory_bare(t->log, "PNG");
     }
-    png_set_write_fn(png, t, write_bytes, flush_nothing);
+    png_set_write_fn(png, t, write_bytes, NULL);
     png_set_benign_errors(png, 1); // of odd primaries: a file without them
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(png, info, (png_uint_32) pic->width,

@@ -9,7 +9,6 @@
 #include "io/file.h"
 #include "io/io_priv.h"
 
-#include <endian.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -34,7 +33,8 @@ static bool parse_header(const uint8_t *data, size_t size, struct header *h)
     const long width = strtol(at, &at, 10), height = strtol(at, &at, 10);
     const float scale = strtof(at, &at);
     if (width < 1 || height < 1 || width > INT_MAX || height > INT_MAX ||
-        !isfinite(scale) || scale == 0.0f || !*at || !strchr(" \t\n\v\f\r", *at))
+        !isfinite(scale) || scale == 0.0f || !*at ||
+        !strchr(" \t\n\v\f\r", *at))
         return false;
     *h = (struct header) {
         (int) width, (int) height, data[1] == 'F' ? 3 : 1, scale,
@@ -140,38 +140,18 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
 
 struct gathering {
     const struct gp_picture *pic;
-    enum gp_raw_format raw;
     size_t bytes; // of a sample
-    bool from_bottom;
+    bool big, from_bottom;
     uint8_t *to;
 };
 
 static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct gathering *const g = ctx;
-    const size_t w = (size_t) g->pic->width, bytes = g->bytes;
+    const size_t stride = (size_t) g->pic->width * 3 * g->bytes;
     const int line = g->from_bottom ? g->pic->height - 1 - y : y;
-    const int low = g->raw == GP_RAW_RGB48BE ? 1 : 0;
-    uint8_t *to = g->to + (size_t) line * w * 3 * bytes;
-    if (g->raw == GP_RAW_RGBF32LE) {
-        gp_picture_floats(g->pic, y, row);
-        for (size_t x = 0; x < w; x++) {
-            for (size_t c = 0; c < 3; c++, to += 4) {
-                const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
-                memcpy(to, &bits, sizeof bits);
-            }
-        }
-        return;
-    }
-    gp_picture_codes(g->pic, y, row);
-    for (size_t x = 0; x < w; x++) {
-        for (size_t c = 0; c < 3; c++, to += bytes) {
-            const uint16_t code = row->code[c][x];
-            to[low] = (uint8_t) code;
-            if (bytes == 2)
-                to[1 - low] = (uint8_t) (code >> 8);
-        }
-    }
+    gp_picture_samples(g->pic, y, row, g->bytes, g->big,
+                       g->to + (size_t) line * stride);
 }
 
 /* Writes samples of p->raw over black: a raw frame, whose size `frames` checks,
@@ -202,7 +182,8 @@ static gp_status write_samples(const struct gp_log *log,
         *frames = (struct gp_raw_size) {pic.width, pic.height};
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
-    struct gathering g = {&pic, p.raw, sample, !frames, bytes};
+    struct gathering g = {&pic, sample, p.raw == GP_RAW_RGB48BE, !frames,
+                          bytes};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p.create_dir, &file));
     const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",

@@ -7,7 +7,6 @@
 #include "io/oiio/oiio.h"
 
 #include <errno.h>
-#include <libdeflate.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -332,15 +331,4 @@ gp_status gp_write_hdr(const struct gp_log *log,
     if (st || gp_write_would_overwrite(p, path))
         return st;
     return gp_exr_write_hdr(log, p, path, set, n, stats);
-}
-
-static void *take_memory(size_t bytes)
-{
-    void *block;
-    return gp_alloc(NULL, "libdeflate", bytes, 1, &block) ? NULL : block;
-}
-
-void gp_write_keep_memory(void)
-{
-    libdeflate_set_memory_allocator(take_memory, gp_free);
 }

@@ -25,9 +25,9 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are stored as
- * uint32 come as those 32 bits in the place of the float, and each four
- * channels count on their own for max_pixels.
+/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are
+ * stored as uint32 come as those 32 bits in the place of the float, and each
+ * four channels count on their own for max_pixels.
  *
  *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
  *           helper refuses all but those of gp_readers and "openexr"
