@@ -4,8 +4,7 @@
  * at every start, and a damaged file may crash or hang the process that reads
  * it. The first such file starts it, and it stays; after a crash the next file
  * starts another. It gets files as open descriptors and never a name, may not
- * use the network, and its memory, time and files are limited. Each thread that
- * calls has a helper of its own.
+ * use the network, and its memory, time and files are limited.
  *
  * The program is looked for in $GLAREPP_BRIDGES, beside glarepp, in
  * ../lib/glarepp from there, and in the installed folder.
