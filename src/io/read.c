@@ -147,7 +147,7 @@ const struct gp_reader gp_readers[] = {
 };
 
 /* Returns NULL for formats that are not read. */
-static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
+static const struct gp_reader *reader_of(const uint8_t *first, size_t n)
 {
     const char *const name = gp_format_name(first, n);
     const struct gp_reader *r = gp_readers;
@@ -156,49 +156,30 @@ static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
     return r->format ? r : NULL;
 }
 
-/* Returns "PNG", or the first bytes of unknown data. */
-static const char *found_text(const uint8_t *first, size_t n, char text[64])
-{
-    const char *const name = gp_format_name(first, n);
-    snprintf(text, 64, "unknown data, %02x %02x %02x %02x ...", first[0],
-             first[1], first[2], first[3]);
-    return name ? name : text;
-}
-
-static gp_status refuse(const struct gp_log *log, const char *path,
-                        const uint8_t first[GP_FIRST_BYTES], size_t n)
-{
-    char text[64];
-    return gp_fail(log, GP_ERR_DATA, "%s: not a format that glarepp reads "
-                   "(%s); convert it, e.g. with oiiotool", path,
-                   found_text(first, n, text));
-}
-
-/* Reads the first bytes of an open stream, which must be those of a format
- * that is read; closes it on failure. */
-static gp_status check_start(const struct gp_log *log, const char *path,
-                             struct gp_stream *stream, bool *exr)
+/* Finds the reader by a stream's first bytes. */
+static gp_status find_reader(const struct gp_log *log, const char *path,
+    const struct gp_stream *stream, const struct gp_reader **out)
 {
     uint8_t first[GP_FIRST_BYTES] = {0};
     const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
-    const size_t n = got < 0 ? 0 : (size_t) got, length = strlen(path);
+    if (got < 0)
+        return gp_stream_failed(log, path);
+    const size_t n = (size_t) got, length = strlen(path);
     const bool named_exr =
         length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
-    const struct gp_reader *const r = find_reader(first, n);
+    const char *found = gp_format_name(first, n);
     char text[64];
-    gp_status st = GP_OK;
-    *exr = r == gp_readers;
-    if (got < 0)
-        st = gp_stream_failed(log, path);
-    else if (!*exr && named_exr)
-        st = gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
-                     "it to its real ending, or give the EXR", path,
-                     found_text(first, n, text));
-    else if (!r)
-        st = refuse(log, path, first, n);
-    if (st)
-        gp_stream_close(stream);
-    return st;
+    snprintf(text, sizeof text, "unknown data, %02x %02x %02x %02x ...",
+             first[0], first[1], first[2], first[3]);
+    found = found ? found : text;
+    *out = reader_of(first, n);
+    if (*out != gp_readers && named_exr)
+        return gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
+                       "it to its real ending, or give the EXR", path, found);
+    return *out ? GP_OK
+                : gp_fail(log, GP_ERR_DATA, "%s: not a format that glarepp "
+                          "reads (%s); convert it, e.g. with oiiotool", path,
+                          found);
 }
 
 gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
@@ -207,26 +188,28 @@ gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
     // four float channels for each pixel, and a header
     const uint64_t most = UINT64_MAX / 32, pixels = (uint64_t) p->max_pixels;
     const uint64_t limit = (pixels < most ? pixels : most) * 16 + (1 << 26);
+    const struct gp_reader *r = NULL;
     gp_status st = gp_stream_open(log, path, GP_FIRST_BYTES, stream);
     if (!st)
-        st = check_start(log, path, stream, exr);
-    return st ? st : gp_stream_fill(log, path, limit, stream);
+        st = find_reader(log, path, stream, &r);
+    *exr = r == gp_readers;
+    if (!st)
+        return gp_stream_fill(log, path, limit, stream);
+    gp_stream_close(stream);
+    return st;
 }
 
 gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
     const struct gp_stream *stream, int part, struct gp_decoded *out)
 {
-    uint8_t first[GP_FIRST_BYTES] = {0};
-    const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
-    const size_t n = got < 0 ? 0 : (size_t) got;
-    const struct gp_reader *const r = find_reader(first, n);
-    if (r && r->open)
-        return r->open(log, path, stream, part, p->max_pixels, out);
-    if (r)
-        return gp_oiio_open(log, path, stream, r->oiio, part, p->max_pixels,
-                            out);
-    return refuse(log, path, first, n);
+    const struct gp_reader *r;
+    const gp_status st = find_reader(log, path, stream, &r);
+    if (st)
+        return st;
+    return r->open ? r->open(log, path, stream, part, p->max_pixels, out)
+                   : gp_oiio_open(log, path, stream, r->oiio, part,
+                                  p->max_pixels, out);
 }
 
 gp_status gp_read_stream(const struct gp_log *log,
@@ -235,10 +218,10 @@ gp_status gp_read_stream(const struct gp_log *log,
 {
     gp_status st;
     struct gp_decoded image = {0};
-    bool exr;
+    const struct gp_reader *r;
     int part = 0;
-    GP_TRY(check_start(log, path, stream, &exr));
-    if (exr)
+    GP_TRY(find_reader(log, path, stream, &r));
+    if (r == gp_readers)
         return gp_read_exr(log, p, path, stream, out);
     if (p->view)
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
@@ -299,11 +282,9 @@ static gp_status stream_views(const struct gp_log *log,
     struct gp_views *out)
 {
     struct gp_input *in = NULL;
-    bool exr;
-    gp_status st = check_start(log, path, stream, &exr);
-    if (st)
-        return st;
-    if (exr)
+    const struct gp_reader *r;
+    gp_status st = find_reader(log, path, stream, &r);
+    if (!st && r == gp_readers)
         st = gp_exr_open(log, path, stream, &in);
     else
         gp_stream_close(stream);
@@ -333,7 +314,7 @@ static gp_status find_members(const struct gp_log *log, const char *path,
         const uint8_t *const data = m->stream.data + at;
         const uint64_t left = end - at;
         const size_t n = left < GP_FIRST_BYTES ? (size_t) left : GP_FIRST_BYTES;
-        const struct gp_reader *const r = find_reader(data, n);
+        const struct gp_reader *const r = reader_of(data, n);
         uint64_t size = 0;
         if (r && r->length && r->length(data, left, &size))
             return gp_no_memory(log, path);

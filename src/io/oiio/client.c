@@ -67,22 +67,14 @@ static void end_helper(const char *why)
 static bool receive(void *to, size_t n)
 {
     char late[64];
-    for (size_t done = 0; done < n;) {
-        const ssize_t got = recv(helper.socket, (char *) to + done, n - done,
-                                 0);
-        if (got < 0 && errno == EAGAIN) {
-            snprintf(late, sizeof late, "took more than %u s", helper.seconds);
-            end_helper(late);
-            helper.killed = true;
-            return false;
-        }
-        if (got == 0 || (got < 0 && errno != EINTR)) {
-            end_helper(NULL);
-            return false;
-        }
-        done += got > 0 ? (size_t) got : 0;
-    }
-    return true;
+    const ssize_t got = n ? recv(helper.socket, to, n, MSG_WAITALL) : 0;
+    if (got == (ssize_t) n)
+        return true;
+    snprintf(late, sizeof late, "took more than %u s", helper.seconds);
+    const bool is_late = got < 0 && errno == EAGAIN;
+    end_helper(is_late ? late : NULL);
+    helper.killed = helper.killed || is_late;
+    return false;
 }
 
 /* The next reply, and its text with a '\0'; free *text. */
@@ -246,20 +238,6 @@ gp_status gp_oiio_check(const struct gp_log *log, const char *path)
 
 // -- calls --------------------------------------------------------------------
 
-static bool send_all(const void *from, size_t n)
-{
-    for (size_t done = 0; done < n;) {
-        const ssize_t sent = send(helper.socket, (const char *) from + done,
-                                  n - done, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR) {
-            end_helper(NULL);
-            return false;
-        }
-        done += sent > 0 ? (size_t) sent : 0;
-    }
-    return true;
-}
-
 /* Sends a call, its text, and with its first bytes up to two descriptors; -1
  * for none. */
 static bool send_ask(struct gp_oiio_ask *ask, const char *text,
@@ -269,7 +247,6 @@ static bool send_ask(struct gp_oiio_ask *ask, const char *text,
     struct iovec data = {ask, sizeof *ask};
     struct msghdr m = {.msg_iov = &data, .msg_iovlen = 1};
     const size_t fds = (fd[0] >= 0) + (size_t) (fd[1] >= 0);
-    ssize_t sent;
     ask->protocol = GP_OIIO_PROTOCOL;
     ask->threads = gp_threads();
     if (fds > 0) {
@@ -281,12 +258,12 @@ static bool send_ask(struct gp_oiio_ask *ask, const char *text,
         c->cmsg_len = CMSG_LEN(fds * sizeof *fd);
         memcpy(CMSG_DATA(c), fd, fds * sizeof *fd);
     }
-    do
-        sent = sendmsg(helper.socket, &m, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
-    const size_t done = sent > 0 ? (size_t) sent : 0;
-    return send_all((const char *) ask + done, sizeof *ask - done) &&
-           send_all(text, ask->bytes);
+    if (sendmsg(helper.socket, &m, MSG_NOSIGNAL) == (ssize_t) sizeof *ask &&
+        (!ask->bytes || send(helper.socket, text, ask->bytes, MSG_NOSIGNAL) ==
+                            (ssize_t) ask->bytes))
+        return true;
+    end_helper(NULL);
+    return false;
 }
 
 /* Makes a call and waits for its reply; gp_free() its text, also on failure. A

@@ -113,56 +113,32 @@ void end_with_client()
 
 // -- the socket ---------------------------------------------------------------
 
-bool receive(void *to, std::size_t n)
-{
-    char *at = static_cast<char *>(to);
-    while (n > 0) {
-        const ssize_t got = recv(SOCKET, at, n, 0);
-        if (got <= 0 && !(got < 0 && errno == EINTR))
-            return false;
-        at += got > 0 ? got : 0;
-        n -= static_cast<std::size_t>(got > 0 ? got : 0);
-    }
-    return true;
-}
-
 // The next call and the descriptors that came with it, -1 for none.
 bool receive_ask(gp_oiio_ask &ask, int fd[2], std::string &text)
 {
     alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))];
     struct iovec data = {&ask, sizeof ask};
     struct msghdr m = {};
-    ssize_t got;
     m.msg_iov = &data;
     m.msg_iovlen = 1;
     m.msg_control = control;
     m.msg_controllen = sizeof control;
     fd[0] = fd[1] = -1;
-    do
-        got = recvmsg(SOCKET, &m, MSG_CMSG_CLOEXEC);
-    while (got < 0 && errno == EINTR);
-    const struct cmsghdr *const c = got > 0 ? CMSG_FIRSTHDR(&m) : nullptr;
+    if (recvmsg(SOCKET, &m, MSG_CMSG_CLOEXEC | MSG_WAITALL) !=
+        static_cast<ssize_t>(sizeof ask))
+        return false;
+    const struct cmsghdr *const c = CMSG_FIRSTHDR(&m);
     if (c && c->cmsg_type == SCM_RIGHTS)
         std::memcpy(fd, CMSG_DATA(c), std::min(c->cmsg_len - CMSG_LEN(0),
                                                2 * sizeof(int)));
-    if (got <= 0 || !receive(reinterpret_cast<char *>(&ask) + got,
-                             sizeof ask - static_cast<std::size_t>(got)))
-        return false;
     text.resize(ask.bytes);
-    return receive(&text[0], text.size());
+    return text.empty() || recv(SOCKET, &text[0], text.size(), MSG_WAITALL) ==
+                               static_cast<ssize_t>(text.size());
 }
 
 bool send_all(const void *from, std::size_t n)
 {
-    const char *at = static_cast<const char *>(from);
-    while (n > 0) {
-        const ssize_t sent = send(SOCKET, at, n, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR)
-            return false;
-        at += sent > 0 ? sent : 0;
-        n -= static_cast<std::size_t>(sent > 0 ? sent : 0);
-    }
-    return true;
+    return send(SOCKET, from, n, MSG_NOSIGNAL) == static_cast<ssize_t>(n);
 }
 
 // -- calls --------------------------------------------------------------------
