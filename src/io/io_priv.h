@@ -222,9 +222,4 @@ void gp_picture_samples(const struct gp_picture *pic, int y,
                         struct gp_picture_row *row, size_t bytes, bool big,
                         uint8_t *to);
 
-/* -- folders --------------------------------------------------------------- */
-
-/* Makes every missing folder above `path`; 0, or -1 with errno set. */
-int gp_file_make_folders(const char *path);
-
 #endif
