@@ -208,7 +208,6 @@ int main(int argc, char *argv[])
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
     gp_environment_set_heap();
-    gp_write_keep_memory();
     gp_json_watch_memory();
     gp_temp_cleanup_on_signal();
     // a write that fails is an error with a message, not a silent death

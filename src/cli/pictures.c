@@ -29,7 +29,7 @@ struct glarepp_image gp_decoded_of(const struct gp_frame *f,
 static double positive(const struct gp_frame *f, const char *name)
 {
     double v = 0.0;
-    return gp_frame_real(f, name, &v) && v > 0.0 ? v : 0.0;
+    return gp_frame_numbers(f, name, 1, &v) && v > 0.0 ? v : 0.0;
 }
 
 struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
@@ -41,17 +41,18 @@ struct glarepp_frame_params gp_frame_params_of(const struct gp_job *job,
     p.file = (struct glarepp_rect) {f->read.x0, f->read.y0, f->read.x1,
                                     f->read.y1};
     p.numbered = gp_job_number(job, &p.number);
-    p.fps = gp_frame_rate(f);
-    p.has_camera = gp_frame_matrix(f, "worldToCamera", p.to_camera);
-    p.has_ndc = gp_frame_matrix(f, "worldToNDC", p.to_ndc);
+    p.fps = positive(f, "framesPerSecond");
+    p.has_camera = gp_frame_numbers(f, "worldToCamera", 16, p.to_camera);
+    p.has_ndc = gp_frame_numbers(f, "worldToNDC", 16, p.to_ndc);
     if (!p.has_ndc) {
-        p.has_ndc = gp_frame_matrix(f, "worldToScreen", p.to_ndc);
+        p.has_ndc = gp_frame_numbers(f, "worldToScreen", 16, p.to_ndc);
         p.ndc = GLAREPP_NDC_CLIP;
     }
     p.focus = positive(f, "focus");
     p.aperture = positive(f, "aperture");
     p.white = positive(f, "whiteLuminance");
-    if (gp_frame_pair(f, "sensorOverallDimensions", size) && size[0] > 0.0)
+    if (gp_frame_numbers(f, "sensorOverallDimensions", 2, size) &&
+        size[0] > 0.0)
         p.sensor = size[0]; // OpenEXR 3.2
     return p;
 }

@@ -156,8 +156,12 @@ static bool has_depth_word(const char *layer, size_t len)
 bool gp_is_light(const char *layer, size_t len)
 {
     static const char *const data[] = {
-        "Z",       "mist",     "id",      "mask",    "matte",
-        "opacity", "coverage", "indexob", "indexma",
+        "Z",          "mist",        "id",         "mask",
+        "matte",      "opacity",     "coverage",   "indexob",
+        "indexma",    "zback",       "deepid",     "objectid",
+        "object_id",  "materialid",  "material_id", "instanceid",
+        "instance_id", "assetid",    "asset_id",   "primid",
+        "prim_id",
     };
     return !is_vector(layer, len) && !has_depth_word(layer, len) &&
            !is_called(layer, len, data, sizeof data / sizeof *data);
@@ -207,16 +211,10 @@ static int depth_rank(const struct gp_channel *channel, int channels,
  * coverage, depth under any name, its back, numbers of objects, vectors. */
 static bool is_data(const char *name)
 {
-    static const char *const data[] = {
-        "A",           "alpha",      "z",           "zback",
-        "deepid",      "objectid",   "object_id",   "materialid",
-        "material_id", "instanceid", "instance_id", "assetid",
-        "asset_id",    "primid",     "prim_id",
-    };
     const size_t layer = gp_layer_length(name);
     const char *const own = name + layer;
-    return is_called(own, strlen(own), data, sizeof data / sizeof *data) ||
-           !gp_is_light(own, strlen(own)) ||
+    return strcmp(own, "A") == 0 || strcasecmp(own, "alpha") == 0 ||
+           strcasecmp(own, "z") == 0 || !gp_is_light(own, strlen(own)) ||
            (layer > 0 && !gp_is_light(name, layer - 1)) ||
            named_like_ids(name) ||
            // depth, in a file without vectors
@@ -225,7 +223,7 @@ static bool is_data(const char *name)
 
 /* -- colour --------------------------------------------------------------- */
 
-static const char *const letters[3] = {"R", "G", "B"};
+static const char letters[3] = {'R', 'G', 'B'};
 static const char *const words[3] = {"red", "green", "blue"};
 
 /* The channel whose name is the first `len` bytes of `layer` and then `last`;
@@ -241,35 +239,17 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* Counts the members of a set of three, letters as they are, words in any
- * case; `layer` ends with a dot or is "". */
-static int find_three(const char *const *name, int n, const char *layer,
-                      size_t len, const char *const last[3], int index[3])
+/* Finds the members of a set of three in the layer of `len` bytes among name[i]
+ * and those after it: letters as they are, else words in any case. Returns how
+ * many. With `together` those of a layer follow each other, as in an EXR: a
+ * file may have thousands of layers. */
+static int find_three(const char *const *name, int n, int i, const char *layer,
+                      size_t len, bool together, int index[3])
 {
-    int found = 0;
-    for (int c = 0; c < 3; c++) {
-        index[c] = -1;
-        for (int i = 0; i < n && index[c] < 0; i++) {
-            if (strncmp(name[i], layer, len) == 0 &&
-                (last[c][1] ? strcasecmp : strcmp)(name[i] + len,
-                                                   last[c]) == 0)
-                index[c] = i;
-        }
-        found += index[c] >= 0;
-    }
-    return found;
-}
-
-/* All three of a layer, whose first channel is name[i]. Those of a list that
- * ascends stand together: a file may have thousands of layers. */
-static bool find_all(const char *const *name, int n, int i, size_t len,
-                     bool ascending, int index[3])
-{
-    const char *const layer = name[i];
-    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1};
+    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1}, found[2] = {0, 0};
     for (; i < n; i++) {
         if (strncmp(name[i], layer, len) != 0) {
-            if (ascending && name[i][0])
+            if (together && name[i][0])
                 break;
             continue;
         }
@@ -277,15 +257,17 @@ static bool find_all(const char *const *name, int n, int i, size_t len,
         const bool one = last[0] && !last[1];
         for (int c = 0; c < 3; c++) {
             int *const at = one ? &letter[c] : &word[c];
-            if (*at < 0 && (one ? last[0] == letters[c][0]
+            if (*at < 0 && (one ? last[0] == letters[c]
                                 : (last[0] | 32) == words[c][0] &&
-                                  strcasecmp(last, words[c]) == 0))
+                                  strcasecmp(last, words[c]) == 0)) {
                 *at = i;
+                found[one]++;
+            }
         }
     }
-    const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;
+    const bool by_letter = found[1] == 3 || (found[1] > 0 && found[0] < 3);
     memcpy(index, by_letter ? letter : word, sizeof letter);
-    return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
+    return found[by_letter];
 }
 
 static bool choose_grey(int channel, struct gp_colour_choice *out)
@@ -302,8 +284,7 @@ static bool find_set(const char *const *name, int n, const char *layer,
     int y = find_exact(name, n, layer, len, "Y");
     int ry = find_exact(name, n, layer, len, "RY");
     int by = find_exact(name, n, layer, len, "BY");
-    if (find_three(name, n, layer, len, letters, rgb.index) ||
-        find_three(name, n, layer, len, words, rgb.index)) {
+    if (find_three(name, n, 0, layer, len, false, rgb.index) > 0) {
         *out = rgb;
         return true;
     }
@@ -320,18 +301,10 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
     static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
     const char *last = "";
     size_t last_len = 0;
-    bool ascending = true, found = false;
+    bool found = false;
     if (find_set(name, n, "", 0, out))
         return true;
-    for (int i = 0; i < n; i++) { // an EXR's names ascend
-        if (name[i][0]) {
-            ascending = ascending && strcmp(last, name[i]) <= 0;
-            last = name[i];
-        }
-    }
-
     // the first layer that has all three, or the first such picture
-    last = "";
     for (int i = 0; i < n; i++) {
         const char *dot = strrchr(name[i], '.');
         const size_t len = dot ? (size_t) (dot - name[i]) + 1 : 0;
@@ -349,7 +322,8 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
                        strncasecmp(last + start, pictures[k], bytes) == 0;
         }
         int at[3];
-        if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
+        if ((found && !picture) ||
+            find_three(name, n, i, name[i], len, true, at) < 3)
             continue;
         *out = (struct gp_colour_choice) {GP_COLOUR_RGB,
                                           {at[0], at[1], at[2]}};

@@ -2,7 +2,6 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
-#include "core/minmax.h"
 #include "core/parallel.h"
 #include "io/channels.h"
 #include "io/io_priv.h"
@@ -10,6 +9,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -31,16 +31,8 @@ static enum curve curve_of(const struct gp_decoded *image, float *gamma)
     if (strcasecmp(space, "KodakLog") == 0 || strcasecmp(space, "Cineon") == 0)
         return CINEON;
     if (strncasecmp(space, "Gamma", 5) == 0) {
-        for (const char *c = space + 5; *c; c++) { // "Gamma2.2", no locale
-            if (*c < '0' || *c > '9')
-                continue;
-            *gamma = (float) (*c - '0');
-            float unit = 0.1f;
-            for (const char *d = c + 2; c[1] == '.' && *d >= '0' && *d <= '9';
-                 d++, unit *= 0.1f)
-                *gamma += unit * (float) (*d - '0');
-            return GAMMA;
-        }
+        *gamma = strtof(space + strcspn(space, "0123456789"), NULL);
+        return *gamma > 0.0f ? GAMMA : LINEAR; // "Gamma2.2"
     }
     return LINEAR;
 }
@@ -249,53 +241,6 @@ out:
         gp_frame_free(&f);
     else
         *out = f;
-    return st;
-}
-
-/* -- the alpha of a picture ------------------------------------------------ */
-
-static gp_status take_alpha(const struct gp_log *log,
-                            const struct gp_decoded *image,
-                            struct gp_coverage *out)
-{
-    struct gp_coverage a = {1, 1, NULL};
-    int channel = image->channels - 1;
-    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
-        channel--;
-    if (channel >= 0) {
-        a.w = gp_rect_w(image->data);
-        a.h = gp_rect_h(image->data);
-    }
-    const size_t texels = (size_t) a.w * (size_t) a.h;
-    const gp_status st = gp_alloc(log, image->path, texels, sizeof *a.code,
-                                  &a.code);
-    if (st)
-        return st;
-    a.code[0] = GP_COVERED;
-    const float *v = image->pixels + channel;
-    for (size_t i = 0; i < texels && channel >= 0; i++, v += image->channels)
-        a.code[i] = (uint16_t) (gp_clamp01(*v) * (float) GP_COVERED + 0.5f);
-    *out = a;
-    return GP_OK;
-}
-
-gp_status gp_read_coverage(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path, const void *bytes,
-    size_t n, long long most, struct gp_coverage *out)
-{
-    struct gp_read_params limits = gp_read_limits(p);
-    struct gp_stream stream = gp_stream_of(bytes, n);
-    struct gp_decoded image = {0};
-    gp_status st;
-    if (limits.max_pixels > most)
-        limits.max_pixels = most;
-    if (!bytes)
-        GP_TRY(gp_stream_open_regular(log, path, &stream));
-    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
-    GP_TRY(take_alpha(log, &image, out));
-out:
-    gp_decoded_close(&image);
-    gp_stream_close(&stream);
     return st;
 }
 

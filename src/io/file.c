@@ -5,10 +5,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -19,84 +19,205 @@
 #include <unistd.h>
 
 enum {
-    LIVE_MAX = 64, // temporary files that a signal can remove
-    LIVE_NAME_MAX = 4096,
-    PATIENCE_MS = 1000,
+    PATIENCE = 1, // seconds that a signal waits for a file system that hangs
     TRIES = 1000, // names of one target and one process number
     NAME_BYTES = 255, // of one path component, on all usual systems
 };
 
-// -- temporary files: what a signal must remove -------------------------------
+// -- names --------------------------------------------------------------------
 
-static struct {
-    volatile sig_atomic_t live;
-    char name[LIVE_NAME_MAX];
-} live_temps[LIVE_MAX];
-static pthread_mutex_t live_lock = PTHREAD_MUTEX_INITIALIZER;
+enum { LINKS = 40 }; // as many as the system follows
 
-/* A signal's handler may run while other threads make or remove files. It waits
- * for those; threads that start to do so later wait for the end. */
-static atomic_int naming;
-static atomic_bool ending;
-
-/* Never returns once a signal has temporary files removed: errors from then on
- * are its doing and need no line. */
-static void wait_for_signal(void)
+/* Returns where the last component starts. */
+static const char *base_of(const char *path)
 {
-    while (atomic_load(&ending))
-        pause();
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
 }
 
+/* The folder of a path, "." for a bare name; from malloc, NULL when memory is
+ * full. */
+static char *folder_of(const char *path)
+{
+    const size_t n = (size_t) (base_of(path) - path);
+    char *const folder = gp_strdup(n ? path : ".");
+    if (folder)
+        folder[n > 1 ? n - 1 : 1] = '\0'; // no slash, but that of the root
+    return folder;
+}
+
+/* Copies the folder of a path with all links followed; "" when it does not
+ * exist. */
+static void real_folder(const char *path, char real[PATH_MAX])
+{
+    char *const folder = folder_of(path);
+    if (!folder || !realpath(folder, real))
+        real[0] = '\0';
+    gp_free(folder);
+}
+
+/* Returns the descriptor that `path` names by itself, its last component being
+ * in the folder `real`; -1 for other names. */
+static int named_descriptor(const char *path, const char *real)
+{
+    static const char digits[] = "0123456789", task[] = "/task/";
+    char own[PATH_MAX], *end;
+    const char *const number = base_of(path);
+    const long fd = strtol(number, &end, 10);
+    if (!strchr(digits, *number) || end == number || *end || fd > INT_MAX ||
+        !realpath("/proc/self", own) ||
+        strncmp(real, own, strlen(own)) != 0)
+        return -1;
+    real += strlen(own);
+    if (strncmp(real, task, strlen(task)) == 0) // of one thread
+        real += strlen(task) + strspn(real + strlen(task), digits);
+    return strcmp(real, "/fd") == 0 ? (int) fd : -1;
+}
+
+/* Replaces a link by its target, seen from where the link is seen from; false
+ * with errno for other names. */
+static bool follow(char at[PATH_MAX])
+{
+    char to[PATH_MAX];
+    const ssize_t n = readlink(at, to, sizeof to);
+    if (n <= 0)
+        return false;
+    const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(at) - at);
+    if (folder + (size_t) n >= PATH_MAX) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    memcpy(at + folder, to, (size_t) n);
+    at[folder + (size_t) n] = '\0';
+    return true;
+}
+
+/* Follows the links of a name. Returns its descriptor, or -1; sets *system for
+ * one that is, or leads to, a name in /proc, as those in /dev/fd do. */
+static int follow_names(const char *path, bool *system)
+{
+    char at[PATH_MAX], real[PATH_MAX];
+    *system = gp_is_dash(path);
+    if (gp_is_dash(path))
+        return STDOUT_FILENO;
+    if (strlen(path) >= sizeof at)
+        return -1;
+    strcpy(at, path);
+    for (int links = 0; links < LINKS; links++) {
+        real_folder(at, real);
+        *system |= strncmp(at, "/proc/", 6) == 0 ||
+                   strncmp(real, "/proc/", 6) == 0;
+        const int fd = named_descriptor(at, real);
+        if (fd >= 0 || !follow(at))
+            return fd;
+    }
+    return -1;
+}
+
+int gp_file_descriptor(const char *path)
+{
+    bool system;
+    return follow_names(path, &system);
+}
+
+bool gp_file_is_straight(const char *path)
+{
+    struct stat s;
+    bool system;
+    (void) follow_names(path, &system);
+    return system || (stat(path, &s) == 0 && !S_ISREG(s.st_mode) &&
+                      !S_ISDIR(s.st_mode));
+}
+
+char *gp_file_resolve(const char *path)
+{
+    char at[PATH_MAX];
+    int links = 0;
+    if (strlen(path) >= sizeof at)
+        return gp_strdup(path); // which the system refuses
+    strcpy(at, path);
+    while (links <= LINKS && follow(at))
+        links++;
+    if (links > LINKS)
+        errno = ELOOP;
+    return links > LINKS || errno == ENAMETOOLONG ? NULL : gp_strdup(at);
+}
+
+/* Makes every missing folder above `path`; 0, or -1 with errno set. */
+static int make_folders(const char *path)
+{
+    struct stat s;
+    char *folder = folder_of(path);
+    int error = folder ? 0 : ENOMEM;
+    for (char *p = folder + 1; error == 0; p++) {
+        const char keep = *p;
+        if (keep != '/' && keep != '\0')
+            continue;
+        *p = '\0';
+        // errno of mkdir(), not of stat(), is the reason
+        error = mkdir(folder, 0777) ? errno : 0;
+        if (error && stat(folder, &s) == 0 && S_ISDIR(s.st_mode))
+            error = 0;
+        *p = keep;
+        if (keep == '\0')
+            break;
+    }
+    gp_free(folder);
+    if (error)
+        errno = error;
+    return error ? -1 : 0;
+}
+
+void gp_file_ending(const char *path, char *ending, int room)
+{
+    const char *base = base_of(path);
+    const char *dot = strrchr(base, '.');
+    ending[0] = '\0';
+    if (!dot || dot == base || strlen(dot + 1) >= (size_t) room)
+        return;
+    int n = 0;
+    for (const char *c = dot + 1; *c; c++)
+        ending[n++] = *c >= 'A' && *c <= 'Z' ? (char) (*c - 'A' + 'a') : *c;
+    ending[n] = '\0';
+}
+
+// -- temporary files ----------------------------------------------------------
+
+/* One temporary file; all zero: none. */
+struct temp {
+    char *name;        // owned; gone after end_temp()
+    struct temp *next; // of those that a signal removes
+};
+static struct temp *temps;
+static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER;
+
 /* Between begin_naming() and end_naming() this thread handles no signal, and no
- * signal ends the process, so that live_temps matches the files on disk. */
+ * signal ends the process, so that `temps` matches the files on disk. */
 static void begin_naming(sigset_t *before)
 {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, before);
-    atomic_fetch_add(&naming, 1);
-    if (atomic_load(&ending)) {
-        atomic_fetch_sub(&naming, 1);
-        wait_for_signal();
-    }
+    pthread_mutex_lock(&naming);
 }
 
 static void end_naming(const sigset_t *before)
 {
-    atomic_fetch_sub(&naming, 1);
+    pthread_mutex_unlock(&naming);
     pthread_sigmask(SIG_SETMASK, before, NULL);
 }
 
-static int live_add(const char *name)
-{
-    int slot = -1;
-    if (strlen(name) >= LIVE_NAME_MAX)
-        return -1;
-    pthread_mutex_lock(&live_lock);
-    for (int i = 0; i < LIVE_MAX && slot < 0; i++) {
-        if (!live_temps[i].live) {
-            strcpy(live_temps[i].name, name);
-            live_temps[i].live = 1; // last: the handler trusts the name
-            slot = i;
-        }
-    }
-    pthread_mutex_unlock(&live_lock);
-    return slot;
-}
-
 /* Removes all temporary files of the process, which must end then: threads that
- * make or remove one wait forever. Safe in a signal handler. */
+ * make or remove one wait forever. The thread that it interrupts is not naming,
+ * so it may wait for one that is. */
 static void remove_and_end(int sig)
 {
-    const struct timespec moment = {.tv_nsec = 1000000};
-    atomic_store(&ending, true);
-    // not forever: a file system may hang
-    for (int i = 0; i < PATIENCE_MS && atomic_load(&naming) > 0; i++)
-        nanosleep(&moment, NULL);
-    for (int i = 0; i < LIVE_MAX; i++) {
-        if (live_temps[i].live)
-            unlink(live_temps[i].name);
-    }
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += PATIENCE;
+    (void) pthread_mutex_timedlock(&naming, &until);
+    for (const struct temp *t = temps; t; t = t->next)
+        unlink(t->name);
     raise(sig); // SA_RESETHAND: the default action, once this returns
 }
 
@@ -106,39 +227,29 @@ void gp_temp_cleanup_on_signal(void)
                                  SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
     struct sigaction act = {.sa_handler = remove_and_end,
                             .sa_flags = (int) SA_RESETHAND};
-    sigemptyset(&act.sa_mask);
+    sigfillset(&act.sa_mask);
     for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {
         struct sigaction was;
         if (!sigaction(deadly[i], NULL, &was) && was.sa_handler != SIG_IGN)
             sigaction(deadly[i], &act, NULL);
     }
-    signal(SIGPIPE, SIG_IGN);
 }
 
-// -- temporary files: names --------------------------------------------------
-
-/* One temporary file; all zero: none. */
-struct temp {
-    char *name; // owned; gone after end_temp()
-    int live;   // slot in which a signal finds the name, or -1
-};
-
-char *gp_file_temp_name(const char *path, int nth)
+/* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
+ * cut where the whole would be longer than a file name may be. From malloc,
+ * NULL when memory is full. */
+static char *temp_name(const char *path, int nth)
 {
-    const char *const slash = strrchr(path, '/');
-    const char *const base = slash ? slash + 1 : path;
+    const char *const base = base_of(path);
     const long pid = (long) getpid();
     char tail[48];
     int tail_bytes = nth ? snprintf(tail, sizeof tail, ".%ld-%d.tmp", pid, nth)
                          : snprintf(tail, sizeof tail, ".%ld.tmp", pid);
-    int name_bytes = NAME_BYTES - 1 - tail_bytes;
-    if (strlen(base) < (size_t) name_bytes)
-        name_bytes = (int) strlen(base);
     size_t size = (size_t) (base - path) + NAME_BYTES + 1;
     char *name = malloc(size);
     if (name)
         snprintf(name, size, "%.*s.%.*s%s", (int) (base - path), path,
-                 name_bytes, base, tail);
+                 NAME_BYTES - 1 - tail_bytes, base, tail);
     return name;
 }
 
@@ -151,13 +262,15 @@ static int make_temp(struct temp *temp, const char *target, mode_t mode)
     sigset_t before;
     begin_naming(&before);
     for (int nth = 0; fd < 0 && error == EEXIST && nth < TRIES; nth++) {
-        char *name = gp_file_temp_name(target, nth);
+        char *name = temp_name(target, nth);
         fd = name ? open(name, flags, mode) : -1;
         error = name ? errno : ENOMEM;
-        if (fd >= 0)
-            *temp = (struct temp) {name, live_add(name)};
-        else
+        if (fd >= 0) {
+            *temp = (struct temp) {name, temps};
+            temps = temp;
+        } else {
             gp_free(name);
+        }
     }
     end_naming(&before);
     errno = error;
@@ -176,11 +289,10 @@ static int end_temp(struct temp *temp, const char *target)
                               : unlink(temp->name);
     const int error = errno;
     if (!target || result == 0) {
-        if (temp->live >= 0) {
-            pthread_mutex_lock(&live_lock);
-            live_temps[temp->live].live = 0;
-            pthread_mutex_unlock(&live_lock);
-        }
+        struct temp **at = &temps;
+        while (*at != temp)
+            at = &(*at)->next;
+        *at = temp->next;
         GP_FREE(temp->name);
     }
     end_naming(&before);
@@ -190,8 +302,6 @@ static int end_temp(struct temp *temp, const char *target)
 
 // -- files under way ----------------------------------------------------------
 
-enum { BUFFER_BYTES = 128 << 10 }; // so that 8-byte chunk leaders cost no write
-
 struct gp_file {
     const struct gp_log *log;
     char *path;      // as the user gave it, "stdout" for "-": for messages
@@ -200,9 +310,9 @@ struct gp_file {
     int fd;          // -1 when closed
     bool own_fd;     // false for stdout
     gp_status st;    // first failure; later writes repeat it silently
-    uint8_t *buffer; // bytes not yet in fd; for straight targets all
-    size_t held, room;
-    uint64_t flushed;
+    uint64_t size;   // of what was written
+    void *held;      // of straight targets: all of it
+    uint64_t room;   // of `held`
 };
 
 // -- opening ------------------------------------------------------------------
@@ -230,7 +340,9 @@ static const char *hint(int error)
 static gp_status cannot_write(const struct gp_log *log, const char *path,
                               int error)
 {
-    wait_for_signal(); // a signal may have removed the file
+    sigset_t before;
+    begin_naming(&before); // never, where a signal has removed the file
+    end_naming(&before);
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));
 }
@@ -269,7 +381,7 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
                        "of a file", path);
     if (there && access(path, W_OK))
         return cannot_write(log, path, errno);
-    char *folder = gp_file_folder(path);
+    char *folder = folder_of(path);
     if (!folder)
         return gp_no_memory(log, path);
     if (stat(folder, &s) && errno == ENOENT && create_dir)
@@ -295,7 +407,7 @@ static gp_status find_target(const struct gp_log *log, const char *path,
     *target = gp_file_resolve(path);
     if (!*target && errno == ENOMEM)
         return gp_no_memory(log, path);
-    return !*target || (create_dir && gp_file_make_folders(*target))
+    return !*target || (create_dir && make_folders(*target))
                ? cannot_write(log, path, errno) : GP_OK;
 }
 
@@ -337,9 +449,7 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &f));
     *f = (struct gp_file) {.log = log, .fd = -1};
     f->path = gp_strdup(gp_is_dash(path) ? "stdout" : path);
-    f->buffer = malloc(BUFFER_BYTES);
-    f->room = BUFFER_BYTES;
-    if (!f->path || !f->buffer)
+    if (!f->path)
         GP_TRY(gp_no_memory(log, path));
     if (gp_is_dash(path)) {
         f->fd = STDOUT_FILENO;
@@ -395,94 +505,51 @@ static gp_status write_failed(struct gp_file *f, int error)
     return f->st;
 }
 
-/* write() until all is out; returns 0 or an errno. */
-static int write_all(int fd, const uint8_t *data, size_t size)
+/* Puts bytes at a place of the file, or of the memory that holds them. */
+static gp_status put(struct gp_file *f, uint64_t at, const void *data,
+                     size_t size)
 {
-    while (size > 0) {
-        ssize_t n = write(fd, data, size);
+    if (!f->temp.name && size)
+        memcpy((uint8_t *) f->held + at, data, size);
+    for (size_t done = 0; f->temp.name && done < size;) {
+        const ssize_t n = pwrite(f->fd, (const uint8_t *) data + done,
+                                 size - done, (off_t) (at + done));
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return n < 0 ? errno : EIO;
-        data += n;
-        size -= (size_t) n;
+            return write_failed(f, n < 0 ? errno : EIO);
+        done += (size_t) n;
     }
-    return 0;
-}
-
-static gp_status flush(struct gp_file *f)
-{
-    int error = write_all(f->fd, f->buffer, f->held);
-    if (error)
-        return write_failed(f, error);
-    f->flushed += f->held;
-    f->held = 0;
     return GP_OK;
-}
-
-static gp_status grow_buffer(struct gp_file *f, size_t size)
-{
-    size_t room = f->room;
-    void *buffer = f->buffer;
-    while (room - f->held < size)
-        room *= 2;
-    f->st = gp_resize(f->log, f->path, room, &buffer);
-    f->buffer = buffer;
-    f->room = f->st ? f->room : room;
-    return f->st;
 }
 
 gp_status gp_file_write(struct gp_file *f, const void *data, size_t size)
 {
-    if (f->st)
+    if (!f->st && !f->temp.name && f->size + size > f->room) {
+        const uint64_t room = 2 * (f->size + size);
+        f->st = gp_resize(f->log, f->path, room, &f->held);
+        f->room = f->st ? f->room : room;
+    }
+    if (f->st || put(f, f->size, data, size))
         return f->st;
-    if (size > f->room - f->held) {
-        gp_status st = f->temp.name ? flush(f) : grow_buffer(f, size);
-        if (st)
-            return st;
-    }
-    if (size > f->room) { // a temporary file's buffer does not grow
-        int error = write_all(f->fd, data, size);
-        if (error)
-            return write_failed(f, error);
-        f->flushed += size;
-        return GP_OK;
-    }
-    if (size)
-        memcpy(f->buffer + f->held, data, size);
-    f->held += size;
+    f->size += size;
     return GP_OK;
 }
 
 gp_status gp_file_patch(struct gp_file *f, uint64_t at, const void *data,
                         size_t size)
 {
-    const uint8_t *from = data;
     if (f->st)
         return f->st;
-    if (at > gp_file_size(f) || size > gp_file_size(f) - at)
+    if (at > f->size || size > f->size - at)
         return gp_fail(f->log, GP_ERR_BUG, "%s: patch outside the file",
                        f->path);
-    while (size > 0 && at < f->flushed) {
-        size_t part = size < f->flushed - at ? size
-                                             : (size_t) (f->flushed - at);
-        ssize_t n = pwrite(f->fd, from, part, (off_t) at);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return write_failed(f, n < 0 ? errno : EIO);
-        from += n;
-        at += (uint64_t) n;
-        size -= (size_t) n;
-    }
-    if (size)
-        memcpy(f->buffer + (at - f->flushed), from, size);
-    return GP_OK;
+    return put(f, at, data, size);
 }
 
 uint64_t gp_file_size(const struct gp_file *f)
 {
-    return f->flushed + f->held;
+    return f->size;
 }
 
 const char *gp_file_path(const struct gp_file *f)
@@ -492,10 +559,25 @@ const char *gp_file_path(const struct gp_file *f)
 
 // -- ending -------------------------------------------------------------------
 
+/* Writes what is held for a straight target. */
+static gp_status write_held(struct gp_file *f)
+{
+    for (uint64_t done = 0; f->held && done < f->size;) {
+        const ssize_t n = write(f->fd, (const uint8_t *) f->held + done,
+                                f->size - done);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return write_failed(f, n < 0 ? errno : EIO);
+        done += (uint64_t) n;
+    }
+    return GP_OK;
+}
+
 gp_status gp_file_commit(struct gp_file **file)
 {
     struct gp_file *f = *file;
-    gp_status st = f->st ? f->st : flush(f);
+    gp_status st = f->st ? f->st : write_held(f);
     const int fd = f->fd;
     if (!st)
         f->fd = -1;
@@ -515,7 +597,7 @@ void gp_file_discard(struct gp_file **file)
     if (f->fd >= 0 && f->own_fd)
         close(f->fd);
     end_temp(&f->temp, NULL);
-    free(f->buffer);
+    gp_free(f->held);
     gp_free(f->target);
     gp_free(f->path);
     GP_FREE(*file);

@@ -101,11 +101,9 @@ int gp_file_descriptor(const char *path);
  * to these, whatever they stand for. */
 bool gp_file_is_straight(const char *path);
 
-/* Return strings from malloc, NULL when memory is full: the folder of a path
- * ("." for a bare name), and the path with links followed, also to a file that
- * does not exist yet (NULL with errno too where they cannot be followed: a
- * circle, a folder without permission). */
-char *gp_file_folder(const char *path);
+/* Returns the path with links of its last component followed, also to a file
+ * that does not exist yet; from malloc, NULL with errno for a circle, or when
+ * memory is full. */
 char *gp_file_resolve(const char *path);
 
 /* Copies the ending of the name, in lower case and without its dot, to a buffer
@@ -117,8 +115,7 @@ void gp_file_ending(const char *path, char *ending, int room);
 
 /* Makes signals that end the process (from the terminal, a batch system or a
  * timer) remove its temporary files first; a signal that the parent set to be
- * ignored stays ignored. Ignores SIGPIPE, so that a closed pipe is GP_ERR_IO
- * and not a silent end. Call once at start. */
+ * ignored stays ignored. Call once at start. */
 void gp_temp_cleanup_on_signal(void);
 
 /* -- stdout ---------------------------------------------------------------- */

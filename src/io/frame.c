@@ -49,32 +49,44 @@ const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
 
 // -- attributes ---------------------------------------------------------------
 
-static bool part_matrix(const struct gp_input *o, int part, const char *name,
-                        double m[16])
+/* The numbers of an attribute; how many, 0 where it has none. */
+static int numbers_of(const exr_attribute_t *a, double v[16])
 {
-    exr_attr_m44f_t single;
-    exr_attr_m44d_t twice;
-    if (!exr_attr_get_m44d(o->exr, part, name, &twice)) {
-        memcpy(m, twice.m, sizeof twice.m);
-        return true;
+    switch (a->type) {
+    case EXR_ATTR_FLOAT:
+        v[0] = (double) a->f;
+        return 1;
+    case EXR_ATTR_RATIONAL:
+        v[0] = (double) a->rational->num / a->rational->denom;
+        return 1;
+    case EXR_ATTR_V2F:
+        v[0] = (double) a->v2f->x;
+        v[1] = (double) a->v2f->y;
+        return 2;
+    case EXR_ATTR_M44F:
+        for (int i = 0; i < 16; i++)
+            v[i] = (double) a->m44f->m[i];
+        return 16;
+    case EXR_ATTR_M44D:
+        memcpy(v, a->m44d->m, sizeof a->m44d->m);
+        return 16;
+    default:
+        return 0;
     }
-    if (exr_attr_get_m44f(o->exr, part, name, &single))
-        return false;
-    for (int i = 0; i < 16; i++)
-        m[i] = (double) single.m[i];
-    return true;
 }
 
-bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
+bool gp_frame_numbers(const struct gp_frame *f, const char *name, int n,
+                      double *v)
 {
-    const struct gp_input *o = gp_input_of(f);
-    if (!o)
-        return false;
-    if (part_matrix(o, o->part, name, m))
-        return true;
-    for (int part = 0; part < o->parts; part++) {
-        if (part != o->part && part_matrix(o, part, name, m))
+    const struct gp_input *const o = gp_input_of(f);
+    const exr_attribute_t *a;
+    double found[16] = {0};
+    for (int i = -1; o && i < o->parts; i++) {
+        if (!exr_get_attribute_by_name(o->exr, i < 0 ? o->part : i, name, &a) &&
+            numbers_of(a, found) == n && (n == 16 || isfinite(found[0]))) {
+            memcpy(v, found, (size_t) n * sizeof *v);
             return true;
+        }
     }
     return false;
 }
@@ -86,37 +98,4 @@ char *gp_frame_text(const struct gp_frame *f, const char *name)
     int32_t length;
     return o && !exr_attr_get_string(o->exr, o->part, name, &length, &text)
                ? gp_strdup(text) : NULL;
-}
-
-double gp_frame_rate(const struct gp_frame *f)
-{
-    const struct gp_input *const o = gp_input_of(f);
-    exr_attr_rational_t rate;
-    if (!o || exr_attr_get_rational(o->exr, o->part, "framesPerSecond", &rate))
-        return 0.0;
-    return rate.num > 0 && rate.denom > 0 ? (double) rate.num / rate.denom
-                                          : 0.0;
-}
-
-bool gp_frame_real(const struct gp_frame *f, const char *name, double *v)
-{
-    const struct gp_input *const o = gp_input_of(f);
-    float found;
-    if (!o || exr_attr_get_float(o->exr, o->part, name, &found) ||
-        !isfinite(found))
-        return false;
-    *v = (double) found;
-    return true;
-}
-
-bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2])
-{
-    const struct gp_input *const o = gp_input_of(f);
-    exr_attr_v2f_t found;
-    if (!o || exr_attr_get_v2f(o->exr, o->part, name, &found) ||
-        !isfinite(found.x) || !isfinite(found.y))
-        return false;
-    v[0] = (double) found.x;
-    v[1] = (double) found.y;
-    return true;
 }

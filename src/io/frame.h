@@ -99,22 +99,13 @@ const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
 
 /* -- attributes of an EXR ------------------------------------------------- */
 
-/* A 4x4 matrix attribute (m44f or m44d) of the frame's colour part, else of
- * the first part that has it: m[4 * row + column], row vectors, as stored.
- * false, with m as it was, when there is none. */
-bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16]);
-
-/* Frames a second by the attribute framesPerSecond, a rational number; 0 where
- * there is none that is positive. */
-double gp_frame_rate(const struct gp_frame *f);
-
-/* A float attribute of the frame's colour part, finite; false, with v as it
- * was, where there is none. */
-bool gp_frame_real(const struct gp_frame *f, const char *name, double *v);
-
-/* Reads a v2f attribute of the frame's part, of finite values; false: none, v
- * stays. */
-bool gp_frame_pair(const struct gp_frame *f, const char *name, double v[2]);
+/* Reads `n` numbers of an attribute of the frame's colour part, else of the
+ * first part that has it: 1 of a float or a rational number, 2 of a v2f, 16 of
+ * a matrix (m44f or m44d), v[4 * row + column], row vectors, as stored. False,
+ * with v as it was, where there is none or, but for a matrix, it is not finite.
+ */
+bool gp_frame_numbers(const struct gp_frame *f, const char *name, int n,
+                      double *v);
 
 /* A string attribute of the frame's colour part, from gp_alloc(); NULL where
  * there is none, or memory is full. */

@@ -68,9 +68,8 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
 
 /* -- PNG ------------------------------------------------------------------- */
 
-/* Opens a PNG of any colour type, depth and interlacing.
+/* Reads a PNG of any colour type, depth and interlacing.
  *
- *   stream  stays the caller's and must live until gp_decoded_close()
  *   part    must be 0: there is one picture
  *   out     written only on GP_OK. Channels Y, YA, RGB or RGBA: palettes and
  *           transparent colours are resolved, alpha is associated as
@@ -80,12 +79,9 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
  *           without gAMA, else its gamma to two digits. Text chunks and the
  *           time are attributes; profiles, XMP and Exif are not looked at
  *
- * Memory is that of a block of rows, with interlacing of all rows, and what
- * libpng holds of other chunks, which is bounded.
- *
- * Errors, also of rows(): GP_ERR_DATA truncated, a chunk's checksum or data are
- * wrong (the last rows() reads on to IEND), over max_pixels; GP_ERR_IO cannot
- * be read; GP_ERR_BUG out of memory.
+ * Errors: GP_ERR_DATA truncated, a chunk's checksum or data are wrong, also
+ * after the pixels, over max_pixels; GP_ERR_IO cannot be read; GP_ERR_BUG out
+ * of memory.
  * Source: W3C PNG (third edition). */
 GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
@@ -106,8 +102,7 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 
 /* -- PFM ------------------------------------------------------------------- */
 
-/* Writes unclamped values over black, in the
- * display window. */
+/* As gp_png_open(); writing, values over black that are not clamped. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
                                     long long max_pixels, struct gp_decoded *out);
@@ -135,16 +130,96 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* -- temporary files ------------------------------------------------------- */
+/* -- a frame's planes as a picture of its display window ------------------- */
 
-/* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
- * cut where the whole would be longer than a file name may be. From malloc,
- * NULL when memory is full. */
-char *gp_file_temp_name(const char *path, int nth);
+/* Makes linear light or encoded values codes 0 .. max. */
+struct gp_quantizer {
+    int max;            // 255 or 65535
+    bool curve, dither; // sRGB's; without it values are encoded already
+};
 
-/* -- folders --------------------------------------------------------------- */
+/* Makes n samples codes. NaN and values below 0 become 0, values over 1 the
+ * largest.
+ *
+ * Without dither the nearest code: with the curve exactly
+ * (int) (gp_srgb_encode(value[i]) * max + 0.5f) for every float. With it
+ * floor(encoded * max + d), where d in [0, 1) depends on the pixel's place
+ * only, so a picture has the same bytes whoever writes it, and grey stays
+ * grey. Over an area of one value the mean of the codes is the encoded value.
+ *
+ *   x, y  place of value[0] in the picture
+ *
+ * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
+ * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
+ * so that its low bits count in wide pictures too. */
+void gp_quantize(const struct gp_quantizer *q, const float *value, int x, int y,
+                 uint16_t *code, size_t n);
 
-/* Makes every missing folder above `path`; 0, or -1 with errno set. */
-int gp_file_make_folders(const char *path);
+/* Scratch for one row. */
+struct gp_picture_row {
+    uint16_t *code[4];  // width codes of each channel
+    float *linear[4];   // the same as values, for gp_picture_floats()
+};
+
+struct gp_picture {
+    int width, height;  // of the display window
+    int channels;       // 3, or 4 with alpha
+    int bits;           // of a code, 8 or 16
+    bool associated;    // codes of colour are not divided by alpha
+    const struct gp_frame *f;
+    const struct gp_planes *planes;
+    float *alpha;       // of the data window, or NULL
+    struct gp_quantizer quantizer;
+};
+
+/* Prepares rows of `planes`.
+ *
+ *   p     depth_bits, dither and alpha are used. Without GP_ALPHA_BLACK, and
+ *         with an alpha channel beside the colour, the picture has four
+ *         channels
+ *   kind  GP_PICTURE_ENCODED planes become codes without a curve
+ *   out   empty on failure; free with gp_picture_free()
+ *
+ * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
+ * pixels (those of files are bounded by --max-pixels when they are read);
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_picture *out);
+void gp_picture_free(struct gp_picture *pic);
+
+/* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
+ * any order. `row` is scratch of this call only, for gp_picture_codes() or
+ * gp_picture_floats(); it starts with an earlier row's content. A body writes
+ * nothing that another y reads and prints nothing. Errors: GP_ERR_BUG out of
+ * memory; then no body has run. */
+typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
+GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
+    const struct gp_picture *pic, gp_picture_body body, void *ctx);
+
+/* Row y of the display window, 0 at its top, as codes in row->code: sRGB, or
+ * what an encoded picture has.
+ * Pixels outside the data window are 0 in all channels.
+ *
+ * With alpha the colours are not associated, as PNG wants them. A pixel may
+ * hold more light than its opacity A lets through, above all where A is 0 and
+ * glare shines over an empty background. Alpha is raised to the largest
+ * component there: a = max(A, R, G, B), each clamped to [0, 1], so that
+ * colour / a stays within 1 and the picture put over black is, pixel by
+ * pixel, the picture without alpha. With GP_ALPHA_ASSOCIATED the colours are
+ * those of the picture without alpha, with A beside them. */
+void gp_picture_codes(const struct gp_picture *pic, int y,
+                      struct gp_picture_row *row);
+
+/* The same row as values as they are, associated alpha, in row->linear. */
+void gp_picture_floats(const struct gp_picture *pic, int y,
+                       struct gp_picture_row *row);
+
+/* The same row as interleaved samples: codes of 1 or 2 bytes, in big-endian
+ * order or not, or little-endian floats of 4. */
+void gp_picture_samples(const struct gp_picture *pic, int y,
+                        struct gp_picture_row *row, size_t bytes, bool big,
+                        uint8_t *to);
 
 #endif

@@ -1,4 +1,3 @@
-#include "io/picture.h"
 
 #include "core/bytes.h"
 #include "core/colour.h"
@@ -9,6 +8,7 @@
 #include "io/channels.h"
 #include "io/io_priv.h"
 
+#include <endian.h>
 #include <limits.h>
 #include <math.h>
 #include <string.h>
@@ -19,38 +19,6 @@
 
 enum { BLOCK = 128 }; // samples at a time, in the first cache
 enum { ONE = 0x3f800000, INF = 0x7f800000 }; // bits of 1.0f and INFINITY
-
-static int plain_code(float linear, int max)
-{
-    return (int) (gp_srgb_encode(linear) * (float) max + 0.5f);
-}
-
-gp_status gp_quantizer_make(const struct gp_log *log, int bits, bool curve,
-                            bool dither, struct gp_quantizer *out)
-{
-    struct gp_quantizer q = {
-        .max = (1 << bits) - 1, .curve = curve, .dither = dither,
-    };
-    *out = q;
-    if (dither || !curve)
-        return GP_OK;
-    const gp_status st = gp_alloc(log, "sRGB table", (size_t) q.max + 2,
-                                  sizeof *q.least, &q.least);
-    if (st)
-        return st;
-    q.least[0] = 0;
-    for (int c = 1; c <= q.max; c++) { // steps from the curve's inverse
-        float x = gp_srgb_decode(((float) c - 0.5f) / (float) q.max);
-        while (plain_code(x, q.max) >= c)
-            x = nextafterf(x, 0.0f);
-        while (plain_code(x, q.max) < c)
-            x = nextafterf(x, 2.0f);
-        q.least[c] = (int32_t) gp_bits_of(x);
-    }
-    q.least[q.max + 1] = INT32_MAX;
-    *out = q;
-    return GP_OK;
-}
 
 /* Compares the bits of floats: those of values >= 0 ascend with the values, and
  * the compiler vectorises integer selects but must keep branches for float
@@ -103,19 +71,6 @@ static INLINE void encode_block(const float *restrict x, float max,
     }
 }
 
-/* Nearest codes of v; corrects those that the curve's estimate x -> v missed,
- * by one, where there is a table. */
-static INLINE void round_block(const float *x, const float *v,
-                               const int32_t *least, uint16_t *code, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        code[i] = (uint16_t) (int32_t) (v[i] + 0.5f);
-    for (size_t i = 0; i < n && least; i++) {
-        const int32_t c = code[i], b = (int32_t) gp_bits_of(x[i]);
-        code[i] = (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
-    }
-}
-
 /* Jimenez: fract(52.9829189 * fract(0.06711056 x + 0.00583715 y)), with
  * fractions as 32-bit numbers that wrap by themselves. */
 static const uint32_t noise_x = 288237660u;   // 0.06711056 * 2^32
@@ -146,14 +101,15 @@ GP_CLONES void gp_quantize(const struct gp_quantizer *q, const float *value,
         const size_t m = n - i < BLOCK ? n - i : BLOCK;
         for (size_t k = 0; k < m; k++)
             in[k] = clamp_by_bits(value[i + k]);
-        for (size_t k = 0; k < m && !q->curve; k++)
-            v[k] = in[k] * max;
-        if (q->curve)
+        if (q->curve && q->dither)
             encode_block(in, max, v, m);
+        else
+            for (size_t k = 0; k < m; k++)
+                v[k] = (q->curve ? gp_srgb_encode(in[k]) : in[k]) * max;
         if (q->dither)
             dither_block(v, inner, code + i, m);
-        else
-            round_block(in, v, q->least, code + i, m);
+        for (size_t k = 0; k < m && !q->dither; k++)
+            code[i + k] = (uint16_t) (int32_t) (v[k] + 0.5f);
     }
 }
 
@@ -164,10 +120,9 @@ static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
 
 gp_status gp_picture_make(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
-    const struct gp_planes *planes, enum gp_picture_kind kind, bool codes,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_picture *out)
 {
-    gp_status st;
     const struct gp_rect d = f->display;
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
     const int channel = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
@@ -180,27 +135,26 @@ gp_status gp_picture_make(const struct gp_log *log,
     *out = (struct gp_picture) {
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
         .bits = p->depth_bits, .f = f, .planes = planes,
-        .associated = p->alpha == GP_ALPHA_ASSOCIATED,
+        .associated = p->alpha == GP_ALPHA_ASSOCIATED, .quantizer = {
+            .max = (1 << p->depth_bits) - 1,
+            .curve = kind != GP_PICTURE_ENCODED,
+            .dither = p->dither == GP_DITHER_ALWAYS ||
+                      (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
+        },
     };
-    if (channel >= 0) {
-        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *out->alpha,
-                        &out->alpha));
+    if (channel < 0)
+        return GP_OK;
+    const gp_status st = gp_alloc(log, "alpha", gp_frame_pixels(f),
+                                  sizeof *out->alpha, &out->alpha);
+    if (st)
+        *out = (struct gp_picture) {0};
+    else
         gp_channel_floats(f, channel, out->alpha);
-    }
-    if (codes)
-        GP_TRY(gp_quantizer_make(log, p->depth_bits,
-            kind != GP_PICTURE_ENCODED, p->dither == GP_DITHER_ALWAYS ||
-            (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
-            &out->quantizer));
-    return GP_OK;
-out:
-    gp_picture_free(out);
     return st;
 }
 
 void gp_picture_free(struct gp_picture *pic)
 {
-    gp_free(pic->quantizer.least);
     gp_free(pic->alpha);
     *pic = (struct gp_picture) {0};
 }
@@ -314,5 +268,29 @@ void gp_picture_floats(const struct gp_picture *pic, int y,
         const float *from = c < 3 ? pic->planes->c[c] : pic->alpha;
         memcpy(row->linear[c] + s.x, from + s.at, s.n * sizeof *from);
         clear_around(row->linear[c], sizeof(float), s, (size_t) pic->width);
+    }
+}
+
+void gp_picture_samples(const struct gp_picture *pic, int y,
+                        struct gp_picture_row *row, size_t bytes, bool big,
+                        uint8_t *to)
+{
+    const size_t n = (size_t) pic->channels, w = (size_t) pic->width;
+    if (bytes == 4)
+        gp_picture_floats(pic, y, row);
+    else
+        gp_picture_codes(pic, y, row);
+    for (size_t c = 0; c < n; c++) {
+        for (size_t x = 0; bytes == 1 && x < w; x++)
+            to[x * n + c] = (uint8_t) row->code[c][x];
+        for (size_t x = 0; bytes == 2 && x < w; x++) {
+            const uint16_t code = row->code[c][x];
+            const uint16_t put = big ? htobe16(code) : htole16(code);
+            memcpy(to + 2 * (x * n + c), &put, sizeof put);
+        }
+        for (size_t x = 0; bytes == 4 && x < w; x++) {
+            const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
+            memcpy(to + 4 * (x * n + c), &bits, sizeof bits);
+        }
     }
 }

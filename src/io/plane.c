@@ -5,6 +5,7 @@
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -243,11 +244,6 @@ static gp_status search_depth(const struct gp_log *log, const struct list *list,
                 p < 0 ? list->seen_colour : list->colour, &i);
         if (i < 0)
             continue;
-        if (list->view && p == 0)
-            gp_say(log, GP_LEVEL_WARN,
-                   "%s: view %s has no depth: using %s of another view; choose "
-                   "with --depth or --depth-file", list->path, list->view,
-                   part->channel[i].name);
         *out = (struct place) {part, i};
     }
     return st;
@@ -263,8 +259,9 @@ static void full_name(const struct list *list,
              named ? "." : "", channel);
 }
 
-/* True when the depth is in another layer around it than the colour, where that
- * is in one: A.Depth.Z for B.Combined.R. */
+/* True when the depth is of another view in the colour's part, or in another
+ * layer around it than the colour, where that is in one: A.Depth.Z for
+ * B.Combined.R. */
 static bool of_other_layer(const struct list *list,
                            const struct place *at)
 {
@@ -276,8 +273,10 @@ static bool of_other_layer(const struct list *list,
     const size_t n = word   ? gp_last_part(depth, (size_t) (word - depth))
                      : last ? gp_last_part(depth, last - 1) : 0;
     const size_t own = gp_last_part(colour, strlen(colour));
-    return n > 0 && own > 0 && gp_last_part(colour, own - 1) > 0 &&
-           strncmp(colour, depth, n) != 0;
+    const bool in_view = !list->view || at->part != list->part ||
+                         list->bare.name[at->channel][0];
+    return !in_view || (n > 0 && own > 0 && gp_last_part(colour, own - 1) > 0 &&
+                        strncmp(colour, depth, n) != 0);
 }
 
 /* The only channel of the file; beside others, alpha is no depth. */
@@ -338,22 +337,20 @@ static gp_status pick(const struct gp_log *log,
                                "(it has %s); name one with --mask",
                        list->path, names);
     // warns of what the user of a frame may not expect
-    const char *const view = list->part[0].view;
     if (at.part && !own_file && at.part->deep) {
         gp_say(log, GP_LEVEL_WARN,
                "%s: only part %d has depth, and deep parts are not read; "
                "flatten it, with e.g. oiiotool --flatten", list->path,
                at.part->number);
         at = (struct place) {0};
-    } else if (at.part && !own_file && other_view(at.part->view, view)) {
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: view %s has no depth: using that of view %s; choose with "
-               "--depth or --depth-file", list->path, view, at.part->view);
-    } else if (at.part && !own_file && depth && of_other_layer(list, &at)) {
+    } else if (at.part && !own_file &&
+               (other_view(at.part->view, list->part->view) ||
+                (depth && of_other_layer(list, &at)))) {
         full_name(list, at.part, at.part->channel[at.channel].name, names);
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: the layer has no depth: using %s of another layer; choose "
-               "with --depth or --depth-file", list->path, names);
+        gp_say(log, GP_LEVEL_WARN, "%s: the colour's layer and view have no "
+               "%s: using %s of another; choose with %s", list->path,
+               depth ? "depth" : "coverage", names,
+               depth ? "--depth or --depth-file" : "--mask");
     }
     *out = at;
 out:
@@ -392,7 +389,8 @@ static gp_status from_part(const struct gp_log *log,
     gp_status st;
     float **to = NULL;
     struct gp_exr_chunks l;
-    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, p->max_pixels, &l));
+    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->number, p->max_pixels,
+                              &l));
     GP_TRY(make_samples(log, (struct gp_rect) {l.x0, l.y0, l.x0 + l.w,
                                                l.y0 + l.h}, out));
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
@@ -568,59 +566,43 @@ static bool find_siblings(const struct names *in, int of,
     return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
 }
 
-/* Finds a layer of that name among channels that begin as the first `skip`
- * bytes of the colour: directly in there, else the first deeper one. */
-static bool find_named(const struct names *in, size_t skip, const char *layer,
-                       const char *const last[3], struct three *out)
-{
-    char full[FULL], tail[64];
-    const size_t n = (size_t) snprintf(tail, sizeof tail, "%s.%s", layer,
-                                       last[0]);
-    bool found = false;
-    for (int i = 0; i < in->n; i++) {
-        const char *const own = in->channel[i].name;
-        if (strcmp(own + gp_layer_length(own), last[0]) != 0)
-            continue;
-        within_part(in, own, full);
-        const size_t length = strlen(full);
-        if (length < skip + n || strncmp(full, in->colour, skip) != 0 ||
-            strcmp(full + length - n, tail) != 0)
-            continue;
-        const bool exact = length == skip + n;
-        int index[3];
-        if ((!exact && full[length - n - 1] != '.') ||
-            !find_siblings(in, i, last, index))
-            continue;
-        if (found && !exact) {
-            out->second = out->second < 0 ? i : out->second;
-            continue;
-        }
-        memcpy(out->index, index, sizeof index);
-        out->second = -1;
-        found = true;
-        if (exact)
-            return true;
-    }
-    return found;
-}
-
-/* Finds a layer in the colour's layer, in the layer around it, ..., anywhere. */
+/* Finds the layer that is nearest to the colour's: in it, in the layer around
+ * it, and so on; then the one whose names are best; then the first that is
+ * directly in there. */
 static bool find_three(const struct names *in,
                        const struct gp_layer_names *wanted, struct three *out)
 {
-    size_t skip = gp_layer_length(in->colour);
-    for (bool last = false; !last;) {
-        last = skip == 0;
-        for (int l = 0; wanted->layer[l]; l++) {
-            for (int k = 0; k < 3; k++) {
-                if (find_named(in, skip, wanted->layer[l], wanted->channel[k],
-                               out))
-                    return true;
+    enum { SETS = 3, KINDS = SETS * 8 }; // layers of names, sets of channels
+    int best = INT_MAX;
+    for (int i = 0; i < in->n; i++) {
+        char full[FULL], tail[64];
+        within_part(in, in->channel[i].name, full);
+        const size_t length = strlen(full);
+        for (int kind = 0; wanted->layer[kind / SETS]; kind++) {
+            const char *const *const last = wanted->channel[kind % SETS];
+            const size_t n = (size_t) snprintf(tail, sizeof tail, "%s.%s",
+                wanted->layer[kind / SETS], last[0]);
+            if (length < n || strcmp(full + length - n, tail) != 0 ||
+                (length > n && full[length - n - 1] != '.'))
+                continue;
+            size_t skip = gp_layer_length(in->colour);
+            int steps = 0; // out of the colour's layer, until it is in that
+            for (; skip + n > length || strncmp(full, in->colour, skip) != 0;
+                 steps++)
+                skip = gp_last_part(in->colour, skip - 1);
+            const int rank = 2 * (steps * KINDS + kind) + (length > skip + n);
+            int index[3];
+            if (rank > best || !find_siblings(in, i, last, index))
+                continue;
+            if (rank == best) {
+                out->second = out->second < 0 ? i : out->second;
+                continue;
             }
+            *out = (struct three) {{index[0], index[1], index[2]}, -1};
+            best = rank;
         }
-        skip = gp_last_part(in->colour, skip - (skip > 0));
     }
-    return false;
+    return best < INT_MAX;
 }
 
 /* Names a part's channels, those of the colour's part within its view. */

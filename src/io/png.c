@@ -7,7 +7,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
-#include "io/picture.h"
 
 #include <errno.h>
 #include <libdeflate.h>
@@ -26,13 +25,7 @@ static void on_warning(png_structp png, png_const_charp message)
 // -- reading ------------------------------------------------------------------
 
 enum {
-    /* Memory that libpng may take: three rows of its widest picture, texts
-     * and profiles, and copies of what is in the file. It bounds each chunk
-     * that it unpacks, but lets there be a thousand, and trusts declared
-     * lengths. */
-    MOST_BYTES = 48 << 20, COPIES = 4,
-    WIDEST = 1000000,          // pixels a side that libpng reads by default
-    DEFLATE_MOST = 1032,       // bytes that a byte of a deflated stream becomes
+    MOST_TEXTS = 64,           // a file's: each may unpack to 8 MB
 };
 
 struct png_input {
@@ -41,7 +34,6 @@ struct png_input {
     uint64_t at;               // in the stream
     const struct gp_log *log;
     gp_status st;              // its line is printed
-    size_t taken;              // bytes that libpng got, with those it gave back
     png_structp png;
     png_infop info;
     size_t stride;             // bytes of a row
@@ -79,28 +71,6 @@ static void on_read_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-static void *allocate(png_structp png, png_alloc_size_t bytes)
-{
-    struct png_input *in = png_get_mem_ptr(png);
-    void *p = NULL;
-    const uint64_t most = MOST_BYTES + COPIES * in->stream->size;
-    if (!in->st && bytes > most - in->taken)
-        in->st = gp_fail(in->log, GP_ERR_DATA,
-                         "%s: damaged (its chunks declare, or unpack to, over "
-                         "%llu bytes); render the file again", in->path,
-                         (unsigned long long) most);
-    in->taken += in->st ? 0 : bytes;
-    if (!in->st)
-        in->st = gp_alloc(in->log, in->path, bytes, 1, &p);
-    return p;
-}
-
-static void release(png_structp png, void *p)
-{
-    (void) png;
-    gp_free(p);
-}
-
 /* Checks the header against the limits, before memory is taken for pixels. */
 static gp_status check_size(const struct png_input *in, long long max_pixels)
 {
@@ -113,17 +83,6 @@ static gp_status check_size(const struct png_input *in, long long max_pixels)
                                    (int64_t) h, max_pixels);
     if (st)
         return st;
-    if (w > WIDEST || h > WIDEST)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: too large (%lu x %lu pixels; a PNG is read up to "
-                       "%d a side); cut it, or write another format",
-                       in->path, w, h, WIDEST);
-    if (png_get_rowbytes(in->png, in->info) * h / DEFLATE_MOST >
-        in->stream->size)
-        return gp_fail(in->log, GP_ERR_DATA,
-                       "%s: damaged (%llu bytes cannot hold %lu x %lu "
-                       "pixels); copy or render the file again", in->path,
-                       (unsigned long long) in->stream->size, w, h);
     if (x <= -far || x >= far || y <= -far || y >= far)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: damaged (an offset of %d, %d pixels); render the "
@@ -182,8 +141,7 @@ static gp_status read_all(struct png_input *in, long long max_pixels)
 {
     png_structp png = in->png;
     png_set_read_fn(png, in, read_bytes);
-    // check_size() reports sizes over the library's own limits
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_chunk_cache_max(png, MOST_TEXTS);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, in->info);
     png_set_expand(png);
@@ -279,8 +237,8 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
         return st;
     *in = (struct png_input) {.path = path, .stream = stream, .log = log};
     struct gp_decoded image = {.path = path, .close = close_input, .own = in};
-    in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in, on_read_error,
-        on_warning, in, allocate, release);
+    in->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, in, on_read_error,
+                                     on_warning);
     if (in->png)
         in->info = png_create_info_struct(in->png);
     if (!in->info && !in->st)
@@ -313,21 +271,11 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
 
 // -- writing ------------------------------------------------------------------
 
-/* Every row has filter 1, Sub. CPU milliseconds of filter and deflate, and
- * megabytes, for 8-bit pictures:
- *
- *                            light sources    rendered night   photograph
- *                            1920x1080        960x540          587x675
- *   adaptive, zlib 6         480 ms 0.89 MB   77 ms 1.00 MB   162 ms 0.45 MB
- *   (as libpng does it)
- *   Sub, libdeflate 1         33    0.85      16    1.02       10    0.53
- *   Sub, libdeflate 3         51    0.75      25    1.00       20    0.52
- *   Sub, libdeflate 6        117    0.68      28    1.00       40    0.50
- *   Paeth, libdeflate 3       93    0.97      32    1.03       27    0.47
- *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47
- *
- * One stream of level 1: pieces of level 3, packed by all threads, made whole
- * runs on two cores 4 to 16 % longer. */
+/* Every row has filter 1, Sub, in one stream of level 1: of a rendered night of
+ * 960x540 that is 16 ms of CPU and 1.02 MB. Adaptive filters and zlib's level 6,
+ * as libpng has them, take 77 ms and 1.00 MB, level 6 of libdeflate 28 ms and
+ * 1.00 MB. Pieces of level 3, packed by all threads, made runs 4 to 16 %
+ * longer. */
 enum { FILTER_SUB = 1, LEVEL = 1, CHUNK_MOST = 1 << 30 };
 
 struct filtering {
@@ -336,32 +284,18 @@ struct filtering {
     size_t stride;     // filter type and samples
 };
 
-/* Codes of 16 bits have their high byte first; the filter is on bytes. */
+/* The filter is on bytes, each after that of the pixel before. */
 static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct filtering *const f = ctx;
-    const size_t n = (size_t) f->pic->channels, w = (size_t) f->pic->width;
+    const size_t bytes = (size_t) f->pic->bits / 8;
+    const size_t step = (size_t) f->pic->channels * bytes;
     uint8_t *const line = f->to + (size_t) y * f->stride;
     uint8_t *const to = line + 1;
-    gp_picture_codes(f->pic, y, row);
+    gp_picture_samples(f->pic, y, row, bytes, true, to);
     line[0] = FILTER_SUB;
-    for (size_t c = 0; c < n; c++) {
-        const uint16_t *const code = row->code[c];
-        uint16_t before = 0;
-        if (f->pic->bits == 8) {
-            for (size_t x = 0; x < w; x++) {
-                to[x * n + c] = (uint8_t) (code[x] - before);
-                before = code[x];
-            }
-            continue;
-        }
-        for (size_t x = 0; x < w; x++) {
-            const uint16_t v = code[x];
-            to[2 * (x * n + c)] = (uint8_t) ((v >> 8) - (before >> 8));
-            to[2 * (x * n + c) + 1] = (uint8_t) (v - before);
-            before = v;
-        }
-    }
+    for (size_t i = f->stride - 2; i >= step; i--)
+        to[i] = (uint8_t) (to[i] - to[i - step]);
 }
 
 /* State of libpng's callbacks. */
@@ -377,11 +311,6 @@ static void write_bytes(png_structp png, png_bytep data, size_t n)
     t->st = gp_file_write(t->file, data, n);
     if (t->st)
         png_error(png, "write");
-}
-
-static void flush_nothing(png_structp png)
-{
-    (void) png;
 }
 
 static void on_write_error(png_structp png, png_const_charp message)
@@ -469,7 +398,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
         return t->st ? t->st
                      : gp_no_memory_bare(t->log, "PNG");
     }
-    png_set_write_fn(png, t, write_bytes, flush_nothing);
+    png_set_write_fn(png, t, write_bytes, NULL);
     png_set_benign_errors(png, 1); // of odd primaries: a file without them
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(png, info, (png_uint_32) pic->width,
@@ -518,7 +447,7 @@ gp_status gp_png_write(const struct gp_log *log,
     uint8_t *data = NULL;
     (void) stats;
     const struct tags tags = tags_of(p, frame, kind);
-    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, true, &pic));
+    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, &pic));
     f.stride = 1 + (size_t) pic.width * (size_t) pic.channels *
                    (size_t) (pic.bits / 8);
     const size_t n = f.stride * (size_t) pic.height;

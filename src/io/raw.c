@@ -2,22 +2,20 @@
  *
  * PFM, by P. Debevec: "PF" for three floats a pixel or "Pf" for one, width,
  * height, and a scale, which is negative where the floats are little-endian;
- * one white space; rows from the bottom. As netpbm's readers do, comments may
- * be in the header, and samples are multiplied by the scale. */
+ * one white space; rows from the bottom. As netpbm's readers do, multiplies
+ * samples by the scale. */
 #include "core/bytes.h"
 #include "core/memory.h"
 #include "io/file.h"
 #include "io/io_priv.h"
-#include "io/picture.h"
 
-#include <endian.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADER_BYTES = 4096 }; // at most
+enum { HEADER_BYTES = 64 }; // at most
 
 struct header {
     int width, height, channels;
@@ -28,35 +26,20 @@ struct header {
 /* Returns false when the bytes are no header. */
 static bool parse_header(const uint8_t *data, size_t size, struct header *h)
 {
-    size_t at = 2;
-    char word[3][32] = {{0}}, *end[3];
-    for (int i = 0; i < 3; i++) { // after white space and comments
-        bool comment = false;
-        for (; at < size; at++) {
-            comment = comment ? data[at] != '\n' : data[at] == '#';
-            if (!comment && !(data[at] == ' ' ||
-                              (data[at] >= '\t' && data[at] <= '\r')))
-                break;
-        }
-        for (size_t n = 0; at < size && data[at] > ' '; at++) {
-            if (n + 1 < sizeof word[i])
-                word[i][n++] = (char) data[at];
-        }
-        if (!word[i][0])
-            return false;
-    }
-    const long width = strtol(word[0], &end[0], 10);
-    const long height = strtol(word[1], &end[1], 10);
-    *h = (struct header) {
-        .channels = data[1] == 'F' ? 3 : 1, .bytes = at + 1,
-        .scale = strtof(word[2], &end[2]),
-    };
-    if (at >= size || *end[0] || *end[1] || *end[2] || width < 1 ||
-        height < 1 || width > INT_MAX || height > INT_MAX ||
-        !isfinite(h->scale) || h->scale == 0.0f)
+    char text[HEADER_BYTES] = "", *at = text;
+    if (size < 3)
         return false;
-    h->width = (int) width;
-    h->height = (int) height;
+    memcpy(text, data + 2, size - 2 < sizeof text ? size - 2 : sizeof text - 1);
+    const long width = strtol(at, &at, 10), height = strtol(at, &at, 10);
+    const float scale = strtof(at, &at);
+    if (width < 1 || height < 1 || width > INT_MAX || height > INT_MAX ||
+        !isfinite(scale) || scale == 0.0f || !*at ||
+        !strchr(" \t\n\v\f\r", *at))
+        return false;
+    *h = (struct header) {
+        (int) width, (int) height, data[1] == 'F' ? 3 : 1, scale,
+        2 + (uint64_t) (at - text) + 1,
+    };
     return true;
 }
 
@@ -157,38 +140,18 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
 
 struct gathering {
     const struct gp_picture *pic;
-    enum gp_raw_format raw;
     size_t bytes; // of a sample
-    bool from_bottom;
+    bool big, from_bottom;
     uint8_t *to;
 };
 
 static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct gathering *const g = ctx;
-    const size_t w = (size_t) g->pic->width, bytes = g->bytes;
+    const size_t stride = (size_t) g->pic->width * 3 * g->bytes;
     const int line = g->from_bottom ? g->pic->height - 1 - y : y;
-    const int low = g->raw == GP_RAW_RGB48BE ? 1 : 0;
-    uint8_t *to = g->to + (size_t) line * w * 3 * bytes;
-    if (g->raw == GP_RAW_RGBF32LE) {
-        gp_picture_floats(g->pic, y, row);
-        for (size_t x = 0; x < w; x++) {
-            for (size_t c = 0; c < 3; c++, to += 4) {
-                const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
-                memcpy(to, &bits, sizeof bits);
-            }
-        }
-        return;
-    }
-    gp_picture_codes(g->pic, y, row);
-    for (size_t x = 0; x < w; x++) {
-        for (size_t c = 0; c < 3; c++, to += bytes) {
-            const uint16_t code = row->code[c][x];
-            to[low] = (uint8_t) code;
-            if (bytes == 2)
-                to[1 - low] = (uint8_t) (code >> 8);
-        }
-    }
+    gp_picture_samples(g->pic, y, row, g->bytes, g->big,
+                       g->to + (size_t) line * stride);
 }
 
 /* Writes samples of p->raw over black: a raw frame, whose size `frames` checks,
@@ -207,8 +170,7 @@ static gp_status write_samples(const struct gp_log *log,
                           : p.raw == GP_RAW_RGBF32LE ? 4 : 2;
     p.depth_bits = sample == 1 ? 8 : 16;
     p.alpha = GP_ALPHA_BLACK;
-    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind,
-                           p.raw != GP_RAW_RGBF32LE, &pic));
+    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind, &pic));
     if (frames && frames->w &&
         (frames->w != pic.width || frames->h != pic.height))
         GP_TRY(gp_fail(log, GP_ERR_DATA,
@@ -220,7 +182,8 @@ static gp_status write_samples(const struct gp_log *log,
         *frames = (struct gp_raw_size) {pic.width, pic.height};
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
-    struct gathering g = {&pic, p.raw, sample, !frames, bytes};
+    struct gathering g = {&pic, sample, p.raw == GP_RAW_RGB48BE, !frames,
+                          bytes};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p.create_dir, &file));
     const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",

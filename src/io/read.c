@@ -2,6 +2,7 @@
 
 #include "core/bytes.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
@@ -37,32 +38,22 @@ static const struct {
     {"BMP", "BM", 2, 0},
     {"SGI", "\x01\xda", 2, 0},
     // not read
-    {"AVI movie", "AVI ", 4, 8},
-    {"RIFF", "RIFF", 4, 0},
     {"Cineon", "\x80\x2a\x5f\xd7", 4, 0},
     {"Cineon", "\xd7\x5f\x2a\x80", 4, 0},
     {"GIF", "GIF8", 4, 0},
-    {"Windows cursor", "\0\0\2\0\1", 5, 0},
     {"JPEG 2000", "\0\0\0\x0cjP", 6, 0},
     {"JPEG 2000", "\xff\x4f\xff\x51", 4, 0},
     {"JPEG XL", "\0\0\0\x0cJXL", 7, 0},
     {"JPEG XL", "\xff\x0a", 2, 0},
     {"Photoshop", "8BPS", 4, 0},
-    {"Softimage PIC", "\x53\x80\xf6\x34", 4, 0},
-    {"FITS", "SIMPLE", 6, 0},
     {"HEIF", "ftyphe", 6, 4},
-    {"HEIF", "ftypmif1", 8, 4},
     {"AVIF", "ftypavi", 7, 4},
     {"QuickTime or MP4 movie", "ftyp", 4, 4},
-    {"QuickTime or MP4 movie", "moov", 4, 4},
-    {"QuickTime or MP4 movie", "mdat", 4, 4},
     {"Matroska or WebM movie", "\x1a\x45\xdf\xa3", 4, 0},
-    {"PAM", "P7\n", 3, 0},
     {"PDF", "%PDF", 4, 0},
     {"gzip", "\x1f\x8b", 2, 0},
     {"zip", "PK\x03\x04", 4, 0},
     {"web page", "<!DOC", 5, 0},
-    {"web page", "<html", 5, 0},
     {"git-lfs pointer", "version https://", 16, 0},
 };
 
@@ -156,7 +147,7 @@ const struct gp_reader gp_readers[] = {
 };
 
 /* Returns NULL for formats that are not read. */
-static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
+static const struct gp_reader *reader_of(const uint8_t *first, size_t n)
 {
     const char *const name = gp_format_name(first, n);
     const struct gp_reader *r = gp_readers;
@@ -165,49 +156,30 @@ static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
     return r->format ? r : NULL;
 }
 
-/* Returns "PNG", or the first bytes of unknown data. */
-static const char *found_text(const uint8_t *first, size_t n, char text[64])
-{
-    const char *const name = gp_format_name(first, n);
-    snprintf(text, 64, "unknown data, %02x %02x %02x %02x ...", first[0],
-             first[1], first[2], first[3]);
-    return name ? name : text;
-}
-
-static gp_status refuse(const struct gp_log *log, const char *path,
-                        const uint8_t first[GP_FIRST_BYTES], size_t n)
-{
-    char text[64];
-    return gp_fail(log, GP_ERR_DATA, "%s: not a format that glarepp reads "
-                   "(%s); convert it, e.g. with oiiotool", path,
-                   found_text(first, n, text));
-}
-
-/* Reads the first bytes of an open stream, which must be those of a format
- * that is read; closes it on failure. */
-static gp_status check_start(const struct gp_log *log, const char *path,
-                             struct gp_stream *stream, bool *exr)
+/* Finds the reader by a stream's first bytes. */
+static gp_status find_reader(const struct gp_log *log, const char *path,
+    const struct gp_stream *stream, const struct gp_reader **out)
 {
     uint8_t first[GP_FIRST_BYTES] = {0};
     const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
-    const size_t n = got < 0 ? 0 : (size_t) got, length = strlen(path);
+    if (got < 0)
+        return gp_stream_failed(log, path);
+    const size_t n = (size_t) got, length = strlen(path);
     const bool named_exr =
         length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
-    const struct gp_reader *const r = find_reader(first, n);
+    const char *found = gp_format_name(first, n);
     char text[64];
-    gp_status st = GP_OK;
-    *exr = r == gp_readers;
-    if (got < 0)
-        st = gp_stream_failed(log, path);
-    else if (!*exr && named_exr)
-        st = gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
-                     "it to its real ending, or give the EXR", path,
-                     found_text(first, n, text));
-    else if (!r)
-        st = refuse(log, path, first, n);
-    if (st)
-        gp_stream_close(stream);
-    return st;
+    snprintf(text, sizeof text, "unknown data, %02x %02x %02x %02x ...",
+             first[0], first[1], first[2], first[3]);
+    found = found ? found : text;
+    *out = reader_of(first, n);
+    if (*out != gp_readers && named_exr)
+        return gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
+                       "it to its real ending, or give the EXR", path, found);
+    return *out ? GP_OK
+                : gp_fail(log, GP_ERR_DATA, "%s: not a format that glarepp "
+                          "reads (%s); convert it, e.g. with oiiotool", path,
+                          found);
 }
 
 gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
@@ -216,26 +188,28 @@ gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
     // four float channels for each pixel, and a header
     const uint64_t most = UINT64_MAX / 32, pixels = (uint64_t) p->max_pixels;
     const uint64_t limit = (pixels < most ? pixels : most) * 16 + (1 << 26);
+    const struct gp_reader *r = NULL;
     gp_status st = gp_stream_open(log, path, GP_FIRST_BYTES, stream);
     if (!st)
-        st = check_start(log, path, stream, exr);
-    return st ? st : gp_stream_fill(log, path, limit, stream);
+        st = find_reader(log, path, stream, &r);
+    *exr = r == gp_readers;
+    if (!st)
+        return gp_stream_fill(log, path, limit, stream);
+    gp_stream_close(stream);
+    return st;
 }
 
 gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
     const struct gp_stream *stream, int part, struct gp_decoded *out)
 {
-    uint8_t first[GP_FIRST_BYTES] = {0};
-    const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
-    const size_t n = got < 0 ? 0 : (size_t) got;
-    const struct gp_reader *const r = find_reader(first, n);
-    if (r && r->open)
-        return r->open(log, path, stream, part, p->max_pixels, out);
-    if (r)
-        return gp_oiio_open(log, path, stream, r->oiio, part, p->max_pixels,
-                            out);
-    return refuse(log, path, first, n);
+    const struct gp_reader *r;
+    const gp_status st = find_reader(log, path, stream, &r);
+    if (st)
+        return st;
+    return r->open ? r->open(log, path, stream, part, p->max_pixels, out)
+                   : gp_oiio_open(log, path, stream, r->oiio, part,
+                                  p->max_pixels, out);
 }
 
 gp_status gp_read_stream(const struct gp_log *log,
@@ -244,10 +218,10 @@ gp_status gp_read_stream(const struct gp_log *log,
 {
     gp_status st;
     struct gp_decoded image = {0};
-    bool exr;
+    const struct gp_reader *r;
     int part = 0;
-    GP_TRY(check_start(log, path, stream, &exr));
-    if (exr)
+    GP_TRY(find_reader(log, path, stream, &r));
+    if (r == gp_readers)
         return gp_read_exr(log, p, path, stream, out);
     if (p->view)
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
@@ -308,11 +282,9 @@ static gp_status stream_views(const struct gp_log *log,
     struct gp_views *out)
 {
     struct gp_input *in = NULL;
-    bool exr;
-    gp_status st = check_start(log, path, stream, &exr);
-    if (st)
-        return st;
-    if (exr)
+    const struct gp_reader *r;
+    gp_status st = find_reader(log, path, stream, &r);
+    if (!st && r == gp_readers)
         st = gp_exr_open(log, path, stream, &in);
     else
         gp_stream_close(stream);
@@ -342,7 +314,7 @@ static gp_status find_members(const struct gp_log *log, const char *path,
         const uint8_t *const data = m->stream.data + at;
         const uint64_t left = end - at;
         const size_t n = left < GP_FIRST_BYTES ? (size_t) left : GP_FIRST_BYTES;
-        const struct gp_reader *const r = find_reader(data, n);
+        const struct gp_reader *const r = reader_of(data, n);
         uint64_t size = 0;
         if (r && r->length && r->length(data, left, &size))
             return gp_no_memory(log, path);
@@ -430,6 +402,53 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
         gp_exr_taken(in, f->part, name, out);
     else if (dot > 0)
         snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, name);
+}
+
+// -- the alpha of a picture ---------------------------------------------------
+
+static gp_status take_alpha(const struct gp_log *log,
+                            const struct gp_decoded *image,
+                            struct gp_coverage *out)
+{
+    struct gp_coverage a = {1, 1, NULL};
+    int channel = image->channels - 1;
+    while (channel >= 0 && strcmp(image->channel_name[channel], "A") != 0)
+        channel--;
+    if (channel >= 0) {
+        a.w = gp_rect_w(image->data);
+        a.h = gp_rect_h(image->data);
+    }
+    const size_t texels = (size_t) a.w * (size_t) a.h;
+    const gp_status st = gp_alloc(log, image->path, texels, sizeof *a.code,
+                                  &a.code);
+    if (st)
+        return st;
+    a.code[0] = GP_COVERED;
+    const float *v = image->pixels + channel;
+    for (size_t i = 0; i < texels && channel >= 0; i++, v += image->channels)
+        a.code[i] = (uint16_t) (gp_clamp01(*v) * (float) GP_COVERED + 0.5f);
+    *out = a;
+    return GP_OK;
+}
+
+gp_status gp_read_coverage(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, const void *bytes,
+    size_t n, long long most, struct gp_coverage *out)
+{
+    struct gp_read_params limits = gp_read_limits(p);
+    struct gp_stream stream = gp_stream_of(bytes, n);
+    struct gp_decoded image = {0};
+    gp_status st;
+    if (limits.max_pixels > most)
+        limits.max_pixels = most;
+    if (!bytes)
+        GP_TRY(gp_stream_open_regular(log, path, &stream));
+    GP_TRY(gp_read_image(log, &limits, path, &stream, 0, &image));
+    GP_TRY(take_alpha(log, &image, out));
+out:
+    gp_decoded_close(&image);
+    gp_stream_close(&stream);
+    return st;
 }
 
 // -- versions -----------------------------------------------------------------

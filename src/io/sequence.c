@@ -46,34 +46,6 @@ static size_t letter_bytes(const char *view)
     return n;
 }
 
-/* `p` with its places for views filled; NULL for `view` leaves them. The new
- * path is the caller's (free()); NULL when memory is full. */
-static char *name_with_views(const struct gp_pattern *p, const char *view,
-                        struct gp_pattern *out)
-{
-    const size_t places = view ? (size_t) p->views : 0;
-    char *const path = malloc(strlen(p->path) + places *
-                              (view ? strlen(view) : 0) + 1);
-    size_t to = 0, from = 0;
-    if (!path)
-        return NULL;
-    *out = *p;
-    out->path = path;
-    out->views = 0;
-    while (p->path[from]) {
-        const size_t n = places ? view_token(p->path + from) : 0;
-        const size_t bytes = !n ? 1 : p->path[from + 1] == 'V'
-                                ? strlen(view) : letter_bytes(view);
-        if (p->len && from == p->at)
-            out->at = to;
-        memcpy(path + to, n ? view : p->path + from, bytes);
-        to += bytes;
-        from += n ? n : 1;
-    }
-    path[to] = '\0';
-    return path;
-}
-
 // -- patterns ----------------------------------------------------------------
 
 /* Length of a %d or %0Nd at `s`, 0 when there is none; *digits is N or 1. */
@@ -138,23 +110,38 @@ gp_status gp_pattern_of_input(const struct gp_log *log, const char *path,
     return access(path, F_OK) == 0 ? GP_OK : gp_pattern_find(log, path, out);
 }
 
+/* gp_pattern_name(); *at is where the number starts. */
+static char *fill(const struct gp_pattern *p, int frame, const char *view,
+                  size_t *at)
+{
+    char number[24];
+    const int digits = snprintf(number, sizeof number, "%0*d", p->digits,
+                                frame);
+    const size_t views = view ? (size_t) p->views : 0;
+    char *const name = malloc(strlen(p->path) + sizeof number +
+                              (views ? views * strlen(view) : 0));
+    char *to = name;
+    for (const char *s = p->path; name && *s;) {
+        const bool place = p->len && s == p->path + p->at;
+        const size_t token = views && !place ? view_token(s) : 0;
+        const size_t n = place    ? (size_t) digits
+                         : !token ? 1
+                         : s[1] == 'V' ? strlen(view) : letter_bytes(view);
+        if (place)
+            *at = (size_t) (to - name);
+        memcpy(to, place ? number : token ? view : s, n);
+        to += n;
+        s += place ? p->len : token ? token : 1;
+    }
+    if (name)
+        *to = '\0';
+    return name;
+}
+
 char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view)
 {
-    struct gp_pattern filled;
-    char number[24];
-    char *const path = name_with_views(p, view, &filled);
-    if (!path || !filled.len)
-        return path;
-    const int n = snprintf(number, sizeof number, "%0*d", p->digits, frame);
-    const size_t tail = strlen(path + filled.at + filled.len) + 1;
-    char *const name = malloc(filled.at + (size_t) n + tail);
-    if (name) {
-        memcpy(name, path, filled.at);
-        memcpy(name + filled.at, number, (size_t) n);
-        memcpy(name + filled.at + n, path + filled.at + filled.len, tail);
-    }
-    free(path);
-    return name;
+    size_t at;
+    return fill(p, frame, view, &at);
 }
 
 // -- lists of frames ----------------------------------------------------------
@@ -303,9 +290,9 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
     const struct gp_pattern *p, const char *view, struct gp_frames *out)
 {
     gp_status st;
-    struct gp_pattern filled;
     struct gp_frames f = {0};
-    char *const path = name_with_views(p, view, &filled);
+    size_t at = 0;
+    char *const path = fill(p, 0, view, &at);
     const size_t start = path ? name_at(path) : 0;
     char *const name = start ? strndup(path, start) : gp_strdup(".");
     DIR *const folder = path && name ? opendir(name) : NULL;
@@ -316,7 +303,8 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: cannot list the folder (%s); check the path",
                        path, strerror(reason)));
-    const size_t head = filled.at - start;
+    const size_t head = at - start;
+    const char *const tail = path + at + p->digits;
     for (const struct dirent *e; (e = readdir(folder));) {
         int n = 0, number = 0;
         if (strncmp(e->d_name, path + start, head) != 0)
@@ -325,8 +313,8 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
         for (; n < GP_FRAME_DIGITS && is_digit(digits[n]); n++)
             number = 10 * number + (digits[n] - '0');
         // only names with the pattern's own padding match
-        if (n == 0 || strcmp(digits + n, path + filled.at + filled.len) != 0 ||
-            snprintf(NULL, 0, "%0*d", filled.digits, number) != n)
+        if (n == 0 || strcmp(digits + n, tail) != 0 ||
+            snprintf(NULL, 0, "%0*d", p->digits, number) != n)
             continue;
         if (f.n == GP_FRAME_LIST_MAX)
             GP_TRY(gp_fail(log, GP_ERR_USAGE,

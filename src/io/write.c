@@ -5,10 +5,8 @@
 #include "io/file.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
-#include "io/picture.h"
 
 #include <errno.h>
-#include <libdeflate.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -31,68 +29,63 @@ static write_picture write_by_helper;
  * readers either ignore it or take it as it is, so the colours are those over
  * black. */
 static const struct format {
-    const char *ending;
+    const char *ending[7]; // NULL ends
     write_picture *write;
     int bits;      // most bits of an integer sample; 0 holds none
     bool floats;
     enum gp_alpha alpha;
-    bool again;    // another ending of the format above
 } formats[] = {
-    {"exr", gp_exr_write_picture, 0, true, GP_ALPHA_KEEP, false},
-    {"png", gp_png_write, 16, false, GP_ALPHA_KEEP, false},
-    {"pfm", gp_pfm_write, 0, true, GP_ALPHA_BLACK, false},
-    {"raw", gp_raw_write, 16, true, GP_ALPHA_BLACK, false},
-    {"hdr", write_by_helper, 0, true, GP_ALPHA_BLACK, false},
-    {"rgbe", write_by_helper, 0, true, GP_ALPHA_BLACK, true},
-    {"tif", write_by_helper, 16, true, GP_ALPHA_KEEP, false},
-    {"tiff", write_by_helper, 16, true, GP_ALPHA_KEEP, true},
-    {"tx", write_by_helper, 8, false, GP_ALPHA_KEEP, true},
-    {"dpx", write_by_helper, 16, false, GP_ALPHA_ASSOCIATED, false},
-    {"tga", write_by_helper, 8, false, GP_ALPHA_KEEP, false},
-    {"tpic", write_by_helper, 8, false, GP_ALPHA_KEEP, true},
-    {"webp", write_by_helper, 8, false, GP_ALPHA_KEEP, false},
-    {"jpg", write_by_helper, 8, false, GP_ALPHA_BLACK, false},
-    {"jpeg", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"jpe", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"jfif", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"jif", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"jfi", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"bmp", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, false},
-    {"dib", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
-    {"ppm", write_by_helper, 8, false, GP_ALPHA_BLACK, false},
-    {"pgm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"pbm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"pnm", write_by_helper, 8, false, GP_ALPHA_BLACK, true},
-    {"sgi", write_by_helper, 16, false, GP_ALPHA_ASSOCIATED, false},
-    {"rgb", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
-    {"rgba", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
-    {"bw", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
-    {"int", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
-    {"inta", write_by_helper, 8, false, GP_ALPHA_ASSOCIATED, true},
+    {{"exr"}, gp_exr_write_picture, 0, true, GP_ALPHA_KEEP},
+    {{"png"}, gp_png_write, 16, false, GP_ALPHA_KEEP},
+    {{"pfm"}, gp_pfm_write, 0, true, GP_ALPHA_BLACK},
+    {{"raw"}, gp_raw_write, 16, true, GP_ALPHA_BLACK},
+    {{"hdr", "rgbe"}, write_by_helper, 0, true, GP_ALPHA_BLACK},
+    {{"tif", "tiff"}, write_by_helper, 16, true, GP_ALPHA_KEEP},
+    {{"tx"}, write_by_helper, 8, false, GP_ALPHA_KEEP},
+    {{"dpx"}, write_by_helper, 16, false, GP_ALPHA_ASSOCIATED},
+    {{"tga", "tpic"}, write_by_helper, 8, false, GP_ALPHA_KEEP},
+    {{"webp"}, write_by_helper, 8, false, GP_ALPHA_KEEP},
+    {{"jpg", "jpeg", "jpe", "jfif", "jif", "jfi"}, write_by_helper, 8, false,
+     GP_ALPHA_BLACK},
+    {{"bmp", "dib"}, write_by_helper, 8, false, GP_ALPHA_ASSOCIATED},
+    {{"ppm", "pgm", "pbm", "pnm"}, write_by_helper, 8, false, GP_ALPHA_BLACK},
+    {{"sgi"}, write_by_helper, 16, false, GP_ALPHA_ASSOCIATED},
+    {{"rgb", "rgba", "bw", "int", "inta"}, write_by_helper, 8, false,
+     GP_ALPHA_ASSOCIATED},
 };
 
 enum { ENDING_BYTES = 16 };
 
-/* Finds the format by the ending, or for stdout, pipes and devices without one
- * that of --stdout-format; NULL when there is none. Returns its ending. */
-static const struct format *find_format(const struct gp_write_params *p,
-    const char *path, char ending[ENDING_BYTES], bool *straight)
+/* What a path is written as. */
+struct target {
+    const struct format *format; // NULL: none
+    char ending[ENDING_BYTES];
+    bool straight; // stdout, a pipe or a device without an ending of its own
+};
+
+/* Finds the format by the ending, of straight targets by --stdout-format. */
+static struct target target_of(const struct gp_write_params *p,
+                               const char *path)
 {
     static const char *const of_stdout[] = {
 #define X(name, ending, text) ending,
         GP_STDOUT_LIST(X)
 #undef X
     };
-    gp_file_ending(path, ending, ENDING_BYTES);
-    *straight = !ending[0] && gp_file_is_straight(path);
-    if (*straight)
-        strcpy(ending, of_stdout[p->stdout_format]);
+    struct target t = {NULL};
+    gp_file_ending(path, t.ending, ENDING_BYTES);
+    t.straight = !t.ending[0] && gp_file_is_straight(path);
+    if (t.straight)
+        strcpy(t.ending, of_stdout[p->stdout_format]);
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-        if (strcmp(formats[i].ending, ending) == 0 &&
-            (formats[i].write != gp_raw_write || *straight))
-            return &formats[i];
+        const struct format *const f = &formats[i];
+        for (int k = 0; f->ending[k]; k++) {
+            if (strcmp(f->ending[k], t.ending) == 0 &&
+                (f->write != gp_raw_write || t.straight))
+                t.format = f;
+        }
     }
-    return NULL;
+    return t;
 }
 
 static bool is_tiff(const struct format *t)
@@ -122,16 +115,17 @@ static const char *tiff_compression(enum gp_compression c)
 /* Checks that the format takes these params. The line for no format lists the
  * endings that are written. */
 static gp_status check_format(const struct gp_log *log,
-    const struct gp_write_params *p, const char *path, const struct format *t,
-    const char *ending)
+    const struct gp_write_params *p, const char *path, const struct target *to)
 {
+    const struct format *const t = to->format;
+    const char *const ending = to->ending;
     char list[256] = "";
     if (!t) {
         size_t n = 0;
         for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-            if (!formats[i].again && formats[i].write != gp_raw_write)
+            if (formats[i].write != gp_raw_write)
                 n += (size_t) snprintf(list + n, sizeof list - n, "%s.%s",
-                                       n ? ", " : "", formats[i].ending);
+                                       n ? ", " : "", formats[i].ending[0]);
         }
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: unknown format (ending %s%s); end the name in one "
@@ -232,9 +226,8 @@ static gp_status write_by_helper(const struct gp_log *log,
 {
     static const char *const names[] = {"R", "G", "B", "A"};
     gp_status st;
-    char ending[ENDING_BYTES];
-    bool straight;
-    const struct format *const t = find_format(p, path, ending, &straight);
+    const struct target target = target_of(p, path);
+    const struct format *const t = target.format;
     (void) stats;
     struct gp_write_params own = *p;
     struct gp_picture pic = {0};
@@ -247,7 +240,7 @@ static gp_status write_by_helper(const struct gp_log *log,
     const bool scene = kind == GP_PICTURE_SCENE;
     const bool integer = is_tiff(t) ? p->type == GP_OUT_AUTO && !scene
                                     : !t->floats;
-    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, &pic));
     const size_t n = (size_t) pic.width * (size_t) pic.height *
                      (size_t) pic.channels;
     GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
@@ -267,7 +260,7 @@ static gp_status write_by_helper(const struct gp_log *log,
     const char *type = own.type == GP_OUT_HALF ? "half" : "float";
     if (integer)
         type = own.depth_bits == 16 ? "uint16" : "uint8";
-    GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, t->ending, type,
+    GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, target.ending, type,
                          is_tiff(t) ? tiff_compression(own.compression) : "",
                          &s));
     GP_TRY(copy_stream(log, file, &s));
@@ -284,19 +277,16 @@ out:
 
 bool gp_write_has_alpha(const struct gp_write_params *p, const char *path)
 {
-    char ending[ENDING_BYTES];
-    bool straight;
-    const struct format *const t = find_format(p, path, ending, &straight);
+    const struct format *const t = target_of(p, path).format;
     return t && t->alpha != GP_ALPHA_BLACK;
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *keeps, const char *path)
 {
-    char ending[ENDING_BYTES];
-    bool straight;
-    (void) find_format(p, path, ending, &straight);
-    if (straight && strcmp(ending, "exr") != 0)
+    const struct target t = target_of(p, path);
+    const char *const ending = t.ending;
+    if (t.straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
             "%s: %s, which only EXR can (found --stdout-format %s); give it a "
             "file", path, keeps, ending);
@@ -315,10 +305,8 @@ bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path)
 gp_status gp_write_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path)
 {
-    char ending[ENDING_BYTES];
-    bool straight;
-    const struct format *const t = find_format(p, path, ending, &straight);
-    const gp_status st = check_format(log, p, path, t, ending);
+    const struct target t = target_of(p, path);
+    const gp_status st = check_format(log, p, path, &t);
     return st ? st : gp_file_check(log, path, p->create_dir);
 }
 
@@ -327,14 +315,12 @@ gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
 {
-    char ending[ENDING_BYTES];
-    bool straight;
-    const struct format *const t = find_format(p, path, ending, &straight);
+    const struct target t = target_of(p, path);
     if (gp_write_would_overwrite(p, path))
         return GP_OK;
-    const gp_status st = t && t->write != write_by_helper
-                             ? GP_OK : check_format(log, p, path, t, ending);
-    return st ? st : t->write(log, p, path, f, planes, kind, stats);
+    const gp_status st = t.format && t.format->write != write_by_helper
+                             ? GP_OK : check_format(log, p, path, &t);
+    return st ? st : t.format->write(log, p, path, f, planes, kind, stats);
 }
 
 gp_status gp_write_hdr(const struct gp_log *log,
@@ -345,15 +331,4 @@ gp_status gp_write_hdr(const struct gp_log *log,
     if (st || gp_write_would_overwrite(p, path))
         return st;
     return gp_exr_write_hdr(log, p, path, set, n, stats);
-}
-
-static void *take_memory(size_t bytes)
-{
-    void *block;
-    return gp_alloc(NULL, "libdeflate", bytes, 1, &block) ? NULL : block;
-}
-
-void gp_write_keep_memory(void)
-{
-    libdeflate_set_memory_allocator(take_memory, gp_free);
 }

@@ -196,8 +196,4 @@ bool gp_write_would_overwrite(const struct gp_write_params *p, const char *path)
 GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path);
 
-/* Has libdeflate take its memory by gp_alloc(): packers of EXR and PNG files
- * find that of the frame before. Call once, before any thread starts. */
-void gp_write_keep_memory(void);
-
 #endif

@@ -40,8 +40,8 @@ static void look_at_planes(const struct gp_read_params *p,
         touch_plane(&plane);
     if (!fuzz_line(gp_read_plane(&fuzz_log, p, f, "A", false, &plane)))
         touch_plane(&plane);
-    gp_frame_matrix(f, "worldToCamera", m);
-    gp_frame_matrix(f, "worldToNDC", m);
+    gp_frame_numbers(f, "worldToCamera", 16, m);
+    gp_frame_numbers(f, "worldToNDC", 16, m);
 }
 
 static void write_again(const struct gp_hdr_colour *set, int n)

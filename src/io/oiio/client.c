@@ -1,8 +1,7 @@
-/* Starts, limits and queries helpers; see io/oiio/oiio.h and protocol.h. */
+/* Starts, limits and asks the helper; see io/oiio/oiio.h and protocol.h. */
 #include "io/oiio/oiio.h"
 
 #include "core/bridge.h"
-#include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/oiio/protocol.h"
@@ -24,7 +23,6 @@
 #include <unistd.h>
 
 enum {
-    MOST_HELPERS = 16,
     MOST_TEXT = 1 << 24,     // bytes of names and attributes
     MOST_CHANNELS = 8192,
     MOST_EDGE = 1 << 29,     // of windows: sums of two fit an int
@@ -32,91 +30,73 @@ enum {
     WHY_BYTES = 512,
 };
 
-struct helper {
-    bool busy;
+/* The helper; a frame waits until that of another is read or written. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static struct {
     pid_t pid;               // 0: none runs
     bool killed;             // by a signal or the time limit
     int socket;
     unsigned seconds;        // for the call that it works on
     bool starved;            // memory was full when it answered
     char cause[WHY_BYTES];   // why it ended
-};
-
-static struct {
-    pthread_mutex_t lock;
-    pthread_cond_t freed;
-    struct helper helper[MOST_HELPERS];
-} pool = {.lock = PTHREAD_MUTEX_INITIALIZER, .freed = PTHREAD_COND_INITIALIZER};
+} helper;
 
 // -- start and end ------------------------------------------------------------
 
-/* Ends a helper and keeps the reason; `why` NULL: it ended by itself. */
-static void end_helper(struct helper *h, const char *why)
+/* Ends the helper and keeps the reason; `why` NULL: it ended by itself. */
+static void end_helper(const char *why)
 {
+    char *const cause = helper.cause;
     int status = 0;
-    kill(h->pid, SIGKILL); // one that has ended keeps the status it ended with
-    const bool known = waitpid(h->pid, &status, 0) == h->pid;
-    h->killed = !why && known && WIFSIGNALED(status);
+    kill(helper.pid, SIGKILL); // one that has ended keeps its status
+    (void) waitpid(helper.pid, &status, 0);
+    helper.killed = !why && WIFSIGNALED(status);
     if (why)
-        snprintf(h->cause, sizeof h->cause, "%s", why);
-    else if (h->killed)
-        snprintf(h->cause, sizeof h->cause, "was killed by signal %d, %s",
+        snprintf(cause, WHY_BYTES, "%s", why);
+    else if (helper.killed)
+        snprintf(cause, WHY_BYTES, "was killed by signal %d, %s",
                  WTERMSIG(status), strsignal(WTERMSIG(status)));
-    else if (known)
-        snprintf(h->cause, sizeof h->cause, "exited with status %d",
-                 WEXITSTATUS(status));
     else
-        snprintf(h->cause, sizeof h->cause, "ended");
-    close(h->socket);
-    h->pid = 0;
+        snprintf(cause, WHY_BYTES, "exited with status %d",
+                 WEXITSTATUS(status));
+    close(helper.socket);
+    helper.pid = 0;
 }
 
 /* Reads `n` bytes of an answer; a helper that gives none, or too late, ends. */
-static bool receive(struct helper *h, void *to, size_t n)
+static bool receive(void *to, size_t n)
 {
-    const double end = gp_now_ms() + 1e3 * (double) h->seconds;
-    for (size_t done = 0; done < n;) {
-        const double left = end - gp_now_ms();
-        struct pollfd p = {.fd = h->socket, .events = POLLIN};
-        const int ready = poll(&p, 1, left <= 0.0    ? 0
-                                      : left > 1e6 ? 1000000 : (int) left + 1);
-        if (ready == 0 && left <= 0.0) {
-            char why[64];
-            snprintf(why, sizeof why, "took more than %u s", h->seconds);
-            end_helper(h, why);
-            h->killed = true;
-            return false;
-        }
-        if (ready <= 0)
-            continue;
-        const ssize_t got = recv(h->socket, (char *) to + done, n - done, 0);
-        if (got == 0 || (got < 0 && errno != EINTR)) {
-            end_helper(h, NULL);
-            return false;
-        }
-        done += got > 0 ? (size_t) got : 0;
-    }
-    return true;
+    char late[64];
+    const ssize_t got = n ? recv(helper.socket, to, n, MSG_WAITALL) : 0;
+    if (got == (ssize_t) n)
+        return true;
+    snprintf(late, sizeof late, "took more than %u s", helper.seconds);
+    const bool is_late = got < 0 && errno == EAGAIN;
+    end_helper(is_late ? late : NULL);
+    helper.killed = helper.killed || is_late;
+    return false;
 }
 
 /* The next reply, and its text with a '\0'; free *text. */
-static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
-                          char **text)
+static bool receive_reply(struct gp_oiio_reply *reply, char **text)
 {
+    const struct timeval most = {.tv_sec = helper.seconds};
     *text = NULL;
-    if (!receive(h, reply, sizeof *reply))
+    (void) setsockopt(helper.socket, SOL_SOCKET, SO_RCVTIMEO, &most,
+                      sizeof most);
+    if (!receive(reply, sizeof *reply))
         return false;
     if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT) {
-        end_helper(h, "has another version");
+        end_helper("has another version");
         return false;
     }
-    h->starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, text);
-    if (h->starved) {
-        end_helper(h, "sent more than memory can hold");
+    helper.starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, text);
+    if (helper.starved) {
+        end_helper("sent more than memory can hold");
         return false;
     }
     (*text)[reply->bytes] = '\0';
-    if (receive(h, *text, reply->bytes))
+    if (receive(*text, reply->bytes))
         return true;
     GP_FREE(*text);
     return false;
@@ -168,147 +148,107 @@ static int spawn(const char *program, int socket, pid_t *pid)
     return error;
 }
 
-/* False: h->cause says why none runs. */
-static bool start_helper(struct helper *h)
+/* False: its cause says why none runs. */
+static bool start_helper(void)
 {
     char program[PATH_MAX];
     struct gp_oiio_reply hello;
     char *text = NULL;
     int pair[2], error;
-    h->killed = false;
+    helper.killed = false;
     if (!gp_bridge_find("glarepp-oiio", program, sizeof program)) {
-        snprintf(h->cause, sizeof h->cause, "glarepp-oiio not found");
+        snprintf(helper.cause, sizeof helper.cause, "glarepp-oiio not found");
         return false;
     }
     error = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair)
                 ? errno : 0;
     if (!error) {
-        error = spawn(program, pair[1], &h->pid);
+        error = spawn(program, pair[1], &helper.pid);
         close(pair[1]);
         if (error)
             close(pair[0]);
     }
     if (error) {
-        h->pid = 0;
-        snprintf(h->cause, sizeof h->cause, "%.300s: %s", program,
+        helper.pid = 0;
+        snprintf(helper.cause, sizeof helper.cause, "%.300s: %s", program,
                  strerror(error));
         return false;
     }
-    h->socket = pair[0];
-    h->seconds = seconds_for(0);
-    if (receive_reply(h, &hello, &text)) {
+    helper.socket = pair[0];
+    helper.seconds = seconds_for(0);
+    if (receive_reply(&hello, &text)) {
         gp_free(text);
         return true;
     }
-    if (h->killed)
+    if (helper.killed)
         return false;
     char cause[WHY_BYTES];
-    snprintf(cause, sizeof cause, "%.300s %.150s", program, h->cause);
-    memcpy(h->cause, cause, sizeof cause);
+    snprintf(cause, sizeof cause, "%.300s %.150s", program, helper.cause);
+    memcpy(helper.cause, cause, sizeof cause);
     return false;
-}
-
-static void give_back(struct helper *h)
-{
-    pthread_mutex_lock(&pool.lock);
-    h->busy = false;
-    pthread_cond_signal(&pool.freed);
-    pthread_mutex_unlock(&pool.lock);
 }
 
 /* Prints the line for a call that failed; `reply` NULL: the helper ended. */
 static gp_status call_failed(const struct gp_log *log, const char *path,
-    bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
-    const char *text)
+    bool writes, const struct gp_oiio_reply *reply, const char *text)
 {
     const gp_status st = writes ? GP_ERR_IO : GP_ERR_DATA;
     const char *const what = writes ? "cannot be written"
                                     : "cannot be read";
     const char *const hint = writes ? "write .exr or .png"
                                     : "give an EXR or convert it";
-    if (reply ? reply->end == GP_OIIO_MEMORY : h->starved)
+    if (reply ? reply->end == GP_OIIO_MEMORY : helper.starved)
         return gp_no_memory(log, path);
     if (!reply)
         return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
-                       h->cause, hint);
+                       helper.cause, hint);
     return gp_fail(log, st, "%s: %s (%s); %s", path, what,
                    text[0] ? text : "truncated or damaged", hint);
 }
 
-/* Takes a helper for this thread, a running one if possible; give_back() it. */
+/* Takes the helper, which is started where none runs; unlock it. */
 static gp_status take_helper(const struct gp_log *log, const char *path,
-                             bool writes, struct helper **out)
+                             bool writes)
 {
-    struct helper *h = NULL;
-    pthread_mutex_lock(&pool.lock);
-    for (;;) {
-        for (int i = 0; i < MOST_HELPERS; i++) {
-            struct helper *const it = &pool.helper[i];
-            if (!it->busy && (!h || (!h->pid && it->pid)))
-                h = it;
-        }
-        if (h)
-            break;
-        pthread_cond_wait(&pool.freed, &pool.lock);
-    }
-    h->busy = true;
-    h->starved = false;
-    pthread_mutex_unlock(&pool.lock);
+    pthread_mutex_lock(&lock);
+    helper.starved = false;
     // an idle one sends nothing: readable means that it ended
-    struct pollfd idle = {.fd = h->socket, .events = POLLIN};
-    if (h->pid && poll(&idle, 1, 0) > 0)
-        end_helper(h, NULL);
-    if (h->pid || start_helper(h)) {
-        *out = h;
+    struct pollfd idle = {.fd = helper.socket, .events = POLLIN};
+    if (helper.pid && poll(&idle, 1, 0) > 0)
+        end_helper(NULL);
+    if (helper.pid || start_helper())
         return GP_OK;
-    }
     const gp_status st =
-        h->starved ? gp_no_memory(log, path) :
-        h->killed ? call_failed(log, path, writes, h, NULL, "") :
+        helper.starved ? gp_no_memory(log, path) :
+        helper.killed ? call_failed(log, path, writes, NULL, "") :
         gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
-            "glarepp-oiio (%s); install it, or use EXR or PNG", path, h->cause);
-    give_back(h);
+            "glarepp-oiio (%s); install it, or use EXR or PNG", path,
+            helper.cause);
+    pthread_mutex_unlock(&lock);
     return st;
 }
 
 gp_status gp_oiio_check(const struct gp_log *log, const char *path)
 {
-    struct helper *h;
-    const gp_status st = take_helper(log, path, true, &h);
+    const gp_status st = take_helper(log, path, true);
     if (!st)
-        give_back(h);
+        pthread_mutex_unlock(&lock);
     return st;
 }
 
 // -- calls --------------------------------------------------------------------
 
-static bool send_all(struct helper *h, const void *from, size_t n)
-{
-    for (size_t done = 0; done < n;) {
-        const ssize_t sent = send(h->socket, (const char *) from + done,
-                                  n - done, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR) {
-            end_helper(h, NULL);
-            return false;
-        }
-        done += sent > 0 ? (size_t) sent : 0;
-    }
-    return true;
-}
-
 /* Sends a call, its text, and with its first bytes up to two descriptors; -1
  * for none. */
-static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
-                     const char *text, const int fd[2])
+static bool send_ask(struct gp_oiio_ask *ask, const char *text,
+                     const int fd[2])
 {
     _Alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))] = {0};
     struct iovec data = {ask, sizeof *ask};
     struct msghdr m = {.msg_iov = &data, .msg_iovlen = 1};
     const size_t fds = (fd[0] >= 0) + (size_t) (fd[1] >= 0);
-    ssize_t sent;
     ask->protocol = GP_OIIO_PROTOCOL;
     ask->threads = gp_threads();
-    ask->seconds = h->seconds;
     if (fds > 0) {
         m.msg_control = control;
         m.msg_controllen = CMSG_SPACE(fds * sizeof *fd);
@@ -318,24 +258,24 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
         c->cmsg_len = CMSG_LEN(fds * sizeof *fd);
         memcpy(CMSG_DATA(c), fd, fds * sizeof *fd);
     }
-    do
-        sent = sendmsg(h->socket, &m, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
-    const size_t done = sent > 0 ? (size_t) sent : 0;
-    return send_all(h, (const char *) ask + done, sizeof *ask - done) &&
-           send_all(h, text, ask->bytes);
+    if (sendmsg(helper.socket, &m, MSG_NOSIGNAL) == (ssize_t) sizeof *ask &&
+        (!ask->bytes || send(helper.socket, text, ask->bytes, MSG_NOSIGNAL) ==
+                            (ssize_t) ask->bytes))
+        return true;
+    end_helper(NULL);
+    return false;
 }
 
 /* Makes a call and waits for its reply; gp_free() its text, also on failure. A
  * call that fails has its line. */
 static gp_status call(const struct gp_log *log, const char *path,
-    struct helper *h, struct gp_oiio_ask *ask, const char *text,
-    const int fd[2], struct gp_oiio_reply *reply, char **answer)
+    struct gp_oiio_ask *ask, const char *text, const int fd[2],
+    struct gp_oiio_reply *reply, char **answer)
 {
     const bool writes = ask->call == GP_OIIO_WRITE;
-    if (!send_ask(h, ask, text, fd) || !receive_reply(h, reply, answer))
-        return call_failed(log, path, writes, h, NULL, "");
-    return reply->end ? call_failed(log, path, writes, h, reply, *answer)
+    if (!send_ask(ask, text, fd) || !receive_reply(reply, answer))
+        return call_failed(log, path, writes, NULL, "");
+    return reply->end ? call_failed(log, path, writes, reply, *answer)
                       : GP_OK;
 }
 
@@ -444,22 +384,22 @@ static void close_image(struct gp_decoded *image)
     gp_free(in);
 }
 
-/* Reads header and pixels by helper `h` from the file `fd`. */
-static gp_status read_by(struct helper *h, const struct gp_log *log,
-    struct gp_oiio_ask *ask, int fd, struct gp_decoded *image)
+/* Reads header and pixels from the file `fd`. */
+static gp_status read_by(const struct gp_log *log, struct gp_oiio_ask *ask,
+                         int fd, struct gp_decoded *image)
 {
     struct input *const in = image->own;
     struct gp_oiio_reply reply;
     char *text = NULL;
-    h->seconds = seconds_for(ask->size);
-    gp_status st = call(log, image->path, h, ask, NULL, (int[]) {fd, -1},
+    helper.seconds = seconds_for(ask->size);
+    gp_status st = call(log, image->path, ask, NULL, (int[]) {fd, -1},
                         &reply, &in->text);
     if (st)
         return st;
     st = make_image(log, &reply, ask->max_pixels, in, image);
     if (st == GP_ERR_DATA) {
-        end_helper(h, "sent an invalid header");
-        return call_failed(log, image->path, false, h, NULL, "");
+        end_helper("sent an invalid header");
+        return call_failed(log, image->path, false, NULL, "");
     }
     const size_t bytes = (size_t) gp_rect_w(image->data) *
                          (size_t) gp_rect_h(image->data) *
@@ -469,9 +409,9 @@ static gp_status read_by(struct helper *h, const struct gp_log *log,
     if (st)
         return st;
     image->pixels = in->pixels.at;
-    h->seconds = seconds_for(ask->size + bytes);
+    helper.seconds = seconds_for(ask->size + bytes);
     *ask = (struct gp_oiio_ask) {.call = GP_OIIO_PIXELS, .size = bytes};
-    st = call(log, image->path, h, ask, NULL, (int[]) {in->pixels.fd, -1},
+    st = call(log, image->path, ask, NULL, (int[]) {in->pixels.fd, -1},
               &reply, &text);
     gp_free(text);
     return st;
@@ -482,7 +422,6 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
                        int part, long long max_pixels, struct gp_decoded *out)
 {
     struct input *in;
-    struct helper *h;
     struct gp_shared copy = {0};
     struct gp_oiio_ask ask = {
         .call = GP_OIIO_OPEN, .part = part, .size = stream->size,
@@ -497,9 +436,9 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
         GP_TRY(gp_shared_make(log, path, stream->size, &copy));
         memcpy(copy.at, stream->data, stream->size);
     }
-    GP_TRY(take_helper(log, path, false, &h));
-    st = read_by(h, log, &ask, stream->data ? copy.fd : stream->fd, &image);
-    give_back(h);
+    GP_TRY(take_helper(log, path, false));
+    st = read_by(log, &ask, stream->data ? copy.fd : stream->fd, &image);
+    pthread_mutex_unlock(&lock);
 out:
     gp_shared_free(&copy);
     if (st)
@@ -511,9 +450,10 @@ out:
 
 // -- writing ------------------------------------------------------------------
 
-gp_status gp_oiio_write(const struct gp_log *log, const struct gp_decoded *image,
-    const int *types, const struct gp_shared *pixels, const char *ending,
-    const char *type, const char *compression, struct gp_stream *out)
+gp_status gp_oiio_write(const struct gp_log *log,
+    const struct gp_decoded *image, const int *types,
+    const struct gp_shared *pixels, const char *ending, const char *type,
+    const char *compression, struct gp_stream *out)
 {
     gp_status st;
     const char *const path = image->path;
@@ -529,7 +469,7 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_decoded *image
             .has_chromaticities = image->chromaticities != NULL,
         },
     };
-    struct helper *h = NULL;
+    bool taken = false;
     struct stat s;
     void *text = NULL;
     char *why = NULL;
@@ -555,17 +495,18 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_decoded *image
     if (out->fd < 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot make a file in memory "
                        "(%s); write .exr or .png", path, strerror(errno)));
-    GP_TRY(take_helper(log, path, true, &h));
-    h->seconds = seconds_for(pixels->size);
-    GP_TRY(call(log, path, h, &ask, text, (int[]) {out->fd, pixels->fd},
+    GP_TRY(take_helper(log, path, true));
+    taken = true;
+    helper.seconds = seconds_for(pixels->size);
+    GP_TRY(call(log, path, &ask, text, (int[]) {out->fd, pixels->fd},
                 &reply, &why));
     if (fstat(out->fd, &s) || s.st_size <= 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote no bytes; write "
                        "another format", path));
     out->size = (uint64_t) s.st_size;
 out:
-    if (h)
-        give_back(h);
+    if (taken)
+        pthread_mutex_unlock(&lock);
     gp_free(why);
     gp_free(text);
     if (st)

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <climits>
 #include <cstddef>
 #include <cstring>
 #include <exception>
@@ -20,7 +19,6 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
-#include <malloc.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -115,56 +113,32 @@ void end_with_client()
 
 // -- the socket ---------------------------------------------------------------
 
-bool receive(void *to, std::size_t n)
-{
-    char *at = static_cast<char *>(to);
-    while (n > 0) {
-        const ssize_t got = recv(SOCKET, at, n, 0);
-        if (got <= 0 && !(got < 0 && errno == EINTR))
-            return false;
-        at += got > 0 ? got : 0;
-        n -= static_cast<std::size_t>(got > 0 ? got : 0);
-    }
-    return true;
-}
-
 // The next call and the descriptors that came with it, -1 for none.
 bool receive_ask(gp_oiio_ask &ask, int fd[2], std::string &text)
 {
     alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))];
     struct iovec data = {&ask, sizeof ask};
     struct msghdr m = {};
-    ssize_t got;
     m.msg_iov = &data;
     m.msg_iovlen = 1;
     m.msg_control = control;
     m.msg_controllen = sizeof control;
     fd[0] = fd[1] = -1;
-    do
-        got = recvmsg(SOCKET, &m, MSG_CMSG_CLOEXEC);
-    while (got < 0 && errno == EINTR);
-    const struct cmsghdr *const c = got > 0 ? CMSG_FIRSTHDR(&m) : nullptr;
+    if (recvmsg(SOCKET, &m, MSG_CMSG_CLOEXEC | MSG_WAITALL) !=
+        static_cast<ssize_t>(sizeof ask))
+        return false;
+    const struct cmsghdr *const c = CMSG_FIRSTHDR(&m);
     if (c && c->cmsg_type == SCM_RIGHTS)
         std::memcpy(fd, CMSG_DATA(c), std::min(c->cmsg_len - CMSG_LEN(0),
                                                2 * sizeof(int)));
-    if (got <= 0 || !receive(reinterpret_cast<char *>(&ask) + got,
-                             sizeof ask - static_cast<std::size_t>(got)))
-        return false;
     text.resize(ask.bytes);
-    return receive(&text[0], text.size());
+    return text.empty() || recv(SOCKET, &text[0], text.size(), MSG_WAITALL) ==
+                               static_cast<ssize_t>(text.size());
 }
 
 bool send_all(const void *from, std::size_t n)
 {
-    const char *at = static_cast<const char *>(from);
-    while (n > 0) {
-        const ssize_t sent = send(SOCKET, at, n, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR)
-            return false;
-        at += sent > 0 ? sent : 0;
-        n -= static_cast<std::size_t>(sent > 0 ? sent : 0);
-    }
-    return true;
+    return send(SOCKET, from, n, MSG_NOSIGNAL) == static_cast<ssize_t>(n);
 }
 
 // -- calls --------------------------------------------------------------------
@@ -200,14 +174,6 @@ void answer(const gp_oiio_ask &ask, int fd[2], gp_oiio_reply &reply,
         OIIO::attribute("threads", threads);
         OIIO::attribute("exr_threads", threads);
     }
-    // CPU time: what is used, and the call's seconds of each processor
-    struct rusage used = {};
-    (void) getrusage(RUSAGE_SELF, &used);
-    const rlim_t processors =
-        static_cast<rlim_t>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec) +
-                          static_cast<rlim_t>(used.ru_stime.tv_sec) +
-                          ask.seconds * processors + 1, false);
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
     switch (ask.call) {
     case GP_OIIO_OPEN: {
@@ -273,11 +239,6 @@ int main()
     (void) close_range(3, ~0U, 0);
     close_network();
     std::thread(end_with_client).detach();
-    // the next picture's buffers are those of the last one, without a page
-    // fault for each 4 KiB
-    mallopt(M_MMAP_THRESHOLD, 1 << 25); // the most that glibc takes
-    mallopt(M_TRIM_THRESHOLD, INT_MAX);
-    mallopt(M_TOP_PAD, 1 << 22);
     gp_oiio_ask ask;
     gp_oiio_reply reply = {};
     std::string text;

@@ -4,8 +4,7 @@
  * at every start, and a damaged file may crash or hang the process that reads
  * it. The first such file starts it, and it stays; after a crash the next file
  * starts another. It gets files as open descriptors and never a name, may not
- * use the network, and its memory, time and files are limited. Each thread that
- * calls has a helper of its own.
+ * use the network, and its memory, time and files are limited.
  *
  * The program is looked for in $GLAREPP_BRIDGES, beside glarepp, in
  * ../lib/glarepp from there, and in the installed folder.
@@ -25,9 +24,9 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are stored as
- * uint32 come as those 32 bits in the place of the float, and each four
- * channels count on their own for max_pixels.
+/* Reads picture `part` (0: the first) of a stream. Of EXR, channels that are
+ * stored as uint32 come as those 32 bits in the place of the float, and each
+ * four channels count on their own for max_pixels.
  *
  *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
  *           helper refuses all but those of gp_readers and "openexr"

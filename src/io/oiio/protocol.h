@@ -18,7 +18,7 @@
 
 enum {
     GP_OIIO_PARTS = 4096,
-    GP_OIIO_PROTOCOL = 0x67700003, // counts up when a struct changes
+    GP_OIIO_PROTOCOL = 0x67700004, // counts up when a struct changes
 };
 
 enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_PIXELS, GP_OIIO_WRITE };
@@ -50,14 +50,13 @@ struct gp_oiio_spec {
 };
 
 struct gp_oiio_ask {
+    uint64_t size;          // of the file, or of the shared memory
+    int64_t max_pixels;     // refuses more; in EXR each four channels count
+                            // on their own
     uint32_t protocol, call;
     uint32_t bytes;         // of text that follows
     int32_t part;           // subimage, 0 the first
     int32_t threads;        // to decode with
-    uint32_t seconds;       // of each processor's time for this call
-    uint64_t size;          // of the file, or of the shared memory
-    int64_t max_pixels;     // refuses more; in EXR each four channels count
-                            // on their own
     char format[16];        // OpenImageIO's name to read, an ending to write
     char type[16];          // written: "half", "float", "uint8", "uint16"
     char compression[32];   // OpenImageIO's name, "" the default

@@ -238,7 +238,6 @@ static void headers(void **state)
         {"PF\n1 2\n-1.0\n", 1.0f, false}, {"PF 1 2 -1 ", 1.0f, false},
         {"PF\n1 2\n1.0\n", 1.0f, true},   {"PF\n1 2\n-2.5\n", 2.5f, false},
         {"PF\n1 2\n+25e-1\n", 2.5f, true}, {"PF\n\t1\r\n 2\v-1\f", 1, false},
-        {"PF\n# PF 3 4\n1 #x\n2 #\n-1.0\n", 1, false},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         uint8_t bytes[256];

@@ -8,7 +8,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
-#include "io/picture.h"
 
 struct seen {
     int width;
@@ -29,7 +28,7 @@ static void windows_that_are_no_picture(void **state)
         f.display = display[i];
         kept_clear();
         assert_int_equal(gp_picture_make(&kept_all, &p, "p.png", &f, &f.rgb,
-            GP_PICTURE_SCENE, false, &pic), GP_ERR_DATA);
+            GP_PICTURE_SCENE, &pic), GP_ERR_DATA);
         assert_kept("p.png: ");
         assert_int_equal(pic.channels, 0); // empty
     }
@@ -47,7 +46,7 @@ static void floats_with_alpha(void **state)
     struct gp_picture_row row = {.linear = {to[0], to[1], to[2], to[3]}};
     p.alpha = GP_ALPHA_KEEP;
     assert_ok(gp_picture_make(&kept_all, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
-                              false, &pic));
+                              &pic));
     assert_int_equal(pic.channels, 4);
     for (int y = 0; y < 2; y++) {
         memset(to, 0xff, sizeof to);
@@ -74,7 +73,10 @@ static float ulps(float v, int n)
 }
 
 /* Of 8 and of 16 bits; dithered. */
-static struct gp_quantizer quantizer[2], dither[2];
+static const struct gp_quantizer quantizer[2] = {{255, true, false},
+                                                 {65535, true, false}};
+static const struct gp_quantizer dither[2] = {{255, true, true},
+                                              {65535, true, true}};
 static const int largest[2] = {255, 65535};
 
 static void check_all(int wide, const float *v, size_t n)
@@ -177,21 +179,5 @@ static void dither_laws(void **state)
     }
 }
 
-static int make_both(void **state)
-{
-    for (int i = 0; i < 2; i++) {
-        assert_ok(gp_quantizer_make(NULL, 8 << i, true, false, &quantizer[i]));
-        assert_ok(gp_quantizer_make(NULL, 8 << i, true, true, &dither[i]));
-    }
-    return 0;
-}
-
-static int free_both(void **state)
-{
-    gp_free(quantizer[0].least);
-    gp_free(quantizer[1].least);
-    return 0;
-}
-
-SUITE_OF(picture, make_both, free_both, windows_that_are_no_picture,
+SUITE_OF(picture, NULL, NULL, windows_that_are_no_picture,
          floats_with_alpha, codes_of_floats, codes_of_single_values, dither_laws)

@@ -72,18 +72,18 @@ static void depth_of_any_part(void **state)
         {{COLOUR("c_right"), Z_PART("depth_left", 5), Z_PART("z", 6)},
          3, 2, "Z", "z.Z", NULL},
         {{COLOUR("c_right"), Z_PART("depth_left", 5)},
-         2, 1, "Z", "depth_left.Z", "view left"},
+         2, 1, "Z", "depth_left.Z", "layer and view have no depth"},
         {{COLOUR("c"), Z_PART("z_right", 5)}, 2, 1, "Z", "z_right.Z", NULL},
         // depth of the colour's own view layer; fog is none
         {{COLOUR("B.Combined"), Z_PART("A.Depth", 5), Z_PART("B.Depth", 6)},
          3, 2, "Z", "B.Depth.Z", NULL},
         {{COLOUR("B.Combined"), Z_PART("B.Mist", 5), Z_PART("A.depth", 6)},
-         3, 2, "Z", "A.depth.Z", "using A.depth.Z of another layer"},
+         3, 2, "Z", "A.depth.Z", "using A.depth.Z of another"},
         {{COLOUR("s.B.Combined"), Z_PART("s.Depth", 5)},
          2, 1, "Z", "s.Depth.Z", NULL},
         {{PART("c", 3, HALF_CH("A.Depth.Z"), HALF_CH("B.Combined.B"),
                HALF_CH("B.Combined.G"), HALF_CH("B.Combined.R"))},
-         1, 0, "A.Depth.Z", "A.Depth.Z", "using A.Depth.Z of another layer"},
+         1, 0, "A.Depth.Z", "A.Depth.Z", "using A.Depth.Z of another"},
         {{PART("c", 3, HALF_CH("B.Combined.R"),
                HALF_CH("B.Combined.G"), HALF_CH("B.Combined.B"),
                HALF_CH("A.Depth.Z"), HALF_CH("B.Depth.Z"))},
@@ -202,13 +202,13 @@ static void matrices(void **state)
     double m[16];
     for (int swapped = 0; swapped < 2; swapped++) {
         open_fixture(&f, &frame);
-        assert_true(gp_frame_matrix(&frame, "worldToCamera", m));
+        assert_true(gp_frame_numbers(&frame, "worldToCamera", 16, m));
         for (int i = 0; i < 16; i++) // of the colour's part, wherever it is
             assert_true(m[i] == (swapped ? -1.0 / (i + 1) : i + 0.5));
-        assert_true(gp_frame_matrix(&frame, "worldToNDC", m));
+        assert_true(gp_frame_numbers(&frame, "worldToNDC", 16, m));
         assert_true(m[2] == -1.0 / 3);
-        assert_false(gp_frame_matrix(&frame, "other", m));
-        assert_false(gp_frame_matrix(&frame, "", m));
+        assert_false(gp_frame_numbers(&frame, "other", 16, m));
+        assert_false(gp_frame_numbers(&frame, "", 16, m));
         assert_true(m[2] == -1.0 / 3);
         gp_frame_free(&frame);
         const struct fixture_part first = f.part[0];

@@ -514,8 +514,8 @@ static struct gp_camera header_camera(const char *name, const char *projection,
     double camera[16], ndc[16];
     if (gp_read_frame(&kept_log, &params, data_path(name), &f))
         fail_msg("%s", kept_line);
-    assert_true(gp_frame_matrix(&f, "worldToCamera", camera));
-    assert_true(gp_frame_matrix(&f, projection, ndc));
+    assert_true(gp_frame_numbers(&f, "worldToCamera", 16, camera));
+    assert_true(gp_frame_numbers(&f, projection, 16, ndc));
     if (gp_camera_make(&kept_log, name, camera, ndc, form, &c))
         fail_msg("%s", kept_line);
     *display = f.display;
