@@ -2,8 +2,8 @@
  *
  * In: open.c (header.c checks the bytes of the header before the library sees
  * them), choose.c (which part and channels are the frame), read.c, decode.c
- * with zip.c. Out: sources.c (which channels), write.c, encode.c with zip.c,
- * out.c (the file's header, tables and chunks). */
+ * with zip.c. Out: sources.c (which channels), write.c (the headers), encode.c
+ * with zip.c (tables and chunks). */
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 

@@ -192,8 +192,7 @@ struct libdeflate_compressor;
 struct libdeflate_decompressor;
 
 /* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
- * room. Returns the compressed size, less than n, or 0 when the chunk does not
- * shrink and is stored as it is. */
+ * room. Returns the compressed size; n when it does not shrink: `out` is `raw`. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
@@ -204,8 +203,6 @@ bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
                   uint8_t *out, size_t n);
 
 /* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
-
-struct gp_exr_out;
 
 /* One channel of the part: samples of its grid (frame.h), either a colour
  * plane or samples of the file's own type. */
@@ -223,23 +220,13 @@ struct gp_exr_source {
 struct gp_exr_image {
     struct gp_rect data;
     enum gp_compression compression;    // not AUTO
+    float quality; // of DWAA and DWAB: OpenEXR's default is 45
     const struct gp_exr_source *source; // sorted by name as strcmp() does
     int sources;
 };
 
 /* Chunks of a part with that compression. */
 int gp_exr_chunk_count(const struct gp_exr_image *img);
-
-/* Compresses all chunks, in parallel, and appends them to part `part` in
- * order. The bytes do not depend on the number of threads.
- *
- *   quality  of DWAA and DWAB (OpenEXR's default is 45); else not used
- *
- * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
- * GP_ERR_IO; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, float quality,
-    struct gp_write_stats *stats);
 
 /* -- the channels of a part that is written (sources.c) ------------------- */
 
@@ -294,10 +281,10 @@ GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
     struct gp_exr_sources *out);
 void gp_exr_sources_free(struct gp_exr_sources *s);
 
-/* -- a file on its way out (out.c) -----------------------------------------
+/* -- a file on its way out --------------------------------------------------
  *
- * Header, offset tables, chunks (openexr file layout, "Chunk Layout"): begin(),
- * attributes by put...(), tables(), the chunks of all parts, end(). */
+ * Begin(), attributes by put...() (write.c); tables(), the chunks of all parts,
+ * end() (encode.c). */
 
 struct gp_exr_table {
     uint64_t at;      // its first byte in the file
@@ -336,23 +323,24 @@ void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t size);
  * that `kept` lets through, and glarepp's version and command.
  *
  *   own     of the input; NULL when that was not EXR
- *   name    of the part; may be NULL in files of one part
  *   p       command and, when GP_EXR_KEEP_CONVERTED, primaries are used
- *   chunks  of the part in a multi-part file, where type and number of chunks
- *           are required; 0 in files of one part */
+ *   chunks  of the part in a multi-part file, where name, type and number of
+ *           chunks are required; 0 in files of one part */
 void gp_exr_put_part(struct gp_exr_out *out, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_index_part *own,
-    enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
-    int chunks);
+    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks);
 
-/* Ends the header, and makes room for the tables of each part's chunks, > 0. */
+/* Ends the header, and makes room for the tables of each part's chunks. */
 GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
     const int *chunks, int parts);
 
-/* Appends a scanline chunk that starts at row `y`; `size` is at most
- * INT32_MAX. */
-GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
-    int index, int y, const void *data, size_t size);
+/* Compresses all chunks, in parallel, and appends them to part `part` in
+ * order. The bytes do not depend on the number of threads. Values that did not
+ * fit are added to *clamped.
+ * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
+ * GP_ERR_IO; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
+    const struct gp_exr_image *img, long long *clamped);
 
 /* Copies all chunks of part `from` of another file, flat or deep, scanlines or
  * tiles of all levels, byte by byte and in the order in which they are in it.

@@ -33,10 +33,12 @@ GP_CLONES static void filter_bytes(const uint8_t *restrict in,
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out)
 {
-    if (n == 0)
-        return 0;
     filter_bytes(raw, scratch, n);
-    return libdeflate_zlib_compress(c, scratch, n, out, n - 1);
+    const size_t size =
+        n ? libdeflate_zlib_compress(c, scratch, n, out, n - 1) : 0;
+    if (!size)
+        memcpy(out, raw, n);
+    return size ? size : n;
 }
 
 /* -- in ------------------------------------------------------------------- */
