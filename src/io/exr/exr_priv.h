@@ -39,7 +39,7 @@ bool gp_exr_fault_short(void);
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
-/* -- the header's bytes (header.c) ----------------------------------------- */
+/* -- the header's bytes (open.c) ------------------------------------------- */
 
 /* An attribute; pointers go into gp_exr_index.bytes. */
 struct gp_exr_attr {
@@ -79,9 +79,6 @@ GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* Puts ? in the place of what a line cannot show, and returns `text`. */
-char *gp_exr_plain(char *text);
-
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
 const struct gp_exr_attr *
@@ -97,11 +94,6 @@ enum {
     GP_EXR_DEEP = 0x800,
     GP_EXR_MULTIPART = 0x1000,
 };
-
-/* gp_exr_chunks_find() for parts that may be deep (decode.c). */
-GP_MUST_CHECK gp_status gp_exr_chunks_any(const struct gp_log *log,
-    const char *path, const struct gp_input *in, int part, long long max_pixels,
-    struct gp_exr_chunks *out);
 
 /* -- chunks as bytes (open.c) --------------------------------------------- */
 

@@ -1,4 +1,4 @@
-/* io/exr/header.c and open.c: the bytes of a header are bounded and indexed, a
+/* io/exr/open.c: the bytes of a header are bounded and indexed, a
  * value that is none of its type is refused whatever its name and part, nothing
  * that OpenEXR reads is; and where a file ends inside a longer stream. */
 #include "unit.h"
