@@ -176,23 +176,24 @@ static gp_status search_depth(const struct gp_log *log,
     gp_status st = GP_OK;
     int i = -1;
     if (list->view) { // by the names that its channels have without the view
-        struct gp_exr_names bare;
+        const char **bare;
         struct gp_channel *channel = NULL;
         st = gp_exr_names_in(log, list->input, first->part, list->view, &bare);
         if (!st)
-            st = gp_alloc_zero(log, "channels", (size_t) bare.n,
+            st = gp_alloc_zero(log, "channels", (size_t) first->channels,
                                sizeof *channel, &channel);
         const char *colour = NULL;
-        for (int k = 0; k < bare.n && !st; k++) {
-            channel[k].name = (char *) (uintptr_t) bare.name[k];
+        for (int k = 0; k < first->channels && !st; k++) {
+            channel[k].name = (char *) (uintptr_t) bare[k];
             if (list->colour && strcmp(first->channel[k].name,
                                        list->colour) == 0)
-                colour = bare.name[k];
+                colour = bare[k];
         }
         if (!st)
-            st = depth_of_names(log, list, channel, bare.n, colour, &i);
+            st = depth_of_names(log, list, channel, first->channels, colour,
+                                &i);
         gp_free(channel);
-        gp_exr_names_free(&bare);
+        gp_free(bare);
         if (i >= 0)
             *out = (struct gp_plane_place) {first, i};
     }

@@ -108,7 +108,7 @@ static bool find_three(const struct names *in,
 /* Names a part's channels, those of the colour's part within its view. */
 static gp_status name_part(const struct gp_log *log,
     const struct gp_plane_list *list, const struct gp_plane_part *part,
-    struct gp_exr_names *bare, struct names *out)
+    const char ***bare, struct names *out)
 {
     const struct gp_plane_part *const first = list->part;
     gp_status st;
@@ -119,8 +119,8 @@ static gp_status name_part(const struct gp_log *log,
         GP_TRY(gp_exr_names_in(log, list->input, part->part, list->view, bare));
     const char *colour = list->colour ? list->colour : "";
     for (int i = 0; i < out->n; i++) {
-        out->name[i] = bare->name ? bare->name[i] : part->channel[i].name;
-        if (bare->name && strcmp(part->channel[i].name, colour) == 0)
+        out->name[i] = *bare ? (*bare)[i] : part->channel[i].name;
+        if (*bare && strcmp(part->channel[i].name, colour) == 0)
             colour = out->name[i];
     }
     if (!part->colour) {
@@ -176,7 +176,7 @@ gp_status gp_read_vectors(const struct gp_log *log,
         if (part->deep || (part->view && list.part->view &&
                            strcmp(part->view, list.part->view) != 0))
             continue;
-        struct gp_exr_names bare = {0};
+        const char **bare = NULL;
         struct names names;
         struct three three = {.second = -1};
         st = name_part(log, &list, part, &bare, &names);
@@ -188,7 +188,7 @@ gp_status gp_read_vectors(const struct gp_log *log,
             st = gp_plane_read_at(log, p, f, &list, &at, &plane[c]);
         }
         gp_free(names.name);
-        gp_exr_names_free(&bare);
+        gp_free(bare);
     }
     if (!st && !found)
         st = gp_fail(log, GP_ERR_USAGE, "%s: --relight needs %s, and no "

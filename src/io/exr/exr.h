@@ -99,20 +99,11 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
 const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name);
 
-/* The channels of a part as they are called within a view. */
-struct gp_exr_names {
-    const char **name; // "" for those of other views
-    char *text;
-    int n;
-};
-
-/* Names of all channels in the file's order; with `view` NULL their own. Lives
- * no longer than `in`; written always; free with gp_exr_names_free().
- * Errors: GP_ERR_BUG out of memory. */
+/* Names of all channels of a part in the file's order, as they are called within
+ * a view, "" for those of others; with `view` NULL their own. Lives no longer
+ * than `in`; free with gp_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
-    const struct gp_input *in, int part, const char *view,
-    struct gp_exr_names *out);
-void gp_exr_names_free(struct gp_exr_names *names);
+    const struct gp_input *in, int part, const char *view, const char ***out);
 
 /* Writes part (where there are several), layer and view of the colour with a
  * channel of that name, as --part, --layer-in and --views take them, to *out;
