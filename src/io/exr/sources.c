@@ -2,9 +2,7 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"
-#include "core/luminance.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "io/channels.h"
 #include "core/half.h"
 
@@ -46,16 +44,6 @@ void gp_exr_sources_free(struct gp_exr_sources *s)
 
 /* -- light that a half cannot hold ---------------------------------------- */
 
-struct fitting {
-    const struct gp_planes *from;
-    struct gp_planes to;
-    size_t pixels;
-    float limit, most; // largest value, and the largest that rounds to it
-    bool dwa;          // has no Inf, and no less than -limit
-    bool beyond[GP_FRAME_BANDS];
-    struct gp_exr_fit band[GP_FRAME_BANDS];
-};
-
 GP_CLONES static int any_beyond(const float *v, size_t n, float most,
                                 float largest)
 {
@@ -65,45 +53,34 @@ GP_CLONES static int any_beyond(const float *v, size_t n, float most,
     return any;
 }
 
-static void find_beyond(void *ctx, int band, int thread)
+/* Copies n pixels, and scales those with a value over `most` to `limit`. */
+static void fit_pixels(const struct gp_planes *from, size_t n, bool dwa,
+                       float most, struct gp_planes *out,
+                       struct gp_exr_fit *sum)
 {
-    struct fitting *const f = ctx;
-    const size_t from = gp_band_start(f->pixels, band);
-    const size_t n = gp_band_start(f->pixels, band + 1) - from;
-    (void) thread;
-    for (int c = 0; c < 3; c++)
-        f->beyond[band] |= any_beyond(f->from->c[c] + from, n, f->most,
-                                      f->dwa ? INFINITY : FLT_MAX);
-}
-
-static void fit_band(void *ctx, int band, int thread)
-{
-    struct fitting *const f = ctx;
-    struct gp_exr_fit *const sum = &f->band[band];
-    const size_t end = gp_band_start(f->pixels, band + 1);
-    (void) thread;
-    for (size_t i = gp_band_start(f->pixels, band); i < end; i++) {
+    const float limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
+    for (size_t i = 0; i < n; i++) {
         float largest = 0.0f;
         bool over = false;
         for (int c = 0; c < 3; c++) {
-            const float v = f->from->c[c][i];
+            const float v = from->c[c][i];
             const bool finite = v <= FLT_MAX;
             largest = finite && v > largest ? v : largest;
-            sum->values += finite && v > f->most;
+            sum->values += finite && v > most;
             sum->light[c] += finite && v > 0.0f ? (double) v : 0.0;
-            over |= finite && v > f->most;
+            over |= finite && v > most;
         }
         sum->pixels += over;
         for (int c = 0; c < 3; c++) {
-            const float v = f->from->c[c][i];
+            const float v = from->c[c][i];
             const bool scaled = over && fabsf(v) <= FLT_MAX;
-            float to = scaled ? fminf(v * (f->limit / largest), f->limit) : v;
+            float to = scaled ? fminf(v * (limit / largest), limit) : v;
             sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
-            if (f->dwa && fabsf(to) > f->limit) {
-                to = copysignf(f->limit, to);
+            if (dwa && fabsf(to) > limit) { // it has no Inf, and no less
+                to = copysignf(limit, to);
                 sum->values++;
             }
-            f->to.c[c][i] = to;
+            out->c[c][i] = to;
         }
     }
 }
@@ -116,42 +93,27 @@ static gp_status fit_colour(const struct gp_log *log,
     struct gp_exr_sources *out)
 {
     const bool dwa = p->compression >= GP_COMPRESSION_DWAA;
-    struct fitting *w;
+    // the largest value that rounds to the largest half
+    const float most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
+    const size_t n = gp_frame_pixels(f);
     bool beyond = false;
     *type = p->type == GP_OUT_AUTO   ? f->colour_type
             : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
-    if (*type != GP_HALF && !dwa)
-        return GP_OK;
-    gp_status st = gp_alloc_zero(log, "colours", 1, sizeof *w, &w);
-    if (st)
-        return st;
-    w->from = *planes;
-    w->pixels = gp_frame_pixels(f);
-    w->dwa = dwa;
-    w->limit = dwa ? GP_EXR_DWA_MAX : 65504.0f;
-    w->most = dwa ? GP_EXR_DWA_MAX : nextafterf(65520.0f, 0.0f);
-    gp_parallel_do(GP_FRAME_BANDS, find_beyond, w);
-    for (int i = 0; i < GP_FRAME_BANDS; i++)
-        beyond |= w->beyond[i];
-    if (beyond && !dwa && p->type == GP_OUT_AUTO)
+    for (int c = 0; c < 3 && (*type == GP_HALF || dwa); c++)
+        beyond |= any_beyond((*planes)->c[c], n, most,
+                             dwa ? INFINITY : FLT_MAX);
+    if (beyond && !dwa && p->type == GP_OUT_AUTO) {
         *type = GP_FLOAT;
-    else if (beyond)
-        st = gp_planes_make(log, "colours", w->pixels, &w->to);
-    if (!st && w->to.c[0]) {
-        gp_parallel_do(GP_FRAME_BANDS, fit_band, w);
-        for (int i = 0; i < GP_FRAME_BANDS; i++) {
-            out->fit.values += w->band[i].values;
-            out->fit.pixels += w->band[i].pixels;
-            for (int c = 0; c < 3; c++) {
-                out->fit.light[c] += w->band[i].light[c];
-                out->fit.lost[c] += w->band[i].lost[c];
-            }
-        }
-        *planes = &out->fitted[out->fits];
-        out->fitted[out->fits++] = w->to;
+    } else if (beyond) {
+        struct gp_planes *const to = &out->fitted[out->fits];
+        const gp_status st = gp_planes_make(log, "colours", n, to);
+        if (st)
+            return st;
+        out->fits++;
+        fit_pixels(*planes, n, dwa, most, to, &out->fit);
+        *planes = to;
     }
-    gp_free(w);
-    return st;
+    return GP_OK;
 }
 
 /* -- pictures ------------------------------------------------------------- */
@@ -203,48 +165,43 @@ struct group {
     const struct gp_frame *complete; // the one that has all channels of it
 };
 
+/* Returns of how many frames channel `i` of the complete one is the colour. */
+static int count_owners(const struct group *g, int i)
+{
+    const char *const name = g->complete->channel[i].name;
+    int n = 0;
+    for (int k = 0; k < g->n; k++) {
+        const struct gp_frame *const f = g->set[k].f;
+        // a frame with all channels has them in this order
+        const bool all = f->channels == g->complete->channels;
+        for (int c = all ? i : 0; c < (all ? i + 1 : f->channels); c++)
+            n += f->channel[c].colour >= 0 &&
+                 strcmp(f->channel[c].name, name) == 0;
+    }
+    return n;
+}
+
 /* Adds the channels that are the colour of no frame. */
 static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
 {
-    // the names of all colours: a file may have very many other channels, and
-    // each is looked up once
-    const char **colour;
-    int colours = 0;
-    gp_status st = gp_alloc(g->log, "colours", 3 * (size_t) g->n,
-                            sizeof *colour, &colour);
-    if (st)
-        return st;
-    for (int i = 0; i < g->n; i++) {
-        const struct gp_frame *f = g->set[i].f;
-        for (int k = 0, had = 0; k < f->channels && had < 3; k++) {
-            if (f->channel[k].colour < 0)
-                continue;
-            colour[colours++] = f->channel[k].name;
-            had++;
-        }
-    }
     for (int i = 0; i < g->complete->channels; i++) {
         const struct gp_channel *c = &g->complete->channel[i];
-        int owners = 0;
-        for (int k = 0; k < colours; k++)
-            owners += strcmp(colour[k], c->name) == 0;
+        const int owners = count_owners(g, i);
         if (owners > 1)
-            GP_TRY(gp_fail(g->log, GP_ERR_USAGE,
+            return gp_fail(g->log, GP_ERR_USAGE,
                    "%s: channel %s is the colour of %d layers; name "
-                   "each layer once", g->complete->path, c->name, owners));
+                   "each layer once", g->complete->path, c->name, owners);
         if (owners == 1)
             continue;
         if (!c->data)
-            GP_TRY(gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
-                   g->complete->path, c->name));
+            return gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
+                   g->complete->path, c->name);
         out->source[out->sources++] = (struct gp_exr_source) {
             .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
             .linear = c->linear, .columns = c->w, .data = c->data,
         };
     }
-out:
-    gp_free(colour);
-    return st;
+    return GP_OK;
 }
 
 /* True when a channel of that name will be there that f does not replace. */
