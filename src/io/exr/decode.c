@@ -182,15 +182,13 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
 
 /* -- one chunk ------------------------------------------------------------ */
 
-/* State of one thread; its pipeline is reused for all its chunks. */
+/* State of one thread. */
 struct worker {
     const struct gp_exr_chunks *chunks;
     const struct gp_exr_sink *sink;
-    exr_decode_pipeline_t pipe;
     exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
     struct libdeflate_decompressor *inflate; // of ZIP and RLE
     uint8_t *scratch; // chunks->largest bytes, of ZIP and RLE
-    bool ready;
 };
 
 /* The samples of a chunk to the sinks; for unpack_and_convert_fn. */
@@ -255,50 +253,31 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
 
 static exr_result_t run_chunk(struct worker *w, int index)
 {
-    const struct gp_exr_chunks *cs = w->chunks;
-    const exr_context_t exr = cs->input->exr;
-    if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
-        return EXR_ERR_SUCCESS;
-    exr_result_t r =
-        exr_decoding_update(exr, cs->part, &cs->chunk[index], &w->pipe);
-    return r ? r : exr_decoding_run(exr, cs->part, &w->pipe);
-}
-
-static gp_status open_worker(const struct gp_log *log,
-                             const struct gp_exr_chunks *cs,
-                             const struct gp_exr_sink *sink, struct worker *w)
-{
     // the library chooses its routines on first use without a lock, and
     // frames may be read by several threads at once
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    const struct gp_exr_chunks *cs = w->chunks;
     const exr_context_t exr = cs->input->exr;
-    *w = (struct worker) {.chunks = cs, .sink = sink, .ready = true};
+    exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
     gp_exr_fault_clear();
+    if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
+        return EXR_ERR_SUCCESS;
     exr_result_t r =
-        exr_decoding_initialize(exr, cs->part, &cs->chunk[0], &w->pipe);
+        exr_decoding_initialize(exr, cs->part, &cs->chunk[index], &pipe);
     if (!r) {
         pthread_mutex_lock(&lock);
-        r = exr_decoding_choose_default_routines(exr, cs->part, &w->pipe);
+        r = exr_decoding_choose_default_routines(exr, cs->part, &pipe);
         pthread_mutex_unlock(&lock);
     }
-    if (gp_exr_fault())
-        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
-    if (r)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR library cannot decode it (%s); write the "
-                       "file with another compression", cs->path,
-                       exr_get_default_error_message(r));
-    w->pipe.decoding_user_data = w;
-    w->pipe.unpack_and_convert_fn = unpack_chunk;
-    w->library_decompress = w->pipe.decompress_fn;
-    if (cs->compression == EXR_COMPRESSION_NONE)
-        return GP_OK;
-    w->pipe.decompress_fn = decompress;
-    if (cs->compression > EXR_COMPRESSION_ZIP)
-        return GP_OK;
-    w->inflate = libdeflate_alloc_decompressor();
-    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &w->scratch);
-    return st || w->inflate ? st : gp_no_memory(log, cs->path);
+    pipe.decoding_user_data = w;
+    pipe.unpack_and_convert_fn = unpack_chunk;
+    w->library_decompress = pipe.decompress_fn;
+    if (cs->compression != EXR_COMPRESSION_NONE)
+        pipe.decompress_fn = decompress;
+    if (!r)
+        r = exr_decoding_run(exr, cs->part, &pipe);
+    (void) exr_decoding_destroy(exr, &pipe);
+    return r;
 }
 
 /* -- DWAA and DWAB, by OpenImageIO ---------------------------------------- */
@@ -355,7 +334,6 @@ out:
 static gp_status decode_body(void *ctx, int index, int thread)
 {
     struct worker *const worker = ctx;
-    gp_exr_fault_clear();
     const exr_result_t r = run_chunk(&worker[thread], index);
     const gp_status fault = gp_exr_fault();
     return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
@@ -373,11 +351,20 @@ gp_status gp_exr_decode(const struct gp_log *log,
                                  sizeof *worker, &worker);
     if (st)
         return st;
-    for (int i = 0; i < team; i++)
-        GP_TRY(open_worker(log, cs, sink, &worker[i]));
+    for (int i = 0; i < team; i++) {
+        struct worker *const w = &worker[i];
+        w->chunks = cs;
+        w->sink = sink;
+        if (cs->compression == EXR_COMPRESSION_NONE ||
+            cs->compression > EXR_COMPRESSION_ZIP)
+            continue;
+        GP_TRY(gp_alloc(log, "chunk", cs->largest, 1, &w->scratch));
+        w->inflate = libdeflate_alloc_decompressor();
+        if (!w->inflate)
+            GP_TRY(gp_no_memory(log, cs->path));
+    }
     st = gp_parallel(cs->chunks, decode_body, worker, &failed);
     if (st == GP_ERR_DATA) { // does it again to learn why
-        gp_exr_fault_clear();
         const exr_result_t r = run_chunk(worker, failed);
         // the library says of zlib's blocks that end early that memory is full
         st = damaged(log, cs, failed, r == EXR_ERR_OUT_OF_MEMORY
@@ -389,8 +376,6 @@ gp_status gp_exr_decode(const struct gp_log *log,
     }
 out:
     for (int i = 0; i < team; i++) {
-        if (worker[i].ready)
-            (void) exr_decoding_destroy(cs->input->exr, &worker[i].pipe);
         if (worker[i].inflate)
             libdeflate_free_decompressor(worker[i].inflate);
         gp_free(worker[i].scratch);

@@ -336,7 +336,7 @@ static exr_result_t open_library(const struct gp_exr_image *img,
     int part;
     init.error_handler_fn = print_nothing;
     init.alloc_fn = gp_exr_allocate;
-    init.free_fn = free;
+    init.free_fn = gp_free;
     init.write_fn = write_nowhere;
     gp_exr_fault_clear();
     exr_result_t r =

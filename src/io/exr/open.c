@@ -8,7 +8,6 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* -- errors of the library ------------------------------------------------ */
@@ -19,8 +18,8 @@ static _Thread_local bool cut;   // a read came short
 
 void *gp_exr_allocate(size_t size)
 {
-    void *const p = malloc(size);
-    full = full || !p;
+    void *p;
+    full |= gp_alloc(NULL, "EXR", size, 1, &p) != GP_OK;
     return p;
 }
 
@@ -372,7 +371,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     init.error_handler_fn = keep_reason;
     init.user_data = in;
     init.alloc_fn = gp_exr_allocate;
-    init.free_fn = free;
+    init.free_fn = gp_free;
     init.read_fn = read_for_library;
     init.size_fn = query_size;
     // offsets outside of the file are an error; the library would guess
