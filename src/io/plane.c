@@ -479,7 +479,7 @@ gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
                                             at.part->part, &channels)))
         *type = f->channel[at.channel].type;
     else if (!st && at.part)
-        *type = gp_exr_pixel_type(channels->entries[at.channel].pixel_type);
+        *type = (enum gp_pixel_type) channels->entries[at.channel].pixel_type;
     *channel = named.name;
     gp_plane_list_free(&list);
     return st;

@@ -84,37 +84,43 @@ static bool is_word(const char *from, size_t n, const char *word)
     return strlen(word) == n && strncmp(from, word, n) == 0;
 }
 
+/* The view of several that a channel names, and where in it; -1: none. */
+static int named_view(const char *const *view, int n, const char *name,
+                      size_t *at)
+{
+    const char *const dot = strrchr(name, '.'), *start = dot;
+    while (start && start > name && start[-1] != '.')
+        start--;
+    *at = dot ? (size_t) (start - name) : 0;
+    for (int i = 0; dot && i < n; i++) {
+        if (is_word(start, (size_t) (dot - start), view[i]))
+            return i;
+    }
+    return -1;
+}
+
 bool gp_exr_bare_name(const struct gp_input *in, int part, const char *wanted,
                       const char *name, char *to)
 {
-    const char *dot = strrchr(name, '.'), *start = dot, *view[VIEWS];
+    const char *view[VIEWS];
     const int n = gp_exr_part_view(in, part) ? 0 : views_of(in, part, view);
+    size_t at;
     strcpy(to, name);
     if (n == 0)
         return true;
-    while (start && start > name && start[-1] != '.')
-        start--;
-    for (int i = 0; dot && i < n; i++) {
-        if (!is_word(start, (size_t) (dot - start), view[i]))
-            continue;
-        strcpy(to + (start - name), dot + 1);
-        return strcmp(view[i], wanted) == 0;
-    }
-    return strcmp(view[0], wanted) == 0;
+    const int i = named_view(view, n, name, &at);
+    if (i >= 0)
+        strcpy(to + at, strrchr(name, '.') + 1);
+    return strcmp(view[i < 0 ? 0 : i], wanted) == 0;
 }
 
 const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name)
 {
-    char bare[GP_CHANNEL_NAME + 1];
     const char *view[VIEWS];
-    const int n = strlen(name) < sizeof bare ? views_of(in, part, view) : 0;
-    for (int i = 1; i < n; i++) {
-        if (gp_exr_bare_name(in, part, view[i], name, bare) &&
-            strlen(bare) < strlen(name))
-            return view[i];
-    }
-    return NULL;
+    size_t at;
+    const int i = named_view(view, views_of(in, part, view), name, &at);
+    return i > 0 ? view[i] : NULL;
 }
 
 void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
@@ -128,7 +134,7 @@ void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
         snprintf(out->part, sizeof out->part, "%s", name);
     if (!view) {
         view = gp_exr_view_of(in, part, channel);
-        if (view && strlen(channel) < sizeof bare)
+        if (view)
             (void) gp_exr_bare_name(in, part, view, channel, bare);
     }
     if (view)

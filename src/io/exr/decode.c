@@ -475,8 +475,7 @@ static gp_status read_samples(struct deep *d, int chunk)
     const int channels = l->channel->num_channels;
     uint64_t size = 0, a_sample = 0;
     for (int i = 0; i < channels; i++)
-        a_sample += gp_type_size(gp_exr_pixel_type(
-            l->channel->entries[i].pixel_type));
+        a_sample += l->channel->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     for (int y = b.y0; y < b.y1; y++) {
         const int64_t *const first = d->out->first + (int64_t) y * l->w;
         size += (uint64_t) (first[b.x1] - first[b.x0]) * a_sample;
@@ -489,14 +488,14 @@ static gp_status read_samples(struct deep *d, int chunk)
         const int64_t *const first = d->out->first + (int64_t) y * l->w;
         const size_t n = (size_t) (first[b.x1] - first[b.x0]);
         for (int i = 0; i < channels && n; i++) {
-            const enum gp_pixel_type type =
-                gp_exr_pixel_type(l->channel->entries[i].pixel_type);
+            const bool half =
+                l->channel->entries[i].pixel_type == EXR_PIXEL_HALF;
             float *const to = (float *) d->out->sample[i] + first[b.x0];
-            if (type == GP_HALF)
+            if (half)
                 gp_half_to_float((const uint16_t *) (const void *) from, to, n);
             else
                 memcpy(to, from, n * sizeof *to);
-            from += n * gp_type_size(type);
+            from += n * (half ? 2 : sizeof *to);
         }
     }
     return st;

@@ -184,9 +184,6 @@ void gp_exr_deep_free(struct gp_exr_deep *deep);
 void gp_exr_frame_header(const struct gp_exr_chunks *chunks,
                          struct gp_frame *f);
 
-/* A channel's type in the file as ours. */
-enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type);
-
 /* gp_read_frame() for a stream that begins as an EXR; takes the stream over,
  * also on failure. Contract and errors as there. */
 GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,

@@ -345,21 +345,4 @@ GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
 GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);
 void gp_exr_out_free(struct gp_exr_out *out);
 
-/* -- one file (write.c) --------------------------------------------------- */
-
-/* True when samples of that channel may be read back with other bits; never for
- * AUTO. EXR's lossy compressions:
- *
- *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
- *              uint keep all bits
- *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
- *   DWAA/B     channels called R, G, B, Y, RY or BY after their last dot lose,
- *              in any layer, half and float, and become half; others keep
- *              their bits, depth too
- *
- * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
- * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */
-bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
-                  const char *name);
-
 #endif

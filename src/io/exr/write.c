@@ -14,7 +14,19 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 /* -- compressions --------------------------------------------------------- */
 
-bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
+/* True when samples of that channel may be read back with other bits; never for
+ * AUTO. EXR's lossy compressions:
+ *
+ *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
+ *              uint keep all bits
+ *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
+ *   DWAA/B     channels called R, G, B, Y, RY or BY after their last dot lose,
+ *              in any layer, half and float, and become half; others keep
+ *              their bits, depth too
+ *
+ * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
+ * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */
+static bool loses(enum gp_compression compression, enum gp_pixel_type type,
                   const char *name)
 {
     static const char *const dwa[] = {"R", "G", "B", "Y", "RY", "BY"};
@@ -499,7 +511,7 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
         for (int k = 0; k < to->sources.sources; k++) {
             const struct gp_exr_source *s = &to->sources.source[k];
-            if (s->data && gp_exr_loses(p->compression, s->type, s->name) &&
+            if (s->data && loses(p->compression, s->type, s->name) &&
                 gp_exr_crypto_channel(&crypto, in, number, s->name) ==
                     GP_CRYPTO_IDS)
                 GP_TRY(gp_fail(log, GP_ERR_USAGE,
