@@ -236,7 +236,8 @@ struct gp_exr_fit {
 #define GP_EXR_DWA_MAX 57344.0f
 
 /* `source` borrows names and samples from the frame and the planes, which
- * must live longer. Free with gp_exr_sources_free(). */
+ * must live longer. Zero but for `fit` before it is filled; free with
+ * gp_exr_sources_free(). */
 struct gp_exr_sources {
     struct gp_exr_source *source; // sorted by name
     int sources;
@@ -245,7 +246,7 @@ struct gp_exr_sources {
     float *alpha;    // owned: samples of a picture's A, or NULL
     struct gp_planes *fitted; // owned: colours that had to be scaled
     int fits;
-    struct gp_exr_fit fit;
+    struct gp_exr_fit *fit; // borrowed: the caller's, added to
 };
 
 /* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where

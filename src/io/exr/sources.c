@@ -22,7 +22,6 @@ static int by_name(const void *a, const void *b)
 static gp_status make_room(const struct gp_log *log, int most, int frames,
                            struct gp_exr_sources *out)
 {
-    *out = (struct gp_exr_sources) {0};
     gp_status st = gp_alloc_zero(log, "colours", (size_t) frames,
                                  sizeof *out->fitted, &out->fitted);
     return st ? st : gp_alloc(log, "channels", (size_t) most,
@@ -110,7 +109,7 @@ static gp_status fit_colour(const struct gp_log *log,
         if (st)
             return st;
         out->fits++;
-        fit_pixels(*planes, n, dwa, most, to, &out->fit);
+        fit_pixels(*planes, n, dwa, most, to, out->fit);
         *planes = to;
     }
     return GP_OK;

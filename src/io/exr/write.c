@@ -295,6 +295,7 @@ struct writing {
     struct gp_exr_out out;
     struct gp_file *file;
     long long clamped; // values, in the chunks
+    struct gp_exr_fit fit;
 };
 
 /* Finds the compression of a new part, and how many chunks it has. */
@@ -357,23 +358,14 @@ static void put_other_part(struct writing *w, int number)
 static void count_fits(const struct writing *w, struct gp_write_stats *stats)
 {
     static const char *const name[3] = {"red", "green", "blue"};
-    struct gp_exr_fit all = {0};
+    const struct gp_exr_fit *const fit = &w->fit;
     double share = 0.01;
     int worst = -1;
-    for (int i = 0; i < w->parts; i++) {
-        const struct gp_exr_fit *const fit = &w->part[i].sources.fit;
-        all.values += fit->values;
-        all.pixels += fit->pixels;
-        for (int c = 0; c < 3; c++) {
-            all.light[c] += fit->light[c];
-            all.lost[c] += fit->lost[c];
-        }
-    }
-    stats->clamped += w->clamped + all.values;
+    stats->clamped += w->clamped + fit->values;
     for (int c = 0; c < 3; c++) {
-        stats->flux_clamped[c] += all.lost[c];
-        if (all.lost[c] > share * all.light[c]) {
-            share = all.lost[c] / all.light[c];
+        stats->flux_clamped[c] += fit->lost[c];
+        if (fit->lost[c] > share * fit->light[c]) {
+            share = fit->lost[c] / fit->light[c];
             worst = c;
         }
     }
@@ -382,7 +374,7 @@ static void count_fits(const struct writing *w, struct gp_write_stats *stats)
     const bool dwa = w->p->compression >= GP_COMPRESSION_DWAA;
     gp_say(w->log, GP_LEVEL_WARN, "%s: %s loses %.3g %% of the %s light (%lld "
            "pixels over %g); use %s", w->path, dwa ? "DWA" : "--type half",
-           100.0 * share, name[worst], all.pixels,
+           100.0 * share, name[worst], fit->pixels,
            dwa ? (double) GP_EXR_DWA_MAX : 65504.0,
            dwa ? "--compression zip" : "--type float or auto");
 }
@@ -447,6 +439,7 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
         .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
                                          : GP_EXR_KEEP_SHOWN,
     };
+    part.sources.fit = &w.fit;
     gp_status st = gp_exr_sources_picture(log, p, f, planes, &part.sources);
     if (!st)
         st = write_file(&w, stats);
@@ -508,6 +501,7 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
             GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
                    w.from, number));
         to->f = set[i].f;
+        to->sources.fit = &w.fit;
         GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
         for (int k = 0; k < to->sources.sources; k++) {
             const struct gp_exr_source *s = &to->sources.source[k];
