@@ -68,17 +68,6 @@ struct gp_exr_index {
     int attrs;
 };
 
-/* Walks the header at the start of `s`. GP_OK also of one that is damaged
- * (out->tables is 0 then): the library's message says more.
- *
- *   out  written always; free with gp_exr_index_free()
- *
- * Errors: GP_ERR_DATA more channels, attributes or parts than the library could
- * sort in time; GP_ERR_IO cannot read. */
-GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
-    const char *path, const struct gp_stream *s, struct gp_exr_index *out);
-void gp_exr_index_free(struct gp_exr_index *index);
-
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
 const struct gp_exr_attr *
@@ -89,7 +78,6 @@ gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
 enum {
     GP_EXR_MAGIC = 20000630,
     GP_EXR_VERSION = 2,
-    GP_EXR_TILED = 0x200,
     GP_EXR_LONG_NAMES = 0x400,
     GP_EXR_DEEP = 0x800,
     GP_EXR_MULTIPART = 0x1000,

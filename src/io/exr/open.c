@@ -242,13 +242,15 @@ out:
     return st;
 }
 
-gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
-                            const struct gp_stream *s, struct gp_exr_index *out)
+/* Fills the index. GP_OK also of a damaged header (tables is 0 then): the
+ * library's message says more. */
+static gp_status index_header(const struct gp_log *log, const char *path,
+                              const struct gp_stream *s,
+                              struct gp_exr_index *out)
 {
     enum { FIRST = 4096 }; // most headers
     struct walk w = {.log = log, .path = path, .stream = s, .index = out};
     gp_status st = GP_OK;
-    *out = (struct gp_exr_index) {0};
     for (w.more = true; w.more && w.loaded < s->size;) {
         const uint64_t room = w.loaded ? 2 * w.loaded : FIRST;
         const uint64_t end = room < s->size ? room : s->size;
@@ -258,8 +260,7 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
         const int64_t got = gp_stream_read(s, out->bytes + w.loaded,
                                            end - w.loaded, w.loaded);
         if (got < 0)
-            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
-                           "disk", path, strerror(errno)));
+            GP_TRY(gp_stream_failed(log, path));
         if (got <= 0) // a file that has become shorter
             break;
         w.loaded += (size_t) got;
@@ -279,14 +280,6 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
     }
 out:
     return st;
-}
-
-void gp_exr_index_free(struct gp_exr_index *index)
-{
-    gp_free(index->bytes);
-    gp_free(index->part);
-    gp_free(index->attr);
-    *index = (struct gp_exr_index) {0};
 }
 
 const struct gp_exr_attr *
@@ -499,7 +492,7 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     in->stream = *stream;
     *stream = (struct gp_stream) GP_STREAM_EMPTY;
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
-    GP_TRY(gp_exr_index_make(log, path, &in->stream, in->index));
+    GP_TRY(index_header(log, path, &in->stream, in->index));
     GP_TRY(parse_header(log, path, in));
     // also parts and levels that are not read must be whole
     in->end = find_end(in);
@@ -524,8 +517,11 @@ void gp_input_free(void *input)
     if (in->exr)
         (void) exr_finish(&in->exr);
     gp_stream_close(&in->stream);
-    if (in->index)
-        gp_exr_index_free(in->index);
+    if (in->index) {
+        gp_free(in->index->bytes);
+        gp_free(in->index->part);
+        gp_free(in->index->attr);
+    }
     gp_free(in->index);
     gp_free(in);
 }
