@@ -201,70 +201,16 @@ struct gp_exr_image {
     struct gp_rect data;
     enum gp_compression compression;    // not AUTO
     float quality; // of DWAA and DWAB: OpenEXR's default is 45
-    const struct gp_exr_source *source; // sorted by name as strcmp() does
+    struct gp_exr_source *source; // sorted by name as strcmp() does
     int sources;
 };
 
 /* Chunks of a part with that compression. */
 int gp_exr_chunk_count(const struct gp_exr_image *img);
 
-/* -- the channels of a part that is written (sources.c) ------------------- */
-
-/* Colours over the largest value that the file can hold: of a half, or of DWA,
- * which holds nothing over GP_EXR_DWA_MAX. With GP_OUT_AUTO a frame of halfs is
- * then float. Else such a pixel is scaled, which keeps its hue. */
-struct gp_exr_fit {
-    long long values, pixels;  // over it
-    double light[3], lost[3];  // sums of all pixels, and of what was lost
-};
-
-/* DWA stores halfs, floats too, and its loss moves values near the end of
- * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
- * end nothing did. */
-#define GP_EXR_DWA_MAX 57344.0f
-
-/* `source` borrows names and samples from the frame and the planes, which
- * must live longer. Zero but for `fit` before it is filled; free with
- * gp_exr_sources_free(). */
-struct gp_exr_sources {
-    struct gp_exr_source *source; // sorted by name
-    int sources;
-    char **new_name; // names that no frame has
-    int new_names;
-    float *alpha;    // owned: samples of a picture's A, or NULL
-    struct gp_planes *fitted; // owned: colours that had to be scaled
-    int fits;
-    struct gp_exr_fit *fit; // borrowed: the caller's, added to
-};
-
-/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
- * it has one. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
-    const struct gp_write_params *p, const struct gp_frame *f,
-    const struct gp_planes *planes, struct gp_exr_sources *out);
-
-/* The channels of one part, with the colours of several frames of it:
- *   - what is the colour of none of them as it is;
- *   - R, G, B under their names; one that the file did not have is added when
- *     its plane is not all 0;
- *   - grey stays one channel when the planes are the same, bit by bit, and is
- *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
- *     or B are taken, in a layer of its name); luminance-chroma is always
- *     R, G, B.
- *
- *   set  n >= 1 frames of one part; one of them at least was read whole
- *   p    --type is that of the colours
- *
- * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
- * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole. */
-GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
-    struct gp_exr_sources *out);
-void gp_exr_sources_free(struct gp_exr_sources *s);
-
 /* -- a file on its way out --------------------------------------------------
  *
- * Begin(), attributes by put...() (write.c); tables(), the chunks of all parts,
+ * Begin(), attributes by put...() (header.c); tables(), the chunks of all parts,
  * end() (encode.c). */
 
 struct gp_exr_table {

@@ -1,16 +1,349 @@
-/* Writes one EXR file: its parts, their headers (openexr file layout, "Header")
- * and their chunks, by encode.c. */
+/* Writes one EXR file: its parts, their channels and samples, by header.c and
+ * encode.c. */
 #include "io/exr/exr_priv.h"
 
 #include "core/bytes.h"
-#include "core/colour.h"
+#include "core/cpu.h"
+#include "core/half.h"
 #include "core/memory.h"
 #include "io/channels.h"
 
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "EXR is little-endian and is written from memory as it is");
+/* -- the channels of a part ------------------------------------------------- */
+
+/* Colours over the largest value that the file can hold: of a half, or of DWA,
+ * which holds nothing over DWA_MAX. With GP_OUT_AUTO a frame of halfs is
+ * then float. Else such a pixel is scaled, which keeps its hue. */
+struct fit {
+    long long values, pixels;  // over it
+    double light[3], lost[3];  // sums of all pixels, and of what was lost
+};
+
+/* DWA stores halfs, floats too, and its loss moves values near the end of
+ * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
+ * end nothing did. */
+#define DWA_MAX 57344.0f
+
+/* A part of the file. Names and samples of its channels belong to the frame and
+ * the planes. Free with free_part(). */
+struct part {
+    const struct gp_frame *f; // its windows; NULL: the input's part as it is
+    const struct gp_exr_index_part *own; // of the input, or NULL
+    struct gp_exr_image img;  // owned: its list
+    void **owned;             // names, alpha and planes that were made for it
+    int n_owned;
+    struct fit *fit;          // borrowed; added to
+};
+
+static int by_name(const void *a, const void *b)
+{
+    const struct gp_exr_source *p = a, *q = b;
+    return strcmp(p->name, q->name);
+}
+
+/* Makes room for `most` channels, of the colours of `frames` frames. */
+static gp_status make_room(const struct gp_log *log, int most, int frames,
+                           struct part *out)
+{
+    // of a frame three names and the planes; or alpha and these
+    const gp_status st = gp_alloc_zero(log, "colours", 4 * (size_t) frames,
+                                       sizeof *out->owned, &out->owned);
+    return st ? st : gp_alloc(log, "channels", (size_t) most,
+                              sizeof *out->img.source, &out->img.source);
+}
+
+static void free_part(struct part *part)
+{
+    for (int i = 0; i < part->n_owned; i++)
+        gp_free(part->owned[i]);
+    gp_free(part->owned);
+    gp_free(part->img.source);
+}
+
+/* -- light that a half cannot hold ---------------------------------------- */
+
+GP_CLONES static int any_beyond(const float *v, size_t n, float most,
+                                float largest)
+{
+    int any = 0;
+    for (size_t i = 0; i < n; i++)
+        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= largest);
+    return any;
+}
+
+/* Copies n pixels, and scales those with a value over `most` to `limit`. */
+static void fit_pixels(const struct gp_planes *from, size_t n, bool dwa,
+                       float most, struct gp_planes *out,
+                       struct fit *sum)
+{
+    const float limit = dwa ? DWA_MAX : 65504.0f;
+    for (size_t i = 0; i < n; i++) {
+        float largest = 0.0f;
+        bool over = false;
+        for (int c = 0; c < 3; c++) {
+            const float v = from->c[c][i];
+            const bool finite = v <= FLT_MAX;
+            largest = finite && v > largest ? v : largest;
+            sum->values += finite && v > most;
+            sum->light[c] += finite && v > 0.0f ? (double) v : 0.0;
+            over |= finite && v > most;
+        }
+        sum->pixels += over;
+        for (int c = 0; c < 3; c++) {
+            const float v = from->c[c][i];
+            const bool scaled = over && fabsf(v) <= FLT_MAX;
+            float to = scaled ? fminf(v * (limit / largest), limit) : v;
+            sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
+            if (dwa && fabsf(to) > limit) { // it has no Inf, and no less
+                to = copysignf(limit, to);
+                sum->values++;
+            }
+            out->c[c][i] = to;
+        }
+    }
+}
+
+/* Finds the type of a frame's colours, and replaces *planes by a copy whose
+ * pixels fit into it. Errors: GP_ERR_BUG out of memory. */
+static gp_status fit_colour(const struct gp_log *log,
+    const struct gp_write_params *p, const struct gp_frame *f,
+    struct gp_planes *planes, enum gp_pixel_type *type, struct part *out)
+{
+    const bool dwa = p->compression >= GP_COMPRESSION_DWAA;
+    // the largest value that rounds to the largest half
+    const float most = dwa ? DWA_MAX : nextafterf(65520.0f, 0.0f);
+    const size_t n = gp_frame_pixels(f);
+    bool beyond = false;
+    *type = p->type == GP_OUT_AUTO   ? f->colour_type
+            : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
+    for (int c = 0; c < 3 && (*type == GP_HALF || dwa); c++)
+        beyond |= any_beyond(planes->c[c], n, most,
+                             dwa ? INFINITY : FLT_MAX);
+    if (beyond && !dwa && p->type == GP_OUT_AUTO) {
+        *type = GP_FLOAT;
+    } else if (beyond) {
+        struct gp_planes to;
+        const gp_status st = gp_planes_make(log, "colours", n, &to);
+        if (st)
+            return st;
+        out->owned[out->n_owned++] = to.c[0]; // one block
+        fit_pixels(planes, n, dwa, most, &to, out->fit);
+        *planes = to;
+    }
+    return GP_OK;
+}
+
+/* -- pictures ------------------------------------------------------------- */
+
+static void add_plane(struct part *s, enum gp_pixel_type type,
+    const char *name, const struct gp_frame *f, const float *plane, bool linear)
+{
+    s->img.source[s->img.sources++] = (struct gp_exr_source) {
+        .name = name, .xs = 1, .ys = 1, .linear = linear,
+        .columns = gp_frame_w(f), .plane = plane, .type = type,
+    };
+}
+
+/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
+ * it has one. */
+static gp_status picture_sources(const struct gp_log *log,
+    const struct gp_write_params *p, struct gp_planes planes, struct part *out)
+{
+    static const char *const name[3] = {"B", "G", "R"}; // sorted, after A
+    const struct gp_frame *const f = out->f;
+    const int alpha = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
+    enum gp_pixel_type type;
+    gp_status st;
+    GP_TRY(make_room(log, 4, 1, out));
+    GP_TRY(fit_colour(log, p, f, &planes, &type, out));
+    if (alpha >= 0) {
+        const enum gp_pixel_type own =
+            f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
+        float *a;
+        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
+        out->owned[out->n_owned++] = a;
+        gp_channel_floats(f, alpha, a);
+        add_plane(out, p->type == GP_OUT_AUTO   ? own
+                       : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT,
+                  "A", f, a, true);
+    }
+    for (int c = 0; c < 3; c++)
+        add_plane(out, type, name[c], f, planes.c[2 - c], false);
+out:
+    return st;
+}
+
+/* -- --hdr ---------------------------------------------------------------- */
+
+/* The frames of one part. */
+struct group {
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const struct gp_hdr_colour *set;
+    int n;
+    const struct gp_frame *complete; // the one that has all channels of it
+};
+
+/* Returns of how many frames channel `i` of the complete one is the colour. */
+static int count_owners(const struct group *g, int i)
+{
+    const char *const name = g->complete->channel[i].name;
+    int n = 0;
+    for (int k = 0; k < g->n; k++) {
+        const struct gp_frame *const f = g->set[k].f;
+        // a frame with all channels has them in this order
+        const bool all = f->channels == g->complete->channels;
+        for (int c = all ? i : 0; c < (all ? i + 1 : f->channels); c++)
+            n += f->channel[c].colour >= 0 &&
+                 strcmp(f->channel[c].name, name) == 0;
+    }
+    return n;
+}
+
+/* Adds the channels that are the colour of no frame. */
+static gp_status add_carried(const struct group *g, struct part *out)
+{
+    for (int i = 0; i < g->complete->channels; i++) {
+        const struct gp_channel *c = &g->complete->channel[i];
+        const int owners = count_owners(g, i);
+        if (owners > 1)
+            return gp_fail(g->log, GP_ERR_USAGE,
+                   "%s: channel %s is the colour of %d layers; name "
+                   "each layer once", g->complete->path, c->name, owners);
+        if (owners == 1)
+            continue;
+        if (!c->data)
+            return gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
+                   g->complete->path, c->name);
+        out->img.source[out->img.sources++] = (struct gp_exr_source) {
+            .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
+            .linear = c->linear, .columns = c->w, .data = c->data,
+        };
+    }
+    return GP_OK;
+}
+
+/* True when a channel of that name will be there that f does not replace. */
+static bool is_taken(const struct group *g, const struct gp_frame *f,
+                     const char *name)
+{
+    const struct gp_channel *own = gp_frame_channel(f, name);
+    return gp_frame_channel(g->complete, name) && !(own && own->colour >= 0);
+}
+
+/* The colour of one frame. */
+static gp_status add_frame(const struct group *g,
+    const struct gp_hdr_colour *from, struct part *out)
+{
+    const struct gp_frame *f = from->f;
+    struct gp_planes planes = *from->planes;
+    enum gp_pixel_type type;
+    gp_status st = fit_colour(g->log, g->p, f, &planes, &type, out);
+    if (st)
+        return st;
+    float *const *const plane = planes.c;
+    const size_t n = gp_frame_pixels(f), bytes = n * sizeof(float);
+    const struct gp_channel *like = NULL; // a colour channel of the input
+    bool there[3] = {false, false, false};
+    // grey stays grey where the planes are the same, bit by bit
+    const bool own_names = f->model == GP_COLOUR_RGB ||
+                           (f->model == GP_COLOUR_GREY &&
+                            memcmp(plane[0], plane[1], bytes) == 0 &&
+                            memcmp(plane[0], plane[2], bytes) == 0);
+    for (int k = 0; k < f->channels; k++) {
+        const struct gp_channel *c = &f->channel[k];
+        if (c->colour < 0)
+            continue;
+        like = c;
+        if (!own_names)
+            continue;
+        add_plane(out, type, c->name, f, plane[c->colour], c->linear);
+        there[c->colour] = true;
+    }
+    if (!like)
+        return gp_fail(g->log, GP_ERR_BUG, "%s: no colour channel", f->path);
+
+    // colours under names that the part does not have. Names beside a grey
+    // channel that is called after what it shows, and has no layer, may need
+    // one: its own name. Y is luminance and no layer's name.
+    static const char *const letter[3] = {"R", "G", "B"};
+    bool layered = false;
+    for (int c = 0; c < 3; c++)
+        layered |= is_taken(g, f, letter[c]);
+    layered = layered && f->model == GP_COLOUR_GREY &&
+              gp_layer_length(like->name) == 0 && strcmp(like->name, "Y") != 0;
+    for (int c = 0; c < 3; c++) {
+        bool wanted = !own_names;
+        for (size_t i = 0; f->model == GP_COLOUR_RGB && !wanted && i < n; i++)
+            wanted = plane[c][i] != 0.0f;
+        if (there[c] || !wanted)
+            continue;
+        char layer[GP_CHANNEL_NAME + 4];
+        snprintf(layer, sizeof layer, "%s.%s", like->name, letter[c]);
+        char *const name = layered ? gp_strdup(layer)
+                                   : gp_colour_name(like->name, c);
+        if (!name)
+            return gp_no_memory_bare(g->log, "channels");
+        out->owned[out->n_owned++] = name;
+        if (is_taken(g, f, name))
+            return gp_fail(g->log, GP_ERR_DATA,
+                           "%s: the coloured glare needs a new channel %s, and "
+                           "the file has another one of that name; rename "
+                           "that", f->path, name);
+        add_plane(out, type, name, f, plane[c], like->linear);
+    }
+    return GP_OK;
+}
+
+/* The channels of one part, with the colours of several frames of it:
+ *   - what is the colour of none of them as it is;
+ *   - R, G, B under their names; one that the file did not have is added when
+ *     its plane is not all 0;
+ *   - grey stays one channel when the planes are the same, bit by bit, and is
+ *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
+ *     or B are taken, in a layer of its name); luminance-chroma is always
+ *     R, G, B.
+ *
+ *   set  n >= 1 frames of one part; one of them at least was read whole
+ *   p    --type is that of the colours
+ *
+ * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
+ * colour of two frames;
+ * GP_ERR_BUG no frame is whole. */
+static gp_status hdr_sources(const struct gp_log *log,
+    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
+    struct part *out)
+{
+    gp_status st;
+    struct group g = {log, p, set, n, set[0].f};
+    for (int i = 1; i < n; i++) {
+        if (set[i].f->channels > g.complete->channels)
+            g.complete = set[i].f;
+    }
+    GP_TRY(make_room(log, g.complete->channels + 3 * n, n, out));
+    GP_TRY(add_carried(&g, out));
+    for (int i = 0; i < n; i++)
+        GP_TRY(add_frame(&g, &set[i], out));
+    qsort(out->img.source, (size_t) out->img.sources,
+          sizeof *out->img.source, by_name);
+    // names from other formats may not fit EXR
+    for (int i = 0; i < out->img.sources; i++) {
+        const char *name = out->img.source[i].name;
+        if (name[0] == '\0' || strlen(name) > 255 ||
+            (i > 0 && strcmp(out->img.source[i - 1].name, name) == 0))
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: EXR cannot hold its channels (name \"%.40s\" "
+                           "is empty, too long, or used twice); rename them",
+                           set[0].f->path, name));
+    }
+out:
+    return st;
+}
 
 /* -- compressions --------------------------------------------------------- */
 
@@ -48,239 +381,7 @@ static bool loses(enum gp_compression compression, enum gp_pixel_type type,
     }
 }
 
-/* -- a header's bytes ----------------------------------------------------- */
-
-enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
-
-void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t n)
-{
-    const gp_status st = gp_file_write(out->file, bytes, n);
-    (void) st; // the file keeps it
-}
-
-static void put_name(struct gp_exr_out *out, const char *name)
-{
-    if (strlen(name) > SHORT_NAME)
-        out->flags |= GP_EXR_LONG_NAMES;
-    gp_exr_put_raw(out, name, strlen(name) + 1);
-}
-
-/* An attribute without its value. */
-static void put_head(struct gp_exr_out *out, const char *name, const char *type,
-                     size_t size)
-{
-    const int32_t bytes = (int32_t) size;
-    put_name(out, name);
-    put_name(out, type);
-    gp_exr_put_raw(out, &bytes, 4);
-}
-
-void gp_exr_put(struct gp_exr_out *out, const char *name, const char *type,
-                const void *data, size_t size)
-{
-    put_head(out, name, type, size);
-    gp_exr_put_raw(out, data, size);
-}
-
-static void put_text(struct gp_exr_out *out, const char *name, const char *text)
-{
-    gp_exr_put(out, name, "string", text, strlen(text));
-}
-
-void gp_exr_out_begin(struct gp_exr_out *out, const struct gp_log *log,
-                      struct gp_file *file, uint32_t flags)
-{
-    const uint32_t magic = GP_EXR_MAGIC;
-    *out = (struct gp_exr_out) {.log = log, .file = file, .flags = flags};
-    gp_exr_put_raw(out, &magic, 4);
-    gp_exr_put_raw(out, &flags, 4);
-}
-
-/* -- attributes of a new part --------------------------------------------- */
-
-static void put_window(struct gp_exr_out *h, const char *name,
-                       struct gp_rect r)
-{
-    const int32_t box[4] = {r.x0, r.y0, r.x1 - 1, r.y1 - 1};
-    gp_exr_put(h, name, "box2i", box, sizeof box);
-}
-
-/* An attribute of the input, or its default. */
-static void put_or(struct gp_exr_out *h,
-                   const struct gp_exr_index_part *own, const char *name,
-                   const char *type, const void *data, size_t size)
-{
-    const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
-    if (a && a->size == size)
-        data = a->data;
-    gp_exr_put(h, name, type, data, size);
-}
-
-static bool is_listed(const char *name, const char *const *list)
-{
-    for (; *list; list++) {
-        if (strcmp(name, *list) == 0)
-            return true;
-    }
-    return false;
-}
-
-/* True when the pixels still are in the input's primaries. */
-static bool in_own_light(enum gp_exr_kept kept)
-{
-    return kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_SCENE;
-}
-
-static bool is_kept(const char *name, enum gp_exr_kept kept)
-{
-    static const char *const own[] = {
-        "channels", "compression", "dataWindow", "displayWindow", "lineOrder",
-        "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "name",
-        "type", "chunkCount", "tiles", "maxSamplesPerPixel", NULL,
-    };
-    // of the input's pixels, not of this picture's
-    static const char *const scene[] = {"preview", "multiView", NULL};
-    // transforms for the input's colours, which these no longer are
-    static const char *const shown[] = {
-        "chromaticities", "adoptedNeutral", "whiteLuminance",
-        "renderingTransform", "lookModTransform", NULL,
-    };
-    if (is_listed(name, own) || strncmp(name, "glarepp:", 8) == 0)
-        return false;
-    if (kept != GP_EXR_KEEP_ALL && is_listed(name, scene) &&
-        !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
-        return false;
-    return in_own_light(kept) || !is_listed(name, shown);
-}
-
-/* The attributes of the input that are kept: manifests of ids, or all but
- * those. */
-static void put_carried(struct gp_exr_out *h,
-                        const struct gp_exr_index_part *own,
-                        enum gp_exr_kept kept, bool manifests)
-{
-    for (int i = 0; own && i < own->attrs; i++) {
-        const struct gp_exr_attr *a = &own->attr[i];
-        if ((strcmp(a->type, "idmanifest") == 0) == manifests &&
-            is_kept(a->name, kept) &&
-            !(h->flags & GP_EXR_DEEP && strcmp(a->name, "version") == 0))
-            gp_exr_put(h, a->name, a->type, a->data, a->size);
-    }
-}
-
-/* The attributes that OpenImageIO makes of another format's header. Some say
- * how that file was stored; only those about the picture are carried. */
-static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
-                        enum gp_exr_kept kept)
-{
-    static const char *const exact[] = {
-        "compression", "Compression", "CompressionQuality", "Orientation",
-        "ResolutionUnit", "XResolution", "YResolution", "planarconfig",
-        "PixelAspectRatio", "ICCProfile", "chromaticities", "gamma", NULL,
-    };
-    static const char *const start[] = {
-        "oiio:", "tiff:", "jpeg:", "png:", "dpx:", "bmp:", "pnm:", "hdr:",
-        "targa:", "gif:", "webp:", "sgi:", "openexr:", "ICCProfile:", NULL,
-    };
-    for (int i = 0; i < f->attributes; i++) {
-        const struct gp_attribute *a = &f->attribute[i];
-        const size_t n = strlen(a->name);
-        bool stored = is_listed(a->name, exact);
-        for (int k = 0; !stored && start[k]; k++)
-            stored = strncmp(a->name, start[k], strlen(start[k])) == 0;
-        if (n == 0 || n > 255 || stored || !is_kept(a->name, kept))
-            continue;
-        if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
-            put_text(h, a->name, a->text);
-        else if (a->kind == GP_ATTRIBUTE_INT)
-            gp_exr_put(h, a->name, "int", &a->number, 4);
-        else if (a->kind == GP_ATTRIBUTE_FLOAT)
-            gp_exr_put(h, a->name, "float", &a->real, 4);
-    }
-}
-
-void gp_exr_put_part(struct gp_exr_out *h, const struct gp_frame *f,
-    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
-    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks)
-{
-    static const float centre[2] = {0, 0}, width = 1;
-    const int32_t count = chunks, version = 1;
-    const uint8_t compression = (uint8_t) img->compression;
-    // OpenImageIO cannot pass the flag to the DWA compressor, so the chunks are
-    // made without it
-    const bool dwa = img->compression >= GP_COMPRESSION_DWAA;
-    size_t bytes = 1;
-    for (int i = 0; i < img->sources; i++)
-        bytes += strlen(img->source[i].name) + 17;
-    put_head(h, "channels", "chlist", bytes);
-    for (int i = 0; i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
-        const int32_t value[4] = { // GP_UINT.. number as EXR does
-            (int32_t) s->type, s->linear && !dwa, s->xs, s->ys,
-        };
-        put_name(h, s->name);
-        gp_exr_put_raw(h, value, sizeof value);
-    }
-    gp_exr_put_raw(h, "", 1);
-
-    // whatever the input said; lineOrder is that of the chunks as they are
-    // written. Tiled inputs are written as scanlines, and mip-mapped ones
-    // without their smaller levels, which would have to be made anew from the
-    // picture with glare.
-    gp_exr_put(h, "compression", "compression", &compression, 1);
-    put_window(h, "dataWindow", img->data);
-    put_window(h, "displayWindow", f->display);
-    // OpenEXR 3.1.5 takes 4 bytes too many for a manifest, and so the start of
-    // the next attribute's name. It writes lineOrder there, whose default is
-    // ours too.
-    put_carried(h, own, kept, true);
-    gp_exr_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
-    gp_exr_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
-    put_or(h, own, "screenWindowCenter", "v2f", centre, sizeof centre);
-    put_or(h, own, "screenWindowWidth", "float", &width, sizeof width);
-    const struct gp_exr_attr *const name =
-        kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_CONVERTED
-            ? gp_exr_attr_find(own, "name", "string") : NULL;
-    if (name)
-        gp_exr_put(h, "name", "string", name->data, name->size);
-    else if (chunks > 0)
-        put_text(h, "name", "");
-    if (chunks > 0) {
-        put_text(h, "type", "scanlineimage");
-        gp_exr_put(h, "chunkCount", "int", &count, 4);
-    }
-    if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
-        gp_exr_put(h, "version", "int", &version, 4);
-    put_carried(h, own, kept, false);
-    if (!own)
-        put_foreign(h, f, kept);
-    if (in_own_light(kept) &&
-        !gp_exr_attr_find(own, "chromaticities", "chromaticities") &&
-        (f->names_chromaticities ||
-         memcmp(f->chromaticities, gp_rec709_chromaticities,
-                sizeof f->chromaticities) != 0))
-        gp_exr_put(h, "chromaticities", "chromaticities",
-                   f->chromaticities, sizeof f->chromaticities);
-    if (kept == GP_EXR_KEEP_CONVERTED && p->primaries)
-        gp_exr_put(h, "chromaticities", "chromaticities", p->primaries,
-                   sizeof f->chromaticities);
-    if (p->command) {
-        put_text(h, "glarepp:version", GP_VERSION);
-        put_text(h, "glarepp:command", p->command);
-    }
-    for (int i = 0; i < p->n_added; i++)
-        put_text(h, p->added[i].name, p->added[i].text);
-    gp_exr_put_raw(h, "", 1);
-}
-
 /* -- a file on its way ---------------------------------------------------- */
-
-struct part {
-    const struct gp_frame *f; // its windows; NULL: the input's part as it is
-    struct gp_exr_sources sources;
-    struct gp_exr_image img;
-    const struct gp_exr_index_part *own; // of the input, or NULL
-};
 
 /* All that is open at once, closed in one place. */
 struct writing {
@@ -295,7 +396,7 @@ struct writing {
     struct gp_exr_out out;
     struct gp_file *file;
     long long clamped; // values, in the chunks
-    struct gp_exr_fit fit;
+    struct fit fit;
 };
 
 /* Finds the compression of a new part, and how many chunks it has. */
@@ -311,10 +412,10 @@ static void plan_part(struct writing *w, struct part *part, int *chunks)
     }
     // OpenImageIO writes a single channel as zip instead of DWA: the header
     // must match
-    if (c >= GP_COMPRESSION_DWAA && part->sources.sources == 1) {
+    if (c >= GP_COMPRESSION_DWAA && part->img.sources == 1) {
         gp_say(w->log, GP_LEVEL_WARN,
                "%s: a single channel (%s) cannot be DWA; it is written as "
-               "zip", w->path, part->sources.source[0].name);
+               "zip", w->path, part->img.source[0].name);
         c = GP_COMPRESSION_ZIP;
     }
     // DWA's quality is the input's, or OpenEXR's default
@@ -323,11 +424,9 @@ static void plan_part(struct writing *w, struct part *part, int *chunks)
         gp_exr_attr_find(part->own, "dwaCompressionLevel", "float");
     if (a && a->size == sizeof quality)
         memcpy(&quality, a->data, sizeof quality);
-    part->img = (struct gp_exr_image) {
-        .data = part->f->data, .source = part->sources.source,
-        .sources = part->sources.sources, .compression = c,
-        .quality = quality >= 0.0f && quality <= 1e6f ? quality : 45.0f,
-    };
+    part->img.data = part->f->data;
+    part->img.compression = c;
+    part->img.quality = quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
     *chunks = gp_exr_chunk_count(&part->img);
 }
 
@@ -358,7 +457,7 @@ static void put_other_part(struct writing *w, int number)
 static void count_fits(const struct writing *w, struct gp_write_stats *stats)
 {
     static const char *const name[3] = {"red", "green", "blue"};
-    const struct gp_exr_fit *const fit = &w->fit;
+    const struct fit *const fit = &w->fit;
     double share = 0.01;
     int worst = -1;
     stats->clamped += w->clamped + fit->values;
@@ -375,7 +474,7 @@ static void count_fits(const struct writing *w, struct gp_write_stats *stats)
     gp_say(w->log, GP_LEVEL_WARN, "%s: %s loses %.3g %% of the %s light (%lld "
            "pixels over %g); use %s", w->path, dwa ? "DWA" : "--type half",
            100.0 * share, name[worst], fit->pixels,
-           dwa ? (double) GP_EXR_DWA_MAX : 65504.0,
+           dwa ? (double) DWA_MAX : 65504.0,
            dwa ? "--compression zip" : "--type float or auto");
 }
 
@@ -439,11 +538,11 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
         .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
                                          : GP_EXR_KEEP_SHOWN,
     };
-    part.sources.fit = &w.fit;
-    gp_status st = gp_exr_sources_picture(log, p, f, planes, &part.sources);
+    part.fit = &w.fit;
+    gp_status st = picture_sources(log, p, *planes, &part);
     if (!st)
         st = write_file(&w, stats);
-    gp_exr_sources_free(&part.sources);
+    free_part(&part);
     return st;
 }
 
@@ -501,10 +600,10 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
             GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
                    w.from, number));
         to->f = set[i].f;
-        to->sources.fit = &w.fit;
-        GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
-        for (int k = 0; k < to->sources.sources; k++) {
-            const struct gp_exr_source *s = &to->sources.source[k];
+        to->fit = &w.fit;
+        GP_TRY(hdr_sources(log, p, group, found, to));
+        for (int k = 0; k < to->img.sources; k++) {
+            const struct gp_exr_source *s = &to->img.source[k];
             if (s->data && loses(p->compression, s->type, s->name) &&
                 gp_exr_crypto_channel(&crypto, in, number, s->name) ==
                     GP_CRYPTO_IDS)
@@ -517,8 +616,83 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
     st = write_file(&w, stats);
 out:
     for (int i = 0; i < w.parts; i++)
-        gp_exr_sources_free(&w.part[i].sources);
+        free_part(&w.part[i]);
     gp_free(w.part);
     gp_free(group);
+    return st;
+}
+
+/* -- --output-space -------------------------------------------------------- */
+
+gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
+    void *user, struct gp_frame *f, struct gp_write_stats *stats)
+{
+    const struct gp_input *const in = gp_input_of(f);
+    const size_t n = gp_frame_pixels(f);
+    struct gp_planes from = {0}, to = {0};
+    struct gp_crypto crypto;
+    char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
+    bool lists[2] = {true, true};
+    const char **name = NULL; // of carried channels, "" of others
+    gp_status st;
+    GP_TRY(gp_alloc(log, "channels", (size_t) f->channels, sizeof *name,
+                    &name));
+    for (int i = 0; i < f->channels; i++)
+        name[i] = f->channel[i].data ? f->channel[i].name : "";
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const red = &f->channel[i];
+        const size_t len = gp_layer_length(red->name);
+        struct gp_colour_choice colour;
+        char layer[GP_CHANNEL_NAME + 1];
+        snprintf(layer, sizeof layer, "%.*s", len ? (int) len - 1 : 0,
+                 red->name);
+        // a layer is converted when its first channel comes: R, or RY
+        if (!name[i][0] || red->type == GP_UINT ||
+            (len && !gp_is_light(red->name, len - 1)) ||
+            gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
+                GP_CRYPTO_NONE ||
+            !gp_find_layer_colour(name, f->channels, layer, false, &colour) ||
+            colour.index[0] != i || colour.model == GP_COLOUR_GREY)
+            continue;
+        const int *const index = colour.index;
+        bool whole = colour.model == GP_COLOUR_RGB, all = true;
+        for (int c = 0; c < 3 && all && whole; c++) {
+            all = index[c] >= 0;
+            const struct gp_channel *const own = &f->channel[all ? index[c] : i];
+            whole = own->type != GP_UINT && own->xs == 1 && own->ys == 1;
+        }
+        if (!all)
+            continue;
+        if (!whole) {
+            lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
+            continue;
+        }
+        if (!from.c[0])
+            GP_TRY(gp_planes_make(log, "layer", n, &from));
+        for (int c = 0; c < 3; c++)
+            gp_channel_floats(f, index[c], from.c[c]);
+        GP_TRY(convert(log, user, f, n, &from, &to));
+        for (int c = 0; c < 3; c++) {
+            void *const data = f->channel[index[c]].data;
+            if (f->channel[index[c]].type == GP_HALF)
+                stats->clamped +=
+                    (long long) gp_float_to_half(to.c[c], data, n);
+            else
+                memcpy(data, to.c[c], n * sizeof(float));
+        }
+        lists[1] = lists[1] && gp_channel_list_add(converted, NULL, red->name);
+    }
+    if (converted[0])
+        gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
+               converted);
+    if (left[0])
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
+               "and chroma are not converted (%s); write them to a file of "
+               "their own", f->path, left);
+out:
+    gp_free(name);
+    gp_planes_free(&from);
+    gp_planes_free(&to);
     return st;
 }
