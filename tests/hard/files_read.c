@@ -1,4 +1,4 @@
-#include "files_read.h"
+#include "files.h"
 #include "hardcases.h"
 
 #include "io/read.h"
@@ -26,7 +26,7 @@ static void make_planes(struct hard_picture *p)
 
 // -- PNG ----------------------------------------------------------------------
 
-void hard_read_png(const char *path, struct hard_picture *out)
+static void read_png(const char *path, struct hard_picture *out)
 {
     FILE *const f = fopen(path, "rb");
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL,
@@ -54,21 +54,6 @@ void hard_read_png(const char *path, struct hard_picture *out)
 
 // -- raw frames and PFM -------------------------------------------------------
 
-static float code8(const uint8_t *b)
-{
-    return (float) b[0];
-}
-
-static float code16le(const uint8_t *b)
-{
-    return (float) (b[0] | b[1] << 8);
-}
-
-static float code16be(const uint8_t *b)
-{
-    return (float) (b[0] << 8 | b[1]);
-}
-
 static float float32le(const uint8_t *b)
 {
     const uint32_t bits = (uint32_t) b[0] | (uint32_t) b[1] << 8 |
@@ -78,42 +63,29 @@ static float float32le(const uint8_t *b)
     return v;
 }
 
-static void read_raw(const char *path, struct hard_picture *out, size_t bytes,
-                     float (*sample)(const uint8_t *))
+static void read_raw(const char *path, enum hard_form form,
+                     struct hard_picture *out)
 {
+    const size_t bytes = form == HARD_RGB24      ? 1
+                         : form == HARD_RGBF32LE ? 4 : 2;
     size_t size;
     uint8_t *const all = hard_read_bytes(path, &size);
     const size_t n = 3 * (size_t) out->w * (size_t) out->h;
     if (size != n * bytes)
         hard_die(path, "has another size than its frame");
     make_planes(out);
-    for (size_t i = 0; i < n; i++)
-        out->v[i] = sample(all + i * bytes);
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t *const b = all + i * bytes;
+        out->v[i] = form == HARD_RGB24     ? (float) b[0]
+                    : form == HARD_RGB48LE ? (float) (b[0] | b[1] << 8)
+                    : form == HARD_RGB48BE ? (float) (b[0] << 8 | b[1])
+                                           : float32le(b);
+    }
     free(all);
 }
 
-void hard_read_rgb24(const char *path, struct hard_picture *out)
-{
-    read_raw(path, out, 1, code8);
-}
-
-void hard_read_rgb48le(const char *path, struct hard_picture *out)
-{
-    read_raw(path, out, 2, code16le);
-}
-
-void hard_read_rgb48be(const char *path, struct hard_picture *out)
-{
-    read_raw(path, out, 2, code16be);
-}
-
-void hard_read_rgbf32le(const char *path, struct hard_picture *out)
-{
-    read_raw(path, out, 4, float32le);
-}
-
 /* Rows from the bottom, after three lines. */
-void hard_read_pfm(const char *path, struct hard_picture *out)
+static void read_pfm(const char *path, struct hard_picture *out)
 {
     size_t size;
     int head = 0;
@@ -159,12 +131,14 @@ static void read_image(const char *path, float largest,
     gp_stored_close(&file);
 }
 
-void hard_read_8(const char *path, struct hard_picture *out)
+void hard_read(const char *path, enum hard_form form, struct hard_picture *out)
 {
-    read_image(path, 255.0f, out);
-}
-
-void hard_read_16(const char *path, struct hard_picture *out)
-{
-    read_image(path, 65535.0f, out);
+    if (form == HARD_PNG)
+        read_png(path, out);
+    else if (form == HARD_PFM)
+        read_pfm(path, out);
+    else if (form == HARD_OIIO_8 || form == HARD_OIIO_16)
+        read_image(path, form == HARD_OIIO_8 ? 255.0f : 65535.0f, out);
+    else
+        read_raw(path, form, out);
 }

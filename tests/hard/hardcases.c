@@ -1,8 +1,7 @@
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *
- *   hardcases [FAMILY|names|families]   all families, one of them, or the names of
- *                                       the cases or of the families
+ *   hardcases [FAMILY|families]   all families, one of them, or their names
  *
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
@@ -39,13 +38,22 @@ void hard_thread_rows(int columns, int rows, hard_picked picked,
                 count(row, hard_threads[t], differ);
         }
         hard_row(name);
-        for (int i = 0; i < columns; i++) {
-            if (isnan(differ[i]))
-                hard_no_cell();
-            else
-                hard_cell(differ[i], 0.0);
-        }
+        for (int i = 0; i < columns; i++)
+            hard_cell_if(!isnan(differ[i]), differ[i], 0.0);
     }
+}
+
+void hard_thread_table(const char *title, const char *unit,
+                       const struct hard_column *columns, int rows,
+                       hard_picked picked, hard_count_differing count)
+{
+    struct hard_column same[17] = {{NULL, 0}};
+    int n = 0;
+    for (; columns[n].name; n++)
+        same[n].name = columns[n].name;
+    hard_table(title, unit, same);
+    hard_thread_rows(n, rows, picked, count);
+    hard_table_end();
 }
 
 /* The build puts this program one folder below the OpenImageIO bridge. */
@@ -72,15 +80,6 @@ int main(int argc, char *argv[])
     };
     gp_environment_set_gl(gp_threads());
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    if (argc > 1 && strcmp(argv[1], "names") == 0) {
-        for (int i = 0; i < HARD_CASES; i++)
-            puts(hard_cases[i].name);
-        for (int i = 0; i < HARD_WIDE; i++)
-            puts(hard_wide[i].name);
-        hard_broken_names();
-        hard_scenes_names();
-        return 0;
-    }
     const size_t n = sizeof families / sizeof *families;
     if (argc > 1 && strcmp(argv[1], "families") == 0) {
         for (size_t i = 0; i < n; i++)

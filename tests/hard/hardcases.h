@@ -25,14 +25,19 @@ static inline int hard_is_threaded(int i)
     return i % 7 == 3 && hard_is_run(&hard_cases[i]);
 }
 
-/* The rows "N threads" of a table of `columns` columns: for each number of
- * threads, what count() adds up over those of `rows` cases that are picked. It
- * adds to differ[column] how many things of that case are not those of one
- * thread, or NAN where they cannot be made here; the bar is 0. */
+/* Adds a table's rows "N threads": for each number of threads, what count() adds
+ * up over those of `rows` cases that are picked. It adds to differ[column] how
+ * many things of that case are not those of one thread, or NAN where they cannot
+ * be made here; the bar is 0. */
 typedef int (*hard_picked)(int row);
 typedef void (*hard_count_differing)(int row, int threads, double *differ);
 void hard_thread_rows(int columns, int rows, hard_picked picked,
                       hard_count_differing count);
+
+/* A table of nothing else. */
+void hard_thread_table(const char *title, const char *unit,
+                       const struct hard_column *columns, int rows,
+                       hard_picked picked, hard_count_differing count);
 
 /* The frame as it was made, not cleaned, and in f.lit that plus its exact
  * layer: what tone curves and files get, NaN and Inf included. The caller
@@ -68,11 +73,7 @@ void hard_files(void);
 void hard_other_files(void);
 void hard_scenes(void);
 
-/* Prints the names of its cases. */
-void hard_scenes_names(void);
-
 /* glTF files that must be refused: the first table of hard_scenes(). */
 void hard_broken(void);
-void hard_broken_names(void);
 
 #endif

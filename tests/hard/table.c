@@ -84,8 +84,12 @@ void hard_refused(void)
     end_cell();
 }
 
-void hard_no_cell(void)
+void hard_cell_if(bool ran, double error, double bar)
 {
+    if (ran) {
+        hard_cell(error, bar);
+        return;
+    }
     printf(" – |");
     end_cell();
 }

@@ -3,6 +3,8 @@
 #ifndef GP_TESTS_HARD_TABLE_H
 #define GP_TESTS_HARD_TABLE_H
 
+#include <stdbool.h>
+
 /* The bar of a cell for which nothing is promised. */
 #define HARD_NO_BAR (1.0 / 0.0)
 
@@ -22,8 +24,8 @@ void hard_cell(double error, double bar);
 /* A cell whose picture is refused, as it must be; it is counted. */
 void hard_refused(void);
 
-/* A cell that cannot be measured here; it is not counted. */
-void hard_no_cell(void);
+/* The same; `ran` is false where it cannot be measured here: not counted. */
+void hard_cell_if(bool ran, double error, double bar);
 
 /* Ends the table with the row of its bars; a TAP line where the tests' runner
  * asks for one. */
