@@ -2,7 +2,6 @@
  * status of bad data, and nothing is kept. */
 #include "hardcases.h"
 
-#include "files.h"
 #include "gltf_wrong.h"
 
 #define EITHER GP_ERR_FRAMES // no reader's status

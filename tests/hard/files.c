@@ -1,10 +1,8 @@
 /* Every format over the hard cases: what is read back against what was to be
  * stored, windows and the rules for NaN, Inf and overflow included. EXR is read
- * by io's reader, what io writes else by the plain readers of files_read.c, and
- * other formats through OpenImageIO. Lossy ones of these are compared with what
- * OpenImageIO decodes of a file that it made of the codes of a PNG: what io
+ * by io's reader, what io writes else by plain readers, and other formats
+ * through OpenImageIO. Lossy ones of these are compared with what it decodes of a file that it made of the codes of a PNG: what io
  * gave it was right when no sample differs. */
-#include "files.h"
 #include "hardcases.h"
 #include "hash.h"
 #include "views.h"
@@ -16,19 +14,160 @@
 
 #include <float.h>
 #include <math.h>
+#include <png.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+// -- plain readers of the display formats, by their specifications -------------
+
+/* w * h * 3 samples, R, G, B, rows from the top: codes of integer formats as
+ * numbers, floats as they are. The caller frees `v`. */
+struct picture {
+    int w, h; // raw frames: given by the caller
+    float *v;
+};
+
+enum form {
+    EXR_FILE, // not read here
+    PNG, HARD_PFM,
+    HARD_RGB24, HARD_RGB48LE, HARD_RGB48BE, HARD_RGBF32LE, // raw frames
+    // by OpenImageIO, whose fractions of the largest code become codes; a
+    // fourth channel must be opaque
+    HARD_OIIO_8, HARD_OIIO_16,
+};
+
+static void make_planes(struct picture *p)
+{
+    p->v = scene_alloc((size_t) p->w * (size_t) p->h, 3 * sizeof *p->v);
+}
+
+static void read_png(const char *path, struct picture *out)
+{
+    FILE *const f = fopen(path, "rb");
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL,
+                                             NULL);
+    png_infop info = png_create_info_struct(png);
+    if (!f || !info)
+        hard_die(path, "cannot be read");
+    png_init_io(png, f);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL); // aborts if bad
+    const int bytes = png_get_bit_depth(png, info) / 8;
+    out->w = (int) png_get_image_width(png, info);
+    out->h = (int) png_get_image_height(png, info);
+    if (png_get_channels(png, info) != 3)
+        hard_die(path, "is not RGB");
+    make_planes(out);
+    float *to = out->v;
+    for (int y = 0; y < out->h; y++) {
+        const png_byte *row = png_get_rows(png, info)[y];
+        for (int i = 0; i < 3 * out->w; i++, row += bytes)
+            *to++ = (float) (bytes == 1 ? row[0] : row[0] << 8 | row[1]);
+    }
+    png_destroy_read_struct(&png, &info, NULL);
+    fclose(f);
+}
+
+static float float32le(const uint8_t *b)
+{
+    const uint32_t bits = (uint32_t) b[0] | (uint32_t) b[1] << 8 |
+                          (uint32_t) b[2] << 16 | (uint32_t) b[3] << 24;
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static void read_raw(const char *path, enum form form,
+                     struct picture *out)
+{
+    const size_t bytes = form == HARD_RGB24      ? 1
+                         : form == HARD_RGBF32LE ? 4 : 2;
+    size_t size;
+    uint8_t *const all = hard_read_bytes(path, &size);
+    const size_t n = 3 * (size_t) out->w * (size_t) out->h;
+    if (size != n * bytes)
+        hard_die(path, "has another size than its frame");
+    make_planes(out);
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t *const b = all + i * bytes;
+        out->v[i] = form == HARD_RGB24     ? (float) b[0]
+                    : form == HARD_RGB48LE ? (float) (b[0] | b[1] << 8)
+                    : form == HARD_RGB48BE ? (float) (b[0] << 8 | b[1])
+                                           : float32le(b);
+    }
+    free(all);
+}
+
+/* Rows from the bottom, after three lines. */
+static void read_pfm(const char *path, struct picture *out)
+{
+    size_t size;
+    int head = 0;
+    uint8_t *const all = hard_read_bytes(path, &size);
+    if (sscanf((const char *) all, "PF\n%d %d\n-1.0%n", &out->w, &out->h,
+               &head) != 2 || !head)
+        hard_die(path, "is no PFM");
+    const size_t row = 3 * (size_t) out->w;
+    if (size != (size_t) head + 1 + 4 * row * (size_t) out->h)
+        hard_die(path, "has another size than its header says");
+    make_planes(out);
+    for (size_t i = 0; i < row * (size_t) out->h; i++) {
+        const size_t y = (size_t) out->h - 1 - i / row;
+        out->v[y * row + i % row] = float32le(all + head + 1 + 4 * i);
+    }
+    free(all);
+}
+
+static void read_image(const char *path, float largest,
+                       struct picture *out)
+{
+    const struct gp_read_params limits = GP_READ_DEFAULTS;
+    struct gp_stored_file file;
+    struct gp_stored_image image;
+    if (gp_stored_open(&kept_log, &limits, path, &file) ||
+        gp_stored_read(&kept_log, &limits, &file, 0, &image))
+        hard_die(path, kept_line);
+    if (image.channels < 3 || image.channels > 4)
+        hard_die(path, "is not RGB");
+    out->w = gp_rect_w(image.data);
+    out->h = gp_rect_h(image.data);
+    make_planes(out);
+    for (size_t i = 0; i < 3 * (size_t) out->w * (size_t) out->h; i++) {
+        const float v = ((const float *) image.channel[i % 3].v)[i / 3];
+        out->v[i] = image.integers ? rintf(v * largest) : v;
+        if (image.channels == 4 &&
+            ((const float *) image.channel[3].v)[i / 3] != 1.0f)
+            hard_die(path, "is not opaque");
+    }
+    gp_stored_image_free(&image);
+    gp_stored_close(&file);
+}
+
+/* Ends the program when the file is not of its format. */
+static void read_picture(const char *path, enum form form, struct picture *out)
+{
+    if (form == PNG)
+        read_png(path, out);
+    else if (form == HARD_PFM)
+        read_pfm(path, out);
+    else if (form == HARD_OIIO_8 || form == HARD_OIIO_16)
+        read_image(path, form == HARD_OIIO_8 ? 255.0f : 65535.0f, out);
+    else
+        read_raw(path, form, out);
+}
+
+// -- what is stored ------------------------------------------------------------
+
 /* A format's form of samples, and so the unit of its error. */
-enum store { HALF_ULP, SAME_FLOAT, CODE, RADIANCE, LOSSY_EXR, AS_ITSELF };
+enum store {
+    HALF_ULP, SAME_FLOAT, CODE, RADIANCE, OF_PXR24, OF_B44, OF_DWA, AS_ITSELF
+};
 
 struct format {
     const char *ending; // "": raw frames
     int column;
     struct gp_write_params p;
     enum store store;
-    enum hard_form form;
-    double (*lossy)(const struct gp_frame *got, const struct gp_frame *f);
+    enum form form;
     int most; // a picture with a longer side must be refused; 0 none is
 };
 
@@ -38,43 +177,24 @@ struct family {
     const struct format *format;
     int formats;
     const struct hard_column *column;
-    int columns;
 };
 
 // -- lossy EXR ----------------------------------------------------------------
 //
-// Limits of the change by EXR's compressions, from their encoders: the largest
-// error of `got`, a frame as it was read back, against f.rgb, or HARD_NO_BAR
-// where a value is lost. Sources: OpenEXR 3.1.5, ImfPxr24Compressor,
-// ImfB44Compressor, ImfDwaCompressor.
-
-/* The largest error by `one` of all samples. */
-static double worst_of(const struct gp_frame *got, const struct gp_frame *f,
-                       double (*one)(float got, float from))
-{
-    const size_t n = gp_frame_pixels(f);
-    double worst = 0.0;
-    for (size_t i = 0; i < 3 * n; i++)
-        worst = hard_worse(worst, one(got->rgb.c[i / n][i % n],
-                                      f->rgb.c[i / n][i % n]));
-    return worst;
-}
+// Limits of the change by EXR's compressions, from their encoders, and the error
+// of what was read back, HARD_NO_BAR where a value is lost. Sources: OpenEXR
+// 3.1.5, ImfPxr24Compressor, ImfB44Compressor, ImfDwaCompressor.
 
 /* PXR24 keeps a float's sign, exponent and 15 of its 23 bits, rounded: of the
  * value, at most 2^-16. Below the normal range, of the least normal value. */
 #define PXR24_BAR 0x1p-16
 
-static double pxr24_one(float got, float from)
+static double pxr24_error(float got, float from)
 {
     if (isnan(from) || isinf(from))
         return (isnan(from) ? isnan(got) : got == from) ? 0.0 : HARD_NO_BAR;
     return fabs((double) got - (double) from) /
            fmax(fabs((double) from), (double) FLT_MIN);
-}
-
-static double pxr24_error(const struct gp_frame *got, const struct gp_frame *f)
-{
-    return worst_of(got, f, pxr24_one);
 }
 
 /* B44 holds the 15 steps from value to value of a 4x4 block in 6 bits each,
@@ -143,27 +263,22 @@ static double bent(float v)
                     (double) v);
 }
 
-static double dwa_one(float got, float from)
+static double dwa_error(float got, float from)
 {
     const float most = 57344.0f;
     const float v = isnan(from) ? 0.0f : fmaxf(fminf(from, most), -most);
     return isfinite(got) ? fabs(bent(got) - bent(v)) : HARD_NO_BAR;
 }
 
-static double dwa_error(const struct gp_frame *got, const struct gp_frame *f)
-{
-    return worst_of(got, f, dwa_one);
-}
-
 // -- formats ------------------------------------------------------------------
 
 static const struct format own_formats[] = {
-#define AN_EXR(col, kind, how, held, by)                                      \
+#define AN_EXR(col, kind, how, held)                                          \
     {"exr", col, {.type = kind, .compression = GP_COMPRESSION_##how,         \
                    .depth_bits = 8},                                          \
-     held, HARD_EXR, by, 0}
+     held, EXR_FILE, 0}
 #define EXR(col, kind, how)                                                   \
-    AN_EXR(col, kind, how, col == 0 ? HALF_ULP : SAME_FLOAT, NULL)
+    AN_EXR(col, kind, how, col == 0 ? HALF_ULP : SAME_FLOAT)
     EXR(0, GP_OUT_HALF, NONE), EXR(0, GP_OUT_HALF, RLE),
     EXR(0, GP_OUT_HALF, ZIPS), EXR(0, GP_OUT_HALF, ZIP),
     EXR(0, GP_OUT_HALF, PIZ), EXR(0, GP_OUT_HALF, PXR24),
@@ -171,17 +286,17 @@ static const struct format own_formats[] = {
     EXR(1, GP_OUT_FLOAT, ZIPS), EXR(1, GP_OUT_FLOAT, ZIP),
     EXR(1, GP_OUT_FLOAT, PIZ),
 #undef EXR
-    AN_EXR(10, GP_OUT_FLOAT, PXR24, LOSSY_EXR, pxr24_error),
-    AN_EXR(11, GP_OUT_HALF, B44, LOSSY_EXR, b44_error),
-    AN_EXR(11, GP_OUT_HALF, B44A, LOSSY_EXR, b44_error),
-    AN_EXR(12, GP_OUT_HALF, DWAA, LOSSY_EXR, dwa_error),
-    AN_EXR(12, GP_OUT_HALF, DWAB, LOSSY_EXR, dwa_error),
+    AN_EXR(10, GP_OUT_FLOAT, PXR24, OF_PXR24),
+    AN_EXR(11, GP_OUT_HALF, B44, OF_B44),
+    AN_EXR(11, GP_OUT_HALF, B44A, OF_B44),
+    AN_EXR(12, GP_OUT_HALF, DWAA, OF_DWA),
+    AN_EXR(12, GP_OUT_HALF, DWAB, OF_DWA),
 #undef AN_EXR
 #define OTHER(end, col, bits, how, by, ...)                                   \
     {end, col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,       \
-                .dither = GP_DITHER_NEVER, __VA_ARGS__}, how, by, NULL, 0}
-    OTHER("png", 2, 8, CODE, HARD_PNG, .type = GP_OUT_AUTO),
-    OTHER("png", 3, 16, CODE, HARD_PNG, .type = GP_OUT_AUTO),
+                .dither = GP_DITHER_NEVER, __VA_ARGS__}, how, by, 0}
+    OTHER("png", 2, 8, CODE, PNG, .type = GP_OUT_AUTO),
+    OTHER("png", 3, 16, CODE, PNG, .type = GP_OUT_AUTO),
     OTHER("tif", 4, 16, CODE, HARD_OIIO_16, .type = GP_OUT_AUTO),
     OTHER("tif", 5, 16, SAME_FLOAT, HARD_OIIO_16, .type = GP_OUT_FLOAT),
     OTHER("pfm", 6, 8, SAME_FLOAT, HARD_PFM, .type = GP_OUT_AUTO),
@@ -190,7 +305,7 @@ static const struct format own_formats[] = {
     {"", col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,        \
                .dither = GP_DITHER_NEVER, .stdout_format = GP_STDOUT_RAW,     \
                .raw = GP_RAW_##kind},                                         \
-     how, by, NULL, 0}
+     how, by, 0}
     RAW(7, 8, CODE, RGB24, HARD_RGB24),
     RAW(8, 16, CODE, RGB48LE, HARD_RGB48LE),
     RAW(8, 16, CODE, RGB48BE, HARD_RGB48BE),
@@ -211,13 +326,13 @@ static const struct hard_column own_columns[] = {
 static const struct family own = {
     "Files",
     "largest error of a sample read back, over all compressions and byte orders",
-    own_formats, COUNT(own_formats), own_columns, COUNT(own_columns) - 1,
+    own_formats, COUNT(own_formats), own_columns,
 };
 
 static const struct format other_formats[] = {
 #define BY_OIIO(end, col, bits, how, by, most)                                \
     {end, col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,       \
-                .dither = GP_DITHER_NEVER}, how, by, NULL, most}
+                .dither = GP_DITHER_NEVER}, how, by, most}
     BY_OIIO("bmp", 0, 8, CODE, HARD_OIIO_8, 0),
     BY_OIIO("dpx", 1, 8, CODE, HARD_OIIO_8, 0),
     BY_OIIO("ppm", 2, 8, CODE, HARD_OIIO_8, 0),
@@ -246,7 +361,6 @@ static const struct family other = {
     "largest error of a sample read back; samples that differ from what it "
     "makes of PNG's codes",
     other_formats, COUNT(other_formats), other_columns,
-    COUNT(other_columns) - 1,
 };
 
 // -- files --------------------------------------------------------------------
@@ -345,9 +459,11 @@ static float lit_at(const struct gp_frame *f, int c, int x, int y)
 
 static double sample_error(const struct format *t, float got, float from)
 {
-    return t->store == HALF_ULP ? half_error(got, from)
-           : t->store == CODE   ? code_error((double) got, from, t->p.depth_bits)
-                                : float_error(got, from);
+    return t->store == HALF_ULP   ? half_error(got, from)
+           : t->store == OF_PXR24 ? pxr24_error(got, from)
+           : t->store == OF_DWA   ? dwa_error(got, from)
+           : t->store == CODE ? code_error((double) got, from, t->p.depth_bits)
+                              : float_error(got, from);
 }
 
 /* The format holds no sign, no NaN, and up to 255 * 2^119; OpenImageIO's writer
@@ -365,8 +481,6 @@ static double radiance_error(const float *got, const float *from)
                                       : fabs((double) got[c] - want[c]) / most);
     return worst;
 }
-
-// -- pictures read back -------------------------------------------------------
 
 /* EXR keeps the data window, and both windows as they are. */
 static double exr_error(const struct format *t, const char *path,
@@ -388,10 +502,11 @@ static double exr_error(const struct format *t, const char *path,
         memcmp(&got.display, &f->display, sizeof f->display) != 0 ||
         got.colour_type != (t->p.type == GP_OUT_HALF ? GP_HALF : GP_FLOAT))
         worst = HARD_NO_BAR;
-    else if (t->lossy)
-        worst = t->lossy(&got, f);
+    else if (t->store == OF_B44)
+        worst = b44_error(&got, f);
     const size_t n = gp_frame_pixels(f);
-    for (size_t i = 0; !t->lossy && worst < HARD_NO_BAR && i < 3 * n; i++)
+    for (size_t i = 0; t->store != OF_B44 && worst < HARD_NO_BAR && i < 3 * n;
+         i++)
         worst = hard_worse(worst, sample_error(t, got.rgb.c[i / n][i % n],
                                                f->rgb.c[i / n][i % n]));
     free(light);
@@ -399,70 +514,50 @@ static double exr_error(const struct format *t, const char *path,
     return worst;
 }
 
-static void save_stream(const char *path, const struct gp_stream *from)
-{
-    void *const bytes = scene_alloc(from->size, 1);
-    FILE *const to = fopen(path, "wb");
-    if (!to || gp_stream_read(from, bytes, from->size, 0) !=
-                   (int64_t) from->size ||
-        fwrite(bytes, 1, from->size, to) != from->size || fclose(to))
-        hard_die(path, "cannot be written");
-    free(bytes);
-}
-
-/* These codes of 8 bits as OpenImageIO decodes them. */
-static struct hard_picture by_itself(const struct format *t,
-                                     const struct hard_picture *codes)
-{
-    static const char *const names[] = {"R", "G", "B"};
-    char path[64];
-    const size_t n = 3 * (size_t) codes->w * (size_t) codes->h;
-    struct gp_shared pixels;
-    struct gp_stream file;
-    const struct gp_rect all = {0, 0, codes->w, codes->h};
-    const struct gp_decoded img = {
-        .path = t->ending, .data = all, .display = all, .channels = 3,
-        .channel_name = names, .colour_space = "sRGB",
-    };
-    struct hard_picture out = {0};
-    if (gp_shared_make(&kept_log, t->ending, n * sizeof(float), &pixels))
-        hard_die(t->ending, kept_line);
-    for (size_t i = 0; i < n; i++)
-        ((float *) pixels.at)[i] = codes->v[i] / 255.0f;
-    name_of("itself", t, path);
-    if (gp_oiio_write(&kept_log, &img, NULL, &pixels, t->ending, "uint8", "",
-                      &file))
-        hard_die(t->ending, kept_line);
-    save_stream(path, &file);
-    gp_stream_close(&file);
-    gp_shared_free(&pixels);
-    hard_read(path, t->form, &out);
-    unlink(path);
-    return out;
-}
-
 /* Samples that differ from what OpenImageIO makes of PNG's codes. */
-static double differing(const struct format *t, const struct hard_picture *got,
+static double differing(const struct format *t, const struct picture *got,
                         const struct gp_frame *f)
 {
     static const struct format png = {
         .ending = "png", .p = {.compression = GP_COMPRESSION_AUTO,
                                .depth_bits = 8, .dither = GP_DITHER_NEVER},
     };
-    struct hard_picture codes = {0};
+    static const char *const names[] = {"R", "G", "B"};
+    const struct gp_read_params limits = GP_READ_DEFAULTS;
+    struct picture codes = {0};
+    struct gp_shared pixels;
+    struct gp_stream file;
+    struct gp_decoded back;
     char path[64];
     name_of("codes", &png, path);
     if (write_as(&png, path, f))
         hard_die(path, kept_line);
-    hard_read(path, HARD_PNG, &codes);
+    read_picture(path, PNG, &codes);
     unlink(path);
-    struct hard_picture want = by_itself(t, &codes);
-    const size_t n = 3 * (size_t) got->w * (size_t) got->h;
-    double differ = want.w == got->w && want.h == got->h ? 0.0 : HARD_NO_BAR;
+    const struct gp_decoded img = {
+        .path = t->ending, .data = {0, 0, codes.w, codes.h},
+        .display = {0, 0, codes.w, codes.h}, .channels = 3,
+        .channel_name = names, .colour_space = "sRGB",
+    };
+    const size_t n = 3 * (size_t) codes.w * (size_t) codes.h;
+    if (gp_shared_make(&kept_log, t->ending, n * sizeof(float), &pixels))
+        hard_die(t->ending, kept_line);
+    for (size_t i = 0; i < n; i++)
+        ((float *) pixels.at)[i] = codes.v[i] / 255.0f;
+    if (gp_oiio_write(&kept_log, &img, NULL, &pixels, t->ending, "uint8", "",
+                      &file) ||
+        gp_read_image(&kept_log, &limits, t->ending, &file, 0, &back) ||
+        gp_decoded_load(&kept_log, &back))
+        hard_die(t->ending, kept_line);
+    double differ = gp_rect_w(back.data) == got->w &&
+                    gp_rect_h(back.data) == got->h ? 0.0 : HARD_NO_BAR;
     for (size_t i = 0; differ < HARD_NO_BAR && i < n; i++)
-        differ += got->v[i] != want.v[i];
+        differ += got->v[i] != rintf(255.0f *
+            back.pixels[i / 3 * (size_t) back.channels + i % 3]);
+    gp_decoded_close(&back);
+    gp_stream_close(&file);
+    gp_shared_free(&pixels);
     free(codes.v);
-    free(want.v);
     return differ;
 }
 
@@ -472,8 +567,8 @@ static double picture_error(const struct format *t, const char *path,
 {
     const struct gp_rect d = f->display;
     // raw frames do not say their size
-    struct hard_picture got = {gp_rect_w(d), gp_rect_h(d), NULL};
-    hard_read(path, t->form, &got);
+    struct picture got = {gp_rect_w(d), gp_rect_h(d), NULL};
+    read_picture(path, t->form, &got);
     double worst = 0.0;
     if (got.w != gp_rect_w(d) || got.h != gp_rect_h(d))
         worst = HARD_NO_BAR;
@@ -527,12 +622,12 @@ static void print_row(const struct family *family, const struct hard_case *h)
         if (!st)
             error[t->column] = hard_worse(
                 error[t->column], large ? HARD_NO_BAR
-                : t->form == HARD_EXR   ? exr_error(t, path, &f)
+                : t->form == EXR_FILE   ? exr_error(t, path, &f)
                                         : picture_error(t, path, &f));
         unlink(path);
     }
     hard_row(h->name);
-    for (int i = 0; i < family->columns; i++) {
+    for (int i = 0; family->column[i].name; i++) {
         if (refused[i])
             hard_refused();
         else
