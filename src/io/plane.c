@@ -38,7 +38,7 @@ struct list {
     // where the colour's part has several views and that of the colour is not
     // the first: its name, and the channels' names within it, "" for others
     const char *view;
-    struct gp_exr_names bare;
+    const char **bare;
     struct gp_channel *seen;
     const char *seen_colour;
 };
@@ -55,7 +55,7 @@ static void free_list(struct list *list)
     gp_free(list->part);
     gp_free(list->channel);
     gp_free(list->seen);
-    gp_exr_names_free(&list->bare);
+    gp_free(list->bare);
 }
 
 static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
@@ -141,12 +141,12 @@ static gp_status list_view(const struct gp_log *log, struct list *list)
         return GP_OK;
     GP_TRY(gp_exr_names_in(log, list->in, first->number, list->view,
                            &list->bare));
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) list->bare.n,
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) first->channels,
                          sizeof *list->seen, &list->seen));
-    for (int i = 0; i < list->bare.n; i++) {
-        list->seen[i].name = (char *) (uintptr_t) list->bare.name[i];
+    for (int i = 0; i < first->channels; i++) {
+        list->seen[i].name = (char *) (uintptr_t) list->bare[i];
         if (strcmp(first->channel[i].name, list->colour) == 0)
-            list->seen_colour = list->bare.name[i];
+            list->seen_colour = list->bare[i];
     }
 out:
     return st;
@@ -204,8 +204,8 @@ static bool find_exact(const struct list *list, const char *name,
 static bool find_in_view(const struct list *list, const char *name,
                          struct place *out)
 {
-    for (int i = 0; i < list->bare.n; i++) {
-        if (strcmp(list->bare.name[i], name) == 0) {
+    for (int i = 0; list->bare && i < list->part->channels; i++) {
+        if (strcmp(list->bare[i], name) == 0) {
             *out = (struct place) {list->part, i};
             return true;
         }
@@ -274,7 +274,7 @@ static bool of_other_layer(const struct list *list,
                      : last ? gp_last_part(depth, last - 1) : 0;
     const size_t own = gp_last_part(colour, strlen(colour));
     const bool in_view = !list->view || at->part != list->part ||
-                         list->bare.name[at->channel][0];
+                         list->bare[at->channel][0];
     return !in_view || (n > 0 && own > 0 && gp_last_part(colour, own - 1) > 0 &&
                         strncmp(colour, depth, n) != 0);
 }
@@ -452,8 +452,8 @@ static gp_status find_beside(const struct gp_log *log,
     if (at.part && type)
         *type = at.part->colour
                     ? f->channel[at.channel].type
-                    : gp_exr_pixel_type(channels_of(list.in, at.part->number)
-                                            ->entries[at.channel].pixel_type);
+                    : (enum gp_pixel_type) channels_of(list.in, at.part->number)
+                          ->entries[at.channel].pixel_type;
     else if (at.part)
         GP_TRY(read_samples(log, p, f, &at, out));
 out:

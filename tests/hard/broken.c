@@ -2,12 +2,10 @@
  * status of bad data, and nothing is kept. */
 #include "hardcases.h"
 
-#include "files_read.h"
 #include "gltf_wrong.h"
 
 #define EITHER GP_ERR_FRAMES // no reader's status
 
-static const char no_bin[] = "no .bin beside it";
 static const float places[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
 
 /* Counts faults of reading a file: one that must be read or not, by `status`;
@@ -75,20 +73,11 @@ void hard_broken(void)
         print_row(gltf_wrong[i].name,
                   count_faults(gm_write("%s", gltf_wrong[i].json), GP_ERR_DATA,
                                gltf_wrong[i].part));
-    print_row(no_bin, count_faults(gm_write("'buffers': [{'byteLength': 1, "
+    print_row("no .bin beside it", count_faults(gm_write("'buffers': [{'byteLength': 1, "
                                             "'uri': 'no.bin'}]"), GP_ERR_IO,
                                    "no.bin"));
     print_bytes();
     hard_table_end();
     if (remove_folder(NULL))
         hard_die(folder, "cannot be removed");
-}
-
-void hard_broken_names(void)
-{
-    for (size_t i = 0; i < COUNT(gltf_wrong); i++)
-        puts(gltf_wrong[i].name);
-    puts(no_bin);
-    puts("cut off at each byte");
-    puts("each byte turned");
 }

@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 
-#include "motion.h"
+#include "glare/splat/splat_priv.h"
 
 enum { DIRECT, SPLAT, GROUPED, FFT, AUTO, WAYS };
 
@@ -185,29 +185,31 @@ static const char *titled(const char *what, const char *recipe)
     return title;
 }
 
+/* The columns of all ways, with these bars. */
+static const struct hard_column *columns_of(const double bar[WAYS])
+{
+    static struct hard_column column[WAYS + 1];
+    for (int i = 0; i < WAYS; i++)
+        column[i] = (struct hard_column) {ways[i].name, bar[i]};
+    return column;
+}
+
 /* An exact engine's bar is what it may round, and with a tail what that leaves
  * too; a grouped layer's is the bound that the engine states for it. */
 static void print_errors(const char *recipe)
 {
-    const struct hard_column columns[WAYS + 1] = {
-        {"direct", 1e-6}, {"splat, ungrouped", recipe ? 1e-5 : 2e-6},
-        {"splat, grouped", HARD_NO_BAR}, {"fft", recipe ? 1e-5 : 1e-6},
-        {"auto", tolerance}, {NULL, 0},
-    };
+    const double bars[WAYS] = {1e-6, recipe ? 1e-5 : 2e-6, HARD_NO_BAR,
+                               recipe ? 1e-5 : 1e-6, tolerance};
     hard_table(titled("Engines", recipe),
                "rel_l2 against the sum in double; where the exact layer is 0, "
-               "the largest sample",
-               columns);
+               "the largest sample", columns_of(bars));
     for (int row = 0; row < n_rows; row++) {
         if (!hard_is_run(&rows[row]))
             continue;
         hard_row(rows[row].name);
         for (int i = 0; i < WAYS; i++) {
             const struct result *const r = &results[row][i];
-            if (r->ran)
-                hard_cell(r->error, r->bar);
-            else
-                hard_no_cell();
+            hard_cell_if(r->ran, r->error, r->bar);
         }
     }
     hard_table_end();
@@ -217,23 +219,16 @@ static void print_errors(const char *recipe)
 static void print_dark_pixels(const char *recipe)
 {
     const double bar = recipe ? 1e-3 : 1e-5; // a tail's error is even
-    const struct hard_column own[] = {
-        {"direct", 1e-5}, {"splat, ungrouped", bar},
-        {"splat, grouped", HARD_NO_BAR}, {"fft", bar}, {"auto", HARD_NO_BAR},
-        {NULL, 0},
-    };
+    const double bars[WAYS] = {1e-5, bar, HARD_NO_BAR, bar, HARD_NO_BAR};
     hard_table(titled("Dark pixels beside 1e9", recipe),
-               "largest error of a pixel's luminance over its own value", own);
+               "largest error of a pixel's luminance over its own value",
+               columns_of(bars));
     for (int row = 0; row < n_rows; row++) {
         if (!hard_is_run(&rows[row]) || !(rows[row].own > 0.0))
             continue;
         hard_row(rows[row].name);
-        for (int i = 0; i < WAYS; i++) {
-            if (results[row][i].ran)
-                hard_cell(results[row][i].own, own[i].bar);
-            else
-                hard_no_cell();
-        }
+        for (int i = 0; i < WAYS; i++)
+            hard_cell_if(results[row][i].ran, results[row][i].own, bars[i]);
     }
     hard_table_end();
 }
@@ -247,10 +242,7 @@ static void print_kept(void)
             ran += results[row][i].ran && is_compared(row, i);
             differ += results[row][i].differs;
         }
-        if (ran)
-            hard_cell(differ, 0.0);
-        else
-            hard_no_cell();
+        hard_cell_if(ran, differ, 0.0);
     }
 }
 
@@ -283,13 +275,10 @@ static int is_threaded(int row)
 
 static void print_same_bytes(const char *recipe)
 {
-    static const struct hard_column same[WAYS + 1] = {
-        {"direct", 0}, {"splat, ungrouped", 0}, {"splat, grouped", 0},
-        {"fft", 0}, {"auto", 0}, {NULL, 0},
-    };
+    static const double none[WAYS];
     hard_table(titled("Engines, the same bytes", recipe),
                "layers that differ from those of an engine opened for that "
-               "frame alone, and from those of one thread", same);
+               "frame alone, and from those of one thread", columns_of(none));
     print_kept();
     hard_thread_rows(WAYS, n_rows, is_threaded, count_differing);
     hard_table_end();
@@ -319,63 +308,151 @@ void hard_field(void)
 
 // -- a point that slides ------------------------------------------------------
 
-static struct motion_result slide(int way, const struct gp_kernel *kernel,
-                                  enum motion_shape shape, bool *ran)
+/* Steps of 1/8 pixel to the right and 1/16 down: over 8 by 4 pixels every
+ * place in a group of 8 comes about. */
+enum { MOTION_STEPS = 64, MOTION_SIZE = 128, MOTION_KERNEL = 65 };
+
+enum motion_shape { POINT, LINE, DISC, MOTION_SHAPES };
+
+static const char *const motion_shapes[MOTION_SHAPES] = {
+    "point", "line", "disc",
+};
+
+/* True where the shape is, dx, dy pixels from its middle: a point, a line of
+ * 1 x 40 pixels at a slope of 1 : 3, a disc of radius 3. */
+static int motion_covers(enum motion_shape shape, double dx, double dy)
 {
-    enum { N = MOTION_SIZE * MOTION_SIZE };
+    const double n = sqrt(10.0);
+    const double along = (3.0 * dx + dy) / n, beside = (3.0 * dy - dx) / n;
+    switch (shape) {
+    case LINE:
+        return fabs(along) < 20.0 && fabs(beside) < 0.5;
+    case DISC:
+        return dx * dx + dy * dy < 9.0;
+    default:
+        return dx == 0.0 && dy == 0.0;
+    }
+}
+
+/* The middle of the shape at a step, in pixel centres. */
+static void motion_place(int step, double place[2])
+{
+    place[0] = MOTION_SIZE / 2 - 4 + step / 8.0;
+    place[1] = MOTION_SIZE / 2 - 2 + step / 16.0;
+}
+
+/* Adds light at a place that is no pixel's, by bilinear weights, which keep
+ * its sum and its centroid. */
+static void motion_add(struct gp_image *f, double x, double y,
+                              float light)
+{
+    const int x0 = (int) floor(x), y0 = (int) floor(y);
+    for (int i = 0; i < 4; i++) {
+        const int px = x0 + (i & 1), py = y0 + (i >> 1);
+        const double w = (1.0 - fabs(x - px)) * (1.0 - fabs(y - py));
+        for (int c = 0; c < 3; c++)
+            f->rgb.c[c][py * MOTION_SIZE + px] += (float) w * light;
+    }
+}
+
+/* A black frame with the shape at a step: a sixteenth of a pixel apart, so
+ * that each step moves the same samples as a whole. */
+static struct gp_image motion_frame(enum motion_shape shape, int step)
+{
+    enum { FINE = 16 };
+    struct gp_image f = scene_frame(MOTION_SIZE, MOTION_SIZE, 0, 0, BLACK, 1u);
+    double place[2];
+    motion_place(step, place);
+    for (int y = -8 * FINE; y <= 8 * FINE; y++) {
+        for (int x = -20 * FINE; x <= 20 * FINE; x++) {
+            const double dx = (double) x / FINE, dy = (double) y / FINE;
+            if (motion_covers(shape, dx, dy))
+                motion_add(&f, place[0] + dx, place[1] + dy, 1.0f);
+        }
+    }
+    return f;
+}
+
+/* Whatever shines is a source: no threshold adds ripples of its own. */
+static const struct gp_sensor_params motion_sensors = {.threshold = 0.0f};
+
+static struct gp_kernel motion_kernel(void)
+{
+    return scene_model("eye", MOTION_KERNEL, 0.0);
+}
+
+/* -- figures of a layer -----------------------------------------------------*/
+
+struct motion_track {
+    double least, most; // flux
+    double centroid;    // its largest distance from the light's, pixels
+};
+
+/* Takes the layer of a step, its green plane, as the light is grey; layers come
+ * in order. */
+static void motion_follow(struct motion_track *t, int step, const float *layer)
+{
+    double place[2], flux = 0.0, x = 0.0, y = 0.0;
+    motion_place(step, place);
+    for (int i = 0; i < MOTION_SIZE * MOTION_SIZE; i++) {
+        const double v = (double) layer[i];
+        flux += v;
+        x += v * (i % MOTION_SIZE);
+        y += v * (i / MOTION_SIZE);
+    }
+    t->least = step ? fmin(t->least, flux) : flux;
+    t->most = fmax(t->most, flux);
+    t->centroid = fmax(t->centroid,
+                       hypot(x / flux - place[0], y / flux - place[1]));
+}
+
+static struct motion_track slide(int way, const struct gp_kernel *kernel,
+                                 enum motion_shape shape, bool *ran)
+{
     struct motion_track track = {0};
     struct gp_glare g = {0};
-    double *const layer = scene_alloc(N, sizeof *layer);
     *ran = true;
     for (int i = 0; i < MOTION_STEPS && *ran; i++) {
         struct gp_glare_stats stats;
-        struct scene s = scene_make(motion_frame(shape, i), *kernel,
-                                    &motion_sensors);
+        struct scene s = scene_sense(motion_frame(shape, i), *kernel,
+                                     &motion_sensors);
         *ran = run_way(way, &s, &g, &stats, motion_shapes[shape]);
-        for (int k = 0; k < N && *ran; k++)
-            layer[k] = (double) s.f.layer.c[1][k];
         if (*ran)
-            motion_follow(&track, i, layer, s.exact + N);
+            motion_follow(&track, i, s.f.layer.c[1]);
         s.k = (struct gp_kernel) {0}; // of all
         scene_free(&s);
     }
-    free(layer);
     gp_glare_close(&g);
-    return motion_end(&track);
+    return track;
 }
 
 /* Of `what`: 0 flux ripple, 1 centroid. Grouping and auto may lose the light
  * that shrinking leaves out. */
-static void print_slide(const struct motion_result r[MOTION_SHAPES][WAYS],
+static void print_slide(const struct motion_track r[MOTION_SHAPES][WAYS],
                         const bool ran[WAYS], int what)
 {
     static const double bars[2][WAYS] = {
         {1e-5, 1e-5, 1e-3, 1e-5, 1e-3}, {1e-4, 1e-4, 1e-2, 1e-4, 1e-2},
     };
-    struct hard_column column[WAYS + 1] = {{NULL, 0}};
-    for (int i = 0; i < WAYS; i++)
-        column[i] = (struct hard_column) {ways[i].name, bars[what][i]};
     hard_table(what ? "Light that slides by 1/8 pixel, centroid"
                     : "Light that slides by 1/8 pixel, flux",
                what ? "largest distance of the layer's centroid from the "
                       "light's, pixels"
-                    : "largest flux over smallest, less 1", column);
+                    : "largest flux over smallest, less 1",
+               columns_of(bars[what]));
     for (int shape = 0; shape < MOTION_SHAPES; shape++) {
         hard_row(motion_shapes[shape]);
-        for (int i = 0; i < WAYS; i++) {
-            if (ran[i])
-                hard_cell(what ? r[shape][i].centroid : r[shape][i].ripple,
-                          bars[what][i]);
-            else
-                hard_no_cell();
-        }
+        for (int i = 0; i < WAYS; i++)
+            hard_cell_if(ran[i], what ? r[shape][i].centroid
+                             : r[shape][i].most / r[shape][i].least - 1.0,
+                         bars[what][i]);
     }
     hard_table_end();
 }
 
 void hard_slide(void)
 {
-    struct motion_result r[MOTION_SHAPES][WAYS];
+    struct motion_track r[MOTION_SHAPES][WAYS];
     bool ran[WAYS];
     struct gp_kernel kernel = motion_kernel();
     if (hard_quick) {

@@ -5,7 +5,41 @@
 #define GP_TESTS_HARD_HARDCASES_H
 
 #include "scenes.h"
-#include "table.h"
+
+#include <stdbool.h>
+
+/* -- tables ----------------------------------------------------------------
+ *
+ * Of errors, in markdown: a row a case, a column a way to compute it, in each
+ * cell the largest error. A cell over its bar is marked and counted. */
+
+/* The bar of a cell for which nothing is promised. */
+#define HARD_NO_BAR (1.0 / 0.0)
+
+struct hard_column {
+    const char *name;
+    double bar; // of the cells whose own bar is not printed beside them
+};
+
+/* Starts a table. `columns` ends with a NULL name and stays until its end. */
+void hard_table(const char *title, const char *unit,
+                const struct hard_column *columns);
+void hard_row(const char *name);
+
+/* A cell, in the order of the columns: over its bar unless error <= bar. */
+void hard_cell(double error, double bar);
+
+/* A cell whose picture is refused, as it must be; it is counted. */
+void hard_refused(void);
+
+/* The same; `ran` is false where it cannot be measured here: not counted. */
+void hard_cell_if(bool ran, double error, double bar);
+
+/* Ends the table with the row of its bars; a TAP line where the tests' runner
+ * asks for one. */
+void hard_table_end(void);
+
+/* -- cases ------------------------------------------------------------------ */
 
 /* Rows that are run, in the table's order: all, or the quick ones. */
 extern int hard_quick;
@@ -25,14 +59,19 @@ static inline int hard_is_threaded(int i)
     return i % 7 == 3 && hard_is_run(&hard_cases[i]);
 }
 
-/* The rows "N threads" of a table of `columns` columns: for each number of
- * threads, what count() adds up over those of `rows` cases that are picked. It
- * adds to differ[column] how many things of that case are not those of one
- * thread, or NAN where they cannot be made here; the bar is 0. */
+/* Adds a table's rows "N threads": for each number of threads, what count() adds
+ * up over those of `rows` cases that are picked. It adds to differ[column] how
+ * many things of that case are not those of one thread, or NAN where they cannot
+ * be made here; the bar is 0. */
 typedef int (*hard_picked)(int row);
 typedef void (*hard_count_differing)(int row, int threads, double *differ);
 void hard_thread_rows(int columns, int rows, hard_picked picked,
                       hard_count_differing count);
+
+/* A table of nothing else. */
+void hard_thread_table(const char *title, const char *unit,
+                       const struct hard_column *columns, int rows,
+                       hard_picked picked, hard_count_differing count);
 
 /* The frame as it was made, not cleaned, and in f.lit that plus its exact
  * layer: what tone curves and files get, NaN and Inf included. The caller
@@ -68,11 +107,10 @@ void hard_files(void);
 void hard_other_files(void);
 void hard_scenes(void);
 
-/* Prints the names of its cases. */
-void hard_scenes_names(void);
+/* All bytes of a file; the caller frees. */
+uint8_t *hard_read_bytes(const char *path, size_t *size);
 
 /* glTF files that must be refused: the first table of hard_scenes(). */
 void hard_broken(void);
-void hard_broken_names(void);
 
 #endif

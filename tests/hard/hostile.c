@@ -595,16 +595,6 @@ static void count_differing(int row, int threads, double *differ)
         differ[i] += one[i] != many[i];
 }
 
-static void print_same_bits(void)
-{
-    static const struct hard_column same[] = {
-        {"share by rays", 0}, {"relight", 0}, {NULL, 0}};
-    hard_table("Scenes, the same bits", "cases that differ from those of one "
-                                        "thread", same);
-    hard_thread_rows(2, CASES, is_picked, count_differing);
-    hard_table_end();
-}
-
 void hard_scenes(void)
 {
     hard_broken();
@@ -619,20 +609,14 @@ void hard_scenes(void)
         double error[COLUMNS];
         run_case(&cases[row], error);
         hard_row(cases[row].name);
-        for (int i = 0; i < COLUMNS; i++) {
-            if (gl || i != DRAW)
-                hard_cell(error[i], columns[i].bar);
-            else
-                hard_no_cell();
-        }
+        for (int i = 0; i < COLUMNS; i++)
+            hard_cell_if(gl || i != DRAW, error[i], columns[i].bar);
     }
     hard_table_end();
-    print_same_bits();
+    static const struct hard_column same[] = {
+        {"share by rays", 0}, {"relight", 0}, {NULL, 0}};
+    hard_thread_table("Scenes, the same bits",
+                      "cases that differ from those of one thread", same, CASES,
+                      is_picked, count_differing);
     gp_gl_close(&gl);
-}
-
-void hard_scenes_names(void)
-{
-    for (int i = 0; i < CASES; i++)
-        puts(cases[i].name);
 }

@@ -30,34 +30,21 @@ static inline uint32_t hard_hash_of(int x, int y)
 static inline float hard_depth_value(enum hard_depth kind, bool surface,
                                      double d, uint32_t h)
 {
-    const float none[] = {1e10f, INFINITY, NAN, 0.0f, 65504.0f, -NAN};
+    static const float none[] = {
+        [DEPTH_ZERO] = 0.0f, [DEPTH_INF] = INFINITY, [DEPTH_NAN] = NAN,
+        [DEPTH_1E10] = 1e10f, [DEPTH_RAY] = 1e10f, [DEPTH_HALF_MAX] = 65504.0f,
+        [DEPTH_NEGATIVE] = 0.0f, [DEPTH_INVERSE] = 0.0f, [DEPTH_0_TO_1] = 1.0f,
+        [DEPTH_1_TO_0] = 0.0f, [DEPTH_ALL_NEAR] = 0.0f, // has none
+    };
+    static const float mixed[] = {1e10f, INFINITY, NAN, 0.0f, 65504.0f, -NAN};
     const float share = (float) (d / 30.0); // of the way to the far plane
-    switch (kind) {
-    case DEPTH_ZERO:
-        return surface ? (float) d : 0.0f;
-    case DEPTH_INF:
-        return surface ? (float) d : INFINITY;
-    case DEPTH_NAN:
-        return surface ? (float) d : NAN;
-    case DEPTH_1E10:
-    case DEPTH_RAY:
-        return surface ? (float) d : 1e10f;
-    case DEPTH_HALF_MAX:
-        return surface ? (float) d : 65504.0f;
-    case DEPTH_NEGATIVE:
-        return surface ? (float) -d : 0.0f;
-    case DEPTH_INVERSE:
-        return surface ? (float) (1.0 / d) : 0.0f;
-    case DEPTH_0_TO_1:
-        return surface ? share : 1.0f;
-    case DEPTH_1_TO_0:
-        return surface ? 1.0f - share : 0.0f;
-    case DEPTH_ALL_NEAR:
-        return (float) d;
-    case DEPTH_MIXED:
-        break;
-    }
-    return surface ? (float) d : none[h % (sizeof none / sizeof *none)];
+    if (!surface)
+        return kind == DEPTH_MIXED ? mixed[h % (sizeof mixed / sizeof *mixed)]
+                                   : none[kind];
+    return kind == DEPTH_NEGATIVE  ? (float) -d
+           : kind == DEPTH_INVERSE ? (float) (1.0 / d)
+           : kind == DEPTH_0_TO_1  ? share
+           : kind == DEPTH_1_TO_0  ? 1.0f - share : (float) d;
 }
 
 static inline enum gp_depth_type hard_type_of(enum hard_depth kind)

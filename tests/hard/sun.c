@@ -159,16 +159,6 @@ static void count_differing(int row, int threads, double *differ)
     hard_sky_free(&s);
 }
 
-/* GL has its own threads; those of the exact sums are ours. */
-static void print_same_bits(void)
-{
-    static const struct hard_column same[] = {{"exact", 0}, {NULL, 0}};
-    hard_table("Suns, the same bits", "shares that differ from those of one "
-                                      "thread", same);
-    hard_thread_rows(1, HARD_CASES, is_run, count_differing);
-    hard_table_end();
-}
-
 static void open_gl(void)
 {
     if (hard_quick)
@@ -189,15 +179,15 @@ void hard_sun(void)
             continue;
         run_case(&hard_cases[row], error);
         hard_row(hard_cases[row].name);
-        for (int i = 0; i < WAYS; i++) {
-            if (i == EXACT || machine.gl)
-                hard_cell(error[i], columns[i].bar);
-            else
-                hard_no_cell();
-        }
+        for (int i = 0; i < WAYS; i++)
+            hard_cell_if(i == EXACT || machine.gl, error[i], columns[i].bar);
     }
     hard_table_end();
-    print_same_bits();
+    // GL has its own threads; those of the exact sums are ours
+    static const struct hard_column same[] = {{"exact", 0}, {NULL, 0}};
+    hard_thread_table("Suns, the same bits",
+                      "shares that differ from those of one thread", same,
+                      HARD_CASES, is_run, count_differing);
     if (machine.gl)
         gp_sun_map_close(machine.gl, &machine.map);
     gp_gl_close(&machine.gl);

@@ -84,37 +84,43 @@ static bool is_word(const char *from, size_t n, const char *word)
     return strlen(word) == n && strncmp(from, word, n) == 0;
 }
 
+/* The view of several that a channel names, and where in it; -1: none. */
+static int named_view(const char *const *view, int n, const char *name,
+                      size_t *at)
+{
+    const char *const dot = strrchr(name, '.'), *start = dot;
+    while (start && start > name && start[-1] != '.')
+        start--;
+    *at = dot ? (size_t) (start - name) : 0;
+    for (int i = 0; dot && i < n; i++) {
+        if (is_word(start, (size_t) (dot - start), view[i]))
+            return i;
+    }
+    return -1;
+}
+
 bool gp_exr_bare_name(const struct gp_input *in, int part, const char *wanted,
                       const char *name, char *to)
 {
-    const char *dot = strrchr(name, '.'), *start = dot, *view[VIEWS];
+    const char *view[VIEWS];
     const int n = gp_exr_part_view(in, part) ? 0 : views_of(in, part, view);
+    size_t at;
     strcpy(to, name);
     if (n == 0)
         return true;
-    while (start && start > name && start[-1] != '.')
-        start--;
-    for (int i = 0; dot && i < n; i++) {
-        if (!is_word(start, (size_t) (dot - start), view[i]))
-            continue;
-        strcpy(to + (start - name), dot + 1);
-        return strcmp(view[i], wanted) == 0;
-    }
-    return strcmp(view[0], wanted) == 0;
+    const int i = named_view(view, n, name, &at);
+    if (i >= 0)
+        strcpy(to + at, strrchr(name, '.') + 1);
+    return strcmp(view[i < 0 ? 0 : i], wanted) == 0;
 }
 
 const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name)
 {
-    char bare[GP_CHANNEL_NAME + 1];
     const char *view[VIEWS];
-    const int n = strlen(name) < sizeof bare ? views_of(in, part, view) : 0;
-    for (int i = 1; i < n; i++) {
-        if (gp_exr_bare_name(in, part, view[i], name, bare) &&
-            strlen(bare) < strlen(name))
-            return view[i];
-    }
-    return NULL;
+    size_t at;
+    const int i = named_view(view, views_of(in, part, view), name, &at);
+    return i > 0 ? view[i] : NULL;
 }
 
 void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
@@ -128,7 +134,7 @@ void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
         snprintf(out->part, sizeof out->part, "%s", name);
     if (!view) {
         view = gp_exr_view_of(in, part, channel);
-        if (view && strlen(channel) < sizeof bare)
+        if (view)
             (void) gp_exr_bare_name(in, part, view, channel, bare);
     }
     if (view)
@@ -138,39 +144,29 @@ void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
         snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, bare);
 }
 
-void gp_exr_names_free(struct gp_exr_names *names)
-{
-    gp_free(names->name);
-    gp_free(names->text);
-    *names = (struct gp_exr_names) {0};
-}
-
 gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
-                          int part, const char *view, struct gp_exr_names *out)
+                          int part, const char *view, const char ***out)
 {
+    static const exr_attr_chlist_t none;
     const exr_attr_chlist_t *list;
-    size_t bytes = 1;
-    *out = (struct gp_exr_names) {0};
     if (exr_get_channels(in->exr, part, &list))
-        return GP_OK;
-    for (int i = 0; i < list->num_channels; i++)
+        list = &none;
+    size_t bytes = (size_t) list->num_channels * sizeof **out;
+    for (int i = 0; view && i < list->num_channels; i++)
         bytes += strlen(list->entries[i].name.str) + 1;
-    gp_status st = gp_alloc(log, "channel names", (size_t) list->num_channels,
-                            sizeof *out->name, &out->name);
-    if (!st)
-        st = gp_alloc(log, "channel names", bytes, 1, &out->text);
-    out->n = st ? 0 : list->num_channels;
-    char *to = out->text;
-    for (int i = 0; i < out->n; i++) {
-        const char *const own = list->entries[i].name.str;
-        out->name[i] = own;
-        if (view)
-            out->name[i] = gp_exr_bare_name(in, part, view, own, to) ? to : "";
-        to += strlen(own) + 1;
-    }
+    const gp_status st = gp_alloc(log, "channel names", bytes, 1, out);
     if (st)
-        gp_exr_names_free(out);
-    return st;
+        return st;
+    char *to = (char *) (*out + list->num_channels);
+    for (int i = 0; i < list->num_channels; i++) {
+        const char *const own = list->entries[i].name.str;
+        (*out)[i] = own;
+        if (view) {
+            (*out)[i] = gp_exr_bare_name(in, part, view, own, to) ? to : "";
+            to += strlen(own) + 1;
+        }
+    }
+    return GP_OK;
 }
 
 /* -- Cryptomatte ---------------------------------------------------------- */
@@ -244,33 +240,34 @@ static gp_status search_parts(const struct search *s, const char *layer,
             }
             // the part's channels of the view; those of ids are no colour
             const exr_attr_chlist_t *list;
-            struct gp_exr_names names;
-            gp_status st = gp_exr_names_in(s->log, in, part, view, &names);
+            const char **name;
+            gp_status st = gp_exr_names_in(s->log, in, part, view, &name);
             if (st)
                 return st;
-            const bool none = exr_get_channels(in->exr, part, &list);
-            for (int k = 0; !none && k < names.n; k++) {
+            const int channels = exr_get_channels(in->exr, part, &list)
+                                     ? 0 : list->num_channels;
+            for (int k = 0; k < channels; k++) {
                 const exr_attr_chlist_entry_t *const c = &list->entries[k];
                 if (gp_exr_crypto_channel(&s->crypto, in, part, c->name.str) ||
                     (lone && !layer && c->pixel_type == EXR_PIXEL_UINT))
-                    names.name[k] = "";
+                    name[k] = "";
             }
             // the layer of that name, or the part: with or without its view
             const char *called;
             const size_t n = gp_exr_part_layer(in, part, &called);
             const bool data = n > 0 && s->only < 0 && !gp_is_light(called, n);
             if (!layer)
-                *found = !data && gp_find_colour(names.name, names.n, lone,
+                *found = !data && gp_find_colour(name, channels, lone,
                                                  &out->colour);
             else
-                *found = gp_find_layer_colour(names.name, names.n, layer, lone,
+                *found = gp_find_layer_colour(name, channels, layer, lone,
                                               &out->colour) ||
                          (!lone && n > 0 &&
                           (strcmp(called, layer) == 0 ||
                            is_word(called, n, layer)) &&
-                          gp_find_layer_colour(names.name, names.n, "", false,
+                          gp_find_layer_colour(name, channels, "", false,
                                                &out->colour));
-            gp_exr_names_free(&names);
+            gp_free(name);
             if (*found) {
                 out->part = part;
                 return GP_OK;
@@ -322,33 +319,6 @@ static void add_name(char list[NAMES], const char *name, size_t len)
                  used + (size_t) n + 6 < NAMES ? word : ", ...");
 }
 
-/* True when `layer` is one of ids: CryptoObject00, CryptoObject, or one of its
- * channels. */
-static bool is_layer_of_ids(const struct search *s, const char *layer)
-{
-    const size_t len = strlen(layer);
-    for (int part = 0; part < s->in->parts; part++) {
-        const exr_attr_chlist_t *list;
-        const char *name;
-        size_t n = gp_exr_part_layer(s->in, part, &name);
-        if (gp_crypto_layer(&s->crypto, name, n) &&
-            (n == len || n == len + 2) && strncmp(name, layer, len) == 0)
-            return true;
-        if (exr_get_channels(s->in->exr, part, &list))
-            continue;
-        for (int i = 0; i < list->num_channels; i++) {
-            name = list->entries[i].name.str;
-            if (strncmp(name, layer, len) != 0 ||
-                !gp_exr_crypto_channel(&s->crypto, s->in, part, name))
-                continue;
-            n = gp_layer_length(name);
-            if (!name[len] || n == len + 1 || n == len + 3)
-                return true;
-        }
-    }
-    return false;
-}
-
 /* Prints the line for a layer, part or view that the file does not have. */
 static gp_status not_there(const struct search *s,
                            const struct gp_read_params *p, const char *path)
@@ -382,7 +352,9 @@ static gp_status not_there(const struct search *s,
         }
     }
     const char *const has_layers = *layers ? layers + 2 : "none";
-    if (p->layer && is_layer_of_ids(s, p->layer))
+    const size_t own = p->layer ? gp_layer_length(p->layer) : 0;
+    if (p->layer && (gp_crypto_layer(&s->crypto, p->layer, strlen(p->layer)) ||
+                     (own && gp_crypto_layer(&s->crypto, p->layer, own - 1))))
         return gp_fail(s->log, GP_ERR_USAGE,
                        "%s: layer %.200s is Cryptomatte: ids are no light and "
                        "are never filtered (layers of light: %s); give one of "
@@ -461,23 +433,21 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
     struct gp_read_params q = *p;
     struct gp_exr_choice choice;
     const exr_attr_chlist_t *list;
-    const char *inner[VIEWS];
+    const char *inner[VIEWS], *first, *own;
     int named = 0, n = 0;
     // the view that is taken by itself
     q.view = NULL;
     gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
-    if (!st && !exr_get_channels(in->exr, choice.part, &list)) {
-        const char *first = NULL;
-        for (int c = 0; c < 3 && !first; c++) {
+    if (!st && !exr_get_channels(in->exr, choice.part, &list) &&
+        views_of(in, choice.part, inner) > 0) {
+        first = inner[0];
+        for (int c = 0; c < 3; c++) {
             const int i = choice.colour.index[c];
-            first = i < 0 || i >= list->num_channels ? NULL
-                    : gp_exr_view_of(in, choice.part,
-                                     list->entries[i].name.str);
+            own = i < 0 ? NULL : gp_exr_view_of(in, choice.part,
+                                                list->entries[i].name.str);
+            first = own ? own : first;
         }
-        if (!first && views_of(in, choice.part, inner) > 0)
-            first = inner[0];
-        if (first)
-            add_view(view, &named, first);
+        add_view(view, &named, first);
     }
     for (int part = 0; part < in->parts; part++) {
         for (int i = 0, many = views_of(in, part, inner); i < many; i++)

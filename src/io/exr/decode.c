@@ -1,4 +1,5 @@
-/* Decodes the chunks of one part of an EXR in parallel, straight into planes.
+/* Decodes the chunks of one part of an EXR: flat ones in parallel, straight into
+ * planes, and those of deep data.
  *
  * OpenEXRCore finds, reads and expands them. Here is what 3.1.5 lacks:
  * libdeflate for ZIP, in half of zlib's time (3.2 has it), stored chunks of B44,
@@ -9,6 +10,7 @@
 
 #include "core/bytes.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "core/half.h"
 #include "io/decoded.h"
@@ -17,10 +19,25 @@
 #include <libdeflate.h>
 #include <limits.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <string.h>
 
 /* -- the list of chunks --------------------------------------------------- */
+
+/* Prints the line for a chunk that cannot be read: a fault of memory or the disk,
+ * or else `why`. */
+static gp_status damaged(const struct gp_log *log,
+                         const struct gp_exr_chunks *cs, int chunk,
+                         const char *why)
+{
+    const int row = chunk / ((cs->w - 1) / cs->tile_w + 1);
+    if (gp_exr_fault())
+        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: truncated or damaged (part %d, chunk %d of %d, at line "
+                   "%d: %s); copy or render the file again", cs->path,
+                   cs->part, chunk + 1, cs->chunks, cs->y0 + row * cs->tile_h,
+                   why);
+}
 
 /* Unpacked bytes of a chunk, and whether the library divides its rows and
  * columns as the channels' sampling asks. 3.1.5 does not where a block of
@@ -78,21 +95,18 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             wrong = "its size is wrong";
         else if (!wrong && bytes > (c->packed_size + 64) * most)
             wrong = "it is too small for its pixels";
-        if (wrong && gp_exr_fault())
-            return gp_exr_fault_print(log, cs->path, gp_exr_fault());
         if (wrong)
-            return gp_fail(log, GP_ERR_DATA,
-                "%s: truncated or damaged (chunk %d of %d: %s); copy "
-                "or render the file again", cs->path, i + 1, cs->chunks, wrong);
+            return damaged(log, cs, i, wrong);
         if (bytes > cs->largest)
             cs->largest = bytes;
     }
     return GP_OK;
 }
 
-gp_status gp_exr_chunks_any(const struct gp_log *log, const char *path,
-                            const struct gp_input *in, int part,
-                            long long max_pixels, struct gp_exr_chunks *out)
+/* gp_exr_chunks_find() of parts that may be deep. */
+static gp_status find_chunks(const struct gp_log *log, const char *path,
+                             const struct gp_input *in, int part,
+                             long long max_pixels, struct gp_exr_chunks *out)
 {
     const exr_context_t exr = in->exr;
     exr_storage_t storage;
@@ -152,13 +166,12 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                              const struct gp_input *in, int part,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
-    exr_storage_t storage; // where there is none, the part is not known as deep
     *out = (struct gp_exr_chunks) {.input = in};
-    if (!exr_get_storage(in->exr, part, &storage) && gp_exr_is_deep(in, part))
+    if (gp_exr_is_deep(in, part))
         return gp_fail(log, GP_ERR_DATA,
             "%s: deep data has no single colour per pixel (part "
             "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
-    return gp_exr_chunks_any(log, path, in, part, max_pixels, out);
+    return find_chunks(log, path, in, part, max_pixels, out);
 }
 
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
@@ -169,15 +182,13 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
 
 /* -- one chunk ------------------------------------------------------------ */
 
-/* State of one thread; its pipeline is reused for all its chunks. */
+/* State of one thread. */
 struct worker {
     const struct gp_exr_chunks *chunks;
     const struct gp_exr_sink *sink;
-    exr_decode_pipeline_t pipe;
     exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
     struct libdeflate_decompressor *inflate; // of ZIP and RLE
     uint8_t *scratch; // chunks->largest bytes, of ZIP and RLE
-    bool ready;
 };
 
 /* The samples of a chunk to the sinks; for unpack_and_convert_fn. */
@@ -242,50 +253,31 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
 
 static exr_result_t run_chunk(struct worker *w, int index)
 {
-    const struct gp_exr_chunks *cs = w->chunks;
-    const exr_context_t exr = cs->input->exr;
-    if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
-        return EXR_ERR_SUCCESS;
-    exr_result_t r =
-        exr_decoding_update(exr, cs->part, &cs->chunk[index], &w->pipe);
-    return r ? r : exr_decoding_run(exr, cs->part, &w->pipe);
-}
-
-static gp_status open_worker(const struct gp_log *log,
-                             const struct gp_exr_chunks *cs,
-                             const struct gp_exr_sink *sink, struct worker *w)
-{
     // the library chooses its routines on first use without a lock, and
     // frames may be read by several threads at once
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    const struct gp_exr_chunks *cs = w->chunks;
     const exr_context_t exr = cs->input->exr;
-    *w = (struct worker) {.chunks = cs, .sink = sink, .ready = true};
+    exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
     gp_exr_fault_clear();
+    if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
+        return EXR_ERR_SUCCESS;
     exr_result_t r =
-        exr_decoding_initialize(exr, cs->part, &cs->chunk[0], &w->pipe);
+        exr_decoding_initialize(exr, cs->part, &cs->chunk[index], &pipe);
     if (!r) {
         pthread_mutex_lock(&lock);
-        r = exr_decoding_choose_default_routines(exr, cs->part, &w->pipe);
+        r = exr_decoding_choose_default_routines(exr, cs->part, &pipe);
         pthread_mutex_unlock(&lock);
     }
-    if (gp_exr_fault())
-        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
-    if (r)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR library cannot decode it (%s); write the "
-                       "file with another compression", cs->path,
-                       exr_get_default_error_message(r));
-    w->pipe.decoding_user_data = w;
-    w->pipe.unpack_and_convert_fn = unpack_chunk;
-    w->library_decompress = w->pipe.decompress_fn;
-    if (cs->compression == EXR_COMPRESSION_NONE)
-        return GP_OK;
-    w->pipe.decompress_fn = decompress;
-    if (cs->compression > EXR_COMPRESSION_ZIP)
-        return GP_OK;
-    w->inflate = libdeflate_alloc_decompressor();
-    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &w->scratch);
-    return st || w->inflate ? st : gp_no_memory(log, cs->path);
+    pipe.decoding_user_data = w;
+    pipe.unpack_and_convert_fn = unpack_chunk;
+    w->library_decompress = pipe.decompress_fn;
+    if (cs->compression != EXR_COMPRESSION_NONE)
+        pipe.decompress_fn = decompress;
+    if (!r)
+        r = exr_decoding_run(exr, cs->part, &pipe);
+    (void) exr_decoding_destroy(exr, &pipe);
+    return r;
 }
 
 /* -- DWAA and DWAB, by OpenImageIO ---------------------------------------- */
@@ -341,47 +333,15 @@ out:
 static gp_status decode_body(void *ctx, int index, int thread)
 {
     struct worker *const worker = ctx;
-    gp_exr_fault_clear();
     const exr_result_t r = run_chunk(&worker[thread], index);
     const gp_status fault = gp_exr_fault();
     return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
 }
 
-/* Decodes the failed chunk again to learn why; it fails again when the file is
- * to blame. */
-static gp_status explain(const struct gp_log *log, struct worker *w, int index,
-                         gp_status st)
-{
-    const struct gp_exr_chunks *cs = w->chunks;
-    const exr_chunk_info_t *c = &cs->chunk[index];
-    char place[64];
-    if (st != GP_ERR_DATA)
-        return gp_exr_fault_print(log, cs->path, st);
-    gp_exr_fault_clear();
-    exr_result_t r = run_chunk(w, index);
-    const bool cut = gp_exr_fault_short();
-    if (gp_exr_fault())
-        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
-    if (!r && !cut)
-        return gp_no_memory(log, cs->path);
-    if (cs->tiled)
-        snprintf(place, sizeof place, "tile %d,%d", c->start_x, c->start_y);
-    else
-        snprintf(place, sizeof place, "line %d", c->start_y);
-    // the library says of zlib's blocks that end early that memory is full
-    return gp_fail(log, GP_ERR_DATA,
-                   "%s: the pixels are damaged at %s (%s); copy or render the "
-                   "file again", cs->path, place,
-                   r == EXR_ERR_OUT_OF_MEMORY
-                       ? "a block does not fit its pixels"
-                   : cut ? "the file ends before them"
-                       : exr_get_default_error_message(r));
-}
-
 gp_status gp_exr_decode(const struct gp_log *log,
     const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
-    const int team = gp_threads() < cs->chunks ? gp_threads() : cs->chunks;
+    const int team = gp_min(gp_threads(), cs->chunks);
     struct worker *worker;
     int failed;
     if (cs->compression > EXR_COMPRESSION_B44A)
@@ -390,19 +350,211 @@ gp_status gp_exr_decode(const struct gp_log *log,
                                  sizeof *worker, &worker);
     if (st)
         return st;
-    for (int i = 0; i < team; i++)
-        GP_TRY(open_worker(log, cs, sink, &worker[i]));
+    for (int i = 0; i < team; i++) {
+        struct worker *const w = &worker[i];
+        w->chunks = cs;
+        w->sink = sink;
+        if (cs->compression == EXR_COMPRESSION_NONE ||
+            cs->compression > EXR_COMPRESSION_ZIP)
+            continue;
+        GP_TRY(gp_alloc(log, "chunk", cs->largest, 1, &w->scratch));
+        w->inflate = libdeflate_alloc_decompressor();
+        if (!w->inflate)
+            GP_TRY(gp_no_memory(log, cs->path));
+    }
     st = gp_parallel(cs->chunks, decode_body, worker, &failed);
-    if (st)
-        st = explain(log, worker, failed, st);
+    if (st == GP_ERR_DATA) { // does it again to learn why
+        const exr_result_t r = run_chunk(worker, failed);
+        // the library says of zlib's blocks that end early that memory is full
+        st = damaged(log, cs, failed, r == EXR_ERR_OUT_OF_MEMORY
+                     ? "a block does not fit its pixels"
+                     : gp_exr_fault_short() ? "the file ends before them"
+                     : exr_get_default_error_message(r));
+    } else if (st) {
+        st = gp_exr_fault_print(log, cs->path, st);
+    }
 out:
     for (int i = 0; i < team; i++) {
-        if (worker[i].ready)
-            (void) exr_decoding_destroy(cs->input->exr, &worker[i].pipe);
         if (worker[i].inflate)
             libdeflate_free_decompressor(worker[i].inflate);
         gp_free(worker[i].scratch);
     }
     gp_free(worker);
     return st;
+}
+
+/* -- deep data -------------------------------------------------------------
+ *
+ * A chunk (openexr file layout, "Deep Scan Line" and "Deep Tiled") has a count
+ * table, for each row the samples up to and with each pixel, then the samples,
+ * row by row, channel by channel, pixel by pixel. Each of both is compressed by
+ * itself, or stored where that does not shrink it. Deep parts are compressed
+ * by RLE, ZIPS or not at all.
+ *
+ * Not expanded by OpenEXRCore: damaged counts make 3.1.5 write out of its
+ * buffers (CVE-2023-5841). From 3.1.12 and 3.2.2 on it can. */
+
+struct deep {
+    const struct gp_log *log;
+    struct gp_exr_deep *out;
+    struct libdeflate_decompressor *inflate;
+    uint8_t *bytes; // of a table or of samples; packed, and half expanded
+    size_t room;    // bytes of each of these three
+};
+
+/* The pixels of chunk `i` in the data window. */
+static struct gp_rect pixels_of(const struct gp_exr_chunks *l, int i)
+{
+    const int across = (l->w - 1) / l->tile_w + 1;
+    const int x = i % across * l->tile_w, y = i / across * l->tile_h;
+    return (struct gp_rect) {x, y, x + gp_min(l->tile_w, l->w - x),
+                             y + gp_min(l->tile_h, l->h - y)};
+}
+
+/* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. */
+static gp_status read_bytes(struct deep *d, int chunk, uint64_t from,
+                            uint64_t packed, uint64_t size)
+{
+    const struct gp_exr_chunks *const l = &d->out->part;
+    const bool stored = packed == size;
+    gp_status st;
+    // a byte of DEFLATE is at most 1032, one of RLE at most 64
+    if (packed > size || size > (packed + 64) * 1032 || size % 2 ||
+        (!stored && l->compression == EXR_COMPRESSION_NONE))
+        return damaged(d->log, l, chunk, "its size is wrong");
+    if (size > d->room) {
+        GP_FREE(d->bytes);
+        GP_TRY(gp_alloc(d->log, l->path, size, 3, &d->bytes));
+        d->room = size;
+    }
+    uint8_t *const from_file = d->bytes + d->room;
+    if (gp_exr_read_bytes(&l->input->stream, stored ? d->bytes : from_file,
+                          packed, from) != (int64_t) packed)
+        return damaged(d->log, l, chunk, "it cannot be read");
+    if (!stored &&
+        !gp_exr_unzip(d->inflate, l->compression == EXR_COMPRESSION_RLE,
+                      from_file, packed, from_file + d->room, d->bytes, size))
+        return damaged(d->log, l, chunk, "it does not expand to its size");
+    return GP_OK;
+out:
+    return st;
+}
+
+/* Reads the count table of a chunk into first[pixel + 1]. */
+static gp_status read_counts(struct deep *d, int chunk)
+{
+    const struct gp_exr_chunks *const l = &d->out->part;
+    const exr_chunk_info_t *const c = &l->chunk[chunk];
+    const struct gp_rect b = pixels_of(l, chunk);
+    gp_status st = read_bytes(d, chunk, c->sample_count_data_offset,
+                              c->sample_count_table_size,
+                              (uint64_t) gp_rect_w(b) *
+                                  (uint64_t) gp_rect_h(b) * sizeof(int32_t));
+    const uint8_t *from = d->bytes;
+    for (int y = b.y0; y < b.y1 && !st; y++) {
+        int64_t *const to = d->out->first + (int64_t) y * l->w + 1;
+        int32_t before = 0, up_to;
+        for (int x = b.x0; x < b.x1; x++, before = up_to) {
+            memcpy(&up_to, from, sizeof up_to);
+            from += sizeof up_to;
+            if (up_to < before)
+                return damaged(d->log, l, chunk, "its counts are wrong");
+            to[x] = up_to - before;
+        }
+    }
+    return st;
+}
+
+/* Reads the samples of a chunk; first[] is complete. */
+static gp_status read_samples(struct deep *d, int chunk)
+{
+    const struct gp_exr_chunks *const l = &d->out->part;
+    const exr_chunk_info_t *const c = &l->chunk[chunk];
+    const struct gp_rect b = pixels_of(l, chunk);
+    const int channels = l->channel->num_channels;
+    uint64_t size = 0, a_sample = 0;
+    for (int i = 0; i < channels; i++)
+        a_sample += l->channel->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    for (int y = b.y0; y < b.y1; y++) {
+        const int64_t *const first = d->out->first + (int64_t) y * l->w;
+        size += (uint64_t) (first[b.x1] - first[b.x0]) * a_sample;
+    }
+    if (size != c->unpacked_size)
+        return damaged(d->log, l, chunk, "its counts are not those of its samples");
+    gp_status st = read_bytes(d, chunk, c->data_offset, c->packed_size, size);
+    const uint8_t *from = d->bytes;
+    for (int y = b.y0; y < b.y1 && !st; y++) {
+        const int64_t *const first = d->out->first + (int64_t) y * l->w;
+        const size_t n = (size_t) (first[b.x1] - first[b.x0]);
+        for (int i = 0; i < channels && n; i++) {
+            const bool half =
+                l->channel->entries[i].pixel_type == EXR_PIXEL_HALF;
+            float *const to = (float *) d->out->sample[i] + first[b.x0];
+            if (half)
+                gp_half_to_float((const uint16_t *) (const void *) from, to, n);
+            else
+                memcpy(to, from, n * sizeof *to);
+            from += n * (half ? 2 : sizeof *to);
+        }
+    }
+    return st;
+}
+
+gp_status gp_exr_deep_read(const struct gp_log *log, const char *path,
+                           const struct gp_input *in, int part,
+                           long long max_pixels, struct gp_exr_deep *out)
+{
+    struct deep d = {.log = log, .out = out};
+    struct gp_exr_chunks *const l = &out->part;
+    gp_status st;
+    *out = (struct gp_exr_deep) {0};
+    GP_TRY(find_chunks(log, path, in, part, max_pixels, l));
+    bool fits = l->compression <= EXR_COMPRESSION_ZIPS;
+    for (int i = 0; i < l->channel->num_channels; i++)
+        fits &= l->channel->entries[i].x_sampling == 1 &&
+                l->channel->entries[i].y_sampling == 1;
+    if (!fits)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: deep part %d is subsampled, or has a compression "
+                       "that deep data cannot have (number %d); write it in "
+                       "full, as zips", path, part, (int) l->compression));
+    gp_exr_fault_clear();
+    d.inflate = libdeflate_alloc_decompressor();
+    if (!d.inflate)
+        GP_TRY(gp_no_memory(log, path));
+    const size_t pixels = (size_t) l->w * (size_t) l->h;
+    const size_t channels = (size_t) l->channel->num_channels;
+    GP_TRY(gp_alloc_zero(log, path, pixels + 1, sizeof *out->first,
+                         &out->first));
+    for (int i = 0; i < l->chunks; i++)
+        GP_TRY(read_counts(&d, i));
+    for (size_t i = 0; i < pixels; i++) {
+        out->first[i + 1] += out->first[i];
+        if (out->first[i + 1] > max_pixels)
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: more than %lld deep samples (part %d); raise "
+                           "--max-pixels", path, max_pixels, part));
+    }
+    GP_TRY(gp_alloc_zero(log, path, channels + 1, sizeof *out->sample,
+                         &out->sample));
+    for (size_t i = 0; i < channels; i++)
+        GP_TRY(gp_alloc_zero(log, path, (size_t) out->first[pixels] + 1,
+                             sizeof(float), &out->sample[i]));
+    for (int i = 0; i < l->chunks; i++)
+        GP_TRY(read_samples(&d, i));
+out:
+    if (d.inflate)
+        libdeflate_free_decompressor(d.inflate);
+    gp_free(d.bytes);
+    return st;
+}
+
+void gp_exr_deep_free(struct gp_exr_deep *deep)
+{
+    for (int i = 0; deep->sample && i < deep->part.channel->num_channels; i++)
+        gp_free(deep->sample[i]);
+    gp_free(deep->sample);
+    gp_free(deep->first);
+    gp_exr_chunks_free(&deep->part);
+    *deep = (struct gp_exr_deep) {0};
 }

@@ -1,11 +1,18 @@
-/* Compresses planes and carried channels to the chunks of a scanline part.
+/* The chunks of a file that is written, and its offset tables (openexr file
+ * layout, "Chunk Layout"): planes and carried channels as chunks of scanlines,
+ * or those of another file as they are.
  *
  * ZIP straight from planes with libdeflate, in half of the time that OpenEXRCore's
  * zlib takes (3.2 has libdeflate); DWA by OpenImageIO (OpenEXRCore has it,
- * rightly, from 3.1.13 on); the others by OpenEXRCore, whose bytes out.c writes. */
+ * rightly, from 3.1.13 on); the others by OpenEXRCore.
+ * Not put into the file by that: 3.1.5 refuses chunks out of order (unless the
+ * part's lineOrder is random) and deep chunks without samples, and carried parts
+ * have both. Its write_scan_chunk() and write_tile_chunk() do so at 01e9f18f of
+ * its repository too. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "core/half.h"
 #include "io/oiio/oiio.h"
@@ -15,6 +22,126 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* -- tables and chunks ---------------------------------------------------- */
+
+gp_status gp_exr_out_tables(struct gp_exr_out *out, const int *chunks,
+                            int parts)
+{
+    const uint32_t version = GP_EXR_VERSION | out->flags;
+    const char *const path = gp_file_path(out->file);
+    gp_status st = gp_file_patch(out->file, 4, &version, sizeof version);
+    if (!st)
+        st = gp_alloc_zero(out->log, path, (size_t) parts, sizeof *out->table,
+                           &out->table);
+    out->parts = st ? 0 : parts;
+    for (int p = 0; p < parts && !st; p++) {
+        struct gp_exr_table *t = &out->table[p];
+        const size_t n = (size_t) chunks[p];
+        t->chunks = chunks[p];
+        t->at = gp_file_size(out->file);
+        st = gp_alloc_zero(out->log, path, n, sizeof *t->offset, &t->offset);
+        if (!st)
+            st = gp_file_write(out->file, t->offset, n * sizeof *t->offset);
+    }
+    return st;
+}
+
+/* A chunk of the part begins here, and has the part's number first in files of
+ * several. */
+static gp_status begin_chunk(struct gp_exr_out *out, int part, int index)
+{
+    const int32_t number = part;
+    out->table[part].offset[index] = gp_file_size(out->file);
+    return gp_file_write(out->file, &number,
+                         out->flags & GP_EXR_MULTIPART ? sizeof number : 0);
+}
+
+gp_status gp_exr_out_end(struct gp_exr_out *out)
+{
+    gp_status st = GP_OK;
+    for (int p = 0; p < out->parts && !st; p++) {
+        const struct gp_exr_table *t = &out->table[p];
+        st = gp_file_patch(out->file, t->at, t->offset,
+                           (size_t) t->chunks * sizeof *t->offset);
+    }
+    return st;
+}
+
+void gp_exr_out_free(struct gp_exr_out *out)
+{
+    for (int p = 0; p < out->parts; p++)
+        gp_free(out->table[p].offset);
+    gp_free(out->table);
+    *out = (struct gp_exr_out) {0};
+}
+
+/* -- chunks of another file, as they are ---------------------------------- */
+
+/* One chunk: its number in the table and its place. */
+struct place {
+    uint64_t offset;
+    int index;
+};
+
+static int by_offset(const void *a, const void *b)
+{
+    const struct place *p = a, *q = b;
+    if (p->offset != q->offset)
+        return p->offset < q->offset ? -1 : 1;
+    return p->index - q->index;
+}
+
+gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
+                          const struct gp_input *in, int from)
+{
+    enum { BLOCK_BYTES = 1 << 18 };
+    gp_status st;
+    struct gp_exr_table *t = &out->table[part];
+    const int n = t->chunks;
+    const size_t number = in->index->multi ? 4 : 0; // bytes of the part's
+    void *block = NULL;
+    struct place *place = NULL;
+    GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
+    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
+    gp_exr_fault_clear();
+    if (n < 1 || !gp_exr_offsets_read(in, from, 0, n, t->offset))
+        st = GP_ERR_DATA;
+    for (int i = 0; !st && i < n; i++)
+        place[i] = (struct place) {t->offset[i], i};
+    if (!st)
+        qsort(place, (size_t) n, sizeof *place, by_offset);
+    for (int i = 0; !st && i < n; i++) {
+        uint64_t at = place[i].offset;
+        uint64_t left = gp_exr_chunk_bytes(in, from, at);
+        if (left == 0 || at + left > in->stream.size)
+            st = GP_ERR_DATA;
+        else
+            st = begin_chunk(out, part, place[i].index);
+        at += number;
+        left -= number;
+        while (!st && left > 0) {
+            const size_t step = left < BLOCK_BYTES ? left : BLOCK_BYTES;
+            st = gp_exr_read_bytes(&in->stream, block, step, at) ==
+                         (int64_t) step
+                     ? gp_file_write(out->file, block, step) : GP_ERR_DATA;
+            at += step;
+            left -= step;
+        }
+    }
+    if (st == GP_ERR_DATA && gp_exr_fault())
+        st = gp_exr_fault_print(out->log, path, gp_exr_fault());
+    else if (st == GP_ERR_DATA)
+        (void) gp_fail(out->log, st,
+            "%s: part %d is truncated or damaged; copy or render the "
+            "file again, or give --hdr a file without it", path, from);
+out:
+    gp_free(place);
+    gp_free(block);
+    return st;
+}
+
+/* -- chunks of scanlines --------------------------------------------------- */
 
 /* Chunks that are compressed before the batch is written. More a thread
  * means less waiting for the slowest; memory is bounded beside it. */
@@ -111,18 +238,14 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
 
 /* -- OpenEXRCore's compressors: RLE, PIZ, PXR24, B44, B44A -------------------
  *
- * The library ties them to a file that it writes itself. Here each thread gives
- * them one that goes nowhere, and takes the compressed bytes. */
+ * The library ties them to a file that it writes itself. Here that is one that
+ * goes nowhere, and the compressed bytes are taken. */
 
-struct worker { // of one thread
-    uint8_t *raw, *scratch;            // of ZIP
-    struct libdeflate_compressor *zip; // of ZIP
-    exr_context_t ctxt;                // of the library
-    exr_encode_pipeline_t pipe;
-    bool started; // pipe is initialised
+struct slot { // one chunk of the batch
     const struct gp_exr_image *img;
-    int y0, y1;   // of the chunk under way
-    long long *clamped;
+    int y0, y1;
+    size_t size; // compressed
+    long long clamped;
 };
 
 static int64_t write_nowhere(exr_const_context_t ctxt, void *user,
@@ -148,7 +271,7 @@ static void print_nothing(exr_const_context_t ctxt, exr_result_t code,
 /* Our packing in the place of the library's; for convert_and_pack_fn. */
 static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
 {
-    const struct worker *const w = pipe->encoding_user_data;
+    struct slot *const s = pipe->encoding_user_data;
     size_t room = 0;
     for (int c = 0; c < pipe->channel_count; c++) {
         const exr_coding_channel_info_t *i = &pipe->channels[c];
@@ -157,37 +280,47 @@ static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
     }
     // the library's count need not be that of the file layout: 3.1.5 and odd
     // subsampling
-    if (pack_rows(w->img, w->y0, w->y1, NULL, NULL) != room)
+    if (pack_rows(s->img, s->y0, s->y1, NULL, NULL) != room)
         return EXR_ERR_INVALID_ARGUMENT;
-    pipe->packed_bytes = pack_rows(w->img, w->y0, w->y1, pipe->packed_buffer,
-                                   w->clamped);
+    pipe->packed_bytes =
+        pack_rows(s->img, s->y0, s->y1, pipe->packed_buffer, &s->clamped);
     return EXR_ERR_SUCCESS;
 }
 
-/* Compresses the chunk under way. */
-static exr_result_t run_library(struct worker *w)
+/* Compresses a chunk into `to`. */
+static gp_status run_library(exr_context_t ctxt, struct slot *s, uint8_t *to)
 {
-    exr_encode_pipeline_t *const pipe = &w->pipe;
+    exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_chunk_info_t chunk;
-    exr_result_t r = exr_write_scanline_chunk_info(w->ctxt, 0, w->y0, &chunk);
+    gp_exr_fault_clear();
+    exr_result_t r = exr_write_scanline_chunk_info(ctxt, 0, s->y0, &chunk);
     if (!r)
-        r = w->started ? exr_encoding_update(w->ctxt, 0, &chunk, pipe)
-                       : exr_encoding_initialize(w->ctxt, 0, &chunk, pipe);
-    if (!r && !w->started) {
-        w->started = true;
-        for (int c = 0; c < pipe->channel_count; c++) {
-            // asked for by the library, not read by pack_for_library()
-            pipe->channels[c].encode_from_ptr = (const uint8_t *) w;
-            pipe->channels[c].user_pixel_stride = 4;
-            pipe->channels[c].user_line_stride = 4;
-        }
-        r = exr_encoding_choose_default_routines(w->ctxt, 0, pipe);
-        pipe->encoding_user_data = w;
-        pipe->convert_and_pack_fn = pack_for_library;
-        pipe->yield_until_ready_fn = NULL;
-        pipe->write_fn = NULL;
+        r = exr_encoding_initialize(ctxt, 0, &chunk, &pipe);
+    for (int c = 0; c < pipe.channel_count; c++) {
+        // asked for by the library, not read by pack_for_library()
+        pipe.channels[c].encode_from_ptr = to;
+        pipe.channels[c].user_pixel_stride = 4;
+        pipe.channels[c].user_line_stride = 4;
     }
-    return r ? r : exr_encoding_run(w->ctxt, 0, pipe);
+    if (!r)
+        r = exr_encoding_choose_default_routines(ctxt, 0, &pipe);
+    pipe.encoding_user_data = s;
+    pipe.convert_and_pack_fn = pack_for_library;
+    pipe.yield_until_ready_fn = NULL;
+    pipe.write_fn = NULL;
+    if (!r)
+        r = exr_encoding_run(ctxt, 0, &pipe);
+    if (!r) {
+        // a chunk that did not shrink is stored as it is, and readers know
+        // such a chunk by its size; 3.1.5 forgets that for the equal size
+        const bool stored = pipe.compressed_bytes >= pipe.packed_bytes;
+        s->size = stored ? (size_t) pipe.packed_bytes : pipe.compressed_bytes;
+        memcpy(to, stored ? pipe.packed_buffer : pipe.compressed_buffer,
+               s->size);
+    }
+    const gp_status fault = gp_exr_fault();
+    exr_encoding_destroy(ctxt, &pipe);
+    return fault || !r ? fault : GP_ERR_USAGE;
 }
 
 /* Opens a file that goes nowhere, with the least header that the library's
@@ -203,7 +336,7 @@ static exr_result_t open_library(const struct gp_exr_image *img,
     int part;
     init.error_handler_fn = print_nothing;
     init.alloc_fn = gp_exr_allocate;
-    init.free_fn = free;
+    init.free_fn = gp_free;
     init.write_fn = write_nowhere;
     gp_exr_fault_clear();
     exr_result_t r =
@@ -228,56 +361,37 @@ static exr_result_t open_library(const struct gp_exr_image *img,
 
 /* -- chunks in parallel --------------------------------------------------- */
 
-struct slot { // one compressed chunk of the batch
-    size_t size;
-    long long clamped;
-};
-
 struct batch {
     const struct gp_exr_image *img;
     int rows;           // of a chunk
     size_t chunk_bytes; // most that a chunk has before compression
-    struct worker *worker;
-    int workers;
+    struct libdeflate_compressor **zip; // of each thread; NULL: not by ZIP
+    uint8_t *raw;           // for ZIP: two chunks of each thread
+    exr_context_t library;  // NULL: not by the library
     struct slot *slot;
-    uint8_t *bytes;     // chunk_bytes for each slot
+    uint8_t *bytes;         // chunk_bytes for each slot
     int slots;
-    int first;          // chunk of slot 0
+    int first;              // chunk of slot 0
 };
 
 static gp_status encode_chunk(void *ctx, int i, int thread)
 {
     struct batch *b = ctx;
-    struct worker *w = &b->worker[thread];
     struct slot *s = &b->slot[i];
     uint8_t *const to = b->bytes + (size_t) i * b->chunk_bytes;
     const struct gp_rect r = b->img->data;
-    s->clamped = 0;
-    w->clamped = &s->clamped;
-    w->y0 = r.y0 + (b->first + i) * b->rows;
-    w->y1 = b->rows < r.y1 - w->y0 ? w->y0 + b->rows : r.y1;
-    if (w->zip) {
-        const size_t n = pack_rows(b->img, w->y0, w->y1, w->raw, &s->clamped);
-        s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, to);
-        if (s->size == 0) {
-            memcpy(to, w->raw, n);
-            s->size = n;
-        }
-    } else if (w->ctxt) {
-        gp_exr_fault_clear();
-        if (run_library(w))
-            return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
-        // a chunk that did not shrink is stored as it is, and readers know
-        // such a chunk by its size; 3.1.5 forgets that for the equal
-        // size
-        const exr_encode_pipeline_t *p = &w->pipe;
-        const bool stored = p->compressed_bytes >= p->packed_bytes;
-        s->size = stored ? (size_t) p->packed_bytes : p->compressed_bytes;
-        memcpy(to, stored ? p->packed_buffer : p->compressed_buffer,
-               s->size);
-    } else {
-        s->size = pack_rows(b->img, w->y0, w->y1, to, &s->clamped);
-    }
+    const int y0 = r.y0 + (b->first + i) * b->rows;
+    *s = (struct slot) {
+        .img = b->img, .y0 = y0, .y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1,
+    };
+    if (b->library)
+        return run_library(b->library, s, to);
+    uint8_t *const raw =
+        b->zip ? b->raw + 2 * (size_t) thread * b->chunk_bytes : to;
+    s->size = pack_rows(b->img, y0, s->y1, raw, &s->clamped);
+    if (b->zip)
+        s->size = gp_exr_zip(b->zip[thread], raw, s->size,
+                             raw + b->chunk_bytes, to);
     return GP_OK;
 }
 
@@ -292,44 +406,16 @@ static gp_status refused(const struct gp_log *log, const char *path,
                    "subsampling); use --compression zip", path);
 }
 
-static gp_status start_worker(const struct gp_log *log, const char *path,
-                              const struct batch *b, struct worker *w)
-{
-    gp_status st = GP_OK;
-    w->img = b->img;
-    switch (b->img->compression) {
-    case GP_COMPRESSION_NONE:
-        break;
-    case GP_COMPRESSION_ZIP:
-    case GP_COMPRESSION_ZIPS:
-        GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->raw));
-        GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->scratch));
-        w->zip = libdeflate_alloc_compressor(ZIP_LEVEL);
-        if (!w->zip)
-            GP_TRY(gp_no_memory_bare(log, "EXR compressor"));
-        break;
-    default:
-        if (open_library(b->img, &w->ctxt))
-            st = refused(log, path, gp_exr_fault());
-    }
-out:
-    return st;
-}
-
 static void stop_batch(struct batch *b)
 {
-    for (int i = 0; b->worker && i < b->workers; i++) {
-        struct worker *const w = &b->worker[i];
-        gp_free(w->raw);
-        gp_free(w->scratch);
-        if (w->zip)
-            libdeflate_free_compressor(w->zip);
-        if (w->started)
-            exr_encoding_destroy(w->ctxt, &w->pipe);
-        if (w->ctxt)
-            exr_finish(&w->ctxt);
+    for (int i = 0; b->zip && i < gp_threads(); i++) {
+        if (b->zip[i])
+            libdeflate_free_compressor(b->zip[i]);
     }
-    gp_free(b->worker);
+    if (b->library)
+        exr_finish(&b->library);
+    gp_free(b->zip);
+    gp_free(b->raw);
     gp_free(b->slot);
     gp_free(b->bytes);
 }
@@ -339,10 +425,8 @@ static gp_status start_batch(const struct gp_log *log, const char *path,
                              const struct gp_exr_image *img, struct batch *b)
 {
     gp_status st;
-    *b = (struct batch) {
-        .img = img, .rows = chunk_rows(img->compression),
-        .workers = gp_threads(),
-    };
+    const int threads = gp_threads(), chunks = gp_exr_chunk_count(img);
+    *b = (struct batch) {.img = img, .rows = chunk_rows(img->compression)};
     for (int i = 0; i < img->sources; i++)
         b->chunk_bytes += (size_t) img->source[i].columns *
                           gp_type_size(img->source[i].type);
@@ -351,20 +435,29 @@ static gp_status start_batch(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: %d rows of this frame are more than an EXR chunk "
                        "may hold; use --compression zips", path, b->rows);
-    const size_t most = batch_bytes / (b->chunk_bytes + 1) + 1;
-    b->slots = b->workers * CHUNKS_A_THREAD;
-    if ((size_t) b->slots > most) // at least one a thread all the same
-        b->slots = most > (size_t) b->workers ? (int) most : b->workers;
-    if (b->slots > gp_exr_chunk_count(img))
-        b->slots = gp_exr_chunk_count(img);
-    GP_TRY(gp_alloc_zero(log, "EXR threads", (size_t) b->workers,
-                         sizeof *b->worker, &b->worker));
-    GP_TRY(gp_alloc_zero(log, "EXR chunks", (size_t) b->slots, sizeof *b->slot,
-                         &b->slot));
+    // at least one a thread, whatever memory that takes
+    const int most = (int) (batch_bytes / (b->chunk_bytes + 1)) + 1;
+    b->slots = gp_min(gp_min(threads * CHUNKS_A_THREAD,
+                             gp_max(most, threads)), chunks);
+    GP_TRY(gp_alloc(log, "EXR chunks", (size_t) b->slots, sizeof *b->slot,
+                    &b->slot));
     GP_TRY(gp_alloc(log, "EXR chunks", (size_t) b->slots, b->chunk_bytes,
                     &b->bytes));
-    for (int i = 0; i < b->workers; i++)
-        GP_TRY(start_worker(log, path, b, &b->worker[i]));
+    if (img->compression == GP_COMPRESSION_ZIP ||
+        img->compression == GP_COMPRESSION_ZIPS) {
+        GP_TRY(gp_alloc(log, "EXR chunks", 2 * (size_t) threads,
+                        b->chunk_bytes, &b->raw));
+        GP_TRY(gp_alloc_zero(log, "EXR threads", (size_t) threads,
+                             sizeof *b->zip, &b->zip));
+        for (int i = 0; i < threads; i++) {
+            b->zip[i] = libdeflate_alloc_compressor(ZIP_LEVEL);
+            if (!b->zip[i])
+                GP_TRY(gp_no_memory_bare(log, "EXR compressor"));
+        }
+    } else if (img->compression != GP_COMPRESSION_NONE &&
+               open_library(img, &b->library)) {
+        st = refused(log, path, gp_exr_fault());
+    }
 out:
     return st;
 }
@@ -402,12 +495,12 @@ static gp_status interleave(const struct gp_log *log, const char *path,
 }
 
 static gp_status encode_dwa(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, float quality, struct gp_write_stats *stats)
+    const struct gp_exr_image *img, long long *clamped)
 {
     const struct gp_log *const log = out->log;
     const char *const path = gp_file_path(out->file);
     const size_t n = (size_t) img->sources;
-    const int units = (int) quality; // by halves: no locale's decimal comma
+    const int units = (int) img->quality; // by halves: no locale's decimal comma
     gp_status st;
     const char **names = NULL;
     int *types = NULL;
@@ -419,7 +512,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     size_t step = 0;
     snprintf(compression, sizeof compression, "%s:%d.%03d",
              img->compression == GP_COMPRESSION_DWAA ? "dwaa" : "dwab", units,
-             (int) ((quality - (float) units) * 1000.0f));
+             (int) ((img->quality - (float) units) * 1000.0f));
     GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
     GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
     for (int i = 0; i < img->sources; i++) {
@@ -433,7 +526,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
         types[i] = (int) s->type;
         step += gp_type_size(s->type);
     }
-    GP_TRY(interleave(log, path, img, step, &pixels, &stats->clamped));
+    GP_TRY(interleave(log, path, img, step, &pixels, clamped));
     const struct gp_decoded image = {
         .path = path, .data = img->data, .display = img->data,
         .channels = img->sources, .channel_name = names, .colour_space = "",
@@ -460,29 +553,28 @@ out:
 /* -- all compressions ----------------------------------------------------- */
 
 gp_status gp_exr_encode(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, float quality, struct gp_write_stats *stats)
+    const struct gp_exr_image *img, long long *clamped)
 {
     struct batch b;
     gp_status st;
     const char *path = gp_file_path(out->file);
-    if (img->compression == GP_COMPRESSION_DWAA ||
-        img->compression == GP_COMPRESSION_DWAB)
-        return encode_dwa(out, part, img, quality, stats);
+    if (img->compression >= GP_COMPRESSION_DWAA)
+        return encode_dwa(out, part, img, clamped);
     const int chunks = gp_exr_chunk_count(img);
     GP_TRY(start_batch(out->log, path, img, &b));
     for (; b.first < chunks; b.first += b.slots) {
-        const int left = chunks - b.first;
-        const int n = left < b.slots ? left : b.slots;
+        const int n = gp_min(chunks - b.first, b.slots);
         st = gp_parallel(n, encode_chunk, &b, NULL);
         if (st)
             GP_TRY(refused(out->log, path, st));
         for (int i = 0; i < n; i++) {
             const struct slot *s = &b.slot[i];
-            const int index = b.first + i;
-            GP_TRY(gp_exr_out_scanlines(out, part, index,
-                   img->data.y0 + index * b.rows,
+            const int32_t leader[2] = {s->y0, (int32_t) s->size};
+            GP_TRY(begin_chunk(out, part, b.first + i));
+            GP_TRY(gp_file_write(out->file, leader, sizeof leader));
+            GP_TRY(gp_file_write(out->file,
                    b.bytes + (size_t) i * b.chunk_bytes, s->size));
-            stats->clamped += s->clamped;
+            *clamped += s->clamped;
         }
     }
 out:

@@ -1,9 +1,9 @@
 /* io/exr: EXR files in and out, by OpenEXRCore.
  *
- * In: open.c (header.c checks the bytes of the header before the library sees
- * them), choose.c (which part and channels are the frame), read.c, decode.c
- * with zip.c. Out: sources.c (which channels), write.c, encode.c with zip.c,
- * out.c (the file's header, tables and chunks). */
+ * In: open.c (checks the bytes of the header before the library sees them),
+ * choose.c (which part and channels are the frame), read.c, and decode.c with
+ * zip.c. Out: write.c (parts and channels), header.c, and encode.c with zip.c
+ * (tables and chunks). */
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 
@@ -99,20 +99,11 @@ int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
 const char *gp_exr_view_of(const struct gp_input *in, int part,
                            const char *name);
 
-/* The channels of a part as they are called within a view. */
-struct gp_exr_names {
-    const char **name; // "" for those of other views
-    char *text;
-    int n;
-};
-
-/* Names of all channels in the file's order; with `view` NULL their own. Lives
- * no longer than `in`; written always; free with gp_exr_names_free().
- * Errors: GP_ERR_BUG out of memory. */
+/* Names of all channels of a part in the file's order, as they are called within
+ * a view, "" for those of others; with `view` NULL their own. Lives no longer
+ * than `in`; free with gp_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
-    const struct gp_input *in, int part, const char *view,
-    struct gp_exr_names *out);
-void gp_exr_names_free(struct gp_exr_names *names);
+    const struct gp_input *in, int part, const char *view, const char ***out);
 
 /* Writes part (where there are several), layer and view of the colour with a
  * channel of that name, as --part, --layer-in and --views take them, to *out;
@@ -192,9 +183,6 @@ void gp_exr_deep_free(struct gp_exr_deep *deep);
  * header has them, into `f`. */
 void gp_exr_frame_header(const struct gp_exr_chunks *chunks,
                          struct gp_frame *f);
-
-/* A channel's type in the file as ours. */
-enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type);
 
 /* gp_read_frame() for a stream that begins as an EXR; takes the stream over,
  * also on failure. Contract and errors as there. */

@@ -39,7 +39,7 @@ bool gp_exr_fault_short(void);
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
-/* -- the header's bytes (header.c) ----------------------------------------- */
+/* -- the header's bytes (open.c) ------------------------------------------- */
 
 /* An attribute; pointers go into gp_exr_index.bytes. */
 struct gp_exr_attr {
@@ -68,20 +68,6 @@ struct gp_exr_index {
     int attrs;
 };
 
-/* Walks the header at the start of `s`. GP_OK also of one that is damaged
- * (out->tables is 0 then): the library's message says more.
- *
- *   out  written always; free with gp_exr_index_free()
- *
- * Errors: GP_ERR_DATA more channels, attributes or parts than the library could
- * sort in time; GP_ERR_IO cannot read. */
-GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
-    const char *path, const struct gp_stream *s, struct gp_exr_index *out);
-void gp_exr_index_free(struct gp_exr_index *index);
-
-/* Puts ? in the place of what a line cannot show, and returns `text`. */
-char *gp_exr_plain(char *text);
-
 /* The attribute of that name and type, or NULL; a `part` that is NULL has
  * none. */
 const struct gp_exr_attr *
@@ -92,16 +78,10 @@ gp_exr_attr_find(const struct gp_exr_index_part *part, const char *name,
 enum {
     GP_EXR_MAGIC = 20000630,
     GP_EXR_VERSION = 2,
-    GP_EXR_TILED = 0x200,
     GP_EXR_LONG_NAMES = 0x400,
     GP_EXR_DEEP = 0x800,
     GP_EXR_MULTIPART = 0x1000,
 };
-
-/* gp_exr_chunks_find() for parts that may be deep (decode.c). */
-GP_MUST_CHECK gp_status gp_exr_chunks_any(const struct gp_log *log,
-    const char *path, const struct gp_input *in, int part, long long max_pixels,
-    struct gp_exr_chunks *out);
 
 /* -- chunks as bytes (open.c) --------------------------------------------- */
 
@@ -192,8 +172,7 @@ struct libdeflate_compressor;
 struct libdeflate_decompressor;
 
 /* Compresses the `n` bytes of a chunk; `n` is even, scratch and out have that
- * room. Returns the compressed size, less than n, or 0 when the chunk does not
- * shrink and is stored as it is. */
+ * room. Returns the compressed size; n when it does not shrink: `out` is `raw`. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
@@ -204,8 +183,6 @@ bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
                   uint8_t *out, size_t n);
 
 /* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
-
-struct gp_exr_out;
 
 /* One channel of the part: samples of its grid (frame.h), either a colour
  * plane or samples of the file's own type. */
@@ -223,81 +200,18 @@ struct gp_exr_source {
 struct gp_exr_image {
     struct gp_rect data;
     enum gp_compression compression;    // not AUTO
-    const struct gp_exr_source *source; // sorted by name as strcmp() does
+    float quality; // of DWAA and DWAB: OpenEXR's default is 45
+    struct gp_exr_source *source; // sorted by name as strcmp() does
     int sources;
 };
 
 /* Chunks of a part with that compression. */
 int gp_exr_chunk_count(const struct gp_exr_image *img);
 
-/* Compresses all chunks, in parallel, and appends them to part `part` in
- * order. The bytes do not depend on the number of threads.
+/* -- a file on its way out --------------------------------------------------
  *
- *   quality  of DWAA and DWAB (OpenEXR's default is 45); else not used
- *
- * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
- * GP_ERR_IO; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
-    const struct gp_exr_image *img, float quality,
-    struct gp_write_stats *stats);
-
-/* -- the channels of a part that is written (sources.c) ------------------- */
-
-/* Colours over the largest value that the file can hold: of a half, or of DWA,
- * which holds nothing over GP_EXR_DWA_MAX. With GP_OUT_AUTO a frame of halfs is
- * then float. Else such a pixel is scaled, which keeps its hue. */
-struct gp_exr_fit {
-    long long values, pixels;  // over it
-    double light[3], lost[3];  // sums of all pixels, and of what was lost
-};
-
-/* DWA stores halfs, floats too, and its loss moves values near the end of
- * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
- * end nothing did. */
-#define GP_EXR_DWA_MAX 57344.0f
-
-/* `source` borrows names and samples from the frame and the planes, which
- * must live longer. Free with gp_exr_sources_free(). */
-struct gp_exr_sources {
-    struct gp_exr_source *source; // sorted by name
-    int sources;
-    char **new_name; // names that no frame has
-    int new_names;
-    float *alpha;    // owned: samples of a picture's A, or NULL
-    struct gp_planes *fitted; // owned: colours that had to be scaled
-    int fits;
-    struct gp_exr_fit fit;
-};
-
-/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
- * it has one. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
-    const struct gp_write_params *p, const struct gp_frame *f,
-    const struct gp_planes *planes, struct gp_exr_sources *out);
-
-/* The channels of one part, with the colours of several frames of it:
- *   - what is the colour of none of them as it is;
- *   - R, G, B under their names; one that the file did not have is added when
- *     its plane is not all 0;
- *   - grey stays one channel when the planes are the same, bit by bit, and is
- *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
- *     or B are taken, in a layer of its name); luminance-chroma is always
- *     R, G, B.
- *
- *   set  n >= 1 frames of one part; one of them at least was read whole
- *   p    --type is that of the colours
- *
- * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
- * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole. */
-GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
-    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
-    struct gp_exr_sources *out);
-void gp_exr_sources_free(struct gp_exr_sources *s);
-
-/* -- a file on its way out (out.c) -----------------------------------------
- *
- * Header, offset tables, chunks (openexr file layout, "Chunk Layout"): begin(),
- * attributes by put...(), tables(), the chunks of all parts, end(). */
+ * Begin(), attributes by put...() (header.c); tables(), the chunks of all parts,
+ * end() (encode.c). */
 
 struct gp_exr_table {
     uint64_t at;      // its first byte in the file
@@ -336,23 +250,24 @@ void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t size);
  * that `kept` lets through, and glarepp's version and command.
  *
  *   own     of the input; NULL when that was not EXR
- *   name    of the part; may be NULL in files of one part
  *   p       command and, when GP_EXR_KEEP_CONVERTED, primaries are used
- *   chunks  of the part in a multi-part file, where type and number of chunks
- *           are required; 0 in files of one part */
+ *   chunks  of the part in a multi-part file, where name, type and number of
+ *           chunks are required; 0 in files of one part */
 void gp_exr_put_part(struct gp_exr_out *out, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_index_part *own,
-    enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
-    int chunks);
+    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks);
 
-/* Ends the header, and makes room for the tables of each part's chunks, > 0. */
+/* Ends the header, and makes room for the tables of each part's chunks. */
 GP_MUST_CHECK gp_status gp_exr_out_tables(struct gp_exr_out *out,
     const int *chunks, int parts);
 
-/* Appends a scanline chunk that starts at row `y`; `size` is at most
- * INT32_MAX. */
-GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
-    int index, int y, const void *data, size_t size);
+/* Compresses all chunks, in parallel, and appends them to part `part` in
+ * order. The bytes do not depend on the number of threads. Values that did not
+ * fit are added to *clamped.
+ * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
+ * GP_ERR_IO; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
+    const struct gp_exr_image *img, long long *clamped);
 
 /* Copies all chunks of part `from` of another file, flat or deep, scanlines or
  * tiles of all levels, byte by byte and in the order in which they are in it.
@@ -364,22 +279,5 @@ GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
 /* Fills in the offset tables. */
 GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);
 void gp_exr_out_free(struct gp_exr_out *out);
-
-/* -- one file (write.c) --------------------------------------------------- */
-
-/* True when samples of that channel may be read back with other bits; never for
- * AUTO. EXR's lossy compressions:
- *
- *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
- *              uint keep all bits
- *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
- *   DWAA/B     channels called R, G, B, Y, RY or BY after their last dot lose,
- *              in any layer, half and float, and become half; others keep
- *              their bits, depth too
- *
- * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
- * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */
-bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
-                  const char *name);
 
 #endif

@@ -1,227 +1,234 @@
-/* Lists the attributes of a header with their bytes, which --hdr copies, and
- * bounds their number, before the library parses them: it gives no attribute's
- * bytes, nor their places, in any version.
- *
- * It sorts channels and attributes by a walk from one end (3.1.5 to 3.4): lists
- * of n take it n^2 / 2 comparisons of names. So the squares of the lengths of
- * all channel lists together are bounded, those of attributes, and the parts. */
+/* Writes the headers of an EXR file (openexr file layout, "Header"). */
 #include "io/exr/exr_priv.h"
 
-#include "core/bytes.h"
-#include "core/memory.h"
+#include "core/colour.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <string.h>
 
-enum {
-    NAME = 256,   // bytes of any name with its null, at most
-    CHANNEL = 16, // bytes after a channel's name
-    LIST_MOST = 8192,
-};
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "EXR is little-endian and is written from memory as it is");
 
-/* A walk over the bytes that are loaded: the first ones count, then one lists
- * the attributes. */
-struct walk {
-    const struct gp_log *log;
-    const char *path;
-    const struct gp_stream *stream;
-    struct gp_exr_index *index;
-    size_t loaded; // bytes of index->bytes
-    bool more;     // the header goes on after these
-};
+/* -- a header's bytes ----------------------------------------------------- */
 
-/* Steps over the name at *at, with its null. False where it does not end. */
-static bool skip_name(struct walk *w, size_t *at)
+enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
+
+void gp_exr_put_raw(struct gp_exr_out *out, const void *bytes, size_t n)
 {
-    const size_t left = w->loaded - *at, n = left < NAME ? left : NAME;
-    const uint8_t *const from = w->index->bytes + *at;
-    const uint8_t *const null = memchr(from, 0, n);
-    w->more |= !null && n < NAME;
-    *at += null ? (size_t) (null - from) + 1 : 0;
-    return null;
+    const gp_status st = gp_file_write(out->file, bytes, n);
+    (void) st; // the file keeps it
 }
 
-/* Reads the attribute at *at and steps over it. False where it does not end. */
-static bool read_attribute(struct walk *w, size_t *at, struct gp_exr_attr *out)
+static void put_name(struct gp_exr_out *out, const char *name)
 {
-    const uint8_t *const bytes = w->index->bytes;
-    size_t type = *at, size;
-    if (!skip_name(w, &type))
-        return false;
-    size = type;
-    if (!skip_name(w, &size))
-        return false;
-    const size_t value = size + sizeof out->size;
-    w->more |= value > w->loaded;
-    if (w->more)
-        return false;
-    *out = (struct gp_exr_attr) {
-        .name = (const char *) bytes + *at, .type = (const char *) bytes + type,
-        .data = bytes + value, .size = gp_le32(bytes + size),
+    if (strlen(name) > SHORT_NAME)
+        out->flags |= GP_EXR_LONG_NAMES;
+    gp_exr_put_raw(out, name, strlen(name) + 1);
+}
+
+/* An attribute without its value. */
+static void put_head(struct gp_exr_out *out, const char *name, const char *type,
+                     size_t size)
+{
+    const int32_t bytes = (int32_t) size;
+    put_name(out, name);
+    put_name(out, type);
+    gp_exr_put_raw(out, &bytes, 4);
+}
+
+void gp_exr_put(struct gp_exr_out *out, const char *name, const char *type,
+                const void *data, size_t size)
+{
+    put_head(out, name, type, size);
+    gp_exr_put_raw(out, data, size);
+}
+
+static void put_text(struct gp_exr_out *out, const char *name, const char *text)
+{
+    gp_exr_put(out, name, "string", text, strlen(text));
+}
+
+void gp_exr_out_begin(struct gp_exr_out *out, const struct gp_log *log,
+                      struct gp_file *file, uint32_t flags)
+{
+    const uint32_t magic = GP_EXR_MAGIC;
+    *out = (struct gp_exr_out) {.log = log, .file = file, .flags = flags};
+    gp_exr_put_raw(out, &magic, 4);
+    gp_exr_put_raw(out, &flags, 4);
+}
+
+/* -- attributes of a new part --------------------------------------------- */
+
+static void put_window(struct gp_exr_out *h, const char *name,
+                       struct gp_rect r)
+{
+    const int32_t box[4] = {r.x0, r.y0, r.x1 - 1, r.y1 - 1};
+    gp_exr_put(h, name, "box2i", box, sizeof box);
+}
+
+/* An attribute of the input, or its default. */
+static void put_or(struct gp_exr_out *h,
+                   const struct gp_exr_index_part *own, const char *name,
+                   const char *type, const void *data, size_t size)
+{
+    const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
+    if (a && a->size == size)
+        data = a->data;
+    gp_exr_put(h, name, type, data, size);
+}
+
+static bool is_listed(const char *name, const char *const *list)
+{
+    for (; *list; list++) {
+        if (strcmp(name, *list) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* True when the pixels still are in the input's primaries. */
+static bool in_own_light(enum gp_exr_kept kept)
+{
+    return kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_SCENE;
+}
+
+static bool is_kept(const char *name, enum gp_exr_kept kept)
+{
+    static const char *const own[] = {
+        "channels", "compression", "dataWindow", "displayWindow", "lineOrder",
+        "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "name",
+        "type", "chunkCount", "tiles", "maxSamplesPerPixel", NULL,
     };
-    if (out->size > INT_MAX || value + out->size >= w->stream->size)
+    // of the input's pixels, not of this picture's
+    static const char *const scene[] = {"preview", "multiView", NULL};
+    // transforms for the input's colours, which these no longer are
+    static const char *const shown[] = {
+        "chromaticities", "adoptedNeutral", "whiteLuminance",
+        "renderingTransform", "lookModTransform", NULL,
+    };
+    if (is_listed(name, own) || strncmp(name, "glarepp:", 8) == 0)
         return false;
-    *at = value + out->size;
-    w->more |= *at >= w->loaded;
-    return !w->more;
+    if (kept != GP_EXR_KEEP_ALL && is_listed(name, scene) &&
+        !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
+        return false;
+    return in_own_light(kept) || !is_listed(name, shown);
 }
 
-/* Returns how many channels a list begins with, as far as LIST_MOST + 1.
- *
- *   whole  written: the list ends where its bytes do. The library stops at its
- *          null, and would take what follows for another attribute */
-static uint64_t count_channels(const struct gp_exr_attr *list, bool *whole)
+/* The attributes of the input that are kept: manifests of ids, or all but
+ * those. */
+static void put_carried(struct gp_exr_out *h,
+                        const struct gp_exr_index_part *own,
+                        enum gp_exr_kept kept, bool manifests)
 {
-    uint64_t n = 0;
-    *whole = false;
-    for (size_t at = 0; at < list->size && n <= LIST_MOST; n++) {
-        const uint8_t *const null =
-            memchr(list->data + at, 0, list->size - at);
-        if (!null || null == list->data + at) { // no more, or the list's end
-            *whole = null && at + 1 == list->size;
-            break;
-        }
-        at = (size_t) (null - list->data) + 1 + CHANNEL;
+    for (int i = 0; own && i < own->attrs; i++) {
+        const struct gp_exr_attr *a = &own->attr[i];
+        if ((strcmp(a->type, "idmanifest") == 0) == manifests &&
+            is_kept(a->name, kept) &&
+            !(h->flags & GP_EXR_DEEP && strcmp(a->name, "version") == 0))
+            gp_exr_put(h, a->name, a->type, a->data, a->size);
     }
-    return n;
 }
 
-/* Checks what OpenEXRCore does not (3.1.5 to 3.4): film codes (SMPTE 254), and
- * the sizes of two types that it does not know. OpenEXR's C++ library would
- * refuse an output that such a value is carried to. */
-static bool is_value(const struct gp_exr_attr *a)
+/* The attributes that OpenImageIO makes of another format's header. Some say
+ * how that file was stored; only those about the picture are carried. */
+static void put_foreign(struct gp_exr_out *h, const struct gp_frame *f,
+                        enum gp_exr_kept kept)
 {
-    static const uint32_t least[7] = {0, 0, 0, 0, 0, 1, 20};
-    static const uint32_t most[7] = {99, 99, 999999, 9999, 119, 15, 120};
-    bool fits = true;
-    if (strcmp(a->type, "deepImageState") == 0)
-        return a->size == 1;
-    if (strcmp(a->type, "idmanifest") == 0)
-        return a->size >= 8;
-    if (strcmp(a->type, "keycode") != 0 || a->size != sizeof least)
-        return true;
-    for (int i = 0; i < 7; i++) {
-        const uint32_t code = gp_le32(a->data + 4 * i);
-        fits = fits && code >= least[i] && code <= most[i];
+    static const char *const exact[] = {
+        "compression", "Compression", "CompressionQuality", "Orientation",
+        "ResolutionUnit", "XResolution", "YResolution", "planarconfig",
+        "PixelAspectRatio", "ICCProfile", "chromaticities", "gamma", NULL,
+    };
+    static const char *const start[] = {
+        "oiio:", "tiff:", "jpeg:", "png:", "dpx:", "bmp:", "pnm:", "hdr:",
+        "targa:", "gif:", "webp:", "sgi:", "openexr:", "ICCProfile:", NULL,
+    };
+    for (int i = 0; i < f->attributes; i++) {
+        const struct gp_attribute *a = &f->attribute[i];
+        const size_t n = strlen(a->name);
+        bool stored = is_listed(a->name, exact);
+        for (int k = 0; !stored && start[k]; k++)
+            stored = strncmp(a->name, start[k], strlen(start[k])) == 0;
+        if (n == 0 || n > 255 || stored || !is_kept(a->name, kept))
+            continue;
+        if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
+            put_text(h, a->name, a->text);
+        else if (a->kind == GP_ATTRIBUTE_INT)
+            gp_exr_put(h, a->name, "int", &a->number, 4);
+        else if (a->kind == GP_ATTRIBUTE_FLOAT)
+            gp_exr_put(h, a->name, "float", &a->real, 4);
     }
-    return fits;
 }
 
-/* Fails when a list of n is too long after lists of one kind whose squares
- * were `before`. */
-static gp_status check_length(const struct walk *walk, uint64_t before,
-                              const char *what, uint64_t n)
+void gp_exr_put_part(struct gp_exr_out *h, const struct gp_frame *f,
+    const struct gp_exr_image *img, const struct gp_exr_index_part *own,
+    enum gp_exr_kept kept, const struct gp_write_params *p, int chunks)
 {
-    if (before + n * n <= (uint64_t) LIST_MOST * LIST_MOST)
-        return GP_OK;
-    return gp_fail(walk->log, GP_ERR_DATA,
-                   "%s: the EXR header lists too many %s (%llu or more; at "
-                   "most %d, fewer in several parts); spread them over "
-                   "several files", walk->path, what, (unsigned long long) n,
-                   LIST_MOST);
-}
-
-/* Walks all parts; sets index->tables where they end. */
-static gp_status walk_parts(struct walk *w)
-{
-    struct gp_exr_index *const index = w->index;
-    struct gp_exr_attr a;
-    uint64_t channels = 0, attributes = 0;
-    size_t at = 8;
-    gp_status st = GP_OK;
-    w->more = w->loaded <= at;
-    index->parts = index->attrs = 0;
-    while (!w->more) {
-        const size_t from = at;
-        uint64_t n = 0;
-        for (; index->bytes[at]; n++) {
-            const size_t name = at;
-            if (!read_attribute(w, &at, &a))
-                return GP_OK;
-            GP_TRY(check_length(w, attributes, "attributes", n + 1));
-            bool right = is_value(&a);
-            if (strcmp(a.type, "chlist") == 0) {
-                const uint64_t listed = count_channels(&a, &right);
-                GP_TRY(check_length(w, channels, "channels", listed));
-                channels += listed * listed;
-            }
-            if (!right)
-                return gp_fail(w->log, GP_ERR_DATA,
-                               "%s: attribute %s is damaged (its value is no "
-                               "%s); copy or render the file again", w->path,
-                               gp_exr_plain((char *) index->bytes + name),
-                               a.type);
-            if (!index->type && index->flat && strcmp(a.name, "type") == 0)
-                index->type = name;
-            if (index->part)
-                index->attr[(uint64_t) index->attrs + n] = a;
-        }
-        at++;
-        if (!index->multi || n == 0) // or the null that ends all parts
-            index->tables = at;
-        if (index->multi && n == 0)
-            break;
-        GP_TRY(check_length(w, 0, "parts", (uint64_t) index->parts + 1));
-        if (index->part)
-            index->part[index->parts] = (struct gp_exr_index_part) {
-                .from = from, .to = at, .attr = index->attr + index->attrs,
-                .attrs = (int) n,
-            };
-        attributes += n * n;
-        index->attrs += (int) n;
-        index->parts++;
-        if (!index->multi)
-            break;
-        w->more = at >= w->loaded;
+    static const float centre[2] = {0, 0}, width = 1;
+    const int32_t count = chunks, version = 1;
+    const uint8_t compression = (uint8_t) img->compression;
+    // OpenImageIO cannot pass the flag to the DWA compressor, so the chunks are
+    // made without it
+    const bool dwa = img->compression >= GP_COMPRESSION_DWAA;
+    size_t bytes = 1;
+    for (int i = 0; i < img->sources; i++)
+        bytes += strlen(img->source[i].name) + 17;
+    put_head(h, "channels", "chlist", bytes);
+    for (int i = 0; i < img->sources; i++) {
+        const struct gp_exr_source *s = &img->source[i];
+        const int32_t value[4] = { // GP_UINT.. number as EXR does
+            (int32_t) s->type, s->linear && !dwa, s->xs, s->ys,
+        };
+        put_name(h, s->name);
+        gp_exr_put_raw(h, value, sizeof value);
     }
-out:
-    return st;
-}
+    gp_exr_put_raw(h, "", 1);
 
-gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
-                            const struct gp_stream *s, struct gp_exr_index *out)
-{
-    enum { FIRST = 4096 }; // most headers
-    struct walk w = {.log = log, .path = path, .stream = s, .index = out};
-    gp_status st = GP_OK;
-    *out = (struct gp_exr_index) {0};
-    for (w.more = true; w.more && w.loaded < s->size;) {
-        const uint64_t room = w.loaded ? 2 * w.loaded : FIRST;
-        const uint64_t end = room < s->size ? room : s->size;
-        void *block = out->bytes;
-        GP_TRY(gp_resize(log, path, end, &block));
-        out->bytes = block;
-        const int64_t got = gp_stream_read(s, out->bytes + w.loaded,
-                                           end - w.loaded, w.loaded);
-        if (got < 0)
-            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
-                           "disk", path, strerror(errno)));
-        if (got <= 0) // a file that has become shorter
-            break;
-        w.loaded += (size_t) got;
-        const uint32_t flags = w.loaded > 8 ? gp_le32(out->bytes + 4) : 0;
-        out->multi = flags & GP_EXR_MULTIPART;
-        out->flat = !(flags & (GP_EXR_DEEP | GP_EXR_MULTIPART));
-        GP_TRY(walk_parts(&w));
+    // whatever the input said; lineOrder is that of the chunks as they are
+    // written. Tiled inputs are written as scanlines, and mip-mapped ones
+    // without their smaller levels, which would have to be made anew from the
+    // picture with glare.
+    gp_exr_put(h, "compression", "compression", &compression, 1);
+    put_window(h, "dataWindow", img->data);
+    put_window(h, "displayWindow", f->display);
+    // OpenEXR 3.1.5 takes 4 bytes too many for a manifest, and so the start of
+    // the next attribute's name. It writes lineOrder there, whose default is
+    // ours too.
+    put_carried(h, own, kept, true);
+    gp_exr_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
+    gp_exr_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
+    put_or(h, own, "screenWindowCenter", "v2f", centre, sizeof centre);
+    put_or(h, own, "screenWindowWidth", "float", &width, sizeof width);
+    const struct gp_exr_attr *const name =
+        kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_CONVERTED
+            ? gp_exr_attr_find(own, "name", "string") : NULL;
+    if (name)
+        gp_exr_put(h, "name", "string", name->data, name->size);
+    else if (chunks > 0)
+        put_text(h, "name", "");
+    if (chunks > 0) {
+        put_text(h, "type", "scanlineimage");
+        gp_exr_put(h, "chunkCount", "int", &count, 4);
     }
-    if (out->parts == 0)
-        out->tables = 0;
-    if (out->tables) {
-        GP_TRY(gp_alloc(log, path, (size_t) out->parts, sizeof *out->part,
-                        &out->part));
-        GP_TRY(gp_alloc(log, path, (size_t) out->attrs, sizeof *out->attr,
-                        &out->attr));
-        GP_TRY(walk_parts(&w));
+    if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
+        gp_exr_put(h, "version", "int", &version, 4);
+    put_carried(h, own, kept, false);
+    if (!own)
+        put_foreign(h, f, kept);
+    if (in_own_light(kept) &&
+        !gp_exr_attr_find(own, "chromaticities", "chromaticities") &&
+        (f->names_chromaticities ||
+         memcmp(f->chromaticities, gp_rec709_chromaticities,
+                sizeof f->chromaticities) != 0))
+        gp_exr_put(h, "chromaticities", "chromaticities",
+                   f->chromaticities, sizeof f->chromaticities);
+    if (kept == GP_EXR_KEEP_CONVERTED && p->primaries)
+        gp_exr_put(h, "chromaticities", "chromaticities", p->primaries,
+                   sizeof f->chromaticities);
+    if (p->command) {
+        put_text(h, "glarepp:version", GP_VERSION);
+        put_text(h, "glarepp:command", p->command);
     }
-out:
-    return st;
-}
-
-void gp_exr_index_free(struct gp_exr_index *index)
-{
-    gp_free(index->bytes);
-    gp_free(index->part);
-    gp_free(index->attr);
-    *index = (struct gp_exr_index) {0};
+    for (int i = 0; i < p->n_added; i++)
+        put_text(h, p->added[i].name, p->added[i].text);
+    gp_exr_put_raw(h, "", 1);
 }

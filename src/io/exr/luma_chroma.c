@@ -3,6 +3,7 @@
 #include "core/cpu.h"
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "core/half.h"
 
@@ -93,15 +94,13 @@ static void chroma_of_row(const struct rows *r, int c, int y, float *out)
     const int last = r->in->h / 2 - 1;
     const float *source[TAPS];
     if (y % 2 == 0) {
-        int i = y / 2 > last ? last : y / 2;
-        memcpy(out, r->chroma[c] + (size_t) i * w, w * sizeof *out);
+        memcpy(out, r->chroma[c] + (size_t) gp_min(y / 2, last) * w,
+               w * sizeof *out);
         return;
     }
-    for (int k = 0; k < TAPS; k++) {
-        int even = y - REACH + 2 * k;
-        int i = even < 0 ? 0 : even / 2 > last ? last : even / 2;
-        source[k] = r->chroma[c] + (size_t) i * w;
-    }
+    for (int k = 0; k < TAPS; k++)
+        source[k] = r->chroma[c] +
+                    (size_t) gp_clamp((y - REACH) / 2 + k, 0, last) * w;
     add_rows(source, r->in->w, out);
     keep_half(r->in, out);
 }
@@ -122,22 +121,14 @@ GP_CLONES static void row_to_rgb(const float weight[3], const float *luma,
     }
 }
 
-static inline float larger(float a, float b)
-{
-    return a < b ? b : a; // as std::max: the first where one is NaN
-}
-
-static inline float smaller(float a, float b)
-{
-    return b < a ? b : a;
-}
-
+// gp_maxf(b, a) and gp_minf(b, a) are std::max(a, b) and std::min(a, b): `a` where
+// one is NaN
 GP_CLONES static void find_saturation(const float *r, const float *g,
                                       const float *b, int w, float *out)
 {
     for (int x = 0; x < w; x++) {
-        float high = larger(r[x], larger(g[x], b[x]));
-        float low = smaller(r[x], smaller(g[x], b[x]));
+        float high = gp_maxf(gp_maxf(b[x], g[x]), r[x]);
+        float low = gp_minf(gp_minf(b[x], g[x]), r[x]);
         out[x] = high > 0.0f ? 1.0f - low / high : 0.0f;
     }
 }
@@ -150,7 +141,7 @@ static void colour_row(void *ctx, int i, int thread)
     const int y = i - 1;
     const size_t w = (size_t) in->w;
     // luminance of a row outside is that of the chroma row in its place
-    const int inside = y < 0 ? 0 : y >= in->h ? in->h - 2 : y;
+    const int inside = y >= in->h ? in->h - 2 : gp_max(y, 0);
     float *rgb[3];
     (void) thread;
     for (int c = 0; c < 3; c++)
@@ -179,11 +170,11 @@ static void fix_row(void *ctx, int y, int thread)
     const float *const own = above + w, *const below = own + w;
     (void) thread;
     for (int x = 0; x < w; x++) {
-        int left = x > 0 ? x - 1 : 0, right = x < w - 1 ? x + 1 : x;
-        float mean = smaller(1.0f, 0.25f * (above[left] + above[right] +
-                                            below[left] + below[right]));
+        int left = gp_max(x - 1, 0), right = gp_min(x + 1, w - 1);
+        float mean = gp_minf(0.25f * (above[left] + above[right] +
+                                      below[left] + below[right]), 1.0f);
         float s = own[x];
-        float most = smaller(1.0f, 1.0f - (1.0f - mean) * 0.25f);
+        float most = gp_minf(1.0f - (1.0f - mean) * 0.25f, 1.0f);
         if (!(s > mean && s > most))
             continue;
         size_t at = (size_t) y * (size_t) w + (size_t) x;
@@ -191,10 +182,10 @@ static void fix_row(void *ctx, int y, int thread)
         for (int c = 0; c < 3; c++)
             rgb[c] = rows->out->c[c][at];
         // towards the largest component, then back to its luminance
-        float high = larger(rgb[0], larger(rgb[1], rgb[2]));
+        float high = gp_maxf(gp_maxf(rgb[2], rgb[1]), rgb[0]);
         float before = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
         for (int c = 0; c < 3; c++) {
-            float v = larger(high - (high - rgb[c]) * (most / s), 0.0f);
+            float v = gp_maxf(0.0f, high - (high - rgb[c]) * (most / s));
             rgb[c] = in->half ? gp_half_nearest(v) : v;
         }
         float after = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];

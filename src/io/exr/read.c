@@ -19,12 +19,6 @@ struct reading {
     float *yc[3];             // RY, Y, BY before they are RGB
 };
 
-enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)
-{
-    return type == EXR_PIXEL_HALF ? GP_HALF
-           : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
-}
-
 void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
 {
     const exr_context_t exr = cs->input->exr;
@@ -98,26 +92,20 @@ out:
 static gp_status check_sampling(const struct reading *r)
 {
     const struct gp_colour_choice *colour = &r->choice->colour;
-    const exr_attr_chlist_entry_t *chroma = NULL;
+    int first = 0; // sampling of a chroma channel
     for (int k = 0; k < 3; k++) {
         if (colour->index[k] < 0)
             continue;
         const exr_attr_chlist_entry_t *e =
             &r->chunks.channel->entries[colour->index[k]];
-        int xs = e->x_sampling, ys = e->y_sampling;
-        bool whole = xs == 1 && ys == 1;
-        if (colour->model == GP_COLOUR_YC && k != 1) {
-            bool same = !chroma || (chroma->x_sampling == xs &&
-                                    chroma->y_sampling == ys);
-            chroma = e;
-            if (same && (whole || (xs == 2 && ys == 2)))
-                continue;
-        } else if (whole) {
-            continue;
-        }
-        return gp_fail(r->log, GP_ERR_DATA,
-            "%s: colour channel %s is subsampled (%d x %d); write it at "
-            "full resolution", r->path, e->name.str, xs, ys);
+        const int xs = e->x_sampling, ys = e->y_sampling;
+        const bool chroma = colour->model == GP_COLOUR_YC && k != 1;
+        if (xs != ys || xs > (chroma ? 2 : 1) ||
+            (chroma && first && first != xs))
+            return gp_fail(r->log, GP_ERR_DATA,
+                "%s: colour channel %s is subsampled (%d x %d); write it at "
+                "full resolution", r->path, e->name.str, xs, ys);
+        first = chroma ? xs : first;
     }
     return GP_OK;
 }
@@ -134,15 +122,17 @@ static gp_status make_channels(struct reading *r)
                          &f->channel));
     GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *r->sink,
                          &r->sink));
+    GP_TRY(gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb));
     f->colour_type = GP_HALF;
     for (int i = 0; i < n; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         struct gp_channel *c = &f->channel[f->channels++];
         *c = (struct gp_channel) {
-            .type = gp_exr_pixel_type(e->pixel_type), .xs = e->x_sampling,
+            .type = (enum gp_pixel_type) e->pixel_type, .xs = e->x_sampling,
             .ys = e->y_sampling, .w = cs->w / e->x_sampling,
             .h = cs->h / e->y_sampling, .linear = e->p_linear, .colour = -1,
         };
+        const size_t samples = (size_t) c->w * (size_t) c->h;
         for (int k = 0; k < 3; k++) {
             if (r->choice->colour.index[k] == i)
                 c->colour = k;
@@ -150,25 +140,19 @@ static gp_status make_channels(struct reading *r)
         c->name = gp_strdup(e->name.str);
         if (!c->name)
             GP_TRY(gp_no_memory(r->log, r->path));
-        if (c->colour < 0)
-            GP_TRY(gp_alloc(r->log, c->name, (size_t) c->w * (size_t) c->h,
-                            gp_type_size(c->type), &c->data));
-        else if (c->type != GP_HALF)
-            f->colour_type = GP_FLOAT;
-        r->sink[i].to = c->data;
-    }
-    GP_TRY(gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb));
-    for (int k = 0; k < 3; k++) {
-        const int index = r->choice->colour.index[k];
-        if (index < 0)
+        if (c->colour < 0) {
+            GP_TRY(gp_alloc(r->log, c->name, samples, gp_type_size(c->type),
+                            &c->data));
+            r->sink[i].to = c->data;
             continue;
-        const struct gp_channel *c = &f->channel[index];
+        }
+        if (c->type != GP_HALF)
+            f->colour_type = GP_FLOAT;
+        float **const plane = f->model == GP_COLOUR_YC ? r->yc : f->rgb.c;
         if (f->model == GP_COLOUR_YC)
-            GP_TRY(gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
-                            sizeof(float), &r->yc[k]));
-        r->sink[index] = (struct gp_exr_sink) {
-            f->model == GP_COLOUR_YC ? r->yc[k] : f->rgb.c[k], true,
-        };
+            GP_TRY(gp_alloc(r->log, "chroma", samples, sizeof(float),
+                            &plane[c->colour]));
+        r->sink[i] = (struct gp_exr_sink) {plane[c->colour], true};
     }
 out:
     return st;

@@ -1,15 +1,365 @@
-/* Writes one EXR file: its parts, their headers and chunks. */
+/* Writes one EXR file: its parts, their channels and samples, by header.c and
+ * encode.c. */
 #include "io/exr/exr_priv.h"
 
 #include "core/bytes.h"
+#include "core/cpu.h"
+#include "core/half.h"
 #include "core/memory.h"
 #include "io/channels.h"
 
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* -- the channels of a part ------------------------------------------------- */
+
+/* Colours over the largest value that the file can hold: of a half, or of DWA,
+ * which holds nothing over DWA_MAX. With GP_OUT_AUTO a frame of halfs is
+ * then float. Else such a pixel is scaled, which keeps its hue. */
+struct fit {
+    long long values, pixels;  // over it
+    double light[3], lost[3];  // sums of all pixels, and of what was lost
+};
+
+/* DWA stores halfs, floats too, and its loss moves values near the end of
+ * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
+ * end nothing did. */
+#define DWA_MAX 57344.0f
+
+/* A part of the file. Names and samples of its channels belong to the frame and
+ * the planes. Free with free_part(). */
+struct part {
+    const struct gp_frame *f; // its windows; NULL: the input's part as it is
+    const struct gp_exr_index_part *own; // of the input, or NULL
+    struct gp_exr_image img;  // owned: its list
+    void **owned;             // names, alpha and planes that were made for it
+    int n_owned;
+    struct fit *fit;          // borrowed; added to
+};
+
+static int by_name(const void *a, const void *b)
+{
+    const struct gp_exr_source *p = a, *q = b;
+    return strcmp(p->name, q->name);
+}
+
+/* Makes room for `most` channels, of the colours of `frames` frames. */
+static gp_status make_room(const struct gp_log *log, int most, int frames,
+                           struct part *out)
+{
+    // of a frame three names and the planes; or alpha and these
+    const gp_status st = gp_alloc_zero(log, "colours", 4 * (size_t) frames,
+                                       sizeof *out->owned, &out->owned);
+    return st ? st : gp_alloc(log, "channels", (size_t) most,
+                              sizeof *out->img.source, &out->img.source);
+}
+
+static void free_part(struct part *part)
+{
+    for (int i = 0; i < part->n_owned; i++)
+        gp_free(part->owned[i]);
+    gp_free(part->owned);
+    gp_free(part->img.source);
+}
+
+/* -- light that a half cannot hold ---------------------------------------- */
+
+GP_CLONES static int any_beyond(const float *v, size_t n, float most,
+                                float largest)
+{
+    int any = 0;
+    for (size_t i = 0; i < n; i++)
+        any |= (fabsf(v[i]) > most) & (fabsf(v[i]) <= largest);
+    return any;
+}
+
+/* Copies n pixels, and scales those with a value over `most` to `limit`. */
+static void fit_pixels(const struct gp_planes *from, size_t n, bool dwa,
+                       float most, struct gp_planes *out,
+                       struct fit *sum)
+{
+    const float limit = dwa ? DWA_MAX : 65504.0f;
+    for (size_t i = 0; i < n; i++) {
+        float largest = 0.0f;
+        bool over = false;
+        for (int c = 0; c < 3; c++) {
+            const float v = from->c[c][i];
+            const bool finite = v <= FLT_MAX;
+            largest = finite && v > largest ? v : largest;
+            sum->values += finite && v > most;
+            sum->light[c] += finite && v > 0.0f ? (double) v : 0.0;
+            over |= finite && v > most;
+        }
+        sum->pixels += over;
+        for (int c = 0; c < 3; c++) {
+            const float v = from->c[c][i];
+            const bool scaled = over && fabsf(v) <= FLT_MAX;
+            float to = scaled ? fminf(v * (limit / largest), limit) : v;
+            sum->lost[c] += scaled && v > 0.0f ? (double) v - (double) to : 0.0;
+            if (dwa && fabsf(to) > limit) { // it has no Inf, and no less
+                to = copysignf(limit, to);
+                sum->values++;
+            }
+            out->c[c][i] = to;
+        }
+    }
+}
+
+/* Finds the type of a frame's colours, and replaces *planes by a copy whose
+ * pixels fit into it. Errors: GP_ERR_BUG out of memory. */
+static gp_status fit_colour(const struct gp_log *log,
+    const struct gp_write_params *p, const struct gp_frame *f,
+    struct gp_planes *planes, enum gp_pixel_type *type, struct part *out)
+{
+    const bool dwa = p->compression >= GP_COMPRESSION_DWAA;
+    // the largest value that rounds to the largest half
+    const float most = dwa ? DWA_MAX : nextafterf(65520.0f, 0.0f);
+    const size_t n = gp_frame_pixels(f);
+    bool beyond = false;
+    *type = p->type == GP_OUT_AUTO   ? f->colour_type
+            : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
+    for (int c = 0; c < 3 && (*type == GP_HALF || dwa); c++)
+        beyond |= any_beyond(planes->c[c], n, most,
+                             dwa ? INFINITY : FLT_MAX);
+    if (beyond && !dwa && p->type == GP_OUT_AUTO) {
+        *type = GP_FLOAT;
+    } else if (beyond) {
+        struct gp_planes to;
+        const gp_status st = gp_planes_make(log, "colours", n, &to);
+        if (st)
+            return st;
+        out->owned[out->n_owned++] = to.c[0]; // one block
+        fit_pixels(planes, n, dwa, most, &to, out->fit);
+        *planes = to;
+    }
+    return GP_OK;
+}
+
+/* -- pictures ------------------------------------------------------------- */
+
+static void add_plane(struct part *s, enum gp_pixel_type type,
+    const char *name, const struct gp_frame *f, const float *plane, bool linear)
+{
+    s->img.source[s->img.sources++] = (struct gp_exr_source) {
+        .name = name, .xs = 1, .ys = 1, .linear = linear,
+        .columns = gp_frame_w(f), .plane = plane, .type = type,
+    };
+}
+
+/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
+ * it has one. */
+static gp_status picture_sources(const struct gp_log *log,
+    const struct gp_write_params *p, struct gp_planes planes, struct part *out)
+{
+    static const char *const name[3] = {"B", "G", "R"}; // sorted, after A
+    const struct gp_frame *const f = out->f;
+    const int alpha = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
+    enum gp_pixel_type type;
+    gp_status st;
+    GP_TRY(make_room(log, 4, 1, out));
+    GP_TRY(fit_colour(log, p, f, &planes, &type, out));
+    if (alpha >= 0) {
+        const enum gp_pixel_type own =
+            f->channel[alpha].type == GP_HALF ? GP_HALF : GP_FLOAT;
+        float *a;
+        GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof *a, &a));
+        out->owned[out->n_owned++] = a;
+        gp_channel_floats(f, alpha, a);
+        add_plane(out, p->type == GP_OUT_AUTO   ? own
+                       : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT,
+                  "A", f, a, true);
+    }
+    for (int c = 0; c < 3; c++)
+        add_plane(out, type, name[c], f, planes.c[2 - c], false);
+out:
+    return st;
+}
+
+/* -- --hdr ---------------------------------------------------------------- */
+
+/* The frames of one part. */
+struct group {
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const struct gp_hdr_colour *set;
+    int n;
+    const struct gp_frame *complete; // the one that has all channels of it
+};
+
+/* Returns of how many frames channel `i` of the complete one is the colour. */
+static int count_owners(const struct group *g, int i)
+{
+    const char *const name = g->complete->channel[i].name;
+    int n = 0;
+    for (int k = 0; k < g->n; k++) {
+        const struct gp_frame *const f = g->set[k].f;
+        // a frame with all channels has them in this order
+        const bool all = f->channels == g->complete->channels;
+        for (int c = all ? i : 0; c < (all ? i + 1 : f->channels); c++)
+            n += f->channel[c].colour >= 0 &&
+                 strcmp(f->channel[c].name, name) == 0;
+    }
+    return n;
+}
+
+/* Adds the channels that are the colour of no frame. */
+static gp_status add_carried(const struct group *g, struct part *out)
+{
+    for (int i = 0; i < g->complete->channels; i++) {
+        const struct gp_channel *c = &g->complete->channel[i];
+        const int owners = count_owners(g, i);
+        if (owners > 1)
+            return gp_fail(g->log, GP_ERR_USAGE,
+                   "%s: channel %s is the colour of %d layers; name "
+                   "each layer once", g->complete->path, c->name, owners);
+        if (owners == 1)
+            continue;
+        if (!c->data)
+            return gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
+                   g->complete->path, c->name);
+        out->img.source[out->img.sources++] = (struct gp_exr_source) {
+            .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
+            .linear = c->linear, .columns = c->w, .data = c->data,
+        };
+    }
+    return GP_OK;
+}
+
+/* True when a channel of that name will be there that f does not replace. */
+static bool is_taken(const struct group *g, const struct gp_frame *f,
+                     const char *name)
+{
+    const struct gp_channel *own = gp_frame_channel(f, name);
+    return gp_frame_channel(g->complete, name) && !(own && own->colour >= 0);
+}
+
+/* The colour of one frame. */
+static gp_status add_frame(const struct group *g,
+    const struct gp_hdr_colour *from, struct part *out)
+{
+    const struct gp_frame *f = from->f;
+    struct gp_planes planes = *from->planes;
+    enum gp_pixel_type type;
+    gp_status st = fit_colour(g->log, g->p, f, &planes, &type, out);
+    if (st)
+        return st;
+    float *const *const plane = planes.c;
+    const size_t n = gp_frame_pixels(f), bytes = n * sizeof(float);
+    const struct gp_channel *like = NULL; // a colour channel of the input
+    bool there[3] = {false, false, false};
+    // grey stays grey where the planes are the same, bit by bit
+    const bool own_names = f->model == GP_COLOUR_RGB ||
+                           (f->model == GP_COLOUR_GREY &&
+                            memcmp(plane[0], plane[1], bytes) == 0 &&
+                            memcmp(plane[0], plane[2], bytes) == 0);
+    for (int k = 0; k < f->channels; k++) {
+        const struct gp_channel *c = &f->channel[k];
+        if (c->colour < 0)
+            continue;
+        like = c;
+        if (!own_names)
+            continue;
+        add_plane(out, type, c->name, f, plane[c->colour], c->linear);
+        there[c->colour] = true;
+    }
+    if (!like)
+        return gp_fail(g->log, GP_ERR_BUG, "%s: no colour channel", f->path);
+
+    // colours under names that the part does not have. Names beside a grey
+    // channel that is called after what it shows, and has no layer, may need
+    // one: its own name. Y is luminance and no layer's name.
+    static const char *const letter[3] = {"R", "G", "B"};
+    bool layered = false;
+    for (int c = 0; c < 3; c++)
+        layered |= is_taken(g, f, letter[c]);
+    layered = layered && f->model == GP_COLOUR_GREY &&
+              gp_layer_length(like->name) == 0 && strcmp(like->name, "Y") != 0;
+    for (int c = 0; c < 3; c++) {
+        bool wanted = !own_names;
+        for (size_t i = 0; f->model == GP_COLOUR_RGB && !wanted && i < n; i++)
+            wanted = plane[c][i] != 0.0f;
+        if (there[c] || !wanted)
+            continue;
+        char layer[GP_CHANNEL_NAME + 4];
+        snprintf(layer, sizeof layer, "%s.%s", like->name, letter[c]);
+        char *const name = layered ? gp_strdup(layer)
+                                   : gp_colour_name(like->name, c);
+        if (!name)
+            return gp_no_memory_bare(g->log, "channels");
+        out->owned[out->n_owned++] = name;
+        if (is_taken(g, f, name))
+            return gp_fail(g->log, GP_ERR_DATA,
+                           "%s: the coloured glare needs a new channel %s, and "
+                           "the file has another one of that name; rename "
+                           "that", f->path, name);
+        add_plane(out, type, name, f, plane[c], like->linear);
+    }
+    return GP_OK;
+}
+
+/* The channels of one part, with the colours of several frames of it:
+ *   - what is the colour of none of them as it is;
+ *   - R, G, B under their names; one that the file did not have is added when
+ *     its plane is not all 0;
+ *   - grey stays one channel when the planes are the same, bit by bit, and is
+ *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
+ *     or B are taken, in a layer of its name); luminance-chroma is always
+ *     R, G, B.
+ *
+ *   set  n >= 1 frames of one part; one of them at least was read whole
+ *   p    --type is that of the colours
+ *
+ * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
+ * colour of two frames;
+ * GP_ERR_BUG no frame is whole. */
+static gp_status hdr_sources(const struct gp_log *log,
+    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
+    struct part *out)
+{
+    gp_status st;
+    struct group g = {log, p, set, n, set[0].f};
+    for (int i = 1; i < n; i++) {
+        if (set[i].f->channels > g.complete->channels)
+            g.complete = set[i].f;
+    }
+    GP_TRY(make_room(log, g.complete->channels + 3 * n, n, out));
+    GP_TRY(add_carried(&g, out));
+    for (int i = 0; i < n; i++)
+        GP_TRY(add_frame(&g, &set[i], out));
+    qsort(out->img.source, (size_t) out->img.sources,
+          sizeof *out->img.source, by_name);
+    // names from other formats may not fit EXR
+    for (int i = 0; i < out->img.sources; i++) {
+        const char *name = out->img.source[i].name;
+        if (name[0] == '\0' || strlen(name) > 255 ||
+            (i > 0 && strcmp(out->img.source[i - 1].name, name) == 0))
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: EXR cannot hold its channels (name \"%.40s\" "
+                           "is empty, too long, or used twice); rename them",
+                           set[0].f->path, name));
+    }
+out:
+    return st;
+}
 
 /* -- compressions --------------------------------------------------------- */
 
-bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
+/* True when samples of that channel may be read back with other bits; never for
+ * AUTO. EXR's lossy compressions:
+ *
+ *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
+ *              uint keep all bits
+ *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
+ *   DWAA/B     channels called R, G, B, Y, RY or BY after their last dot lose,
+ *              in any layer, half and float, and become half; others keep
+ *              their bits, depth too
+ *
+ * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
+ * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */
+static bool loses(enum gp_compression compression, enum gp_pixel_type type,
                   const char *name)
 {
     static const char *const dwa[] = {"R", "G", "B", "Y", "RY", "BY"};
@@ -33,94 +383,59 @@ bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
 
 /* -- a file on its way ---------------------------------------------------- */
 
-/* A part that gets a new header and new chunks. */
-struct new_part {
-    const struct gp_frame *f; // its windows and number
-    struct gp_exr_sources sources;
-    struct gp_exr_image img;
-    const struct gp_exr_index_part *own; // of the input, or NULL
-};
-
 /* All that is open at once, closed in one place. */
 struct writing {
     const struct gp_log *log;
     const struct gp_write_params *p;
-    const char *path;
+    const char *path, *from;
+    const struct gp_input *in; // NULL: not of an EXR
     enum gp_exr_kept kept;
-    struct new_part *part; // no number twice; the first frame's input is the
-    int parts;             // input of all
-    struct new_part **at;  // for each part of the file; NULL: carried
-    int *chunks;           // of each part of the file
-    int file_parts;
-    bool all; // the input's other parts, and its part's name, go along
+    struct part *part; // those of the input, or one
+    int parts;
+    int *chunks;       // of each part
     struct gp_exr_out out;
     struct gp_file *file;
+    long long clamped; // values, in the chunks
+    struct fit fit;
 };
 
-/* Finds the parts of the file, their compression, and how many chunks each
- * has. */
-static gp_status plan_parts(struct writing *w, const struct gp_input *in)
+/* Finds the compression of a new part, and how many chunks it has. */
+static void plan_part(struct writing *w, struct part *part, int *chunks)
 {
-    const char *const from = w->part[0].f->path;
-    const bool all = in && (w->kept == GP_EXR_KEEP_ALL ||
-                            w->kept == GP_EXR_KEEP_CONVERTED);
-    gp_status st;
-    w->all = all;
-    w->file_parts = all ? in->parts : 1;
-    GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
-                         sizeof *w->at, &w->at));
-    GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
-                         sizeof *w->chunks, &w->chunks));
-    for (int i = 0; i < w->parts; i++) {
-        struct new_part *const part = &w->part[i];
-        const int number = all ? part->f->part : 0;
-        enum gp_compression c = w->p->compression;
-        if (number < 0 || number >= w->file_parts || w->at[number])
-            GP_TRY(gp_fail(w->log, GP_ERR_BUG,
-                   "%s: part %d is not one of its own", part->f->path, number));
-        w->at[number] = part;
-        part->own = in ? &in->index->part[part->f->part] : NULL;
-        if (c == GP_COMPRESSION_AUTO) { // the input's, when that loses nothing
-            const struct gp_exr_attr *const a =
-                gp_exr_attr_find(part->own, "compression", "compression");
-            c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
-                    ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
-        }
-        // OpenImageIO writes a single channel as zip instead of DWA: the header
-        // must match
-        if (c >= GP_COMPRESSION_DWAA && part->sources.sources == 1) {
-            gp_say(w->log, GP_LEVEL_WARN,
-                   "%s: a single channel (%s) cannot be DWA; it is written as "
-                   "zip", w->path, part->sources.source[0].name);
-            c = GP_COMPRESSION_ZIP;
-        }
-        part->img = (struct gp_exr_image) {
-            .data = part->f->data, .source = part->sources.source,
-            .sources = part->sources.sources, .compression = c,
-        };
-        w->chunks[number] = gp_exr_chunk_count(&part->img);
+    enum gp_compression c = w->p->compression;
+    part->own = w->in ? &w->in->index->part[part->f->part] : NULL;
+    if (c == GP_COMPRESSION_AUTO) { // the input's, when that loses nothing
+        const struct gp_exr_attr *const a =
+            gp_exr_attr_find(part->own, "compression", "compression");
+        c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
+                ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
     }
-    for (int i = 0; all && i < w->file_parts; i++) {
-        if (w->at[i])
-            continue;
-        // the offset table has 8 bytes for each chunk: the file bounds them
-        w->chunks[i] = in->index->part[i].chunks;
-        if (w->chunks[i] < 1 ||
-            (uint64_t) w->chunks[i] > in->stream.size / sizeof(uint64_t))
-            GP_TRY(gp_fail(w->log, GP_ERR_DATA,
-                           "%s: part %d has a wrong number of chunks (damaged "
-                           "header); copy or render the file again", from, i));
+    // OpenImageIO writes a single channel as zip instead of DWA: the header
+    // must match
+    if (c >= GP_COMPRESSION_DWAA && part->img.sources == 1) {
+        gp_say(w->log, GP_LEVEL_WARN,
+               "%s: a single channel (%s) cannot be DWA; it is written as "
+               "zip", w->path, part->img.source[0].name);
+        c = GP_COMPRESSION_ZIP;
     }
-out:
-    return st;
+    // DWA's quality is the input's, or OpenEXR's default
+    float quality = 45.0f;
+    const struct gp_exr_attr *const a =
+        gp_exr_attr_find(part->own, "dwaCompressionLevel", "float");
+    if (a && a->size == sizeof quality)
+        memcpy(&quality, a->data, sizeof quality);
+    part->img.data = part->f->data;
+    part->img.compression = c;
+    part->img.quality = quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
+    *chunks = gp_exr_chunk_count(&part->img);
 }
 
 /* The header of a part of the input as it is. Parts may not differ in their
  * chromaticities (OpenEXR: "non-conforming shared attributes"): beside a part
  * that was converted to others, those of one that was not are left out. */
-static void put_other_part(struct writing *w, const struct gp_exr_index *index,
-                           int number)
+static void put_other_part(struct writing *w, int number)
 {
+    const struct gp_exr_index *const index = w->in->index;
     const struct gp_exr_index_part *const part = &index->part[number];
     const float *const converted = w->kept == GP_EXR_KEEP_CONVERTED
                                   ? w->p->primaries : NULL;
@@ -142,23 +457,14 @@ static void put_other_part(struct writing *w, const struct gp_exr_index *index,
 static void count_fits(const struct writing *w, struct gp_write_stats *stats)
 {
     static const char *const name[3] = {"red", "green", "blue"};
-    struct gp_exr_fit all = {0};
+    const struct fit *const fit = &w->fit;
     double share = 0.01;
     int worst = -1;
-    for (int i = 0; i < w->parts; i++) {
-        const struct gp_exr_fit *const fit = &w->part[i].sources.fit;
-        all.values += fit->values;
-        all.pixels += fit->pixels;
-        for (int c = 0; c < 3; c++) {
-            all.light[c] += fit->light[c];
-            all.lost[c] += fit->lost[c];
-        }
-    }
-    stats->clamped += all.values;
+    stats->clamped += w->clamped + fit->values;
     for (int c = 0; c < 3; c++) {
-        stats->flux_clamped[c] += all.lost[c];
-        if (all.lost[c] > share * all.light[c]) {
-            share = all.lost[c] / all.light[c];
+        stats->flux_clamped[c] += fit->lost[c];
+        if (fit->lost[c] > share * fit->light[c]) {
+            share = fit->lost[c] / fit->light[c];
             worst = c;
         }
     }
@@ -167,8 +473,8 @@ static void count_fits(const struct writing *w, struct gp_write_stats *stats)
     const bool dwa = w->p->compression >= GP_COMPRESSION_DWAA;
     gp_say(w->log, GP_LEVEL_WARN, "%s: %s loses %.3g %% of the %s light (%lld "
            "pixels over %g); use %s", w->path, dwa ? "DWA" : "--type half",
-           100.0 * share, name[worst], all.pixels,
-           dwa ? (double) GP_EXR_DWA_MAX : 65504.0,
+           100.0 * share, name[worst], fit->pixels,
+           dwa ? (double) DWA_MAX : 65504.0,
            dwa ? "--compression zip" : "--type float or auto");
 }
 
@@ -177,62 +483,43 @@ static void count_fits(const struct writing *w, struct gp_write_stats *stats)
 static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 {
     gp_status st;
-    const struct gp_input *in = gp_input_of(w->part[0].f);
-    struct gp_write_stats added = {0};
-    GP_TRY(plan_parts(w, in));
-    const bool multi = w->file_parts > 1;
-    uint32_t flags = 0;
-    if (multi) // of several parts, which only an input has
-        flags = GP_EXR_MULTIPART |
-                (gp_le32(in->index->bytes + 4) & GP_EXR_LONG_NAMES);
-    for (int i = 0; multi && i < w->file_parts; i++)
-        flags |= !w->at[i] && gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
-
-    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
-    gp_exr_out_begin(&w->out, w->log, w->file, flags);
-    for (int i = 0; i < w->file_parts; i++) {
-        const struct new_part *part = w->at[i];
-        if (!part) {
-            put_other_part(w, in->index, i);
+    const struct gp_input *const in = w->in;
+    const bool multi = w->parts > 1; // which only an input has
+    uint32_t flags = multi ? GP_EXR_MULTIPART |
+        (gp_le32(in->index->bytes + 4) & GP_EXR_LONG_NAMES) : 0;
+    GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->parts,
+                         sizeof *w->chunks, &w->chunks));
+    for (int i = 0; i < w->parts; i++) {
+        if (w->part[i].f) {
+            plan_part(w, &w->part[i], &w->chunks[i]);
             continue;
         }
-        const struct gp_exr_attr *name =
-            w->all ? gp_exr_attr_find(part->own, "name", "string") : NULL;
-        char text[256] = "";
-        if (name) // the attribute has no null byte
-            memcpy(text, name->data,
-                   name->size < sizeof text ? name->size : sizeof text - 1);
-        gp_exr_put_part(&w->out, part->f, &part->img, part->own, w->kept,
-                        name || multi ? text : NULL, w->p,
-                        multi ? w->chunks[i] : 0);
+        w->chunks[i] = in->index->part[i].chunks;
+        flags |= gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
+    }
+    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
+    gp_exr_out_begin(&w->out, w->log, w->file, flags);
+    for (int i = 0; i < w->parts; i++) {
+        const struct part *const part = &w->part[i];
+        if (part->f)
+            gp_exr_put_part(&w->out, part->f, &part->img, part->own, w->kept,
+                            w->p, multi ? w->chunks[i] : 0);
+        else
+            put_other_part(w, i);
     }
     if (multi)
         gp_exr_put_raw(&w->out, "", 1);
-    GP_TRY(gp_exr_out_tables(&w->out, w->chunks, w->file_parts));
-    for (int i = 0; i < w->file_parts; i++) {
-        const struct new_part *part = w->at[i];
-        if (!part) {
-            GP_TRY(gp_exr_out_copy(&w->out, i, w->part[0].f->path, in, i));
-            continue;
-        }
-        // DWA's quality is the input's, or OpenEXR's default
-        float quality = 45.0f;
-        const struct gp_exr_attr *a =
-            gp_exr_attr_find(part->own, "dwaCompressionLevel", "float");
-        if (a && a->size == sizeof quality)
-            memcpy(&quality, a->data, sizeof quality);
-        if (!(quality >= 0.0f && quality <= 1e6f))
-            quality = 45.0f;
-        GP_TRY(gp_exr_encode(&w->out, i, &part->img, quality, &added));
-    }
+    GP_TRY(gp_exr_out_tables(&w->out, w->chunks, w->parts));
+    for (int i = 0; i < w->parts; i++)
+        GP_TRY(w->part[i].f
+                   ? gp_exr_encode(&w->out, i, &w->part[i].img, &w->clamped)
+                   : gp_exr_out_copy(&w->out, i, w->from, in, i));
     GP_TRY(gp_exr_out_end(&w->out));
     GP_TRY(gp_file_commit(&w->file));
-    stats->clamped += added.clamped;
     count_fits(w, stats);
 out:
     gp_file_discard(&w->file);
     gp_exr_out_free(&w->out);
-    gp_free(w->at);
     gp_free(w->chunks);
     return st;
 }
@@ -244,93 +531,168 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
 {
-    struct new_part part = {.f = f};
+    struct part part = {.f = f};
     struct writing w = {
-        .log = log, .p = p, .path = path, .part = &part, .parts = 1,
+        .log = log, .p = p, .path = path, .in = gp_input_of(f), .part = &part,
+        .parts = 1,
         .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
                                          : GP_EXR_KEEP_SHOWN,
     };
-    gp_status st = gp_exr_sources_picture(log, p, f, planes, &part.sources);
+    part.fit = &w.fit;
+    gp_status st = picture_sources(log, p, *planes, &part);
     if (!st)
         st = write_file(&w, stats);
-    gp_exr_sources_free(&part.sources);
+    free_part(&part);
     return st;
 }
 
 /* -- --hdr: the frame as it came in, with glare --------------------------- */
 
-/* The frames of set[i]'s part, from i on, into `group`; 0 when an earlier one
- * has that part already, -1 when their windows differ, or no frame has all
- * channels that the part has. */
-static int group_frames(const struct gp_hdr_colour *set, int n, int i,
-                        struct gp_hdr_colour *group)
+/* The frames of set[0]'s part into `group`; 0 when their windows differ, or no
+ * frame has all channels that the part has. */
+static int group_frames(const struct gp_input *in,
+    const struct gp_hdr_colour *set, int n, struct gp_hdr_colour *group)
 {
-    const struct gp_frame *const f = set[i].f;
-    const struct gp_input *in = gp_input_of(set[0].f);
+    const struct gp_frame *const f = set->f;
     const exr_attr_chlist_t *list = NULL;
     int found = 0;
     if (in && exr_get_channels(in->exr, f->part, &list))
-        return -1;
+        return 0;
     bool complete = !in;
     for (int k = 0; k < n; k++) {
         if (set[k].f->part != f->part)
             continue;
-        if (k < i)
-            return 0;
         if (memcmp(&set[k].f->data, &f->data, sizeof f->data) != 0)
-            return -1;
+            return 0;
         complete = complete || set[k].f->channels == list->num_channels;
         group[found++] = set[k];
     }
-    return complete ? found : -1;
+    return complete ? found : 0;
 }
 
 gp_status gp_exr_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
+    const struct gp_input *const in = gp_input_of(set[0].f);
     struct writing w = {
-        .log = log, .p = p, .path = path,
+        .log = log, .p = p, .path = path, .from = set[0].f->path, .in = in,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
-    const struct gp_input *const in = gp_input_of(set[0].f);
     struct gp_crypto crypto;
     struct gp_hdr_colour *group = NULL;
     gp_status st;
-    GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *w.part, &w.part));
     GP_TRY(gp_alloc(log, "parts", (size_t) n, sizeof *set, &group));
-    for (int i = 0; i < n; i++) {
-        const int found = group_frames(set, n, i, group);
-        if (found < 0)
-            GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
-                   set[i].f->path, set[i].f->part));
-        if (found == 0)
-            continue;
-        struct new_part *const to = &w.part[w.parts++];
-        to->f = set[i].f;
-        GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
-    }
+    const int parts = in ? in->parts : 1;
+    GP_TRY(gp_alloc_zero(log, "parts", (size_t) parts, sizeof *w.part,
+                         &w.part));
+    w.parts = parts;
     // ids with one bit less are other ids. A compression that would do that was
     // asked for: AUTO loses nothing
     gp_exr_crypto(in, &crypto);
-    for (int i = 0; i < w.parts; i++) {
-        const struct new_part *const part = &w.part[i];
-        for (int k = 0; k < part->sources.sources; k++) {
-            const struct gp_exr_source *s = &part->sources.source[k];
-            if (s->data && gp_exr_loses(p->compression, s->type, s->name) &&
-                gp_exr_crypto_channel(&crypto, in, part->f->part, s->name) ==
+    for (int i = 0; i < n; i++) {
+        const int number = set[i].f->part;
+        struct part *const to = &w.part[in ? number : 0];
+        if (to->f)
+            continue;
+        const int found = group_frames(in, set + i, n - i, group);
+        if (found == 0)
+            GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
+                   w.from, number));
+        to->f = set[i].f;
+        to->fit = &w.fit;
+        GP_TRY(hdr_sources(log, p, group, found, to));
+        for (int k = 0; k < to->img.sources; k++) {
+            const struct gp_exr_source *s = &to->img.source[k];
+            if (s->data && loses(p->compression, s->type, s->name) &&
+                gp_exr_crypto_channel(&crypto, in, number, s->name) ==
                     GP_CRYPTO_IDS)
                 GP_TRY(gp_fail(log, GP_ERR_USAGE,
                        "%s: this compression would change the Cryptomatte ids "
                        "of %s (channel %s); use --compression zip", path,
-                       part->f->path, s->name));
+                       w.from, s->name));
         }
     }
-    GP_TRY(write_file(&w, stats));
+    st = write_file(&w, stats);
 out:
     for (int i = 0; i < w.parts; i++)
-        gp_exr_sources_free(&w.part[i].sources);
+        free_part(&w.part[i]);
     gp_free(w.part);
     gp_free(group);
+    return st;
+}
+
+/* -- --output-space -------------------------------------------------------- */
+
+gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
+    void *user, struct gp_frame *f, struct gp_write_stats *stats)
+{
+    const struct gp_input *const in = gp_input_of(f);
+    const size_t n = gp_frame_pixels(f);
+    struct gp_planes from = {0}, to = {0};
+    struct gp_crypto crypto;
+    char left[GP_CHANNEL_LIST] = "", converted[GP_CHANNEL_LIST] = "";
+    bool lists[2] = {true, true};
+    const char **name = NULL; // of carried channels, "" of others
+    gp_status st;
+    GP_TRY(gp_alloc(log, "channels", (size_t) f->channels, sizeof *name,
+                    &name));
+    for (int i = 0; i < f->channels; i++)
+        name[i] = f->channel[i].data ? f->channel[i].name : "";
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const red = &f->channel[i];
+        const size_t len = gp_layer_length(red->name);
+        struct gp_colour_choice colour;
+        char layer[GP_CHANNEL_NAME + 1];
+        snprintf(layer, sizeof layer, "%.*s", len ? (int) len - 1 : 0,
+                 red->name);
+        // a layer is converted when its first channel comes: R, or RY
+        if (!name[i][0] || red->type == GP_UINT ||
+            (len && !gp_is_light(red->name, len - 1)) ||
+            gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
+                GP_CRYPTO_NONE ||
+            !gp_find_layer_colour(name, f->channels, layer, false, &colour) ||
+            colour.index[0] != i || colour.model == GP_COLOUR_GREY)
+            continue;
+        const int *const index = colour.index;
+        bool whole = colour.model == GP_COLOUR_RGB, all = true;
+        for (int c = 0; c < 3 && all && whole; c++) {
+            all = index[c] >= 0;
+            const struct gp_channel *const own = &f->channel[all ? index[c] : i];
+            whole = own->type != GP_UINT && own->xs == 1 && own->ys == 1;
+        }
+        if (!all)
+            continue;
+        if (!whole) {
+            lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
+            continue;
+        }
+        if (!from.c[0])
+            GP_TRY(gp_planes_make(log, "layer", n, &from));
+        for (int c = 0; c < 3; c++)
+            gp_channel_floats(f, index[c], from.c[c]);
+        GP_TRY(convert(log, user, f, n, &from, &to));
+        for (int c = 0; c < 3; c++) {
+            void *const data = f->channel[index[c]].data;
+            if (f->channel[index[c]].type == GP_HALF)
+                stats->clamped +=
+                    (long long) gp_float_to_half(to.c[c], data, n);
+            else
+                memcpy(data, to.c[c], n * sizeof(float));
+        }
+        lists[1] = lists[1] && gp_channel_list_add(converted, NULL, red->name);
+    }
+    if (converted[0])
+        gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
+               converted);
+    if (left[0])
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
+               "and chroma are not converted (%s); write them to a file of "
+               "their own", f->path, left);
+out:
+    gp_free(name);
+    gp_planes_free(&from);
+    gp_planes_free(&to);
     return st;
 }

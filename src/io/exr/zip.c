@@ -7,11 +7,6 @@
 #include <libdeflate.h>
 #include <string.h>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define HAVE_X86 1
-#include <immintrin.h>
-#endif
-
 // little-endian samples are read as they are; EXR has no other order
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "big-endian machines need byte swaps in io");
@@ -38,10 +33,12 @@ GP_CLONES static void filter_bytes(const uint8_t *restrict in,
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out)
 {
-    if (n == 0)
-        return 0;
     filter_bytes(raw, scratch, n);
-    return libdeflate_zlib_compress(c, scratch, n, out, n - 1);
+    const size_t size =
+        n ? libdeflate_zlib_compress(c, scratch, n, out, n - 1) : 0;
+    if (!size)
+        memcpy(out, raw, n);
+    return size ? size : n;
 }
 
 /* -- in ------------------------------------------------------------------- */
@@ -70,59 +67,20 @@ static bool expand_runs(const uint8_t *in, size_t in_size, uint8_t *out,
     return out == out_end;
 }
 
-#ifdef HAVE_X86
-
-/* Prefix sums of 16 bytes by shifted additions; the running total is kept
- * apart, so that one block waits for the one before by a single addition. */
-static size_t undo_delta_blocks(uint8_t *v, size_t n, uint8_t *last)
+/* Sums the differences of both halves, which go on from the first to the second,
+ * and puts their bytes in turns to `out`. */
+static void undo_filter(const uint8_t *restrict in, uint8_t *restrict out,
+                        size_t n)
 {
-    const __m128i bias = _mm_set1_epi8(-128);
-    __m128i total = _mm_set1_epi8((char) *last);
-    size_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        __m128i *at = (__m128i *) (v + i);
-        __m128i d = _mm_add_epi8(_mm_loadu_si128(at), bias);
-        d = _mm_add_epi8(d, _mm_slli_si128(d, 1));
-        d = _mm_add_epi8(d, _mm_slli_si128(d, 2));
-        d = _mm_add_epi8(d, _mm_slli_si128(d, 4));
-        d = _mm_add_epi8(d, _mm_slli_si128(d, 8));
-        __m128i sum = _mm_unpackhi_epi8(d, d);
-        sum = _mm_shufflehi_epi16(sum, 0xff);
-        sum = _mm_shuffle_epi32(sum, 0xff);
-        _mm_storeu_si128(at, _mm_add_epi8(d, total));
-        total = _mm_add_epi8(total, sum);
-    }
-    *last = (uint8_t) _mm_cvtsi128_si32(total);
-    return i;
-}
-
-#else
-
-static size_t undo_delta_blocks(uint8_t *v, size_t n, uint8_t *last)
-{
-    (void) v;
-    (void) n;
-    (void) last;
-    return 0;
-}
-
-#endif
-
-static void undo_delta(uint8_t *v, size_t n)
-{
-    uint8_t last = 128; // the first byte is stored without the bias
-    for (size_t i = undo_delta_blocks(v, n, &last); i < n; i++) {
-        last = (uint8_t) (last + v[i] - 128);
-        v[i] = last;
-    }
-}
-
-GP_CLONES static void interleave(const uint8_t *restrict even,
-    const uint8_t *restrict odd, uint8_t *restrict out, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        out[2 * i] = even[i];
-        out[2 * i + 1] = odd[i];
+    const size_t half = n / 2;
+    uint8_t even = 128, odd = 128; // the first byte is stored without the bias
+    for (size_t i = 0; i < half; i++)
+        odd = (uint8_t) (odd + in[i] - 128);
+    for (size_t i = 0; i < half; i++) {
+        even = (uint8_t) (even + in[i] - 128);
+        odd = (uint8_t) (odd + in[half + i] - 128);
+        out[2 * i] = even;
+        out[2 * i + 1] = odd;
     }
 }
 
@@ -134,7 +92,6 @@ bool gp_exr_unzip(struct libdeflate_decompressor *d, bool rle,
     if (rle ? !expand_runs(packed, size, scratch, n)
             : libdeflate_zlib_decompress(d, packed, size, scratch, n, NULL))
         return false;
-    undo_delta(scratch, n);
-    interleave(scratch, scratch + n / 2, out, n / 2);
+    undo_filter(scratch, out, n);
     return true;
 }

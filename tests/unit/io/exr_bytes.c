@@ -1,4 +1,4 @@
-/* io/exr/header.c and open.c: the bytes of a header are bounded and indexed, a
+/* io/exr/open.c: the bytes of a header are bounded and indexed, a
  * value that is none of its type is refused whatever its name and part, nothing
  * that OpenEXR reads is; and where a file ends inside a longer stream. */
 #include "unit.h"
@@ -6,18 +6,13 @@
 #include "exr_fixture.h"
 #include "reading.h"
 
-static struct gp_stream stream_of(const void *bytes, size_t size)
+/* A file of these bytes; its header is whole. */
+static struct gp_input *open_bytes(const void *bytes, size_t size)
 {
-    return (struct gp_stream) {.fd = -1, .size = size, .borrowed = true,
-                               .data = (uint8_t *) (uintptr_t) bytes};
-}
-
-static gp_status index_of(uint8_t *bytes, size_t size,
-                          struct gp_exr_index *index)
-{
-    const struct gp_stream s = stream_of(bytes, size);
-    kept_clear();
-    return gp_exr_index_make(&kept_log, "a.exr", &s, index);
+    struct gp_stream s = gp_stream_of(bytes, size);
+    struct gp_input *in;
+    assert_ok(gp_exr_open(&kept_log, "a.exr", &s, &in));
+    return in;
 }
 
 /* Types of one size, as OpenEXR's sources have them. */
@@ -43,14 +38,13 @@ static void write_with(const struct fixture *f, int part, const char name[5],
 {
     size_t all;
     uint8_t *bytes = fixture_make(f, &all), head[64];
-    struct gp_exr_index index;
-    assert_ok(index_of(bytes, all, &index));
-    const size_t at = index.part[part].to - 1;
+    struct gp_input *const in = open_bytes(bytes, all);
+    const size_t at = in->index->part[part].to - 1;
     const size_t named = sizeof "shot" + strlen(type) + 1, more = named + 4;
     snprintf((char *) head, sizeof head, "%s%c%s", name, 0, type);
     memcpy(head + named, &size, 4);
     uint64_t offset, last = UINT64_MAX; // the tables end where chunks begin
-    for (size_t i = index.tables; i < last; i += sizeof offset) {
+    for (size_t i = in->index->tables; i < last; i += sizeof offset) {
         memcpy(&offset, bytes + i, sizeof offset);
         last = offset < last ? offset : last;
         offset += more + size;
@@ -62,7 +56,7 @@ static void write_with(const struct fixture *f, int part, const char name[5],
     memcpy(bytes + at, head, more);
     memcpy(bytes + at + more, value, size);
     fixture_save(path, bytes, all + more + size);
-    gp_exr_index_free(&index);
+    gp_input_free(in);
     free(bytes);
 }
 
@@ -150,48 +144,12 @@ static void files(void **state)
     assert_refused(path, GP_ERR_DATA, "'name'");
 }
 
-/* Every attribute is found, and of a header that is cut anywhere no end. */
-static void cut_headers(void **state)
-{
-    size_t size;
-    uint8_t *bytes = fixture_make(&two_parts, &size);
-    struct gp_exr_index index;
-    assert_ok(index_of(bytes, size, &index));
-    const size_t header = index.tables;
-    assert_true(header > 0 && header < size);
-    assert_true(index.multi && !index.flat);
-    assert_int_equal(index.parts, 2);
-    assert_int_equal(index.part[0].from, 8);
-    assert_int_equal(index.part[1].from, index.part[0].to);
-    assert_int_equal(index.part[1].to + 1, header);
-    assert_ptr_equal(index.part[1].attr + index.part[1].attrs,
-                     index.attr + index.attrs);
-    assert_memory_equal(index.bytes, bytes, header);
-    const struct gp_exr_attr *const last = &index.attr[index.attrs - 1];
-    assert_ptr_equal(last->data + last->size + 1,
-                     index.bytes + index.part[1].to);
-    assert_non_null(gp_exr_attr_find(&index.part[1], "channels", "chlist"));
-    assert_null(gp_exr_attr_find(&index.part[1], "channels", "string"));
-    assert_null(gp_exr_attr_find(&index.part[1], "colour", "chlist"));
-    gp_exr_index_free(&index);
-    for (size_t n = 0; n < header; n++) {
-        assert_ok(index_of(bytes, n, &index));
-        assert_int_equal(index.tables, 0);
-        assert_int_equal(kept_errors, 0);
-        gp_exr_index_free(&index);
-    }
-    assert_ok(index_of(bytes, header, &index));
-    assert_int_equal(index.tables, header);
-    gp_exr_index_free(&index);
-    free(bytes);
-}
-
 static const uint64_t cut_off = UINT64_MAX; // or no header at all
 
 static uint64_t end_of(const uint8_t *bytes, size_t size)
 {
     struct gp_input *o;
-    struct gp_stream s = stream_of(bytes, size);
+    struct gp_stream s = gp_stream_of(bytes, size);
     const gp_status st = gp_exr_open(&kept_log, "a.exr", &s, &o);
     if (st) {
         assert_int_equal(st, GP_ERR_DATA);
@@ -244,18 +202,17 @@ static uint64_t deep_end(uint64_t table, uint64_t samples, bool written,
                   .deep = true, .compression = EXR_COMPRESSION_ZIPS}},
     };
     size_t size;
-    struct gp_exr_index index;
     uint8_t *made = fixture_make(&deep, &size), bytes[4096] = {0};
     assert_true(size < 2048);
     memcpy(bytes, made, size);
     free(made);
-    assert_ok(index_of(bytes, sizeof bytes, &index));
-    const uint64_t chunk = index.tables + 8;
+    struct gp_input *const in = open_bytes(bytes, sizeof bytes);
+    const uint64_t tables = in->index->tables, chunk = tables + 8;
     const uint64_t sizes[3] = {table, samples, samples};
+    gp_input_free(in);
     if (written)
-        memcpy(bytes + index.tables, &chunk, 8);
+        memcpy(bytes + tables, &chunk, 8);
     memcpy(bytes + chunk + 4, sizes, sizeof sizes);
-    gp_exr_index_free(&index);
     *whole = chunk + 28 + table + samples;
     return end_of(bytes, sizeof bytes);
 }
@@ -272,5 +229,4 @@ static void deep_ends(void **state)
     assert_int_equal(deep_end(UINT64_MAX - 39, 39, true, &whole), 0);
 }
 
-SUITE_OF(exr_bytes, make_folder, remove_folder, files, cut_headers, ends,
-         deep_ends)
+SUITE_OF(exr_bytes, make_folder, remove_folder, files, ends, deep_ends)

@@ -85,7 +85,7 @@ static struct gp_exr_image colour_of(const struct gp_frame *f,
             .name = name[i], .type = type, .xs = 1, .ys = 1,
             .columns = gp_frame_w(f), .plane = f->rgb.c[2 - i],
         };
-    return (struct gp_exr_image) {f->data, compression, source, 3};
+    return (struct gp_exr_image) {f->data, compression, 45, source, 3};
 }
 
 static void end_file(struct gp_exr_out *out, struct gp_file *file)
@@ -198,8 +198,8 @@ static void make_parts(const char *path, const struct gp_frame *f,
     gp_exr_put(&out, "tiles", "tiledesc", tiles, 9);
     put_int(&out, "version", 1);
     gp_exr_put_raw(&out, "", 1);
-    gp_exr_put_part(&out, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
-                    &wf_defaults, chunks[1]);
+    gp_exr_put_part(&out, f, &img, NULL, GP_EXR_KEEP_ALL, &wf_defaults,
+                    chunks[1]);
     put_part(&out, "deep", "deepscanline", 2, ROWS, ROWS);
     put_text(&out, long_name, "long");
     gp_exr_put_raw(&out, "", 1);
@@ -208,7 +208,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
     gp_exr_put_raw(&out, "\0", 2);
     assert_ok(gp_exr_out_tables(&out, chunks, 4));
     put_rips(&out, 0);
-    assert_ok(gp_exr_encode(&out, 1, &img, 45, &wf_stats));
+    assert_ok(gp_exr_encode(&out, 1, &img, &wf_stats.clamped));
     for (int32_t y = ROWS - 1; y >= 0; y--)
         put_chunk(&out, 2, y, &y, 1, true, y == 2 ? 0 : 30 + y);
     for (int32_t y = 0; y < ROWS; y++)
@@ -304,6 +304,7 @@ static void make_attributes(const char *path, const struct gp_frame *f)
         {"nothing", "studio", preview, 0},
         {"comments", "string", preview, 0},
         {long_name, "string", VALUE("two\nlines"), 9},
+        {"name", "string", VALUE("only"), 4},
         {"version", "string", VALUE("v002"), 4}, // of the shot, as Nuke says it
     };
     struct gp_exr_source source[3];
@@ -315,11 +316,10 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     struct gp_exr_out out;
     assert_ok(gp_file_open(&kept_all, path, false, &file));
     gp_exr_out_begin(&out, &kept_all, file, 0);
-    gp_exr_put_part(&out, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults,
-                    0);
+    gp_exr_put_part(&out, f, &img, &own, GP_EXR_KEEP_ALL, &wf_defaults, 0);
     assert_ok(gp_exr_out_tables(&out, &chunks, 1));
     assert_true(out.flags & GP_EXR_LONG_NAMES);
-    assert_ok(gp_exr_encode(&out, 0, &img, 45, &wf_stats));
+    assert_ok(gp_exr_encode(&out, 0, &img, &wf_stats.clamped));
     end_file(&out, file);
 }
 

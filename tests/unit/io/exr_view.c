@@ -6,17 +6,12 @@
 #include "io/io_priv.h"
 #include "plane_fixture.h"
 
-enum { MANY = 70 };
-
 /* The attributes of the next file. */
 static struct attributes {
-    const char *view[MANY];  // of part 0; the first is the default
+    const char *view[2];     // of part 0; the first is the default
     int views;
     const char *own;         // "view" of part own_part, NULL: none
     int own_part;
-    bool odd;                // attributes of these names and other types
-    const char *manifest[MANY];
-    int manifests;
 } say;
 
 static void add_attributes(exr_context_t exr, int part)
@@ -24,17 +19,8 @@ static void add_attributes(exr_context_t exr, int part)
     if (part == 0 && say.views)
         assert_ok(exr_attr_set_string_vector(exr, 0, "multiView", say.views,
                                              say.view));
-    if (part == 0 && say.odd) {
-        assert_ok(exr_attr_set_string(exr, 0, "multiView", "left"));
-        assert_ok(exr_attr_set_int(exr, 0, "cryptomatte/x/name", 7));
-    }
     if (part == say.own_part && say.own)
         assert_ok(exr_attr_set_string(exr, part, "view", say.own));
-    for (int i = 0; part == 0 && i < say.manifests; i++) {
-        char name[40];
-        snprintf(name, sizeof name, "cryptomatte/%02d/name", i);
-        assert_ok(exr_attr_set_string(exr, 0, name, say.manifest[i]));
-    }
 }
 
 #define PART(called, ...)                                                     \
@@ -102,9 +88,6 @@ static void names_within_a_view(void **state)
     };
     const struct fixture_part part = PART("p", RGB(HALVES));
     struct gp_frame frame;
-    char longest[400];
-    memset(longest, 'n', sizeof longest);
-    strcpy(longest + sizeof longest - 9, ".right.R");
     say = (struct attributes) {.view = {"left", "right"}, .views = 2};
     open_parts(&part, 1, &frame);
     const struct gp_input *const o = gp_input_of(&frame);
@@ -116,7 +99,6 @@ static void names_within_a_view(void **state)
         const char *const of = gp_exr_view_of(o, 0, row[i].name);
         assert_string_equal(of ? of : "-", row[i].of ? row[i].of : "-");
     }
-    assert_null(gp_exr_view_of(o, 0, longest)); // no channel's name
     gp_frame_free(&frame);
 }
 
