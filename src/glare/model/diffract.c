@@ -340,44 +340,16 @@ static void run(const struct transform *t, int n, int thread)
                             (void *) array_out(t, thread, i));
 }
 
-/* Samples -r[0] .. r[0], -r[1] .. r[1]. */
-struct samples {
-    int r[2];
-    struct gp_planes k;
-    int channels;
-};
-
-static void samples_free(void *state)
-{
-    struct samples *const s = state;
-    gp_planes_free(&s->k);
-    gp_free(s);
-}
-
-static void samples_row(const void *state, int x, int y, int n,
-                        double *const out[3])
-{
-    const struct samples *const s = state;
-    const size_t w = 2 * (size_t) s->r[0] + 1;
-    for (int c = 0; c < s->channels; c++) {
-        for (int i = 0; i < n; i++) {
-            const bool inside = abs(x + i) <= s->r[0] && abs(y) <= s->r[1];
-            out[c][i] = inside ? (double) s->k.c[c][
-                (size_t) (y + s->r[1]) * w + (size_t) (x + i + s->r[0])] : 0.0;
-        }
-    }
-}
-
 struct finishing {
     const struct spectra *s;
     int c;
-    int first;                    // row of samples: 0, or -r[1] with a path,
+    int first;                    // row of samples: 0, or -ry with a path,
                                   // without which the shape is even
     const struct transform *t; // of x, of y
     size_t pitch;                 // LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], fades;       // degrees; at the second samples are 0
-    struct samples *out;
+    struct gp_samples *out;
     const float *luminance;       // of the primaries
 };
 
@@ -398,7 +370,7 @@ static void finish_columns(void *ctx, int group, int thread)
         }
     }
     run(t, GROUP, thread);
-    for (int y = f->first; y <= f->out->r[1]; y++) {
+    for (int y = f->first; y <= f->out->ry; y++) {
         double complex *const to =
             f->z + first + (size_t) (y - f->first) * f->pitch;
         for (int i = 0; i < GROUP; i++)
@@ -418,7 +390,7 @@ static void finish_rows(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
     const struct transform *const t = &f->t[0];
-    const int n = t->plan.n, rx = f->out->r[0], ry = f->out->r[1];
+    const int n = t->plan.n, rx = f->out->rx, ry = f->out->ry;
     const int rows = gp_min(GROUP, ry + 1 - f->first - group * GROUP);
     const double all = (double) n * f->t[1].plan.n;
     for (int i = 0; i < rows; i++) {
@@ -456,7 +428,7 @@ static void fold_row(void *ctx, int y, int thread)
 {
     static const double LEAST = 1e-20; // of all light
     const struct finishing *const f = ctx;
-    const size_t w = 2 * (size_t) f->out->r[0] + 1;
+    const size_t w = 2 * (size_t) f->out->rx + 1;
     float *const *const k = f->out->k.c;
     (void) thread;
     for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
@@ -474,14 +446,14 @@ static void fold_row(void *ctx, int y, int thread)
 
 static gp_status finish(const struct gp_log *log, const struct spectra *s,
     const struct transform t[2], const double pixel[2], double fades,
-    const float luminance[3], struct samples *out)
+    const float luminance[3], struct gp_samples *out)
 {
     struct finishing f = {
         .s = s, .t = t, .pixel = {pixel[0], pixel[1]},
         .fades = fades, .out = out, .pitch = LANES * (size_t) s->blocks,
-        .luminance = luminance, .first = s->im[0] ? -out->r[1] : 0,
+        .luminance = luminance, .first = s->im[0] ? -out->ry : 0,
     };
-    const int rows = out->r[1] + 1 - f.first;
+    const int rows = out->ry + 1 - f.first;
     gp_status st = gp_alloc(log, "kernel", (size_t) rows,
                             f.pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
@@ -489,7 +461,7 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
         gp_parallel_do((rows + GROUP - 1) / GROUP, finish_rows, &f);
     }
     if (!st)
-        gp_parallel_do(2 * out->r[1] + 1, fold_row, &f);
+        gp_parallel_do(2 * out->ry + 1, fold_row, &f);
     gp_free(f.z);
     return st;
 }
@@ -583,66 +555,19 @@ out:
     return st;
 }
 
-/* Pixels that hold `reach` in few of their own are cut into slices, which are
- * then put together: light of a slice is even over it too. */
+/* Slices that hold `reach` at least; pixels that are wider are cut into them. */
 enum { LEAST_REACH = 16 };
-
-static void joined_row(const void *state, int x, int y, int n,
-                       double *const out[3])
-{
-    gp_deposit_row(state, 3, x, y, n, out);
-}
-
-static void joined_free(void *state)
-{
-    gp_deposit_free(state);
-    gp_free(state);
-}
-
-/* Puts samples of slices together, slices[i] to a pixel along axis i. */
-static gp_status join_slices(const struct gp_log *log, const struct samples *k,
-    const int slices[2], const struct gp_field *f, struct gp_shape *out)
-{
-    struct gp_deposit *d;
-    const int r[2] = {(k->r[0] - 1) / slices[0] + 1,
-                      (k->r[1] - 1) / slices[1] + 1};
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *d, &d);
-    if (!st)
-        st = gp_deposit_make(log, gp_min(r[0], f->w - 1),
-                             gp_min(r[1], f->h - 1), d);
-    if (st) {
-        gp_free(d);
-        return st;
-    }
-    const size_t w = 2 * (size_t) k->r[0] + 1;
-    for (int y = -k->r[1]; y <= k->r[1]; y++) {
-        for (int x = -k->r[0]; x <= k->r[0]; x++) {
-            const size_t at = (size_t) (y + k->r[1]) * w +
-                              (size_t) (x + k->r[0]);
-            double light[3];
-            for (int c = 0; c < 3; c++)
-                light[c] = (double) k->k.c[k->channels == 3 ? c : 0][at];
-            gp_deposit_add(d, (double) x / slices[0], (double) y / slices[1],
-                           light);
-        }
-    }
-    *out = (struct gp_shape) {
-        .state = d, .free = joined_free, .row = joined_row, .smooth = INFINITY,
-        .reach = gp_max(d->rx, d->ry),
-    };
-    return GP_OK;
-}
 
 gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
                       const struct gp_field *f, struct gp_shape *out)
 {
     double pixel[2] = {f->degrees * f->aspect, f->degrees};
     const int size[2] = {f->w, f->h};
-    int period[2], slices[2];
+    int period[2], slices[2], r[2];
     struct gp_pupil p = {0};
     struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
     struct transform t[2] = {{0}, {0}};
-    struct samples *k = NULL;
+    struct gp_shape shape = {0};
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
     const double corner = hypot(pixel[0] * f->w, pixel[1] * f->h);
@@ -651,14 +576,12 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
                             0.95 * 180.0 / GP_PI;
     const double reach = fmin(d->reach, resolved);
-    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
-    k->channels = s.channels;
     for (int i = 0; i < 2; i++) {
         slices[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
         pixel[i] /= slices[i];
-        k->r[i] = (int) fmin(ceil(reach / pixel[i]),
-                             slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
-        period[i] = gp_fft_length(gp_max(3 * k->r[i] + 1, 64));
+        r[i] = (int) fmin(ceil(reach / pixel[i]),
+                          slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
+        period[i] = gp_fft_length(gp_max(3 * r[i] + 1, 64));
     }
     const size_t cells = (size_t) p.n * (size_t) p.n;
     GP_TRY(gp_alloc_zero(log, "kernel", cells, sizeof(float), &p.t));
@@ -677,26 +600,19 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     GP_FREE(p.path);
     for (int i = 0; i < 2; i++)
         GP_TRY(transform_make(log, period[i], &t[i]));
-    GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
-                          (2 * (size_t) k->r[1] + 1), &k->k));
+    GP_TRY(gp_samples_shape(log, s.channels, r[0], r[1], &shape));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
-    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance, k));
-    if (sliced) {
-        st = join_slices(log, k, slices, f, out);
-        goto out;
-    }
-    struct gp_shape shape = {
-        .state = k, .free = samples_free, .row = samples_row,
-        .grey = k->channels == 1, .smooth = INFINITY,
-        .reach = gp_max(k->r[0], k->r[1]),
-    };
-    if (corner > d->sampled * reach)
-        GP_TRY(gp_diffract_join(log, d, k->r, reach, f, &shape));
+    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance,
+                  shape.state));
+    if (!sliced && corner > d->sampled * reach)
+        GP_TRY(gp_diffract_join(log, d, r, reach, f, &shape));
     *out = shape;
-    k = NULL;
+    shape.free = NULL;
+    if (sliced)
+        st = gp_slices_join(log, slices, r[0], r[1], f, out);
 out:
-    if (k)
-        samples_free(k);
+    if (shape.free)
+        shape.free(shape.state);
     gp_free(p.t);
     gp_free(p.path);
     for (int i = 0; i < 2; i++) {

@@ -126,126 +126,59 @@ const struct gp_model gp_model_moffat = {
 
 // -- discs and rings ----------------------------------------------------------
 
-/* Curves of the distance by channel, for shapes with edges. A pixel is
- * integrated by slices on which its curve bends little; where those would be
- * many, the shape is shared out to pixels by its rings. */
+/* Curves of the distance by channel, for shapes with edges, in pixels or slices
+ * of them on which a curve bends little. */
 struct radial {
-    struct gp_field f;
-    int slices;       // of a pixel, in x and in y
+    double a, b;      // degrees of a slice
     int n;            // steps
     double step;      // degrees; the curve is 0 from n * step on
     double *curve[3]; // n + 2 each, owned
     bool grey;
-    struct gp_deposit rings; // of pixels too wide for slices
 };
 
 static void free_radial(void *state)
 {
     struct radial *const r = state;
-    gp_deposit_free(&r->rings);
     gp_free(r->curve[0]);
     gp_free(r);
-}
-
-static void curve_at(const void *ctx, double t, double out[3])
-{
-    const struct radial *const r = ctx;
-    const double at = fmin(t / r->step, r->n);
-    const int i = (int) at;
-    for (int c = 0; c < 3; c++)
-        out[c] = r->curve[c][i] + (at - i) * (r->curve[c][i + 1] -
-                                              r->curve[c][i]);
-}
-
-static void rings_row(const void *state, int x, int y, int n,
-                      double *const out[3])
-{
-    const struct radial *const r = state;
-    gp_deposit_row(&r->rings, r->grey ? 1 : 3, x, y, n, out);
-}
-
-/* Shares the curves out, of which each panel holds `bend`; all light is 1. */
-static gp_status make_rings(const struct gp_log *log, double end, double bend,
-                            int rx, int ry, struct radial *r)
-{
-    const int panels = (int) ceil(end / bend);
-    double light[3] = {0};
-    gp_status st = gp_deposit_make(log, rx, ry, &r->rings);
-    for (int i = 0; i < panels && !st; i++)
-        gp_deposit_rings(&r->rings, curve_at, r, &r->f, end * i / panels,
-                         end * (i + 1) / panels, light);
-    const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
-    for (size_t i = 0; i < 3 * n && !st; i++)
-        r->rings.v[0][i] /= light[i / n];
-    return st;
 }
 
 static void radial_row(const void *state, int x, int y, int n,
                        double *const out[3])
 {
-    enum { MOST = 96 };
     const struct radial *const r = state;
-    const double b = r->f.degrees, a = b * r->f.aspect;
-    const double end = r->n * r->step + a + b;
-    double node[MOST], weight[MOST];
-    int nodes = 0;
-    const bool whole = r->slices == 1;
-    const struct gp_gauss *const g = whole ? gp_tent_rule(4) : gp_gauss_rule(3);
-    for (; nodes < (whole ? 1 : 2 * r->slices) * g->n; nodes++) {
-        // slices of (-1, 1), `slices` to each half
-        const int k = nodes % g->n;
-        const double at = (nodes / g->n + 0.5 + g->node[k]) / r->slices - 1.0;
-        node[nodes] = whole ? g->node[k] : at;
-        weight[nodes] = whole ? g->weight[k]
-                              : g->weight[k] * (1.0 - fabs(at)) / r->slices;
-    }
+    const struct gp_gauss *const g = gp_tent_rule(4);
+    const double a = r->a, b = r->b, end = r->n * r->step + a + b;
+    const int channels = r->grey ? 1 : 3;
     for (int i = 0; i < n; i++) {
-        double sum[3] = {0}, v[3];
+        double sum[3] = {0};
         const double u = a * abs(x + i), v0 = b * abs(y);
-        for (int k = 0; k < nodes * nodes && hypot(u, v0) < end; k++) {
-            const int p = k % nodes, q = k / nodes;
-            curve_at(r, hypot(u + a * node[p], v0 + b * node[q]), v);
-            for (int c = 0; c < 3; c++)
-                sum[c] += weight[p] * weight[q] * v[c];
+        for (int k = 0; k < g->n * g->n && hypot(u, v0) < end; k++) {
+            const int p = k % g->n, q = k / g->n;
+            const double t = hypot(u + a * g->node[p], v0 + b * g->node[q]);
+            const double at = fmin(t / r->step, r->n);
+            const int s = (int) at;
+            for (int c = 0; c < channels; c++)
+                sum[c] += g->weight[p] * g->weight[q] *
+                          (r->curve[c][s] + (at - s) * (r->curve[c][s + 1] -
+                                                        r->curve[c][s]));
         }
-        for (int c = 0; c < (r->grey ? 1 : 3); c++)
+        for (int c = 0; c < channels; c++)
             out[c][i] = sum[c] * a * b;
     }
 }
 
-/* Makes a shape whose curves end at `end` degrees and bend on the scale of
- * `bend`; `value` fills curves of any height, which are then scaled to a plane's
+/* Fills the curves by `value`, which has any height, scaled to a plane's
  * integral of 1 each. */
-static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
-    double end, double bend, bool grey,
-    void (*value)(const void *ctx, double t, double out[3]), const void *ctx,
-    struct gp_shape *out)
+static void fill_curves(struct radial *r, gp_profile value, const void *ctx)
 {
-    enum { MOST_SLICES = 8 };
-    struct radial *r;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
-    if (st)
-        return st;
-    r->f = *f;
-    r->grey = grey;
-    r->step = bend / 64.0;
-    r->n = (int) ceil(end / r->step);
-    const double slices = ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend);
-    r->slices = (int) fmin(slices, MOST_SLICES);
     const size_t room = (size_t) r->n + 2;
-    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
-    if (st) {
-        gp_free(r);
-        return st;
-    }
-    r->curve[1] = r->curve[0] + room;
-    r->curve[2] = r->curve[1] + room;
     double sum[3] = {0};
     for (int i = 0; i < r->n; i++) {
         double v[3];
         value(ctx, i * r->step, v);
         for (int c = 0; c < 3; c++) {
-            r->curve[c][i] = v[grey ? 0 : c];
+            r->curve[c][i] = v[r->grey ? 0 : c];
             // lines between steps, turned about the centre
             const double before = i > 0 ? (i - 1) / 2.0 + 1.0 / 3.0 : 0.0;
             sum[c] += 2.0 * M_PI * r->step * r->step * r->curve[c][i] *
@@ -254,23 +187,48 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     }
     for (size_t i = 0; i < 3 * room; i++)
         r->curve[0][i] /= sum[i / room];
-    const double reach_x = ceil(end / (f->degrees * f->aspect)) + 1.0;
-    const double reach_y = ceil(end / f->degrees) + 1.0;
-    const double reach = fmax(reach_x, reach_y);
-    if (slices > MOST_SLICES)
-        st = make_rings(log, end, bend, (int) fmin(reach_x, f->w - 1),
-                        (int) fmin(reach_y, f->h - 1), r);
+}
+
+/* Makes a shape whose curves end at `end` degrees and bend on the scale of
+ * `bend`. */
+static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
+    double end, double bend, bool grey, gp_profile value, const void *ctx,
+    struct gp_shape *out)
+{
+    const double b = f->degrees, a = b * f->aspect;
+    const int slices[2] = {(int) ceil(4.0 * a / bend),
+                           (int) ceil(4.0 * b / bend)};
+    const bool whole = slices[0] == 1 && slices[1] == 1;
+    struct radial *r;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
+    if (st)
+        return st;
+    r->a = a / slices[0];
+    r->b = b / slices[1];
+    r->grey = grey;
+    r->step = bend / 64.0;
+    r->n = (int) ceil(end / r->step);
+    const size_t room = (size_t) r->n + 2;
+    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
     if (st) {
-        free_radial(r);
+        gp_free(r);
         return st;
     }
+    r->curve[1] = r->curve[0] + room;
+    r->curve[2] = r->curve[1] + room;
+    fill_curves(r, value, ctx);
+    const double rx = ceil(end / r->a) + 1.0, ry = ceil(end / r->b) + 1.0;
+    const double reach = fmax(rx, ry);
     *out = (struct gp_shape) {
-        .state = r, .free = free_radial, .grey = grey,
-        .row = slices > MOST_SLICES ? rings_row : radial_row,
+        .state = r, .free = free_radial, .grey = grey, .row = radial_row,
         .even = true, .smooth = INFINITY,
         .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
-    return GP_OK;
+    return whole ? GP_OK
+                 : gp_slices_join(log, slices,
+                                  (int) fmin(rx, (double) f->w * slices[0]),
+                                  (int) fmin(ry, (double) f->h * slices[1]), f,
+                                  out);
 }
 
 /* A point out of focus: an even disc, a rim on it that a lens which corrects

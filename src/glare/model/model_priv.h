@@ -113,7 +113,18 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
 
-// -- quadrature.c: deposits ----------------------------------------------------
+// -- quadrature.c: samples, and deposits ----------------------------------------
+
+/* Samples of offsets -rx .. rx, -ry .. ry, times `scale`; rows of 2 rx + 1. */
+struct gp_samples {
+    int rx, ry, channels;
+    struct gp_planes k;
+    double scale[3];
+};
+
+/* Makes a shape of samples, its state, for the caller to fill; `scale` is 1. */
+GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log, int channels,
+    int rx, int ry, struct gp_shape *out);
 
 /* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light
  * that is even over a pixel and moved by (u, v) pixels falls on pixel (x, y) by
@@ -121,24 +132,25 @@ double gp_plane_factor(double t);
  * pixels. Tents add up to 1, so all light is kept whatever points stand for a
  * shape; what falls beyond rx and ry is dropped. */
 struct gp_deposit {
-    int rx, ry;
+    int channels, rx, ry;
     double *v[3]; // rows of 2 rx + 1; v[0] is owned
 };
-GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int rx,
-                                        int ry, struct gp_deposit *out);
+GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int channels,
+    int rx, int ry, struct gp_deposit *out);
 void gp_deposit_free(struct gp_deposit *d);
 void gp_deposit_add(const struct gp_deposit *d, double u, double v,
                     const double light[3]);
 
-/* Adds the rings of a profile from `from` to `to` degrees, on which it bends
- * little, and what they hold to `light`. */
-void gp_deposit_rings(const struct gp_deposit *d, gp_profile p,
-    const void *ctx, const struct gp_field *f, double from, double to,
-    double light[3]);
-
 /* A shape's row from what was added; 0 beyond. */
-void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
-                    int n, double *const out[3]);
+void gp_deposit_row(const void *deposit, int x, int y, int n,
+                    double *const out[3]);
+
+/* Puts a shape of offsets up to rx and ry slices of a pixel together,
+ * slices[0] by slices[1] of them to a pixel of the field: light of a slice is
+ * even too. Frees the shape on an error. */
+GP_MUST_CHECK gp_status gp_slices_join(const struct gp_log *log,
+    const int slices[2], int rx, int ry, const struct gp_field *f,
+    struct gp_shape *shape);
 
 // -- radial.c -----------------------------------------------------------------
 

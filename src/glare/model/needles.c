@@ -163,7 +163,7 @@ static gp_status add_near(const struct gp_log *log, const struct needling *m,
     const double side = fmin(m->a, m->b);
     const double end = fmin(GP_NEEDLE_END,
                             hypot(m->a * (NEAR + 1), m->b * (NEAR + 1)));
-    gp_status st = gp_deposit_make(log, NEAR, NEAR, &d);
+    gp_status st = gp_deposit_make(log, 1, NEAR, NEAR, &d);
     if (st)
         return st;
     for (double t = LEAST * side; t < end;) {
