@@ -82,10 +82,6 @@ struct gp_kernel {
                           // (model/make.c); owned
 };
 
-/* Returns the width of a pixel over its height; 1 where the file says less than
- * 1/16 or more than 16, which cannot be true. */
-float gp_kernel_aspect(const struct gp_image *frame);
-
 /* Makes a kernel from planes that were read from a file.
  *
  *   image      rgb and luminance weights of the kernel file; borrowed
