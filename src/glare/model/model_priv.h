@@ -161,36 +161,6 @@ GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out);
 
-// -- needles.c ----------------------------------------------------------------
-
-/* The ciliary corona, Spencer's f1 and f2, as needles: section 3.1 has it made
- * of rays of random strength, which the cells of the lens scatter. The corona
- * at distance t and angle phi is multiplied by
- *
- *   1 + a(t) (m(phi) - 1)
- *
- * where m has mean 1 over the circle, so that each circle keeps its light, and
- * a falls from 1 to 0 between half of GP_NEEDLE_END and that, where needles
- * would be wide. m is at least 1 - GP_NEEDLE_CONTRAST. */
-#define GP_NEEDLE_END 5.0 // degrees
-#define GP_NEEDLE_CONTRAST 0.8
-
-/* The corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per steradian. */
-struct gp_needles {
-    double f1, f2;
-};
-
-/* The share of the needles' contrast that is left t degrees from the light. */
-double gp_needle_fade(double t);
-
-/* Makes what needles of a recipe of spencer add to the even corona: integrals
- * over both pixels, at offsets -rx .. rx, -ry .. ry, owned by the caller. Light
- * that they miss goes to the light's own pixel: the sum is 0. On an error `out`
- * may hold memory, for gp_free(). */
-GP_MUST_CHECK gp_status gp_needles_make(const struct gp_log *log,
-    const struct gp_recipe *r, const struct gp_needles *n,
-    const struct gp_field *f, int rx, int ry, float **out);
-
 // -- eye.c: declared for tests -------------------------------------------------
 
 /* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
