@@ -50,8 +50,7 @@ static void gaussian_row(const void *state, int x, int y, int n,
 
 static const struct gp_model_key gaussian_keys[] = {
     GP_MODEL_SHARE(0.1),
-    {"fwhm", "width at half its height, degrees", 0.5, 1e-4, 90.0, NULL,
-     false},
+    {"fwhm", "width at half its height, degrees", 0.5, 1e-4, 90.0, NULL},
     {0},
 };
 
@@ -99,10 +98,9 @@ static void moffat_profile(const void *ctx, double t, double out[3])
 
 static const struct gp_model_key moffat_keys[] = {
     GP_MODEL_SHARE(0.1),
-    {"fwhm", "width at half its height, degrees", 0.2, 1e-4, 90.0, NULL,
-     false},
+    {"fwhm", "width at half its height, degrees", 0.2, 1e-4, 90.0, NULL},
     {"beta", "power of its wings: light falls as distance^-2beta", 1.75, 1.05,
-     20.0, NULL, false},
+     20.0, NULL},
     {0},
 };
 
@@ -250,10 +248,9 @@ static void disc_value(const void *ctx, double t, double out[3])
  * the street of examples/. */
 static const struct gp_model_key circle_keys[] = {
     GP_MODEL_SHARE(0.004),
-    {"size", "diameter, degrees", 2.0, 0.01, 90.0, NULL, false},
-    {"soft", "width of its edge, share of the radius", 0.6, 0.01, 1.0, NULL,
-     false},
-    {"rim", "how much brighter its rim is", 0.3, 0.0, 10.0, NULL, false},
+    {"size", "diameter, degrees", 2.0, 0.01, 90.0, NULL},
+    {"soft", "width of its edge, share of the radius", 0.6, 0.01, 1.0, NULL},
+    {"rim", "how much brighter its rim is", 0.3, 0.0, 10.0, NULL},
     {0},
 };
 
@@ -335,9 +332,8 @@ static void even_bands(struct halo *h)
 static const struct gp_model_key ring_keys[] = {
     GP_MODEL_SHARE(0.04),
     {"radius", "of the first bright ring at 550 nm, degrees", 2.4, 0.02, 29.0,
-     NULL, false},
-    {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL,
-     false},
+     NULL},
+    {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL},
     {0},
 };
 
@@ -424,15 +420,13 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
 
 static const struct gp_model_key image_keys[] = {
     GP_MODEL_SHARE(1.0),
-    {"file", "the image; needed", 1, 0, 0, NULL, true},
-    {"size", "its height in degrees of view; 0: by percent", 0, 0, 180, NULL,
-     false},
-    {"percent", "frame pixels for 100 of its own", 100, 0.1, 10000, NULL,
-     false},
+    {"file", "the image; needed", 1, 0, 0, gp_model_file},
+    {"size", "its height in degrees of view; 0: by percent", 0, 0, 180, NULL},
+    {"percent", "frame pixels for 100 of its own", 100, 0.1, 10000, NULL},
     {"x", "column of its centre's pixel, from 0; -1: the middle", -1, -1, 1e6,
-     NULL, false},
+     NULL},
     {"y", "row of its centre's pixel, from 0; -1: the middle", -1, -1, 1e6,
-     NULL, false},
+     NULL},
     {0},
 };
 

@@ -144,15 +144,15 @@ static const double spencer_weights[3][4] = {
 static const struct gp_model_key spencer_keys[] = {
     GP_MODEL_SHARE(1.0),
     {"light", "by day, at dusk, by night, or by the pupil of adaptation",
-     PHOTOPIC, PHOTOPIC, ADAPTED, lights, false},
+     PHOTOPIC, PHOTOPIC, ADAPTED, lights},
     GP_MODEL_ADAPTATION(0),
     {"pupil", "diameter in mm, 3 by day to 7 by night, in place of light; 0: "
-     "by light", 0.0, 0.0, 9.0, NULL, false},
+     "by light", 0.0, 0.0, 9.0, NULL},
     {"halo", "strength of the lenticular halo, 0 none to 1 as Spencer et al. "
-     "have it", HALO, 0.0, 1.0, NULL, false},
+     "have it", HALO, 0.0, 1.0, NULL},
     {"needles", "rays into which the ciliary corona breaks up; 0: none, it is "
-     "even", 0.0, 0.0, 1000.0, NULL, false},
-    {"seed", "which needles", 1.0, 0.0, 1e9, NULL, false},
+     "even", 0.0, 0.0, 1000.0, NULL},
+    {"seed", "which needles", 1.0, 0.0, 1e9, NULL},
     {0},
 };
 
@@ -650,10 +650,10 @@ static const char *const equations[] = {"total", "general", NULL};
 static const struct gp_model_key cie_keys[] = {
     GP_MODEL_SHARE(1.0),
     {"equation", "total: CIE 135/1 with the fovea's peak; general: CIE 146, "
-     "even within 0.1 degree", TOTAL, TOTAL, GENERAL, equations, false},
-    {"age", "years", 35.0, 1.0, 100.0, NULL, false},
+     "even within 0.1 degree", TOTAL, TOTAL, GENERAL, equations},
+    {"age", "years", 35.0, 1.0, 100.0, NULL},
     {"pigment", "0 black, 0.5 brown, 1 light, 1.2 light blue eyes", 0.5, 0.0,
-     1.2, NULL, false},
+     1.2, NULL},
     {0},
 };
 

@@ -57,9 +57,9 @@ extern const struct gp_model gp_model_image;                      // drawn.c
 /* Keys of the luminance that an eye is adapted to. */
 #define GP_MODEL_ADAPTATION(preset)                                           \
     { "adaptation", "luminance that the eye is adapted to, cd/m2; 0 takes "   \
-      "the mean of each frame", preset, 0, 1e6, NULL, false },                \
+      "the mean of each frame", preset, 0, 1e6, NULL },                       \
     { "white", "cd/m2 of scene value 1, for that mean; 0 takes the file's "   \
-      "whiteLuminance, else 100", 0, 0, 1e6, NULL, false }
+      "whiteLuminance, else 100", 0, 0, 1e6, NULL }
 
 /* The recipe's value of a key of its model, by name. */
 static inline double gp_recipe_value(const struct gp_recipe *r,
@@ -74,7 +74,7 @@ static inline double gp_recipe_value(const struct gp_recipe *r,
 /* The key that all models begin with; `preset` is the model's own share. */
 #define GP_MODEL_SHARE(preset)                                                \
     { "share", "share of a pixel's light that the model takes", preset, 0.0,  \
-      1.0, NULL, false }
+      1.0, NULL }
 
 /* A number in [0, 1) of (seed, i), the same everywhere: splitmix64, Steele et
  * al. 2014. */

@@ -380,27 +380,26 @@ out:
 #define KEYS(share, points, strands, spread, length, core, width, angle,      \
              dispersion, squeeze, r, g, b)                                    \
     GP_MODEL_SHARE(share),                                                    \
-    {"points", "rays", points, 1, 32, NULL, false},                           \
-    {"strands", "strands of each ray", strands, 1, 16, NULL, false},          \
-    {"spread", "angle to which strands fan out on each side, degrees", spread, \
-     0, 90, NULL, false},                                                     \
-    {"length", "degrees of view from the light to a ray's end, to which it "   \
-     "fades: a half is seen of a bright lamp", length, 0.01, 180, NULL,        \
-     false},                                                       \
+    {"points", "rays", points, 1, 32, NULL},                                  \
+    {"strands", "strands of each ray", strands, 1, 16, NULL},                 \
+    {"spread", "angle to which strands fan out on each side, degrees", spread,\
+     0, 90, NULL},                                                            \
+    {"length", "degrees of view from the light to a ray's end, to which it "  \
+     "fades: a half is seen of a bright lamp", length, 0.01, 180, NULL},      \
     {"core", "distance at which it has fallen to a half, degrees", core,      \
-     0.001, 180, NULL, false},                                                \
+     0.001, 180, NULL},                                                       \
     {"width", "thickness at the light (one sigma), degrees", width, 0.002,    \
-     10, NULL, false},                                                        \
+     10, NULL},                                                               \
     {"angle", "direction of the first ray, degrees counter-clockwise", angle, \
-     -360, 360, NULL, false},                                                 \
+     -360, 360, NULL},                                                        \
     {"dispersion", "growth with wavelength, 0 none to 1 as diffraction",      \
-     dispersion, 0, 1, NULL, false},                                          \
+     dispersion, 0, 1, NULL},                                                 \
     {"squeeze", "how many times as wide as high: an anamorphic lens",         \
-     squeeze, 0.1, 20, NULL, false},                                          \
-    {"red", "its colour, BT.709", r, 0, 1, NULL, false},                                  \
-    {"green", "its colour, BT.709", g, 0, 1, NULL, false},                                \
-    {"blue", "its colour, BT.709", b, 0, 1, NULL, false},                                 \
-    {"seed", "which strands", 1, 0, 1e9, NULL, false},                        \
+     squeeze, 0.1, 20, NULL},                                                 \
+    {"red", "its colour, BT.709", r, 0, 1, NULL},                             \
+    {"green", "its colour, BT.709", g, 0, 1, NULL},                           \
+    {"blue", "its colour, BT.709", b, 0, 1, NULL},                            \
+    {"seed", "which strands", 1, 0, 1e9, NULL},                               \
     {0}
 
 static const struct gp_model_key star_keys[] = {
