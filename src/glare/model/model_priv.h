@@ -178,7 +178,7 @@ struct gp_pupil {
     float *path; // added length of the light's path, nm; NULL: 0
 };
 
-/* Edges of a regular polygon, whose spikes are known far out: diffract_far.c. */
+/* Edges of a regular polygon, whose spikes are known far out. */
 struct gp_blades {
     int n;          // 0: no such edges
     double turn;    // radians counter-clockwise, of the normal of the first
@@ -264,66 +264,21 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
- * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * take over before. Where the field cuts no samples off, the light of the centre
- * is changed for all of it to be 1.
- *
- *   shape  owned by the caller; after an error as before */
-GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
-    const struct gp_diffraction *d, const int r[2], double reach,
-    const struct gp_field *f, struct gp_shape *shape);
-
-/* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
- * times `sum`, at gp_lag_at(); at (-u, -v) it is conjugate. Lags are in strips
- * of GP_LAG_STRIP v, with those of one u side by side; the last has zeros. */
-struct gp_lags {
-    int n;
-    float *re, *im; // im is NULL where it is 0: the pupil has no path
-    double sum;     // 0: the pupil is dark
-    double edge;    // cells: farther lags hold nothing but rounding
-};
-enum { GP_LAG_STRIP = 32 };
-
-static inline int gp_lag_strips(int n)
-{
-    return n / GP_LAG_STRIP + 1;
-}
-
-/* Floats of `re`, `im`. */
-static inline size_t gp_lag_count(int n)
-{
-    return (size_t) gp_lag_strips(n) * (2 * (size_t) n + 1) * GP_LAG_STRIP;
-}
-
-static inline size_t gp_lag_at(const struct gp_lags *a, int u, int v)
-{
-    const size_t row = (size_t) (v / GP_LAG_STRIP) * (2 * (size_t) a->n + 1) +
-                       (size_t) (u + a->n);
-    return row * GP_LAG_STRIP + (size_t) (v % GP_LAG_STRIP);
-}
-
-/* Plans and scratch for a pupil's autocorrelation in single precision: off by
- * at most 1e-6 of the light that passes (build/tests/glare model_aperture). */
-struct gp_correlator {
-    const struct gp_pupil *pupil;
-    const struct gp_fftwf *lib;
-    struct gp_fft_plan_pair plan; // of at least twice the pupil's cells, so
-                                  // that no lag meets another
-    size_t pitch;                 // complex numbers of an array of `room`
-    float complex *room;
-    float *boost;                 // of each frequency, squared sincs undone
-    int columns, across;          // of the spectrum; stored, a multiple of 8
-    float complex *z;             // [8 rows, or lags v >= 0][column][row]
+/* Spectra of a kernel: [c][block of GP_LANES x][y][x in it], x in [0, nx / 2],
+ * y in [0, ny). */
+enum { GP_LANES = 16 };
+struct gp_spectra {
+    int channels, blocks;
+    float *re[3], *im[3]; // im is NULL where it is 0: the pupil has no path
 };
 
-/* Borrows the pupil. Call on one thread. Free with gp_correlator_free().
- * Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
-    const struct gp_pupil *p, struct gp_correlator *out);
-void gp_correlator_free(struct gp_correlator *t);
-
-/* Fills all but a->n at one wavelength. */
-void gp_correlate(const struct gp_correlator *t, double nm, struct gp_lags *a);
+/* Sums the spectra of all wavelengths for a kernel of period[0] x period[1]
+ * pixels, each pixel[0] x pixel[1] degrees. Free with gp_spectra_free().
+ * Errors: those of gp_diffract(). */
+GP_MUST_CHECK gp_status gp_spectra_make(const struct gp_log *log,
+    const struct gp_diffraction *d, const struct gp_field *f,
+    const struct gp_pupil *p, const int period[2], const double pixel[2],
+    struct gp_spectra *out);
+void gp_spectra_free(struct gp_spectra *s);
 
 #endif
