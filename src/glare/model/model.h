@@ -52,7 +52,12 @@ struct gp_model_key {
                                // number; gp_model_file: a path, which must be
                                // given where `preset` is 1
 };
-extern const char *const gp_model_file[];
+static const char *const gp_model_file[] = {NULL};
+
+static inline bool gp_model_key_is_file(const struct gp_model_key *k)
+{
+    return k->words && !k->words[0];
+}
 
 struct gp_field;
 struct gp_recipe;

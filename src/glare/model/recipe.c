@@ -7,13 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const gp_model_file[] = {NULL};
-
-static bool is_file(const struct gp_model_key *key)
-{
-    return key->words == gp_model_file;
-}
-
 const struct gp_model *const gp_models[] = {
     &gp_model_spencer, &gp_model_cie, &gp_model_aperture,
     &gp_model_temporal,
@@ -210,7 +203,7 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
         given[i] = true;
         r->written[i] = true;
         const char *const value = name_end + 1;
-        if (is_file(key)) {
+        if (gp_model_key_is_file(key)) {
             end = value + name_length(value);
             gp_status st = read_name(log, value, (size_t) (end - value),
                                      &r->file[i]);
@@ -263,7 +256,8 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         st = read_keys(log, text, end + 1, &r);
     for (int i = 0; r.model->keys[i].name && !st; i++) {
         const struct gp_model_key *const key = &r.model->keys[i];
-        if (is_file(key) && (r.file[i] ? !*r.file[i] : key->preset > 0.0))
+        if (gp_model_key_is_file(key) &&
+            (r.file[i] ? !*r.file[i] : key->preset > 0.0))
             st = gp_fail(log, GP_ERR_USAGE, "%s: has no %s; write %s:%s=PATH",
                          show(text, SIZE_MAX).text, key->name, r.model->name,
                          key->name);
@@ -291,7 +285,7 @@ gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
     gp_recipe_preset(&r, "size", degrees);
     gp_recipe_preset(&r, "percent", percent);
     int i = 0;
-    while (!is_file(&r.model->keys[i]))
+    while (!gp_model_key_is_file(&r.model->keys[i]))
         i++;
     r.file[i] = gp_strdup(path);
     if (!r.file[i])
@@ -323,9 +317,10 @@ char *gp_recipe_text(const struct gp_recipe *r)
         char number[40] = "";
         const char *value = number;
         const char *const file = r->file[i] ? r->file[i] : "";
-        if (is_file(&keys[i]) ? !*file : r->value[i] == keys[i].preset)
+        const bool is_file = gp_model_key_is_file(&keys[i]);
+        if (is_file ? !*file : r->value[i] == keys[i].preset)
             continue;
-        if (keys[i].words && !is_file(&keys[i]))
+        if (keys[i].words && !is_file)
             value = keys[i].words[(int) r->value[i]];
         for (int digits = 1; !keys[i].words && digits <= 17; digits++) {
             snprintf(number, sizeof number, "%.*g", digits, r->value[i]);

@@ -416,11 +416,9 @@ static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
     return st;
 }
 
-/* One wavelength; matrices may be the same. */
-struct band {
+struct band { // of one wavelength
     double rgb[3];
-    const struct lag_matrix *x, *y;
-    struct lag_matrix own[2];
+    struct lag_matrix x, y;
 };
 
 enum { MOST_BANDS = 32 }; // summed together
@@ -428,8 +426,8 @@ enum { MOST_BANDS = 32 }; // summed together
 static void bands_free(struct band *b, int n)
 {
     for (int i = 0; i < n; i++) {
-        for (int k = 0; k < 2; k++)
-            lag_matrix_free(&b[i].own[k]);
+        lag_matrix_free(&b[i].x);
+        lag_matrix_free(&b[i].y);
     }
 }
 
@@ -477,7 +475,7 @@ static inline __attribute__((always_inline)) void
 sum_rows(const struct summing *s, const struct band *b, int block,
          eight (*t)[STRIP][LANE_EIGHTS], float *const to[3])
 {
-    const struct lag_matrix *const m = b->y;
+    const struct lag_matrix *const m = &b->y;
     const float scale = (float) (1.0 / s->a->sum);
     const int v0 = s->strip * STRIP, end = v0 + STRIP;
     const int low = gp_max((int) floor((v0 - 1) / m->step) - 1, -m->edge);
@@ -520,12 +518,12 @@ GP_CLONES static void sum_strip(void *ctx, int block, int thread)
     for (int i = 0; i < s->bands; i++) {
         const struct band *const b = &s->band[i];
         const int lanes =
-            gp_min(GP_LANES, b->x->period / 2 + 1 - block * GP_LANES);
+            gp_min(GP_LANES, b->x.period / 2 + 1 - block * GP_LANES);
         for (int plane = 0; plane < (s->a->im ? 2 : 1); plane++) {
             const float *const strip = (plane ? s->a->im : s->a->re) + at;
             const float sign = plane ? -1.0f : 1.0f;
             for (int l = 0; l < lanes; l++)
-                sum_lags(b->x, strip, s->edge, block * GP_LANES + l, sums[0][l],
+                sum_lags(&b->x, strip, s->edge, block * GP_LANES + l, sums[0][l],
                          sums[1][l]);
             for (int v = 0; v < STRIP; v++) {
                 float columns[2][GP_LANES];
@@ -558,22 +556,6 @@ static void add_bands(const struct lags *a, const struct band *b, int n,
 }
 
 // -- all of it ----------------------------------------------------------------
-
-/* Makes a wavelength's matrices for lags -n .. n of `cell` mm. */
-static gp_status band_make(const struct gp_log *log, int n, double cell,
-    double nm, const int period[2], const double pixel[2], struct band *b)
-{
-    double step[2];
-    for (int k = 0; k < 2; k++)
-        step[k] = nm * 1e-6 / (period[k] * pixel[k] * (GP_PI / 180.0) * cell);
-    const bool alike = step[0] == step[1] && period[0] == period[1];
-    gp_status st = lag_matrix_make(log, n, step[0], period[0], &b->own[0]);
-    if (!st && !alike)
-        st = lag_matrix_make(log, n, step[1], period[1], &b->own[1]);
-    b->x = &b->own[0];
-    b->y = &b->own[alike ? 0 : 1];
-    return st;
-}
 
 void gp_spectra_free(struct gp_spectra *s)
 {
@@ -628,8 +610,12 @@ gp_status gp_spectra_make(const struct gp_log *log,
         }
         for (int k = 0; k < n; k++) {
             memcpy(band[k].rgb, rgb[i + k], sizeof band[k].rgb);
-            GP_TRY(band_make(log, a.n, p->cell, nm[i + k], period, pixel,
-                             &band[k]));
+            // cycles a radian, in cells of lag
+            const double unit = nm[i + k] * 1e-6 / (p->cell * GP_PI / 180.0);
+            GP_TRY(lag_matrix_make(log, a.n, unit / (period[0] * pixel[0]),
+                                   period[0], &band[k].x));
+            GP_TRY(lag_matrix_make(log, a.n, unit / (period[1] * pixel[1]),
+                                   period[1], &band[k].y));
         }
         add_bands(&a, band, n, &s);
     }
