@@ -297,9 +297,11 @@ bool glarepp_key(int model, int k, struct glarepp_key *out)
     const struct gp_model_key *key = gp_models[n]->keys;
     for (; k > 0 && key->name; k--)
         key++;
+    const bool file = gp_model_key_is_file(key);
     *out = (struct glarepp_key) {
         .name = key->name, .text = key->text, .preset = key->preset,
-        .lo = key->lo, .hi = key->hi, .words = key->words, .file = key->file,
+        .lo = key->lo, .hi = key->hi, .words = file ? NULL : key->words,
+        .file = file,
     };
     return key->name != NULL;
 }

@@ -230,7 +230,7 @@ static struct gp_kernel_use use_of_image(const struct gp_recipe *recipe)
     const struct gp_model_key *const keys = recipe->model->keys;
     struct gp_kernel_use use = {.as_it_is = recipe->as_it_is};
     for (int i = 0; keys[i].name; i++) {
-        if (keys[i].file || recipe->value[i] == keys[i].preset)
+        if (recipe->value[i] == keys[i].preset)
             continue;
         use.centred |= strcmp(keys[i].name, "x") == 0 ||
                        strcmp(keys[i].name, "y") == 0;

@@ -19,40 +19,6 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y);
 void gp_glare_reference_direct(const struct gp_sources *src,
                                const struct gp_kernel *kernel, double *layer);
 
-// -- kernel_warp.c: rotation --------------------------------------------------
-
-/* A rotated kernel: every whole offset at which it can be other than 0. */
-struct gp_rotated {
-    int w, h;
-    int cx, cy;          // the centre's pixel; may lie outside
-    struct gp_planes k;  // w * h each
-};
-
-/* Sets u->cos and u->sin, counter-clockwise. True for a whole number of right
- * angles, for which they are exact. */
-bool gp_rotate_angle(float degrees, struct gp_unturned *u);
-
-/* Makes the rotated kernel, struct gp_unturned's, in float; `grey` says
- * that the three planes are equal. By right angles the samples only move.
- *
- *   name  for messages
- *   out   written only on GP_OK; free its planes with gp_planes_free()
- * Errors: GP_ERR_USAGE the box that holds it has over GP_ROTATED_PIXELS
- * pixels; GP_ERR_BUG out of memory. */
-enum { GP_ROTATED_PIXELS = 1 << 28 };
-GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
-    const struct gp_unturned *u, bool grey, struct gp_rotated *out);
-
-// -- kernel_warp.c: resampling ------------------------------------------------
-
-/* Resamples a kernel to `across` and `down` new pixels for an old one, > 0: new
- * samples are the areas of old ones that they cover, so sums stay. The centre
- * stays the centre of its pixel; each channel's centroid is kept within 1e-3
- * pixel by a shift of all its samples. Replaces *k.
- * Errors: as gp_rotate(); *k stays. */
-GP_MUST_CHECK gp_status gp_resample(const struct gp_log *log, const char *name,
-    double across, double down, bool grey, struct gp_rotated *k);
-
 // -- error_floor.c: errors that no engine bounds ------------------------------------
 
 /* Limits of the exact composite, known before it is made. */

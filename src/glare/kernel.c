@@ -1,12 +1,11 @@
-/* Makes kernels: checks, converts, rotates, normalises, and cuts off zero
- * borders. */
+/* Makes kernels: checks, converts, rotates about the centre's pixel, resamples
+ * by areas, normalises, and cuts off zero borders. */
 #include "glare/kernel.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "glare/glare_priv.h"
 #include "glare/kernel_rows.h"
 #include "glare/far_field/far_field.h"
 
@@ -14,7 +13,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_CENTER = 1 << 20 }; // pixels; a centre farther away meets no frame
+enum {
+    MAX_CENTER = 1 << 20,  // pixels; a centre farther away meets no frame
+    MOST_PIXELS = 1 << 28, // of a kernel that is rotated or resampled
+};
 
 /* A kernel before it is cut and normalised. */
 struct raw_kernel {
@@ -227,7 +229,211 @@ out:
     return st;
 }
 
-// -- rotated ------------------------------------------------------------------
+// -- rotation -----------------------------------------------------------------
+
+/* Sets u->cos and u->sin. True for a whole number of right angles, for which
+ * they are exact. */
+static bool set_angle(float degrees, struct gp_unturned *u)
+{
+    static const double exact[] = {1.0, 0.0, -1.0, 0.0};
+    const double turns = fmod((double) degrees, 360.0) / 90.0; // exact
+    const int quarters = ((int) turns + 4) % 4;
+    if (turns == (int) turns) {
+        u->cos = exact[quarters];
+        u->sin = exact[(quarters + 3) % 4];
+        return true;
+    }
+    const double angle = fmod((double) degrees, 360.0) * M_PI / 180.0;
+    u->cos = cos(angle);
+    u->sin = sin(angle);
+    return false;
+}
+
+static double tap(const struct gp_unturned *u, int c, int x, int y)
+{
+    return x >= 0 && x < u->w && y >= 0 && y < u->h
+               ? (double) u->k.c[c][(size_t) y * (size_t) u->w + (size_t) x]
+               : 0.0;
+}
+
+struct rotating {
+    const struct gp_unturned *u;
+    const struct raw_kernel *to;
+};
+
+static void rotate_row(void *ctx, int row, int thread)
+{
+    const struct rotating *const t = ctx;
+    const struct gp_unturned *const u = t->u;
+    (void) thread;
+    for (int i = 0; i < t->to->w; i++) {
+        const int dx = i - t->to->cx, dy = row - t->to->cy;
+        const double x = u->cx + (u->cos * dx - u->sin * dy);
+        const double y = u->cy + (u->sin * dx + u->cos * dy);
+        const int x0 = (int) floor(x), y0 = (int) floor(y);
+        const double fx = x - x0, fy = y - y0;
+        for (int c = 0; c < 3; c++) {
+            const double top = (1.0 - fx) * tap(u, c, x0, y0) +
+                               fx * tap(u, c, x0 + 1, y0);
+            const double bottom = (1.0 - fx) * tap(u, c, x0, y0 + 1) +
+                                  fx * tap(u, c, x0 + 1, y0 + 1);
+            t->to->in.c[c][(size_t) row * (size_t) t->to->w + (size_t) i] =
+                (float) ((1.0 - fy) * top + fy * bottom);
+        }
+    }
+}
+
+/* Makes the rotated kernel: every whole offset at which it can be other than 0.
+ * By right angles the samples only move. out->name and luminance stay. */
+static gp_status rotate(const struct gp_log *log, const struct gp_unturned *u,
+                        struct raw_kernel *out)
+{
+    // whole offsets within the rotated corners of what bilinear sampling
+    // reaches, one pixel around the samples; it is 0 on that line
+    const double xs[] = {-1.0 - u->cx, (double) u->w - u->cx};
+    const double ys[] = {-1.0 - u->cy, (double) u->h - u->cy};
+    double box[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < 4; i++) {
+        const double x = xs[i & 1], y = ys[i >> 1];
+        const double dx = u->cos * x + u->sin * y;
+        const double dy = u->cos * y - u->sin * x;
+        box[0] = fmin(box[0], ceil(dx));
+        box[1] = fmin(box[1], ceil(dy));
+        box[2] = fmax(box[2], floor(dx));
+        box[3] = fmax(box[3], floor(dy));
+    }
+    const double w = box[2] - box[0] + 1.0, h = box[3] - box[1] + 1.0;
+    if (w * h > MOST_PIXELS)
+        return gp_fail_at(log, GP_ERR_USAGE, "plan.rotate",
+                          "%s: the rotated kernel is too large (%.0fx%.0f); "
+                          "use a smaller kernel", out->name, w, h);
+    out->w = (int) w;
+    out->h = (int) h;
+    out->cx = -(int) box[0];
+    out->cy = -(int) box[1];
+    gp_status st = gp_planes_make(log, out->name,
+                                  (size_t) out->w * (size_t) out->h, &out->in);
+    if (!st)
+        gp_parallel_do(out->h, rotate_row, &(struct rotating) {u, out});
+    return st;
+}
+
+// -- resampling ---------------------------------------------------------------
+
+/* One axis: new sample i is the area of the old ones within step / 2 of
+ * (i - to_c) * step from the old centre. */
+struct axis {
+    int n, c;        // old samples, and the centre's
+    int to_n, to_c;  // new ones
+    double step;     // old samples a new one
+};
+
+/* Returns the first old sample that a new one covers, and the line from *a to
+ * *b, in samples from the edge of the first. */
+static int covered_span(const struct axis *s, int i, double *a, double *b)
+{
+    const double mid = (i - s->to_c) * s->step + s->c + 0.5;
+    *a = fmin(fmax(mid - 0.5 * s->step, 0.0), s->n);
+    *b = fmin(fmax(mid + 0.5 * s->step, 0.0), s->n);
+    return (int) *a;
+}
+
+/* The part of old sample j that lies on the line. */
+static double covered_share(int j, double a, double b)
+{
+    return fmin(j + 1.0, b) - fmax(j, a);
+}
+
+static struct axis make_axis(int n, int c, double step)
+{
+    const double from = floor((-0.5 - c) / step + 0.5);
+    const double to = ceil((n - 0.5 - c) / step - 0.5);
+    const double most = MOST_PIXELS; // more than that is refused
+    struct axis s = {.n = n, .c = c, .step = step};
+    s.to_n = (int) fmin(to - from + 1.0, most);
+    s.to_c = (int) fmin(-from, most);
+    return s;
+}
+
+struct resampling {
+    struct axis x, y;
+    const float *in;  // x.n * y.n
+    float *across;    // x.to_n * y.n
+    float *out;       // x.to_n * y.to_n
+};
+
+static void resample_row(void *ctx, int y, int thread)
+{
+    const struct resampling *const r = ctx;
+    const float *const in = r->in + (size_t) y * (size_t) r->x.n;
+    float *const out = r->across + (size_t) y * (size_t) r->x.to_n;
+    double a, b;
+    (void) thread;
+    for (int i = 0; i < r->x.to_n; i++) {
+        double sum = 0.0;
+        for (int j = covered_span(&r->x, i, &a, &b); j < b; j++)
+            sum += covered_share(j, a, b) * (double) in[j];
+        out[i] = (float) sum;
+    }
+}
+
+static void resample_columns(void *ctx, int i, int thread)
+{
+    enum { STRIP = 256 };
+    const struct resampling *const r = ctx;
+    const int w = r->x.to_n;
+    float *const out = r->out + (size_t) i * (size_t) w;
+    double sum[STRIP], a, b;
+    (void) thread;
+    const int first = covered_span(&r->y, i, &a, &b);
+    for (int x = 0; x < w; x += STRIP) {
+        const int n = gp_min(w - x, STRIP);
+        memset(sum, 0, sizeof sum);
+        for (int j = first; j < b; j++) {
+            const float *const in = r->across + (size_t) j * (size_t) w + x;
+            const double share = covered_share(j, a, b);
+            for (int k = 0; k < n; k++)
+                sum[k] += share * (double) in[k];
+        }
+        for (int k = 0; k < n; k++)
+            out[x + k] = (float) sum[k];
+    }
+}
+
+/* Resamples a kernel to `across` and `down` new pixels for an old one, > 0: new
+ * samples are the areas of old ones that they cover, so sums stay. The centre
+ * stays the centre of its pixel. */
+static gp_status resample(const struct gp_log *log, double across, double down,
+                          struct raw_kernel *k)
+{
+    gp_status st;
+    struct resampling r = {
+        .x = make_axis(k->w, k->cx, 1.0 / across),
+        .y = make_axis(k->h, k->cy, 1.0 / down),
+    };
+    const int w = r.x.to_n, h = r.y.to_n;
+    struct gp_planes to = {0};
+    if ((double) w * gp_max(h, k->h) > MOST_PIXELS)
+        return gp_fail(log, GP_ERR_USAGE, "%s: the kernel is too large in this "
+                       "size (%dx%d); use a smaller one", k->name, w, h);
+    GP_TRY(gp_alloc(log, k->name, (size_t) w * (size_t) k->h, sizeof *r.across,
+                    &r.across));
+    GP_TRY(gp_planes_make(log, k->name, (size_t) w * (size_t) h, &to));
+    for (int c = 0; c < 3; c++) {
+        r.in = k->in.c[c];
+        r.out = to.c[c];
+        gp_parallel_do(k->h, resample_row, &r);
+        gp_parallel_do(h, resample_columns, &r);
+    }
+    gp_planes_free(&k->in);
+    k->in = to;
+    k->w = w, k->h = h, k->cx = r.x.to_c, k->cy = r.y.to_c;
+out:
+    gp_free(r.across);
+    return st;
+}
+
+// -- turned and resized -------------------------------------------------------
 
 /* Makes the kernel, rotated when p->rotate says so. Takes raw->in when it is
  * owned, also on failure. */
@@ -237,11 +443,10 @@ static gp_status make_rotated(const struct gp_log *log,
 {
     gp_status st;
     struct gp_kernel flat = {0};
-    struct gp_rotated rotated = {0};
     struct raw_kernel t = {.name = raw->name, .owned = true,
                            .luminance = raw->luminance};
     struct gp_unturned u, *kept = NULL;
-    const bool right = gp_rotate_angle(p->rotate, &u);
+    const bool right = set_angle(p->rotate, &u);
     const double down = p->scale > 0.0 ? p->scale : 1.0;
     const double across = p->aspect > 0.0 ? down / p->aspect : down;
     const bool sized = down != 1.0 || across != 1.0;
@@ -249,12 +454,9 @@ static gp_status make_rotated(const struct gp_log *log,
         return make_kernel(log, p->normalize, raw, out);
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
     u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
-    GP_TRY(gp_rotate(log, raw->name, &u, flat.grey, &rotated));
-    t.in = rotated.k;
+    GP_TRY(rotate(log, &u, &t));
     if (sized)
-        GP_TRY(gp_resample(log, raw->name, across, down, flat.grey, &rotated));
-    t.w = rotated.w, t.h = rotated.h, t.cx = rotated.cx, t.cy = rotated.cy;
-    t.in = rotated.k;
+        GP_TRY(resample(log, across, down, &t));
     if (right || sized) {
         st = make_kernel(log, p->normalize, &t, out);
         goto out;
@@ -274,8 +476,7 @@ static gp_status make_rotated(const struct gp_log *log,
                 u.k.c[c][i] = (float) ((double) u.k.c[c][i] * factor);
         }
         gp_planes_free(&t.in);
-        GP_TRY(gp_rotate(log, t.name, &u, flat.grey, &rotated));
-        t.in = rotated.k;
+        GP_TRY(rotate(log, &u, &t));
     }
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, &t, out));
     *kept = u;
@@ -342,15 +543,8 @@ static gp_status convert(const struct gp_log *log, const float from[8],
     if (is_grey(raw))
         return GP_OK;
     if (!gp_spectrum_to_spectrum(from, to, t.m))
-        return gp_fail(log, GP_ERR_DATA, "%s: the kernel's primaries (%g,%g "
-                       "%g,%g %g,%g, white %g,%g) cannot become the frame's "
-                       "(%g,%g %g,%g %g,%g, white %g,%g); repair chromaticities",
-                       raw->name, (double) from[0], (double) from[1],
-                       (double) from[2], (double) from[3], (double) from[4],
-                       (double) from[5], (double) from[6], (double) from[7],
-                       (double) to[0], (double) to[1], (double) to[2],
-                       (double) to[3], (double) to[4], (double) to[5],
-                       (double) to[6], (double) to[7]);
+        return gp_fail(log, GP_ERR_DATA, "%s: the kernel's primaries cannot "
+                       "become the frame's; repair chromaticities", raw->name);
     memcpy(t.luminance, luminance, sizeof t.luminance);
     gp_status st = gp_planes_make(log, raw->name,
                                   (size_t) raw->w * (size_t) raw->h, &t.out);

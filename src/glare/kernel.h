@@ -82,10 +82,6 @@ struct gp_kernel {
                           // (model/make.c); owned
 };
 
-/* Returns the width of a pixel over its height; 1 where the file says less than
- * 1/16 or more than 16, which cannot be true. */
-float gp_kernel_aspect(const struct gp_image *frame);
-
 /* Makes a kernel from planes that were read from a file.
  *
  *   image      rgb and luminance weights of the kernel file; borrowed
@@ -96,7 +92,7 @@ float gp_kernel_aspect(const struct gp_image *frame);
  * each channel's sum keeps the file's ratios and the luminance sum is 1,
  * unless GP_NORMALIZE_NONE. For another scale, or pixels that are not square,
  * it is resampled by areas after it was turned: it is round on the screen, and
- * each channel's sum and centroid (within 1e-3 pixel) stay.
+ * each channel's sum stays.
  * First of all, an image that names its primaries is converted to those of
  * p->chromaticities: its samples are colours of white light spread out, as those
  * of gp_spectrum_to_spectrum(). A sample of no negative channel that gets one is

@@ -364,24 +364,24 @@ static void add_scratches(struct iris *s, int n, uint64_t seed)
 }
 
 /* Zernike's polynomials: number, key, most of it, and what it does. */
-#define ABERRATIONS(X)                                                       \
-    X(2, "tilt", 10, ", moves the light to the rotation's side")             \
-    X(3, "vertical-tilt", 10, ", moves it across")                           \
-    X(4, "defocus", 10, "")                                                  \
-    X(5, "oblique-astigmatism", 10, "")                                      \
-    X(6, "astigmatism", 10, "")                                              \
-    X(7, "vertical-coma", 5, "")                                             \
-    X(8, "coma", 5, "")                                                      \
-    X(9, "vertical-trefoil", 5, "")                                          \
-    X(10, "oblique-trefoil", 5, "")                                          \
-    X(11, "spherical", 5, "")                                                \
-    X(12, "secondary-astigmatism", 5, "")                                    \
-    X(13, "oblique-secondary", 5, ", secondary astigmatism")                 \
-    X(14, "quadrafoil", 5, "")                                               \
+#define ABERRATIONS(X)                                                        \
+    X(2, "tilt", 10, ", moves the light to the rotation's side")              \
+    X(3, "vertical-tilt", 10, ", moves it across")                            \
+    X(4, "defocus", 10, "")                                                   \
+    X(5, "oblique-astigmatism", 10, "")                                       \
+    X(6, "astigmatism", 10, "")                                               \
+    X(7, "vertical-coma", 5, "")                                              \
+    X(8, "coma", 5, "")                                                       \
+    X(9, "vertical-trefoil", 5, "")                                           \
+    X(10, "oblique-trefoil", 5, "")                                           \
+    X(11, "spherical", 5, "")                                                 \
+    X(12, "secondary-astigmatism", 5, "")                                     \
+    X(13, "oblique-secondary", 5, ", secondary astigmatism")                  \
+    X(14, "quadrafoil", 5, "")                                                \
     X(15, "oblique-quadrafoil", 5, "")
-#define ABERRATION_KEY(j, name, most, does)                                  \
-    {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -(most),        \
-     (most), NULL, false},
+#define ABERRATION_KEY(j, name, most, does)                                   \
+    {name, "Zernike's Z" #j does ", waves of 550 nm rms", 0, -(most),         \
+     (most), NULL},
 #define ABERRATION_NAME(j, name, most, does) [j] = (name),
 static const char *const aberrations[ZERNIKE_LAST + 1] = {
     ABERRATIONS(ABERRATION_NAME)
@@ -389,40 +389,37 @@ static const char *const aberrations[ZERNIKE_LAST + 1] = {
 
 static const struct gp_model_key aperture_keys[] = {
     GP_MODEL_SHARE(0.5),
-    {"blades", "blades of the iris, 3 to 32; 0 makes a circle", 6, 0, 32, NULL,
-     false},
+    {"blades", "blades of the iris, 3 to 32; 0 makes a circle", 6, 0, 32, NULL},
     {"roundness", "shape of the blades, 0 straight, with spikes as needles, to 1 "
-     "a circle; between them spikes are fans", 0, 0, 1, NULL, false},
+     "a circle; between them spikes are fans", 0, 0, 1, NULL},
     {"rotation", "turns the iris and all that is on it, degrees "
-     "counter-clockwise", 0, -360, 360, NULL, false},
+     "counter-clockwise", 0, -360, 360, NULL},
     {"obstruction", "diameter of a disc that hides the middle, as in a mirror "
-     "lens, share of the opening", 0, 0, 0.95, NULL, false},
+     "lens, share of the opening", 0, 0, 0.95, NULL},
     {"arc", "part of that disc, degrees around the direction of rotation", 360,
-     0, 360, NULL, false},
+     0, 360, NULL},
     {"grating", "strength of radial fibres near the opening's edge", 0, 0, 1,
-     NULL, false},
-    {"fibres", "number of these fibres", 200, 2, 1000, NULL, false},
-    {"dust", "dust on the lens, 0 none to 1 much", 0.1, 0, 1, NULL, false},
-    {"scratches", "scratches on the lens, 0 none to 1 many", 0.05, 0, 1, NULL,
-     false},
+     NULL},
+    {"fibres", "number of these fibres", 200, 2, 1000, NULL},
+    {"dust", "dust on the lens, 0 none to 1 much", 0.1, 0, 1, NULL},
+    {"scratches", "scratches on the lens, 0 none to 1 many", 0.05, 0, 1, NULL},
     {"lashes", "lashes or hairs before the lens, 0 none to 1 many", 0, 0, 1,
-     NULL, false},
-    {"seed", "number that chooses dust, scratches and lashes", 1, 0, 1e9, NULL,
-     false},
+     NULL},
+    {"seed", "number that chooses dust, scratches and lashes", 1, 0, 1e9, NULL},
     {"mask", "image in place of the iris: white passes light, black hides it; "
-     "its longer side is the diameter", 0, 0, 0, NULL, true},
+     "its longer side is the diameter", 0, 0, 0, gp_model_file},
     {"fnumber", "f-number of the lens: focal length over diameter", 22, 0.5,
-     256, NULL, false},
-    {"focal", "focal length of the lens, mm", 24, 1, 2000, NULL, false},
+     256, NULL},
+    {"focal", "focal length of the lens, mm", 24, 1, 2000, NULL},
     {"pupil", "diameter of the opening, mm; 0 takes focal / fnumber", 0, 0,
-     1000, NULL, false},
+     1000, NULL},
     ABERRATIONS(ABERRATION_KEY)
     {"wavelengths", "number of wavelengths of daylight, 380 to 780 nm", 32, 1,
-     256, NULL, false},
+     256, NULL},
     {"wavelength", "a single wavelength, nm, shown white; 0 takes daylight", 0,
-     0, 2000, NULL, false},
+     0, 2000, NULL},
     {"reach", "distance beyond which only the light's smooth mean goes on, "
-     "degrees; spikes fade from a quarter of it on", 12, 0.01, 90, NULL, false},
+     "degrees; spikes fade from a quarter of it on", 12, 0.01, 90, NULL},
     {0},
 };
 

@@ -12,290 +12,20 @@
  * sample outside of the primaries' gamut comes out negative, and is folded in at
  * constant luminance.
  *
- * A is linear between lags, as that of a pupil of square cells. Pixels wider than
- * the finest light alias frequencies: two sparse matrices map A's rows and
- * columns to frequencies, and a row of a matrix holds all the lags that fall on
- * one frequency.
- *
  * The kernel is periodic: light from beyond N / 2 pixels wraps to the other
  * side. OTFs are means over steps of frequency by a hat, which multiplies
  * the unbounded kernel by sinc(x / N)^2 in x and y, and the result is divided
  * by it: light that wraps to x from x - N is down to (x / (N - x))^2, a quarter
  * at the reach, a 25th at half of it, as N is three times the reach. */
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
-enum {
-    MOST_CELLS = 2048, // of a pupil, along a side
-    LEAST_CELLS = 512,
-    LANES = 16,        // columns of the kernel's spectrum made together
-};
-
-// -- from lags to frequencies -------------------------------------------------
-
-/* Shares of lags first .. first + n - 1 in a step of frequency. */
-struct lag_row {
-    int first, n;
-    size_t at; // of its weights
-};
-
-/* A lag's share in a frequency. */
-struct lag_share {
-    int lag;
-    float weight;
-};
-
-/* Rows -edge .. edge of frequencies of a kernel of `period` pixels. Those that
- * fall on a frequency k from 0 to half of the period are put together as well,
- * in order of their lags: folded[at[k]] up to folded[at[k + 1]]. */
-struct lag_matrix {
-    int edge, period;
-    double step; // of frequencies, in cells of lag
-    struct lag_row *row;
-    float *weight;
-    struct lag_share *folded;
-    int *at;
-};
-
-static void lag_matrix_free(struct lag_matrix *m)
-{
-    gp_free(m->row);
-    gp_free(m->weight);
-    gp_free(m->folded);
-    gp_free(m->at);
-    *m = (struct lag_matrix) {0};
-}
-
-/* The second integral of the hat function up to t. */
-static double ramp(double t)
-{
-    const double a = 1.0 + t, b = 1.0 - t;
-    return t <= -1.0 ? 0.0
-           : t < 0.0 ? a * a * a / 6.0
-           : t < 1.0 ? t + b * b * b / 6.0
-                     : t;
-}
-
-/* The first row whose frequency is k modulo the period. */
-static int first_row(const struct lag_matrix *m, int k)
-{
-    return (k + m->edge) % m->period;
-}
-
-static gp_status fold(const struct gp_log *log, size_t weights,
-                      struct lag_matrix *m)
-{
-    const int half = m->period / 2;
-    gp_status st = gp_alloc(log, "kernel", (size_t) half + 2, sizeof *m->at,
-                            &m->at);
-    if (!st)
-        st = gp_alloc(log, "kernel", weights, sizeof *m->folded, &m->folded);
-    if (st)
-        return st;
-    int n = 0;
-    for (int k = 0; k <= half; k++) {
-        m->at[k] = n;
-        for (int r = first_row(m, k); r <= 2 * m->edge; r += m->period) {
-            const struct lag_row *const row = &m->row[r];
-            for (int i = 0; i < row->n; i++)
-                m->folded[n++] = (struct lag_share) {
-                    row->first + i, m->weight[row->at + (size_t) i]};
-        }
-    }
-    m->at[half + 1] = n;
-    return GP_OK;
-}
-
-/* Cells go from -n to n. */
-static gp_status lag_matrix_make(const struct gp_log *log, int n, double step,
-                                 int period, struct lag_matrix *out)
-{
-    struct lag_matrix m = {.edge = (int) ceil(n / step + 1.0),
-                           .period = period, .step = step};
-    const size_t rows = 2 * (size_t) m.edge + 1;
-    const size_t most = (size_t) ceil(2.0 * step) + 3;
-    size_t at = 0;
-    gp_status st = gp_alloc(log, "kernel", rows, sizeof *m.row, &m.row);
-    if (!st)
-        st = gp_alloc(log, "kernel", rows * most, sizeof *m.weight, &m.weight);
-    for (size_t i = 0; i < rows && !st; i++) {
-        const int k = (int) i - m.edge;
-        // a mean over steps to both sides, by a hat of their width
-        const double low = (k - 1.0) * step, high = (k + 1.0) * step;
-        // the pixel that shines and the one that is lit
-        const double pixel = gp_sinc((double) k / period) / step;
-        const int first = gp_max((int) floor(low), -n);
-        const int last = gp_min((int) ceil(high), n);
-        m.row[i] = (struct lag_row) {first, gp_max(last - first + 1, 0), at};
-        for (int u = first; u <= last; u++)
-            m.weight[at++] = (float) (pixel * pixel *
-                                      (ramp(high - u) + ramp(low - u) -
-                                       2.0 * ramp(k * step - u)));
-    }
-    if (!st)
-        st = fold(log, at, &m);
-    if (st)
-        lag_matrix_free(&m);
-    else
-        *out = m;
-    return st;
-}
-
-/* Spectra of the kernel: [c][block of LANES x][y][x in it], x in [0, nx / 2],
- * y in [0, ny). */
-struct spectra {
-    int blocks;
-    float *re[3], *im[3];
-    int channels;
-};
-
-/* One wavelength; matrices may be the same. */
-struct band {
-    double rgb[3];
-    const struct lag_matrix *x, *y;
-    struct lag_matrix own[2];
-};
-
-enum { MOST_BANDS = 32 }; // summed together
-
-static void bands_free(struct band *b, int n)
-{
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < 2; k++)
-            lag_matrix_free(&b[i].own[k]);
-    }
-}
-
-enum { STRIP = GP_LAG_STRIP };
-
-/* Lags of a strip as the compiler keeps them in registers. */
-typedef float eight __attribute__((vector_size(32), may_alias));
-enum { EIGHTS = STRIP / 8, LANE_EIGHTS = LANES / 8 };
-
-struct summing {
-    const struct gp_lags *a;
-    const struct spectra *s;
-    const struct band *band;
-    int bands;
-    int strip;
-    int edge;        // lags u beyond which the strip is 0
-};
-
-/* Sums lags u of one plane of a strip for frequency k, to out[0]; as many for
- * -k to out[1]. `strip` has those of u = 0. */
-static inline __attribute__((always_inline)) void
-sum_lags(const struct lag_matrix *m, const float *strip, int edge, int k,
-         float *restrict out0, float *restrict out1)
-{
-    eight sum[2][EIGHTS] = {0};
-    const struct lag_share *at = m->folded + m->at[k];
-    const struct lag_share *end = m->folded + m->at[k + 1];
-    while (at < end && at->lag < -edge)
-        at++;
-    while (at < end && end[-1].lag > edge)
-        end--;
-    for (; at < end; at++) {
-        const eight *const plus = (const eight *) (strip + at->lag * STRIP);
-        const eight *const minus = (const eight *) (strip - at->lag * STRIP);
-        for (int i = 0; i < EIGHTS; i++) {
-            sum[0][i] += at->weight * plus[i];
-            sum[1][i] += at->weight * minus[i];
-        }
-    }
-    memcpy(out0, sum[0], sizeof sum[0]);
-    memcpy(out1, sum[1], sizeof sum[1]);
-}
-
-/* Adds the strip's lags v, and -v, of LANES columns to rows y of the spectrum:
- * t[0] and t[1], [v][lane]. */
-static inline __attribute__((always_inline)) void
-sum_rows(const struct summing *s, const struct band *b, int block,
-         eight (*t)[STRIP][LANE_EIGHTS], float *const to[3])
-{
-    const struct lag_matrix *const m = b->y;
-    const float scale = (float) (1.0 / s->a->sum);
-    const int v0 = s->strip * STRIP, end = v0 + STRIP;
-    const int low = gp_max((int) floor((v0 - 1) / m->step) - 1, -m->edge);
-    const int high = gp_min((int) ceil((end + 1) / m->step) + 1, m->edge);
-    for (int k = low; k <= high; k++) {
-        const struct lag_row *const row = &m->row[k + m->edge];
-        const int first = gp_max(row->first, v0);
-        const int last = gp_min(row->first + row->n, end);
-        const int turns = k % m->period;
-        const int y[2] = {turns < 0 ? turns + m->period : turns,
-                          turns > 0 ? m->period - turns : -turns};
-        eight sum[2][LANE_EIGHTS] = {0};
-        for (int v = first; v < last; v++) {
-            const float w = m->weight[row->at + (size_t) (v - row->first)];
-            for (int i = 0; i < 2 * LANE_EIGHTS; i++)
-                sum[i % 2][i / 2] += w * t[i % 2][v - v0][i / 2];
-        }
-        for (int side = 0; side < 2 && first < last; side++) {
-            const size_t at = ((size_t) block * (size_t) m->period +
-                               (size_t) y[side]) * LANES;
-            for (int c = 0; c < s->s->channels; c++) {
-                const float w = scale * (float) b->rgb[c];
-                eight *const out = (eight *) (to[c] + at);
-                for (int l = 0; l < LANE_EIGHTS; l++)
-                    out[l] += w * sum[side][l];
-            }
-        }
-    }
-}
-
-/* Adds a strip of lags to LANES columns of the spectrum at all wavelengths. A
- * at (u, -v) is conjugate to that at (-u, v): the column of -k. */
-GP_CLONES static void sum_strip(void *ctx, int block, int thread)
-{
-    const struct summing *const s = ctx;
-    const size_t at = gp_lag_at(s->a, 0, s->strip * STRIP);
-    float sums[2][LANES][STRIP] = {0};
-    eight t[2][STRIP][LANE_EIGHTS];
-    (void) thread;
-    for (int i = 0; i < s->bands; i++) {
-        const struct band *const b = &s->band[i];
-        const int lanes =
-            gp_min(LANES, b->x->period / 2 + 1 - block * LANES);
-        for (int plane = 0; plane < (s->a->im ? 2 : 1); plane++) {
-            const float *const strip = (plane ? s->a->im : s->a->re) + at;
-            const float sign = plane ? -1.0f : 1.0f;
-            for (int l = 0; l < lanes; l++)
-                sum_lags(b->x, strip, s->edge, block * LANES + l, sums[0][l],
-                         sums[1][l]);
-            for (int v = 0; v < STRIP; v++) {
-                float columns[2][LANES];
-                for (int l = 0; l < LANES; l++) {
-                    columns[0][l] = sums[0][l][v];
-                    columns[1][l] = sign * sums[1][l][v];
-                }
-                memcpy(t[0][v], columns[0], sizeof t[0][v]);
-                memcpy(t[1][v], columns[1], sizeof t[1][v]);
-            }
-            if (s->strip == 0) // v = 0 is no other's counterpart
-                memset(t[1][0], 0, sizeof t[1][0]);
-            sum_rows(s, b, block, t, plane ? s->s->im : s->s->re);
-        }
-    }
-}
-
-/* Adds wavelengths with one autocorrelation. */
-static void add_bands(const struct gp_lags *a, const struct band *b, int n,
-                      const struct spectra *s)
-{
-    struct summing sum = {.a = a, .s = s, .band = b, .bands = n};
-    for (; sum.strip < gp_lag_strips(a->n); sum.strip++) {
-        const double v = sum.strip * STRIP;
-        if (v > a->edge)
-            break;
-        sum.edge = (int) fmin(ceil(sqrt(a->edge * a->edge - v * v)), a->n);
-        gp_parallel_do(s->blocks, sum_strip, &sum);
-    }
-}
+enum { MOST_CELLS = 2048, LEAST_CELLS = 512 }; // of a pupil, along a side
 
 // -- from frequencies to the shape --------------------------------------------
 
@@ -340,44 +70,16 @@ static void run(const struct transform *t, int n, int thread)
                             (void *) array_out(t, thread, i));
 }
 
-/* Samples -r[0] .. r[0], -r[1] .. r[1]. */
-struct samples {
-    int r[2];
-    struct gp_planes k;
-    int channels;
-};
-
-static void samples_free(void *state)
-{
-    struct samples *const s = state;
-    gp_planes_free(&s->k);
-    gp_free(s);
-}
-
-static void samples_row(const void *state, int x, int y, int n,
-                        double *const out[3])
-{
-    const struct samples *const s = state;
-    const size_t w = 2 * (size_t) s->r[0] + 1;
-    for (int c = 0; c < s->channels; c++) {
-        for (int i = 0; i < n; i++) {
-            const bool inside = abs(x + i) <= s->r[0] && abs(y) <= s->r[1];
-            out[c][i] = inside ? (double) s->k.c[c][
-                (size_t) (y + s->r[1]) * w + (size_t) (x + i + s->r[0])] : 0.0;
-        }
-    }
-}
-
 struct finishing {
-    const struct spectra *s;
+    const struct gp_spectra *s;
     int c;
-    int first;                    // row of samples: 0, or -r[1] with a path,
+    int first;                    // row of samples: 0, or -ry with a path,
                                   // without which the shape is even
     const struct transform *t; // of x, of y
-    size_t pitch;                 // LANES columns each block
+    size_t pitch;                 // GP_LANES columns each block
     double complex *z;            // [row of samples][column of the spectrum]
     double pixel[2], fades;       // degrees; at the second samples are 0
-    struct samples *out;
+    struct gp_samples *out;
     const float *luminance;       // of the primaries
 };
 
@@ -388,17 +90,17 @@ static void finish_columns(void *ctx, int group, int thread)
     const struct transform *const t = &f->t[1];
     const size_t first = (size_t) group * GROUP;
     const int n = t->plan.n;
-    const size_t block = first / LANES * LANES * (size_t) n + first % LANES;
+    const size_t block = first / GP_LANES * GP_LANES * (size_t) n + first % GP_LANES;
     const float *const re = f->s->re[f->c], *const im = f->s->im[f->c];
     for (int y = 0; y < n; y++) {
         for (int i = 0; i < GROUP; i++) {
-            const size_t at = block + (size_t) y * LANES + (size_t) i;
+            const size_t at = block + (size_t) y * GP_LANES + (size_t) i;
             array_in(t, thread, i)[y] =
                 CMPLX((double) re[at], im ? (double) im[at] : 0.0);
         }
     }
     run(t, GROUP, thread);
-    for (int y = f->first; y <= f->out->r[1]; y++) {
+    for (int y = f->first; y <= f->out->ry; y++) {
         double complex *const to =
             f->z + first + (size_t) (y - f->first) * f->pitch;
         for (int i = 0; i < GROUP; i++)
@@ -418,7 +120,7 @@ static void finish_rows(void *ctx, int group, int thread)
 {
     const struct finishing *const f = ctx;
     const struct transform *const t = &f->t[0];
-    const int n = t->plan.n, rx = f->out->r[0], ry = f->out->r[1];
+    const int n = t->plan.n, rx = f->out->rx, ry = f->out->ry;
     const int rows = gp_min(GROUP, ry + 1 - f->first - group * GROUP);
     const double all = (double) n * f->t[1].plan.n;
     for (int i = 0; i < rows; i++) {
@@ -456,7 +158,7 @@ static void fold_row(void *ctx, int y, int thread)
 {
     static const double LEAST = 1e-20; // of all light
     const struct finishing *const f = ctx;
-    const size_t w = 2 * (size_t) f->out->r[0] + 1;
+    const size_t w = 2 * (size_t) f->out->rx + 1;
     float *const *const k = f->out->k.c;
     (void) thread;
     for (size_t i = (size_t) y * w; i < (size_t) (y + 1) * w; i++) {
@@ -472,16 +174,16 @@ static void fold_row(void *ctx, int y, int thread)
     }
 }
 
-static gp_status finish(const struct gp_log *log, const struct spectra *s,
+static gp_status finish(const struct gp_log *log, const struct gp_spectra *s,
     const struct transform t[2], const double pixel[2], double fades,
-    const float luminance[3], struct samples *out)
+    const float luminance[3], struct gp_samples *out)
 {
     struct finishing f = {
         .s = s, .t = t, .pixel = {pixel[0], pixel[1]},
-        .fades = fades, .out = out, .pitch = LANES * (size_t) s->blocks,
-        .luminance = luminance, .first = s->im[0] ? -out->r[1] : 0,
+        .fades = fades, .out = out, .pitch = GP_LANES * (size_t) s->blocks,
+        .luminance = luminance, .first = s->im[0] ? -out->ry : 0,
     };
-    const int rows = out->r[1] + 1 - f.first;
+    const int rows = out->ry + 1 - f.first;
     gp_status st = gp_alloc(log, "kernel", (size_t) rows,
                             f.pitch * sizeof *f.z, &f.z);
     for (f.c = 0; f.c < s->channels && !st; f.c++) {
@@ -489,9 +191,398 @@ static gp_status finish(const struct gp_log *log, const struct spectra *s,
         gp_parallel_do((rows + GROUP - 1) / GROUP, finish_rows, &f);
     }
     if (!st)
-        gp_parallel_do(2 * out->r[1] + 1, fold_row, &f);
+        gp_parallel_do(2 * out->ry + 1, fold_row, &f);
     gp_free(f.z);
     return st;
+}
+
+// -- far from the light -------------------------------------------------------
+
+/* Far from the light its mean is made, and before that the spikes of straight or
+ * round blades. An edge of a pupil sends light out by the inverse cube of the angle, in the
+ * mean over the circle: Airy's rings fall so, and so does the sum over a spike
+ * of an n-gon, an inverse square that keeps its width. Far out a shape is
+ *
+ *   light_c / (t^2 + a^2)^1.5,   a = reach / 20
+ *
+ * with the light of the samples from half of the reach to three quarters of it,
+ * in the median of directions: that between spikes, even around the circle.
+ * Before the reach it takes over from what is narrow, which only fades, as
+ * left_at() says: a spike that got wider in place of fainter would end in a tuft.
+ * The light that spikes then lack, some 0.1 % of all, stays in the centre.
+ *
+ * Of a pupil with blades, the part of that light which is theirs goes on in
+ * spikes as far as the recipe's reach. The transform of a polygon is a sum over
+ * its edges: with an edge's length L, its middle at m, and q = t / l in
+ * direction delta from its normal,
+ *
+ *   F(q) = sum over edges of cos(delta) L sinc(L q sin(delta)) / (2 pi q)
+ *                            exp(-2 pi i q m) (times a phase)
+ *
+ * so that its spikes fall as 1 / t^2 and are l / L wide, at any distance. Of an
+ * arc, which turns by 2 b from end to end, each direction within b of the middle
+ * has one point whose normal it is, and stationary phase spreads the edge's light
+ * evenly over them: a fan 2 b t wide, with edges as soft as Fresnel's integral,
+ * sqrt(t l / 2 rho) of the arc's radius rho: Born and Wolf, sections 8.5.1,
+ * 8.8.3 and appendix III. Fringes between edges are finer than a spectrum and
+ * pixels show. Both are one formula,
+ *
+ *   spike(s) = box of 2 b t * tent of sqrt((l / L)^2 + t l / 2 rho)
+ *
+ * in s = t delta, integrated over pixels. How strong it is per channel is fitted
+ * to the samples, which know of dust on an edge, and of colours. */
+enum {
+    TURN = 1440,      // directions
+    SIDE = TURN / 180 // of 2 degrees
+};
+
+/* Spikes of blades. Degrees of view, but for radians that say so. */
+struct spikes {
+    int n;                         // 0: none
+    double turn, fan;              // radians clockwise, as y is down; half of
+                                   // the fan
+    double width[3], soft[3];      // of a straight edge; squared over t
+    double from, reach;            // they fade between: left_at()
+    double strength[3];            // by channel, of 1 / t^2
+};
+
+struct joined {
+    struct gp_shape near, far;     // far: of light 1, grey
+    struct spikes spikes;
+    double pixel[2];               // degrees
+    double from, reach;            // samples fade between: left_at()
+    double end;                    // of these and spikes
+    double light[3];               // of the mean
+};
+
+/* The share of what is narrow that is left t degrees from the light. After
+ * `from` degrees it falls by the power STEEP beside its own, bent in over SOFT of
+ * a logarithm of t, and to 0 over the LAST of the reach. Light that falls by no
+ * more than the 12th power of the distance has no rim. */
+static double left_at(double t, double from, double reach)
+{
+    static const double STEEP = 5.5, SOFT = 0.3, LAST = 0.4;
+    const double u = log(t / from);
+    if (!(u > 0.0))
+        return 1.0;
+    const double fall = u < SOFT ? u * u / (2.0 * SOFT) : u - 0.5 * SOFT;
+    return exp(-STEEP * fall) * gp_smoothstep((1.0 - t / reach) / LAST);
+}
+
+// -- spikes -------------------------------------------------------------------
+
+/* The integral up to z of two tents of half-widths a and b, convolved. */
+static double tents_up_to(double z, double a, double b)
+{
+    static const double second[3] = {1.0, -2.0, 1.0};
+    double sum = 0.0;
+    if (z <= -a - b)
+        return 0.0;
+    if (z >= a + b)
+        return 1.0;
+    for (int i = 0; i < 9; i++) {
+        const double x = fmax(z + (i / 3 - 1) * a + (i % 3 - 1) * b, 0.0);
+        sum += second[i / 3] * second[i % 3] * x * x * x * x;
+    }
+    return sum / (24.0 * a * a * b * b);
+}
+
+/* Light of all spikes on a pixel at (x, y) degrees, of strength 1, by channel:
+ * means over the pixels that shine and are lit, across the spike. */
+static void spikes_at(const struct spikes *k, const double pixel[2], double x,
+                      double y, int channels, double out[3])
+{
+    const double t = hypot(x, y), at = atan2(y, x);
+    // the pixel's square, as boxes along its sides seen along the spike
+    const double a = pixel[0] * fabs(y) / t, b = pixel[1] * fabs(x) / t;
+    const double wide = fmax(a, b), thin = fmin(a, b);
+    const double fan = fmax(2.0 * k->fan * t, 0.1 * wide);
+    const double light = pixel[0] * pixel[1] / (t * t * fan);
+    double width[3] = {0};
+    for (int c = 0; c < channels; c++)
+        width[c] = fmax(sqrt(k->width[c] * k->width[c] + k->soft[c] * t +
+                             thin * thin), 0.1 * wide);
+    const double side = 0.5 * fan + wide + width[0]; // red's is the widest
+    out[0] = out[1] = out[2] = 0.0;
+    for (int i = 0; i < k->n; i++) {
+        const double s = t * fabs(remainder(at - k->turn - 2.0 * GP_PI * i /
+                                            k->n, GP_PI));
+        for (int c = 0; c < channels && s < side; c++)
+            out[c] += light * (tents_up_to(s + 0.5 * fan, wide, width[c]) -
+                               tents_up_to(s - 0.5 * fan, wide, width[c]));
+    }
+}
+
+/* The share of them that is left; 0 where there are none. */
+static double spikes_left(const struct spikes *k, double t)
+{
+    return k->n ? left_at(t, k->from, k->reach) : 0.0;
+}
+
+// -- the mean -----------------------------------------------------------------
+
+static double falloff(double t, double reach)
+{
+    const double a = reach / 20.0, s = t * t + a * a;
+    return 1.0 / (s * sqrt(s));
+}
+
+static void mean_profile(const void *ctx, double t, double out[3])
+{
+    const double *const reach = ctx;
+    out[0] = falloff(t, *reach);
+}
+
+/* Parts that take over: of the mean, and of a spike of 1 / t^2, as if it were
+ * even around the circle. */
+static void taking_over(const void *ctx, double t, double out[3])
+{
+    const struct joined *const s = ctx;
+    const double share = 1.0 - left_at(t, s->from, s->reach);
+    out[0] = share * falloff(t, s->reach);
+    out[1] = share * spikes_left(&s->spikes, t) / (2.0 * GP_PI * t * t * t);
+}
+
+/* Degrees; much faster than hypot(). */
+static inline double distance(const struct joined *s, int x, int y)
+{
+    const double u = s->pixel[0] * x, v = s->pixel[1] * y;
+    return sqrt(u * u + v * v);
+}
+
+/* Fades the samples of n pixels, and adds what takes over: spikes and mean. */
+static void take_over(const struct joined *s, int x, int y, int n,
+                      double *const out[3])
+{
+    const int channels = s->near.grey ? 1 : 3;
+    double strip[GP_SHAPE_STRIP] = {0};
+    double *const far[3] = {strip, NULL, NULL};
+    const int last = gp_max(abs(x), abs(x + n - 1));
+    if (!(hypot(s->pixel[0] * last, s->pixel[1] * y) > s->from))
+        return;
+    s->far.row(s->far.state, x, y, n, far);
+    for (int i = 0; i < n; i++) {
+        const double t = distance(s, x + i, y);
+        const double share = 1.0 - left_at(t, s->from, s->reach);
+        if (!(share > 0.0))
+            continue;
+        const double part = spikes_left(&s->spikes, t);
+        double v[3] = {0};
+        if (part > 0.0)
+            spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
+                      s->pixel[1] * y, channels, v);
+        for (int c = 0; c < channels; c++)
+            out[c][i] = (1.0 - share) * out[c][i] +
+                        share * (part * s->spikes.strength[c] * v[c] +
+                                 strip[i] * s->light[c]);
+    }
+}
+
+/* The mean. */
+static void joined_far(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct joined *const s = state;
+    double strip[GP_SHAPE_STRIP] = {0};
+    double *const far[3] = {strip, NULL, NULL};
+    s->far.row(s->far.state, x, y, n, far);
+    for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
+        for (int i = 0; i < n; i++)
+            out[c][i] = s->light[c] * strip[i];
+    }
+}
+
+/* The share of it that has taken over, at the nearest such pixels. */
+static double joined_least(const void *state, double pixels)
+{
+    const struct joined *const s = state;
+    return 1.0 - left_at(pixels * fmin(s->pixel[0], s->pixel[1]), s->from,
+                         s->reach);
+}
+
+static void joined_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct joined *const s = state;
+    s->near.row(s->near.state, x, y, n, out);
+    take_over(s, x, y, n, out);
+}
+
+static void joined_free(void *state)
+{
+    struct joined *const s = state;
+    s->near.free(s->near.state);
+    if (s->far.free)
+        s->far.free(s->far.state);
+    gp_free(s);
+}
+
+/* Light of samples by direction, and of spikes of strength 1. */
+struct directions {
+    double light[TURN][3], spikes[TURN][3], shape[TURN];
+};
+
+/* Direction of an offset, in steps of TURN. */
+static int direction(const struct joined *s, int x, int y)
+{
+    const double turns = atan2(s->pixel[1] * y, s->pixel[0] * x) / (2 * GP_PI);
+    return (int) (TURN * (turns + 1.0) + 0.5) % TURN;
+}
+
+/* Adds up the samples that do not fade, and those from which the mean is. */
+static void measure(const struct joined *s, int rx, int ry,
+                    struct directions *d, double sum[3])
+{
+    const int channels = s->near.grey ? 1 : 3;
+    const double area = s->pixel[0] * s->pixel[1];
+    double strip[3][GP_SHAPE_STRIP], spike[3] = {0};
+    double *const row[3] = {strip[0], strip[1], strip[2]};
+    for (int y = -ry; y <= ry; y++) {
+        for (int x = -rx; x <= rx; x += GP_SHAPE_STRIP) {
+            const int n = gp_min(rx + 1 - x, GP_SHAPE_STRIP);
+            s->near.row(s->near.state, x, y, n, row);
+            for (int i = 0; i < n; i++) {
+                const double t = distance(s, x + i, y);
+                const double left = left_at(t, s->from, s->reach);
+                for (int c = 0; c < channels; c++)
+                    sum[c] += left * strip[c][i];
+                if (t < 0.5 * s->reach || t >= 0.75 * s->reach)
+                    continue;
+                const int k = direction(s, x + i, y);
+                d->shape[k] += falloff(t, s->reach) * area;
+                if (s->spikes.n)
+                    spikes_at(&s->spikes, s->pixel, s->pixel[0] * (x + i),
+                              s->pixel[1] * y, channels, spike);
+                for (int c = 0; c < channels; c++) {
+                    d->light[k][c] += strip[c][i];
+                    d->spikes[k][c] += spike[c];
+                }
+            }
+        }
+    }
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+/* The strength of spikes in a channel: the light of directions within 2 degrees
+ * of theirs, over that between. */
+static double fit_spikes(const struct directions *d, int c, double between)
+{
+    double sum = 0.0, spikes = 0.0;
+    for (int i = 0; i < TURN; i++) {
+        bool near = false;
+        for (int k = -SIDE; k <= SIDE; k++)
+            near |= d->spikes[(i + k + TURN) % TURN][c] > 0.0;
+        sum += near ? d->light[i][c] - between * d->shape[i] : 0.0;
+        spikes += d->spikes[i][c];
+    }
+    return spikes > 0.0 ? fmax(sum / spikes, 0.0) : 0.0;
+}
+
+/* Fills s->light and the spikes' strength. */
+static void share_out(struct joined *s, const struct directions *d)
+{
+    // of the mean: without dust there is hardly light for spikes to end in
+    static const double DARKEST = 0.1;
+    for (int c = 0; c < (s->near.grey ? 1 : 3); c++) {
+        double light[TURN / SIDE] = {0}, mean = 0.0;
+        int n = 0;
+        for (int i = 0; i < TURN; i += SIDE) {
+            double sum = 0.0, shape = 0.0;
+            for (int k = i; k < i + SIDE; k++) {
+                sum += d->light[k][c];
+                shape += d->shape[k];
+            }
+            if (shape > 0.0)
+                light[n++] = sum / shape;
+        }
+        for (int i = 0; i < n; i++)
+            mean += light[i] / n;
+        qsort(light, (size_t) n, sizeof *light, compare);
+        s->light[c] = n ? fmax(light[n / 2], DARKEST * mean) : 0.0;
+        if (s->spikes.n)
+            s->spikes.strength[c] = fit_spikes(d, c, s->light[c]);
+    }
+}
+
+/* The spikes of d's blades, if they go on beyond `reach`. */
+static struct spikes spikes_of(const struct gp_diffraction *d, double reach)
+{
+    static const double waves[3] = {610.0, 550.0, 465.0}; // nm, of channels
+    const struct gp_blades *const b = &d->blades;
+    const double degree = GP_PI / 180.0;
+    struct spikes k = {.n = d->reach > 1.05 * reach ? b->n : 0};
+    if (!k.n)
+        return k;
+    k.turn = -b->turn;
+    k.fan = asin(fmin(0.5 * b->length / b->bend, 1.0));
+    k.from = d->sampled * d->reach;
+    k.reach = d->reach;
+    for (int c = 0; c < 3; c++) {
+        const double mm = 1e-6 * (d->nm > 0.0 ? d->nm : waves[c]);
+        k.width[c] = hypot(mm / b->length, 1e-6 * d->steep) / degree;
+        k.soft[c] = 0.5 * mm / b->bend / degree;
+    }
+    return k;
+}
+
+/* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
+ * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
+ * take over before. Where the field cuts no samples off, the light of the centre
+ * is changed for all of it to be 1. */
+static gp_status join(const struct gp_log *log,
+    const struct gp_diffraction *d, const int r[2], double reach,
+    const struct gp_field *f, struct gp_shape *shape)
+{
+    struct joined *s;
+    struct directions *by;
+    double over[3], sum[3] = {0};
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
+    if (st)
+        return st;
+    st = gp_alloc_zero(log, "kernel", 1, sizeof *by, &by);
+    if (!st) // it is taken where it only falls, from 10 of its core's radii on
+        st = gp_radial_shape(log, mean_profile, &reach, 1, 0.0, f, &s->far);
+    if (st) {
+        gp_free(by);
+        gp_free(s);
+        return st;
+    }
+    s->pixel[0] = f->degrees * f->aspect;
+    s->pixel[1] = f->degrees;
+    s->from = d->sampled * reach;
+    s->reach = reach;
+    s->near = *shape;
+    s->spikes = spikes_of(d, reach);
+    s->end = fmax(reach, s->spikes.reach);
+    measure(s, r[0], r[1], by, sum);
+    share_out(s, by);
+    gp_free(by);
+    const double end = s->end;
+    gp_profile_integral(taking_over, s, 2, s->from, end, over);
+    const double a = reach / 20.0; // and from there to infinity
+    const double rest = 2.0 * GP_PI / sqrt(end * end + a * a);
+    const bool whole = r[0] < f->w - 1 && r[1] < f->h - 1;
+    for (int c = 0; c < 3 && whole; c++)
+        shape->own[c] = 1.0 - sum[c] - (over[0] + rest) * s->light[c] -
+                        over[1] * 2.0 * s->spikes.n * s->spikes.strength[c];
+    shape->state = s;
+    shape->free = joined_free;
+    shape->row = joined_row;
+    shape->reach = INT_MAX;
+    const double pixels = end / (f->degrees * fmin(f->aspect, 1.0));
+    shape->smooth = 0.75 * pixels;
+    shape->far = joined_far;
+    shape->least = joined_least;
+    shape->far_grey = shape->grey;
+    shape->far_even = true;
+    shape->sharp = s->spikes.n ? (int) fmin(ceil(pixels), INT_MAX)
+                               : gp_max(r[0], r[1]);
+    return GP_OK;
 }
 
 // -- all of it ----------------------------------------------------------------
@@ -520,129 +611,19 @@ static void draw_row(void *ctx, int y, int thread)
     d->d->draw(d->d->ctx, d->p, y);
 }
 
-/* Makes a wavelength's matrices for lags -n .. n of `cell` mm. */
-static gp_status band_make(const struct gp_log *log, int n, double cell,
-    double nm, const int period[2], const double pixel[2], struct band *b)
-{
-    double step[2];
-    for (int k = 0; k < 2; k++)
-        step[k] = nm * 1e-6 / (period[k] * pixel[k] * (GP_PI / 180.0) * cell);
-    const bool alike = step[0] == step[1] && period[0] == period[1];
-    gp_status st = lag_matrix_make(log, n, step[0], period[0], &b->own[0]);
-    if (!st && !alike)
-        st = lag_matrix_make(log, n, step[1], period[1], &b->own[1]);
-    b->x = &b->own[0];
-    b->y = &b->own[alike ? 0 : 1];
-    return st;
-}
-
-static gp_status make_spectra(const struct gp_log *log,
-    const struct gp_diffraction *d, const struct gp_field *f,
-    const struct gp_pupil *p, const int period[2], const double pixel[2],
-    struct spectra *s)
-{
-    double nm[GP_BANDS], rgb[GP_BANDS][3];
-    int bands = gp_min(d->bands, GP_BANDS), n = 0;
-    struct band band[MOST_BANDS] = {0};
-    struct gp_correlator t = {0};
-    struct gp_lags a = {.n = p->n};
-    gp_status st;
-    gp_spectrum_colours(f->chromaticities, bands, nm, rgb);
-    if (d->nm > 0.0) {
-        bands = 1;
-        nm[0] = d->nm;
-        rgb[0][0] = rgb[0][1] = rgb[0][2] = 1.0;
-    }
-    const size_t lags = gp_lag_count(a.n);
-    GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.re));
-    if (p->path)
-        GP_TRY(gp_alloc(log, "kernel", lags, sizeof(float), &a.im));
-    GP_TRY(gp_correlator_make(log, p, &t));
-    for (int i = 0; i < bands; i += n) {
-        bands_free(band, n);
-        n = p->path ? 1 : gp_min(bands - i, MOST_BANDS);
-        if (i == 0 || p->path)
-            gp_correlate(&t, nm[i], &a);
-        if (!(a.sum > 0.0)) {
-            st = gp_fail(log, GP_ERR_DATA, "%s: no light passes the pupil; "
-                         "make its openings larger", d->name);
-            goto out;
-        }
-        for (int k = 0; k < n; k++) {
-            memcpy(band[k].rgb, rgb[i + k], sizeof band[k].rgb);
-            GP_TRY(band_make(log, a.n, p->cell, nm[i + k], period, pixel,
-                             &band[k]));
-        }
-        add_bands(&a, band, n, s);
-    }
-out:
-    bands_free(band, n);
-    gp_correlator_free(&t);
-    gp_free(a.re);
-    gp_free(a.im);
-    return st;
-}
-
-/* Pixels that hold `reach` in few of their own are cut into slices, which are
- * then put together: light of a slice is even over it too. */
+/* Slices that hold `reach` at least; pixels that are wider are cut into them. */
 enum { LEAST_REACH = 16 };
-
-static void joined_row(const void *state, int x, int y, int n,
-                       double *const out[3])
-{
-    gp_deposit_row(state, 3, x, y, n, out);
-}
-
-static void joined_free(void *state)
-{
-    gp_deposit_free(state);
-    gp_free(state);
-}
-
-/* Puts samples of slices together, slices[i] to a pixel along axis i. */
-static gp_status join_slices(const struct gp_log *log, const struct samples *k,
-    const int slices[2], const struct gp_field *f, struct gp_shape *out)
-{
-    struct gp_deposit *d;
-    const int r[2] = {(k->r[0] - 1) / slices[0] + 1,
-                      (k->r[1] - 1) / slices[1] + 1};
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *d, &d);
-    if (!st)
-        st = gp_deposit_make(log, gp_min(r[0], f->w - 1),
-                             gp_min(r[1], f->h - 1), d);
-    if (st) {
-        gp_free(d);
-        return st;
-    }
-    const size_t w = 2 * (size_t) k->r[0] + 1;
-    for (int y = -k->r[1]; y <= k->r[1]; y++) {
-        for (int x = -k->r[0]; x <= k->r[0]; x++) {
-            const size_t at = (size_t) (y + k->r[1]) * w +
-                              (size_t) (x + k->r[0]);
-            double light[3];
-            for (int c = 0; c < 3; c++)
-                light[c] = (double) k->k.c[k->channels == 3 ? c : 0][at];
-            gp_deposit_add(d, (double) x / slices[0], (double) y / slices[1],
-                           light);
-        }
-    }
-    *out = (struct gp_shape) {
-        .state = d, .free = joined_free, .row = joined_row, .smooth = INFINITY,
-        .reach = gp_max(d->rx, d->ry),
-    };
-    return GP_OK;
-}
 
 gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
                       const struct gp_field *f, struct gp_shape *out)
 {
     double pixel[2] = {f->degrees * f->aspect, f->degrees};
     const int size[2] = {f->w, f->h};
-    int period[2], slices[2];
+    int period[2], slices[2], r[2];
     struct gp_pupil p = {0};
-    struct spectra s = {.channels = d->nm > 0.0 ? 1 : 3};
+    struct gp_spectra s = {0};
     struct transform t[2] = {{0}, {0}};
-    struct samples *k = NULL;
+    struct gp_shape shape = {0};
     gp_status st;
     // as far as the key says, as cells resolve it, as a frame can meet it
     const double corner = hypot(pixel[0] * f->w, pixel[1] * f->h);
@@ -651,61 +632,42 @@ gp_status gp_diffract(const struct gp_log *log, const struct gp_diffraction *d,
     const double resolved = (d->nm > 0.0 ? d->nm : 450.0) * 0.5e-6 / p.cell *
                             0.95 * 180.0 / GP_PI;
     const double reach = fmin(d->reach, resolved);
-    GP_TRY(gp_alloc_zero(log, "kernel", 1, sizeof *k, &k));
-    k->channels = s.channels;
     for (int i = 0; i < 2; i++) {
         slices[i] = (int) fmin(ceil(LEAST_REACH * pixel[i] / reach), 1e8);
         pixel[i] /= slices[i];
-        k->r[i] = (int) fmin(ceil(reach / pixel[i]),
-                             slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
-        period[i] = gp_fft_length(gp_max(3 * k->r[i] + 1, 64));
+        r[i] = (int) fmin(ceil(reach / pixel[i]),
+                          slices[i] > 1 ? LEAST_REACH * 2.0 : size[i] - 1);
+        period[i] = gp_fft_length(gp_max(3 * r[i] + 1, 64));
     }
     const size_t cells = (size_t) p.n * (size_t) p.n;
     GP_TRY(gp_alloc_zero(log, "kernel", cells, sizeof(float), &p.t));
     if (d->steep > 0.0)
         GP_TRY(gp_alloc_zero(log, "kernel", cells, sizeof(float), &p.path));
     gp_parallel_do(p.n, draw_row, &(struct drawing) {d, &p});
-    s.blocks = (period[0] / 2 + LANES) / LANES;
-    for (int c = 0; c < s.channels; c++) {
-        const size_t n = LANES * (size_t) s.blocks * (size_t) period[1];
-        GP_TRY(gp_alloc_zero(log, "kernel", n, sizeof(float), &s.re[c]));
-        if (p.path)
-            GP_TRY(gp_alloc_zero(log, "kernel", n, sizeof(float), &s.im[c]));
-    }
-    GP_TRY(make_spectra(log, d, f, &p, period, pixel, &s));
+    GP_TRY(gp_spectra_make(log, d, f, &p, period, pixel, &s));
     GP_FREE(p.t);
     GP_FREE(p.path);
     for (int i = 0; i < 2; i++)
         GP_TRY(transform_make(log, period[i], &t[i]));
-    GP_TRY(gp_planes_make(log, "kernel", (2 * (size_t) k->r[0] + 1) *
-                          (2 * (size_t) k->r[1] + 1), &k->k));
+    GP_TRY(gp_samples_shape(log, s.channels, r[0], r[1], &shape));
     const bool sliced = slices[0] > 1 || slices[1] > 1; // nothing goes on
-    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance, k));
-    if (sliced) {
-        st = join_slices(log, k, slices, f, out);
-        goto out;
-    }
-    struct gp_shape shape = {
-        .state = k, .free = samples_free, .row = samples_row,
-        .grey = k->channels == 1, .smooth = INFINITY,
-        .reach = gp_max(k->r[0], k->r[1]),
-    };
-    if (corner > d->sampled * reach)
-        GP_TRY(gp_diffract_join(log, d, k->r, reach, f, &shape));
+    GP_TRY(finish(log, &s, t, pixel, sliced ? reach : 1e9, f->luminance,
+                  shape.state));
+    if (!sliced && corner > d->sampled * reach)
+        GP_TRY(join(log, d, r, reach, f, &shape));
     *out = shape;
-    k = NULL;
+    shape.free = NULL;
+    if (sliced)
+        st = gp_slices_join(log, slices, r[0], r[1], f, out);
 out:
-    if (k)
-        samples_free(k);
+    if (shape.free)
+        shape.free(shape.state);
     gp_free(p.t);
     gp_free(p.path);
     for (int i = 0; i < 2; i++) {
         gp_fft_plan_free(&t[i].plan);
         gp_free(t[i].room);
     }
-    for (int c = 0; c < 3; c++) {
-        gp_free(s.re[c]);
-        gp_free(s.im[c]);
-    }
+    gp_spectra_free(&s);
     return st;
 }

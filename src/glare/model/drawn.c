@@ -10,48 +10,16 @@
 
 // -- gaussian -----------------------------------------------------------------
 
-/* exp(-t^2 / (2 sigma^2)) / (2 pi sigma^2) in the plane: a product of one curve
- * a direction, whose integral over a pixel is a difference of error
- * functions. */
-struct gaussian {
-    double sigma_x, sigma_y; // pixels
-};
-
-/* The second integral of the normal density of width 1, from the right. */
-static double second_integral(double z)
+/* exp(-t^2 / (2 sigma^2)) / (2 pi sigma^2) in the plane. */
+static void gaussian_profile(const void *ctx, double t, double out[3])
 {
-    return exp(-0.5 * z * z) / sqrt(2.0 * M_PI) - 0.5 * z * erfc(sqrt(0.5) * z);
-}
-
-/* The share of pixel x, x >= 0, of light that is even over pixel 0. */
-static double normal_share(double x, double sigma)
-{
-    const struct gp_gauss *const g = gp_tent_rule(6);
-    double sum = 0.0;
-    if (sigma < 30.0)
-        return fmax(sigma * (second_integral((x + 1.0) / sigma) -
-                             2.0 * second_integral(x / sigma) +
-                             second_integral((x - 1.0) / sigma)), 0.0);
-    for (int i = 0; i < g->n; i++) { // differences would lose their digits
-        const double z = (x + g->node[i]) / sigma;
-        sum += g->weight[i] * exp(-0.5 * z * z);
-    }
-    return sum / (sqrt(2.0 * M_PI) * sigma);
-}
-
-static void gaussian_row(const void *state, int x, int y, int n,
-                         double *const out[3])
-{
-    const struct gaussian *const g = state;
-    const double row = normal_share(abs(y), g->sigma_y);
-    for (int i = 0; i < n; i++)
-        out[0][i] = row * normal_share(abs(x + i), g->sigma_x);
+    const double sigma = *(const double *) ctx, z = t / sigma;
+    out[0] = exp(-0.5 * z * z) / (2.0 * M_PI * sigma * sigma);
 }
 
 static const struct gp_model_key gaussian_keys[] = {
     GP_MODEL_SHARE(0.1),
-    {"fwhm", "width at half its height, degrees", 0.5, 1e-4, 90.0, NULL,
-     false},
+    {"fwhm", "width at half its height, degrees", 0.5, 1e-4, 90.0, NULL},
     {0},
 };
 
@@ -60,19 +28,16 @@ static gp_status open_gaussian(const struct gp_log *log,
 {
     const double sigma =
         gp_recipe_value(r, "fwhm") / (2.0 * sqrt(2.0 * log1p(1.0)));
-    struct gaussian *g;
-    gp_status st = gp_alloc(log, "kernel", 1, sizeof *g, &g);
+    const double pixel = f->degrees * fmin(f->aspect, 1.0);
+    const double end = 14.0 * sigma; // farther a sample is under FLT_MIN
+    const double bends = sigma < 30.0 * pixel ? end : 0.0;
+    gp_status st = gp_radial_shape(log, gaussian_profile, &sigma, 1, bends, f,
+                                   out);
     if (st)
         return st;
-    g->sigma_x = sigma / (f->degrees * f->aspect);
-    g->sigma_y = sigma / f->degrees;
-    // beyond 14 sigma a sample is under FLT_MIN
-    const double reach = ceil(14.0 * fmax(g->sigma_x, g->sigma_y)) + 1.0;
-    *out = (struct gp_shape) {
-        .state = g, .free = gp_free, .row = gaussian_row, .grey = true,
-        .even = true, .smooth = INFINITY,
-        .reach = reach < 1e6 ? (int) reach : INT_MAX,
-    };
+    const double reach = ceil(end / pixel) + 1.0;
+    out->smooth = INFINITY;
+    out->reach = reach < 1e6 ? (int) reach : INT_MAX;
     return GP_OK;
 }
 
@@ -99,10 +64,9 @@ static void moffat_profile(const void *ctx, double t, double out[3])
 
 static const struct gp_model_key moffat_keys[] = {
     GP_MODEL_SHARE(0.1),
-    {"fwhm", "width at half its height, degrees", 0.2, 1e-4, 90.0, NULL,
-     false},
+    {"fwhm", "width at half its height, degrees", 0.2, 1e-4, 90.0, NULL},
     {"beta", "power of its wings: light falls as distance^-2beta", 1.75, 1.05,
-     20.0, NULL, false},
+     20.0, NULL},
     {0},
 };
 
@@ -126,126 +90,59 @@ const struct gp_model gp_model_moffat = {
 
 // -- discs and rings ----------------------------------------------------------
 
-/* Curves of the distance by channel, for shapes with edges. A pixel is
- * integrated by slices on which its curve bends little; where those would be
- * many, the shape is shared out to pixels by its rings. */
+/* Curves of the distance by channel, for shapes with edges, in pixels or slices
+ * of them on which a curve bends little. */
 struct radial {
-    struct gp_field f;
-    int slices;       // of a pixel, in x and in y
+    double a, b;      // degrees of a slice
     int n;            // steps
     double step;      // degrees; the curve is 0 from n * step on
     double *curve[3]; // n + 2 each, owned
     bool grey;
-    struct gp_deposit rings; // of pixels too wide for slices
 };
 
 static void free_radial(void *state)
 {
     struct radial *const r = state;
-    gp_deposit_free(&r->rings);
     gp_free(r->curve[0]);
     gp_free(r);
-}
-
-static void curve_at(const void *ctx, double t, double out[3])
-{
-    const struct radial *const r = ctx;
-    const double at = fmin(t / r->step, r->n);
-    const int i = (int) at;
-    for (int c = 0; c < 3; c++)
-        out[c] = r->curve[c][i] + (at - i) * (r->curve[c][i + 1] -
-                                              r->curve[c][i]);
-}
-
-static void rings_row(const void *state, int x, int y, int n,
-                      double *const out[3])
-{
-    const struct radial *const r = state;
-    gp_deposit_row(&r->rings, r->grey ? 1 : 3, x, y, n, out);
-}
-
-/* Shares the curves out, of which each panel holds `bend`; all light is 1. */
-static gp_status make_rings(const struct gp_log *log, double end, double bend,
-                            int rx, int ry, struct radial *r)
-{
-    const int panels = (int) ceil(end / bend);
-    double light[3] = {0};
-    gp_status st = gp_deposit_make(log, rx, ry, &r->rings);
-    for (int i = 0; i < panels && !st; i++)
-        gp_deposit_rings(&r->rings, curve_at, r, &r->f, end * i / panels,
-                         end * (i + 1) / panels, light);
-    const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
-    for (size_t i = 0; i < 3 * n && !st; i++)
-        r->rings.v[0][i] /= light[i / n];
-    return st;
 }
 
 static void radial_row(const void *state, int x, int y, int n,
                        double *const out[3])
 {
-    enum { MOST = 96 };
     const struct radial *const r = state;
-    const double b = r->f.degrees, a = b * r->f.aspect;
-    const double end = r->n * r->step + a + b;
-    double node[MOST], weight[MOST];
-    int nodes = 0;
-    const bool whole = r->slices == 1;
-    const struct gp_gauss *const g = whole ? gp_tent_rule(4) : gp_gauss_rule(3);
-    for (; nodes < (whole ? 1 : 2 * r->slices) * g->n; nodes++) {
-        // slices of (-1, 1), `slices` to each half
-        const int k = nodes % g->n;
-        const double at = (nodes / g->n + 0.5 + g->node[k]) / r->slices - 1.0;
-        node[nodes] = whole ? g->node[k] : at;
-        weight[nodes] = whole ? g->weight[k]
-                              : g->weight[k] * (1.0 - fabs(at)) / r->slices;
-    }
+    const struct gp_gauss *const g = gp_tent_rule(4);
+    const double a = r->a, b = r->b, end = r->n * r->step + a + b;
+    const int channels = r->grey ? 1 : 3;
     for (int i = 0; i < n; i++) {
-        double sum[3] = {0}, v[3];
+        double sum[3] = {0};
         const double u = a * abs(x + i), v0 = b * abs(y);
-        for (int k = 0; k < nodes * nodes && hypot(u, v0) < end; k++) {
-            const int p = k % nodes, q = k / nodes;
-            curve_at(r, hypot(u + a * node[p], v0 + b * node[q]), v);
-            for (int c = 0; c < 3; c++)
-                sum[c] += weight[p] * weight[q] * v[c];
+        for (int k = 0; k < g->n * g->n && hypot(u, v0) < end; k++) {
+            const int p = k % g->n, q = k / g->n;
+            const double t = hypot(u + a * g->node[p], v0 + b * g->node[q]);
+            const double at = fmin(t / r->step, r->n);
+            const int s = (int) at;
+            for (int c = 0; c < channels; c++)
+                sum[c] += g->weight[p] * g->weight[q] *
+                          (r->curve[c][s] + (at - s) * (r->curve[c][s + 1] -
+                                                        r->curve[c][s]));
         }
-        for (int c = 0; c < (r->grey ? 1 : 3); c++)
+        for (int c = 0; c < channels; c++)
             out[c][i] = sum[c] * a * b;
     }
 }
 
-/* Makes a shape whose curves end at `end` degrees and bend on the scale of
- * `bend`; `value` fills curves of any height, which are then scaled to a plane's
+/* Fills the curves by `value`, which has any height, scaled to a plane's
  * integral of 1 each. */
-static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
-    double end, double bend, bool grey,
-    void (*value)(const void *ctx, double t, double out[3]), const void *ctx,
-    struct gp_shape *out)
+static void fill_curves(struct radial *r, gp_profile value, const void *ctx)
 {
-    enum { MOST_SLICES = 8 };
-    struct radial *r;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
-    if (st)
-        return st;
-    r->f = *f;
-    r->grey = grey;
-    r->step = bend / 64.0;
-    r->n = (int) ceil(end / r->step);
-    const double slices = ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend);
-    r->slices = (int) fmin(slices, MOST_SLICES);
     const size_t room = (size_t) r->n + 2;
-    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
-    if (st) {
-        gp_free(r);
-        return st;
-    }
-    r->curve[1] = r->curve[0] + room;
-    r->curve[2] = r->curve[1] + room;
     double sum[3] = {0};
     for (int i = 0; i < r->n; i++) {
         double v[3];
         value(ctx, i * r->step, v);
         for (int c = 0; c < 3; c++) {
-            r->curve[c][i] = v[grey ? 0 : c];
+            r->curve[c][i] = v[r->grey ? 0 : c];
             // lines between steps, turned about the centre
             const double before = i > 0 ? (i - 1) / 2.0 + 1.0 / 3.0 : 0.0;
             sum[c] += 2.0 * M_PI * r->step * r->step * r->curve[c][i] *
@@ -254,23 +151,48 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     }
     for (size_t i = 0; i < 3 * room; i++)
         r->curve[0][i] /= sum[i / room];
-    const double reach_x = ceil(end / (f->degrees * f->aspect)) + 1.0;
-    const double reach_y = ceil(end / f->degrees) + 1.0;
-    const double reach = fmax(reach_x, reach_y);
-    if (slices > MOST_SLICES)
-        st = make_rings(log, end, bend, (int) fmin(reach_x, f->w - 1),
-                        (int) fmin(reach_y, f->h - 1), r);
+}
+
+/* Makes a shape whose curves end at `end` degrees and bend on the scale of
+ * `bend`. */
+static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
+    double end, double bend, bool grey, gp_profile value, const void *ctx,
+    struct gp_shape *out)
+{
+    const double b = f->degrees, a = b * f->aspect;
+    const int slices[2] = {(int) ceil(4.0 * a / bend),
+                           (int) ceil(4.0 * b / bend)};
+    const bool whole = slices[0] == 1 && slices[1] == 1;
+    struct radial *r;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
+    if (st)
+        return st;
+    r->a = a / slices[0];
+    r->b = b / slices[1];
+    r->grey = grey;
+    r->step = bend / 64.0;
+    r->n = (int) ceil(end / r->step);
+    const size_t room = (size_t) r->n + 2;
+    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
     if (st) {
-        free_radial(r);
+        gp_free(r);
         return st;
     }
+    r->curve[1] = r->curve[0] + room;
+    r->curve[2] = r->curve[1] + room;
+    fill_curves(r, value, ctx);
+    const double rx = ceil(end / r->a) + 1.0, ry = ceil(end / r->b) + 1.0;
+    const double reach = fmax(rx, ry);
     *out = (struct gp_shape) {
-        .state = r, .free = free_radial, .grey = grey,
-        .row = slices > MOST_SLICES ? rings_row : radial_row,
+        .state = r, .free = free_radial, .grey = grey, .row = radial_row,
         .even = true, .smooth = INFINITY,
         .reach = reach < 1e6 ? (int) reach : INT_MAX,
     };
-    return GP_OK;
+    return whole ? GP_OK
+                 : gp_slices_join(log, slices,
+                                  (int) fmin(rx, (double) f->w * slices[0]),
+                                  (int) fmin(ry, (double) f->h * slices[1]), f,
+                                  out);
 }
 
 /* A point out of focus: an even disc, a rim on it that a lens which corrects
@@ -292,10 +214,9 @@ static void disc_value(const void *ctx, double t, double out[3])
  * the street of examples/. */
 static const struct gp_model_key circle_keys[] = {
     GP_MODEL_SHARE(0.004),
-    {"size", "diameter, degrees", 2.0, 0.01, 90.0, NULL, false},
-    {"soft", "width of its edge, share of the radius", 0.6, 0.01, 1.0, NULL,
-     false},
-    {"rim", "how much brighter its rim is", 0.3, 0.0, 10.0, NULL, false},
+    {"size", "diameter, degrees", 2.0, 0.01, 90.0, NULL},
+    {"soft", "width of its edge, share of the radius", 0.6, 0.01, 1.0, NULL},
+    {"rim", "how much brighter its rim is", 0.3, 0.0, 10.0, NULL},
     {0},
 };
 
@@ -377,9 +298,8 @@ static void even_bands(struct halo *h)
 static const struct gp_model_key ring_keys[] = {
     GP_MODEL_SHARE(0.04),
     {"radius", "of the first bright ring at 550 nm, degrees", 2.4, 0.02, 29.0,
-     NULL, false},
-    {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL,
-     false},
+     NULL},
+    {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL},
     {0},
 };
 
@@ -466,15 +386,13 @@ static gp_status open_image(const struct gp_log *log, const struct gp_recipe *r,
 
 static const struct gp_model_key image_keys[] = {
     GP_MODEL_SHARE(1.0),
-    {"file", "the image; needed", 1, 0, 0, NULL, true},
-    {"size", "its height in degrees of view; 0: by percent", 0, 0, 180, NULL,
-     false},
-    {"percent", "frame pixels for 100 of its own", 100, 0.1, 10000, NULL,
-     false},
+    {"file", "the image; needed", 1, 0, 0, gp_model_file},
+    {"size", "its height in degrees of view; 0: by percent", 0, 0, 180, NULL},
+    {"percent", "frame pixels for 100 of its own", 100, 0.1, 10000, NULL},
     {"x", "column of its centre's pixel, from 0; -1: the middle", -1, -1, 1e6,
-     NULL, false},
+     NULL},
     {"y", "row of its centre's pixel, from 0; -1: the middle", -1, -1, 1e6,
-     NULL, false},
+     NULL},
     {0},
 };
 

@@ -1,10 +1,12 @@
 /* Models of the eye: Spencer et al. 1995, and the CIE's of 1999 and 2002. */
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "core/parallel.h"
 #include "glare/model/model_priv.h"
 
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 // -- Spencer ------------------------------------------------------------------
@@ -142,15 +144,15 @@ static const double spencer_weights[3][4] = {
 static const struct gp_model_key spencer_keys[] = {
     GP_MODEL_SHARE(1.0),
     {"light", "by day, at dusk, by night, or by the pupil of adaptation",
-     PHOTOPIC, PHOTOPIC, ADAPTED, lights, false},
+     PHOTOPIC, PHOTOPIC, ADAPTED, lights},
     GP_MODEL_ADAPTATION(0),
     {"pupil", "diameter in mm, 3 by day to 7 by night, in place of light; 0: "
-     "by light", 0.0, 0.0, 9.0, NULL, false},
+     "by light", 0.0, 0.0, 9.0, NULL},
     {"halo", "strength of the lenticular halo, 0 none to 1 as Spencer et al. "
-     "have it", HALO, 0.0, 1.0, NULL, false},
+     "have it", HALO, 0.0, 1.0, NULL},
     {"needles", "rays into which the ciliary corona breaks up; 0: none, it is "
-     "even", 0.0, 0.0, 1000.0, NULL, false},
-    {"seed", "which needles", 1.0, 0.0, 1e9, NULL, false},
+     "even", 0.0, 0.0, 1000.0, NULL},
+    {"seed", "which needles", 1.0, 0.0, 1e9, NULL},
     {0},
 };
 
@@ -200,12 +202,253 @@ static gp_status spencer_of(const struct gp_log *log, const struct gp_recipe *r,
     return GP_OK;
 }
 
+// -- needles ------------------------------------------------------------------
+
+/* The ciliary corona, f1 and f2, as needles: section 3.1 has it made of rays of
+ * random strength, which the cells of the lens scatter. The corona at distance t
+ * and angle phi is multiplied by
+ *
+ *   1 + a(t) (m(phi) - 1)
+ *
+ * where m has mean 1 over the circle, so that each circle keeps its light, and
+ * a falls from 1 to 0 between half of NEEDLE_END and that, where needles would
+ * be wide. m is at least 1 - NEEDLE_CONTRAST. */
+static const double NEEDLE_END = 5.0; // degrees
+static const double NEEDLE_CONTRAST = 0.8;
+
+enum { CIRCLE = 1 << 14 }; // steps of m
+
+/* Pixels as near as this, in columns and in rows, take points of rings. */
+enum { NEAR = 3 };
+
+struct needling {
+    double f1, f2;     // the corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per
+                       // steradian
+    double a, b, turn; // degrees of a pixel; turns
+    int rx, ry;
+    float *out;
+    double *sum;       // that rows add
+    // by steps of a turn, both periodic: the integral of m - 1, and of that
+    double first[CIRCLE + 1], second[CIRCLE + 1];
+};
+
+/* The share of the needles' contrast that is left t degrees from the light. */
+static double needle_fade(double t)
+{
+    const double end = fmin(fmax(2.0 * (1.0 - t / NEEDLE_END), 0.0), 1.0);
+    return end * end * (3.0 - 2.0 * end);
+}
+
+/* Makes m, of mean 1, and its integrals. */
+static void make_circle(const struct gp_recipe *r, struct needling *out)
+{
+    const int n = (int) gp_recipe_value(r, "needles");
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    double *const sum = out->first, total = 0.0, mean = 0.0;
+    memset(sum, 0, sizeof out->first);
+    for (int i = 0; i < n; i++) {
+        const uint64_t key = 3 * (uint64_t) i;
+        const double at = CIRCLE * gp_model_random(seed, key);
+        // a few are strong, as of an exponential distribution
+        const double strength = -log(1.0 - gp_model_random(seed, key + 1));
+        const double width = CIRCLE * (0.3 + gp_model_random(seed, key + 2)) *
+                             0.35 / fmax(n, 32.0);
+        const int reach = (int) ceil(4.0 * width);
+        for (int k = -reach; k <= reach; k++) {
+            const double z = (floor(at) + k + 0.5 - at) / width;
+            const double v = strength * exp(-0.5 * z * z) / width;
+            const int step = (((int) at + k) % CIRCLE + CIRCLE) % CIRCLE;
+            sum[step + 1] += v;
+            total += v;
+        }
+    }
+    for (int i = 0; i < CIRCLE; i++) {
+        const double more = NEEDLE_CONTRAST *
+                            (sum[i + 1] / total - 1.0 / CIRCLE);
+        sum[i + 1] = sum[i] + more;
+        mean += (sum[i] + 0.5 * more) / CIRCLE;
+    }
+    for (int i = 0; i <= CIRCLE; i++)
+        sum[i] -= mean;
+    out->second[0] = 0.0;
+    for (int i = 0; i < CIRCLE; i++)
+        out->second[i + 1] =
+            out->second[i] + 0.5 * (sum[i] + sum[i + 1]) / CIRCLE;
+}
+
+/* The second integral at a place in turns, from -8 on. */
+static inline double second_at(const struct needling *m, double turns)
+{
+    const double at = (turns + 8.0) * CIRCLE;
+    const int step = (int) at, i = step % CIRCLE;
+    const double x = at - step, p = m->first[i], q = m->first[i + 1];
+    return m->second[i] + x * (p + 0.5 * x * (q - p)) / CIRCLE;
+}
+
+/* The corona that needles have t degrees from the light, per square degree. */
+static double corona_at(const struct needling *n, double t)
+{
+    const double near = 1.0 / (t + 0.02), r = t * M_PI / 180.0, rr = r * r;
+    const double plane = (M_PI / 180.0) * (M_PI / 180.0) *
+                         (1.0 - rr / 6.0 * (1.0 - rr / 20.0)); // sin(r) / r
+    return plane * near * near * (n->f1 * near + n->f2) * needle_fade(t);
+}
+
+/* Adds the needles of the pixels (x, y), (-x, y), (x, -y) and (-x, -y) to v:
+ * counter-clockwise from the upper right, y is down. Across rays, along the
+ * pixel's side that they cross, light times the tent is taken as straight in
+ * the angle between a few places, so that m enters by its second integral at
+ * them, however narrow needles are; along them, by a rule of quadrature. */
+static void add_pixel(const struct needling *m, int x, int y, double v[4])
+{
+    enum { MOST = 4 };
+    const bool steep = y > x;
+    const int along = steep ? y : x, across = steep ? x : y;
+    const double a = steep ? m->b : m->a, b = steep ? m->a : m->b;
+    const int steps = along < 8 ? 4 : along < 24 ? 2 : 1;
+    const struct gp_gauss *const g =
+        gp_tent_rule(along < 8 ? 6 : along < 24 ? 4 : 2);
+    for (int k = 0; k < g->n; k++) {
+        const double u = a * (along + g->node[k]);
+        double before = 0.0, turns = 0.0, last[4] = {0};
+        for (int i = -steps; i <= steps; i++) { // by angles that grow
+            const double offset = (double) (steep ? -i : i) / steps;
+            const double w = b * (across + offset);
+            const double tent = 1.0 - fabs(offset);
+            const double ss = u * u + w * w;
+            const double light = // a turn
+                tent > 0.0 ? a * g->weight[k] * tent * 2.0 * M_PI * ss / u *
+                                 corona_at(m, sqrt(ss)) : 0.0;
+            const double angle =
+                (steep ? atan2(u, w) : atan2(w, u)) / (2.0 * M_PI);
+            const double slope = (light - before) / (angle - turns);
+            const double at[4] = {angle, 0.5 - angle, 0.5 + angle, -angle};
+            for (int q = 0; q < 4; q++) {
+                const double here = second_at(m, at[q] - m->turn);
+                if (i > -steps)
+                    v[q] -= slope * (here - last[q]);
+                last[q] = here;
+            }
+            before = light;
+            turns = angle;
+        }
+    }
+}
+
+/* The needles of the pixels y rows above and below the light. */
+static void needle_row(void *ctx, int y, int thread)
+{
+    const struct needling *const m = ctx;
+    const size_t w = 2 * (size_t) m->rx + 1;
+    float *const up = m->out + (size_t) (m->ry - y) * w + m->rx;
+    float *const down = m->out + (size_t) (m->ry + y) * w + m->rx;
+    double sum = 0.0;
+    (void) thread;
+    for (int x = y > NEAR ? 0 : NEAR + 1; x <= m->rx; x++) {
+        const double nearest = hypot(m->a * fmax(x - 1.0, 0.0),
+                                     m->b * fmax(y - 1.0, 0.0));
+        if (nearest >= NEEDLE_END)
+            break;
+        double v[4] = {0};
+        add_pixel(m, x, y, v);
+        for (int k = 0; k < 4; k++) {
+            const bool left = k == 1 || k == 2, low = k >= 2;
+            if ((left && x == 0) || (low && y == 0))
+                continue;
+            float *const to = (low ? down : up) + (left ? -x : x);
+            *to = (float) v[k];
+            sum += (double) *to;
+        }
+    }
+    m->sum[y] = sum;
+}
+
+/* Fills the pixels within NEAR by points of rings, and adds them to `sum`, but
+ * the light's own. */
+static gp_status add_near(const struct gp_log *log, const struct needling *m,
+                          double *sum)
+{
+    enum { ANGLES = 1024, FEW = 256 };
+    static const double RATIO = 0.1, STEP = 0.07, LEAST = 1e-4;
+    struct gp_deposit d = {0};
+    const double side = fmin(m->a, m->b);
+    const double end = fmin(NEEDLE_END,
+                            hypot(m->a * (NEAR + 1), m->b * (NEAR + 1)));
+    gp_status st = gp_deposit_make(log, 1, NEAR, NEAR, &d);
+    if (st)
+        return st;
+    for (double t = LEAST * side; t < end;) {
+        const double step = fmin(fmin(RATIO * t, STEP * side), end - t);
+        const double mid = t + 0.5 * step;
+        const double ring = 2.0 * M_PI * mid * step * corona_at(m, mid);
+        const int angles = t < side / 2.0 ? FEW : ANGLES;
+        const int steps = CIRCLE / angles;
+        for (int i = 0; i < angles; i++) {
+            const double more =
+                m->first[(i + 1) * steps] - m->first[i * steps];
+            const double angle = 2.0 * M_PI * ((i + 0.5) / angles + m->turn);
+            gp_deposit_add(&d, mid * (cos(angle) / m->a),
+                           mid * (-sin(angle) / m->b),
+                           (const double[3]) {ring * more});
+        }
+        t = step < end - t ? t + step : end;
+    }
+    for (int y = -NEAR; y <= NEAR; y++) {
+        for (int x = -NEAR; x <= NEAR; x++) {
+            if (abs(y) > m->ry || abs(x) > m->rx || (x == 0 && y == 0))
+                continue;
+            float *const to = m->out + (size_t) (y + m->ry) *
+                              (2 * (size_t) m->rx + 1) + (size_t) (x + m->rx);
+            *to = (float) d.v[0][(y + NEAR) * (2 * NEAR + 1) + x + NEAR];
+            *sum += (double) *to;
+        }
+    }
+    gp_deposit_free(&d);
+    return GP_OK;
+}
+
+/* Makes a shape of what needles add to the even corona at offsets up to rx and
+ * ry. Light that they miss goes to the light's own pixel: the sum is 0. */
+static gp_status make_needles(const struct gp_log *log,
+    const struct gp_recipe *r, const struct spencer *s,
+    const struct gp_field *f, int rx, int ry, struct gp_shape *out)
+{
+    gp_status st;
+    struct needling *m = NULL;
+    double rest = 0.0;
+    const size_t w = 2 * (size_t) rx + 1, h = 2 * (size_t) ry + 1;
+    GP_TRY(gp_samples_shape(log, 1, rx, ry, out));
+    GP_TRY(gp_alloc(log, "kernel", 1, sizeof *m, &m));
+    *m = (struct needling) {
+        .f1 = s->factor * s->weight[1] * CORONA,
+        .f2 = s->factor * s->weight[2] * CORONA_FAR,
+        .a = f->degrees * f->aspect, .b = f->degrees,
+        .turn = fmod(f->rotate / 360.0, 1.0), .rx = rx, .ry = ry,
+        .out = ((struct gp_samples *) out->state)->k.c[0],
+    };
+    memset(m->out, 0, w * h * sizeof *m->out);
+    GP_TRY(gp_alloc(log, "kernel", (size_t) ry + 1, sizeof *m->sum, &m->sum));
+    make_circle(r, m);
+    gp_parallel_do(ry + 1, needle_row, m);
+    GP_TRY(add_near(log, m, &rest));
+    for (int y = 0; y <= ry; y++)
+        rest += m->sum[y];
+    m->out[(size_t) ry * w + (size_t) rx] = (float) -rest;
+out:
+    if (m)
+        gp_free(m->sum);
+    gp_free(m);
+    return st;
+}
+
+// -- an eye that is more than even and grey -----------------------------------
+
 /* Degrees beyond which there is no halo: that of 700 nm is around 3.7 and falls
  * to 1e-7 of its height by then. */
 static const double HALO_END = 7.8;
 
-/* An eye that is more than even and grey: the part that is so, which goes on
- * over the whole field, and what halo and needles add near the light. */
+/* The part that is so, which goes on over the whole field, and what halo and
+ * needles add near the light. */
 enum { LEAST = 256 };
 struct night {
     struct gp_shape eye;
@@ -214,8 +457,8 @@ struct night {
     double least[LEAST + 1]; // of a channel over the grey part, from i / LEAST
                       // of HALO_END on; 1 without a halo
     float luminance[3];      // of the primaries
-    int rx, ry;       // offsets of what follows
-    float *add;       // needles, of offsets -rx .. rx, -ry .. ry; NULL: none
+    int rx, ry;       // offsets of halo and needles
+    struct gp_shape needles; // row NULL: none
 };
 
 static void night_far(const void *state, int x, int y, int n,
@@ -232,10 +475,7 @@ static void night_row(const void *state, int x, int y, int n,
     const int channels = s->halo.row ? 3 : 1;
     const int from = gp_max(x, -s->rx), to = gp_min(x + n, s->rx + 1);
     const bool near = abs(y) <= s->ry && from < to;
-    const float *const needles =
-        near && s->add
-            ? s->add + (size_t) (y + s->ry) * (2 * (size_t) s->rx + 1) + s->rx
-            : NULL;
+    double needles[GP_SHAPE_STRIP] = {0};
     night_far(state, x, y, n, out);
     for (int c = 1; c < channels; c++)
         memcpy(out[c], out[0], (size_t) n * sizeof *out[c]);
@@ -243,10 +483,13 @@ static void night_row(const void *state, int x, int y, int n,
         s->halo.row(s->halo.state, from, y, to - from,
                     (double *[3]) {out[0] + from - x, out[1] + from - x,
                                    out[2] + from - x});
-    for (int i = from; i < to && (needles || (near && s->halo.row)); i++) {
+    if (near && s->needles.row)
+        s->needles.row(s->needles.state, from, y, to - from,
+                       (double *[3]) {needles});
+    for (int i = from; i < to && near; i++) {
         double v[3] = {0};
         for (int c = 0; c < channels; c++)
-            v[c] = out[c][i - x] + (needles ? (double) needles[i] : 0.0);
+            v[c] = out[c][i - x] + needles[i - from];
         if (channels == 3) // it is darker between needles
             gp_gamut_fold(s->luminance, v);
         for (int c = 0; c < channels; c++)
@@ -261,8 +504,8 @@ static double night_least(const void *state, double pixels)
     const double t = fmax((pixels - 2.0) * s->degrees, 0.0);
     const double share = s->least[(int) fmin(t / HALO_END * LEAST, LEAST)];
     // 1 %: needles' integrals
-    const double gaps = 1.01 * GP_NEEDLE_CONTRAST * gp_needle_fade(t);
-    return s->add ? fmax(share - gaps, 0.0) : share;
+    const double gaps = 1.01 * NEEDLE_CONTRAST * needle_fade(t);
+    return s->needles.row ? fmax(share - gaps, 0.0) : share;
 }
 
 /* Fills s->least for eyes of three channels, or of one. Tables are exact to
@@ -286,7 +529,8 @@ static void free_night(void *state)
         s->eye.free(s->eye.state);
     if (s->halo.free)
         s->halo.free(s->halo.state);
-    gp_free(s->add);
+    if (s->needles.free)
+        s->needles.free(s->needles.state);
     gp_free(s);
 }
 
@@ -298,7 +542,7 @@ static gp_status open_night(const struct gp_log *log,
     gp_status st;
     struct night *n;
     struct spencer eye = *s;
-    const double far = fmax(HALO_END, GP_NEEDLE_END);
+    const double far = fmax(HALO_END, NEEDLE_END);
     eye.channels = 1;
     st = gp_alloc_zero(log, "kernel", 1, sizeof *n, &n);
     if (st)
@@ -311,17 +555,12 @@ static gp_status open_night(const struct gp_log *log,
     GP_TRY(sky_shape(log, spencer_profile, &eye, 1, 0.0, f, &n->eye));
     if (s->channels == 3)
         GP_TRY(sky_shape(log, spencer_profile, s, 3, HALO_END, f, &n->halo));
-    if (gp_recipe_value(r, "needles") >= 1.0) {
-        const struct gp_needles corona = {
-            .f1 = s->factor * s->weight[1] * CORONA,
-            .f2 = s->factor * s->weight[2] * CORONA_FAR,
-        };
-        GP_TRY(gp_needles_make(log, r, &corona, f, n->rx, n->ry, &n->add));
-    }
+    if (gp_recipe_value(r, "needles") >= 1.0)
+        GP_TRY(make_needles(log, r, s, f, n->rx, n->ry, &n->needles));
     *out = (struct gp_shape) {
         .state = n, .free = free_night, .row = night_row, .far = night_far,
         .far_grey = true, .far_even = true, .least = night_least,
-        .grey = s->channels == 1, .even = !n->add,
+        .grey = s->channels == 1, .even = !n->needles.row,
         .reach = INT_MAX, .sharp = gp_max(n->rx, n->ry),
     };
     n = NULL;
@@ -411,10 +650,10 @@ static const char *const equations[] = {"total", "general", NULL};
 static const struct gp_model_key cie_keys[] = {
     GP_MODEL_SHARE(1.0),
     {"equation", "total: CIE 135/1 with the fovea's peak; general: CIE 146, "
-     "even within 0.1 degree", TOTAL, TOTAL, GENERAL, equations, false},
-    {"age", "years", 35.0, 1.0, 100.0, NULL, false},
+     "even within 0.1 degree", TOTAL, TOTAL, GENERAL, equations},
+    {"age", "years", 35.0, 1.0, 100.0, NULL},
     {"pigment", "0 black, 0.5 brown, 1 light, 1.2 light blue eyes", 0.5, 0.0,
-     1.2, NULL, false},
+     1.2, NULL},
     {0},
 };
 

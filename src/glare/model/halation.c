@@ -51,13 +51,13 @@ static void halation_profile(const void *ctx, double t, double out[3])
  * backing has. */
 static const struct gp_model_key halation_keys[] = {
     GP_MODEL_SHARE(0.03),
-    {"base", "thickness of the film's base, mm", 0.13, 0.01, 2.0, NULL, false},
-    {"index", "refractive index of the base", 1.48, 1.3, 2.0, NULL, false},
-    {"focal", "focal length of the lens, mm", 26.0, 1.0, 2000.0, NULL, false},
+    {"base", "thickness of the film's base, mm", 0.13, 0.01, 2.0, NULL},
+    {"index", "refractive index of the base", 1.48, 1.3, 2.0, NULL},
+    {"focal", "focal length of the lens, mm", 26.0, 1.0, 2000.0, NULL},
     {"green", "share of the light that reaches the layer for green", 0.36, 0.0,
-     1.0, NULL, false},
+     1.0, NULL},
     {"blue", "share of the light that reaches the layer for blue", 0.1, 0.0,
-     1.0, NULL, false},
+     1.0, NULL},
     {0},
 };
 

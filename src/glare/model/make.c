@@ -374,10 +374,13 @@ static void join_tail(struct gp_far_field *t, const struct gp_field *field,
 
 struct gp_field gp_field_of(const struct gp_image *f, double fov)
 {
+    const double aspect = (double) f->pixel_aspect;
     return (struct gp_field) {
         .w = gp_image_w(f), .h = gp_image_h(f),
         .degrees = fov / gp_max(gp_rect_h(f->display), 1),
-        .aspect = (double) gp_kernel_aspect(f), .fps = 24.0,
+        // 1 where the file says what cannot be true
+        .aspect = aspect >= 1.0 / 16.0 && aspect <= 16.0 ? aspect : 1.0,
+        .fps = 24.0,
         .chromaticities = f->chromaticities, .luminance = f->luminance,
     };
 }

@@ -48,10 +48,16 @@ struct gp_model_key {
     const char *name;          // NULL ends a list
     const char *text;          // one line of help, with the unit
     double preset, lo, hi;     // value when not given; range, both included
-    const char *const *words;  // NULL-terminated names of 0, 1, ...; or NULL
-    bool file;                 // a path, which must be given where `preset`
-                               // is 1; `lo`, `hi` mean nothing
+    const char *const *words;  // NULL-terminated names of 0, 1, ...; NULL: a
+                               // number; gp_model_file: a path, which must be
+                               // given where `preset` is 1
 };
+static const char *const gp_model_file[] = {NULL};
+
+static inline bool gp_model_key_is_file(const struct gp_model_key *k)
+{
+    return k->words && !k->words[0];
+}
 
 struct gp_field;
 struct gp_recipe;

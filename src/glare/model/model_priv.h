@@ -57,9 +57,9 @@ extern const struct gp_model gp_model_image;                      // drawn.c
 /* Keys of the luminance that an eye is adapted to. */
 #define GP_MODEL_ADAPTATION(preset)                                           \
     { "adaptation", "luminance that the eye is adapted to, cd/m2; 0 takes "   \
-      "the mean of each frame", preset, 0, 1e6, NULL, false },                \
+      "the mean of each frame", preset, 0, 1e6, NULL },                       \
     { "white", "cd/m2 of scene value 1, for that mean; 0 takes the file's "   \
-      "whiteLuminance, else 100", 0, 0, 1e6, NULL, false }
+      "whiteLuminance, else 100", 0, 0, 1e6, NULL }
 
 /* The recipe's value of a key of its model, by name. */
 static inline double gp_recipe_value(const struct gp_recipe *r,
@@ -74,7 +74,7 @@ static inline double gp_recipe_value(const struct gp_recipe *r,
 /* The key that all models begin with; `preset` is the model's own share. */
 #define GP_MODEL_SHARE(preset)                                                \
     { "share", "share of a pixel's light that the model takes", preset, 0.0,  \
-      1.0, NULL, false }
+      1.0, NULL }
 
 /* A number in [0, 1) of (seed, i), the same everywhere: splitmix64, Steele et
  * al. 2014. */
@@ -113,7 +113,18 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
  * divide. 0 from 90 degrees on. */
 double gp_plane_factor(double t);
 
-// -- quadrature.c: deposits ----------------------------------------------------
+// -- quadrature.c: samples, and deposits ----------------------------------------
+
+/* Samples of offsets -rx .. rx, -ry .. ry, times `scale`; rows of 2 rx + 1. */
+struct gp_samples {
+    int rx, ry, channels;
+    struct gp_planes k;
+    double scale[3];
+};
+
+/* Makes a shape of samples, its state, for the caller to fill; `scale` is 1. */
+GP_MUST_CHECK gp_status gp_samples_shape(const struct gp_log *log, int channels,
+    int rx, int ry, struct gp_shape *out);
 
 /* Light of shapes finer than a pixel, by offsets -rx .. rx, -ry .. ry. Light
  * that is even over a pixel and moved by (u, v) pixels falls on pixel (x, y) by
@@ -121,24 +132,25 @@ double gp_plane_factor(double t);
  * pixels. Tents add up to 1, so all light is kept whatever points stand for a
  * shape; what falls beyond rx and ry is dropped. */
 struct gp_deposit {
-    int rx, ry;
+    int channels, rx, ry;
     double *v[3]; // rows of 2 rx + 1; v[0] is owned
 };
-GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int rx,
-                                        int ry, struct gp_deposit *out);
+GP_MUST_CHECK gp_status gp_deposit_make(const struct gp_log *log, int channels,
+    int rx, int ry, struct gp_deposit *out);
 void gp_deposit_free(struct gp_deposit *d);
 void gp_deposit_add(const struct gp_deposit *d, double u, double v,
                     const double light[3]);
 
-/* Adds the rings of a profile from `from` to `to` degrees, on which it bends
- * little, and what they hold to `light`. */
-void gp_deposit_rings(const struct gp_deposit *d, gp_profile p,
-    const void *ctx, const struct gp_field *f, double from, double to,
-    double light[3]);
-
 /* A shape's row from what was added; 0 beyond. */
-void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
-                    int n, double *const out[3]);
+void gp_deposit_row(const void *deposit, int x, int y, int n,
+                    double *const out[3]);
+
+/* Puts a shape of offsets up to rx and ry slices of a pixel together,
+ * slices[0] by slices[1] of them to a pixel of the field: light of a slice is
+ * even too. Frees the shape on an error. */
+GP_MUST_CHECK gp_status gp_slices_join(const struct gp_log *log,
+    const int slices[2], int rx, int ry, const struct gp_field *f,
+    struct gp_shape *shape);
 
 // -- radial.c -----------------------------------------------------------------
 
@@ -148,36 +160,6 @@ void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
 GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
     const void *ctx, int channels, double bends, const struct gp_field *f,
     struct gp_shape *out);
-
-// -- needles.c ----------------------------------------------------------------
-
-/* The ciliary corona, Spencer's f1 and f2, as needles: section 3.1 has it made
- * of rays of random strength, which the cells of the lens scatter. The corona
- * at distance t and angle phi is multiplied by
- *
- *   1 + a(t) (m(phi) - 1)
- *
- * where m has mean 1 over the circle, so that each circle keeps its light, and
- * a falls from 1 to 0 between half of GP_NEEDLE_END and that, where needles
- * would be wide. m is at least 1 - GP_NEEDLE_CONTRAST. */
-#define GP_NEEDLE_END 5.0 // degrees
-#define GP_NEEDLE_CONTRAST 0.8
-
-/* The corona f1 / (t + 0.02)^3 + f2 / (t + 0.02)^2, per steradian. */
-struct gp_needles {
-    double f1, f2;
-};
-
-/* The share of the needles' contrast that is left t degrees from the light. */
-double gp_needle_fade(double t);
-
-/* Makes what needles of a recipe of spencer add to the even corona: integrals
- * over both pixels, at offsets -rx .. rx, -ry .. ry, owned by the caller. Light
- * that they miss goes to the light's own pixel: the sum is 0. On an error `out`
- * may hold memory, for gp_free(). */
-GP_MUST_CHECK gp_status gp_needles_make(const struct gp_log *log,
-    const struct gp_recipe *r, const struct gp_needles *n,
-    const struct gp_field *f, int rx, int ry, float **out);
 
 // -- eye.c: declared for tests -------------------------------------------------
 
@@ -196,7 +178,7 @@ struct gp_pupil {
     float *path; // added length of the light's path, nm; NULL: 0
 };
 
-/* Edges of a regular polygon, whose spikes are known far out: diffract_far.c. */
+/* Edges of a regular polygon, whose spikes are known far out. */
 struct gp_blades {
     int n;          // 0: no such edges
     double turn;    // radians counter-clockwise, of the normal of the first
@@ -282,66 +264,21 @@ static inline double gp_sinc(double x)
     return fabs(x) > 1e-8 ? sin(GP_PI * x) / (GP_PI * x) : 1.0;
 }
 
-/* Joins to a shape whose samples, of offsets up to r[0] and r[1], end at `reach`
- * degrees, the spikes of d's blades up to d->reach, and the mean far out, which
- * take over before. Where the field cuts no samples off, the light of the centre
- * is changed for all of it to be 1.
- *
- *   shape  owned by the caller; after an error as before */
-GP_MUST_CHECK gp_status gp_diffract_join(const struct gp_log *log,
-    const struct gp_diffraction *d, const int r[2], double reach,
-    const struct gp_field *f, struct gp_shape *shape);
-
-/* A pupil's autocorrelation at lags (u, v), u in [-n, n], v in [0, n] cells,
- * times `sum`, at gp_lag_at(); at (-u, -v) it is conjugate. Lags are in strips
- * of GP_LAG_STRIP v, with those of one u side by side; the last has zeros. */
-struct gp_lags {
-    int n;
-    float *re, *im; // im is NULL where it is 0: the pupil has no path
-    double sum;     // 0: the pupil is dark
-    double edge;    // cells: farther lags hold nothing but rounding
-};
-enum { GP_LAG_STRIP = 32 };
-
-static inline int gp_lag_strips(int n)
-{
-    return n / GP_LAG_STRIP + 1;
-}
-
-/* Floats of `re`, `im`. */
-static inline size_t gp_lag_count(int n)
-{
-    return (size_t) gp_lag_strips(n) * (2 * (size_t) n + 1) * GP_LAG_STRIP;
-}
-
-static inline size_t gp_lag_at(const struct gp_lags *a, int u, int v)
-{
-    const size_t row = (size_t) (v / GP_LAG_STRIP) * (2 * (size_t) a->n + 1) +
-                       (size_t) (u + a->n);
-    return row * GP_LAG_STRIP + (size_t) (v % GP_LAG_STRIP);
-}
-
-/* Plans and scratch for a pupil's autocorrelation in single precision: off by
- * at most 1e-6 of the light that passes (build/tests/glare model_aperture). */
-struct gp_correlator {
-    const struct gp_pupil *pupil;
-    const struct gp_fftwf *lib;
-    struct gp_fft_plan_pair plan; // of at least twice the pupil's cells, so
-                                  // that no lag meets another
-    size_t pitch;                 // complex numbers of an array of `room`
-    float complex *room;
-    float *boost;                 // of each frequency, squared sincs undone
-    int columns, across;          // of the spectrum; stored, a multiple of 8
-    float complex *z;             // [8 rows, or lags v >= 0][column][row]
+/* Spectra of a kernel: [c][block of GP_LANES x][y][x in it], x in [0, nx / 2],
+ * y in [0, ny). */
+enum { GP_LANES = 16 };
+struct gp_spectra {
+    int channels, blocks;
+    float *re[3], *im[3]; // im is NULL where it is 0: the pupil has no path
 };
 
-/* Borrows the pupil. Call on one thread. Free with gp_correlator_free().
- * Errors: GP_ERR_IO no FFTW; GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_correlator_make(const struct gp_log *log,
-    const struct gp_pupil *p, struct gp_correlator *out);
-void gp_correlator_free(struct gp_correlator *t);
-
-/* Fills all but a->n at one wavelength. */
-void gp_correlate(const struct gp_correlator *t, double nm, struct gp_lags *a);
+/* Sums the spectra of all wavelengths for a kernel of period[0] x period[1]
+ * pixels, each pixel[0] x pixel[1] degrees. Free with gp_spectra_free().
+ * Errors: those of gp_diffract(). */
+GP_MUST_CHECK gp_status gp_spectra_make(const struct gp_log *log,
+    const struct gp_diffraction *d, const struct gp_field *f,
+    const struct gp_pupil *p, const int period[2], const double pixel[2],
+    struct gp_spectra *out);
+void gp_spectra_free(struct gp_spectra *s);
 
 #endif

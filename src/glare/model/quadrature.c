@@ -1,5 +1,6 @@
 /* Rules of quadrature, and integrals of profiles over the plane. */
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/model/model_priv.h"
 
 #include <math.h>
@@ -10,34 +11,10 @@ enum { MOST_NODES = 16, MOST_TENT = 10 };
 
 static struct gp_gauss rules[MOST_NODES + 1], tents[MOST_TENT + 1];
 
-/* Newton's method on the Legendre polynomials; Abramowitz and Stegun 25.4.29 */
-static void make_rules(void)
-{
-    for (int n = 1; n <= MOST_NODES; n++) {
-        rules[n].n = n;
-        for (int i = 0; i < n; i++) {
-            double x = cos(M_PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
-            for (int step = 0; step < 8; step++) { // quadratic: 5 are enough
-                double p0 = 1.0, p1 = x;
-                for (int k = 2; k <= n; k++) {
-                    const double p2 =
-                        ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-                    p0 = p1;
-                    p1 = p2;
-                }
-                slope = n * (x * p1 - p0) / (x * x - 1.0);
-                x -= p1 / slope;
-            }
-            rules[n].node[i] = 0.5 * x;
-            rules[n].weight[i] = 1.0 / ((1.0 - x * x) * slope * slope);
-        }
-    }
-}
-
-/* Orthogonal polynomials under the tent 1 - |x|, which is even: p(k + 1) = x
- * p(k) - b(k) p(k - 1). Returns p(n) at x, and p(n - 1) and its slope. */
-static double tent_polynomial(const double *b, int n, double x, double *before,
-                              double *slope)
+/* Monic polynomials of a weight that is even: p(k + 1) = x p(k) - b(k) p(k - 1).
+ * Returns p(n) at x, and p(n - 1) and its slope. */
+static double polynomial(const double *b, int n, double x, double *before,
+                         double *slope)
 {
     double p0 = 0.0, p1 = 1.0, s0 = 0.0, s1 = 0.0;
     for (int k = 0; k < n; k++) {
@@ -49,47 +26,61 @@ static double tent_polynomial(const double *b, int n, double x, double *before,
     return p1;
 }
 
-/* Gauss rules for the tent, by Stieltjes' way: Gautschi 2004, section 2.2. Between
- * each two roots of the polynomial before is one, and beyond both ends. */
-static void make_tents(void)
+/* Gauss rules of 1 to `most` nodes in (-1, 1), of polynomials with squares'
+ * integrals `norm`. Between each two roots of the polynomial before is one, and
+ * beyond both ends. */
+static void make_rules(const double *b, const double *norm, int most,
+                       struct gp_gauss *rule)
 {
-    const struct gp_gauss *const g = &rules[MOST_NODES];
-    double b[MOST_TENT + 1] = {0}, norm[MOST_TENT + 1], p, slope;
-    for (int k = 0; k <= MOST_TENT; k++) {
-        norm[k] = 0.0;
-        for (int i = 0; i < g->n; i++) { // the right half, twice
-            const double x = 0.5 + g->node[i];
-            const double v = tent_polynomial(b, k, x, &p, &slope);
-            norm[k] += 2.0 * g->weight[i] * (1.0 - x) * v * v;
-        }
-        b[k] = k > 0 ? norm[k] / norm[k - 1] : 0.0;
-    }
-    for (int n = 1; n <= MOST_TENT; n++) {
-        tents[n].n = n;
+    double p, slope;
+    for (int n = 1; n <= most; n++) {
+        rule[n].n = n;
         for (int i = 0; i < n; i++) {
-            double low = i > 0 ? tents[n - 1].node[i - 1] : -1.0;
-            double high = i < n - 1 ? tents[n - 1].node[i] : 1.0;
-            const double at = tent_polynomial(b, n, low, &p, &slope);
+            double low = i > 0 ? rule[n - 1].node[i - 1] : -1.0;
+            double high = i < n - 1 ? rule[n - 1].node[i] : 1.0;
+            const double at = polynomial(b, n, low, &p, &slope);
             for (int step = 0; step < 100; step++) {
                 const double mid = 0.5 * (low + high);
-                if ((tent_polynomial(b, n, mid, &p, &slope) > 0.0) ==
-                    (at > 0.0))
+                if ((polynomial(b, n, mid, &p, &slope) > 0.0) == (at > 0.0))
                     low = mid;
                 else
                     high = mid;
             }
             const double x = 0.5 * (low + high);
-            tent_polynomial(b, n, x, &p, &slope);
-            tents[n].node[i] = x;
-            tents[n].weight[i] = norm[n - 1] / (slope * p);
+            polynomial(b, n, x, &p, &slope);
+            rule[n].node[i] = x;
+            rule[n].weight[i] = norm[n - 1] / (slope * p);
         }
     }
 }
 
+/* Legendre's polynomials, and those under the tent 1 - |x| by Stieltjes' way:
+ * Gautschi 2004, section 2.2. */
 static void make_all(void)
 {
-    make_rules();
-    make_tents();
+    double b[MOST_NODES + 1] = {0}, norm[MOST_NODES + 1] = {2.0}, p, slope;
+    for (int k = 1; k <= MOST_NODES; k++) {
+        b[k] = k * k / (4.0 * k * k - 1.0);
+        norm[k] = norm[k - 1] * b[k];
+    }
+    make_rules(b, norm, MOST_NODES, rules);
+    for (int n = 1; n <= MOST_NODES; n++) {
+        for (int i = 0; i < n; i++) {
+            rules[n].node[i] *= 0.5;
+            rules[n].weight[i] *= 0.5;
+        }
+    }
+    const struct gp_gauss *const g = &rules[MOST_NODES];
+    for (int k = 0; k <= MOST_TENT; k++) {
+        norm[k] = 0.0;
+        for (int i = 0; i < g->n; i++) { // the right half, twice
+            const double x = 0.5 + g->node[i];
+            const double v = polynomial(b, k, x, &p, &slope);
+            norm[k] += 2.0 * g->weight[i] * (1.0 - x) * v * v;
+        }
+        b[k] = k > 0 ? norm[k] / norm[k - 1] : 0.0;
+    }
+    make_rules(b, norm, MOST_TENT, tents);
 }
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -135,13 +126,59 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
     }
 }
 
+// -- samples ------------------------------------------------------------------
+
+static void samples_free(void *state)
+{
+    struct gp_samples *const s = state;
+    gp_planes_free(&s->k);
+    gp_free(s);
+}
+
+static void samples_row(const void *state, int x, int y, int n,
+                        double *const out[3])
+{
+    const struct gp_samples *const s = state;
+    const size_t w = 2 * (size_t) s->rx + 1;
+    for (int c = 0; c < s->channels; c++) {
+        for (int i = 0; i < n; i++) {
+            const bool inside = abs(x + i) <= s->rx && abs(y) <= s->ry;
+            out[c][i] = inside ? s->scale[c] * (double) s->k.c[c][
+                (size_t) (y + s->ry) * w + (size_t) (x + i + s->rx)] : 0.0;
+        }
+    }
+}
+
+gp_status gp_samples_shape(const struct gp_log *log, int channels, int rx,
+                           int ry, struct gp_shape *out)
+{
+    struct gp_samples *s;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
+    if (st)
+        return st;
+    *s = (struct gp_samples) {
+        .rx = rx, .ry = ry, .channels = channels, .scale = {1.0, 1.0, 1.0},
+    };
+    st = gp_planes_make(log, "kernel", (2 * (size_t) rx + 1) *
+                        (2 * (size_t) ry + 1), &s->k);
+    if (st) {
+        gp_free(s);
+        return st;
+    }
+    *out = (struct gp_shape) {
+        .state = s, .free = samples_free, .row = samples_row,
+        .grey = channels == 1, .smooth = INFINITY, .reach = gp_max(rx, ry),
+    };
+    return GP_OK;
+}
+
 // -- light of shapes finer than a pixel, shared out by where it falls ---------
 
-gp_status gp_deposit_make(const struct gp_log *log, int rx, int ry,
-                          struct gp_deposit *out)
+gp_status gp_deposit_make(const struct gp_log *log, int channels, int rx,
+                          int ry, struct gp_deposit *out)
 {
     const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
-    struct gp_deposit d = {.rx = rx, .ry = ry};
+    struct gp_deposit d = {.channels = channels, .rx = rx, .ry = ry};
     gp_status st = gp_alloc_zero(log, "kernel", 3 * n, sizeof(double), &d.v[0]);
     if (st)
         return st;
@@ -172,88 +209,55 @@ void gp_deposit_add(const struct gp_deposit *d, double u, double v,
             continue;
         const size_t at = (size_t) (y + d->ry) * (2 * (size_t) d->rx + 1) +
                           (size_t) (x + d->rx);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < d->channels; c++)
             d->v[c][at] += share * light[c];
     }
 }
 
-void gp_deposit_row(const struct gp_deposit *d, int channels, int x, int y,
-                    int n, double *const out[3])
+void gp_deposit_row(const void *deposit, int x, int y, int n,
+                    double *const out[3])
 {
+    const struct gp_deposit *const d = deposit;
     const size_t row = (size_t) (y + d->ry) * (2 * (size_t) d->rx + 1);
     for (int i = 0; i < n; i++) {
         const bool inside = abs(y) <= d->ry && abs(x + i) <= d->rx;
-        for (int c = 0; c < channels; c++)
+        for (int c = 0; c < d->channels; c++)
             out[c][i] = inside ? d->v[c][row + (size_t) (x + i + d->rx)] : 0.0;
     }
 }
 
-// -- rings --------------------------------------------------------------------
-
-/* Adds the circle of radii (u, v) pixels about the light: arcs between the
- * places where it passes from pixel to pixel, on which tents are straight. */
-static void add_circle(const struct gp_deposit *d, double u, double v,
-                       const double light[3])
+static void free_deposit(void *state)
 {
-    const int columns = (int) fmin(u, d->rx + 1.0);
-    const int rows = (int) fmin(v, d->ry + 1.0);
-    // angles that grow: columns from the last, rows from the first
-    int column = columns, row = 1;
-    double from = 0.0;
-    for (;;) {
-        const double by_column =
-            column > 0 ? acos(fmin(column / u, 1.0)) : 0.5 * M_PI;
-        const double by_row = row <= rows ? asin(fmin(row / v, 1.0))
-                                          : 0.5 * M_PI;
-        const double to = fmin(by_column, by_row);
-        const struct gp_gauss *const g = gp_gauss_rule(to - from > 0.5 ? 7 : 4);
-        for (int k = 0; k < g->n && to > from; k++) {
-            const double angle =
-                0.5 * (from + to) + (to - from) * g->node[k];
-            const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
-            const double quarter[3] = {share * light[0], share * light[1],
-                                    share * light[2]};
-            const double x = u * cos(angle), y = v * sin(angle);
-            gp_deposit_add(d, x, y, quarter);
-            gp_deposit_add(d, -x, y, quarter);
-            gp_deposit_add(d, x, -y, quarter);
-            gp_deposit_add(d, -x, -y, quarter);
-        }
-        if (column <= 0 && row > rows)
-            return;
-        from = fmax(from, to);
-        if (column > 0 && by_column <= by_row)
-            column--;
-        else
-            row++;
-    }
+    gp_deposit_free(state);
+    gp_free(state);
 }
 
-void gp_deposit_rings(const struct gp_deposit *d, gp_profile p,
-    const void *ctx, const struct gp_field *f, double from, double to,
-    double light[3])
+gp_status gp_slices_join(const struct gp_log *log, const int slices[2],
+    int rx, int ry, const struct gp_field *f, struct gp_shape *shape)
 {
-    const struct gp_gauss *const g = gp_gauss_rule(6);
-    const double b = f->degrees, a = b * f->aspect;
-    while (from < to) {
-        // to where circles begin to reach another column or row
-        const double next = fmin(a * floor(from / a * (1.0 + 1e-12) + 1.0),
-                                 b * floor(from / b * (1.0 + 1e-12) + 1.0));
-        const double end = next < to ? next : to;
-        for (int k = 0; k < g->n; k++) {
-            // a circle's part beyond a line grows with the root of the distance
-            const double root = 0.5 + g->node[k];
-            const double t = from + (end - from) * root * root;
-            const double ring = 2.0 * M_PI * t * (end - from) * 2.0 * root *
-                                g->weight[k];
-            double v[3] = {0};
-            p(ctx, t, v);
-            for (int c = 0; c < 3; c++) {
-                v[c] *= ring;
-                light[c] += v[c];
-            }
-            add_circle(d, t / a, t / b, v);
+    struct gp_deposit *d;
+    double strip[3];
+    double *const out[3] = {&strip[0], &strip[1], &strip[2]};
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *d, &d);
+    if (!st)
+        st = gp_deposit_make(log, shape->grey ? 1 : 3,
+                             gp_min((rx - 1) / slices[0] + 1, f->w - 1),
+                             gp_min((ry - 1) / slices[1] + 1, f->h - 1), d);
+    for (int y = -ry; y <= ry && !st; y++) {
+        for (int x = -rx; x <= rx; x++) {
+            shape->row(shape->state, x, y, 1, out);
+            gp_deposit_add(d, (double) x / slices[0], (double) y / slices[1],
+                           strip);
         }
-        from = end;
     }
+    shape->free(shape->state);
+    if (st) {
+        gp_free(d);
+        return st;
+    }
+    shape->state = d;
+    shape->free = free_deposit;
+    shape->row = gp_deposit_row;
+    shape->reach = gp_max(d->rx, d->ry);
+    return GP_OK;
 }

@@ -89,7 +89,7 @@ static void radial_row(const void *state, int x, int y, int n,
             double *to[3] = {NULL};
             for (int c = 0; c < t->channels; c++)
                 to[c] = out[c] + i;
-            gp_deposit_row(&t->near, t->channels, px, py, 1, to);
+            gp_deposit_row(&t->near, px, py, 1, to);
             continue;
         }
         if (t->far.value && far >= FAR && far >= t->bends) {
@@ -141,6 +141,75 @@ static gp_status make_table(const struct gp_log *log, int channels,
     return st;
 }
 
+// -- rings --------------------------------------------------------------------
+
+/* Adds the circle of radii (u, v) pixels about the light: arcs between the
+ * places where it passes from pixel to pixel, on which tents are straight. */
+static void add_circle(const struct gp_deposit *d, double u, double v,
+                       const double light[3])
+{
+    const int columns = (int) fmin(u, d->rx + 1.0);
+    const int rows = (int) fmin(v, d->ry + 1.0);
+    // angles that grow: columns from the last, rows from the first
+    int column = columns, row = 1;
+    double from = 0.0;
+    for (;;) {
+        const double by_column =
+            column > 0 ? acos(fmin(column / u, 1.0)) : 0.5 * M_PI;
+        const double by_row = row <= rows ? asin(fmin(row / v, 1.0))
+                                          : 0.5 * M_PI;
+        const double to = fmin(by_column, by_row);
+        const struct gp_gauss *const g = gp_gauss_rule(to - from > 0.5 ? 7 : 4);
+        for (int k = 0; k < g->n && to > from; k++) {
+            const double angle =
+                0.5 * (from + to) + (to - from) * g->node[k];
+            const double share = (to - from) * g->weight[k] / (2.0 * M_PI);
+            const double quarter[3] = {share * light[0], share * light[1],
+                                    share * light[2]};
+            const double x = u * cos(angle), y = v * sin(angle);
+            gp_deposit_add(d, x, y, quarter);
+            gp_deposit_add(d, -x, y, quarter);
+            gp_deposit_add(d, x, -y, quarter);
+            gp_deposit_add(d, -x, -y, quarter);
+        }
+        if (column <= 0 && row > rows)
+            return;
+        from = fmax(from, to);
+        if (column > 0 && by_column <= by_row)
+            column--;
+        else
+            row++;
+    }
+}
+
+/* Adds the rings of a profile from `from` to `to` degrees, on which it bends
+ * little. */
+static void add_rings(const struct gp_deposit *d, gp_profile p,
+    const void *ctx, const struct gp_field *f, double from, double to)
+{
+    const struct gp_gauss *const g = gp_gauss_rule(6);
+    const double b = f->degrees, a = b * f->aspect;
+    while (from < to) {
+        // to where circles begin to reach another column or row
+        const double next = fmin(a * floor(from / a * (1.0 + 1e-12) + 1.0),
+                                 b * floor(from / b * (1.0 + 1e-12) + 1.0));
+        const double end = next < to ? next : to;
+        for (int k = 0; k < g->n; k++) {
+            // a circle's part beyond a line grows with the root of the distance
+            const double root = 0.5 + g->node[k];
+            const double t = from + (end - from) * root * root;
+            const double ring = 2.0 * M_PI * t * (end - from) * 2.0 * root *
+                                g->weight[k];
+            double v[3] = {0};
+            p(ctx, t, v);
+            for (int c = 0; c < 3; c++)
+                v[c] *= ring;
+            add_circle(d, t / a, t / b, v);
+        }
+        from = end;
+    }
+}
+
 /* Returns the start of ring i: each is a tenth wider than the one before. */
 static double ring_from(int i)
 {
@@ -162,13 +231,12 @@ static gp_status make_near(const struct gp_log *log, gp_profile p,
     const size_t n = (2 * (size_t) rx + 1) * (2 * (size_t) ry + 1);
     const double end = hypot(a * (rx + 1), b * (ry + 1));
     struct gp_deposit eight = {0}; // rings: sums of sums keep more digits
-    double light[3] = {0};
     gp_status st;
-    GP_TRY(gp_deposit_make(log, rx, ry, &t->near));
-    GP_TRY(gp_deposit_make(log, rx, ry, &eight));
+    GP_TRY(gp_deposit_make(log, t->channels, rx, ry, &t->near));
+    GP_TRY(gp_deposit_make(log, t->channels, rx, ry, &eight));
     for (int i = 0; ring_from(i) < end || i % 8; i++) {
-        gp_deposit_rings(&eight, p, ctx, &t->f, ring_from(i),
-                         fmin(ring_from(i + 1), end), light);
+        add_rings(&eight, p, ctx, &t->f, ring_from(i),
+                  fmin(ring_from(i + 1), end));
         for (size_t k = 0; k < 3 * n && i % 8 == 7; k++) {
             t->near.v[0][k] += eight.v[0][k];
             eight.v[0][k] = 0.0;

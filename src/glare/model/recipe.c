@@ -203,7 +203,7 @@ static gp_status read_keys(const struct gp_log *log, const char *text,
         given[i] = true;
         r->written[i] = true;
         const char *const value = name_end + 1;
-        if (key->file) {
+        if (gp_model_key_is_file(key)) {
             end = value + name_length(value);
             gp_status st = read_name(log, value, (size_t) (end - value),
                                      &r->file[i]);
@@ -256,7 +256,8 @@ gp_status gp_recipe_parse(const struct gp_log *log, const char *text,
         st = read_keys(log, text, end + 1, &r);
     for (int i = 0; r.model->keys[i].name && !st; i++) {
         const struct gp_model_key *const key = &r.model->keys[i];
-        if (key->file && (r.file[i] ? !*r.file[i] : key->preset > 0.0))
+        if (gp_model_key_is_file(key) &&
+            (r.file[i] ? !*r.file[i] : key->preset > 0.0))
             st = gp_fail(log, GP_ERR_USAGE, "%s: has no %s; write %s:%s=PATH",
                          show(text, SIZE_MAX).text, key->name, r.model->name,
                          key->name);
@@ -283,10 +284,12 @@ gp_status gp_recipe_of_image(const struct gp_log *log, const char *path,
     struct gp_recipe r = usual_recipe(&gp_model_image);
     gp_recipe_preset(&r, "size", degrees);
     gp_recipe_preset(&r, "percent", percent);
-    for (int i = 0; r.model->keys[i].name; i++) {
-        if (r.model->keys[i].file && !(r.file[i] = gp_strdup(path)))
-            return gp_no_memory(log, path);
-    }
+    int i = 0;
+    while (!gp_model_key_is_file(&r.model->keys[i]))
+        i++;
+    r.file[i] = gp_strdup(path);
+    if (!r.file[i])
+        return gp_no_memory(log, path);
     *out = r;
     return GP_OK;
 }
@@ -311,23 +314,23 @@ char *gp_recipe_text(const struct gp_recipe *r)
     int used = snprintf(text, room, "%s", r->model->name);
     char between = ':';
     for (int i = 0; keys[i].name; i++) {
-        char number[40];
+        char number[40] = "";
         const char *value = number;
-        if (keys[i].file ? !r->file[i] : r->value[i] == keys[i].preset)
+        const char *const file = r->file[i] ? r->file[i] : "";
+        const bool is_file = gp_model_key_is_file(&keys[i]);
+        if (is_file ? !*file : r->value[i] == keys[i].preset)
             continue;
-        if (keys[i].words) {
+        if (keys[i].words && !is_file)
             value = keys[i].words[(int) r->value[i]];
-        } else if (!keys[i].file) {
-            for (int digits = 1; digits <= 17; digits++) {
-                snprintf(number, sizeof number, "%.*g", digits, r->value[i]);
-                if (strtod(number, NULL) == r->value[i] &&
-                    (digits > 10 || !strchr(number, 'e')))
-                    break; // 70, not 7e+01
-            }
+        for (int digits = 1; !keys[i].words && digits <= 17; digits++) {
+            snprintf(number, sizeof number, "%.*g", digits, r->value[i]);
+            if (strtod(number, NULL) == r->value[i] &&
+                (digits > 10 || !strchr(number, 'e')))
+                break; // 70, not 7e+01
         }
         used += snprintf(text + used, room - (size_t) used, "%c%s=%s", between,
-                         keys[i].name, keys[i].file ? "" : value);
-        for (const char *c = keys[i].file ? r->file[i] : ""; *c; c++) {
+                         keys[i].name, value);
+        for (const char *c = file; *c; c++) {
             if (*c == ',' || *c == '\\')
                 text[used++] = '\\';
             text[used++] = *c;
