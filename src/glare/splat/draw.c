@@ -10,33 +10,31 @@
 #include <math.h>
 #include <string.h>
 
-// -- programs -----------------------------------------------------------------
+// -- objects ------------------------------------------------------------------
 
-/* Makes a program unless it exists. Errors: GP_ERR_GL. */
-static gp_status use_program(const struct gp_log *log, struct gp_splat *s,
-                             enum gp_splat_program which)
+static const size_t KEEP_BYTES = (size_t) 1 << 30; // of kernels
+
+gp_status gp_splat_need_program(const struct gp_log *log, struct gp_splat *s,
+    const char *defines, const char *vert, const char *frag,
+    struct gp_program *p)
 {
-#define FILES(name, vert, frag) {vert, frag},
-    static const char *const files[][2] = {GP_SPLAT_PROGRAMS(FILES)};
-#undef FILES
-    if (s->program[which].id)
-        return GP_OK;
-    return gp_program_make(log, s->gl, "", files[which][0], files[which][1],
-                           &s->program[which]);
+    return p->id ? GP_OK
+                 : gp_program_make(log, s->gl, defines, vert, frag, p);
 }
 
-gp_status gp_splat_fit_target(const struct gp_log *log, const struct gp_gl *gl,
+gp_status gp_splat_need_target(const struct gp_log *log, struct gp_splat *s,
     const char *what, int n, int w, int h, struct gp_target *t)
 {
-    if (t->framebuffer && t->colour.w >= w && t->colour.h >= h)
-        return GP_OK;
-    w = gp_max(t->colour.w, w);
-    h = gp_max(t->colour.h, h);
-    gp_target_free(gl, t);
-    return gp_target_make(log, gl, what, GP_TEXEL_FLOAT, n, w, h, t);
+    gp_status st = GP_OK;
+    if (!t->framebuffer || t->colour.w < w || t->colour.h < h) {
+        const int wide = gp_max(t->colour.w, w), high = gp_max(t->colour.h, h);
+        gp_target_free(s->gl, t);
+        st = gp_target_make(log, s->gl, what, GP_TEXEL_FLOAT, n, wide, high, t);
+    }
+    if (!st)
+        gp_target_clear(s->gl, t, (struct gp_rect) {0, 0, w, h});
+    return st;
 }
-
-/* -- kernels --------------------------------------------------------------- */
 
 void gp_splat_drop_kernels(struct gp_splat *s)
 {
@@ -44,81 +42,67 @@ void gp_splat_drop_kernels(struct gp_splat *s)
         gp_texture_free(s->gl, &s->kernel[i].texture);
         s->kernel[i] = (struct gp_splat_kernel) {0};
     }
+    s->bytes = 0;
 }
 
-/* Drops the kernels unless they were made from this kernel, crop, and use:
- * `tail` leaves the core out of all but GP_SPLAT_CORE. */
-static void set_kernel(struct gp_splat *s, const struct gp_kernel *k,
-                       struct gp_rect crop, bool tail)
-{
-    const bool same = k->serial && k->serial == s->serial &&
-                      memcmp(&crop, &s->crop, sizeof crop) == 0 &&
-                      tail == s->tail;
-    if (same)
-        return;
-    gp_splat_drop_kernels(s);
-    s->serial = k->serial;
-    s->crop = crop;
-    s->tail = tail;
-}
-
-/* Uploads the planes with their border, band after band; what was made so far
- * stays in *o when it fails. */
+/* Uploads a kernel's samples, band after band. */
 static gp_status upload_kernel(const struct gp_log *log, struct gp_splat *s,
-    const struct gp_planes *k, struct gp_splat_kernel *o)
+    const struct gp_blur *b, struct gp_texture *t)
 {
-    const int b = o->border, w = o->w + 2 * b, h = o->h + 2 * b;
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
-    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, h,
-                                   &o->texture);
-    for (int y0 = 0; !st && y0 < h; y0 += rows) {
-        const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        memset(s->band, 0,
-               (size_t) gp_rect_h(band) * (size_t) w * 4 * sizeof(float));
-        for (int y = gp_max(y0, b); y < gp_min(band.y1, o->h + b); y++) {
-            const size_t from = (size_t) (y - b) * (size_t) o->w;
-            float *const to =
-                s->band + 4 * ((size_t) (y - y0) * (size_t) w + (size_t) b);
-            for (size_t x = 0; x < (size_t) o->w; x++) {
-                for (size_t c = 0; c < 3; c++)
-                    to[4 * x + c] = k->c[c][from + x];
-            }
+    const int w = b->grey ? (b->w + 3) / 4 : b->w;
+    const int rows = GP_SPLAT_TEXELS / w;
+    const size_t pitch = 4 * (size_t) w, samples = (size_t) b->w;
+    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, b->h,
+                                   t);
+    for (int y0 = 0; !st && y0 < b->h; y0 += rows) {
+        const int y1 = gp_min(b->h - y0, rows) + y0;
+        for (int y = y0; y < y1; y++) {
+            float *const texel = s->texel + (size_t) (y - y0) * pitch;
+            const size_t first = (size_t) y * samples;
+            memset(texel, 0, pitch * sizeof *texel);
+            if (b->grey)
+                memcpy(texel, b->k.c[0] + first, samples * sizeof *texel);
+            for (size_t i = 0; !b->grey && i < 3 * samples; i++)
+                texel[i / 3 * 4 + i % 3] = b->k.c[i % 3][first + i / 3];
         }
-        gp_texture_write(s->gl, &o->texture, band, s->band);
+        gp_texture_write(s->gl, t, (struct gp_rect) {0, y0, w, y1}, s->texel);
     }
     return st;
 }
 
-/* Makes s->kernel[which] unless it exists. A kernel of no samples (a core
- * that the crop does not meet) has w 0 and no texture.
- * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
-static gp_status need_kernel(const struct gp_log *log, struct gp_splat *s,
-                             const struct gp_kernel *k, int which)
+gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
+                               const struct gp_kernel *k, int which)
 {
-    if (s->kernel[which].texture.id)
-        return GP_OK;
-    const bool core = which == GP_SPLAT_CORE, smooth = which < GP_BLURS;
+    struct gp_splat_kernel *const o = &s->kernel[which];
+    const bool core = which == GP_SPLAT_CORE;
     const struct gp_rect around = {
         k->cx - GP_CORE_RADIUS, k->cy - GP_CORE_RADIUS,
         k->cx + GP_CORE_RADIUS + 1, k->cy + GP_CORE_RADIUS + 1,
     };
     const struct gp_rect crop = core ? gp_rect_meet(around, s->crop) : s->crop;
-    if (gp_rect_empty(crop))
+    if (o->texture.id || gp_rect_empty(crop))
         return GP_OK;
     struct gp_blur b = {0};
     gp_status st = gp_blur_make(log, k, crop, s->tail && !core,
-                                smooth ? gp_blur_box[which] : 1, &b);
+                                core ? 1 : gp_blur_box[which], &b);
     if (st)
         return st;
-    struct gp_splat_kernel o = {
-        .border = smooth, .w = b.w, .h = b.h,
+    const size_t bytes = (size_t) b.w * (size_t) b.h * (b.grey ? 1 : 4) *
+                         sizeof(float);
+    if (s->bytes + bytes > KEEP_BYTES)
+        gp_splat_drop_kernels(s);
+    s->bytes += bytes;
+    *o = (struct gp_splat_kernel) {
+        .grey = b.grey, .w = b.w, .h = b.h,
         .cx = (int) floorf(b.cx), .cy = (int) floorf(b.cy),
     };
-    o.rest[0] = b.cx - (float) o.cx;
-    o.rest[1] = b.cy - (float) o.cy;
-    st = upload_kernel(log, s, &b.k, &o);
+    o->rest[0] = b.cx - (float) o->cx;
+    o->rest[1] = b.cy - (float) o->cy;
+    st = upload_kernel(log, s, &b, &o->texture);
     if (!st)
-        s->kernel[which] = o;
+        st = gp_gl_check(log, s->gl, "packing the kernel");
+    if (st)
+        gp_splat_drop_kernels(s);
     gp_blur_free(&b);
     return st;
 }
@@ -167,13 +151,13 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
         st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT, wide, high,
                              t);
     }
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    const int rows = GP_SPLAT_TEXELS / w;
     for (int y0 = 0; !st && y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        memset(s->band, 0,
+        memset(s->texel, 0,
                (size_t) w * (size_t) gp_rect_h(band) * 4 * sizeof(float));
         for (int y = y0; y < band.y1; y++) {
-            float *const row = s->band + 4 * (size_t) (y - y0) * (size_t) w;
+            float *const row = s->texel + 4 * (size_t) (y - y0) * (size_t) w;
             const uint32_t end = src->row[rect.y0 + y + 1];
             for (uint32_t i = src->row[rect.y0 + y]; i < end; i++) {
                 float *const texel = row + 4 * (src->x[i] - rect.x0);
@@ -186,7 +170,7 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
                 texel[3] = light > 0.0 ? (float) light : 0.0f;
             }
         }
-        gp_texture_write(s->gl, t, band, s->band);
+        gp_texture_write(s->gl, t, band, s->texel);
     }
     return st;
 }
@@ -204,9 +188,10 @@ static gp_status make_groups(const struct gp_log *log, struct gp_splat *s,
     struct gp_rect rect, const struct cells *c, unsigned boxes, float fill,
     int parent, struct gp_target *out)
 {
-    gp_status st = use_program(log, s, GP_SPLAT_GROUP);
+    gp_status st = gp_splat_need_program(log, s, "", "add.vert", "group.frag",
+                                         &s->group);
     if (!st)
-        st = gp_splat_fit_target(log, s->gl, "groups", 2, c->w, c->h, out);
+        st = gp_splat_need_target(log, s, "groups", 2, c->w, c->h, out);
     if (st)
         return st;
     const struct gp_uniform uniform[] = {
@@ -221,7 +206,7 @@ static gp_status make_groups(const struct gp_log *log, struct gp_splat *s,
         {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[GP_SPLAT_GROUP], .target = out,
+        .program = &s->group, .target = out,
         .cut = {0, 0, c->w, c->h}, .uniform = uniform, .vertices = 3,
         .instances = 1, .replace = true,
     };
@@ -256,13 +241,14 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     const struct gp_target *to, int which, int first, int end)
 {
     struct gp_splat *const s = k->s;
+    const struct gp_log *const log = k->req->log;
     const struct gp_splat_kernel *const o = &s->kernel[which];
-    const enum gp_splat_program program =
-        g->places ? GP_SPLAT_SMOOTH_QUAD : GP_SPLAT_EXACT_QUAD;
-    gp_status st = need_kernel(k->req->log, s, k->req->kernel, which);
+    gp_status st = gp_splat_need_kernel(log, s, k->req->kernel, which);
     if (st || !o->w)
         return st;
-    st = use_program(k->req->log, s, program);
+    struct gp_program *const program = &s->quad[o->grey];
+    st = gp_splat_need_program(log, s, o->grey ? "#define GREY\n" : "",
+                               "splat.vert", "splat.frag", program);
     if (st)
         return st;
     const bool shrinks = k->layout->params.shrink > 0.0f &&
@@ -284,12 +270,12 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[program], .target = to,
+        .program = program, .target = to,
         .cut = {0, 0, to->colour.w, to->colour.h}, .uniform = uniform,
         .vertices = QUADS * QUAD_VERTICES,
         .instances = (end - first + QUADS - 1) / QUADS,
     };
-    return gp_draw_run(k->req->log, s->gl, &draw);
+    return gp_draw_run(log, s->gl, &draw);
 }
 
 static unsigned blurs_of(const struct gp_polygon *at, size_t n)
@@ -305,7 +291,7 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
                             const struct gp_target *to, int first, int end)
 {
     if (!g->places)
-        return draw_with(k, g, to, GP_SPLAT_WHOLE, first, end);
+        return draw_with(k, g, to, 0, first, end);
     const unsigned blurs = blurs_of(g->at, g->n);
     gp_status st = GP_OK;
     for (int blur = 0; !st && blur < GP_BLURS; blur++) {
@@ -326,10 +312,11 @@ static gp_status flush_chunk(struct drawing *k)
         {.name = "addend", .texture = &s->chunk.colour}, {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[GP_SPLAT_ADD], .target = &s->total, .cut = all,
+        .program = &s->add, .target = &s->total, .cut = all,
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_status st = use_program(k->req->log, s, GP_SPLAT_ADD);
+    gp_status st = gp_splat_need_program(k->req->log, s, "", "add.vert",
+                                         "add.frag", &s->add);
     if (!st)
         st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, all);
@@ -422,34 +409,18 @@ out:
     return st;
 }
 
-/* Makes a target of the layer's size unless it is, and clears it. */
-static gp_status need_target(const struct gp_glare_request *req,
-                             struct gp_splat *s, struct gp_target *t)
-{
-    const struct gp_rect all = {0, 0, req->src->w, req->src->h};
-    gp_status st = GP_OK;
-    if (t->colour.w != all.x1 || t->colour.h != all.y1) {
-        gp_target_free(s->gl, t);
-        st = gp_target_make(req->log, s->gl, "layer", GP_TEXEL_FLOAT, 1, all.x1,
-                            all.y1, t);
-    }
-    if (!st)
-        gp_target_clear(s->gl, t, all);
-    return st;
-}
-
 static void read_total(const struct gp_glare_request *req, struct gp_splat *s)
 {
     const int w = req->src->w, h = req->src->h;
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    const int rows = GP_SPLAT_TEXELS / w;
     for (int y0 = 0; y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(y0 + rows, h)};
         const size_t at = (size_t) y0 * (size_t) w;
         const size_t n = (size_t) w * (size_t) gp_rect_h(band);
-        gp_target_read(s->gl, &s->total, 0, band, s->band);
+        gp_target_read(s->gl, &s->total, 0, band, s->texel);
         for (size_t i = 0; i < n; i++) {
             for (size_t c = 0; c < 3; c++)
-                req->layer->c[c][at + i] = s->band[4 * i + c];
+                req->layer->c[c][at + i] = s->texel[4 * i + c];
         }
     }
 }
@@ -466,10 +437,11 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) gp_min(p->shrink.reach[i], FAR);
     gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
-    set_kernel(s, req->kernel, p->crop, p->core);
-    GP_TRY(need_target(req, s, &s->total));
+    GP_TRY(gp_splat_need_target(req->log, s, "layer", 1, req->src->w,
+                                req->src->h, &s->total));
     if (has_chunks(p))
-        GP_TRY(need_target(req, s, &s->chunk));
+        GP_TRY(gp_splat_need_target(req->log, s, "layer", 1, req->src->w,
+                                    req->src->h, &s->chunk));
     GP_TRY(draw_grids(&k));
     if (k.held)
         GP_TRY(flush_chunk(&k));
