@@ -238,11 +238,5 @@ static void what_is_left_out_is_allowed(void **state)
     }
 }
 
-/* -- the rims of polygons -------------------------------------------------- */
-
-struct box {
-    int x0, y0, x1, y1; // of pixels, the last included
-};
-
 SUITE_OF(blur, NULL, NULL, blurs_are_box_means, what_is_left_out_is_allowed)
 
