@@ -11,22 +11,10 @@
 
 // -- underflow ----------------------------------------------------------------
 
-struct gp_error_floor {
-    struct gp_fft_quarters quarters; // of this kernel, for frames of w x h
-    unsigned long kernel;            // serial; 0 none that is known
-    int w, h;
-};
-
-void gp_error_floor_free(struct gp_error_floor **f)
-{
-    GP_FREE(*f);
-}
-
 /* Values under 2^-126 are lost. A lost kernel sample costs a pixel up to 2^-126
  * of all light, a lost source that of the kernel's sum, products and sums that
  * each. Times 2^6, as engines have more steps than one. */
-gp_status gp_error_floor_find(const struct gp_glare_request *req,
-                        struct gp_error_floor **keep, double *floor)
+gp_status gp_error_floor_find(const struct gp_glare_request *req, double *floor)
 {
     static const double NEGLIGIBLE = 1e-12, SMALL = 1e-5;
     const struct gp_sources *const src = req->src;
@@ -54,26 +42,13 @@ gp_status gp_error_floor_find(const struct gp_glare_request *req,
         least = sqrt(least);
     }
     if (least < enough) { // light of sources, wherever they are
-        if (!*keep) {
-            gp_status st =
-                gp_alloc_zero(req->log, "bound", 1, sizeof **keep, keep);
-            if (st)
-                return st;
-        }
-        struct gp_error_floor *const f = *keep;
-        if (!f->kernel || f->kernel != k->serial || f->w != src->w ||
-            f->h != src->h) {
-            gp_fft_find_quarters(k, src->w, src->h, &f->quarters);
-            f->kernel = k->serial;
-            f->w = src->w;
-            f->h = src->h;
-        }
-        least = gp_fft_least(src, &f->quarters);
+        struct gp_fft_quarters quarters;
+        gp_fft_find_quarters(k, src->w, src->h, &quarters);
+        least = gp_fft_least(src, &quarters);
     }
     if (least < enough) { // light of these sources
         double other;
-        gp_status st =
-            gp_layer_least(req->log, src, k, &other);
+        gp_status st = gp_layer_least(req->log, src, k, &other);
         if (st)
             return st;
         least = fmax(least, other);

@@ -213,7 +213,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
     *out = (struct gp_choice) {.engine = named};
-    GP_TRY(gp_error_floor_find(req, &g->floor, &req->floor));
+    GP_TRY(gp_error_floor_find(req, &req->floor));
     if (d->params.tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is
         whole.src = d->src;
@@ -377,9 +377,10 @@ out:
 
 void gp_glare_close(struct gp_glare *g)
 {
-    for (int i = 0; gp_engines[i]; i++)
-        gp_engines[i]->close(&g->state[i]);
-    gp_error_floor_free(&g->floor);
+    for (int i = 0; gp_engines[i]; i++) {
+        if (gp_engines[i]->close)
+            gp_engines[i]->close(&g->state[i]);
+    }
     gp_outside_free(&g->outside);
     gp_far_close(&g->tail);
     gp_kernel_free(&g->whole);

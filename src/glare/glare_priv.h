@@ -84,11 +84,9 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
  * bound of rel_l2, which is for the core in floats that never leave their
  * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
  * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
- * *keep is NULL at first and kept from frame to frame. */
-struct gp_error_floor;
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_error_floor_find(const struct gp_glare_request *req,
-                                      struct gp_error_floor **keep, double *floor);
-void gp_error_floor_free(struct gp_error_floor **f);
+                                            double *floor);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 
