@@ -449,18 +449,11 @@ static inline __attribute__((always_inline)) float kept_finite(float v)
     return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
 }
 
-/* Returns true when a sample is at the largest float or over it; with the light
- * that a source scatters taken away it is at most this. */
-GP_CLONES static bool add_row(const float *in, const float *layer, float gain,
+GP_CLONES static void add_row(const float *in, const float *layer, float gain,
                               size_t n, float *restrict out)
 {
-    int over = 0;
-    for (size_t i = 0; i < n; i++) {
-        const float v = in[i] + gain * layer[i];
-        over |= fabsf(v) >= FLT_MAX;
-        out[i] = kept_finite(v);
-    }
-    return over;
+    for (size_t i = 0; i < n; i++)
+        out[i] = kept_finite(in[i] + gain * layer[i]);
 }
 
 /* Counts the samples of a row that kept_finite() changed. */
@@ -483,12 +476,11 @@ static void compose_row(void *ctx, int y, int thread)
         const float *in = f->rgb.c[c] + at;
         float *out = f->lit.c[c] + at;
         const float *layer = m->layer->c[c] ? m->layer->c[c] + at : NULL;
-        bool over = false;
         if (m->line)
             layer = memcpy(m->line + (size_t) thread * w, out,
                            w * sizeof *out);
         if (layer)
-            over = add_row(in, layer, m->gain, w, out);
+            add_row(in, layer, m->gain, w, out);
         else
             memcpy(out, in, w * sizeof *out);
         // the sources' pixels once more, with their own light taken away first:
@@ -502,8 +494,9 @@ static void compose_row(void *ctx, int y, int thread)
                                 m->gain * layer[x]);
             }
         }
+        const int over = count_over(in, out, w);
         if (over)
-            atomic_fetch_add(&m->over, count_over(in, out, w));
+            atomic_fetch_add(&m->over, over);
         for (size_t x = 0; m->keep < 1.0f && x < w; x++)
             out[x] *= m->keep;
     }
