@@ -37,13 +37,6 @@ const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s)
     return &s->error;
 }
 
-/* A torus that holds offsets -r .. r: nothing that wraps around meets a
- * frame. */
-static int torus(int r)
-{
-    return gp_fft_length(2 * r + 1);
-}
-
 // -- the kernel's spectrum and its error --------------------------------------
 
 struct kernel_rows {
@@ -179,8 +172,9 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     int *places = NULL;
     if (*state && (*state)->tail == t->serial)
         return GP_OK;
-    const int nx = torus(t->rx);
-    const int ny = torus(t->ry);
+    // a torus on which nothing that wraps around meets a frame
+    const int nx = gp_fft_length(2 * t->rx + 1);
+    const int ny = gp_fft_length(2 * t->ry + 1);
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
     GP_TRY(gp_fft_plan_make(log, nx, GP_FFT_PLAN_ESTIMATE, NULL, &s->x));
     GP_TRY(gp_fft_plan_make(log, ny, GP_FFT_PLAN_ESTIMATE, NULL, &s->y));

@@ -223,7 +223,6 @@ struct drawing {
     const struct gp_glare_request *req;
     struct gp_splat *s;
     const struct gp_splat_layout *layout;
-    size_t held; // polygons in the chunk
 };
 
 /* Cells whose sensors are drawn. */
@@ -304,7 +303,7 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
 /* -- chunks ---------------------------------------------------------------- */
 
 /* Adds what the chunk holds to the total, and empties it. */
-static gp_status flush_chunk(struct drawing *k)
+static gp_status flush_chunk(const struct drawing *k)
 {
     struct gp_splat *const s = k->s;
     const struct gp_rect all = {0, 0, k->req->src->w, k->req->src->h};
@@ -320,7 +319,6 @@ static gp_status flush_chunk(struct drawing *k)
     if (!st)
         st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, all);
-    k->held = 0;
     return st;
 }
 
@@ -329,26 +327,25 @@ static bool has_chunks(const struct gp_splat_layout *p)
     return p->polygons.n > p->chunk;
 }
 
-/* Draws the grid: to the total, or to the chunk when there are many
+/* Draws the grid: to the total, or chunk after chunk when there are many
  * polygons. */
-static gp_status draw_grid(struct drawing *k, const struct grid *g)
+static gp_status draw_grid(const struct drawing *k, const struct grid *g)
 {
     const struct cells *const c = &g->cells;
-    const int end = c->w * c->h;
+    const size_t chunk = k->layout->chunk;
     if (!has_chunks(k->layout))
-        return draw_range(k, g, &k->s->total, 0, end);
+        return draw_range(k, g, &k->s->total, 0, c->w * c->h);
     gp_status st = GP_OK;
     int first = 0;
-    for (size_t i = 0; !st && i < g->n; i++) {
+    for (size_t i = 0; !st && i < g->n; i += chunk) {
         // P0 lies among the pixels of its cell: its whole part is enough
-        const int x = (int) floorf(g->at[i].x), y = (int) floorf(g->at[i].y);
-        const bool full = ++k->held == k->layout->chunk;
-        if (!full && i + 1 < g->n)
-            continue;
+        const struct gp_polygon *const last =
+            &g->at[i + chunk < g->n ? i + chunk - 1 : g->n - 1];
+        const int x = (int) floorf(last->x), y = (int) floorf(last->y);
         const int next =
             (y - c->y) / c->side * c->w + (x - c->x) / c->side + 1;
         st = draw_range(k, g, &k->s->chunk, first, next);
-        if (!st && full)
+        if (!st)
             st = flush_chunk(k);
         first = next;
     }
@@ -359,7 +356,7 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
 
 /* Draws each pixel for itself, or its core for itself, and groups and clusters,
  * which are made on the way. */
-static gp_status draw_grids(struct drawing *k)
+static gp_status draw_grids(const struct drawing *k)
 {
     gp_status st;
     struct gp_splat *const s = k->s;
@@ -429,7 +426,7 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
                         const struct gp_splat_layout *p)
 {
     gp_status st;
-    struct drawing k = {.req = req, .s = s, .layout = p};
+    const struct drawing k = {.req = req, .s = s, .layout = p};
     float reach[GP_SOURCE_BINS];
     if (!s->reaches.id)
         GP_TRY(gp_buffer_make(req->log, s->gl, "reaches", GP_BUFFER_BLOCK,
@@ -443,8 +440,6 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
         GP_TRY(gp_splat_need_target(req->log, s, "layer", 1, req->src->w,
                                     req->src->h, &s->chunk));
     GP_TRY(draw_grids(&k));
-    if (k.held)
-        GP_TRY(flush_chunk(&k));
     read_total(req, s);
     st = gp_gl_check(req->log, s->gl, "drawing glare polygons");
 out:

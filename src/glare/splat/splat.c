@@ -41,9 +41,9 @@ static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
 
 /* Float roundings that a pixel may take, each 2^-24 of what is summed so far.
  * In a blended layer each may be up to 2^-23, as GL leaves the direction to
- * the driver: so two of 2^-24. One product, the sums in a chunk, and one for
- * each chunk. The form is known only with a context, so this is the worse of
- * both. */
+ * the driver: so two of 2^-24. One product, the sums in a chunk, whose first is
+ * exact, and one for each chunk, of which two may be short. The form is known
+ * only with a context, so this is the worse of both. */
 static double roundings(const struct gp_splat_layout *p)
 {
     const double n = (double) p->polygons.n, chunk = (double) p->chunk;
