@@ -1,4 +1,4 @@
-/* glare/error_floor.c, fft/reach.c: what every single pixel of a layer keeps. */
+/* glare/bound/bound.c, fft/reach.c: what every single pixel of a layer keeps. */
 #include "unit.h"
 #include "glare/fft/fft_priv.h"
 #include "glare/glare_priv.h"
