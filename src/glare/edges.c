@@ -319,24 +319,6 @@ static double *box_row(const struct box_sums *s, int c, int y)
     return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
 }
 
-static void sum_channel(void *ctx, int c, int thread)
-{
-    const struct box_sums *const s = ctx;
-    const struct gp_kernel *const k = s->k;
-    (void) thread;
-    memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
-    for (int y = 0; y < k->h; y++) {
-        const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
-        const double *const above = box_row(s, c, y);
-        double *const to = box_row(s, c, y + 1), sum = 0.0;
-        to[0] = 0.0;
-        for (int x = 0; x < k->w; x++) {
-            sum += (double) from[x];
-            to[x + 1] = above[x + 1] + sum;
-        }
-    }
-}
-
 static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
                            struct box_sums *s)
 {
@@ -346,8 +328,19 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
     };
     gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
                             (size_t) (k->h + 1) * s->pitch, sizeof *s->at, &s->at);
-    if (!st)
-        gp_parallel_do(s->channels, sum_channel, s);
+    for (int c = 0; !st && c < s->channels; c++) {
+        memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
+        for (int y = 0; y < k->h; y++) {
+            const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const double *const above = box_row(s, c, y);
+            double *const to = box_row(s, c, y + 1), sum = 0.0;
+            to[0] = 0.0;
+            for (int x = 0; x < k->w; x++) {
+                sum += (double) from[x];
+                to[x + 1] = above[x + 1] + sum;
+            }
+        }
+    }
     return st;
 }
 
@@ -359,8 +352,10 @@ static int kernel_from(long long p, int c, int n)
     return gp_clamp_wide(p + c, 0, n);
 }
 
-/* Facts of a kernel for pictures of one size. */
+/* Facts of a kernel for pictures of one size, and what is added to which. */
 struct gp_outside {
+    const struct gp_beyond *b;
+    struct gp_planes *layer;
     struct box_sums sums;
     struct gp_far_rows *tail; // of light 1 everywhere; NULL: no tail
     int w, h, threads;
@@ -407,9 +402,8 @@ GP_CLONES static void add_light(float *restrict layer,
 
 void gp_beyond_add_row(void *ctx, int i, int thread)
 {
-    const struct gp_beyond_adding *const a = ctx;
-    const struct gp_beyond *const b = a->b;
-    const struct gp_outside *const o = a->outside;
+    const struct gp_outside *const o = ctx;
+    const struct gp_beyond *const b = o->b;
     const struct gp_kernel *const k = o->sums.k;
     const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
     const size_t w = (size_t) b->w;
@@ -430,43 +424,8 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
             share[x] += tail - inside[x];
     }
     const float *const above = b->b[c] + (size_t) (y / b->side) * w;
-    add_light(a->layer->c[c] + (size_t) y * w, share, above, above + w,
+    add_light(o->layer->c[c] + (size_t) y * w, share, above, above + w,
               (float) (y % b->side) / (float) b->side, b->w);
-}
-
-struct adding_exactly {
-    const struct gp_beyond *b;
-    const struct box_sums *sums;
-    double *layer;
-};
-
-/* The plain form of gp_beyond_add_row(), in double, of a kernel without a tail. */
-static void add_exact_row(void *ctx, int y, int thread)
-{
-    const struct adding_exactly *const a = ctx;
-    const struct gp_beyond *const b = a->b;
-    const struct gp_kernel *const k = a->sums->k;
-    const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
-    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
-    const float down = (float) (y % b->side) / (float) b->side;
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        const int from = c % a->sums->channels;
-        const double *const low = box_row(a->sums, from, y0);
-        const double *const high = box_row(a->sums, from, y1);
-        const double all = box_row(a->sums, from, k->h)[k->w];
-        const float *const above = b->b[c] + (size_t) (y / b->side) *
-                                                 (size_t) b->w;
-        double *const out = a->layer + ((size_t) c * (size_t) b->h +
-                                        (size_t) y) * (size_t) b->w;
-        for (int x = 0; x < b->w; x++) {
-            const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
-            const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
-            const double inside = high[x1] - high[x0] - low[x1] + low[x0];
-            const float light = above[x] + down * (above[x + b->w] - above[x]);
-            out[x] += (k->beyond[c] + all - inside) * (double) light;
-        }
-    }
 }
 
 void gp_outside_free(struct gp_outside **outside)
@@ -482,19 +441,23 @@ void gp_outside_free(struct gp_outside **outside)
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
-    const struct gp_far_state *tail, int w, int h, struct gp_outside **outside)
+    const struct gp_far_state *tail, const struct gp_beyond *b,
+    struct gp_planes *layer, struct gp_outside **outside)
 {
     gp_status st;
+    const int w = b->w, h = b->h;
     struct gp_outside *o = *outside;
     const size_t threads = (size_t) gp_threads(), wide = (size_t) w;
     if (o && k->serial && o->serial == k->serial && o->w == w && o->h == h &&
         o->threads == gp_threads() && o->state == tail) {
         o->sums.k = k;
+        o->b = b;
+        o->layer = layer;
         return GP_OK;
     }
     gp_outside_free(outside);
     GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *o, &o));
-    *o = (struct gp_outside) {.w = w, .h = h, .threads = gp_threads(),
+    *o = (struct gp_outside) {.b = b, .layer = layer, .w = w, .h = h, .threads = gp_threads(),
                               .serial = k->serial, .state = tail};
     GP_TRY(sum_boxes(log, k, &o->sums));
     GP_TRY(gp_alloc(log, "edges", threads * (o->sums.pitch + 2 * wide),
@@ -510,6 +473,7 @@ out:
     return st;
 }
 
+/* The plain form of gp_beyond_add_row(). */
 gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
 {
@@ -517,8 +481,25 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
     if (!b || st)
         return st;
-    struct adding_exactly a = {.b = b, .sums = &sums, .layer = layer};
-    gp_parallel_do(b->h, add_exact_row, &a);
+    for (int i = 0; i < 3 * b->h; i++) {
+        const int c = i / b->h, y = i % b->h, from = c % sums.channels;
+        const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
+        const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
+        const float down = (float) (y % b->side) / (float) b->side;
+        const double *const low = box_row(&sums, from, y0);
+        const double *const high = box_row(&sums, from, y1);
+        const double all = box_row(&sums, from, k->h)[k->w];
+        const float *const above = b->b[c] + (size_t) (y / b->side) *
+                                                 (size_t) b->w;
+        double *const out = layer + (size_t) i * (size_t) b->w;
+        for (int x = 0; x < b->w; x++) {
+            const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
+            const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
+            const double inside = high[x1] - high[x0] - low[x1] + low[x0];
+            const float light = above[x] + down * (above[x + b->w] - above[x]);
+            out[x] += (k->beyond[c] + all - inside) * (double) light;
+        }
+    }
     gp_free(sums.at);
     return GP_OK;
 }

@@ -153,8 +153,8 @@ static int find_engine(const char *name)
 
 /* Light that is added to the rows that an engine draws. */
 struct rest {
-    struct gp_far_rows *tail;       // or NULL
-    struct gp_beyond_adding *beyond; // or NULL
+    struct gp_far_rows *tail;  // or NULL
+    struct gp_outside *beyond; // or NULL
 };
 
 static void add_rest(void *ctx, int i, int thread)
@@ -253,7 +253,6 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_far_rows *rows = NULL;
     struct rest parts = {0};
     struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
-    struct gp_beyond_adding adding = {.b = d->beyond, .layer = &d->f->layer};
     const int h = d->src->h;
     if (req->tail) {
         GP_TRY(gp_far_find(log, d->kernel->tail, g->tail, req->src,
@@ -263,9 +262,8 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     }
     if (d->beyond) {
         GP_TRY(gp_outside_find(log, d->drawn, d->drawn->tail ? g->tail : NULL,
-                               d->src->w, h, &g->outside));
-        adding.outside = g->outside;
-        parts.beyond = d->times ? NULL : &adding; // as bright as the frame is
+                               d->beyond, &d->f->layer, &g->outside));
+        parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
     if (parts.tail || parts.beyond)
         req->rest = &rest;
@@ -278,7 +276,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     if (d->times) {
         GP_TRY(double_layer(log, d->path, d->f, d->times, &req->stats->bound));
         if (d->beyond)
-            gp_parallel_do(3 * h, gp_beyond_add_row, &adding);
+            gp_parallel_do(3 * h, gp_beyond_add_row, g->outside);
     }
 out:
     gp_far_rows_free(&rows);

@@ -168,18 +168,6 @@ static void run_strip(void *ctx, int strip, int thread)
     }
 }
 
-double gp_direct_quads(const struct gp_sources *src)
-{
-    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
-    static const double FULL = 2.5; // most quads for each source
-    if (src->n >= MOST)
-        return 0.0;
-    // an odd step, as light may be in every other row
-    const int step = 7 + 2 * (int) (src->n / WANTED);
-    const double quads = (double) gp_quads_count(src, step);
-    return quads <= FULL * (double) src->n ? quads : 0.0;
-}
-
 /* Returns true when quads may serve a frame of h rows: they need the kernel's
  * rows four times as fast, from the cache, and place them by an int. */
 static bool fits_quads(const struct gp_taps *t, int h)

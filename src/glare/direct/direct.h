@@ -60,10 +60,6 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 
 enum { GP_QUAD = 4 };
 
-/* Counts the quads of sources: columns of four of which one at least is light, in
- * every `step`-th row, and multiplies: n to 4 n for n sources. */
-size_t gp_quads_count(const struct gp_sources *src, int step);
-
 /* gp_direct_sum() in the same order of the sources and within the same bound.
  * (h + taps->h) * taps->pitch must fit an int; best when the taps fit the
  * second-level cache. Errors: GP_ERR_BUG out of memory. */

@@ -3,6 +3,7 @@
 #include "glare/direct/direct.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdbool.h>
 
 enum {
@@ -64,13 +65,20 @@ static uint32_t count_row(const struct gp_sources *s, int y)
     return n;
 }
 
-size_t gp_quads_count(const struct gp_sources *src, int step)
+double gp_direct_quads(const struct gp_sources *src)
 {
-    size_t n = 0;
+    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
+    static const double FULL = 2.5; // most quads for each source
+    size_t n = 0; // in every step-th row
+    if (src->n >= MOST)
+        return 0.0;
+    // an odd step, as light may be in every other row
+    const int step = 7 + 2 * (int) (src->n / WANTED);
     for (int y = 1 - GP_QUAD; y < src->h; y += step)
         n += count_row(src, y);
-    n *= (size_t) step;
-    return n < src->n ? src->n : n < GP_QUAD * src->n ? n : GP_QUAD * src->n;
+    const double quads =
+        fmin(fmax((double) n * step, (double) src->n), GP_QUAD * (double) src->n);
+    return quads <= FULL * (double) src->n ? quads : 0.0;
 }
 
 struct quading {
