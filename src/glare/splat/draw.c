@@ -117,35 +117,29 @@ struct cells {
     int w, h; // cells
 };
 
-/* In EXR pixel space a cell starts at each multiple of its side. */
-static int first_corner(int at, int origin, int side)
-{
-    const long long v = (long long) at + origin, part = v % side;
-    return (int) (v - part - (part < 0 ? side : 0) - origin);
-}
-
-/* The whole cells that hold the sources. */
+/* The whole cells that hold the frame: in EXR pixel space one starts at each
+ * multiple of its side. */
 static struct cells cells_over(const struct gp_sources *src, int side)
 {
     struct cells c = {
         .side = side,
-        .x = first_corner(src->box.x0, src->x0, side),
-        .y = first_corner(src->box.y0, src->y0, side),
+        .x = -((src->x0 % side + side) % side),
+        .y = -((src->y0 % side + side) % side),
     };
-    c.w = (src->box.x1 - c.x + side - 1) / side;
-    c.h = (src->box.y1 - c.y + side - 1) / side;
+    c.w = (src->w - c.x + side - 1) / side;
+    c.h = (src->h - c.y + side - 1) / side;
     return c;
 }
 
-/* Uploads the light of the pixels of `rect`, which holds all sources, to
- * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
+/* Uploads the light of the frame's pixels to s->sources: rgb, and luminance.
+ * Errors: GP_ERR_GL. */
 static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
-    const struct gp_sources *src, struct gp_rect rect)
+                                const struct gp_sources *src)
 {
-    const int w = gp_rect_w(rect), h = gp_rect_h(rect);
+    const int w = src->w, h = src->h;
     struct gp_texture *const t = &s->sources;
     gp_status st = GP_OK;
-    if (t->w < w || t->h < h) { // the box of a moving light changes each frame
+    if (t->w < w || t->h < h) {
         const int wide = gp_max(t->w, w), high = gp_max(t->h, h);
         gp_texture_free(s->gl, t);
         st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT, wide, high,
@@ -158,9 +152,8 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
                (size_t) w * (size_t) gp_rect_h(band) * 4 * sizeof(float));
         for (int y = y0; y < band.y1; y++) {
             float *const row = s->texel + 4 * (size_t) (y - y0) * (size_t) w;
-            const uint32_t end = src->row[rect.y0 + y + 1];
-            for (uint32_t i = src->row[rect.y0 + y]; i < end; i++) {
-                float *const texel = row + 4 * (src->x[i] - rect.x0);
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+                float *const texel = row + 4 * src->x[i];
                 double light = 0.0;
                 for (int c = 0; c < 3; c++) {
                     texel[c] = src->rgb[c][i];
@@ -177,17 +170,18 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
 
 /* -- groups ---------------------------------------------------------------- */
 
-/* One pass over the sources of `rect` (Ando et al. 2007, sections 4.1 and 4.2):
- * makes `out`, two attachments, as group.frag says.
+/* One pass over the sources (Ando et al. 2007, sections 4.1 and 4.2): makes
+ * `out`, two attachments, as group.frag says.
  *
  *   boxes    bits of the blurs that may be taken
  *   fill     share of bright pixels under which a cell stays shut; 0: none
  *   parent   side of the clusters in s->clusters whose cells stay shut; 0: none
  * Errors: GP_ERR_GL. */
-static gp_status make_groups(const struct gp_log *log, struct gp_splat *s,
-    struct gp_rect rect, const struct cells *c, unsigned boxes, float fill,
+static gp_status make_groups(const struct gp_glare_request *req,
+    struct gp_splat *s, const struct cells *c, unsigned boxes, float fill,
     int parent, struct gp_target *out)
 {
+    const struct gp_log *const log = req->log;
     gp_status st = gp_splat_need_program(log, s, "", "add.vert", "group.frag",
                                          &s->group);
     if (!st)
@@ -198,8 +192,8 @@ static gp_status make_groups(const struct gp_log *log, struct gp_splat *s,
         {.name = "sources", .texture = &s->sources},
         {.name = "parents", .texture = parent ? &s->clusters.colour
                                               : &s->sources},
-        {.name = "origin", .v = {c->x - rect.x0, c->y - rect.y0}},
-        {.name = "size", .v = {gp_rect_w(rect), gp_rect_h(rect)}},
+        {.name = "origin", .v = {c->x, c->y}},
+        {.name = "size", .v = {req->src->w, req->src->h}},
         {.name = "side", .v = {c->side, parent / c->side}},
         {.name = "boxes", .v = {(int) boxes, 0}},
         {.name = "fill", .floats = 1, .f = {fill}},
@@ -360,21 +354,16 @@ static gp_status draw_grids(const struct drawing *k)
 {
     gp_status st;
     struct gp_splat *const s = k->s;
-    const struct gp_log *const log = k->req->log;
     const struct gp_sources *const src = k->req->src;
     const struct gp_splat_params *const p = &k->layout->params;
     const struct gp_polygons *const all = &k->layout->polygons;
     const int span = gp_max(p->cluster, p->group);
     const struct cells coarse = cells_over(src, span);
-    const struct gp_rect rect = gp_rect_meet(
-        (struct gp_rect) {coarse.x, coarse.y, coarse.x + coarse.w * span,
-                          coarse.y + coarse.h * span},
-        (struct gp_rect) {0, 0, src->w, src->h});
     const struct grid pixels = {
-        .cells = {1, rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect)},
+        .cells = {1, 0, 0, src->w, src->h},
         .sensors = &s->sources, .at = all->at, .n = all->n,
     };
-    GP_TRY(upload_sources(log, s, src, rect));
+    GP_TRY(upload_sources(k->req->log, s, src));
     if (k->layout->single)
         return draw_grid(k, &pixels);
     GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_CORE, 0,
@@ -387,7 +376,7 @@ static gp_status draw_grids(const struct drawing *k)
         .sensors = &s->clusters.colour, .places = &s->clusters.more[0],
     };
     if (clusters.n) {
-        GP_TRY(make_groups(log, s, rect, &coarse, blurs_of(all->at, clusters.n),
+        GP_TRY(make_groups(k->req, s, &coarse, blurs_of(all->at, clusters.n),
                            p->cluster_fill, 0, &s->clusters));
         GP_TRY(draw_grid(k, &clusters));
     }
@@ -398,7 +387,7 @@ static gp_status draw_grids(const struct drawing *k)
         .sensors = &s->groups.colour,
         .places = p->group > 1 ? &s->groups.more[0] : NULL,
     };
-    GP_TRY(make_groups(log, s, rect, &groups.cells,
+    GP_TRY(make_groups(k->req, s, &groups.cells,
                        blurs_of(groups.at, groups.n), 0.0f,
                        clusters.n ? p->cluster : 0, &s->groups));
     st = draw_grid(k, &groups);

@@ -1,7 +1,7 @@
 /* Splat, the glare stage on GL: Ando et al., "Real-time rendering of high
  * quality glare images using vertex texture fetch on GPU" (2007).
  *
- * Each pixel of the sources' box is a sensor. Bright ones are grouped and
+ * Each pixel of the frame is a sensor. Bright ones are grouped and
  * clustered into polygons that carry the kernel (polygons.h), blurred by as
  * much as the group is wide, cut to where it counts.
  *
