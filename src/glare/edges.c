@@ -22,8 +22,8 @@
 struct cell {
     float x, y, length;
     float root[3]; // mean of cube roots of the picture's light
-    float all[3];  // mean of it, where only a part is wanted
-    float own[3];  // ... of that part
+    float all[3];  // mean of it
+    float own[3];  // ... of the part that is wanted
 };
 
 struct gp_beyond {
@@ -61,9 +61,9 @@ static inline float cube_root(float v)
     return v >= FLT_MIN ? r : 0.0f;
 }
 
-/* Sets the means of the light in a box, and of its cube roots; NULL: not wanted. */
+/* Sets the means of the light in a box, and of its cube roots. */
 static void sum_box(const struct gp_sources *s, struct gp_rect box,
-                    float *light, float *root)
+                    float light[3], float root[3])
 {
     const double n = (double) gp_rect_w(box) * (double) gp_rect_h(box);
     double sum[3] = {0}, roots[3] = {0};
@@ -73,16 +73,13 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
         for (; i < past && s->x[i] < box.x1; i++) {
             for (int c = 0; c < 3; c++) {
                 sum[c] += (double) s->rgb[c][i];
-                if (root)
-                    roots[c] += (double) cube_root(s->rgb[c][i]);
+                roots[c] += (double) cube_root(s->rgb[c][i]);
             }
         }
     }
     for (int c = 0; c < 3; c++) {
-        if (light)
-            light[c] = (float) (sum[c] / n);
-        if (root)
-            root[c] = (float) (roots[c] / n);
+        light[c] = (float) (sum[c] / n);
+        root[c] = (float) (roots[c] / n);
     }
 }
 
@@ -115,10 +112,8 @@ static void find_cell(void *ctx, int i, int thread)
     out->x = flat ? middle : line;
     out->y = flat ? line : middle;
     out->length = (float) (to - from);
-    const bool part = a->own != a->picture;
-    sum_box(a->picture, box, part ? out->all : NULL, out->root);
-    if (part)
-        sum_box(a->own, box, out->own, NULL);
+    sum_box(a->own, box, out->own, out->root);
+    sum_box(a->picture, box, out->all, out->root);
 }
 
 /* The cell i of n around the picture: along the upper side, down the right, back
@@ -174,14 +169,13 @@ struct seeing {
     struct gp_beyond *b;
     const struct cell *cell;
     int cells, corners; // of the border; in a row
-    bool part;   // of the picture's light only a part is wanted
     float *sums; // 10 rows of corners for each thread
 };
 
 /* Adds a cell to the sums of a row of corners: of weights, of roots, and of the
  * light of the part and of all, each times weights. */
 GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
-    int side, int n, bool part, float *restrict sums)
+    int side, int n, float *restrict sums)
 {
     const float up = y - cell->y, soft = up * up + (float) (side * side);
     const float step = (float) side;
@@ -190,15 +184,8 @@ GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
         const float d2 = dx * dx + soft;
         const float v = cell->length / (d2 * sqrtf(d2));
         sums[i] += v;
-        sums[i + n] += v * cell->root[0];
-        sums[i + 2 * n] += v * cell->root[1];
-        sums[i + 3 * n] += v * cell->root[2];
-    }
-    for (int i = 0; part && i < n; i++) {
-        const float dx = (float) i * step - cell->x;
-        const float d2 = dx * dx + soft;
-        const float v = cell->length / (d2 * sqrtf(d2));
         for (int c = 0; c < 3; c++) {
+            sums[i + (1 + c) * n] += v * cell->root[c];
             sums[i + (4 + c) * n] += v * cell->own[c];
             sums[i + (7 + c) * n] += v * cell->all[c];
         }
@@ -226,15 +213,14 @@ static void see_row(void *ctx, int row, int thread)
     float *const sums = a->sums + (size_t) thread * 10 * (size_t) n;
     memset(sums, 0, 10 * (size_t) n * sizeof *sums);
     for (int i = 0; i < a->cells; i++)
-        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, a->part,
-                 sums);
+        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, sums);
     for (int c = 0; c < 3; c++) {
         float *const out = sums + (1 + c) * n;
         const float *const own = sums + (4 + c) * n, *const all = own + 3 * n;
         for (int i = 0; i < n; i++) {
             const float r = out[i] / sums[i];
             const float part = all[i] > 0.0f ? own[i] / all[i] : 0.0f;
-            out[i] = r * r * r * (a->part ? part : 1.0f);
+            out[i] = r * r * r * part;
         }
         fill_between(out, b->side, b->w, b->b[c] + (size_t) row * (size_t) b->w);
     }
@@ -283,7 +269,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
                     (size_t) corners, sizeof *sums, &sums));
     struct seeing seeing = {
         .b = b, .cell = border.cell, .cells = cells, .corners = corners,
-        .part = own != s, .sums = sums,
+        .sums = sums,
     };
     gp_parallel_do(b->rows, see_row, &seeing);
     for (int i = 0; i < 3 * b->rows; i++) {
