@@ -22,8 +22,8 @@
 struct cell {
     float x, y, length;
     float root[3]; // mean of cube roots of the picture's light
-    float all[3];  // mean of it, where only a part is wanted
-    float own[3];  // ... of that part
+    float all[3];  // mean of it
+    float own[3];  // ... of the part that is wanted
 };
 
 struct gp_beyond {
@@ -61,9 +61,9 @@ static inline float cube_root(float v)
     return v >= FLT_MIN ? r : 0.0f;
 }
 
-/* Sets the means of the light in a box, and of its cube roots; NULL: not wanted. */
+/* Sets the means of the light in a box, and of its cube roots. */
 static void sum_box(const struct gp_sources *s, struct gp_rect box,
-                    float *light, float *root)
+                    float light[3], float root[3])
 {
     const double n = (double) gp_rect_w(box) * (double) gp_rect_h(box);
     double sum[3] = {0}, roots[3] = {0};
@@ -73,16 +73,13 @@ static void sum_box(const struct gp_sources *s, struct gp_rect box,
         for (; i < past && s->x[i] < box.x1; i++) {
             for (int c = 0; c < 3; c++) {
                 sum[c] += (double) s->rgb[c][i];
-                if (root)
-                    roots[c] += (double) cube_root(s->rgb[c][i]);
+                roots[c] += (double) cube_root(s->rgb[c][i]);
             }
         }
     }
     for (int c = 0; c < 3; c++) {
-        if (light)
-            light[c] = (float) (sum[c] / n);
-        if (root)
-            root[c] = (float) (roots[c] / n);
+        light[c] = (float) (sum[c] / n);
+        root[c] = (float) (roots[c] / n);
     }
 }
 
@@ -115,10 +112,8 @@ static void find_cell(void *ctx, int i, int thread)
     out->x = flat ? middle : line;
     out->y = flat ? line : middle;
     out->length = (float) (to - from);
-    const bool part = a->own != a->picture;
-    sum_box(a->picture, box, part ? out->all : NULL, out->root);
-    if (part)
-        sum_box(a->own, box, out->own, NULL);
+    sum_box(a->own, box, out->own, out->root);
+    sum_box(a->picture, box, out->all, out->root);
 }
 
 /* The cell i of n around the picture: along the upper side, down the right, back
@@ -174,14 +169,13 @@ struct seeing {
     struct gp_beyond *b;
     const struct cell *cell;
     int cells, corners; // of the border; in a row
-    bool part;   // of the picture's light only a part is wanted
     float *sums; // 10 rows of corners for each thread
 };
 
 /* Adds a cell to the sums of a row of corners: of weights, of roots, and of the
  * light of the part and of all, each times weights. */
 GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
-    int side, int n, bool part, float *restrict sums)
+    int side, int n, float *restrict sums)
 {
     const float up = y - cell->y, soft = up * up + (float) (side * side);
     const float step = (float) side;
@@ -190,15 +184,8 @@ GP_CLONES static void add_cell(const struct cell *restrict cell, float y,
         const float d2 = dx * dx + soft;
         const float v = cell->length / (d2 * sqrtf(d2));
         sums[i] += v;
-        sums[i + n] += v * cell->root[0];
-        sums[i + 2 * n] += v * cell->root[1];
-        sums[i + 3 * n] += v * cell->root[2];
-    }
-    for (int i = 0; part && i < n; i++) {
-        const float dx = (float) i * step - cell->x;
-        const float d2 = dx * dx + soft;
-        const float v = cell->length / (d2 * sqrtf(d2));
         for (int c = 0; c < 3; c++) {
+            sums[i + (1 + c) * n] += v * cell->root[c];
             sums[i + (4 + c) * n] += v * cell->own[c];
             sums[i + (7 + c) * n] += v * cell->all[c];
         }
@@ -226,15 +213,14 @@ static void see_row(void *ctx, int row, int thread)
     float *const sums = a->sums + (size_t) thread * 10 * (size_t) n;
     memset(sums, 0, 10 * (size_t) n * sizeof *sums);
     for (int i = 0; i < a->cells; i++)
-        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, a->part,
-                 sums);
+        add_cell(&a->cell[i], (float) (row * b->side), b->side, n, sums);
     for (int c = 0; c < 3; c++) {
         float *const out = sums + (1 + c) * n;
         const float *const own = sums + (4 + c) * n, *const all = own + 3 * n;
         for (int i = 0; i < n; i++) {
             const float r = out[i] / sums[i];
             const float part = all[i] > 0.0f ? own[i] / all[i] : 0.0f;
-            out[i] = r * r * r * (a->part ? part : 1.0f);
+            out[i] = r * r * r * part;
         }
         fill_between(out, b->side, b->w, b->b[c] + (size_t) row * (size_t) b->w);
     }
@@ -283,7 +269,7 @@ gp_status gp_beyond_find(const struct gp_log *log, const struct gp_surround *edg
                     (size_t) corners, sizeof *sums, &sums));
     struct seeing seeing = {
         .b = b, .cell = border.cell, .cells = cells, .corners = corners,
-        .part = own != s, .sums = sums,
+        .sums = sums,
     };
     gp_parallel_do(b->rows, see_row, &seeing);
     for (int i = 0; i < 3 * b->rows; i++) {
@@ -319,24 +305,6 @@ static double *box_row(const struct box_sums *s, int c, int y)
     return s->at + ((size_t) c * ((size_t) s->k->h + 1) + (size_t) y) * s->pitch;
 }
 
-static void sum_channel(void *ctx, int c, int thread)
-{
-    const struct box_sums *const s = ctx;
-    const struct gp_kernel *const k = s->k;
-    (void) thread;
-    memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
-    for (int y = 0; y < k->h; y++) {
-        const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
-        const double *const above = box_row(s, c, y);
-        double *const to = box_row(s, c, y + 1), sum = 0.0;
-        to[0] = 0.0;
-        for (int x = 0; x < k->w; x++) {
-            sum += (double) from[x];
-            to[x + 1] = above[x + 1] + sum;
-        }
-    }
-}
-
 static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
                            struct box_sums *s)
 {
@@ -346,8 +314,19 @@ static gp_status sum_boxes(const struct gp_log *log, const struct gp_kernel *k,
     };
     gp_status st = gp_alloc(log, "edges", (size_t) s->channels *
                             (size_t) (k->h + 1) * s->pitch, sizeof *s->at, &s->at);
-    if (!st)
-        gp_parallel_do(s->channels, sum_channel, s);
+    for (int c = 0; !st && c < s->channels; c++) {
+        memset(box_row(s, c, 0), 0, s->pitch * sizeof(double));
+        for (int y = 0; y < k->h; y++) {
+            const float *const from = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const double *const above = box_row(s, c, y);
+            double *const to = box_row(s, c, y + 1), sum = 0.0;
+            to[0] = 0.0;
+            for (int x = 0; x < k->w; x++) {
+                sum += (double) from[x];
+                to[x + 1] = above[x + 1] + sum;
+            }
+        }
+    }
     return st;
 }
 
@@ -359,42 +338,40 @@ static int kernel_from(long long p, int c, int n)
     return gp_clamp_wide(p + c, 0, n);
 }
 
-/* Facts of a kernel for pictures of one size. */
+/* Facts of a kernel for pictures of one size, and what is added to which. */
 struct gp_outside {
+    const struct gp_beyond *b;
+    struct gp_planes *layer;
     struct box_sums sums;
     struct gp_far_rows *tail; // of light 1 everywhere; NULL: no tail
     int w, h, threads;
     unsigned long serial;              // of the kernel
     const struct gp_far_state *state; // what `tail` is of
-    double *box;   // pitch of the kernel for each thread
+    double *box;   // pitch of the kernel and 2 w for each thread
     float *share;  // 2 w of the picture for each thread: w; the tail inside
 };
 
-/* Fills share[x] with w in row y, but for the tail's. */
+/* Fills share[x] with w in row y, but for the tail's. `box` has w pixels beyond
+ * both ends of the kernel: the sums up to there are none and all. */
 GP_CLONES static void find_shares(const struct gp_kernel *k,
     const double *restrict low, const double *restrict high, double rest, int w,
     double *restrict box, float *restrict share)
 {
+    double *const own = box + w;
     for (int i = 0; i <= k->w; i++)
-        box[i] = high[i] - low[i];
-    const double all = box[k->w];
+        own[i] = high[i] - low[i];
+    const double all = own[k->w];
     const float base = (float) rest;
+    for (int i = 0; i < w; i++) {
+        box[i] = 0.0;
+        own[k->w + 1 + i] = all;
+    }
+    // samples right of x + cx have their light left of the picture, those left
+    // of x + cx - w + 1 right of it
+    const double *const left = own + gp_clamp_wide(k->cx + 1LL, -w, k->w);
+    const double *const right = own + gp_clamp_wide(k->cx + 1LL - w, -w, k->w);
     for (int x = 0; x < w; x++)
-        share[x] = base;
-    // samples right of x + cx have their light left of the picture
-    const int none = gp_min(gp_max(-k->cx - 1, 0), w);
-    const int left = gp_clamp_wide((long long) k->w - k->cx - 1, 0, w);
-    for (int x = 0; x < none; x++)
-        share[x] += (float) all;
-    for (int x = none; x < left; x++)
-        share[x] += (float) (all - box[x + k->cx + 1]);
-    // those left of x + cx - w + 1 right of it
-    const int right = gp_clamp_wide((long long) w - k->cx, 0, w);
-    const int whole = gp_clamp_wide((long long) w + k->w - k->cx, right, w);
-    for (int x = right; x < whole; x++)
-        share[x] += (float) box[x + k->cx + 1 - w];
-    for (int x = whole; x < w; x++)
-        share[x] += (float) all;
+        share[x] = base + (float) (all - left[x]) + (float) right[x];
 }
 
 /* Adds w b; b lies between those of two rows of corners. */
@@ -411,9 +388,8 @@ GP_CLONES static void add_light(float *restrict layer,
 
 void gp_beyond_add_row(void *ctx, int i, int thread)
 {
-    const struct gp_beyond_adding *const a = ctx;
-    const struct gp_beyond *const b = a->b;
-    const struct gp_outside *const o = a->outside;
+    const struct gp_outside *const o = ctx;
+    const struct gp_beyond *const b = o->b;
     const struct gp_kernel *const k = o->sums.k;
     const int c = i / b->h, y = i % b->h, from = c % o->sums.channels;
     const size_t w = (size_t) b->w;
@@ -426,7 +402,7 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
     const double all = box_row(&o->sums, from, k->h)[k->w];
     find_shares(k, low, high,
                 k->left_out + (all - (high[k->w] - low[k->w])), b->w,
-                o->box + (size_t) thread * o->sums.pitch, share);
+                o->box + (size_t) thread * (o->sums.pitch + 2 * w), share);
     if (o->tail) {
         const float tail = (float) k->tail->sum[from];
         gp_far_row(o->tail, from, y, thread, inside);
@@ -434,43 +410,8 @@ void gp_beyond_add_row(void *ctx, int i, int thread)
             share[x] += tail - inside[x];
     }
     const float *const above = b->b[c] + (size_t) (y / b->side) * w;
-    add_light(a->layer->c[c] + (size_t) y * w, share, above, above + w,
+    add_light(o->layer->c[c] + (size_t) y * w, share, above, above + w,
               (float) (y % b->side) / (float) b->side, b->w);
-}
-
-struct adding_exactly {
-    const struct gp_beyond *b;
-    const struct box_sums *sums;
-    double *layer;
-};
-
-/* The plain form of gp_beyond_add_row(), in double, of a kernel without a tail. */
-static void add_exact_row(void *ctx, int y, int thread)
-{
-    const struct adding_exactly *const a = ctx;
-    const struct gp_beyond *const b = a->b;
-    const struct gp_kernel *const k = a->sums->k;
-    const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
-    const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
-    const float down = (float) (y % b->side) / (float) b->side;
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        const int from = c % a->sums->channels;
-        const double *const low = box_row(a->sums, from, y0);
-        const double *const high = box_row(a->sums, from, y1);
-        const double all = box_row(a->sums, from, k->h)[k->w];
-        const float *const above = b->b[c] + (size_t) (y / b->side) *
-                                                 (size_t) b->w;
-        double *const out = a->layer + ((size_t) c * (size_t) b->h +
-                                        (size_t) y) * (size_t) b->w;
-        for (int x = 0; x < b->w; x++) {
-            const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
-            const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
-            const double inside = high[x1] - high[x0] - low[x1] + low[x0];
-            const float light = above[x] + down * (above[x + b->w] - above[x]);
-            out[x] += (k->left_out + all - inside) * (double) light;
-        }
-    }
 }
 
 void gp_outside_free(struct gp_outside **outside)
@@ -486,23 +427,27 @@ void gp_outside_free(struct gp_outside **outside)
 }
 
 gp_status gp_outside_find(const struct gp_log *log, const struct gp_kernel *k,
-    const struct gp_far_state *tail, int w, int h, struct gp_outside **outside)
+    const struct gp_far_state *tail, const struct gp_beyond *b,
+    struct gp_planes *layer, struct gp_outside **outside)
 {
     gp_status st;
+    const int w = b->w, h = b->h;
     struct gp_outside *o = *outside;
     const size_t threads = (size_t) gp_threads(), wide = (size_t) w;
     if (o && k->serial && o->serial == k->serial && o->w == w && o->h == h &&
         o->threads == gp_threads() && o->state == tail) {
         o->sums.k = k;
+        o->b = b;
+        o->layer = layer;
         return GP_OK;
     }
     gp_outside_free(outside);
     GP_TRY(gp_alloc_zero(log, "edges", 1, sizeof *o, &o));
-    *o = (struct gp_outside) {.w = w, .h = h, .threads = gp_threads(),
+    *o = (struct gp_outside) {.b = b, .layer = layer, .w = w, .h = h, .threads = gp_threads(),
                               .serial = k->serial, .state = tail};
     GP_TRY(sum_boxes(log, k, &o->sums));
-    GP_TRY(gp_alloc(log, "edges", threads * o->sums.pitch, sizeof *o->box,
-                    &o->box));
+    GP_TRY(gp_alloc(log, "edges", threads * (o->sums.pitch + 2 * wide),
+                    sizeof *o->box, &o->box));
     GP_TRY(gp_alloc(log, "edges", threads * 2 * wide, sizeof *o->share,
                     &o->share));
     if (k->tail)
@@ -514,6 +459,7 @@ out:
     return st;
 }
 
+/* The plain form of gp_beyond_add_row(). */
 gp_status gp_beyond_add_exact(const struct gp_log *log,
     const struct gp_beyond *b, const struct gp_kernel *k, double *layer)
 {
@@ -521,8 +467,25 @@ gp_status gp_beyond_add_exact(const struct gp_log *log,
     gp_status st = b ? sum_boxes(log, k, &sums) : GP_OK;
     if (!b || st)
         return st;
-    struct adding_exactly a = {.b = b, .sums = &sums, .layer = layer};
-    gp_parallel_do(b->h, add_exact_row, &a);
+    for (int i = 0; i < 3 * b->h; i++) {
+        const int c = i / b->h, y = i % b->h, from = c % sums.channels;
+        const int y0 = kernel_from((long long) y - b->h + 1, k->cy, k->h);
+        const int y1 = kernel_from((long long) y + 1, k->cy, k->h);
+        const float down = (float) (y % b->side) / (float) b->side;
+        const double *const low = box_row(&sums, from, y0);
+        const double *const high = box_row(&sums, from, y1);
+        const double all = box_row(&sums, from, k->h)[k->w];
+        const float *const above = b->b[c] + (size_t) (y / b->side) *
+                                                 (size_t) b->w;
+        double *const out = layer + (size_t) i * (size_t) b->w;
+        for (int x = 0; x < b->w; x++) {
+            const int x0 = kernel_from((long long) x - b->w + 1, k->cx, k->w);
+            const int x1 = kernel_from((long long) x + 1, k->cx, k->w);
+            const double inside = high[x1] - high[x0] - low[x1] + low[x0];
+            const float light = above[x] + down * (above[x + b->w] - above[x]);
+            out[x] += (k->left_out + all - inside) * (double) light;
+        }
+    }
     gp_free(sums.at);
     return GP_OK;
 }

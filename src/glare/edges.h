@@ -76,22 +76,19 @@ double gp_beyond_most(const struct gp_beyond *b);
  * frame. */
 struct gp_outside;
 
-/* Finds it unless *outside is of that kernel and size.
- *   tail  open for k's tail, where it has one; like k it is borrowed
+/* Finds it unless *outside is of that kernel and of b's size, for adding b to a
+ * layer of that size; all are borrowed.
+ *   tail  open for k's tail, where it has one
  * Free with gp_outside_free(). Errors: GP_ERR_BUG out of memory; *outside is NULL
  * then. */
 GP_MUST_CHECK gp_status gp_outside_find(const struct gp_log *log,
-    const struct gp_kernel *k, const struct gp_far_state *tail, int w, int h,
+    const struct gp_kernel *k, const struct gp_far_state *tail,
+    const struct gp_beyond *b, struct gp_planes *layer,
     struct gp_outside **outside);
 void gp_outside_free(struct gp_outside **outside);
 
-/* Adds w b to row i % h of channel i / h of a layer of the picture's size, i in
- * [0, 3 h); a task of gp_parallel_do(). */
-struct gp_beyond_adding {
-    const struct gp_beyond *b;
-    const struct gp_outside *outside;
-    struct gp_planes *layer;
-};
+/* Adds w b to row i % h of channel i / h of the layer, i in [0, 3 h); a task of
+ * gp_parallel_do(), whose ctx is what was found. */
 void gp_beyond_add_row(void *ctx, int i, int thread);
 
 /* The same in double, for the truth: k has no tail, layer 3 w h doubles. */

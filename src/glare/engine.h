@@ -128,8 +128,9 @@ struct gp_engine {
 
     /* Writes every sample of req->layer, and req->stats; a bound over 0 that
      * is there already may stay, as bound() gave it. *state is NULL at first,
-     * kept by the caller from frame to frame, and freed by close(): spectra,
-     * plans, GL objects. It never changes a result. */
+     * kept by the caller from frame to frame, and freed by close(), which is
+     * NULL where nothing is kept: spectra, plans, GL objects. It never changes a
+     * result. */
     gp_status (*run)(const struct gp_glare_request *req, void **state);
     void (*close)(void **state);
 };
@@ -140,7 +141,6 @@ extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     bool warned;     // that no engine keeps the tolerance
-    struct gp_error_floor *floor; // NULL at first
     struct gp_far_state *tail;
     struct gp_outside *outside; // NULL at first
     struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size

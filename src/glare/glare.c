@@ -153,8 +153,8 @@ static int find_engine(const char *name)
 
 /* Light that is added to the rows that an engine draws. */
 struct rest {
-    struct gp_far_rows *tail;       // or NULL
-    struct gp_beyond_adding *beyond; // or NULL
+    struct gp_far_rows *tail;  // or NULL
+    struct gp_outside *beyond; // or NULL
 };
 
 static void add_rest(void *ctx, int i, int thread)
@@ -213,7 +213,7 @@ static gp_status choose(const struct gp_log *log, int named, struct drawing *d,
     struct gp_glare_request *const req = &d->req;
     struct gp_glare *const g = d->g;
     *out = (struct gp_choice) {.engine = named};
-    GP_TRY(gp_error_floor_find(req, &g->floor, &req->floor));
+    GP_TRY(gp_error_floor_find(req, &req->floor));
     if (d->params.tolerance_pixel > 0.0f) {
         struct gp_glare_request whole = *req; // as bright as the frame is
         whole.src = d->src;
@@ -253,7 +253,6 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     struct gp_far_rows *rows = NULL;
     struct rest parts = {0};
     struct gp_layer_rest rest = {.add = add_rest, .ctx = &parts};
-    struct gp_beyond_adding adding = {.b = d->beyond, .layer = &d->f->layer};
     const int h = d->src->h;
     if (req->tail) {
         GP_TRY(gp_far_find(log, d->kernel->tail, g->tail, req->src,
@@ -263,9 +262,8 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     }
     if (d->beyond) {
         GP_TRY(gp_outside_find(log, d->drawn, d->drawn->tail ? g->tail : NULL,
-                               d->src->w, h, &g->outside));
-        adding.outside = g->outside;
-        parts.beyond = d->times ? NULL : &adding; // as bright as the frame is
+                               d->beyond, &d->f->layer, &g->outside));
+        parts.beyond = d->times ? NULL : g->outside; // as bright as the frame
     }
     if (parts.tail || parts.beyond)
         req->rest = &rest;
@@ -278,7 +276,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_choice *engine,
     if (d->times) {
         GP_TRY(double_layer(log, d->path, d->f, d->times, &req->stats->bound));
         if (d->beyond)
-            gp_parallel_do(3 * h, gp_beyond_add_row, &adding);
+            gp_parallel_do(3 * h, gp_beyond_add_row, g->outside);
     }
 out:
     gp_far_rows_free(&rows);
@@ -377,9 +375,10 @@ out:
 
 void gp_glare_close(struct gp_glare *g)
 {
-    for (int i = 0; gp_engines[i]; i++)
-        gp_engines[i]->close(&g->state[i]);
-    gp_error_floor_free(&g->floor);
+    for (int i = 0; gp_engines[i]; i++) {
+        if (gp_engines[i]->close)
+            gp_engines[i]->close(&g->state[i]);
+    }
     gp_outside_free(&g->outside);
     gp_far_close(&g->tail);
     gp_kernel_free(&g->whole);
@@ -448,18 +447,11 @@ static inline __attribute__((always_inline)) float kept_finite(float v)
     return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
 }
 
-/* Returns true when a sample is at the largest float or over it; with the light
- * that a source scatters taken away it is at most this. */
-GP_CLONES static bool add_row(const float *in, const float *layer, float gain,
+GP_CLONES static void add_row(const float *in, const float *layer, float gain,
                               size_t n, float *restrict out)
 {
-    int over = 0;
-    for (size_t i = 0; i < n; i++) {
-        const float v = in[i] + gain * layer[i];
-        over |= fabsf(v) >= FLT_MAX;
-        out[i] = kept_finite(v);
-    }
-    return over;
+    for (size_t i = 0; i < n; i++)
+        out[i] = kept_finite(in[i] + gain * layer[i]);
 }
 
 /* Counts the samples of a row that kept_finite() changed. */
@@ -482,12 +474,11 @@ static void compose_row(void *ctx, int y, int thread)
         const float *in = f->rgb.c[c] + at;
         float *out = f->lit.c[c] + at;
         const float *layer = m->layer->c[c] ? m->layer->c[c] + at : NULL;
-        bool over = false;
         if (m->line)
             layer = memcpy(m->line + (size_t) thread * w, out,
                            w * sizeof *out);
         if (layer)
-            over = add_row(in, layer, m->gain, w, out);
+            add_row(in, layer, m->gain, w, out);
         else
             memcpy(out, in, w * sizeof *out);
         // the sources' pixels once more, with their own light taken away first:
@@ -501,8 +492,9 @@ static void compose_row(void *ctx, int y, int thread)
                                 m->gain * layer[x]);
             }
         }
+        const int over = count_over(in, out, w);
         if (over)
-            atomic_fetch_add(&m->over, count_over(in, out, w));
+            atomic_fetch_add(&m->over, over);
         for (size_t x = 0; m->keep < 1.0f && x < w; x++)
             out[x] *= m->keep;
     }

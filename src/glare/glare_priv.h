@@ -4,6 +4,7 @@
 
 #include "core/image.h"
 #include "core/status.h"
+#include "glare/bound/bound.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"
@@ -18,39 +19,6 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y);
 /* gp_glare_reference() by plain loops, in time of sources times taps. */
 void gp_glare_reference_direct(const struct gp_sources *src,
                                const struct gp_kernel *kernel, double *layer);
-
-// -- error_floor.c: errors that no engine bounds ------------------------------------
-
-/* Limits of the exact composite, known before it is made. */
-struct gp_pixel_floor {
-    double least;          // of its luminance, without light from other pixels
-    double lit, most;      // of its luminance, some of that light included
-    double less;           // most negative luminance of such light, as >= 0
-    double weight[3];      // of luminance
-    double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
-    double tail[3];        // most error of a sample by the kernel's tail
-    double rounded;        // share of a sample that rounding light from beyond
-                           // the border is wrong by
-};
-GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_request *req,
-    const struct gp_image *f, struct gp_pixel_floor *out);
-
-/* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
- * most share * gain * layer + gain * sum of weight * of, and the composite Y is
- * at least `lit`, as kernel and light are not negative. The
- * share's part is at most `share` where Y's own part is not negative. */
-double gp_pixel_bound(const struct gp_pixel_floor *f,
-                      const struct gp_pixel_error *e, double gain);
-
-/* Finds the error that underflow, and the kernel's tail, add to an engine's
- * bound of rel_l2, which is for the core in floats that never leave their
- * range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
- * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
- * *keep is NULL at first and kept from frame to frame. */
-struct gp_error_floor;
-GP_MUST_CHECK gp_status gp_error_floor_find(const struct gp_glare_request *req,
-                                      struct gp_error_floor **keep, double *floor);
-void gp_error_floor_free(struct gp_error_floor **f);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 

@@ -3,7 +3,6 @@
 #include "glare/glare_priv.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -116,7 +115,7 @@ static gp_status try_whole(const struct gp_glare_request *req,
     // the layer of the core is no more than that of the whole
     whole.tail = NULL;
     memset(own.tail, 0, sizeof own.tail);
-    gp_status st = gp_error_floor_find(&whole, &g->floor, &whole.floor);
+    gp_status st = gp_error_floor_find(&whole, &whole.floor);
     if (!st)
         st = find_bounds(&whole, g, &own, &c);
     if (!st && is_within(req->params, &c))
@@ -126,43 +125,27 @@ static gp_status try_whole(const struct gp_glare_request *req,
 
 // -- in words -----------------------------------------------------------------
 
-struct words {
-    char *at;
-    size_t room;
-};
-
-__attribute__((format(printf, 2, 3))) static void
-add_words(struct words *w, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    const int n = vsnprintf(w->at, w->room, format, args);
-    va_end(args);
-    const size_t used =
-        n < 0 ? 0 : (size_t) n < w->room ? (size_t) n : w->room - 1;
-    w->at += used;
-    w->room -= used;
-}
-
 /* "fft for 21874 sources, bound 2e-05". */
 static void explain(const struct gp_glare_request *req,
                     const struct gp_choice *c)
 {
+    static const char *const OVER = ", the lowest there is, over %.2g";
     const struct gp_glare_params *const p = req->params;
-    struct words w = {req->stats->why, sizeof req->stats->why};
-    add_words(&w, "%s%s for %zu source%s, bound %.2g",
-              gp_engines[c->engine]->name,
-              c->whole        ? " of the whole kernel"
-              : c->fft_double ? " in double" : "",
-              req->src->n, req->src->n == 1 ? "" : "s", c->bound);
+    char over[64] = "", pixel[64] = "", pixel_over[64] = "";
     if (!(c->bound <= (double) p->tolerance))
-        add_words(&w, ", the lowest there is, over %.2g",
-                  (double) p->tolerance);
+        snprintf(over, sizeof over, OVER, (double) p->tolerance);
     if (c->pixel > 0.0)
-        add_words(&w, ", %.2g in a pixel", c->pixel);
+        snprintf(pixel, sizeof pixel, ", %.2g in a pixel", c->pixel);
     if (pixel_is_over(p, c))
-        add_words(&w, ", the lowest there is, over %.2g",
-                  (double) p->tolerance_pixel);
+        snprintf(pixel_over, sizeof pixel_over, OVER,
+                 (double) p->tolerance_pixel);
+    snprintf(req->stats->why, sizeof req->stats->why,
+             "%s%s for %zu source%s, bound %.2g%s%s%s",
+             gp_engines[c->engine]->name,
+             c->whole        ? " of the whole kernel"
+             : c->fft_double ? " in double" : "",
+             req->src->n, req->src->n == 1 ? "" : "s", c->bound, over, pixel,
+             pixel_over);
 }
 
 static void warn(const struct gp_glare_request *req, const char *path,

@@ -19,23 +19,7 @@ struct plain {
     double *layer;
 };
 
-/* Returns the row of source i, which is in row `from` or below it. */
-static int row_of(const struct gp_sources *src, uint32_t i, int from)
-{
-    int low = from, high = src->h - 1;
-    while (low < high) {
-        const int mid = low + (high - low) / 2;
-        if (src->row[mid + 1] > i)
-            high = mid;
-        else
-            low = mid + 1;
-    }
-    return low;
-}
-
-/* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. Only rows
- * with sources within the kernel's reach are visited: a tall frame has more
- * rows than sources. */
+/* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. */
 GP_CLONES static void plain_row(void *ctx, int y, int thread)
 {
     const struct plain *const s = ctx;
@@ -51,17 +35,16 @@ GP_CLONES static void plain_row(void *ctx, int y, int thread)
             s->layer +
             ((size_t) c * (size_t) src->h + (size_t) y) * (size_t) w;
         memset(out, 0, (size_t) w * sizeof *out);
-        int sy = first;
-        for (uint32_t i = src->row[first]; i < src->row[end]; i++) {
-            if (i >= src->row[sy + 1])
-                sy = row_of(src, i, sy + 1);
+        for (int sy = first; sy < end; sy++) {
             const float *const row =
                 k->k.c[c] + (size_t) (y - sy + k->cy) * (size_t) k->w;
-            const int at = src->x[i] - k->cx; // of kernel column 0
-            const double light = (double) src->rgb[c][i];
-            const int last = gp_min(k->w, w - at);
-            for (int kx = gp_max(0, -at); kx < last; kx++)
-                out[at + kx] += light * (double) row[kx];
+            for (uint32_t i = src->row[sy]; i < src->row[sy + 1]; i++) {
+                const int at = src->x[i] - k->cx; // of kernel column 0
+                const double light = (double) src->rgb[c][i];
+                const int last = gp_min(k->w, w - at);
+                for (int kx = gp_max(0, -at); kx < last; kx++)
+                    out[at + kx] += light * (double) row[kx];
+            }
         }
     }
 }

@@ -13,7 +13,6 @@
 enum {
     BLOCK = 16,  // rows a task takes
     WIDE = 4,    // doubles summed side by side
-    TABLES = 4,  // histograms, by turns: a sky's neighbours share one bin
     PIECE = 256, // pixels of a row at a time: they stay in the L1 cache
 };
 
@@ -282,13 +281,11 @@ static void list_block(void *ctx, int block, int thread)
     struct sense *const s = ctx;
     const struct gp_sources *const o = s->out;
     struct block_sum *const sum = &s->block[block];
-    uint32_t count[TABLES][GP_SOURCE_BINS];
     struct bright_piece c;
     const int y0 = block * BLOCK, end = gp_min(y0 + BLOCK, s->h);
     (void) thread;
     if (o->row[end] == o->row[y0])
         return;
-    memset(count, 0, sizeof count);
     for (int y = y0; y < end; y++) {
         uint32_t at = o->row[y];
         for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += PIECE) {
@@ -299,16 +296,12 @@ static void list_block(void *ctx, int block, int thread)
                 find_bright(s, rgb, x0, gp_min(s->w - x0, PIECE), &c);
             sum_row(&c, n, sum);
             for (int i = 0; i < n; i++)
-                count[i % TABLES][gp_source_bin(c.largest[i])]++;
+                sum->count[gp_source_bin(c.largest[i])]++;
             memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
             for (int k = 0; k < 3; k++)
                 memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
             at += (uint32_t) n;
         }
-    }
-    for (int t = 0; t < TABLES; t++) {
-        for (int k = 0; k < GP_SOURCE_BINS; k++)
-            sum->count[k] += count[t][k];
     }
 }
 

@@ -1,10 +1,5 @@
 /* Sensors: which pixels are light, and how much. The bright pass and the
- * cleaning of bad pixels are defined here, once, for every engine.
- *
- * glare/ as a room: cleaned frame and kernel in, one layer out.
- *   sensors  frame  -> sources (a sparse list of bright pixels)
- *   kernel   image or models -> point-spread function
- *   engines  sources * kernel -> layer (direct, fft, splat; auto picks) */
+ * cleaning of bad pixels are defined here, once, for every engine. */
 #ifndef GP_GLARE_SENSORS_H
 #define GP_GLARE_SENSORS_H
 

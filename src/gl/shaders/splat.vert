@@ -38,7 +38,6 @@ uniform ivec2 size;
 flat out vec3 light;    // of the polygon
 flat out ivec2 corner;  // target pixel of kernel pixel (0, 0)
 flat out vec2 fraction; // in [0, 1): of the kernel, right and below `corner`
-flat out ivec4 limits;  // first column and row, those after the last
 
 const int QUADS = 64; // of one instance; the same as in splat/draw.c
 
@@ -71,7 +70,6 @@ void main()
         high = min(high, base + ivec2(floor(p0)) + far + 1);
     }
     open = open && all(greaterThan(high, low));
-    limits = ivec4(low, high);
 
     low = clamp(low, ivec2(0), size);
     high = clamp(high, ivec2(0), size);

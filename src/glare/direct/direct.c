@@ -27,34 +27,27 @@ struct direct {
     const struct gp_taps *taps;
     struct gp_planes *layer;
     bool add;
-    struct strip_source **list; // scratch of each thread, src->n each
-    uint32_t **row;             // scratch of each thread, h + 1 each
+    struct strip_source *list; // scratch: src->n for each thread
+    uint32_t *row;             // h + 1 for each thread
 };
-
-enum { LAID = 64 }; // rows a task lays out
 
 struct laying {
     const struct gp_kernel *k;
     const struct gp_taps *taps;
     struct gp_rect cut;
-    int tasks; // of each channel
 };
 
-static void lay_rows(void *ctx, int i, int thread)
+static void lay_row(void *ctx, int i, int thread)
 {
     const struct laying *const l = ctx;
     const struct gp_taps *const t = l->taps;
-    const int c = i / l->tasks, first = i % l->tasks * LAID;
-    const size_t pad = GP_TAPS_PAD * sizeof(float);
-    const size_t bytes = (size_t) t->w * sizeof(float);
+    const int c = i / t->h, y = i % t->h;
+    const size_t at = (size_t) (y + l->cut.y0) * (size_t) l->k->w;
+    float *const row = t->k[c] + (size_t) y * t->pitch;
     (void) thread;
-    for (int y = first; y < first + LAID && y < t->h; y++) {
-        const size_t at = (size_t) (y + l->cut.y0) * (size_t) l->k->w;
-        float *const row = t->k[c] + (size_t) y * t->pitch;
-        memset(row, 0, pad);
-        memcpy(row + GP_TAPS_PAD, l->k->k.c[c] + at + l->cut.x0, bytes);
-        memset(row + GP_TAPS_PAD + t->w, 0, pad);
-    }
+    memset(row, 0, t->pitch * sizeof *row);
+    memcpy(row + GP_TAPS_PAD, l->k->k.c[c] + at + l->cut.x0,
+           (size_t) t->w * sizeof *row);
 }
 
 gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
@@ -86,8 +79,7 @@ gp_status gp_taps_cut(const struct gp_log *log, const struct gp_kernel *k,
         return st;
     for (int c = 1; c < 3; c++)
         t.k[c] = t.k[0] + (k->grey ? 0 : (size_t) c * plane);
-    struct laying l = {k, &t, cut, (t.h + LAID - 1) / LAID};
-    gp_parallel_do(channels * l.tasks, lay_rows, &l);
+    gp_parallel_do(channels * t.h, lay_row, &(struct laying) {k, &t, cut});
     *out = t;
     return GP_OK;
 }
@@ -135,8 +127,8 @@ static void run_strip(void *ctx, int strip, int thread)
     const struct gp_taps *const t = d->taps;
     const int w = s->w, h = s->h, x0 = strip * STRIP;
     const int cols = w - x0 < STRIP ? w - x0 : STRIP;
-    struct strip_source *const list = d->list[thread];
-    uint32_t *const row = d->row[thread];
+    struct strip_source *const list = d->list + (size_t) thread * s->n;
+    uint32_t *const row = d->row + (size_t) thread * ((size_t) h + 1);
     // the sources that reach columns [x0, x0 + STRIP): one at x reaches
     // [x - cx, x - cx + w)
     const int left = x0 + t->cx - t->w + 1, right = x0 + STRIP + t->cx;
@@ -176,18 +168,6 @@ static void run_strip(void *ctx, int strip, int thread)
     }
 }
 
-double gp_direct_quads(const struct gp_sources *src)
-{
-    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
-    static const double FULL = 2.5; // most quads for each source
-    if (src->n >= MOST)
-        return 0.0;
-    // an odd step, as light may be in every other row
-    const int step = 7 + 2 * (int) (src->n / WANTED);
-    const double quads = (double) gp_quads_count(src, step);
-    return quads <= FULL * (double) src->n ? quads : 0.0;
-}
-
 /* Returns true when quads may serve a frame of h rows: they need the kernel's
  * rows four times as fast, from the cache, and place them by an int. */
 static bool fits_quads(const struct gp_taps *t, int h)
@@ -200,32 +180,17 @@ gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_taps *taps, bool add, struct gp_planes *layer)
 {
     gp_status st;
-    const int threads = gp_threads();
+    const size_t threads = (size_t) gp_threads();
     struct direct d = {.src = src, .taps = taps, .layer = layer, .add = add};
-    struct gp_quads quads = {0};
-    if (fits_quads(taps, src->h) && gp_direct_quads(src) > 0.0) {
-        GP_TRY(gp_quads_make(log, src, &quads));
-        GP_TRY(gp_quads_sum(log, &quads, taps, src->w, src->h, add, layer));
-        goto out;
-    }
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list,
-                         &d.list));
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row,
-                         &d.row));
-    for (int i = 0; i < threads; i++) {
-        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &d.list[i]));
-        GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
-                        &d.row[i]));
-    }
+    if (fits_quads(taps, src->h) && gp_direct_quads(src) > 0.0)
+        return gp_quads_sum(log, src, taps, add, layer);
+    GP_TRY(gp_alloc(log, "direct", threads * src->n, sizeof *d.list, &d.list));
+    GP_TRY(gp_alloc(log, "direct", threads * ((size_t) src->h + 1),
+                    sizeof *d.row, &d.row));
     gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
 out:
-    for (int i = 0; i < threads && d.list && d.row; i++) {
-        gp_free(d.list[i]);
-        gp_free(d.row[i]);
-    }
     gp_free(d.list);
     gp_free(d.row);
-    gp_quads_free(&quads);
     return st;
 }
 
@@ -259,41 +224,17 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
     return work;
 }
 
-/* The state is the laid-out kernel and what it was made from. */
-struct direct_state {
-    unsigned long kernel; // serial
-    struct gp_taps taps;
-};
-
-static bool is_laid_out(const struct direct_state *s, const struct gp_kernel *k)
-{
-    return s && s->kernel && s->kernel == k->serial;
-}
-
-static void close_direct(void **state)
-{
-    struct direct_state *const s = *state;
-    if (s)
-        gp_taps_free(&s->taps);
-    GP_FREE(*state);
-}
-
 static gp_status run_direct(const struct gp_glare_request *req, void **state)
 {
-    struct direct_state *s = *state;
-    if (!is_laid_out(s, req->kernel)) {
-        close_direct(state);
-        gp_status st = gp_alloc_zero(req->log, "direct", 1, sizeof *s, state);
-        if (st)
-            return st;
-        s = *state;
-        st = gp_taps_make(req->log, req->kernel, -1, &s->taps);
-        if (st)
-            return st;
-        s->kernel = req->kernel->serial;
-    }
+    struct gp_taps taps;
+    gp_status st = gp_taps_make(req->log, req->kernel, -1, &taps);
+    (void) state;
+    if (st)
+        return st;
     req->stats->bound = gp_direct_bound(req->kernel, req->src->n);
-    return gp_direct_sum(req->log, req->src, &s->taps, false, req->layer);
+    st = gp_direct_sum(req->log, req->src, &taps, false, req->layer);
+    gp_taps_free(&taps);
+    return st;
 }
 
 static gp_status bound_direct(const struct gp_glare_request *req, void **state,
@@ -318,5 +259,4 @@ const struct gp_engine gp_engine_direct = {
     .bound = bound_direct,
     .pixel = pixel_direct,
     .run = run_direct,
-    .close = close_direct,
 };

@@ -60,30 +60,12 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 
 enum { GP_QUAD = 4 };
 
-/* Sources (x, y), (x, y + 1), (x, y + 2), (x, y + 3) for each x and y where one
- * of them is light; dark ones are 0. Those of y are [row[y + 3], row[y + 4]),
- * from y = -3 on, x ascending. */
-struct gp_quads {
-    size_t n;
-    uint32_t *row;   // h + GP_QUAD offsets
-    int32_t *x;      // n columns
-    float *light[3]; // GP_QUAD * n each
-};
-
-/* Counts them in every `step`-th row and multiplies: n to 4 n for n sources. */
-size_t gp_quads_count(const struct gp_sources *src, int step);
-
-/* Errors: GP_ERR_BUG out of memory. Free with gp_quads_free(). */
-GP_MUST_CHECK gp_status gp_quads_make(const struct gp_log *log,
-    const struct gp_sources *src, struct gp_quads *out);
-void gp_quads_free(struct gp_quads *q);
-
-/* gp_direct_sum() of w x h pixels, in the same order of the sources and within
- * the same bound. (h + taps->h) * taps->pitch must fit an int; best when the
- * taps fit the second-level cache. Errors: GP_ERR_BUG out of memory. */
+/* gp_direct_sum() in the same order of the sources and within the same bound.
+ * (h + taps->h) * taps->pitch must fit an int; best when the taps fit the
+ * second-level cache. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
-    const struct gp_quads *quads, const struct gp_taps *taps, int w, int h,
-    bool add, struct gp_planes *layer);
+    const struct gp_sources *src, const struct gp_taps *taps, bool add,
+    struct gp_planes *layer);
 
 // -- shared by both forms of the sum -----------------------------------------
 

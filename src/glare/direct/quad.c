@@ -3,13 +3,23 @@
 #include "glare/direct/direct.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdbool.h>
 
 enum {
-    ROWS_OF_TASK = 32, // when quads are made
     BAND = 16,         // rows of a task of the sum: a multiple of GP_QUAD
     PANEL = 512,       // its columns: a multiple of STRIP
     STRIP = 16,        // columns summed together: two vectors
+};
+
+/* Sources (x, y), (x, y + 1), (x, y + 2), (x, y + 3) for each x and y where one
+ * of them is light; dark ones are 0. Those of y are [row[y + 3], row[y + 4]),
+ * from y = -3 on, x ascending. */
+struct quads {
+    size_t n;
+    uint32_t *row;   // h + GP_QUAD offsets
+    int32_t *x;      // n columns
+    float *light[3]; // GP_QUAD * n each
 };
 
 /* The places of the sources of four rows that are read side by side. */
@@ -55,86 +65,73 @@ static uint32_t count_row(const struct gp_sources *s, int y)
     return n;
 }
 
-size_t gp_quads_count(const struct gp_sources *src, int step)
+double gp_direct_quads(const struct gp_sources *src)
 {
-    size_t n = 0;
+    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
+    static const double FULL = 2.5; // most quads for each source
+    size_t n = 0; // in every step-th row
+    if (src->n >= MOST)
+        return 0.0;
+    // an odd step, as light may be in every other row
+    const int step = 7 + 2 * (int) (src->n / WANTED);
     for (int y = 1 - GP_QUAD; y < src->h; y += step)
         n += count_row(src, y);
-    n *= (size_t) step;
-    return n < src->n ? src->n : n < GP_QUAD * src->n ? n : GP_QUAD * src->n;
+    const double quads =
+        fmin(fmax((double) n * step, (double) src->n), GP_QUAD * (double) src->n);
+    return quads <= FULL * (double) src->n ? quads : 0.0;
 }
 
 struct quading {
     const struct gp_sources *src;
-    struct gp_quads *q;
-    int rows; // in which quads may start
+    struct quads *q;
 };
 
-static void count_quads(void *ctx, int task, int thread)
+static void count_quads(void *ctx, int r, int thread)
 {
     const struct quading *const m = ctx;
-    const int end = (task + 1) * ROWS_OF_TASK;
     (void) thread;
-    for (int r = task * ROWS_OF_TASK; r < end && r < m->rows; r++)
-        m->q->row[r + 1] = count_row(m->src, r + 1 - GP_QUAD);
+    m->q->row[r + 1] = count_row(m->src, r + 1 - GP_QUAD);
 }
 
-static void write_quads(void *ctx, int task, int thread)
+static void write_quads(void *ctx, int r, int thread)
 {
     const struct quading *const m = ctx;
     const struct gp_sources *const s = m->src;
-    const int end = (task + 1) * ROWS_OF_TASK;
+    struct heads h = open_rows(s, r + 1 - GP_QUAD);
     (void) thread;
-    for (int r = task * ROWS_OF_TASK; r < end && r < m->rows; r++) {
-        struct heads h = open_rows(s, r + 1 - GP_QUAD);
-        for (uint32_t n = m->q->row[r]; n < m->q->row[r + 1]; n++) {
-            const int x = next_column(&h);
-            m->q->x[n] = x;
-            for (int i = 0; i < GP_QUAD; i++) {
-                const bool lit = column(&h, i) == x;
-                for (int c = 0; c < 3; c++)
-                    m->q->light[c][GP_QUAD * (size_t) n + (size_t) i] =
-                        lit ? s->rgb[c][h.at[i]] : 0.0f;
-                h.at[i] += lit;
-            }
+    for (uint32_t n = m->q->row[r]; n < m->q->row[r + 1]; n++) {
+        const int x = next_column(&h);
+        m->q->x[n] = x;
+        for (int i = 0; i < GP_QUAD; i++) {
+            const bool lit = column(&h, i) == x;
+            for (int c = 0; c < 3; c++)
+                m->q->light[c][GP_QUAD * (size_t) n + (size_t) i] =
+                    lit ? s->rgb[c][h.at[i]] : 0.0f;
+            h.at[i] += lit;
         }
     }
 }
 
-gp_status gp_quads_make(const struct gp_log *log, const struct gp_sources *src,
-                        struct gp_quads *out)
+/* What is made so far stays in *q on failure. */
+static gp_status make_quads(const struct gp_log *log,
+                            const struct gp_sources *src, struct quads *q)
 {
     gp_status st;
-    struct gp_quads q = {0};
-    const int rows = src->h + GP_QUAD - 1;
-    struct quading m = {src, &q, rows};
-    const int tasks = (rows + ROWS_OF_TASK - 1) / ROWS_OF_TASK;
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q.row,
-                         &q.row));
-    gp_parallel_do(tasks, count_quads, &m);
+    const int rows = src->h + GP_QUAD - 1; // in which quads may start
+    struct quading m = {src, q};
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q->row,
+                         &q->row));
+    gp_parallel_do(rows, count_quads, &m);
     for (int r = 0; r < rows; r++) // counts become offsets
-        q.row[r + 1] += q.row[r];
-    q.n = q.row[rows];
-    GP_TRY(gp_alloc(log, "direct", q.n, sizeof *q.x, &q.x));
-    for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc(log, "direct", GP_QUAD * q.n, sizeof(float),
-                        &q.light[c]));
-    }
-    gp_parallel_do(tasks, write_quads, &m);
-    *out = q;
-    q = (struct gp_quads) {0};
-out:
-    gp_quads_free(&q);
-    return st;
-}
-
-void gp_quads_free(struct gp_quads *q)
-{
-    gp_free(q->row);
-    gp_free(q->x);
+        q->row[r + 1] += q->row[r];
+    q->n = q->row[rows];
+    GP_TRY(gp_alloc(log, "direct", q->n, sizeof *q->x, &q->x));
     for (int c = 0; c < 3; c++)
-        gp_free(q->light[c]);
-    *q = (struct gp_quads) {0};
+        GP_TRY(gp_alloc(log, "direct", GP_QUAD * q->n, sizeof(float),
+                        &q->light[c]));
+    gp_parallel_do(rows, write_quads, &m);
+out:
+    return st;
 }
 
 /* -- the sum ----------------------------------------------------------------
@@ -142,22 +139,18 @@ void gp_quads_free(struct gp_quads *q)
  * Band after band of rows, and in a band from left to right: the layer and the
  * kernel's rows are read in the order of memory. */
 
-/* The quads that reach a strip of a band, in their order. k[at + y * pitch] is
- * the kernel's sample for the strip's first pixel of row y. */
-struct quad_list {
-    int32_t *at;
-    uint32_t *quad;
-    uint32_t *row;  // first quad of a row: first to last row
-    uint32_t *from; // of each row: the first that may reach a later strip
-};
-
 struct summing {
-    const struct gp_quads *in;
+    const struct quads *in;
     const struct gp_taps *taps;
     struct gp_planes *layer;
     int w, h, panels;
     bool add;
-    struct quad_list *list; // scratch of each thread
+    // scratch of each thread: the quads that reach a strip of a band, in their
+    // order. k[at + y * pitch] is the kernel's sample for the strip's first
+    // pixel of row y
+    int32_t *at;    // in->n
+    uint32_t *quad; // in->n
+    uint32_t *row;  // first quad of a row: first to last row
 };
 
 /* Rows of quads whose kernel reaches row y: [*from, *to). */
@@ -168,15 +161,6 @@ static void rows_of(const struct summing *s, int y, int *from, int *to)
     const int end = y + s->taps->cy + GP_QUAD, start = end - s->taps->h;
     *to = end < 0 ? 0 : end > rows ? rows : end;
     *from = start < 0 ? 0 : start > *to ? *to : start;
-}
-
-GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
-    uint32_t n, int32_t base, int32_t *restrict at, uint32_t *restrict quad)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        at[i] = base - x[i];
-        quad[i] = first + i;
-    }
 }
 
 /* A range of the list, as the sums read it. */
@@ -226,9 +210,11 @@ GP_FUSED static void sum_quads(struct quad_range p, const float *light,
 static void run_task(void *ctx, int task, int thread)
 {
     const struct summing *const s = ctx;
-    const struct gp_quads *const in = s->in;
+    const struct quads *const in = s->in;
     const struct gp_taps *const t = s->taps;
-    struct quad_list *const l = &s->list[thread];
+    int32_t *const at = s->at + (size_t) thread * in->n;
+    uint32_t *const quad = s->quad + (size_t) thread * in->n;
+    uint32_t *const row = s->row + thread * (s->h + GP_QUAD);
     const int x0 = task % s->panels * PANEL, y0 = task / s->panels * BAND;
     const int x1 = x0 + PANEL < s->w ? x0 + PANEL : s->w;
     const int y1 = y0 + BAND < s->h ? y0 + BAND : s->h;
@@ -237,37 +223,29 @@ static void run_task(void *ctx, int task, int thread)
     rows_of(s, y1 - 1, &from, &end);
     // reached pixels of a source at x: [x - cx, x - cx + w)
     const int reach = t->cx - t->w + 1;
-    for (int r = first; r < end; r++)
-        l->from[r - first] =
-            gp_first_from(in->x, in->row[r], in->row[r + 1], x0 + reach);
     for (int x = x0; x < x1; x += STRIP) {
         // the quads that reach pixels [x, x + STRIP) of the band
         uint32_t n = 0;
         for (int r = first; r < end; r++) {
             const int y = r + 1 - GP_QUAD;
             const uint32_t past = in->row[r + 1];
-            l->row[r - first] = n;
-            uint32_t a = l->from[r - first];
-            while (a < past && in->x[a] < x + reach)
-                a++;
-            l->from[r - first] = a;
-            uint32_t b = a;
-            while (b < past && in->x[b] < x + STRIP + t->cx)
-                b++;
-            if (b > a)
-                list_row(in->x + a, a, b - a,
-                         (t->cy - y) * (int) t->pitch + x + t->cx + GP_TAPS_PAD,
-                         l->at + n, l->quad + n);
-            n += b - a;
+            const int base = (t->cy - y) * (int) t->pitch + x + t->cx +
+                             GP_TAPS_PAD;
+            row[r - first] = n;
+            uint32_t i = gp_first_from(in->x, in->row[r], past, x + reach);
+            for (; i < past && in->x[i] < x + STRIP + t->cx; i++) {
+                at[n] = base - in->x[i];
+                quad[n++] = i;
+            }
         }
-        l->row[end - first] = n;
+        row[end - first] = n;
         // rows y to y + 3 of the strip
         const int cols = s->w - x < STRIP ? s->w - x : STRIP;
         for (int y = y0; y < y1; y += GP_QUAD) {
             rows_of(s, y, &from, &to);
-            const uint32_t start = l->row[from - first];
+            const uint32_t start = row[from - first];
             const struct quad_range p = {
-                l->at + start, l->quad + start, l->row[to - first] - start,
+                at + start, quad + start, row[to - first] - start,
             };
             if (s->add && !p.n)
                 continue;
@@ -295,34 +273,29 @@ static void run_task(void *ctx, int task, int thread)
     }
 }
 
-gp_status gp_quads_sum(const struct gp_log *log, const struct gp_quads *quads,
-    const struct gp_taps *taps, int w, int h, bool add, struct gp_planes *layer)
+gp_status gp_quads_sum(const struct gp_log *log, const struct gp_sources *src,
+    const struct gp_taps *taps, bool add, struct gp_planes *layer)
 {
     gp_status st;
-    const int threads = gp_threads(), rows = h + GP_QUAD - 1;
+    const size_t threads = (size_t) gp_threads();
+    const size_t rows = (size_t) (src->h + GP_QUAD);
+    struct quads q = {0};
     struct summing s = {
-        .in = quads, .taps = taps, .layer = layer, .w = w, .h = h,
-        .panels = (w + PANEL - 1) / PANEL, .add = add,
+        .in = &q, .taps = taps, .layer = layer, .w = src->w, .h = src->h,
+        .panels = (src->w + PANEL - 1) / PANEL, .add = add,
     };
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list,
-                         &s.list));
-    for (int i = 0; i < threads; i++) {
-        struct quad_list *const l = &s.list[i];
-        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->at, &l->at));
-        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->quad, &l->quad));
-        GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row,
-                        &l->row));
-        GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from,
-                        &l->from));
-    }
-    gp_parallel_do(s.panels * ((h + BAND - 1) / BAND), run_task, &s);
+    GP_TRY(make_quads(log, src, &q));
+    GP_TRY(gp_alloc(log, "direct", threads * q.n, sizeof *s.at, &s.at));
+    GP_TRY(gp_alloc(log, "direct", threads * q.n, sizeof *s.quad, &s.quad));
+    GP_TRY(gp_alloc(log, "direct", threads * rows, sizeof *s.row, &s.row));
+    gp_parallel_do(s.panels * ((src->h + BAND - 1) / BAND), run_task, &s);
 out:
-    for (int i = 0; i < threads && s.list; i++) {
-        gp_free(s.list[i].at);
-        gp_free(s.list[i].quad);
-        gp_free(s.list[i].row);
-        gp_free(s.list[i].from);
-    }
-    gp_free(s.list);
+    gp_free(q.row);
+    gp_free(q.x);
+    for (int c = 0; c < 3; c++)
+        gp_free(q.light[c]);
+    gp_free(s.at);
+    gp_free(s.quad);
+    gp_free(s.row);
     return st;
 }

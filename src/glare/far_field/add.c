@@ -19,6 +19,7 @@ struct gp_far_state {
     struct gp_fft_matrix spectrum; // of c, times factors of the passes
     struct gp_far_error error;
     float weight[MOST_STEP][TAPS]; // B at the nodes around pixel i of a step
+    float at[TAPS][MOST_STEP];     // the same, tap by tap
 };
 
 void gp_far_close(struct gp_far_state **state)
@@ -35,13 +36,6 @@ void gp_far_close(struct gp_far_state **state)
 const struct gp_far_error *gp_far_error_of(const struct gp_far_state *s)
 {
     return &s->error;
-}
-
-/* A torus that holds offsets -r .. r: nothing that wraps around meets a
- * frame. */
-static int torus(int r)
-{
-    return gp_fft_length(2 * r + 1);
 }
 
 // -- the kernel's spectrum and its error --------------------------------------
@@ -179,8 +173,9 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
     int *places = NULL;
     if (*state && (*state)->tail == t->serial)
         return GP_OK;
-    const int nx = torus(t->rx);
-    const int ny = torus(t->ry);
+    // a torus on which nothing that wraps around meets a frame
+    const int nx = gp_fft_length(2 * t->rx + 1);
+    const int ny = gp_fft_length(2 * t->ry + 1);
     GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
     GP_TRY(gp_fft_plan_make(log, nx, GP_FFT_PLAN_ESTIMATE, NULL, &s->x));
     GP_TRY(gp_fft_plan_make(log, ny, GP_FFT_PLAN_ESTIMATE, NULL, &s->y));
@@ -202,7 +197,7 @@ gp_status gp_far_open(const struct gp_log *log, const struct gp_far_field *t,
         double b[TAPS];
         gp_far_spline((double) i / t->split.step, b);
         for (int k = 0; k < TAPS; k++)
-            s->weight[i][k] = (float) b[k];
+            s->at[k][i] = s->weight[i][k] = (float) b[k];
     }
     s->tail = t->serial;
     gp_far_close(state);
@@ -241,7 +236,6 @@ struct gp_far_rows {
                           // first][tap][channel][pitch]
     float *line;          // scratch of a thread: 3 * pitch
     float *grid[3];       // the convolution: nodes_y * pitch
-    float at[TAPS][MOST_STEP]; // weights of each tap along a step
     struct gp_planes *layer;
 };
 
@@ -323,9 +317,8 @@ static void store_nodes(const void *ctx, int c, int j, int thread,
         to[x] = z[2 * x];
 }
 
-/* Adds a line of nodes to a row of w pixels, or sets it to that, `at` the weights
- * of each tap. */
-GP_CLONES static void put_line(float *restrict row, int w, bool add,
+/* Adds a line of nodes to a row of w pixels, `at` the weights of each tap. */
+GP_CLONES static void put_line(float *restrict row, int w,
     const float *restrict line, int step, const float at[TAPS][MOST_STEP])
 {
     for (int x = 0; x < w; x += step, line++) {
@@ -333,7 +326,7 @@ GP_CLONES static void put_line(float *restrict row, int w, bool add,
         for (int i = 0; i < n; i++) {
             float v = line[0] * at[0][i] + line[1] * at[1][i] +
                       line[2] * at[2][i] + line[3] * at[3][i];
-            v += add ? row[x + i] : 0.0f;
+            v += row[x + i];
             row[x + i] = v > 0.0f ? v : 0.0f;
         }
     }
@@ -355,15 +348,16 @@ static const float *line_of(const struct gp_far_rows *a, int c, int y, int threa
 
 void gp_far_row(const struct gp_far_rows *a, int c, int y, int thread, float *row)
 {
-    put_line(row, a->w, false, line_of(a, c, y, thread), a->t->split.step, a->at);
+    memset(row, 0, (size_t) a->w * sizeof *row);
+    put_line(row, a->w, line_of(a, c, y, thread), a->t->split.step, a->s->at);
 }
 
 void gp_far_add_row(void *ctx, int i, int thread)
 {
     const struct gp_far_rows *const a = ctx;
     const int c = i / a->h, y = i % a->h;
-    put_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w, true,
-             line_of(a, c, y, thread), a->t->split.step, a->at);
+    put_line(a->layer->c[c] + (size_t) y * (size_t) a->w, a->w,
+             line_of(a, c, y, thread), a->t->split.step, a->s->at);
 }
 
 void gp_far_rows_free(struct gp_far_rows **rows)
@@ -416,8 +410,6 @@ static gp_status make_rows(const struct gp_log *log,
     a->nodes_x = gp_far_nodes(a->w, step);
     a->nodes_y = gp_far_nodes(a->h, step);
     a->pitch = ((size_t) a->nodes_x + LANES - 1) / LANES * LANES;
-    for (int k = 0; k < TAPS * step; k++)
-        a->at[k / step][k % step] = state->weight[k % step][k / step];
     const int rows = a->last - a->first + TAPS - 1; // of nodes that are lit
     GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
                     a->pitch * sizeof(float), &a->line));

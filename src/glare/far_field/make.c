@@ -181,20 +181,15 @@ static void divide_lines(void *ctx, int task, int thread)
     }
 }
 
-/* Divides the splines out of a channel's samples along both axes; of even ones
- * the lower rows, then the right columns. */
+/* Divides the splines out of a channel's samples along both axes. */
 static void divide_out(const struct gp_far_field *t, bool even, double *at)
 {
     const int w = 2 * t->rx + 1, h = 2 * t->ry + 1;
-    const int x = even ? t->rx : 0, y = even ? t->ry : 0;
     const size_t pitch = (size_t) w;
-    struct dividing rows = {at + (size_t) y * pitch, w, h - y, 1, pitch};
-    struct dividing columns = {at + x, h, w - x, pitch, 1};
-    gp_parallel_do((rows.lines + LINES - 1) / LINES, divide_lines, &rows);
-    if (even)
-        mirror(t, at);
-    gp_parallel_do((columns.lines + LINES - 1) / LINES, divide_lines, &columns);
-    if (even)
+    struct dividing rows = {at, w, h, 1, pitch}, columns = {at, h, w, pitch, 1};
+    gp_parallel_do((h + LINES - 1) / LINES, divide_lines, &rows);
+    gp_parallel_do((w + LINES - 1) / LINES, divide_lines, &columns);
+    if (even) // to the last bit
         mirror(t, at);
 }
 

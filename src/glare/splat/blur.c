@@ -133,14 +133,51 @@ void gp_blur_free(struct gp_blur *b)
 
 /* -- shrinking ------------------------------------------------------------- */
 
-/* The kernel by square rings around its centre: ring d holds the samples
- * with max(|dx|, |dy|) = d, rings first .. first + n - 1 all samples. */
-struct rings {
-    int first, n;
-    float *peak;  // largest magnitude on ring first + i or any beyond
-    double *left; // share of the kernel beyond ring first + i, largest channel
-    double whole; // the same beyond no ring: 1, or the tail's share
-};
+gp_status gp_rings_make(const struct gp_log *log, const struct gp_kernel *k,
+    struct gp_rect crop, bool tail, struct gp_rings *out)
+{
+    gp_status st;
+    struct gp_rings r = {0};
+    if (!gp_rect_empty(crop))
+        r.n = 1 + gp_max(gp_max(k->cx - crop.x0, crop.x1 - 1 - k->cx),
+                         gp_max(k->cy - crop.y0, crop.y1 - 1 - k->cy));
+    const size_t n = (size_t) r.n + 1;
+    GP_TRY(gp_alloc_zero(log, "rings", n, sizeof *r.peak, &r.peak));
+    for (int c = 0; c < 3; c++) {
+        GP_TRY(gp_alloc_zero(log, "rings", n, sizeof(double), &r.beyond[c]));
+        if (c > 0 && k->grey) {
+            memcpy(r.beyond[c], r.beyond[0], n * sizeof(double));
+            continue;
+        }
+        for (int y = crop.y0; y < crop.y1; y++) {
+            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            for (int x = crop.x0; x < crop.x1; x++) {
+                const int d = gp_max(abs(x - k->cx), abs(y - k->cy));
+                if (tail && d <= GP_CORE_RADIUS)
+                    continue; // drawn elsewhere
+                r.beyond[c][d] += fabs((double) row[x]);
+                r.peak[d] = gp_maxf(r.peak[d], fabsf(row[x]));
+            }
+        }
+        for (int i = r.n - 1; i >= 0; i--)
+            r.beyond[c][i] += r.beyond[c][i + 1];
+    }
+    for (int i = r.n - 1; i >= 0; i--)
+        r.peak[i] = gp_maxf(r.peak[i], r.peak[i + 1]);
+    *out = r;
+    r = (struct gp_rings) {0};
+out:
+    gp_rings_free(&r);
+    return st;
+}
+
+void gp_rings_free(struct gp_rings *r)
+{
+    gp_free(r->peak);
+    for (int c = 0; c < 3; c++)
+        gp_free(r->beyond[c]);
+    *r = (struct gp_rings) {0};
+}
 
 /* The light of polygons by bin. */
 struct lights {
@@ -148,88 +185,9 @@ struct lights {
     double all;
 };
 
-/* Samples [x0, x1) of a row that lie on one ring. */
-GP_CLONES static void add_flat(const float *row, int x0, int x1,
-                               double *restrict sum, float *restrict peak)
-{
-    double total = 0.0;
-    float most = *peak;
-    for (int x = x0; x < x1; x++) {
-        const float v = fabsf(row[x]);
-        total += (double) v;
-        most = v > most ? v : most;
-    }
-    *sum += total;
-    *peak = most;
-}
-
-/* n samples from `from` on, each on the ring after the last one's; `way` is 1
- * to the right, -1 to the left. */
-GP_CLONES static void add_outward(const float *from, int way, int n,
-                                  double *restrict sum, float *restrict peak)
-{
-    for (int i = 0; i < n; i++) {
-        const float v = fabsf(from[i * way]);
-        sum[i] += (double) v;
-        peak[i] = v > peak[i] ? v : peak[i];
-    }
-}
-
-static gp_status make_rings(const struct gp_log *log, const struct gp_kernel *k,
-    bool tail, struct rings *r)
-{
-    gp_status st;
-    double *sum = NULL; // of magnitudes, by ring
-    // distances of the kernel's sides from its centre, which may be outside
-    const int left = -k->cx, right = k->w - 1 - k->cx;
-    const int top = -k->cy, bottom = k->h - 1 - k->cy;
-    r->first = gp_max(0, gp_max(gp_max(left, -right), gp_max(top, -bottom)));
-    r->n = gp_max(gp_max(abs(left), abs(right)),
-                  gp_max(abs(top), abs(bottom))) - r->first + 1;
-    const size_t n = (size_t) r->n;
-    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->peak, &r->peak));
-    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->left, &r->left));
-    GP_TRY(gp_alloc(log, "shrinking", n, sizeof *sum, &sum));
-    for (int c = 0; c < (k->grey ? 1 : 3); c++) {
-        memset(sum, 0, n * sizeof *sum);
-        for (int y = 0; y < k->h; y++) {
-            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-            const int dy = abs(y - k->cy);
-            const bool core = tail && dy <= GP_CORE_RADIUS; // drawn elsewhere
-            const int flat = core ? GP_CORE_RADIUS : dy;
-            const int x0 = gp_clamp(k->cx - flat, 0, k->w);
-            const int x1 = gp_clamp(k->cx + flat + 1, 0, k->w);
-            if (!core && x0 < x1)
-                add_flat(row, x0, x1, sum + dy - r->first,
-                         r->peak + dy - r->first);
-            if (x0 > 0) { // starts on the ring of its rightmost sample
-                const int at = k->cx - (x0 - 1) - r->first;
-                add_outward(row + x0 - 1, -1, x0, sum + at, r->peak + at);
-            }
-            if (x1 < k->w) {
-                const int at = x1 - k->cx - r->first;
-                add_outward(row + x1, 1, k->w - x1, sum + at, r->peak + at);
-            }
-        }
-        if (!(k->norm1[c] > 0.0))
-            continue;
-        double beyond = 0.0;
-        for (int i = r->n - 1; i >= 0; i--) {
-            r->left[i] = fmax(r->left[i], beyond / k->norm1[c]);
-            beyond += sum[i];
-        }
-        r->whole = fmax(r->whole, beyond / k->norm1[c]);
-    }
-    for (int i = r->n - 2; i >= 0; i--)
-        r->peak[i] = fmaxf(r->peak[i], r->peak[i + 1]);
-out:
-    gp_free(sum);
-    return st;
-}
-
 /* Rings that a polygon with the most light of the bin keeps: those up to the
  * last one where it is over `least`. */
-static int rings_kept(const struct rings *r, int bin, double least)
+static int rings_kept(const struct gp_rings *r, int bin, double least)
 {
     static const int last = (0xff << 1) - 1; // beyond it are Inf and NaN
     const float v = gp_source_bin_start(bin < last ? bin + 1 : last + 1);
@@ -245,16 +203,15 @@ static int rings_kept(const struct rings *r, int bin, double least)
     return low;
 }
 
-/* Share of all light that is left out. */
-static double share_left_out(const struct rings *r, const struct lights *l,
-                             double least)
+/* Share of all light that is left out; left[i] of a polygon's goes beyond ring
+ * i - 1. */
+static double share_left_out(const struct gp_rings *r, const double *left,
+                             const struct lights *l, double least)
 {
     double sum = 0.0;
     for (int b = 0; b < GP_SOURCE_BINS; b++) {
-        if (!(l->bin[b] > 0.0))
-            continue;
-        const int n = rings_kept(r, b, least);
-        sum += l->bin[b] * (n ? r->left[n - 1] : r->whole);
+        if (l->bin[b] > 0.0)
+            sum += l->bin[b] * left[rings_kept(r, b, least)];
     }
     return sum / l->all;
 }
@@ -266,7 +223,8 @@ gp_status gp_shrink_make(const struct gp_log *log,
     gp_status st = GP_OK;
     const bool tail = !gp_splat_single(p);
     struct lights l = {0};
-    struct rings r = {0};
+    struct gp_rings r = {0};
+    double *left = NULL;
     struct gp_shrink s = {0};
     int side = 1;
     for (size_t i = 0; i < polygons->n; i++) {
@@ -280,53 +238,66 @@ gp_status gp_shrink_make(const struct gp_log *log,
     for (int b = 0; b < GP_SOURCE_BINS; b++)
         s.reach[b] = INT_MAX / 2;
     if (p->shrink > 0.0f && l.all > 0.0) {
-        GP_TRY(make_rings(log, kernel, tail, &r));
+        const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
+        GP_TRY(gp_rings_make(log, kernel, whole, tail, &r));
+        GP_TRY(gp_alloc_zero(log, "shrinking", (size_t) r.n + 1, sizeof *left,
+                             &left));
+        for (int i = 0; i <= r.n; i++) {
+            for (int c = 0; c < 3; c++) {
+                if (kernel->norm1[c] > 0.0)
+                    left[i] = fmax(left[i],
+                                   r.beyond[c][i] / kernel->norm1[c]);
+            }
+        }
         // the largest float for which at most the share is left out: floats
         // over 0 are in the order of their bits
         uint32_t low = 0, high = 0x7f800000; // 0 leaves nothing out; Inf
         while (high - low > 1) {
             const uint32_t mid = low + (high - low) / 2;
             memcpy(&s.least, &mid, sizeof s.least);
-            if (share_left_out(&r, &l, (double) s.least) <= (double) p->shrink)
+            if (share_left_out(&r, left, &l, (double) s.least) <=
+                (double) p->shrink)
                 low = mid;
             else
                 high = mid;
         }
         memcpy(&s.least, &low, sizeof s.least);
-        s.left_out = share_left_out(&r, &l, (double) s.least);
+        s.left_out = share_left_out(&r, left, &l, (double) s.least);
         for (int b = 0; b < GP_SOURCE_BINS; b++) {
             const int n = rings_kept(&r, b, (double) s.least);
-            const int reach = n ? r.first + n - 1 + carry : 0;
+            const int reach = n ? n - 1 + carry : 0;
             s.reach[b] = tail ? gp_max(reach, GP_CORE_RADIUS) : reach;
         }
     }
     *out = s;
 out:
-    gp_free(r.peak);
-    gp_free(r.left);
+    gp_rings_free(&r);
+    gp_free(left);
     return st;
 }
 
 /* -- the picture of polygons ----------------------------------------------- */
 
+/* Paints pixel (x, y) green, if it is in the frame. */
+static void paint(const struct gp_sources *frame, int x, int y,
+                  struct gp_planes *picture)
+{
+    const size_t at = (size_t) y * (size_t) frame->w + (size_t) x;
+    for (int c = 0; c < 3; c++) {
+        if (x >= 0 && x < frame->w && y >= 0 && y < frame->h)
+            picture->c[c][at] = c == 1 ? 1.0f : 0.0f;
+    }
+}
+
 gp_status gp_polygons_outline(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_sources *src, const struct gp_kernel *k,
     const struct gp_splat_params *p, struct gp_planes *picture)
 {
     gp_status st;
-    const struct gp_kernel *const k = kernel;
     struct gp_polygons polygons = {0};
     struct gp_shrink shrink;
-    const size_t w = (size_t) src->w, h = (size_t) src->h;
-    // lines are counted by their ends, +1 where one starts and -1 after its
-    // last pixel, so that a frame full of polygons costs no more than its
-    // pixels: (w + 1) * h of horizontal lines, w * (h + 1) of vertical ones
-    int32_t *across = NULL, *down = NULL;
     GP_TRY(gp_polygons_make(log, src, p, &polygons));
-    GP_TRY(gp_shrink_make(log, kernel, p, &polygons, &shrink));
-    GP_TRY(gp_alloc_zero(log, "outlines", (w + 1) * h, sizeof *across,
-                         &across));
-    GP_TRY(gp_alloc_zero(log, "outlines", w * (h + 1), sizeof *down, &down));
+    GP_TRY(gp_shrink_make(log, k, p, &polygons, &shrink));
     for (size_t n = 0; n < polygons.n; n++) {
         // the first and the last of the pixels that the polygon lights; they
         // may leave the frame, and may be none
@@ -334,45 +305,22 @@ gp_status gp_polygons_outline(const struct gp_log *log,
         const double reach = shrink.reach[gp_source_bin(q->light)];
         const double wider = (gp_blur_box[q->blur] - 1) / 2.0;
         const double x = (double) q->x, y = (double) q->y;
-        const int xs[2] = {
-            (int) ceil(x - fmin(reach, k->cx + wider)),
-            (int) floor(x + fmin(reach, k->w - 1 - k->cx + wider)),
-        };
-        const int ys[2] = {
-            (int) ceil(y - fmin(reach, k->cy + wider)),
-            (int) floor(y + fmin(reach, k->h - 1 - k->cy + wider)),
-        };
-        const int x0 = gp_max(xs[0], 0), x1 = gp_min(xs[1], src->w - 1);
-        const int y0 = gp_max(ys[0], 0), y1 = gp_min(ys[1], src->h - 1);
-        const bool none = xs[0] > xs[1] || ys[0] > ys[1];
-        for (int i = 0; i < 2 && !none; i++) {
-            if (ys[i] >= 0 && ys[i] < src->h && x0 <= x1) {
-                int32_t *const row = across + (size_t) ys[i] * (w + 1);
-                row[x0]++;
-                row[x1 + 1]--;
-            }
-            if (xs[i] >= 0 && xs[i] < src->w && y0 <= y1) {
-                down[(size_t) y0 * w + (size_t) xs[i]]++;
-                down[((size_t) y1 + 1) * w + (size_t) xs[i]]--;
-            }
+        const int x0 = (int) ceil(x - fmin(reach, k->cx + wider));
+        const int x1 = (int) floor(x + fmin(reach, k->w - 1 - k->cx + wider));
+        const int y0 = (int) ceil(y - fmin(reach, k->cy + wider));
+        const int y1 = (int) floor(y + fmin(reach, k->h - 1 - k->cy + wider));
+        if (x0 > x1 || y0 > y1)
+            continue;
+        for (int i = gp_max(x0, 0); i <= gp_min(x1, src->w - 1); i++) {
+            paint(src, i, y0, picture);
+            paint(src, i, y1, picture);
         }
-    }
-    for (size_t y = 0; y < h; y++) {
-        int32_t ends = 0;
-        for (size_t x = 0; x < w; x++) {
-            ends += across[y * (w + 1) + x];
-            // (the row above holds the lines that come from there)
-            if (y > 0)
-                down[y * w + x] += down[(y - 1) * w + x];
-            if (ends == 0 && down[y * w + x] == 0)
-                continue;
-            for (int c = 0; c < 3; c++)
-                picture->c[c][y * w + x] = c == 1 ? 1.0f : 0.0f; // green
+        for (int i = gp_max(y0, 0); i <= gp_min(y1, src->h - 1); i++) {
+            paint(src, x0, i, picture);
+            paint(src, x1, i, picture);
         }
     }
 out:
-    gp_free(across);
-    gp_free(down);
     gp_polygons_free(&polygons);
     return st;
 }

@@ -35,17 +35,6 @@ static struct gp_rect reaching(const struct gp_kernel *k, int x, int y)
     };
 }
 
-/* Sample (x, y), 0 outside the kernel, and in its core when `tail`. */
-static float sample_of(const struct gp_kernel *k, bool tail, int c, int x,
-                       int y)
-{
-    const bool core = tail && abs(x - k->cx) <= GP_CORE_RADIUS &&
-                      abs(y - k->cy) <= GP_CORE_RADIUS;
-    return core || x < 0 || x >= k->w || y < 0 || y >= k->h
-               ? 0.0f
-               : k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
-}
-
 /* -- the error of groups --------------------------------------------------- */
 
 /* Sources less polygons, before either is spread. A polygon's light is set down
@@ -157,47 +146,26 @@ out:
     return st;
 }
 
-/* Makes the kernel that polygons draw: without its core when `tail`. */
-static gp_status cut_core(const struct gp_log *log, const struct gp_kernel *k,
-                          bool tail, struct gp_kernel *out)
-{
-    const size_t n = (size_t) k->w * (size_t) k->h;
-    struct gp_kernel o = *k;
-    o.k = (struct gp_planes) {0};
-    o.unturned = NULL;
-    o.tail = NULL;
-    o.origin = NULL;
-    o.lit = NULL;
-    o.serial = 0; // no engine keeps what it makes of it
-    gp_status st = gp_planes_make(log, "bound", n, &o.k);
-    for (size_t i = 0; i < 3 * n && !st; i++) {
-        const int x = (int) (i % n % (size_t) k->w);
-        const int y = (int) (i % n / (size_t) k->w);
-        o.k.c[i / n][i % n] = sample_of(k, tail, (int) (i / n), x, y);
-    }
-    if (st)
-        gp_planes_free(&o.k);
-    else
-        *out = o;
-    return st;
-}
-
 /* Bounds the norm of the kernel spread over the residue, in the frame. Without
  * a transform by Young's inequality. */
 static gp_status find_grouping(const struct gp_log *log,
     const struct residue *r, const struct gp_sources *src,
-    const struct gp_kernel *kernel, bool tail,
+    const struct gp_kernel *kernel, const struct gp_blur *drawn,
     const struct gp_polygons *polygons, double norm[3])
 {
     gp_status st = GP_OK;
     const struct gp_fftwd *lib;
-    struct gp_kernel k = {0};
+    struct gp_kernel k = *kernel;
     struct gp_planes light = {0}, dark = {0};
     const size_t w = (size_t) (r->w + 2 * r->pad);
     const size_t n = w * (size_t) (r->h + 2 * r->pad);
     const bool transforms = !gp_fftwd_open(NULL, &lib);
+    k.k = drawn->k;
+    k.unturned = NULL;
+    k.tail = NULL;
+    k.lit = NULL;
+    k.serial = 0; // no engine keeps what it makes of it
     if (transforms) {
-        GP_TRY(cut_core(log, kernel, tail, &k));
         GP_TRY(spread(log, r, src, 1.0f, &k, &light));
         GP_TRY(spread(log, r, src, -1.0f, &k, &dark));
     }
@@ -226,82 +194,23 @@ static gp_status find_grouping(const struct gp_log *log,
         norm[c] += d > 0.0 ? 0x1p-21 * kernel->norm1[c] * sqrt(sizes) : 0.0;
     }
 out:
-    gp_planes_free(&k.k);
     gp_planes_free(&light);
     gp_planes_free(&dark);
     return st;
 }
 
-/* -- the kernel by rings --------------------------------------------------- */
-
-/* Kernel samples within (w, h) of the centre, without the core when `tail`, by
- * square rings around it. */
-struct rings {
-    int n;             // rings 0 .. n - 1 hold all of them
-    double *beyond[3]; // n + 1 sums: of ring i and those farther out
-    double slope[3];   // sum of |dk/dx| + |dk/dy|, differences to the next
-};
-
-static void free_rings(struct rings *r)
-{
-    for (int c = 0; c < 3; c++)
-        gp_free(r->beyond[c]);
-    *r = (struct rings) {0};
-}
-
-static gp_status make_rings(const struct gp_log *log,
-                              const struct gp_kernel *k, bool tail, int w,
-                              int h, struct rings *out)
-{
-    gp_status st = GP_OK;
-    struct rings r = {0};
-    const struct gp_rect crop = reaching(k, w, h);
-    r.n = gp_rect_empty(crop) ? 0 : gp_max(w, h) + 1;
-    for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc_zero(log, "bound", (size_t) r.n + 1, sizeof(double),
-                             &r.beyond[c]));
-        double *const beyond = r.beyond[c];
-        if (c > 0 && k->grey) {
-            memcpy(beyond, r.beyond[0], ((size_t) r.n + 1) * sizeof(double));
-            r.slope[c] = r.slope[0];
-            continue;
-        }
-        for (int y = crop.y0; y < crop.y1; y++) {
-            for (int x = crop.x0; x < crop.x1; x++)
-                beyond[gp_max(abs(x - k->cx), abs(y - k->cy))] +=
-                    (double) sample_of(k, tail, c, x, y);
-        }
-        for (int i = r.n - 1; i >= 0; i--)
-            beyond[i] += beyond[i + 1];
-        for (int y = crop.y0 - 1; r.n && y < crop.y1; y++) {
-            for (int x = crop.x0 - 1; x < crop.x1; x++) {
-                const double s = (double) sample_of(k, tail, c, x, y);
-                r.slope[c] +=
-                    fabs((double) sample_of(k, tail, c, x + 1, y) - s) +
-                    fabs((double) sample_of(k, tail, c, x, y + 1) - s);
-            }
-        }
-    }
-    *out = r;
-    r = (struct rings) {0};
-out:
-    free_rings(&r);
-    return st;
-}
-
 /* -- all that is left out -------------------------------------------------- */
 
-/* Sum of squares of a polygon's bilinear and box weights on one axis. */
+/* Sum of squares of a polygon's weights on one axis. */
 static double spread_square(const struct gp_polygon *p, float at)
 {
-    const int m = gp_blur_box[p->blur];
-    const double start = (double) at - (m - 1) / 2.0;
-    const double f = start - floor(start);
-    return ((1.0 - f) * (1.0 - f) + f * f + (m - 1)) / ((double) m * m);
+    const int box = gp_blur_box[p->blur];
+    const struct footprint f = make_footprint(at, box);
+    return f.head * f.head + f.tail * f.tail + (box - 1) * f.body * f.body;
 }
 
 static gp_status find_left_out(const struct gp_log *log,
-    const struct rings *r, const struct gp_polygons *polygons,
+    const struct gp_rings *r, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, double norm[3])
 {
     const size_t n = (size_t) r->n;
@@ -340,9 +249,32 @@ static gp_status find_left_out(const struct gp_log *log,
     return GP_OK;
 }
 
-static void find_sampled(const struct rings *r,
+/* Sample (x, y) of what polygons draw, 0 outside. */
+static double sample_of(const struct gp_blur *k, int c, int x, int y)
+{
+    return x < 0 || x >= k->w || y < 0 || y >= k->h
+               ? 0.0
+               : (double) k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
+}
+
+/* Sum of |dk/dx| + |dk/dy|, differences to the next sample. */
+static double find_slope(const struct gp_blur *k, struct gp_rect crop, int c)
+{
+    double sum = 0.0;
+    for (int y = crop.y0 - 1; !gp_rect_empty(crop) && y < crop.y1; y++) {
+        for (int x = crop.x0 - 1; x < crop.x1; x++) {
+            const double s = sample_of(k, c, x, y);
+            sum += fabs(sample_of(k, c, x + 1, y) - s) +
+                   fabs(sample_of(k, c, x, y + 1) - s);
+        }
+    }
+    return sum;
+}
+
+static void find_sampled(const struct gp_blur *k, struct gp_rect crop,
     const struct gp_polygons *polygons, double place, double norm[3])
 {
+    double slope = 0.0;
     for (int c = 0; c < 3; c++) {
         double square[2][2] = {{0}}; // clusters, groups; blurred ones
         for (size_t i = 0; i < polygons->n; i++) {
@@ -355,7 +287,8 @@ static void find_sampled(const struct rings *r,
             square[i >= polygons->clusters][m > 1] += v * v;
         }
         // one that is not blurred is within its own cell
-        norm[c] = place * r->slope[c] *
+        slope = c > 0 && k->grey ? slope : find_slope(k, crop, c);
+        norm[c] = place * slope *
                   (sqrt(square[0][0]) + sqrt(square[1][0]) +
                    SHARED * (sqrt(square[0][1]) + sqrt(square[1][1])));
     }
@@ -370,7 +303,8 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
 {
     gp_status st;
     struct residue residue = {0};
-    struct rings rings = {0};
+    struct gp_rings rings = {0};
+    struct gp_blur drawn = {0};
     double wrong[3] = {0}, norm[3], least;
     const bool tail = !gp_splat_single(p);
     int side = 1;
@@ -379,24 +313,27 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
         return GP_OK;
     for (size_t i = 0; i < polygons->n; i++)
         side = gp_max(side, polygons->at[i].side);
+    const struct gp_rect crop = reaching(kernel, src->w + side, src->h + side);
     GP_TRY(gp_layer_least(log, src, kernel, &least));
-    if (side > 1 || shrink->left_out > 0.0)
-        GP_TRY(make_rings(log, kernel, tail, src->w + side, src->h + side,
-                          &rings));
     if (side > 1) {
+        GP_TRY(gp_blur_make(log, kernel,
+                            (struct gp_rect) {0, 0, kernel->w, kernel->h},
+                            tail, 1, &drawn));
         GP_TRY(make_residue(log, src, polygons, side + 1, &residue));
-        GP_TRY(find_grouping(log, &residue, src, kernel, tail, polygons, norm));
+        GP_TRY(find_grouping(log, &residue, src, kernel, &drawn, polygons,
+                             norm));
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];
         // float coordinates of the frame are 2^(exponent - 24) pixels apart,
         // and a sample may be taken so far from its place
         int exponent;
         frexp((double) gp_max(src->w, src->h), &exponent);
-        find_sampled(&rings, polygons, ldexp(1.0, exponent - 24), norm);
+        find_sampled(&drawn, crop, polygons, ldexp(1.0, exponent - 24), norm);
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];
     }
     if (shrink->left_out > 0.0) {
+        GP_TRY(gp_rings_make(log, kernel, crop, tail, &rings));
         GP_TRY(find_left_out(log, &rings, polygons, shrink, norm));
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];
@@ -411,6 +348,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
         *out = all / least * (1.0 + share) + share;
 out:
     gp_planes_free(&residue.d);
-    free_rings(&rings);
+    gp_blur_free(&drawn);
+    gp_rings_free(&rings);
     return st;
 }

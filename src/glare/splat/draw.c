@@ -10,33 +10,31 @@
 #include <math.h>
 #include <string.h>
 
-// -- programs -----------------------------------------------------------------
+// -- objects ------------------------------------------------------------------
 
-/* Makes a program unless it exists. Errors: GP_ERR_GL. */
-static gp_status use_program(const struct gp_log *log, struct gp_splat *s,
-                             enum gp_splat_program which)
+static const size_t KEEP_BYTES = (size_t) 1 << 30; // of kernels
+
+gp_status gp_splat_need_program(const struct gp_log *log, struct gp_splat *s,
+    const char *defines, const char *vert, const char *frag,
+    struct gp_program *p)
 {
-#define FILES(name, vert, frag) {vert, frag},
-    static const char *const files[][2] = {GP_SPLAT_PROGRAMS(FILES)};
-#undef FILES
-    if (s->program[which].id)
-        return GP_OK;
-    return gp_program_make(log, s->gl, "", files[which][0], files[which][1],
-                           &s->program[which]);
+    return p->id ? GP_OK
+                 : gp_program_make(log, s->gl, defines, vert, frag, p);
 }
 
-gp_status gp_splat_fit_target(const struct gp_log *log, const struct gp_gl *gl,
+gp_status gp_splat_need_target(const struct gp_log *log, struct gp_splat *s,
     const char *what, int n, int w, int h, struct gp_target *t)
 {
-    if (t->framebuffer && t->colour.w >= w && t->colour.h >= h)
-        return GP_OK;
-    w = gp_max(t->colour.w, w);
-    h = gp_max(t->colour.h, h);
-    gp_target_free(gl, t);
-    return gp_target_make(log, gl, what, GP_TEXEL_FLOAT, n, w, h, t);
+    gp_status st = GP_OK;
+    if (!t->framebuffer || t->colour.w < w || t->colour.h < h) {
+        const int wide = gp_max(t->colour.w, w), high = gp_max(t->colour.h, h);
+        gp_target_free(s->gl, t);
+        st = gp_target_make(log, s->gl, what, GP_TEXEL_FLOAT, n, wide, high, t);
+    }
+    if (!st)
+        gp_target_clear(s->gl, t, (struct gp_rect) {0, 0, w, h});
+    return st;
 }
-
-/* -- kernels --------------------------------------------------------------- */
 
 void gp_splat_drop_kernels(struct gp_splat *s)
 {
@@ -44,81 +42,67 @@ void gp_splat_drop_kernels(struct gp_splat *s)
         gp_texture_free(s->gl, &s->kernel[i].texture);
         s->kernel[i] = (struct gp_splat_kernel) {0};
     }
+    s->bytes = 0;
 }
 
-/* Drops the kernels unless they were made from this kernel, crop, and use:
- * `tail` leaves the core out of all but GP_SPLAT_CORE. */
-static void set_kernel(struct gp_splat *s, const struct gp_kernel *k,
-                       struct gp_rect crop, bool tail)
-{
-    const bool same = k->serial && k->serial == s->serial &&
-                      memcmp(&crop, &s->crop, sizeof crop) == 0 &&
-                      tail == s->tail;
-    if (same)
-        return;
-    gp_splat_drop_kernels(s);
-    s->serial = k->serial;
-    s->crop = crop;
-    s->tail = tail;
-}
-
-/* Uploads the planes with their border, band after band; what was made so far
- * stays in *o when it fails. */
+/* Uploads a kernel's samples, band after band. */
 static gp_status upload_kernel(const struct gp_log *log, struct gp_splat *s,
-    const struct gp_planes *k, struct gp_splat_kernel *o)
+    const struct gp_blur *b, struct gp_texture *t)
 {
-    const int b = o->border, w = o->w + 2 * b, h = o->h + 2 * b;
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
-    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, h,
-                                   &o->texture);
-    for (int y0 = 0; !st && y0 < h; y0 += rows) {
-        const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        memset(s->band, 0,
-               (size_t) gp_rect_h(band) * (size_t) w * 4 * sizeof(float));
-        for (int y = gp_max(y0, b); y < gp_min(band.y1, o->h + b); y++) {
-            const size_t from = (size_t) (y - b) * (size_t) o->w;
-            float *const to =
-                s->band + 4 * ((size_t) (y - y0) * (size_t) w + (size_t) b);
-            for (size_t x = 0; x < (size_t) o->w; x++) {
-                for (size_t c = 0; c < 3; c++)
-                    to[4 * x + c] = k->c[c][from + x];
-            }
+    const int w = b->grey ? (b->w + 3) / 4 : b->w;
+    const int rows = GP_SPLAT_TEXELS / w;
+    const size_t pitch = 4 * (size_t) w, samples = (size_t) b->w;
+    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, b->h,
+                                   t);
+    for (int y0 = 0; !st && y0 < b->h; y0 += rows) {
+        const int y1 = gp_min(b->h - y0, rows) + y0;
+        for (int y = y0; y < y1; y++) {
+            float *const texel = s->texel + (size_t) (y - y0) * pitch;
+            const size_t first = (size_t) y * samples;
+            memset(texel, 0, pitch * sizeof *texel);
+            if (b->grey)
+                memcpy(texel, b->k.c[0] + first, samples * sizeof *texel);
+            for (size_t i = 0; !b->grey && i < 3 * samples; i++)
+                texel[i / 3 * 4 + i % 3] = b->k.c[i % 3][first + i / 3];
         }
-        gp_texture_write(s->gl, &o->texture, band, s->band);
+        gp_texture_write(s->gl, t, (struct gp_rect) {0, y0, w, y1}, s->texel);
     }
     return st;
 }
 
-/* Makes s->kernel[which] unless it exists. A kernel of no samples (a core
- * that the crop does not meet) has w 0 and no texture.
- * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
-static gp_status need_kernel(const struct gp_log *log, struct gp_splat *s,
-                             const struct gp_kernel *k, int which)
+gp_status gp_splat_need_kernel(const struct gp_log *log, struct gp_splat *s,
+                               const struct gp_kernel *k, int which)
 {
-    if (s->kernel[which].texture.id)
-        return GP_OK;
-    const bool core = which == GP_SPLAT_CORE, smooth = which < GP_BLURS;
+    struct gp_splat_kernel *const o = &s->kernel[which];
+    const bool core = which == GP_SPLAT_CORE;
     const struct gp_rect around = {
         k->cx - GP_CORE_RADIUS, k->cy - GP_CORE_RADIUS,
         k->cx + GP_CORE_RADIUS + 1, k->cy + GP_CORE_RADIUS + 1,
     };
     const struct gp_rect crop = core ? gp_rect_meet(around, s->crop) : s->crop;
-    if (gp_rect_empty(crop))
+    if (o->texture.id || gp_rect_empty(crop))
         return GP_OK;
     struct gp_blur b = {0};
     gp_status st = gp_blur_make(log, k, crop, s->tail && !core,
-                                smooth ? gp_blur_box[which] : 1, &b);
+                                core ? 1 : gp_blur_box[which], &b);
     if (st)
         return st;
-    struct gp_splat_kernel o = {
-        .border = smooth, .w = b.w, .h = b.h,
+    const size_t bytes = (size_t) b.w * (size_t) b.h * (b.grey ? 1 : 4) *
+                         sizeof(float);
+    if (s->bytes + bytes > KEEP_BYTES)
+        gp_splat_drop_kernels(s);
+    s->bytes += bytes;
+    *o = (struct gp_splat_kernel) {
+        .grey = b.grey, .w = b.w, .h = b.h,
         .cx = (int) floorf(b.cx), .cy = (int) floorf(b.cy),
     };
-    o.rest[0] = b.cx - (float) o.cx;
-    o.rest[1] = b.cy - (float) o.cy;
-    st = upload_kernel(log, s, &b.k, &o);
+    o->rest[0] = b.cx - (float) o->cx;
+    o->rest[1] = b.cy - (float) o->cy;
+    st = upload_kernel(log, s, &b, &o->texture);
     if (!st)
-        s->kernel[which] = o;
+        st = gp_gl_check(log, s->gl, "packing the kernel");
+    if (st)
+        gp_splat_drop_kernels(s);
     gp_blur_free(&b);
     return st;
 }
@@ -133,50 +117,43 @@ struct cells {
     int w, h; // cells
 };
 
-/* In EXR pixel space a cell starts at each multiple of its side. */
-static int first_corner(int at, int origin, int side)
-{
-    const long long v = (long long) at + origin, part = v % side;
-    return (int) (v - part - (part < 0 ? side : 0) - origin);
-}
-
-/* The whole cells that hold the sources. */
+/* The whole cells that hold the frame: in EXR pixel space one starts at each
+ * multiple of its side. */
 static struct cells cells_over(const struct gp_sources *src, int side)
 {
     struct cells c = {
         .side = side,
-        .x = first_corner(src->box.x0, src->x0, side),
-        .y = first_corner(src->box.y0, src->y0, side),
+        .x = -((src->x0 % side + side) % side),
+        .y = -((src->y0 % side + side) % side),
     };
-    c.w = (src->box.x1 - c.x + side - 1) / side;
-    c.h = (src->box.y1 - c.y + side - 1) / side;
+    c.w = (src->w - c.x + side - 1) / side;
+    c.h = (src->h - c.y + side - 1) / side;
     return c;
 }
 
-/* Uploads the light of the pixels of `rect`, which holds all sources, to
- * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
+/* Uploads the light of the frame's pixels to s->sources: rgb, and luminance.
+ * Errors: GP_ERR_GL. */
 static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
-    const struct gp_sources *src, struct gp_rect rect)
+                                const struct gp_sources *src)
 {
-    const int w = gp_rect_w(rect), h = gp_rect_h(rect);
+    const int w = src->w, h = src->h;
     struct gp_texture *const t = &s->sources;
     gp_status st = GP_OK;
-    if (t->w < w || t->h < h) { // the box of a moving light changes each frame
+    if (t->w < w || t->h < h) {
         const int wide = gp_max(t->w, w), high = gp_max(t->h, h);
         gp_texture_free(s->gl, t);
         st = gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT, wide, high,
                              t);
     }
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    const int rows = GP_SPLAT_TEXELS / w;
     for (int y0 = 0; !st && y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        memset(s->band, 0,
+        memset(s->texel, 0,
                (size_t) w * (size_t) gp_rect_h(band) * 4 * sizeof(float));
         for (int y = y0; y < band.y1; y++) {
-            float *const row = s->band + 4 * (size_t) (y - y0) * (size_t) w;
-            const uint32_t end = src->row[rect.y0 + y + 1];
-            for (uint32_t i = src->row[rect.y0 + y]; i < end; i++) {
-                float *const texel = row + 4 * (src->x[i] - rect.x0);
+            float *const row = s->texel + 4 * (size_t) (y - y0) * (size_t) w;
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+                float *const texel = row + 4 * src->x[i];
                 double light = 0.0;
                 for (int c = 0; c < 3; c++) {
                     texel[c] = src->rgb[c][i];
@@ -186,42 +163,44 @@ static gp_status upload_sources(const struct gp_log *log, struct gp_splat *s,
                 texel[3] = light > 0.0 ? (float) light : 0.0f;
             }
         }
-        gp_texture_write(s->gl, t, band, s->band);
+        gp_texture_write(s->gl, t, band, s->texel);
     }
     return st;
 }
 
 /* -- groups ---------------------------------------------------------------- */
 
-/* One pass over the sources of `rect` (Ando et al. 2007, sections 4.1 and 4.2):
- * makes `out`, two attachments, as group.frag says.
+/* One pass over the sources (Ando et al. 2007, sections 4.1 and 4.2): makes
+ * `out`, two attachments, as group.frag says.
  *
  *   boxes    bits of the blurs that may be taken
  *   fill     share of bright pixels under which a cell stays shut; 0: none
  *   parent   side of the clusters in s->clusters whose cells stay shut; 0: none
  * Errors: GP_ERR_GL. */
-static gp_status make_groups(const struct gp_log *log, struct gp_splat *s,
-    struct gp_rect rect, const struct cells *c, unsigned boxes, float fill,
+static gp_status make_groups(const struct gp_glare_request *req,
+    struct gp_splat *s, const struct cells *c, unsigned boxes, float fill,
     int parent, struct gp_target *out)
 {
-    gp_status st = use_program(log, s, GP_SPLAT_GROUP);
+    const struct gp_log *const log = req->log;
+    gp_status st = gp_splat_need_program(log, s, "", "add.vert", "group.frag",
+                                         &s->group);
     if (!st)
-        st = gp_splat_fit_target(log, s->gl, "groups", 2, c->w, c->h, out);
+        st = gp_splat_need_target(log, s, "groups", 2, c->w, c->h, out);
     if (st)
         return st;
     const struct gp_uniform uniform[] = {
         {.name = "sources", .texture = &s->sources},
         {.name = "parents", .texture = parent ? &s->clusters.colour
                                               : &s->sources},
-        {.name = "origin", .v = {c->x - rect.x0, c->y - rect.y0}},
-        {.name = "size", .v = {gp_rect_w(rect), gp_rect_h(rect)}},
+        {.name = "origin", .v = {c->x, c->y}},
+        {.name = "size", .v = {req->src->w, req->src->h}},
         {.name = "side", .v = {c->side, parent / c->side}},
         {.name = "boxes", .v = {(int) boxes, 0}},
         {.name = "fill", .floats = 1, .f = {fill}},
         {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[GP_SPLAT_GROUP], .target = out,
+        .program = &s->group, .target = out,
         .cut = {0, 0, c->w, c->h}, .uniform = uniform, .vertices = 3,
         .instances = 1, .replace = true,
     };
@@ -238,7 +217,6 @@ struct drawing {
     const struct gp_glare_request *req;
     struct gp_splat *s;
     const struct gp_splat_layout *layout;
-    size_t held; // polygons in the chunk
 };
 
 /* Cells whose sensors are drawn. */
@@ -256,13 +234,14 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
     const struct gp_target *to, int which, int first, int end)
 {
     struct gp_splat *const s = k->s;
+    const struct gp_log *const log = k->req->log;
     const struct gp_splat_kernel *const o = &s->kernel[which];
-    const enum gp_splat_program program =
-        g->places ? GP_SPLAT_SMOOTH_QUAD : GP_SPLAT_EXACT_QUAD;
-    gp_status st = need_kernel(k->req->log, s, k->req->kernel, which);
+    gp_status st = gp_splat_need_kernel(log, s, k->req->kernel, which);
     if (st || !o->w)
         return st;
-    st = use_program(k->req->log, s, program);
+    struct gp_program *const program = &s->quad[o->grey];
+    st = gp_splat_need_program(log, s, o->grey ? "#define GREY\n" : "",
+                               "splat.vert", "splat.frag", program);
     if (st)
         return st;
     const bool shrinks = k->layout->params.shrink > 0.0f &&
@@ -284,12 +263,12 @@ static gp_status draw_with(const struct drawing *k, const struct grid *g,
         {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[program], .target = to,
+        .program = program, .target = to,
         .cut = {0, 0, to->colour.w, to->colour.h}, .uniform = uniform,
         .vertices = QUADS * QUAD_VERTICES,
         .instances = (end - first + QUADS - 1) / QUADS,
     };
-    return gp_draw_run(k->req->log, s->gl, &draw);
+    return gp_draw_run(log, s->gl, &draw);
 }
 
 static unsigned blurs_of(const struct gp_polygon *at, size_t n)
@@ -305,7 +284,7 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
                             const struct gp_target *to, int first, int end)
 {
     if (!g->places)
-        return draw_with(k, g, to, GP_SPLAT_WHOLE, first, end);
+        return draw_with(k, g, to, 0, first, end);
     const unsigned blurs = blurs_of(g->at, g->n);
     gp_status st = GP_OK;
     for (int blur = 0; !st && blur < GP_BLURS; blur++) {
@@ -318,7 +297,7 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
 /* -- chunks ---------------------------------------------------------------- */
 
 /* Adds what the chunk holds to the total, and empties it. */
-static gp_status flush_chunk(struct drawing *k)
+static gp_status flush_chunk(const struct drawing *k)
 {
     struct gp_splat *const s = k->s;
     const struct gp_rect all = {0, 0, k->req->src->w, k->req->src->h};
@@ -326,14 +305,14 @@ static gp_status flush_chunk(struct drawing *k)
         {.name = "addend", .texture = &s->chunk.colour}, {0},
     };
     const struct gp_draw draw = {
-        .program = &s->program[GP_SPLAT_ADD], .target = &s->total, .cut = all,
+        .program = &s->add, .target = &s->total, .cut = all,
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_status st = use_program(k->req->log, s, GP_SPLAT_ADD);
+    gp_status st = gp_splat_need_program(k->req->log, s, "", "add.vert",
+                                         "add.frag", &s->add);
     if (!st)
         st = gp_draw_run(k->req->log, s->gl, &draw);
     gp_target_clear(s->gl, &s->chunk, all);
-    k->held = 0;
     return st;
 }
 
@@ -342,26 +321,25 @@ static bool has_chunks(const struct gp_splat_layout *p)
     return p->polygons.n > p->chunk;
 }
 
-/* Draws the grid: to the total, or to the chunk when there are many
+/* Draws the grid: to the total, or chunk after chunk when there are many
  * polygons. */
-static gp_status draw_grid(struct drawing *k, const struct grid *g)
+static gp_status draw_grid(const struct drawing *k, const struct grid *g)
 {
     const struct cells *const c = &g->cells;
-    const int end = c->w * c->h;
+    const size_t chunk = k->layout->chunk;
     if (!has_chunks(k->layout))
-        return draw_range(k, g, &k->s->total, 0, end);
+        return draw_range(k, g, &k->s->total, 0, c->w * c->h);
     gp_status st = GP_OK;
     int first = 0;
-    for (size_t i = 0; !st && i < g->n; i++) {
+    for (size_t i = 0; !st && i < g->n; i += chunk) {
         // P0 lies among the pixels of its cell: its whole part is enough
-        const int x = (int) floorf(g->at[i].x), y = (int) floorf(g->at[i].y);
-        const bool full = ++k->held == k->layout->chunk;
-        if (!full && i + 1 < g->n)
-            continue;
+        const struct gp_polygon *const last =
+            &g->at[i + chunk < g->n ? i + chunk - 1 : g->n - 1];
+        const int x = (int) floorf(last->x), y = (int) floorf(last->y);
         const int next =
             (y - c->y) / c->side * c->w + (x - c->x) / c->side + 1;
         st = draw_range(k, g, &k->s->chunk, first, next);
-        if (!st && full)
+        if (!st)
             st = flush_chunk(k);
         first = next;
     }
@@ -372,25 +350,20 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
 
 /* Draws each pixel for itself, or its core for itself, and groups and clusters,
  * which are made on the way. */
-static gp_status draw_grids(struct drawing *k)
+static gp_status draw_grids(const struct drawing *k)
 {
     gp_status st;
     struct gp_splat *const s = k->s;
-    const struct gp_log *const log = k->req->log;
     const struct gp_sources *const src = k->req->src;
     const struct gp_splat_params *const p = &k->layout->params;
     const struct gp_polygons *const all = &k->layout->polygons;
     const int span = gp_max(p->cluster, p->group);
     const struct cells coarse = cells_over(src, span);
-    const struct gp_rect rect = gp_rect_meet(
-        (struct gp_rect) {coarse.x, coarse.y, coarse.x + coarse.w * span,
-                          coarse.y + coarse.h * span},
-        (struct gp_rect) {0, 0, src->w, src->h});
     const struct grid pixels = {
-        .cells = {1, rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect)},
+        .cells = {1, 0, 0, src->w, src->h},
         .sensors = &s->sources, .at = all->at, .n = all->n,
     };
-    GP_TRY(upload_sources(log, s, src, rect));
+    GP_TRY(upload_sources(k->req->log, s, src));
     if (k->layout->single)
         return draw_grid(k, &pixels);
     GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_CORE, 0,
@@ -403,7 +376,7 @@ static gp_status draw_grids(struct drawing *k)
         .sensors = &s->clusters.colour, .places = &s->clusters.more[0],
     };
     if (clusters.n) {
-        GP_TRY(make_groups(log, s, rect, &coarse, blurs_of(all->at, clusters.n),
+        GP_TRY(make_groups(k->req, s, &coarse, blurs_of(all->at, clusters.n),
                            p->cluster_fill, 0, &s->clusters));
         GP_TRY(draw_grid(k, &clusters));
     }
@@ -414,7 +387,7 @@ static gp_status draw_grids(struct drawing *k)
         .sensors = &s->groups.colour,
         .places = p->group > 1 ? &s->groups.more[0] : NULL,
     };
-    GP_TRY(make_groups(log, s, rect, &groups.cells,
+    GP_TRY(make_groups(k->req, s, &groups.cells,
                        blurs_of(groups.at, groups.n), 0.0f,
                        clusters.n ? p->cluster : 0, &s->groups));
     st = draw_grid(k, &groups);
@@ -422,34 +395,18 @@ out:
     return st;
 }
 
-/* Makes a target of the layer's size unless it is, and clears it. */
-static gp_status need_target(const struct gp_glare_request *req,
-                             struct gp_splat *s, struct gp_target *t)
-{
-    const struct gp_rect all = {0, 0, req->src->w, req->src->h};
-    gp_status st = GP_OK;
-    if (t->colour.w != all.x1 || t->colour.h != all.y1) {
-        gp_target_free(s->gl, t);
-        st = gp_target_make(req->log, s->gl, "layer", GP_TEXEL_FLOAT, 1, all.x1,
-                            all.y1, t);
-    }
-    if (!st)
-        gp_target_clear(s->gl, t, all);
-    return st;
-}
-
 static void read_total(const struct gp_glare_request *req, struct gp_splat *s)
 {
     const int w = req->src->w, h = req->src->h;
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    const int rows = GP_SPLAT_TEXELS / w;
     for (int y0 = 0; y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(y0 + rows, h)};
         const size_t at = (size_t) y0 * (size_t) w;
         const size_t n = (size_t) w * (size_t) gp_rect_h(band);
-        gp_target_read(s->gl, &s->total, 0, band, s->band);
+        gp_target_read(s->gl, &s->total, 0, band, s->texel);
         for (size_t i = 0; i < n; i++) {
             for (size_t c = 0; c < 3; c++)
-                req->layer->c[c][at + i] = s->band[4 * i + c];
+                req->layer->c[c][at + i] = s->texel[4 * i + c];
         }
     }
 }
@@ -458,7 +415,7 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
                         const struct gp_splat_layout *p)
 {
     gp_status st;
-    struct drawing k = {.req = req, .s = s, .layout = p};
+    const struct drawing k = {.req = req, .s = s, .layout = p};
     float reach[GP_SOURCE_BINS];
     if (!s->reaches.id)
         GP_TRY(gp_buffer_make(req->log, s->gl, "reaches", GP_BUFFER_BLOCK,
@@ -466,13 +423,12 @@ gp_status gp_splat_draw(const struct gp_glare_request *req, struct gp_splat *s,
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) gp_min(p->shrink.reach[i], FAR);
     gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
-    set_kernel(s, req->kernel, p->crop, p->core);
-    GP_TRY(need_target(req, s, &s->total));
+    GP_TRY(gp_splat_need_target(req->log, s, "layer", 1, req->src->w,
+                                req->src->h, &s->total));
     if (has_chunks(p))
-        GP_TRY(need_target(req, s, &s->chunk));
+        GP_TRY(gp_splat_need_target(req->log, s, "layer", 1, req->src->w,
+                                    req->src->h, &s->chunk));
     GP_TRY(draw_grids(&k));
-    if (k.held)
-        GP_TRY(flush_chunk(&k));
     read_total(req, s);
     st = gp_gl_check(req->log, s->gl, "drawing glare polygons");
 out:

@@ -18,8 +18,8 @@ struct cell_sum {
 
 /* Polygons of one row of the largest cells. */
 struct band {
-    size_t clusters, groups;           // counts
-    size_t first_cluster, first_group; // places of the first ones
+    struct gp_polygon *at;   // clusters, then groups
+    size_t clusters, groups; // counts
 };
 
 struct grouping {
@@ -27,12 +27,11 @@ struct grouping {
     const struct gp_splat_params *p;
     int step;            // rows of a band: the larger cell's side
     int left, above;     // pixels of the first cell outside the window
-    int group_shift, cluster_shift; // log2 of the cells' sides
     int columns;         // group cells in a row
     int wide;            // cluster cells in a row
     struct band *band;
     struct cell_sum *scratch; // for each thread: columns + wide
-    struct gp_polygon *out;   // NULL while counting
+    struct gp_polygon *out;   // src->n: those of a band from its first source's
 };
 
 /* -- cells ----------------------------------------------------------------- */
@@ -101,62 +100,41 @@ static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
     return p;
 }
 
-/* Writes the cells of a row that hold light. */
-static void close_row(const struct grouping *g, const struct cell_sum *cell,
-                      int cells, int y0, int side, struct gp_polygon *out)
+/* Writes the cells of a row that hold light; returns how many. */
+static size_t close_row(const struct grouping *g, const struct cell_sum *cell,
+                        int cells, int y0, int side, struct gp_polygon *out)
 {
+    size_t n = 0;
     for (int k = 0; k < cells; k++) {
         if (cell[k].sources)
-            *out++ = close_cell(&cell[k], k * side - g->left, y0, side);
-    }
-}
-
-/* -- one band -------------------------------------------------------------- */
-
-/* Returns the end of the sources from i on, in row y, in the same cell. */
-static uint32_t run_end(const struct grouping *g, uint32_t i, int y, int shift)
-{
-    const int cell = (g->src->x[i] + g->left) >> shift;
-    const int beyond = ((cell + 1) << shift) - g->left;
-    const uint32_t end = g->src->row[y + 1];
-    while (++i < end && g->src->x[i] < beyond)
-        continue;
-    return i;
-}
-
-static bool is_clustered(const struct grouping *g,
-                         const struct cell_sum *cluster, int x)
-{
-    return g->wide && cluster[(x + g->left) >> g->cluster_shift].sources;
-}
-
-/* Sums what clusters leave of the rows [y0, y1) into one row of group cells,
- * or only counts. Returns how many cells hold light. */
-static size_t add_to_groups(const struct grouping *g, int y0, int y1,
-    const struct cell_sum *cluster, struct cell_sum *cell)
-{
-    const int shift = g->group_shift, mask = g->p->group - 1;
-    size_t n = 0;
-    memset(cell, 0, (size_t) g->columns * sizeof *cell);
-    for (int y = y0; y < y1; y++) {
-        uint32_t i = g->src->row[y], end;
-        for (; i < g->src->row[y + 1]; i = end) {
-            const int at = (g->src->x[i] + g->left) >> shift;
-            end = run_end(g, i, y, shift);
-            if (is_clustered(g, cluster, g->src->x[i]))
-                continue;
-            n += cell[at].sources == 0;
-            if (g->out)
-                add_sources(g->src, i, end, g->left - (at << shift),
-                            (y + g->above) & mask, &cell[at]);
-            else
-                cell[at].sources++;
-        }
+            out[n++] = close_cell(&cell[k], k * side - g->left, y0, side);
     }
     return n;
 }
 
-/* Counts the band's polygons, or makes them when `out` is set. */
+/* -- one band -------------------------------------------------------------- */
+
+/* Sums the rows [y0, y1) into one row of cells, but for sources in a cluster,
+ * where that is not NULL. */
+static void add_rows(const struct grouping *g, int y0, int y1, int side,
+                     const struct cell_sum *cluster, struct cell_sum *cell)
+{
+    const int32_t *const x = g->src->x;
+    for (int y = y0; y < y1; y++) {
+        const uint32_t past = g->src->row[y + 1];
+        for (uint32_t i = g->src->row[y], end; i < past; i = end) {
+            const int at = (x[i] + g->left) / side;
+            const int beyond = (at + 1) * side - g->left;
+            for (end = i + 1; end < past && x[end] < beyond;)
+                end++;
+            if (!cluster || !cluster[(x[i] + g->left) / g->p->cluster].sources)
+                add_sources(g->src, i, end, g->left - at * side,
+                            (y + g->above) % side, &cell[at]);
+        }
+    }
+}
+
+/* Makes the band's polygons. */
 static void group_band(void *ctx, int i, int thread)
 {
     const struct grouping *const g = ctx;
@@ -164,70 +142,31 @@ static void group_band(void *ctx, int i, int thread)
         g->scratch + (size_t) (g->columns + g->wide) * (size_t) thread;
     struct cell_sum *const cluster = cell + g->columns;
     struct band *const b = &g->band[i];
-    const int side = g->p->group, start = i * g->step - g->above;
+    const int side = g->p->group, large = g->p->cluster;
+    const int start = i * g->step - g->above;
     const int y0 = gp_max(0, start), y1 = gp_min(g->src->h, start + g->step);
-    const int large = g->p->cluster, shift = g->cluster_shift;
-    // the sources of each cluster cell; none where it is not filled
+    b->at = g->out + g->src->row[y0];
     memset(cluster, 0, (size_t) g->wide * sizeof *cluster);
-    for (int y = y0; large && y < y1; y++) {
-        uint32_t k = g->src->row[y], end;
-        for (; k < g->src->row[y + 1]; k = end) {
-            end = run_end(g, k, y, shift);
-            cluster[(g->src->x[k] + g->left) >> shift].sources +=
-                (int) (end - k);
-        }
-    }
-    b->clusters = 0;
+    if (large)
+        add_rows(g, y0, y1, large, NULL, cluster);
     for (int k = 0; k < g->wide; k++) {
         const int x0 = gp_max(0, k * large - g->left);
         const int x1 = gp_min(g->src->w, (k + 1) * large - g->left);
         // in float, as the shaders decide it
         const float area = (float) ((x1 - x0) * (y1 - y0));
-        if ((float) cluster[k].sources >= g->p->cluster_fill * area)
-            b->clusters++;
-        else
+        if (!((float) cluster[k].sources >= g->p->cluster_fill * area))
             cluster[k].sources = 0;
     }
-    b->groups = 0;
+    b->clusters = close_row(g, cluster, g->wide, start, large, b->at);
     for (int top = start; top < y1; top += side) {
-        struct gp_polygon *out =
-            g->out ? g->out + b->first_group + b->groups : NULL;
         if (top + side <= y0)
             continue;
-        if (side > 1) {
-            b->groups += add_to_groups(g, gp_max(top, y0),
-                                       gp_min(top + side, y1), cluster, cell);
-            if (out)
-                close_row(g, cell, g->columns, top, side, out);
-            continue;
-        }
-        // single sensors that no cluster holds: no sum is needed
-        for (uint32_t k = g->src->row[top]; k < g->src->row[top + 1]; k++) {
-            const int x = g->src->x[k];
-            if (is_clustered(g, cluster, x))
-                continue;
-            if (out) {
-                struct cell_sum own = {0};
-                add_sources(g->src, k, k + 1, -x, 0, &own);
-                *out++ = close_cell(&own, x, top, 1);
-            }
-            b->groups++;
-        }
+        memset(cell, 0, (size_t) g->columns * sizeof *cell);
+        add_rows(g, gp_max(top, y0), gp_min(top + side, y1), side,
+                 large ? cluster : NULL, cell);
+        b->groups += close_row(g, cell, g->columns, top, side,
+                               b->at + b->clusters + b->groups);
     }
-    if (!g->out || !b->clusters)
-        return;
-    const int mask = large - 1;
-    for (int y = y0; y < y1; y++) { // sums into the filled cells
-        const uint32_t past = g->src->row[y + 1];
-        for (uint32_t k = g->src->row[y], end; k < past; k = end) {
-            const int at = (g->src->x[k] + g->left) >> shift;
-            end = run_end(g, k, y, shift);
-            if (cluster[at].sources)
-                add_sources(g->src, k, end, g->left - (at << shift),
-                            (y + g->above) & mask, &cluster[at]);
-        }
-    }
-    close_row(g, cluster, g->wide, start, large, g->out + b->first_cluster);
 }
 
 /* -- the frame ------------------------------------------------------------- */
@@ -250,10 +189,8 @@ gp_status gp_polygons_make(const struct gp_log *log,
         .src = src, .p = p, .step = step,
         .left = (src->x0 % step + step) % step,
         .above = (src->y0 % step + step) % step,
-        .group_shift = __builtin_ctz((unsigned) p->group),
-        .cluster_shift = p->cluster ? __builtin_ctz((unsigned) p->cluster) : 0,
     };
-    g.columns = p->group > 1 ? cells_over(g.left, src->w, p->group) : 0;
+    g.columns = cells_over(g.left, src->w, p->group);
     g.wide = p->cluster ? cells_over(g.left, src->w, p->cluster) : 0;
     const int bands = cells_over(g.above, src->h, step);
     GP_TRY(gp_alloc_zero(log, "groups", (size_t) bands, sizeof *g.band,
@@ -261,24 +198,28 @@ gp_status gp_polygons_make(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "groups",
                     (size_t) gp_threads() * (size_t) (g.columns + g.wide),
                     sizeof *g.scratch, &g.scratch));
+    GP_TRY(gp_alloc(log, "groups", src->n, sizeof *g.out, &g.out));
     gp_parallel_do(bands, group_band, &g);
-    for (int i = 0; i < bands; i++) { // every band gets its place
-        g.band[i].first_cluster = o.clusters;
-        o.clusters += g.band[i].clusters;
-    }
     for (int i = 0; i < bands; i++) {
-        g.band[i].first_group = o.clusters + o.groups;
+        o.clusters += g.band[i].clusters;
         o.groups += g.band[i].groups;
     }
+    GP_TRY(gp_alloc(log, "polygons", o.clusters + o.groups, sizeof *o.at,
+                    &o.at));
+    struct gp_polygon *cluster = o.at, *group = o.at + o.clusters;
+    for (int i = 0; i < bands; i++) {
+        const struct band *const b = &g.band[i];
+        memcpy(cluster, b->at, b->clusters * sizeof *cluster);
+        memcpy(group, b->at + b->clusters, b->groups * sizeof *group);
+        cluster += b->clusters;
+        group += b->groups;
+    }
     o.n = o.clusters + o.groups;
-    GP_TRY(gp_alloc(log, "polygons", o.n, sizeof *o.at, &o.at));
-    g.out = o.at;
-    if (o.n)
-        gp_parallel_do(bands, group_band, &g);
     *out = o;
 out:
     gp_free(g.band);
     gp_free(g.scratch);
+    gp_free(g.out);
     return st;
 }
 

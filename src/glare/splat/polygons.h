@@ -93,6 +93,21 @@ GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
     struct gp_blur *out);
 void gp_blur_free(struct gp_blur *b);
 
+/* Samples of a kernel by square rings around its centre: ring d holds those with
+ * max(|dx|, |dy|) = d. */
+struct gp_rings {
+    int n;             // rings 0 .. n - 1 hold all of them
+    double *beyond[3]; // n + 1 sums of magnitudes: of ring i and farther ones
+    float *peak;       // n + 1: largest magnitude of them, any channel
+};
+
+/* Makes them of the samples in `crop`, without the core when `tail`. Free with
+ * gp_rings_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_rings_make(const struct gp_log *log,
+    const struct gp_kernel *k, struct gp_rect crop, bool tail,
+    struct gp_rings *out);
+void gp_rings_free(struct gp_rings *r);
+
 /* Shrinking (Ando et al. 2007, section 4.3): a polygon of light L reaches as
  * far as L times the kernel is over `least` somewhere on the square ring at
  * that distance. `least` is the largest for which the light left out, summed
@@ -121,7 +136,6 @@ GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
  * The sources that draw only their core are no polygons.
  *
  *   picture  src->w x src->h planes, changed where there is a line
- * Takes time for polygons and pixels, not for the lines' length.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_polygons_outline(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,

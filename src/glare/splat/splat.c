@@ -1,7 +1,7 @@
 /* Splat, the glare stage on GL: Ando et al., "Real-time rendering of high
  * quality glare images using vertex texture fetch on GPU" (2007).
  *
- * Each pixel of the sources' box is a sensor. Bright ones are grouped and
+ * Each pixel of the frame is a sensor. Bright ones are grouped and
  * clustered into polygons that carry the kernel (polygons.h), blurred by as
  * much as the group is wide, cut to where it counts.
  *
@@ -41,9 +41,9 @@ static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
 
 /* Float roundings that a pixel may take, each 2^-24 of what is summed so far.
  * In a blended layer each may be up to 2^-23, as GL leaves the direction to
- * the driver: so two of 2^-24. One product, the sums in a chunk, and one for
- * each chunk. The form is known only with a context, so this is the worse of
- * both. */
+ * the driver: so two of 2^-24. One product, the sums in a chunk, whose first is
+ * exact, and one for each chunk, of which two may be short. The form is known
+ * only with a context, so this is the worse of both. */
 static double roundings(const struct gp_splat_layout *p)
 {
     const double n = (double) p->polygons.n, chunk = (double) p->chunk;
@@ -141,56 +141,51 @@ out:
 
 static void close_context(struct gp_splat *s)
 {
-    if (s->gl) {
-        for (int i = 0; i < GP_SPLAT_PROGRAM_COUNT; i++)
-            gp_program_free(s->gl, &s->program[i]);
-        struct gp_target *const targets[] = {&s->total, &s->chunk, &s->groups,
-                                             &s->clusters};
-        for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
-            gp_target_free(s->gl, targets[i]);
-        gp_texture_free(s->gl, &s->sources);
-        gp_buffer_free(s->gl, &s->reaches);
-        gp_splat_drop_kernels(s);
-        gp_tiles_free(s->gl, &s->tiles);
-    }
+    struct gp_program *const programs[] = {
+        &s->quad[0], &s->quad[1], &s->tile[0], &s->tile[1], &s->tile[2],
+        &s->tile[3], &s->group, &s->add,
+    };
+    struct gp_target *const targets[] = {&s->total, &s->chunk, &s->groups,
+                                         &s->clusters, &s->field};
+    if (!s->gl)
+        return;
+    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
+        gp_program_free(s->gl, programs[i]);
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
+        gp_target_free(s->gl, targets[i]);
+    gp_texture_free(s->gl, &s->sources);
+    gp_buffer_free(s->gl, &s->reaches);
+    gp_buffer_free(s->gl, &s->entries);
+    gp_splat_drop_kernels(s);
     gp_gl_close(&s->gl);
 }
 
 static void close_splat(void **state)
 {
-    struct gp_splat *s = *state;
+    struct gp_splat *const s = *state;
     if (!s)
         return;
     close_context(s);
-    gp_free(s->band);
+    gp_free(s->texel);
     GP_FREE(*state);
 }
 
-gp_status gp_splat_make(const struct gp_log *log, void **state)
-{
-    if (*state)
-        return GP_OK;
-    gp_status st = gp_alloc_zero(log, "splat", 1, sizeof(struct gp_splat),
-                                 state);
-    if (st)
-        return st;
-    struct gp_splat *const s = *state;
-    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float),
-                  &s->band);
-    if (st)
-        close_splat(state);
-    return st;
-}
-
-gp_status gp_splat_open(const struct gp_log *log, struct gp_splat *s,
+gp_status gp_splat_open(const struct gp_log *log, void **state,
                         enum gp_gl_api api)
 {
-    if (s->gl && s->api != api)
+    gp_status st = GP_OK;
+    if (!*state)
+        GP_TRY(gp_alloc_zero(log, "splat", 1, sizeof(struct gp_splat), state));
+    struct gp_splat *const s = *state;
+    if (!s->texel)
+        GP_TRY(gp_alloc(log, "splat", GP_SPLAT_TEXELS, 4 * sizeof(float),
+                        &s->texel));
+    if (s->api != api)
         close_context(s);
-    if (s->gl)
-        return gp_gl_use(log, s->gl);
     s->api = api;
-    return gp_gl_open(log, api, &s->gl);
+    st = s->gl ? gp_gl_use(log, s->gl) : gp_gl_open(log, api, &s->gl);
+out:
+    return st;
 }
 
 /* -- the engine ------------------------------------------------------------ */
@@ -213,14 +208,19 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
         return GP_OK;
     }
     gp_status st;
+    const struct gp_kernel *const k = req->kernel;
     struct gp_taps taps = {0};
     struct gp_splat_layout layout = {0};
     const struct gp_splat_layout *const p = &layout;
-    double most;
-    GP_TRY(gp_splat_make(req->log, state));
+    GP_TRY(gp_splat_open(req->log, state, req->params->gl));
     struct gp_splat *const s = *state;
-    GP_TRY(gp_splat_open(req->log, s, req->params->gl));
     GP_TRY(make_layout(req, &layout));
+    if (!k->serial || k->serial != s->serial || s->tail != p->core ||
+        memcmp(&s->crop, &p->crop, sizeof s->crop) != 0)
+        gp_splat_drop_kernels(s);
+    s->serial = k->serial;
+    s->crop = p->crop;
+    s->tail = p->core;
     const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     enum gp_primitive form = p->params.primitive;
     if (form == GP_PRIMITIVE_AUTO)
@@ -230,16 +230,14 @@ static gp_status run_splat(const struct gp_glare_request *req, void **state)
     if (form == GP_PRIMITIVE_QUAD)
         GP_TRY(gp_splat_draw(req, s, p));
     else if (p->tail)
-        GP_TRY(gp_tiles_draw(req->log, s->gl, &(struct gp_tiles_light) {
-            req->kernel, p->crop, p->core, &p->polygons, &p->shrink,
-            req->src->w, req->src->h}, req->layer, &s->tiles, &most));
+        GP_TRY(gp_tiles_draw(req, s, p));
     else
         gp_planes_clear(req->layer, 0, pixels);
     if (form == GP_PRIMITIVE_TILE && p->core) {
         // the core of each single source goes by direct: a software context
         // has no faster place, and blending squares of 17 pixels is what it
         // does worst
-        GP_TRY(gp_taps_make(req->log, req->kernel, GP_CORE_RADIUS, &taps));
+        GP_TRY(gp_taps_cut(req->log, k, GP_CORE_RADIUS, GP_CORE_RADIUS, &taps));
         GP_TRY(gp_direct_sum(req->log, req->src, &taps, true, req->layer));
     }
     struct gp_glare_stats *const stats = req->stats;

@@ -14,30 +14,49 @@
 #include <math.h>
 #include <string.h>
 
+/* Sizes, chosen so that a batch holds a thousand polygons of any size:
+ * gp_tiles_roundings() counts on it. */
 enum {
+    FIELD = 1024, // widest and highest part of the frame, pixels
     LOW_SIDE = 4, // log2 of 16 pixels: what llvmpipe shades at a time
-    TILES_MAX = (GP_TILE_FIELD >> LOW_SIDE) * (GP_TILE_FIELD >> LOW_SIDE),
+    SIDES = 3,    // tiles are 16, 32 or 64 pixels wide and high
+    TILES_MAX = (FIELD >> LOW_SIDE) * (FIELD >> LOW_SIDE),
+    BATCH = 1000, // polygons, at least, when not all are in it
     ENTRY = 2,    // texels
     // entries a polygon, on average, that a kind may have: what a field of
     // the largest tiles has at most
-    ENTRIES_MAX = (GP_TILE_FIELD >> 6) * (GP_TILE_FIELD >> 6),
+    ENTRIES_MAX = (FIELD >> 6) * (FIELD >> 6),
     FRAGMENT_W = 4, FRAGMENT_H = 2, // pixels
     ATTACHMENTS = 3 * FRAGMENT_H,
-    BAND_TEXELS = 1 << 16,    // of kernel rows on their way in
-    VARIANTS = 4,             // of the program: WHOLE, COLOUR
-    MIXING = 7,               // roundings of a share: light, and three for
-                              // each of two mixes
+    MIXING = 7,   // roundings of a share: light, and three for each of two
+                  // mixes
 };
 /* Milliseconds of a pixel of a tile's entry, and of the entry itself, on Mesa
  * 22.3's llvmpipe and two cores. */
 static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
-static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
 
 /* A batch that is full leaves less than TILES_MAX entries free. */
-_Static_assert((GP_TILE_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
-                   GP_TILE_BATCH * ENTRIES_MAX, "a batch holds too little");
+_Static_assert((GP_SPLAT_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
+                   BATCH * ENTRIES_MAX, "a batch holds too little");
 
 /* -- pieces ---------------------------------------------------------------- */
+
+/* Polygons that one program and one kernel texture can draw together. Kind 0
+ * is on whole pixels and has blur 0, so that samples are not mixed; kind
+ * 1 + b has blur b. */
+enum { KINDS = GP_BLURS + 1 };
+
+/* A polygon that reaches the frame. */
+struct piece {
+    struct gp_rect box; // the frame's pixels that it draws; not empty
+    size_t polygon;     // index
+};
+
+struct pieces {
+    struct piece *at;        // within a kind in the polygons' order
+    size_t first[KINDS + 1]; // kind k: pieces [first[k], first[k + 1])
+    double cx[GP_BLURS], cy[GP_BLURS]; // centre of each blur, in its samples
+};
 
 static int kind_of(const struct gp_polygon *g)
 {
@@ -57,59 +76,54 @@ static void find_span(double at, double centre, int samples, int reach,
     *end = (int) fmin(fmax(high, 0.0), limit);
 }
 
-/* The frame's pixels that a polygon draws. */
-static struct gp_rect box_of(const struct gp_tile_pieces *p,
-    const struct gp_shrink *shrink, struct gp_rect crop, int w, int h,
+/* The pixels that a polygon draws: those that its blurred kernel covers and its
+ * reach does not cut, inside the frame. */
+static struct gp_rect box_of(const struct pieces *p,
+    const struct gp_splat_layout *l, const struct gp_sources *frame,
     const struct gp_polygon *g)
 {
-    const int reach = shrink->reach[gp_source_bin(g->light)];
+    const int reach = l->shrink.reach[gp_source_bin(g->light)];
     const int more = gp_blur_box[g->blur] - 1;
     struct gp_rect box;
-    find_span((double) g->x, p->cx[g->blur], gp_rect_w(crop) + more, reach, w,
-              &box.x0, &box.x1);
-    find_span((double) g->y, p->cy[g->blur], gp_rect_h(crop) + more, reach, h,
-              &box.y0, &box.y1);
+    find_span((double) g->x, p->cx[g->blur], gp_rect_w(l->crop) + more, reach,
+              frame->w, &box.x0, &box.x1);
+    find_span((double) g->y, p->cy[g->blur], gp_rect_h(l->crop) + more, reach,
+              frame->h, &box.y0, &box.y1);
     return box;
 }
 
-gp_status gp_tile_pieces_make(const struct gp_log *log,
-    const struct gp_kernel *kernel, struct gp_rect crop,
-    const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
-    int h, struct gp_tile_pieces *out)
+static gp_status make_pieces(const struct gp_glare_request *req,
+                             const struct gp_splat_layout *l,
+                             struct pieces *out)
 {
-    struct gp_tile_pieces p = {0};
-    size_t to[GP_TILE_KINDS];
+    const struct gp_polygons *const polygons = &l->polygons;
+    struct pieces p = {0};
+    size_t to[KINDS];
     for (int b = 0; b < GP_BLURS; b++) {
-        double more = 0.5 * (gp_blur_box[b] - 1);
-        p.cx[b] = (double) kernel->cx - crop.x0 + more;
-        p.cy[b] = (double) kernel->cy - crop.y0 + more;
+        const double more = 0.5 * (gp_blur_box[b] - 1);
+        p.cx[b] = (double) req->kernel->cx - l->crop.x0 + more;
+        p.cy[b] = (double) req->kernel->cy - l->crop.y0 + more;
     }
     for (size_t i = 0; i < polygons->n; i++) {
-        const struct gp_polygon *g = &polygons->at[i];
-        if (!gp_rect_empty(box_of(&p, shrink, crop, w, h, g)))
+        const struct gp_polygon *const g = &polygons->at[i];
+        if (!gp_rect_empty(box_of(&p, l, req->src, g)))
             p.first[kind_of(g) + 1]++;
     }
-    for (int k = 0; k < GP_TILE_KINDS; k++)
+    for (int k = 0; k < KINDS; k++)
         p.first[k + 1] += p.first[k];
-    gp_status st = gp_alloc(log, "polygons of tiles",
-                            p.first[GP_TILE_KINDS] + 1, sizeof *p.at, &p.at);
+    gp_status st = gp_alloc(req->log, "polygons of tiles", p.first[KINDS] + 1,
+                            sizeof *p.at, &p.at);
     if (st)
         return st;
     memcpy(to, p.first, sizeof to);
     for (size_t i = 0; i < polygons->n; i++) {
-        const struct gp_polygon *g = &polygons->at[i];
-        const struct gp_rect box = box_of(&p, shrink, crop, w, h, g);
+        const struct gp_polygon *const g = &polygons->at[i];
+        const struct gp_rect box = box_of(&p, l, req->src, g);
         if (!gp_rect_empty(box))
-            p.at[to[kind_of(g)]++] = (struct gp_tile_piece) {box, i};
+            p.at[to[kind_of(g)]++] = (struct piece) {box, i};
     }
     *out = p;
     return GP_OK;
-}
-
-void gp_tile_pieces_free(struct gp_tile_pieces *p)
-{
-    gp_free(p->at);
-    *p = (struct gp_tile_pieces) {0};
 }
 
 /* -- tiles ----------------------------------------------------------------- */
@@ -128,22 +142,23 @@ static struct gp_rect tiles_of(struct gp_rect box, struct gp_rect field,
     };
 }
 
-int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
+/* The side of tiles with which the kind's pieces cost least in the field. */
+static int choose_side(const struct pieces *p, int kind, struct gp_rect field)
 {
-    double entries[GP_TILE_SIDES] = {0}, polygons = 0.0;
+    double entries[SIDES] = {0}, polygons = 0.0;
     for (size_t i = p->first[kind]; i < p->first[kind + 1]; i++) {
         if (gp_rect_empty(gp_rect_meet(p->at[i].box, field)))
             continue;
         polygons += 1.0;
-        for (int s = 0; s < GP_TILE_SIDES; s++) {
+        for (int s = 0; s < SIDES; s++) {
             const struct gp_rect t = tiles_of(p->at[i].box, field,
                                               LOW_SIDE + s);
             entries[s] += gp_rect_w(t) * gp_rect_h(t);
         }
     }
-    int best = GP_TILE_SIDES - 1;
+    int best = SIDES - 1;
     double least = INFINITY;
-    for (int s = GP_TILE_SIDES - 1; s >= 0; s--) {
+    for (int s = SIDES - 1; s >= 0; s--) {
         double pixels = (double) (1 << 2 * (LOW_SIDE + s));
         double ms = entries[s] * (PIXEL_MS * pixels + ENTRY_MS);
         if (ms < least && entries[s] <= ENTRIES_MAX * polygons) {
@@ -163,9 +178,21 @@ static int pack_span(int first, int end, int at, int side)
     return gp_max(first - at, 0) + 64 * gp_min(end - 1 - at, last);
 }
 
-void gp_tile_batch_enter(const struct gp_polygons *polygons,
-                         const struct gp_tile_pieces *p, int kind,
-                         size_t *next, struct gp_tile_batch *batch)
+/* Some of a kind's pieces, entered for the tiles of a field that they reach. */
+struct batch {
+    struct gp_rect field; // in: pixels of the frame, up to FIELD
+    int side;             // in: log2 of a tile's pixels, 4 to 6
+    int across;           // out: tiles in a row
+    struct gp_rect lit;   // out: box of the tiles with polygons, in tiles
+    int most;             // out: polygons of the fullest tile; 0: none left
+    int texels;           // out: in use
+    float *texel;         // GP_SPLAT_TEXELS; borrowed
+};
+
+/* Enters pieces of the kind from *next on, as many as fit, and moves *next
+ * after them. */
+static void enter(const struct gp_polygons *polygons, const struct pieces *p,
+                  int kind, size_t *next, struct batch *batch)
 {
     int in_tile[TILES_MAX];
     const struct gp_rect field = batch->field;
@@ -173,7 +200,7 @@ void gp_tile_batch_enter(const struct gp_polygons *polygons,
     const int across = (gp_rect_w(field) + last) >> side;
     const int tiles = across * ((gp_rect_h(field) + last) >> side);
     // the entries of each tile, for as many pieces as fit
-    int entries = 0, room = (GP_TILE_TEXELS - tiles) / ENTRY;
+    int entries = 0, room = (GP_SPLAT_TEXELS - tiles) / ENTRY;
     memset(in_tile, 0, (size_t) tiles * sizeof in_tile[0]);
     struct gp_rect lit = {across, tiles, 0, 0};
     size_t end = *next;
@@ -239,161 +266,65 @@ static int inner_sum(size_t most)
     return gp_max((int) ceil(sqrt((double) most)), 8);
 }
 
-/* -- state ----------------------------------------------------------------- */
-
-/* A blurred kernel, as tile.frag reads it. */
-struct packed {
-    struct gp_texture texture;
-    bool grey;
-};
-
-struct gp_tiles {
-    struct gp_program program[VARIANTS];
-    struct gp_target target;
-    struct gp_buffer entries;
-    float *texel; // GP_TILE_TEXELS, the entries' and pixels on their way out
-
-    // source of `packed`
-    unsigned long serial;
-    struct gp_rect crop;
-    bool tail;
-    struct packed packed[GP_BLURS];
-    size_t bytes; // of all of them, about
-};
-
-struct gathering {
-    const struct gp_log *log;
-    struct gp_gl *gl;
-    const struct gp_kernel *kernel;
-    const struct gp_polygons *polygons;
-    struct gp_tiles *t;
-    struct gp_tile_pieces pieces;
-    struct gp_rect field;
-    int w;                   // of the frame
-    struct gp_planes *layer;
-    double roundings; // of the worst field so far
-};
-
-static void forget_kernels(const struct gp_gl *gl, struct gp_tiles *t)
-{
-    for (int b = 0; b < GP_BLURS; b++)
-        gp_texture_free(gl, &t->packed[b].texture);
-    t->bytes = 0;
-}
-
-void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
-{
-    struct gp_tiles *t = *state;
-    if (!t)
-        return;
-    forget_kernels(gl, t);
-    for (int i = 0; i < VARIANTS; i++)
-        gp_program_free(gl, &t->program[i]);
-    gp_target_free(gl, &t->target);
-    gp_buffer_free(gl, &t->entries);
-    gp_free(t->texel);
-    GP_FREE(*state);
-}
-
-/* Uploads the blurred kernel, four samples a texel when it is grey, the last
- * one's rest being dark, else a sample of each plane; others go when they are
- * too many. */
-static gp_status pack_kernel(const struct gathering *k, int b)
-{
-    struct gp_tiles *const t = k->t;
-    struct packed *const p = &t->packed[b];
-    struct gp_blur blur;
-    float *band = NULL;
-    if (p->texture.id)
-        return GP_OK;
-    gp_status st = gp_blur_make(k->log, k->kernel, t->crop, t->tail,
-                                gp_blur_box[b], &blur);
-    if (st)
-        return st;
-    const size_t bytes = (size_t) blur.w * (size_t) blur.h *
-                         (blur.grey ? 1 : 4) * sizeof(float);
-    if (t->bytes + bytes > KEEP_BYTES)
-        forget_kernels(k->gl, t);
-    t->bytes += bytes;
-    const int w = blur.grey ? (blur.w - 1) / FRAGMENT_W + 1 : blur.w;
-    const int rows = BAND_TEXELS / w + 1;
-    const size_t pitch = 4 * (size_t) w, samples = (size_t) blur.w;
-    GP_TRY(gp_texture_make(k->log, k->gl, "kernel", GP_TEXEL_FLOAT, w, blur.h,
-                           &p->texture));
-    GP_TRY(gp_alloc_zero(k->log, "kernel rows", pitch * (size_t) rows,
-                         sizeof *band, &band));
-    for (int y0 = 0; y0 < blur.h; y0 += rows) {
-        const int y1 = blur.h - y0 < rows ? blur.h : y0 + rows;
-        for (int y = y0; y < y1; y++) {
-            float *const texel = band + (size_t) (y - y0) * pitch;
-            const size_t first = (size_t) y * samples;
-            if (blur.grey)
-                memcpy(texel, blur.k.c[0] + first, samples * sizeof(float));
-            for (size_t x = 0; !blur.grey && x < samples; x++) {
-                for (size_t c = 0; c < 3; c++)
-                    texel[4 * x + c] = blur.k.c[c][first + x];
-            }
-        }
-        gp_texture_write(k->gl, &p->texture, (struct gp_rect) {0, y0, w, y1},
-                         band);
-    }
-    p->grey = blur.grey;
-    st = gp_gl_check(k->log, k->gl, "packing the kernel");
-out:
-    if (st)
-        forget_kernels(k->gl, t);
-    gp_free(band);
-    gp_blur_free(&blur);
-    return st;
-}
-
 /* -- drawing --------------------------------------------------------------- */
 
-/* Draws the pieces of one kind that reach the field; *draws and *sums count the
- * roundings of a pixel. */
-static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
-                           double *sums)
+struct gathering {
+    const struct gp_glare_request *req;
+    struct gp_splat *s;
+    const struct gp_splat_layout *layout;
+    struct pieces pieces;
+    struct gp_rect field;
+};
+
+/* Draws the pieces of one kind that reach the field; sets *drawn where there
+ * are any. */
+static gp_status draw_kind(const struct gathering *k, int kind, bool *drawn)
 {
-    static const char *const defines[VARIANTS] = {
+    static const char *const defines[] = {
         "", "#define COLOUR\n", "#define WHOLE\n",
         "#define WHOLE\n#define COLOUR\n",
     };
     gp_status st = GP_OK;
-    struct gp_tiles *const t = k->t;
+    struct gp_splat *const s = k->s;
+    const struct gp_log *const log = k->req->log;
     const int blur = kind > 0 ? kind - 1 : 0;
-    struct gp_tile_batch batch = {.field = k->field, .texel = t->texel};
-    batch.side = gp_tile_side(&k->pieces, kind, k->field);
+    const size_t end = k->pieces.first[kind + 1];
+    size_t next = k->pieces.first[kind];
+    if (next == end)
+        return GP_OK;
+    GP_TRY(gp_splat_need_kernel(log, s, k->req->kernel, blur));
+    const struct gp_splat_kernel *const kernel = &s->kernel[blur];
+    const int variant = 2 * (kind == 0) + !kernel->grey;
+    struct gp_program *const p = &s->tile[variant];
+    GP_TRY(gp_splat_need_program(log, s, defines[variant], "add.vert",
+                                 "tile.frag", p));
+    struct batch batch = {
+        .field = k->field, .texel = s->texel,
+        .side = choose_side(&k->pieces, kind, k->field),
+    };
     // log2 of a tile's fragments
     const int columns = batch.side - 2, rows = batch.side - 1;
-    for (size_t next = k->pieces.first[kind];
-         next < k->pieces.first[kind + 1];) {
-        gp_tile_batch_enter(k->polygons, &k->pieces, kind, &next, &batch);
+    while (next < end) {
+        enter(&k->layout->polygons, &k->pieces, kind, &next, &batch);
         if (batch.most == 0)
             break;
-        GP_TRY(pack_kernel(k, blur));
-        const int variant = 2 * (kind == 0) + !t->packed[blur].grey;
-        struct gp_program *const p = &t->program[variant];
-        if (!p->id)
-            GP_TRY(gp_program_make(k->log, k->gl, defines[variant], "add.vert",
-                                   "tile.frag", p));
-        const int inner = inner_sum((size_t) batch.most);
         const struct gp_uniform uniform[] = {
-            {.name = "list", .texels = &t->entries},
+            {.name = "list", .texels = &s->entries},
             {.name = "tile", .v = {columns, rows}},
-            {.name = "sums", .v = {batch.across, 2 * inner}},
-            {.name = "kernel", .image = &t->packed[blur].texture},
+            {.name = "sums",
+             .v = {batch.across, 2 * inner_sum((size_t) batch.most)}},
+            {.name = "kernel", .image = &kernel->texture},
             {0},
         };
         const struct gp_draw draw = {
-            .program = p, .target = &t->target,
+            .program = p, .target = &s->field,
             .cut = {batch.lit.x0 << columns, batch.lit.y0 << rows,
                     batch.lit.x1 << columns, batch.lit.y1 << rows},
             .uniform = uniform, .vertices = 3, .instances = 1,
         };
-        gp_buffer_write(k->gl, &t->entries, 0, batch.texels, batch.texel);
-        GP_TRY(gp_draw_run(k->log, k->gl, &draw));
-        *sums = fmax(*sums, inner + ceil(batch.most / (double) inner));
-        ++*draws;
+        gp_buffer_write(s->gl, &s->entries, 0, batch.texels, batch.texel);
+        GP_TRY(gp_draw_run(log, s->gl, &draw));
+        *drawn = true;
     }
 out:
     return st;
@@ -401,106 +332,74 @@ out:
 
 static gp_status draw_field(struct gathering *k)
 {
-    int draws = 0;
-    double sums = 0.0;
-    const int w = (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W;
-    const int h = (gp_rect_h(k->field) + FRAGMENT_H - 1) / FRAGMENT_H;
-    gp_status st = gp_splat_fit_target(k->log, k->gl, "layer", ATTACHMENTS, w,
-                                       h, &k->t->target);
+    bool drawn = false;
+    struct gp_splat *const s = k->s;
+    struct gp_planes *const layer = k->req->layer;
+    const size_t pitch = (size_t) k->req->src->w;
+    const struct gp_rect f = k->field;
+    const int w = (gp_rect_w(f) + FRAGMENT_W - 1) / FRAGMENT_W;
+    const int h = (gp_rect_h(f) + FRAGMENT_H - 1) / FRAGMENT_H;
+    gp_status st = gp_splat_need_target(k->req->log, s, "layer", ATTACHMENTS,
+                                        w, h, &s->field);
+    for (int kind = 0; !st && kind < KINDS; kind++)
+        st = draw_kind(k, kind, &drawn);
     if (st)
         return st;
-    gp_target_clear(k->gl, &k->t->target,
-                    (struct gp_rect) {0, 0, GP_TILE_FIELD, GP_TILE_FIELD});
-    for (int kind = 0; !st && kind < GP_TILE_KINDS; kind++)
-        st = draw_kind(k, kind, &draws, &sums);
-    if (st)
-        return st;
-    if (draws == 0) {
-        for (int y = k->field.y0; y < k->field.y1; y++)
-            gp_planes_clear(k->layer, (size_t) y * (size_t) k->w +
-                                          (size_t) k->field.x0,
-                            (size_t) gp_rect_w(k->field));
+    if (!drawn) {
+        for (int y = f.y0; y < f.y1; y++)
+            gp_planes_clear(layer, (size_t) y * pitch + (size_t) f.x0,
+                            (size_t) gp_rect_w(f));
         return GP_OK;
     }
     for (int i = 0; i < ATTACHMENTS; i++) {
         // an attachment holds every other row of a plane
         const int lower = i % FRAGMENT_H;
-        const int rows = (gp_rect_h(k->field) + FRAGMENT_H - 1 - lower) /
-                         FRAGMENT_H;
+        const int rows = (gp_rect_h(f) + FRAGMENT_H - 1 - lower) / FRAGMENT_H;
         if (rows < 1)
             continue;
-        gp_target_read(k->gl, &k->t->target, i,
-                       (struct gp_rect) {0, 0, w, rows}, k->t->texel);
+        gp_target_read(s->gl, &s->field, i, (struct gp_rect) {0, 0, w, rows},
+                       s->texel);
         for (int y = 0; y < rows; y++)
-            memcpy(k->layer->c[i / FRAGMENT_H] +
-                       (size_t) (k->field.y0 + FRAGMENT_H * y + lower) *
-                           (size_t) k->w + k->field.x0,
-                   k->t->texel + 4 * (size_t) y * (size_t) w,
-                   (size_t) gp_rect_w(k->field) * sizeof(float));
+            memcpy(layer->c[i / FRAGMENT_H] +
+                       (size_t) (f.y0 + FRAGMENT_H * y + lower) * pitch + f.x0,
+                   s->texel + 4 * (size_t) y * (size_t) w,
+                   (size_t) gp_rect_w(f) * sizeof(float));
     }
-    k->roundings = fmax(k->roundings, MIXING + sums + draws);
-    return gp_gl_check(k->log, k->gl, "gathering glare polygons");
+    return gp_gl_check(k->req->log, s->gl, "gathering glare polygons");
 }
 
 /* The length of the fewest equal fields of `most` fragments and at most
- * GP_TILE_FIELD pixels, whole fragments. */
+ * FIELD pixels, whole fragments. */
 static int field_size(int size, int most, int fragment)
 {
-    const int limit = most < GP_TILE_FIELD / fragment ? most * fragment
-                                                      : GP_TILE_FIELD;
+    const int limit = most < FIELD / fragment ? most * fragment : FIELD;
     const int fields = (size - 1) / limit + 1;
     const int length = (size - 1) / fields + 1;
     return (length + fragment - 1) / fragment * fragment;
 }
 
-gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
-    const struct gp_tiles_light *light, struct gp_planes *layer,
-    struct gp_tiles **state, double *roundings)
+gp_status gp_tiles_draw(const struct gp_glare_request *req, struct gp_splat *s,
+                        const struct gp_splat_layout *layout)
 {
-    const struct gp_kernel *const kernel = light->kernel;
-    const struct gp_rect crop = light->crop;
-    const int w = light->w, h = light->h;
-    struct gathering k = {.log = log, .gl = gl, .kernel = kernel,
-                          .polygons = light->polygons, .w = w,
-                          .layer = layer};
-    const struct gp_rect frame = {0, 0, w, h};
     gp_status st;
-    *roundings = 0.0;
-    if (light->polygons->n == 0 || gp_rect_empty(crop)) {
-        gp_planes_clear(layer, 0, (size_t) w * (size_t) h);
-        return GP_OK;
-    }
-    if (!*state) {
-        GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, state));
-        GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
-                        4 * sizeof(float), &(*state)->texel));
-        GP_TRY(gp_buffer_make(log, gl, "lists of tiles", GP_BUFFER_TEXELS,
-                              GP_TILE_TEXELS, &(*state)->entries));
-    }
-    struct gp_tiles *const t = k.t = *state;
-    if (t->serial == 0 || t->serial != kernel->serial || t->tail != light->tail ||
-        memcmp(&t->crop, &crop, sizeof crop) != 0)
-        forget_kernels(gl, t);
-    t->serial = kernel->serial;
-    t->crop = crop;
-    t->tail = light->tail;
-    GP_TRY(gp_tile_pieces_make(log, kernel, crop, light->polygons,
-                               light->shrink, w, h, &k.pieces));
-    const int most = gp_gl_info(gl)->max_size;
+    struct gathering k = {.req = req, .s = s, .layout = layout};
+    const int w = req->src->w, h = req->src->h;
+    const int most = gp_gl_info(s->gl)->max_size;
     const int field_w = field_size(w, most, FRAGMENT_W);
     const int field_h = field_size(h, most, FRAGMENT_H);
+    if (!s->entries.id)
+        GP_TRY(gp_buffer_make(req->log, s->gl, "lists of tiles",
+                              GP_BUFFER_TEXELS, GP_SPLAT_TEXELS, &s->entries));
+    GP_TRY(make_pieces(req, layout, &k.pieces));
     for (int y = 0; y < h; y += field_h) {
         for (int x = 0; x < w; x += field_w) {
-            k.field = gp_rect_meet(
-                (struct gp_rect) {x, y, x + field_w, y + field_h}, frame);
+            k.field = gp_rect_meet((struct gp_rect) {0, 0, w, h},
+                (struct gp_rect) {x, y, x + field_w, y + field_h});
             GP_TRY(draw_field(&k));
         }
     }
-    *roundings = k.roundings;
 out:
-    if (!k.t) // the state is half made
-        gp_tiles_free(gl, state);
-    gp_tile_pieces_free(&k.pieces);
+    gp_free(k.pieces.at);
     return st;
 }
 
@@ -513,7 +412,7 @@ double gp_tiles_roundings(const struct gp_polygons *polygons)
     for (int b = 0; b < GP_BLURS; b++) {
         most = n[b] > most ? n[b] : most;
         if (n[b] > 0)
-            draws += 1.0 + (double) n[b] / GP_TILE_BATCH;
+            draws += 1.0 + (double) n[b] / BATCH;
     }
     double inner = inner_sum(most);
     return MIXING + inner + ceil((double) most / inner) + draws;

@@ -112,7 +112,8 @@ static double engine_ratio(const struct gp_engine *e, enum scope scope,
     assert_ok(e->bound(&req, &state, &bound));
     assert_ok(e->pixel(&req, &state, &of));
     assert_ok(e->run(&req, &state));
-    e->close(&state);
+    if (e->close)
+        e->close(&state);
     if (scope == LAYER)
         return scene_rel_l2(s) / bound;
     const size_t n = gp_image_pixels(&s->f);

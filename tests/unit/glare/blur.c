@@ -1,5 +1,5 @@
-/* glare/splat/blur.c: the kernel blurred by boxes, against the plain sum; how
- * far polygons reach; and the picture of their rims. */
+/* glare/splat/blur.c: the kernel blurred by boxes, against the plain sum, and how
+ * far polygons reach. */
 #include "unit.h"
 #include "glare/splat/polygons.h"
 #include "glare_scene.h"
@@ -188,35 +188,6 @@ static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
     }
 }
 
-/* One step over `least` leaves too much out, or all that there is. */
-static void check_largest(const struct gp_kernel *k, const struct shrink_row *r,
-    const struct gp_polygons *q, const struct gp_shrink *s)
-{
-    const bool tail = r->tail;
-    const double least = (double) nextafterf(s->least, INFINITY);
-    double left = 0.0, all = 0.0;
-    for (size_t i = 0; i < q->n; i++) {
-        const double light = (double) q->at[i].light;
-        const int bin = gp_source_bin(q->at[i].light) + 1;
-        const double most = (double) gp_source_bin_start(bin);
-        int reach = -1;
-        for (int c = 0; c < 3; c++) {
-            for (int j = 0; j < k->w * k->h; j++) {
-                const int dx = abs(j % k->w - k->cx);
-                const int dy = abs(j / k->w - k->cy);
-                const int d = dx > dy ? dx : dy;
-                if ((!tail || d > GP_CORE_RADIUS) && d > reach &&
-                    most * fabs((double) k->k.c[c][j]) > least)
-                    reach = d;
-            }
-        }
-        left += light * beyond(k, reach, tail);
-        all += light;
-    }
-    assert_true(left >= 0.999 * (double) r->share * all ||
-                left >= 0.999 * beyond(k, -1, tail) * all);
-}
-
 static void what_is_left_out_is_allowed(void **state)
 {
     for (size_t i = 0; i < COUNT(shrink_rows); i++) {
@@ -232,17 +203,9 @@ static void what_is_left_out_is_allowed(void **state)
         snprintf(what, sizeof what, "row %zu", i);
         assert_ok(gp_shrink_make(NULL, &k, &p, &q, &s));
         check_shrink(&k, r, (double) r->share, &q, &s, what);
-        if (r->brightest < 1e30f && r->brightest > 1e-30f)
-            check_largest(&k, r, &q, &s);
         gp_kernel_free(&k);
     }
 }
-
-/* -- the rims of polygons -------------------------------------------------- */
-
-struct box {
-    int x0, y0, x1, y1; // of pixels, the last included
-};
 
 SUITE_OF(blur, NULL, NULL, blurs_are_box_means, what_is_left_out_is_allowed)
 

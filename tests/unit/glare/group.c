@@ -47,27 +47,6 @@ static struct gp_sources grey_sources(int w, int h, const float *grey)
     return sources_of(f, &open_all);
 }
 
-/* -- formula (1) ------------------------------------------------------------*/
-
-static void formula_by_hand(void **state)
-{
-    // two blocks of 2x2; the second holds one pixel
-    static const float grey[] = {1, 3, 0, 0,
-                                 0, 4, 0, 5};
-    struct gp_sources s = grey_sources(4, 2, grey);
-    const struct gp_splat_params p = {.group = 2};
-    struct gp_polygons q = group(&s, &p);
-    assert_int_equal(q.groups, 2);
-    assert_true(fabsf(q.at[0].light - 8.0f) < 1e-6f);
-    assert_true(fabsf(q.at[0].rgb[1] - 8.0f) < 1e-6f);
-    assert_true(fabsf(q.at[0].x - 7.0f / 8.0f) < 1e-6f);
-    assert_true(fabsf(q.at[0].y - 4.0f / 8.0f) < 1e-6f);
-    assert_true(q.at[1].x == 3.0f && q.at[1].y == 1.0f);
-    assert_int_equal(q.at[1].blur, 0);
-    gp_polygons_free(&q);
-    gp_sources_free(&s);
-}
-
 /* -- the naive form ---------------------------------------------------------*/
 
 /* Block of side `side` that holds v, in EXR pixel space. */
@@ -225,6 +204,6 @@ static void light_without_luminance_is_kept(void **state)
     gp_sources_free(&s);
 }
 
-SUITE_OF(group, NULL, NULL, formula_by_hand, all_as_the_naive_form,
+SUITE_OF(group, NULL, NULL, all_as_the_naive_form,
          light_without_luminance_is_kept)
 

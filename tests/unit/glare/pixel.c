@@ -1,4 +1,4 @@
-/* glare/error_floor.c, fft/reach.c: what every single pixel of a layer keeps. */
+/* glare/bound/bound.c, fft/reach.c: what every single pixel of a layer keeps. */
 #include "unit.h"
 #include "glare/fft/fft_priv.h"
 #include "glare/glare_priv.h"
@@ -134,68 +134,6 @@ static void no_pixel_is_over_its_bound(void **state)
     }
 }
 
-/* Even light; light of one side that all but the last column gets; others. */
-static struct scene limits_scene(uint32_t i)
-{
-    uint32_t seed = 700u + i;
-    if (i > 1)
-        return search_scene(&seed);
-    if (i == 0)
-        return scene_make(scene_frame(90, 70, 0, 0, ALL, 1u),
-                          scene_kernel(61, 61, MID, 0, BOX), &usual);
-    struct gp_image f = scene_frame(200, 160, 0, 0, BLACK, 1u);
-    for (int y = 0; y < 3 * 160; y++)
-        f.rgb.c[y / 160][y % 160 * 200] = 5.0f;
-    return scene_make(f, scene_kernel(199, 321, 0, 160, BOX), &usual);
-}
-
-/* The limits of the composite are on the safe side; the least one counts the
- * light of other pixels: for even light to a kernel's reach, nearly all. */
-static void composites_keep_their_limits(void **state)
-{
-    double nearest = 0.0;
-    for (uint32_t i = 0; i < 40; i++) {
-        struct scene s = limits_scene(i);
-        const size_t n = gp_image_pixels(&s.f);
-        for (int scatter = 0; scatter < 2; scatter++) {
-            struct gp_glare_params p = GP_GLARE_DEFAULTS;
-            const struct gp_glare_request req = {
-                .params = &p, .src = &s.src, .kernel = &s.k,
-            };
-            struct gp_pixel_floor floor;
-            double *const y = scene_alloc(n, sizeof *y);
-            double least = INFINITY, most = 0.0;
-            p.taken = scatter ? &s.src : NULL;
-            assert_ok(gp_pixel_floor_find(&req, &s.f, &floor));
-            for (size_t j = 0; j < 3 * n; j++)
-                y[j % n] += (double) s.f.luminance[j / n] *
-                            ((double) s.f.rgb.c[j / n][j % n] + s.exact[j]);
-            for (uint32_t j = 0, row = 0; scatter && j < s.src.n; j++) {
-                while (s.src.row[row + 1] <= j)
-                    row++;
-                for (int c = 0; c < 3; c++)
-                    y[row * (uint32_t) s.src.w + (uint32_t) s.src.x[j]] -=
-                        (double) s.f.luminance[c] * (double) s.src.rgb[c][j];
-            }
-            for (size_t j = 0; j < n; j++) {
-                least = fmin(least, y[j]);
-                most = fmax(most, y[j]);
-            }
-            free(y);
-            const double slack = 1e-9 * most; // exact layers have some too
-            if (!(floor.lit <= least + slack && floor.least <= floor.lit &&
-                  floor.most <= most + slack))
-                fail_msg("seed %u: from %.9g to %.9g, not %.9g to %.9g", i,
-                         floor.lit, floor.most, least, most);
-            if (!i)
-                nearest = (floor.lit - floor.least) / (least - floor.least);
-        }
-        scene_free(&s);
-    }
-    print_message("least light of others: %.3f of it\n", nearest);
-    assert_true(nearest > 0.5);
-}
-
 /* A frame in which each fifth pixel is a lamp and the others are black. */
 static struct gp_image lamps(void)
 {
@@ -229,34 +167,5 @@ static void lamps_light_the_dark(void **state)
     scene_free(&s);
 }
 
-/* auto takes fft where its bound keeps the tolerance, in double where only that
- * one does. */
-static void auto_keeps_the_tolerance_of_a_pixel(void **state)
-{
-    struct scene s =
-        scene_make(lamps(), scene_kernel(90, 80, MID, 0, SPECKS), &usual);
-    double fft = 0.0;
-    s.src.hidden = 0.0; // or fft is in double
-    for (int i = 0; i < 3; i++) {
-        struct gp_glare_params p = GP_GLARE_DEFAULTS;
-        struct gp_glare g = {0};
-        struct gp_glare_stats stats;
-        struct gp_glare_error error;
-        p.engine = i ? "auto" : "fft";
-        p.tolerance_pixel = i == 1 ? 1e-5f : (float) (2.0 * fft + 1e-9);
-        assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, p.gain, NULL, &error);
-        fft = i ? fft : stats.bound_pixel;
-        assert_true(error.max_rel <= stats.bound_pixel);
-        assert_string_equal(stats.engine, "fft");
-        assert_int_equal(stats.fft_double, i == 1);
-        assert_true(stats.bound_pixel <= (double) p.tolerance_pixel || !i);
-        gp_glare_close(&g);
-    }
-    scene_free(&s);
-}
-
 SUITE_OF(pixel, NULL, NULL, no_light_where_no_light_reaches,
-         no_pixel_is_over_its_bound, composites_keep_their_limits,
-         lamps_light_the_dark, auto_keeps_the_tolerance_of_a_pixel)
-
+         no_pixel_is_over_its_bound, lamps_light_the_dark)

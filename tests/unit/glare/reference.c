@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
-#include "hard_cases.h"
+#include "../../hard/scenes.h"
 
 /* Compares samples with gathered sums, relative to the layer's peak: every
  * sample when step is 1, else the borders and some between. */
@@ -43,7 +43,7 @@ static void plain_loops_are_the_sum(void **state)
                                           sizeof *layer);
         memset(layer, 0xff, 3 * gp_image_pixels(&s.f) * sizeof *layer);
         gp_glare_reference_direct(&s.src, &s.k, layer);
-        check_samples(&s, layer, quick ? 7 : 1, 1e-13, h->name);
+        check_samples(&s, layer, getenv("GLAREPP_TEST_QUICK") ? 7 : 1, 1e-13, h->name);
         free(layer);
         scene_free(&s);
     }
@@ -52,7 +52,7 @@ static void plain_loops_are_the_sum(void **state)
 /* Over 3e9 taps the reference takes transforms in double. */
 static void transform_is_the_sum(void **state)
 {
-    if (quick)
+    if (getenv("GLAREPP_TEST_QUICK"))
         skip_for("quick");
     static const struct {
         int w, h, kw, kh, cx, cy;
@@ -178,7 +178,7 @@ static void scattered_light_leaves_the_composite(void **state)
     }
 }
 
-SUITE_OF(reference, ask_quick, NULL, plain_loops_are_the_sum,
+SUITE_OF(reference, NULL, NULL, plain_loops_are_the_sum,
          transform_is_the_sum, one_error_is_what_it_is, nan_is_an_error,
          scattered_light_leaves_the_composite)
 

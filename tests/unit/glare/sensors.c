@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "glare/glare_priv.h"
 #include "glare/sources.h"
-#include "hard_cases.h"
+#include "glare_scene.h"
 
 /* -- cleaning ---------------------------------------------------------------*/
 

@@ -3,7 +3,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/far_field/far_field.h"
-#include "hard_cases.h"
+#include "glare_scene.h"
 
 /* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
  * `degrees` wide gets, so far from its source. */
