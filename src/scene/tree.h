@@ -38,6 +38,7 @@ typedef double (*gp_tree_meet)(void *user, int item, double most);
 
 /* Walks a ray through the boxes that it meets before `most` lengths of `along`,
  * near ones first. Returns what the items leave of `most`. */
+__attribute__((always_inline))
 static inline double gp_tree_walk(const struct gp_tree *t, struct gp_v3 from,
                                   struct gp_v3 along, double most,
                                   gp_tree_meet meet, void *user)
@@ -70,7 +71,7 @@ static inline double gp_tree_walk(const struct gp_tree *t, struct gp_v3 from,
     wait[0].count = -1;
     while (t->n > 0 && n > 0) {
         n--;
-        if ((double) (wait[n].at * LESS) > most)
+        if ((double) wait[n].at > most)
             continue;
         const int first = wait[n].first, count = wait[n].count;
         for (int i = first; i < first + count && most >= 0.0; i++)
@@ -94,8 +95,10 @@ static inline double gp_tree_walk(const struct gp_tree *t, struct gp_v3 from,
                              (~sooner & (gp_four_bits) out));
         }
         const int from_here = n;
+        in *= LESS;
+        const gp_four_bits meets = in <= out * MORE;
         for (int k = 0; k < 4; k++) {
-            if (node->count[k] == 0 || !(in[k] * LESS <= out[k] * MORE))
+            if (!meets[k] || node->count[k] == 0)
                 continue;
             int i = n++; // the nearest is the last
             for (; i > from_here && wait[i - 1].at < in[k]; i--)
