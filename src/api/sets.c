@@ -70,7 +70,7 @@ static void fill_rows(const struct gp_table *t, struct glarepp_sets *out)
             .casters = r->casters, .lights = r->drawn.lights,
             .passes = r->drawn.passes, .batches = r->drawn.batches,
             .shadow_batches = r->drawn.shadow_batches,
-            .separate_batches = r->batches[0], .fragments = r->fragments,
+            .separate_batches = r->batches, .fragments = r->fragments,
             .ms = r->ms, .cpu_ms = r->cpu_ms, .same = r->same,
         };
     }

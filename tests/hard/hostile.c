@@ -205,18 +205,17 @@ static void must(gp_status st)
 
 /* Counts objects that a light's sets have lost, by the visible points. */
 static int lost_of_light(const struct seen *k, const struct gp_sets *sets,
-                         bool any, int light)
+                         struct gp_scissor cut, int light)
 {
     const struct gp_scene_light *const from = &k->s.light[light];
     const uint8_t *const flag = gp_sets_flags(sets);
-    const struct gp_scissor cut = gp_sets_scissor(sets);
     int lost = 0;
     for (int i = 0; i < PIXELS; i++) {
         const int o = k->shot.object[i], x = i % W, y = i / W;
         const double z = (double) k->shot.depth[i];
         if (o < 0 || !shot_reaches(from, k->shot.point[i]))
             continue;
-        const bool drawn = any && (flag[o] & GP_SET_I) && x >= cut.rect.x0 &&
+        const bool drawn = (flag[o] & GP_SET_I) && x >= cut.rect.x0 &&
                            x < cut.rect.x1 && y >= cut.rect.y0 &&
                            y < cut.rect.y1;
         const int first = shot_blocker(&k->s, from, k->shot.point[i]);
@@ -237,10 +236,8 @@ static void check_sets(const struct seen *k, double *lost)
         const int o = k->shot.object[i];
         *lost += o >= 0 && !(gp_sets_flags(sets)[o] & GP_SET_V);
     }
-    for (int i = 0; i < k->s.lights; i++) {
-        const bool any = gp_sets_light(sets, i);
-        *lost += lost_of_light(k, sets, any, i);
-    }
+    for (int i = 0; i < k->s.lights; i++)
+        *lost += lost_of_light(k, sets, gp_sets_light(sets, i), i);
     gp_sets_close(&sets);
 }
 
@@ -411,12 +408,10 @@ static void close_relit(struct relit *r)
     free(r->caster);
 }
 
-/* Adds a light's pass to r->rgb; `of_set`: shadows of S, else of all. */
-static void add_light(struct seen *k, const struct gp_sets *sets, int light,
-                      bool of_set, struct relit *r)
+/* Adds a light's pass to r->rgb; `flag`: shadows of S, NULL: of all. */
+static void add_light(struct seen *k, const uint8_t *flag,
+                      struct gp_scissor cut, int light, struct relit *r)
 {
-    const struct gp_scissor cut = gp_sets_scissor(sets);
-    const uint8_t *const flag = gp_sets_flags(sets);
     struct gp_relit facts;
     struct gp_relight_pass pass = {
         .light = &k->s.light[light], .light_scale = 1.0, .caster = r->caster,
@@ -424,7 +419,7 @@ static void add_light(struct seen *k, const struct gp_sets *sets, int light,
         .far = cut.far * (1.0 + 1e-6),
     };
     for (int i = 0; i < k->s.objects; i++) {
-        if (!of_set || (flag[i] & GP_SET_S))
+        if (!flag || (flag[i] & GP_SET_S))
             r->caster[pass.casters++] = i;
     }
     gp_planes_clear(&r->rgb, 0, PIXELS);
@@ -511,11 +506,12 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
     }
     *hash = HASH_NONE;
     for (int i = 0; i < k->s.lights; i++) {
-        const bool any = gp_sets_light(sets, i);
+        const struct gp_scissor cut = gp_sets_light(sets, i);
+        const bool any = !gp_rect_empty(cut.rect);
         gp_planes_clear(&with.rgb, 0, PIXELS);
         if (any) {
-            add_light(k, sets, i, true, &with);
-            add_light(k, sets, i, false, &without);
+            add_light(k, gp_sets_flags(sets), cut, i, &with);
+            add_light(k, NULL, cut, i, &without);
             for (int p = 0; p < 3 * PIXELS; p++)
                 *changed += with.rgb.c[p / PIXELS][p % PIXELS] !=
                             without.rgb.c[p / PIXELS][p % PIXELS];

@@ -13,7 +13,7 @@ struct gp_sets {
     double far;                // along the view axis, over every box
     // of each object
     uint8_t *flag;
-    struct gp_screen_box *box; // of its visible points
+    struct gp_scissor *box;    // of its visible points
     // of the light
     int *lit;                  // I
     int lits;
@@ -22,15 +22,6 @@ struct gp_sets {
 };
 
 // -- the frame's sets --------------------------------------------------------
-
-/* Returns the frustum of a scissor's pixels between its distances. */
-static struct gp_frustum frustum_of(const struct gp_sets_view *v,
-                                    const struct gp_scissor *s)
-{
-    const double x[2] = {s->rect.x0, s->rect.x1};
-    const double y[2] = {s->rect.y0, s->rect.y1};
-    return gp_frustum_make(&v->camera, v->display, x, y, s->near, s->far);
-}
 
 /* Returns a distance along the view axis over that of every object. */
 static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
@@ -55,23 +46,22 @@ static bool shows_depths(const struct gp_sets *s)
 /* Flags F and V of all objects. */
 static void flag_frame(struct gp_sets *s)
 {
-    const struct gp_sets_view *const v = &s->view;
     const bool by_depth = (s->use & GP_SETS_OCCLUSION) && s->depths.across > 0;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_box *const of = &s->scene->object[i].box;
-        struct gp_screen_box *const box = &s->box[i];
+        struct gp_scissor *const box = &s->box[i];
         s->flag[i] = 0;
-        *box = (struct gp_screen_box) {0};
+        *box = (struct gp_scissor) {0};
         if (gp_box_empty(*of) || gp_volume_misses(&s->frustum,
                                                   gp_box_middle(of),
                                                   gp_box_half(of)))
             continue;
         s->flag[i] = GP_SET_F;
-        *box = gp_bounds_project(&v->camera, v->display, of, v->near);
+        *box = gp_box_project(&s->view, of);
         if (by_depth && gp_depths_hide(&s->depths, box))
             continue;
         s->flag[i] |= GP_SET_V;
-        *box = gp_scissor_visible(&s->depths, box);
+        *box = gp_depths_cut(&s->depths, box);
     }
 }
 
@@ -88,10 +78,8 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
     s->far = far_of(s->scene, &s->view);
     if (shows_depths(s))
         s->far = fmax(s->far, gp_depths_deepest(&s->depths));
-    const struct gp_frustum f = frustum_of(
-        &s->view,
-        &(struct gp_scissor) {s->view.window, s->view.near, s->far});
-    s->frustum = gp_frustum_volume(&f);
+    const struct gp_scissor all = {s->view.window, s->view.near, s->far};
+    s->frustum = gp_hull(&s->view, &all, NULL);
     flag_frame(s);
     return GP_OK;
 }
@@ -166,8 +154,7 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
         if (gp_box_empty(o->box) ||
-            gp_reach_too_far(r, c, gp_box_half(&o->box)) ||
-            gp_reach_beside(r, c, radius_around(o, c)))
+            gp_reach_misses(r, c, gp_box_half(&o->box), radius_around(o, c)))
             continue;
         s->flag[i] |= GP_SET_L;
         any |= (s->flag[i] & GP_SET_V) != 0;
@@ -178,12 +165,9 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
 /* Takes objects in an umbra out of L, and lists I. */
 static void find_lit(struct gp_sets *s, const struct gp_reach *r)
 {
-    struct gp_darkest most = {0};
-    for (int i = 0; i < s->scene->objects && (s->use & GP_SETS_LIGHTS); i++) {
-        if (s->flag[i] & GP_SET_L)
-            gp_darkest_try(&most, s->scene, &s->bodies, r, i);
-    }
-    gp_umbras_make(&most, s->scene, &s->bodies, r, &s->umbras);
+    s->umbras.n = 0;
+    if (s->use & GP_SETS_LIGHTS)
+        gp_umbras_make(s->scene, &s->bodies, s->flag, r->from, &s->umbras);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
@@ -204,8 +188,7 @@ static void flag_light(struct gp_sets *s, const struct gp_reach *r,
     struct gp_scissor wide = *lit;
     wide.near *= 1.0 - 1e-6;
     wide.far *= 1.0 + 1e-6;
-    const struct gp_frustum f = frustum_of(&s->view, &wide);
-    const struct gp_volume hull = gp_hull(&f, r->from);
+    const struct gp_volume hull = gp_hull(&s->view, &wide, &r->from);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
@@ -218,7 +201,7 @@ static void flag_light(struct gp_sets *s, const struct gp_reach *r,
         s->flag[s->lit[k]] |= GP_SET_I;
 }
 
-bool gp_sets_light(struct gp_sets *s, int light)
+struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
 {
     const struct gp_sets_view *const v = &s->view;
     const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
@@ -228,21 +211,21 @@ bool gp_sets_light(struct gp_sets *s, int light)
     s->scissor = (struct gp_scissor) {0};
     s->lits = 0;
     if (!gp_reach_meets(&r, &s->frustum) || (!flag_reached(s, &r) && !any))
-        return false;
+        return s->scissor;
     find_lit(s, &r);
-    const struct gp_screen_box bounds =
-        gp_reach_project(&r, &v->camera, v->display, v->near);
-    static const int only[1] = {0};
-    const struct gp_scissor lit =
-        any ? gp_scissor_make(&s->depths, &bounds, only, 1, &bounds)
-            : gp_scissor_make(&s->depths, s->box, s->lit, s->lits, &bounds);
+    const struct gp_scissor bounds =
+        isfinite(r.range) ? gp_box_project(v, &r.box)
+                          : (struct gp_scissor) {v->window, v->near, INFINITY};
+    struct gp_scissor lit =
+        any ? bounds : gp_scissor_join(s->box, s->lit, s->lits, &bounds);
+    lit = gp_depths_cut(&s->depths, &lit);
     const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
     if ((s->lits == 0 && !any) || (cut && gp_rect_empty(lit.rect)))
-        return false;
+        return s->scissor;
     s->scissor = (s->use & GP_SETS_SCISSOR)
                      ? lit : (struct gp_scissor) {v->window, v->near, s->far};
     flag_light(s, &r, &lit);
-    return true;
+    return s->scissor;
 }
 
 // -- asking ------------------------------------------------------------------
@@ -254,34 +237,16 @@ const uint8_t *gp_sets_flags(const struct gp_sets *sets)
 
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)
 {
-    return gp_screen_pixels(&s->box[object], s->scissor.rect);
+    return gp_rect_meet(s->box[object].rect, s->scissor.rect);
 }
 
-struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)
-{
-    return sets->scissor;
-}
-
-/* Returns the batches of a mesh; merged, its opaque submeshes are one. */
-static int batches_of(const struct gp_scene *s, const struct gp_mesh *m,
-                      bool merged)
-{
-    int n = 0, opaque = 0;
-    for (int k = m->first; k < m->first + m->submeshes; k++) {
-        const bool is_opaque = gp_submesh_opaque(s, &s->submesh[k]);
-        opaque += is_opaque;
-        n += !is_opaque;
-    }
-    return n + (merged && opaque > 1 ? 1 : opaque);
-}
-
-int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged)
+int gp_sets_batches(const struct gp_sets *sets, unsigned set)
 {
     const struct gp_scene *const s = sets->scene;
     int n = 0;
     for (int i = 0; i < s->objects; i++) {
         if (sets->flag[i] & set)
-            n += batches_of(s, &s->mesh[s->object[i].mesh], merged);
+            n += s->mesh[s->object[i].mesh].submeshes;
     }
     return n;
 }

@@ -90,24 +90,20 @@ GP_MUST_CHECK gp_status gp_sets_look(const struct gp_log *log,
                                      struct gp_sets *sets, const float *depth);
 
 /* Finds L, I, S and the scissor of a light, in place of those of the last one.
- * False: nothing that is visible can be lit; I and S are empty, L may be. With
- * GP_SETS_DEPTHS the depths decide, and I may be empty in any case. */
-bool gp_sets_light(struct gp_sets *sets, int light);
+ * Returns the scissor, the bounds of what it may light. Empty: nothing that is
+ * visible can be lit; I and S are empty, L may be. With GP_SETS_DEPTHS the depths
+ * decide, and I may be empty in any case. */
+struct gp_scissor gp_sets_light(struct gp_sets *sets, int light);
 
 /* Returns GP_SET_* of each object; changes with gp_sets_light(). */
 const uint8_t *gp_sets_flags(const struct gp_sets *sets);
 
-/* Returns the scissor of the light, the bounds of what it may light; empty where
- * nothing is lit. */
-struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
-
-/* Returns the part of that scissor in which an object of V can show a point. */
+/* Returns the part of the scissor in which an object of V can show a point. */
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
 
 /* Returns how many batches draw a set once: the submeshes of its meshes
- * (15.2.2). `merged`: shadow batches, the opaque submeshes of an object in one.
- * A frame has those of V, and for each light those of S and of I. */
-int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged);
+ * (15.2.2). A frame has those of V, and for each light those of S and of I. */
+int gp_sets_batches(const struct gp_sets *sets, unsigned set);
 
 // -- the renderer and its table -----------------------------------------------
 
@@ -151,8 +147,7 @@ struct gp_table_row {
     double cpu_ms;       // the least of the runs, of all threads
     int visible;         // objects of V
     int lit, casters;    // of I and of S, summed over the lights
-    int batches[2];      // of V, I and S by their submeshes; [1]: opaque ones
-                         // of a caster in one
+    int batches;         // of V, I and S by their submeshes
     bool same;           // its picture has the bytes of the first row's
 };
 

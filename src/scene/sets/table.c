@@ -136,11 +136,12 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
 {
     const int n = w->s->objects;
     struct gp_table_light *const to = &w->out->light[light];
-    const bool on = gp_sets_light(sets, light);
-    const struct gp_scissor cut = gp_sets_scissor(sets);
+    const struct gp_scissor cut = gp_sets_light(sets, light);
     to->light = light;
-    to->rect = (struct gp_rect) {0};
-    if (!on)
+    to->rect = cut.rect;
+    to->near = cut.near;
+    to->far = cut.far;
+    if (gp_rect_empty(cut.rect))
         return GP_OK;
     const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
     for (int i = 0; i < lits && last; i++)
@@ -155,12 +156,8 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     };
     row->lit += l.lits;
     row->casters += l.shadows;
-    for (int merged = 0; merged < 2; merged++)
-        row->batches[merged] += gp_sets_batches(sets, GP_SET_I, false) +
-                                gp_sets_batches(sets, GP_SET_S, merged);
-    to->rect = cut.rect;
-    to->near = cut.near;
-    to->far = cut.far;
+    row->batches += gp_sets_batches(sets, GP_SET_I) +
+                    gp_sets_batches(sets, GP_SET_S);
     const uint8_t *const flag = gp_sets_flags(sets);
     for (int i = 0; i < n && last; i++)
         w->out->set[i] |= flag[i];
@@ -185,8 +182,7 @@ static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
     gp_drawing_clear(w->d);
     GP_TRY(draw_visible(w, uses[kind], &sets));
     row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
-    for (int merged = 0; merged < 2; merged++)
-        row->batches[merged] = gp_sets_batches(sets, GP_SET_V, false);
+    row->batches = gp_sets_batches(sets, GP_SET_V);
     for (int i = 0; i < w->s->lights; i++)
         GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_SCISSOR, row));
     row->drawn = gp_drawing_counts(w->d);
