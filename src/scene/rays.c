@@ -3,7 +3,6 @@
 
 #include "core/memory.h"
 #include "scene/bounds.h"
-#include "scene/scene_priv.h"
 #include "scene/tree.h"
 
 #include <math.h>
@@ -200,12 +199,9 @@ gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *box, &box));
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &s->object[object[i]];
-        const int triangles = out->mesh[o->mesh].tree.n;
         out->place[n].object = object[i];
-        if (triangles == 0 || !set_place(o, &out->place[n]))
-            continue;
-        box[n++] = o->box;
-        out->triangles += triangles;
+        if (out->mesh[o->mesh].tree.n > 0 && set_place(o, &out->place[n]))
+            box[n++] = o->box;
     }
     st = gp_tree_make(log, box, n, &out->tree);
 out:

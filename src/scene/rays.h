@@ -25,7 +25,6 @@ struct gp_rays {
     const struct gp_mesh_tree *mesh;  // borrowed
     struct gp_tree tree;
     struct gp_rays_place *place;      // owned
-    long long triangles;              // of all places
 };
 
 /* Builds the tree of some objects, as posed, and the trees of their meshes that
@@ -57,5 +56,9 @@ struct gp_rays_hit {
  * is none. */
 bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
                    struct gp_v3 along, double most, struct gp_rays_hit *out);
+
+/* Returns a texture's alpha at (u, v): bilinear between texel centres on the
+ * base level, wrapped. */
+double gp_cutout_alpha(const struct gp_cutout *c, double u, double v);
 
 #endif

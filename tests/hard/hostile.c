@@ -7,7 +7,6 @@
 #include "gl/gl.h"
 #include "scene/eye.h"
 #include "scene/relight.h"
-#include "scene/scene_priv.h"
 #include "scene/sets/sets_priv.h"
 #include "scene_shot.h"
 
@@ -296,7 +295,10 @@ static struct gp_eye_disc disc_of(const struct seen *k, int light)
 static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
 {
     enum { SIDE = 32 };
-    const struct gp_eye_measure m = gp_eye_measure_of(d, NULL);
+    const struct gp_v3 other = fabs(d->to.z) < 0.9 ? (struct gp_v3) {0, 0, 1}
+                                                   : (struct gp_v3) {1, 0, 0};
+    const struct gp_v3 across = gp_v3_unit(gp_v3_cross(d->to, other));
+    const struct gp_v3 up = gp_v3_cross(across, d->to);
     int all = 0, clear = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double x = (i % SIDE + 0.5) / SIDE * 2.0 - 1.0;
@@ -308,8 +310,8 @@ static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
         const double c = 1.0 - r2 * (1.0 - cos(d->half)), s = sqrt(1.0 - c * c);
         const struct gp_v3 to = gp_v3_add(
             gp_v3_scale(d->to, c),
-            gp_v3_add(gp_v3_scale(m.across, s * x / r),
-                      gp_v3_scale(m.up, s * y / r)));
+            gp_v3_add(gp_v3_scale(across, s * x / r),
+                      gp_v3_scale(up, s * y / r)));
         double far = 1e11;
         if (isfinite(d->distance)) {
             const double b = d->distance * gp_v3_dot(to, d->to);

@@ -317,6 +317,45 @@ static void figure_15_2(void **state)
     made_free(&s);
 }
 
+/* What is behind a mesh is dark where that is closed or flat, convex, and lets no
+ * light through. */
+static void bodies_throw_umbras(void **state)
+{
+    struct gp_scene s = made_scene();
+    const int holes = made_material(&s, 0.5f, made_holes(&s, 3, 4));
+    const int clear = made_material(&s, 0.5f, -1);
+    const int box = made_box(&s, 0);
+    const struct {
+        int mesh;
+        bool dark;
+    } row[] = {
+        {box, true}, {made_card(&s, 0), true}, {made_ball(&s, 0, 5), true},
+        {made_open_box(&s, 0, 1), false}, {made_card(&s, holes), false},
+        {made_box(&s, holes), false}, {made_box(&s, clear), false},
+    };
+    const struct gp_rect window = {0, 0, W, H};
+    const struct gp_sets_view view = {
+        .camera = made_camera(&s, (struct gp_v3) {0, -9, 1},
+                              (struct gp_v3) {0, 0, 1}, 50.0, (double) W / H),
+        .display = window, .window = window, .near = SHOT_NEAR};
+    s.material[clear].base[3] = 0.4f;
+    made_point(&s, (struct gp_v3) {0.1, 0.2, 9}, 100.0, 30.0);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_sets *sets;
+        s.objects = 0;
+        made_put(&s, row[i].mesh, (struct gp_v3) {0, 0, 4},
+                 (struct gp_v3) {4, 4, 4}, 20.0);
+        made_put(&s, box, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {1, 1, 1},
+                 0.0);
+        assert_ok(gp_sets_open(NULL, &s, &view, GP_SETS_LIGHTS, &sets));
+        gp_sets_light(sets, 0);
+        if (!(gp_sets_flags(sets)[1] & GP_SET_L) != row[i].dark)
+            fail_msg("row %zu is dark or not", i);
+        gp_sets_close(&sets);
+    }
+    made_free(&s);
+}
+
 /* 15.2.1: 14 batches of ambient light, and for each of three lights all of them
  * for shadows and all for light: 98. */
 static void example_of_98(void **state)
@@ -426,7 +465,7 @@ SUITE(sets)
 {
     const CMUnitTestFunction tests[] = {
         nothing_is_lost, many_tiles, depths_show_more_than_objects,
-        figure_15_1, figure_15_2, example_of_98,
+        figure_15_1, figure_15_2, bodies_throw_umbras, example_of_98,
     };
     if ((argc > 1 && strcmp(argv[1], "--time") == 0) || getenv("GLAREPP_TIME"))
         time_sets();
@@ -434,7 +473,8 @@ SUITE(sets)
                     : suite_run(tests, COUNT(tests),
                                 "nothing_is_lost, many_tiles, "
                                 "depths_show_more_than_objects, "
-                                "figure_15_1, figure_15_2, example_of_98",
+                                "figure_15_1, figure_15_2, "
+                                "bodies_throw_umbras, example_of_98",
                                 NULL, NULL, NULL, NULL);
 }
 
