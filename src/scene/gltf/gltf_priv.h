@@ -23,9 +23,17 @@ struct gp_gltf_buffer {
     void *own;         // of a data URI or a file beside; NULL: of the .glb
 };
 
+/* The place of an item, "street.glb: node 3", for core/json.h's messages.
+ * `p` points into it: it must not be copied. */
+struct gp_gltf_at {
+    struct gp_json_place p;
+    char path[512];
+};
+
 struct gp_gltf {
     const struct gp_log *log;
     const char *path;
+    struct gp_gltf_at whole; // the place of no item
     void *file;        // of a .glb
     size_t file_bytes; // of the file and the .bin beside it
     json_t *root;
@@ -43,12 +51,7 @@ GP_MUST_CHECK gp_status gp_gltf_open(const struct gp_log *log, const char *path,
                                      struct gp_gltf *out);
 void gp_gltf_close(struct gp_gltf *g);
 
-/* The place of an item, "street.glb: node 3", for core/json.h's messages.
- * `p` points into it: it must not be copied. */
-struct gp_gltf_at {
-    struct gp_json_place p;
-    char path[512];
-};
+/* Sets the place of item `index`, a "node". */
 void gp_gltf_place(const struct gp_gltf *g, const char *what, int index,
                    struct gp_gltf_at *out);
 

@@ -98,13 +98,12 @@ static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 /* Marks the nodes of the file's scene; without one, all. */
 static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
-    struct gp_gltf_at at;
     const bool whole = gp_gltf_count(g, "scenes") == 0;
     json_t *roots = NULL, *item;
     size_t k;
     int scene;
-    gp_gltf_place(g, NULL, 0, &at);
-    gp_status st = gp_gltf_index(g, &at, g->root, "scene", "scenes", &scene);
+    gp_status st = gp_gltf_index(g, &g->whole, g->root, "scene", "scenes",
+                                 &scene);
     if (st)
         return st;
     if (!whole) // the specification leaves the choice; the first is usual
@@ -114,8 +113,8 @@ static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
         const double d = json_number_value(item);
         if (!json_is_number(item) || !(d >= 0.0 && d < s->n) || d != floor(d) ||
             s->at[(int) d].parent >= 0)
-            return gp_gltf_fail(&at, "its scene holds no root (found %g of %d "
-                                "nodes)", d, s->n);
+            return gp_gltf_fail(&g->whole, "its scene holds no root (found %g "
+                                "of %d nodes)", d, s->n);
         s->at[(int) d].placed = true;
     }
     for (int i = 0; i < s->n; i++) {
@@ -196,8 +195,8 @@ static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
     json_t *punctual, *lights, *o;
     size_t k;
     gp_status st;
-    gp_gltf_place(g, NULL, 0, &at);
-    GP_TRY(gp_gltf_extension(&at, g->root, "KHR_lights_punctual", &punctual));
+    GP_TRY(gp_gltf_extension(&g->whole, g->root, "KHR_lights_punctual",
+                             &punctual));
     lights = json_object_get(punctual, "lights");
     *n = (int) json_array_size(lights);
     GP_TRY(gp_gltf_take(g, (size_t) *n * sizeof **list));

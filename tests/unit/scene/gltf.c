@@ -213,7 +213,7 @@ static void what_is_wrong_is_one_line(void **state)
                    gltf_wrong[i].part);
     gm_refused(gm_write_bytes("a.gltf", "", 0), GP_ERR_DATA, "not JSON");
     gm_refused(gm_write_bytes("a.gltf", "[]", 2), GP_ERR_DATA, "not glTF");
-    gm_refused(gm_write_bytes("a.gltf", "{}", 2), GP_ERR_DATA, "no version");
+    gm_refused(gm_write_bytes("a.gltf", "{}", 2), GP_ERR_DATA, "version\" is none");
     static const char least[] =
         "{\"asset\": {\"version\": \"2.0\", \"minVersion\": \"2.1\"}}";
     gm_refused(gm_write_bytes("a.gltf", least, sizeof least - 1), GP_ERR_DATA,
