@@ -330,8 +330,7 @@ static gp_status check_root(const struct gp_gltf *g)
     const char *version = "none", *least = "2.0";
     gp_status st;
     if (!json_is_object(g->root))
-        return gp_gltf_fail(&g->whole, "no .glb or .gltf file (its JSON is no "
-                            "object)");
+        return gp_gltf_fail(&g->whole, "not glTF (its JSON is no object)");
     json_t *const asset = json_object_get(g->root, "asset");
     GP_TRY(gp_json_text(&g->whole.p, asset, "version", &version, NULL));
     GP_TRY(gp_json_text(&g->whole.p, asset, "minVersion", &least, NULL));
