@@ -178,8 +178,8 @@ int glarepp_sets_view(struct glarepp_sets *sets, enum glarepp_view view,
                               &own->view);
         break;
     case GLAREPP_SOURCES:
-        GP_TRY(gp_sets_draw_map(log, &own->table, &own->scene, &own->camera,
-                                own->w, own->h, &own->view));
+        gp_sets_draw_map(&own->table, &own->scene, &own->camera, own->w, own->h,
+                         &own->view);
         break;
     default:
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "view", "sets: no such picture "

@@ -196,10 +196,9 @@ void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
                            const struct gp_planes *rgb);
 
 /* Draws the scene from above, each object in the colour of its sets. It shows the
- * eye, lamps and objects but outliers; boxes that leave it end at its edge.
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sets_draw_map(const struct gp_log *log,
-    const struct gp_table *t, const struct gp_scene *s,
-    const struct gp_camera *c, int w, int h, const struct gp_planes *rgb);
+ * eye, lamps and objects; boxes that leave it end at its edge. */
+void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
+                      const struct gp_camera *c, int w, int h,
+                      const struct gp_planes *rgb);
 
 #endif
