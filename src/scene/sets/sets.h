@@ -8,7 +8,7 @@
  *   scissor   the frame's depth by tiles, and the part of the picture that a
  *             light can change (15.5)
  *   sets      V, L, I, F, S by flags on objects (15.4.3, second way)
- *   draw      the renderer on GL (15.2.2), with maps of shadows from `shadow`
+ *   draw      the renderer on GL (15.2.2)
  *   table     Table 15-1
  *   picture   pictures to look at: scissors, and the sets from above
  *

@@ -224,7 +224,11 @@ struct gp_scissor gp_scissor_join(const struct gp_scissor *box,
                                   const int *index, int n,
                                   const struct gp_scissor *light);
 
-// -- maps of shadows (shadow.c) -----------------------------------------------
+// -- the paper's renderer (draw.c) --------------------------------------------
+//
+// A pass of ambient light that sets the depth, then for each light its map of
+// shadows and a pass over the lit objects. It draws the objects that it is
+// given, in that order, and counts.
 
 /* A light and what it is drawn with: indices of objects. */
 struct gp_draw_light {
@@ -239,38 +243,6 @@ struct gp_draw_light {
     struct gp_box all;  // of a sun: holds every lit object, the same for every
                         // choice of them: its map is laid over it
 };
-
-/* The form of a light's map. */
-enum gp_map_form {
-    GP_MAP_SPOT,  // one square
-    GP_MAP_CUBE,  // six squares, 3 x 2, around a point: +x -x +y -y +z -z
-    GP_MAP_SUN,   // one square, parallel light
-};
-
-/* The map of one light: how places come to it. */
-struct gp_shadow_map {
-    enum gp_map_form form;
-    int side;            // texels of a square
-    double near;         // near plane of SPOT and CUBE
-    double to_map[16];   // world, from origin, to clip coordinates; not CUBE
-    struct gp_v3 origin; // the light's place; of a sun the middle of its box
-    float form_of[4];    // `map` of light.frag
-};
-
-/* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get
- * a cube. */
-struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *l,
-                                      const struct gp_box *whole, int side);
-
-/* Returns bits of the squares of a map where a box of the world may be; of a map
- * of one square 0 or 1. */
-int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
-
-// -- the paper's renderer (draw.c) --------------------------------------------
-//
-// A pass of ambient light that sets the depth, then for each light its map of
-// shadows and a pass over the lit objects. It draws the objects that it is
-// given, in that order, and counts.
 
 struct gp_drawing; // a scene on a context
 
