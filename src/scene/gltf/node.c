@@ -241,13 +241,12 @@ out:
 
 // -- what is placed -----------------------------------------------------------
 
-/* Counts of the lists, then places in them. */
+/* Lights that the file defines, and content that warnings name. */
 struct placed {
-    bool fill, skins, flat;
+    struct gp_scene_light *light; // owned
+    int lights;
+    bool skins, flat;
     bool copies, unseen; // EXT_mesh_gpu_instancing, KHR_node_visibility
-    int objects, lights, cameras;
-    const struct gp_scene_light *light;
-    int defined;       // lights
 };
 
 static gp_status place_node(const struct gp_gltf *g, int index,
@@ -256,7 +255,6 @@ static gp_status place_node(const struct gp_gltf *g, int index,
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
     json_t *copies, *seen;
-    struct gp_scene_camera camera;
     char name[GP_SCENE_NAME];
     bool perspective = false;
     int mesh, cam, light = -1;
@@ -267,22 +265,19 @@ static gp_status place_node(const struct gp_gltf *g, int index,
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_lights_punctual", &punctual));
     GP_TRY(gp_json_int(&at.p, punctual, "light", 0, INT_MAX, &light, NULL));
-    if (light >= to->defined)
+    if (light >= to->lights)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
-                            light, to->defined));
+                            light, to->lights));
     GP_TRY(gp_gltf_extension(&at, o, "EXT_mesh_gpu_instancing", &copies));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_node_visibility", &seen));
     to->skins = to->skins || json_object_get(o, "skin");
     to->copies = to->copies || (copies && mesh >= 0);
     to->unseen = to->unseen || json_is_false(json_object_get(seen, "visible"));
-    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x) {
-        if (to->fill)
-            out->object[to->objects] =
-                (struct gp_object) {.mesh = mesh, .node = index};
-        to->objects++;
-    }
-    if (light >= 0 && to->fill) {
-        struct gp_scene_light *const l = &out->light[to->lights];
+    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x)
+        out->object[out->objects++] =
+            (struct gp_object) {.mesh = mesh, .node = index};
+    if (light >= 0) {
+        struct gp_scene_light *const l = &out->light[out->lights++];
         *l = to->light[light];
         l->node = index;
         GP_TRY(gp_json_number(&at.p, json_object_get(o, "extras"),
@@ -290,52 +285,46 @@ static gp_status place_node(const struct gp_gltf *g, int index,
         if (*name)
             memcpy(l->name, name, sizeof name);
     }
-    to->lights += light >= 0;
     if (cam >= 0) {
-        GP_TRY(read_camera(g, cam, &perspective, &camera));
+        struct gp_scene_camera *const c = &out->camera[out->cameras];
+        GP_TRY(read_camera(g, cam, &perspective, c));
+        c->node = index;
+        if (*name)
+            memcpy(c->name, name, sizeof name);
+        out->cameras += perspective;
         to->flat = to->flat || !perspective;
     }
-    if (perspective && to->fill) {
-        out->camera[to->cameras] = camera;
-        out->camera[to->cameras].node = index;
-        if (*name)
-            memcpy(out->camera[to->cameras].name, name, sizeof name);
-    }
-    to->cameras += perspective;
 out:
     return st;
 }
 
 static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
 {
+    const struct gp_scene_nodes *const nodes = out->nodes;
     struct placed to = {0};
-    struct gp_scene_light *defined = NULL;
     struct gp_scene_camera camera;
+    size_t objects = 0, lights = 0, cameras = 0; // at most
     bool perspective;
     gp_status st;
-    GP_TRY(read_lights(g, &defined, &to.defined));
-    to.light = defined;
+    GP_TRY(read_lights(g, &to.light, &to.lights));
     for (int i = 0; i < gp_gltf_count(g, "cameras"); i++)
         GP_TRY(read_camera(g, i, &perspective, &camera));
-    for (int pass = 0; pass < 2; pass++) {
-        to.objects = to.lights = to.cameras = 0;
-        to.fill = pass == 1;
-        for (int i = 0; i < out->nodes->n; i++) {
-            if (out->nodes->at[i].placed)
-                GP_TRY(place_node(g, i, &to, out));
-        }
-        if (to.fill)
-            break;
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.objects,
-                             sizeof *out->object, &out->object));
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.lights,
-                             sizeof *out->light, &out->light));
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.cameras,
-                             sizeof *out->camera, &out->camera));
+    for (int i = 0; i < nodes->n; i++) {
+        json_t *const o = gp_gltf_item(g, "nodes", i);
+        objects += json_object_get(o, "mesh") != NULL;
+        lights += json_object_get(o, "extensions") != NULL;
+        cameras += json_object_get(o, "camera") != NULL;
     }
-    out->objects = to.objects;
-    out->lights = to.lights;
-    out->cameras = to.cameras;
+    GP_TRY(gp_alloc_zero(g->log, g->path, objects, sizeof *out->object,
+                         &out->object));
+    GP_TRY(gp_alloc_zero(g->log, g->path, lights, sizeof *out->light,
+                         &out->light));
+    GP_TRY(gp_alloc_zero(g->log, g->path, cameras, sizeof *out->camera,
+                         &out->camera));
+    for (int i = 0; i < nodes->n; i++) {
+        if (nodes->at[i].placed)
+            GP_TRY(place_node(g, i, &to, out));
+    }
     if (to.skins)
         gp_say(g->log, GP_LEVEL_WARN, "%s: skins are not supported; meshes "
                "keep the pose they are stored in", g->path);
@@ -350,7 +339,7 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
         gp_say(g->log, GP_LEVEL_WARN, "%s: orthographic cameras are not "
                "supported and left out", g->path);
 out:
-    gp_free(defined);
+    gp_free(to.light);
     return st;
 }
 
