@@ -156,7 +156,7 @@ struct gp_scene {
     int meshes;
     struct gp_material *material; // the last one is glTF's default
     int materials;
-    struct gp_cutout *cutout;
+    struct gp_cutout *cutout;     // of each texture; alpha NULL: of no cut-out
     int cutouts;
     // what is placed, by gp_scene_pose()
     struct gp_object *object;

@@ -20,18 +20,19 @@ static enum gp_wrap wrap_of(int code)
                            : GP_WRAP_REPEAT; // 10497, and without a sampler
 }
 
-/* Reads image `index` into a gp_cutout, or shares that of an earlier one. */
-static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
-    int index, const struct gp_scene_images *images, long long *texels,
-    const struct gp_scene *s, struct gp_cutout *c)
+/* Reads image `index` into the cut-out of a texture, or shares that of another. */
+static gp_status read_image(struct gp_gltf *g, int index,
+    const struct gp_scene_images *images, long long *texels,
+    const struct gp_scene *s, int texture)
 {
+    struct gp_cutout *const c = &s->cutout[texture];
     struct gp_gltf_at place;
     struct gp_gltf_span span;
     void *own = NULL;
     char *file = NULL;
     gp_status st;
     for (int i = 0; i < s->cutouts; i++) {
-        if (s->cutout[i].image == index) {
+        if (s->cutout[i].alpha && s->cutout[i].image == index) {
             *c = s->cutout[i];
             return GP_OK;
         }
@@ -41,37 +42,35 @@ static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
     GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
                          span.at, (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
-    c->owner = s->cutouts;
+    c->owner = texture;
     *texels += (long long) c->w * c->h;
+    if (*texels > MOST_TEXELS)
+        GP_TRY(gp_gltf_fail(&place, "images of cut-outs of over %d texels "
+                            "together", (int) MOST_TEXELS));
 out:
     gp_free(own);
     gp_free(file);
-    if (!st && *texels > MOST_TEXELS) {
-        GP_FREE(c->alpha);
-        st = gp_gltf_fail(at, "images of cut-outs of over %d texels together",
-                          (int) MOST_TEXELS);
-    }
     return st;
 }
 
-/* Reads the texture of a cut-out material into a gp_cutout, or finds the one
- * that was read before: of_texture[] has their numbers, or -1. */
+/* Reads a texture, unless another material has. */
 static gp_status read_cutout(struct gp_gltf *g, int texture,
-    const struct gp_scene_images *images, int *of_texture, long long *texels,
+    const struct gp_scene_images *images, long long *texels,
     struct gp_scene *out)
 {
-    struct gp_cutout *const c = &out->cutout[out->cutouts];
+    struct gp_cutout *const c = &out->cutout[texture];
     struct gp_gltf_at at;
     int image, sampler, code[2] = {0, 0};
     gp_status st;
     json_t *const o = gp_gltf_item(g, "textures", texture);
+    if (c->alpha)
+        return GP_OK;
     gp_gltf_place(g, "texture", texture, &at);
     GP_TRY(gp_gltf_index(g, &at, o, "source", "images", &image));
     GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
     if (image < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"source\", a PNG or JPEG"));
-    GP_TRY(read_image(g, &at, image, images, texels, out, c));
-    of_texture[texture] = out->cutouts++;
+    GP_TRY(read_image(g, image, images, texels, out, texture));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
         GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0], NULL));
@@ -157,7 +156,6 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
 {
     const int n = gp_gltf_count(g, "materials");
     const int textures = gp_gltf_count(g, "textures");
-    int *of_texture = NULL;
     long long texels = 0;
     struct seen seen = {0};
     bool blind = false;
@@ -167,10 +165,7 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
                          &out->material));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) textures,
                          sizeof *out->cutout, &out->cutout));
-    GP_TRY(gp_alloc(g->log, g->path, (size_t) textures, sizeof *of_texture,
-                    &of_texture));
-    for (int i = 0; i < textures; i++)
-        of_texture[i] = -1;
+    out->cutouts = textures;
     out->materials = n + 1;
     out->material[n] = (struct gp_material) {
         .base = {1.0f, 1.0f, 1.0f, 1.0f}, .cutout = -1,
@@ -183,9 +178,8 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         blind = blind || (texture >= 0 && !images);
         if (texture < 0 || !images)
             continue;
-        if (of_texture[texture] < 0)
-            GP_TRY(read_cutout(g, texture, images, of_texture, &texels, out));
-        m->cutout = of_texture[texture];
+        GP_TRY(read_cutout(g, texture, images, &texels, out));
+        m->cutout = texture;
     }
     if (seen.blends)
         gp_say(g->log, GP_LEVEL_WARN, "%s: blended materials hide light where "
@@ -198,7 +192,6 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         gp_say(g->log, GP_LEVEL_WARN, "%s: textures of cut-outs are not read; "
                "they count as opaque", g->path);
 out:
-    gp_free(of_texture);
     return st;
 }
 

@@ -289,7 +289,7 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
                          sizeof *d->cutout, &d->cutout));
     for (int i = 0; i < s->cutouts; i++) {
         const struct gp_cutout *const c = &s->cutout[i];
-        if (c->owner != i)
+        if (!c->alpha || c->owner != i)
             continue;
         GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h,
                                &d->cutout[i]));
