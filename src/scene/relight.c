@@ -4,14 +4,11 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "scene/colours.h"
-#include "scene/places.h"
+#include "scene/relight_priv.h"
 #include "scene/rays.h"
 
 #include <math.h>
 #include <string.h>
-
-static const double pi = 3.14159265358979323846;
 
 enum { MANY = GP_PLACES };
 
@@ -469,7 +466,7 @@ static void light_places(const struct lamp *lamp, const struct surface of[MANY],
         facts->rays++;
         if (!is_free(lamp, of[i].place, of[i].normal, of[i].z))
             continue;
-        light *= weight[i] * pass->light_scale / pi;
+        light *= weight[i] * pass->light_scale / M_PI;
         for (int c = 0; c < 3; c++)
             add[c] += light * pass->light->color[c] * of[i].albedo[c];
     }
@@ -526,7 +523,7 @@ static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
         if (p->edge || next != 1 << LIT)
             light *= clear_share(lamp, s, p->x, p->y, facts);
         for (int c = 0; c < 3; c++)
-            add[c] += pass->light_scale * light / pi * pass->light->color[c] *
+            add[c] += pass->light_scale * light / M_PI * pass->light->color[c] *
                       s->albedo[c];
     }
 }
