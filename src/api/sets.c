@@ -86,7 +86,7 @@ static gp_status fill(const struct gp_log *log, struct own *own,
     GP_TRY(gp_alloc(log, "lights", n, sizeof *own->scissor, &own->scissor));
     GP_TRY(gp_alloc(log, "lights", n, sizeof *own->depth, &own->depth));
     for (int i = 0; i < own->scene.lights; i++) {
-        const struct gp_table_light *const l = &own->table.light[i];
+        const struct gp_scissor *const l = &own->table.light[i];
         own->light[i] = own->scene.light[i].name;
         own->scissor[i] = (struct glarepp_rect) {l->rect.x0, l->rect.y0,
                                                  l->rect.x1, l->rect.y1};

@@ -48,7 +48,8 @@ static double texel(uint16_t code)
     return (double) ((float) code / 65535.0f);
 }
 
-double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
+/* Returns a texture's alpha at (u, v): bilinear between texel centres. */
+static double alpha_at(const struct gp_cutout *c, double u, double v)
 {
     // (no texture is wrapped so often that its fraction still has digits)
     const double x = (fabs(u) < 1e9 ? u : 0.0) * c->w - 0.5;
@@ -235,7 +236,7 @@ static bool opaque_at(const struct gp_scene *s, const struct triangle *t,
         const float *const q = s->uv + 2 * (size_t) v[1];
         const float *const r = s->uv + 2 * (size_t) v[2];
         const double a = 1.0 - b - c;
-        alpha *= gp_cutout_alpha(
+        alpha *= alpha_at(
             &s->cutout[m->cutout],
             a * (double) p[0] + b * (double) q[0] + c * (double) r[0],
             a * (double) p[1] + b * (double) q[1] + c * (double) r[1]);

@@ -57,8 +57,4 @@ struct gp_rays_hit {
 bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
                    struct gp_v3 along, double most, struct gp_rays_hit *out);
 
-/* Returns a texture's alpha at (u, v): bilinear between texel centres on the
- * base level, wrapped. */
-double gp_cutout_alpha(const struct gp_cutout *c, double u, double v);
-
 #endif

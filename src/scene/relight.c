@@ -616,7 +616,7 @@ static gp_status open_lamp(const struct gp_log *log, const struct gp_scene *s,
                            struct gp_meshes *meshes, struct lamp *lamp)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
-    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    const int rows = gp_rect_h(lamp->cut);
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *lamp->row,
                          &lamp->row));
@@ -633,7 +633,7 @@ out:
 static struct gp_relit facts_of(const struct lamp *lamp)
 {
     struct gp_relit facts = {0};
-    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    const int rows = gp_rect_h(lamp->cut);
     for (int i = 0; i < rows; i++) {
         facts.pixels += lamp->row[i].pixels;
         facts.rays += lamp->row[i].rays;
@@ -661,7 +661,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
         };
         GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
     }
-    gp_parallel_do(gp_rect_empty(f->data) ? 0 : gp_rect_h(f->data), light_row, &w);
+    gp_parallel_do(gp_rect_h(f->data), light_row, &w);
     for (int k = 0; k < passes; k++)
         out[k] = facts_of(&w.lamp[k]);
 out:

@@ -345,14 +345,13 @@ static void check_shares(struct seen *k, double *rays)
  * many samples are no light. */
 static double check_drawing(const struct seen *k)
 {
-    struct gp_table_params p = GP_TABLE_DEFAULTS;
+    const struct gp_table_params p = {
+        .draw = {.w = W, .h = H, .near = SHOT_NEAR, .light_scale = 1.0 / 683.0,
+                 .ambient = 0.02, .map = 64},
+        .runs = 1, .occluders = 40,
+    };
     struct gp_table t;
     double wrong = 0.0;
-    p.runs = 1;
-    p.draw.w = W;
-    p.draw.h = H;
-    p.draw.near = SHOT_NEAR;
-    p.draw.map = 64;
     must(gp_table_make(&kept_log, gl, &k->s, &k->shot.camera, &p, &t));
     for (int i = 0; i < GP_TABLE_ROWS; i++)
         wrong += !t.row[i].same;

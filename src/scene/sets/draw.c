@@ -14,6 +14,7 @@ struct run {
 };
 
 struct gp_drawing {
+    const struct gp_log *log;
     const struct gp_gl *gl;
     const struct gp_scene *s;
     const struct gp_camera *c;
@@ -178,7 +179,7 @@ static void write_submesh(const struct gp_scene *s,
 
 /* Uploads a mesh after another, its opaque submeshes first: they are one shadow
  * batch. */
-static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
+static gp_status upload_meshes(struct gp_drawing *d)
 {
     const struct gp_scene *const s = d->s;
     gp_status st;
@@ -189,15 +190,15 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
         n += s->submesh[i].count;
     const int limit = gp_gl_info(d->gl)->max_texel_buffer;
     if (n > limit / TEXELS)
-        return gp_fail_bare(log, GP_ERR_GL, "%s: %lld triangles do not fit into "
-                            "the memory of %s (the limit is %d)", s->path,
+        return gp_fail_bare(d->log, GP_ERR_GL, "%s: %lld triangles do not fit "
+                            "into the memory of %s (the limit is %d)", s->path,
                             n / 3, gp_gl_info(d->gl)->name, limit / TEXELS / 3);
-    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->submeshes + 1,
+    GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->submeshes + 1,
                          sizeof *d->submesh, &d->submesh));
-    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->meshes + 1,
+    GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->meshes + 1,
                          sizeof *d->opaque, &d->opaque));
-    GP_TRY(gp_alloc(log, "vertices", (size_t) n * 4 * TEXELS + 1, sizeof *list,
-                    &list));
+    GP_TRY(gp_alloc(d->log, "vertices", (size_t) n * 4 * TEXELS + 1,
+                    sizeof *list, &list));
     for (int m = 0; m < s->meshes; m++) {
         const struct gp_mesh *const mesh = &s->mesh[m];
         d->opaque[m].first = at;
@@ -216,7 +217,7 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
                 d->opaque[m].count = at - d->opaque[m].first;
         }
     }
-    GP_TRY(gp_buffer_make(log, d->gl, "vertices", GP_BUFFER_TEXELS,
+    GP_TRY(gp_buffer_make(d->log, d->gl, "vertices", GP_BUFFER_TEXELS,
                           at ? TEXELS * at : 1, &d->vertices));
     gp_buffer_write(d->gl, &d->vertices, 0, TEXELS * at, list);
 out:
@@ -226,7 +227,7 @@ out:
 
 // -- opening ------------------------------------------------------------------
 
-static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
+static gp_status make_programs(struct gp_drawing *d)
 {
     static const char *const solid[2] = {"", "#define HOLES\n"};
     static const char *const lights[4] = {
@@ -239,16 +240,16 @@ static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
     char defines[64];
     for (int holes = 0; holes < 2; holes++) {
         snprintf(defines, sizeof defines, "#define COLOUR\n%s", solid[holes]);
-        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
-                               &d->ambient[holes]));
-        GP_TRY(gp_program_make(log, d->gl, solid[holes], "scene.vert",
+        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
+                               "solid.frag", &d->ambient[holes]));
+        GP_TRY(gp_program_make(d->log, d->gl, solid[holes], "scene.vert",
                                "solid.frag", &d->shadow[0][holes]));
         snprintf(defines, sizeof defines, "#define CUBE\n%s", solid[holes]);
-        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
-                               &d->shadow[1][holes]));
+        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
+                               "solid.frag", &d->shadow[1][holes]));
     }
     for (int i = 0; i < 4; i++)
-        GP_TRY(gp_program_make(log, d->gl, lights[i], "scene.vert",
+        GP_TRY(gp_program_make(d->log, d->gl, lights[i], "scene.vert",
                                "light.frag", &d->light[i]));
 out:
     return st;
@@ -278,13 +279,13 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     if (st)
         return st;
     *d = (struct gp_drawing) {
-        .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
+        .log = log, .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
     };
     for (int i = 0; i < s->objects; i++)
         d->whole = gp_box_join(d->whole, s->object[i].box);
     set_view(d);
     GP_TRY(gp_gl_use(log, gl));
-    GP_TRY(upload_meshes(log, d));
+    GP_TRY(upload_meshes(d));
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
                          sizeof *d->cutout, &d->cutout));
     for (int i = 0; i < s->cutouts; i++) {
@@ -295,7 +296,7 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
                                &d->cutout[i]));
         gp_texture_write_codes(gl, &d->cutout[i], c->alpha);
     }
-    GP_TRY(make_programs(log, d));
+    GP_TRY(make_programs(d));
     GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
                                1, p->w, p->h, &d->picture));
     GP_TRY(gp_gl_check(log, gl, "uploading the scene"));
@@ -380,9 +381,8 @@ static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
 }
 
 /* Draws a run of vertices and counts it as a batch. */
-static gp_status draw_run(const struct gp_log *log, struct gp_drawing *d,
-                          struct run run, const struct inputs *in,
-                          struct gp_draw draw)
+static gp_status draw_run(struct gp_drawing *d, struct run run,
+                          const struct inputs *in, struct gp_draw draw)
 {
     draw.first = run.first;
     draw.vertices = run.count;
@@ -390,7 +390,7 @@ static gp_status draw_run(const struct gp_log *log, struct gp_drawing *d,
     draw.replace = draw.depth == GP_DEPTH_WRITE;
     draw.instances = draw.instances ? draw.instances : 1;
     d->counts.batches++;
-    return gp_draw_run(log, d->gl, &draw);
+    return gp_draw_run(d->log, d->gl, &draw);
 }
 
 static void begin(const struct gp_drawing *d, struct inputs *in)
@@ -409,8 +409,7 @@ static void place_from(const struct gp_object *o, struct gp_v3 p, double m[16])
     m[14] -= p.z;
 }
 
-gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
-                             const int *object, int n)
+gp_status gp_drawing_ambient(struct gp_drawing *d, const int *object, int n)
 {
     const struct gp_scene *const s = d->s;
     gp_status st = GP_OK;
@@ -439,18 +438,18 @@ gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
                 .program = &d->ambient[holes], .target = &d->picture,
                 .cut = {0, 0, d->p.w, d->p.h}, .depth = GP_DEPTH_WRITE,
             };
-            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
+            GP_TRY(draw_run(d, d->submesh[k], &in, draw));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing the ambient pass");
+    st = gp_gl_check(d->log, d->gl, "drawing the ambient pass");
 out:
     return st;
 }
 
 /* Draws one run of an object into a map. */
-static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
-    const struct map *map, const struct gp_object *o, int faces,
-    struct run run, const struct gp_material *of)
+static gp_status draw_shadow(struct gp_drawing *d, const struct map *map,
+    const struct gp_object *o, int faces, struct run run,
+    const struct gp_material *of)
 {
     struct inputs in = {0};
     double m[16];
@@ -470,18 +469,17 @@ static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
         add_holes(d, of, &in);
     const struct gp_target *const to = &d->maps[map->cube];
     const struct gp_draw draw = {
-        .program = &d->shadow[map->cube][of != NULL],
-        .target = to, .depth = GP_DEPTH_WRITE,
-        .cut = {0, 0, to->w, to->h},
+        .program = &d->shadow[map->cube][of != NULL], .target = to,
+        .cut = {0, 0, to->w, to->h}, .depth = GP_DEPTH_WRITE,
         .instances = map->cube ? __builtin_popcount((unsigned) faces) : 1,
         .clips = map->cube ? 4 : 0,
     };
     d->counts.shadow_batches++;
-    return draw_run(log, d, run, &in, draw);
+    return draw_run(d, run, &in, draw);
 }
 
-static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
-    const struct gp_draw_light *l, const struct map *map)
+static gp_status draw_map(struct gp_drawing *d, const struct gp_draw_light *l,
+                          const struct map *map)
 {
     const struct gp_scene *const s = d->s;
     struct gp_target *const to = &d->maps[map->cube];
@@ -489,8 +487,8 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
     const int h = map->cube ? 2 * map->side : map->side;
     gp_status st;
     if (!to->framebuffer)
-        GP_TRY(gp_target_make_deep(log, d->gl, "map of shadows", GP_TEXEL_FLOAT,
-                                   0, w, h, to));
+        GP_TRY(gp_target_make_deep(d->log, d->gl, "map of shadows",
+                                   GP_TEXEL_FLOAT, 0, w, h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts.passes++;
     for (int i = 0; i < l->shadows; i++) {
@@ -500,18 +498,17 @@ static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
         if (!faces)
             continue;
         if (!d->p.separate)
-            GP_TRY(draw_shadow(log, d, map, o, faces, d->opaque[o->mesh],
-                               NULL));
+            GP_TRY(draw_shadow(d, map, o, faces, d->opaque[o->mesh], NULL));
         for (int k = mesh->first; k < mesh->first + mesh->submeshes; k++) {
             const struct gp_material *const of =
                 &s->material[s->submesh[k].material];
             const bool holes = gp_material_cut(of);
             if (holes || d->p.separate)
-                GP_TRY(draw_shadow(log, d, map, o, faces, d->submesh[k],
+                GP_TRY(draw_shadow(d, map, o, faces, d->submesh[k],
                                    holes ? of : NULL));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing a map of shadows");
+    st = gp_gl_check(d->log, d->gl, "drawing a map of shadows");
 out:
     return st;
 }
@@ -558,8 +555,8 @@ static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
         1});
 }
 
-static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
-    const struct gp_draw_light *l, const struct map *map)
+static gp_status draw_lit(struct gp_drawing *d, const struct gp_draw_light *l,
+                          const struct map *map)
 {
     const struct gp_scene *const s = d->s;
     const struct gp_scene_light *const of = l->light;
@@ -598,23 +595,22 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
                 scale * of->color[0] * (double) base[0],
                 scale * of->color[1] * (double) base[1],
                 scale * of->color[2] * (double) base[2], 0.0});
-            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
+            GP_TRY(draw_run(d, d->submesh[k], &in, draw));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing a light");
+    st = gp_gl_check(d->log, d->gl, "drawing a light");
 out:
     return st;
 }
 
-gp_status gp_drawing_light(const struct gp_log *log, struct gp_drawing *d,
-                           const struct gp_draw_light *l)
+gp_status gp_drawing_light(struct gp_drawing *d, const struct gp_draw_light *l)
 {
     if (!l->lits || gp_rect_empty(l->cut))
         return GP_OK;
     const struct map map = map_of(l, &d->whole, d->p.map);
-    gp_status st = draw_map(log, d, l, &map);
+    gp_status st = draw_map(d, l, &map);
     if (!st)
-        st = draw_lit(log, d, l, &map);
+        st = draw_lit(d, l, &map);
     d->counts.lights++;
     return st;
 }

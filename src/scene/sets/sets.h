@@ -116,9 +116,6 @@ struct gp_drawing_params {
     bool separate;      // a shadow batch for each submesh; else one for all
                         // opaque ones of an object (15.2.2)
 };
-#define GP_DRAWING_DEFAULTS                                                   \
-    { .w = 960, .h = 540, .near = 0.1, .light_scale = 1.0 / 683.0,            \
-      .ambient = 0.02, .map = 256 }
 
 /* Counts of what was drawn. A batch is a draw call. */
 struct gp_drawn {
@@ -157,20 +154,11 @@ struct gp_table_params {
     int occluders; // objects that are drawn first, for V by depth, >= 0: those
                    // that look largest
 };
-#define GP_TABLE_DEFAULTS                                                     \
-    { .draw = GP_DRAWING_DEFAULTS, .runs = 3, .occluders = 40 }
-
-/* A light of the last row. */
-struct gp_table_light {
-    int light;           // index
-    struct gp_rect rect; // its scissor; empty: the light is left out
-    double near, far;
-};
 
 struct gp_table {
     struct gp_table_row row[GP_TABLE_ROWS];
     float *picture;              // w * h * 4, scene-linear; owned
-    struct gp_table_light *light; // of all lights; owned
+    struct gp_scissor *light;    // of the last row's lights; owned
     unsigned char *set;          // of all objects: GP_SET_*, I and S of any
                                  // light; owned
 };

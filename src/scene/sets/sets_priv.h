@@ -247,7 +247,7 @@ struct gp_draw_light {
 struct gp_drawing; // a scene on a context
 
 /* Uploads the posed scene's meshes; its places are read at each draw.
- *   gl, s, c  borrowed
+ *   log, gl, s, c  borrowed
  *   out       written on GP_OK only; end with gp_drawing_close()
  * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_drawing_open(const struct gp_log *log,
@@ -259,12 +259,12 @@ void gp_drawing_close(struct gp_drawing **d);
 void gp_drawing_clear(struct gp_drawing *d);
 
 /* Draws objects in ambient light; may be called several times. */
-GP_MUST_CHECK gp_status gp_drawing_ambient(const struct gp_log *log,
-    struct gp_drawing *d, const int *object, int n);
+GP_MUST_CHECK gp_status gp_drawing_ambient(struct gp_drawing *d,
+                                           const int *object, int n);
 
 /* Draws a light: its map and its pass. One with lits 0 is skipped. */
-GP_MUST_CHECK gp_status gp_drawing_light(const struct gp_log *log,
-    struct gp_drawing *d, const struct gp_draw_light *l);
+GP_MUST_CHECK gp_status gp_drawing_light(struct gp_drawing *d,
+                                         const struct gp_draw_light *l);
 
 /* Waits until all is drawn. */
 void gp_drawing_wait(struct gp_drawing *d);

@@ -115,7 +115,7 @@ static gp_status draw_visible(struct rows *w, unsigned use,
             drawn += list_set(w, *sets, GP_SET_F, first, first + 1, w->list);
     }
     drawn = list_set(w, *sets, GP_SET_F, 0, first, w->list);
-    GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+    GP_TRY(gp_drawing_ambient(w->d, w->list, drawn));
     if (!by_depth)
         return GP_OK;
     for (int pass = 0; pass < 2; pass++) {
@@ -123,7 +123,7 @@ static gp_status draw_visible(struct rows *w, unsigned use,
         GP_TRY(gp_sets_look(w->log, *sets, w->depth));
         if (pass == 0) {
             drawn = list_set(w, *sets, GP_SET_V, first, n, w->list);
-            GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+            GP_TRY(gp_drawing_ambient(w->d, w->list, drawn));
         }
     }
 out:
@@ -135,12 +135,8 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
                             bool last, struct gp_table_row *row)
 {
     const int n = w->s->objects;
-    struct gp_table_light *const to = &w->out->light[light];
     const struct gp_scissor cut = gp_sets_light(sets, light);
-    to->light = light;
-    to->rect = cut.rect;
-    to->near = cut.near;
-    to->far = cut.far;
+    w->out->light[light] = cut;
     if (gp_rect_empty(cut.rect))
         return GP_OK;
     const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
@@ -161,7 +157,7 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     const uint8_t *const flag = gp_sets_flags(sets);
     for (int i = 0; i < n && last; i++)
         w->out->set[i] |= flag[i];
-    return gp_drawing_light(w->log, w->d, &l);
+    return gp_drawing_light(w->d, &l);
 }
 
 /* Draws the picture of a row once. */

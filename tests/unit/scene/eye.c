@@ -254,40 +254,7 @@ static void copies_of_a_large_mesh(void **state)
     made_free(&coarse);
 }
 
-/* Bilinear alpha, wrapped in three ways; 13107 is 0.2 as a float. */
-#define TENTH (0.5 * (double) 0.2f)
-static void alpha_of_cutouts(void **state)
-{
-    uint16_t texel[] = {0, 13107, 26214, 65535}; // 0 to 1
-    static const struct {
-        enum gp_wrap wrap;
-        double u, want;
-    } row[] = {
-        {GP_WRAP_CLAMP, 0.125, 0.0},   {GP_WRAP_CLAMP, 0.25, TENTH},
-        {GP_WRAP_CLAMP, 0.0, 0.0},     {GP_WRAP_CLAMP, -7.3, 0.0},
-        {GP_WRAP_CLAMP, 1.0, 1.0},     {GP_WRAP_CLAMP, 40.0, 1.0},
-        {GP_WRAP_REPEAT, 0.0, 0.5},    {GP_WRAP_REPEAT, 1.0, 0.5},
-        {GP_WRAP_REPEAT, 1.25, TENTH}, {GP_WRAP_REPEAT, -0.75, TENTH},
-        {GP_WRAP_REPEAT, -1e-20, 0.5}, {GP_WRAP_MIRROR, 0.0, 0.0},
-        {GP_WRAP_MIRROR, -0.25, TENTH}, {GP_WRAP_MIRROR, 1.0, 1.0},
-        {GP_WRAP_MIRROR, 1.125, 1.0},  {GP_WRAP_MIRROR, 1.75, TENTH},
-        {GP_WRAP_MIRROR, 2.25, TENTH}, {GP_WRAP_REPEAT, 1e300, 0.5},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        const struct gp_cutout c = {
-            .w = 4, .h = 1, .alpha = texel,
-            .wrap = {row[i].wrap, GP_WRAP_REPEAT}};
-        const struct gp_cutout upright = {
-            .w = 1, .h = 4, .alpha = texel,
-            .wrap = {GP_WRAP_REPEAT, row[i].wrap}};
-        near_to("alpha", gp_cutout_alpha(&c, row[i].u, 0.3), row[i].want,
-                1e-12);
-        near_to("alpha", gp_cutout_alpha(&upright, 9.1, row[i].u), row[i].want,
-                1e-12);
-    }
-}
-
 SUITE_OF(eye, NULL, NULL, edge_of_a_wall, leaves_with_holes, walls_and_lamps,
          closed_balls_are_tight, windows_are_left_out, threads_change_nothing,
-         copies_of_a_large_mesh, alpha_of_cutouts)
+         copies_of_a_large_mesh)
 
