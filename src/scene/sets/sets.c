@@ -7,7 +7,6 @@ struct gp_sets {
     const struct gp_scene *scene;
     struct gp_sets_view view; // without its depth
     unsigned use;
-    struct gp_bodies bodies;
     struct gp_depths depths;   // across 0: none
     struct gp_volume frustum;
     double far;                // along the view axis, over every box
@@ -18,7 +17,7 @@ struct gp_sets {
     int *lit;                  // I
     int lits;
     struct gp_scissor scissor;
-    struct gp_umbras umbras;
+    struct gp_umbras *umbras;
 };
 
 // -- the frame's sets --------------------------------------------------------
@@ -100,7 +99,7 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     GP_TRY(gp_alloc(log, what, n, sizeof *s->flag, &s->flag));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->box, &s->box));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->lit, &s->lit));
-    GP_TRY(gp_bodies_make(log, scene, &s->bodies));
+    GP_TRY(gp_umbras_open(log, scene, &s->umbras));
     GP_TRY(gp_sets_look(log, s, view->depth));
     *out = s;
     s = NULL;
@@ -116,7 +115,7 @@ void gp_sets_close(struct gp_sets **sets)
         gp_free(s->flag);
         gp_free(s->box);
         gp_free(s->lit);
-        gp_bodies_free(&s->bodies);
+        gp_umbras_close(&s->umbras);
         gp_depths_free(&s->depths);
     }
     GP_FREE(*sets);
@@ -165,15 +164,14 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
 /* Takes objects in an umbra out of L, and lists I. */
 static void find_lit(struct gp_sets *s, const struct gp_reach *r)
 {
-    s->umbras.n = 0;
-    if (s->use & GP_SETS_LIGHTS)
-        gp_umbras_make(s->scene, &s->bodies, s->flag, r->from, &s->umbras);
+    gp_umbras_light(s->umbras, s->use & GP_SETS_LIGHTS ? s->flag : NULL,
+                    r->from);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
         if (!(s->flag[i] & GP_SET_L))
             continue;
-        if (gp_umbras_hold(&s->umbras, c, wide_half(s, r, o, c)))
+        if (gp_umbras_hold(s->umbras, c, wide_half(s, r, o, c)))
             s->flag[i] &= (uint8_t) ~GP_SET_L;
         else if (s->flag[i] & GP_SET_V)
             s->lit[s->lits++] = i;

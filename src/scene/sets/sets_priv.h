@@ -103,72 +103,22 @@ bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v);
 
 // -- umbras (umbra.c) ---------------------------------------------------------
 
-enum { GP_BODY_POINTS = 64, GP_BODY_FACES = 128, GP_BODY_EDGES = 192 };
+/* Convex bodies of a scene's meshes, and the umbras that they throw before one
+ * light: a closed convex polyhedron, or a flat convex polygon, of at most 64
+ * points, opaque everywhere. */
+struct gp_umbras;
 
-/* A convex body that a mesh fills: a closed convex polyhedron, or a flat convex
- * polygon, opaque everywhere. In the space of the mesh. */
-struct gp_body {
-    struct gp_v3 point[GP_BODY_POINTS];
-    struct gp_v3 middle;             // inside
-    unsigned char face[GP_BODY_FACES][3]; // triangles, in any winding
-    struct {
-        unsigned char from, to;      // points
-        unsigned char side[2];       // faces; equal ones: a polygon's border
-    } edge[GP_BODY_EDGES];
-    int points, faces, edges;
-    bool flat;
-};
-
-/* Finds the body of a mesh: of all of its triangles at once. False where they
- * make none: not convex, open but not flat, cut out or transparent, over 64
- * points. Triangles without area do not count. */
-bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out);
-
-/* True where no light passes through a submesh. */
-bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p);
-
-/* Convex bodies of a scene's meshes. */
-struct gp_bodies {
-    int *of_mesh;         // index; -1: none; owned
-    struct gp_body *body; // owned
-    int bodies;
-};
-
-/* Errors: GP_ERR_BUG memory is full. Out: zero; free with gp_bodies_free() in
- * any case. */
-GP_MUST_CHECK gp_status gp_bodies_make(const struct gp_log *log,
+/* Errors: GP_ERR_BUG memory is full. Out: NULL; close it in any case. */
+GP_MUST_CHECK gp_status gp_umbras_open(const struct gp_log *log,
                                        const struct gp_scene *s,
-                                       struct gp_bodies *out);
-void gp_bodies_free(struct gp_bodies *b);
-
-/* The umbra of a body: behind its front faces and within the planes through
- * the light and the edges of its silhouette. */
-struct gp_umbra {
-    int planes; // 0: none
-    struct gp_half plane[GP_BODY_EDGES + GP_BODY_FACES];
-    double margin; // what is in by less counts as outside: faces that touch
-};
-
-/* Makes the umbra of a body moved by `to_world` before a light. It is empty
- * where the light is in the body or in the plane of a flat one. */
-void gp_umbra_make(const struct gp_body *body, const double to_world[16],
-                   struct gp_from light, struct gp_umbra *out);
-
-/* True where all of a box is in the umbra: of centre c and half sides e. */
-bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c, struct gp_v3 e);
-
-/* The umbras of a light. */
-enum { GP_OCCLUDERS = 16 };
-struct gp_umbras {
-    int n;
-    struct gp_umbra umbra[GP_OCCLUDERS];
-};
+                                       struct gp_umbras **out);
+void gp_umbras_close(struct gp_umbras **u);
 
 /* Makes the umbras of the objects with GP_SET_L that are bodies and look largest
- * from the light; of those of one size of the first of the scene. */
-void gp_umbras_make(const struct gp_scene *s, const struct gp_bodies *b,
-                    const uint8_t *flag, struct gp_from light,
-                    struct gp_umbras *out);
+ * from a light; of those of one size of the first of the scene. `flag` NULL: of
+ * none. */
+void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
+                     struct gp_from light);
 
 /* True where an umbra holds a box of centre c and half sides e. */
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e);

@@ -5,11 +5,44 @@
 
 #include <string.h>
 
+enum { POINTS = 64, FACES = 128, EDGES = 192, OCCLUDERS = 16 };
+
+/* A body, in the space of its mesh. */
+struct body {
+    struct gp_v3 point[POINTS];
+    struct gp_v3 middle;          // inside
+    unsigned char face[FACES][3]; // triangles, in any winding
+    struct {
+        unsigned char from, to;   // points
+        unsigned char side[2];    // faces; equal ones: a polygon's border
+    } edge[EDGES];
+    int points, faces, edges;
+    bool flat;
+};
+
+/* The umbra of a body: behind its front faces and within the planes through
+ * the light and the edges of its silhouette. */
+struct umbra {
+    int planes; // 0: none
+    struct gp_half plane[EDGES + FACES];
+    double margin; // what is in by less counts as outside: faces that touch
+};
+
+struct gp_umbras {
+    const struct gp_scene *scene;
+    int *of_mesh;      // bodies; -1: none; owned
+    struct body *body; // owned
+    int bodies;
+    struct umbra umbra[OCCLUDERS];
+    int n;
+};
+
 // -- bodies ------------------------------------------------------------------
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 
-bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p)
+/* True where no light passes through a submesh. */
+static bool is_opaque(const struct gp_scene *s, const struct gp_submesh *p)
 {
     const struct gp_material *const m = &s->material[p->material];
     return !gp_material_cut(m) && !gp_material_gone(m);
@@ -17,13 +50,13 @@ bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p)
 
 /* Returns the index of a point of the body, added when it is none yet; -1: no
  * room. */
-static int point_of(struct gp_body *b, struct gp_v3 p, double near)
+static int point_of(struct body *b, struct gp_v3 p, double near)
 {
     for (int i = 0; i < b->points; i++) {
         if (gp_v3_length(gp_v3_sub(b->point[i], p)) <= near)
             return i;
     }
-    if (b->points == GP_BODY_POINTS)
+    if (b->points == POINTS)
         return -1;
     b->point[b->points] = p;
     return b->points++;
@@ -31,14 +64,14 @@ static int point_of(struct gp_body *b, struct gp_v3 p, double near)
 
 /* Adds a triangle's edge, or its second side. False: no room, or two there
  * already. */
-static bool add_edge(struct gp_body *b, int from, int to, int face)
+static bool add_edge(struct body *b, int from, int to, int face)
 {
     int i = 0;
     while (i < b->edges &&
            !(b->edge[i].from == from && b->edge[i].to == to) &&
            !(b->edge[i].from == to && b->edge[i].to == from))
         i++;
-    if (i == GP_BODY_EDGES ||
+    if (i == EDGES ||
         (i < b->edges && b->edge[i].side[0] != b->edge[i].side[1]))
         return false;
     if (i == b->edges) {
@@ -52,11 +85,11 @@ static bool add_edge(struct gp_body *b, int from, int to, int face)
 }
 
 /* Adds a triangle of three points. */
-static bool add_face(struct gp_body *b, const int p[3])
+static bool add_face(struct body *b, const int p[3])
 {
     if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0])
         return true; // without area
-    if (b->faces == GP_BODY_FACES)
+    if (b->faces == FACES)
         return false;
     for (int i = 0; i < 3; i++) {
         b->face[b->faces][i] = (unsigned char) p[i];
@@ -68,8 +101,8 @@ static bool add_face(struct gp_body *b, const int p[3])
 }
 
 /* Finds the plane of a face, moved by a matrix, with `inside` behind it. */
-static bool plane_of(const struct gp_body *b, int face,
-                     const struct gp_v3 point[GP_BODY_POINTS],
+static bool plane_of(const struct body *b, int face,
+                     const struct gp_v3 point[POINTS],
                      struct gp_v3 inside, struct gp_half *out)
 {
     const unsigned char *const v = b->face[face];
@@ -80,7 +113,7 @@ static bool plane_of(const struct gp_body *b, int face,
 
 /* Returns how many points are before a plane, by more than `near`, and adds to
  * *on those in it. */
-static int points_before(const struct gp_body *b, struct gp_half h, double near,
+static int points_before(const struct body *b, struct gp_half h, double near,
                          int *on)
 {
     int before = 0;
@@ -94,7 +127,7 @@ static int points_before(const struct gp_body *b, struct gp_half h, double near,
 
 /* Checks that faces and edges bound a convex body: every point is behind every
  * face; of a polygon, every point is behind every edge of its border. */
-static bool convex(struct gp_body *b, double near)
+static bool convex(struct body *b, double near)
 {
     struct gp_half h = {0};
     int border = 0, on = 0;
@@ -120,7 +153,9 @@ static bool convex(struct gp_body *b, double near)
                    : border == 0 && b->points - b->edges + b->faces == 2;
 }
 
-bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
+/* Finds the body of a mesh: of all of its triangles at once. False where they
+ * make none. Triangles without area do not count. */
+static bool find_body(const struct gp_scene *s, int mesh, struct body *out)
 {
     const struct gp_mesh *const m = &s->mesh[mesh];
     const double size = gp_v3_length(gp_v3_sub(m->box.hi, m->box.lo));
@@ -128,7 +163,7 @@ bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
     memset(out, 0, sizeof *out);
     for (int k = m->first; k < m->first + m->submeshes; k++) {
         const struct gp_submesh *const p = &s->submesh[k];
-        if (!gp_submesh_opaque(s, p))
+        if (!is_opaque(s, p))
             return false;
         for (int i = p->first; i < p->first + p->count; i += 3) {
             int v[3];
@@ -144,47 +179,51 @@ bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
     return size > 0.0 && convex(out, near);
 }
 
-// -- of a scene's meshes ------------------------------------------------------
-
-gp_status gp_bodies_make(const struct gp_log *log, const struct gp_scene *s,
-                         struct gp_bodies *b)
+gp_status gp_umbras_open(const struct gp_log *log, const struct gp_scene *s,
+                         struct gp_umbras **out)
 {
-    struct gp_body found;
+    static const char what[] = "bodies of the scene";
+    struct gp_umbras *u;
+    struct body found;
     gp_status st;
-    GP_TRY(gp_alloc(log, "bodies of the scene", (size_t) s->meshes + 1,
-                    sizeof *b->of_mesh, &b->of_mesh));
+    GP_TRY(gp_alloc_zero(log, what, 1, sizeof *u, out));
+    u = *out;
+    u->scene = s;
+    GP_TRY(gp_alloc(log, what, (size_t) s->meshes + 1, sizeof *u->of_mesh,
+                    &u->of_mesh));
     for (int i = 0; i < s->meshes; i++) {
-        b->of_mesh[i] = -1;
-        if (!gp_body_find(s, i, &found))
+        u->of_mesh[i] = -1;
+        if (!find_body(s, i, &found))
             continue;
-        const size_t n = (size_t) b->bodies;
+        const size_t n = (size_t) u->bodies;
         if ((n & (n - 1)) == 0) // 0, 1, 2, 4...
-            GP_TRY(gp_resize(log, "bodies of the scene",
-                             (n ? 2 * n : 1) * sizeof found,
-                             (void **) &b->body));
-        b->body[n] = found;
-        b->of_mesh[i] = b->bodies++;
+            GP_TRY(gp_resize(log, what, (n ? 2 * n : 1) * sizeof found,
+                             (void **) &u->body));
+        u->body[n] = found;
+        u->of_mesh[i] = u->bodies++;
     }
 out:
     return st;
 }
 
-void gp_bodies_free(struct gp_bodies *b)
+void gp_umbras_close(struct gp_umbras **u)
 {
-    gp_free(b->of_mesh);
-    gp_free(b->body);
-    *b = (struct gp_bodies) {0};
+    if (*u) {
+        gp_free((*u)->of_mesh);
+        gp_free((*u)->body);
+    }
+    GP_FREE(*u);
 }
 
 // -- umbras ------------------------------------------------------------------
 
 /* Sets the planes of an umbra; false: it is empty. */
-static bool set_planes(const struct gp_body *body,
-                       const struct gp_v3 point[GP_BODY_POINTS],
+static bool set_planes(const struct body *body,
+                       const struct gp_v3 point[POINTS],
                        struct gp_v3 middle, struct gp_from light,
-                       struct gp_umbra *out)
+                       struct umbra *out)
 {
-    bool front[GP_BODY_FACES]; // the light sees it
+    bool front[FACES]; // the light sees it
     for (int f = 0; f < body->faces; f++) {
         struct gp_half h;
         if (!plane_of(body, f, point, middle, &h)) // by a singular matrix
@@ -213,10 +252,12 @@ static bool set_planes(const struct gp_body *body,
     return true;
 }
 
-void gp_umbra_make(const struct gp_body *body, const double to_world[16],
-                   struct gp_from light, struct gp_umbra *out)
+/* Makes the umbra of a body moved by a matrix. It is empty where the light is in
+ * the body or in the plane of a flat one. */
+static void make_umbra(const struct body *body, const double to_world[16],
+                   struct gp_from light, struct umbra *out)
 {
-    struct gp_v3 point[GP_BODY_POINTS];
+    struct gp_v3 point[POINTS];
     double size = light.w * gp_v3_length(light.p);
     for (int i = 0; i < body->points; i++) {
         point[i] = gp_move(to_world, body->point[i]);
@@ -228,7 +269,7 @@ void gp_umbra_make(const struct gp_body *body, const double to_world[16],
         out->planes = 0;
 }
 
-bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c, struct gp_v3 e)
+static bool holds(const struct umbra *u, struct gp_v3 c, struct gp_v3 e)
 {
     for (int i = 0; i < u->planes; i++) {
         const struct gp_half h = u->plane[i];
@@ -250,18 +291,18 @@ static double angle_of(const struct gp_object *o, struct gp_from light)
     return light.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
 }
 
-void gp_umbras_make(const struct gp_scene *s, const struct gp_bodies *b,
-                    const uint8_t *flag, struct gp_from light,
-                    struct gp_umbras *out)
+void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
+                     struct gp_from light)
 {
-    int most[GP_OCCLUDERS], n = 0; // objects
-    double angle[GP_OCCLUDERS];    // falling
-    for (int i = 0; i < s->objects; i++) {
+    const struct gp_scene *const s = u->scene;
+    int most[OCCLUDERS], n = 0; // objects
+    double angle[OCCLUDERS];    // falling
+    for (int i = 0; flag && i < s->objects; i++) {
         const double is = angle_of(&s->object[i], light);
-        if (!(flag[i] & GP_SET_L) || b->of_mesh[s->object[i].mesh] < 0 ||
-            !(is > 0.0) || (n == GP_OCCLUDERS && angle[n - 1] >= is))
+        if (!(flag[i] & GP_SET_L) || u->of_mesh[s->object[i].mesh] < 0 ||
+            !(is > 0.0) || (n == OCCLUDERS && angle[n - 1] >= is))
             continue;
-        n += n < GP_OCCLUDERS;
+        n += n < OCCLUDERS;
         int k = n - 1;
         for (; k > 0 && angle[k - 1] < is; k--) {
             angle[k] = angle[k - 1];
@@ -270,19 +311,19 @@ void gp_umbras_make(const struct gp_scene *s, const struct gp_bodies *b,
         angle[k] = is;
         most[k] = i;
     }
-    out->n = 0;
+    u->n = 0;
     for (int k = 0; k < n; k++) {
         const struct gp_object *const o = &s->object[most[k]];
-        gp_umbra_make(&b->body[b->of_mesh[o->mesh]], o->to_world, light,
-                      &out->umbra[out->n]);
-        out->n += out->umbra[out->n].planes > 0;
+        make_umbra(&u->body[u->of_mesh[o->mesh]], o->to_world, light,
+                   &u->umbra[u->n]);
+        u->n += u->umbra[u->n].planes > 0;
     }
 }
 
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
 {
     for (int i = 0; i < u->n; i++) {
-        if (gp_umbra_holds(&u->umbra[i], c, e))
+        if (holds(&u->umbra[i], c, e))
             return true;
     }
     return false;
