@@ -7,7 +7,6 @@
 #define GP_SCENE_RAYS_H
 
 #include "scene/scene.h"
-#include "scene/tree.h"
 
 /* Trees of a scene's meshes, each in its mesh's space: one that many objects
  * place is there once. They are made when an object first needs them, and hold
@@ -18,6 +17,13 @@ struct gp_meshes {
 };
 
 void gp_meshes_free(struct gp_meshes *m);
+
+/* Boxes in a tree, four to a node. */
+struct gp_tree {
+    struct gp_tree_node *node; // owned; [0] is the root
+    int *item;                 // owned; of leaves: indices of boxes
+    int n, nodes;              // items; nodes
+};
 
 /* Objects in a tree, in their places. */
 struct gp_rays {

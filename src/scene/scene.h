@@ -6,7 +6,7 @@
  *                  (materials, cut-outs, triangles), node (nodes, lights,
  *                  cameras), anim (places of nodes at a time), camera (beside
  *                  the frame's)
- *   tree, rays     rays through triangles, in double
+ *   rays           rays through triangles, in double
  *   eye            objects between the eye and a light's disc, and the share of
  *                  it that they leave clear
  *   relight        the frame lit by the scene's lights
