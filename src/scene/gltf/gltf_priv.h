@@ -30,6 +30,13 @@ struct gp_gltf_at {
     char path[512];
 };
 
+/* Content that is read as something else, by the warnings of node.c. */
+enum gp_gltf_odd {
+    GP_GLTF_BLENDED, GP_GLTF_GLASS, GP_GLTF_BLIND, GP_GLTF_MORPHS,
+    GP_GLTF_FADED, GP_GLTF_TWICE, GP_GLTF_SKINS, GP_GLTF_COPIES,
+    GP_GLTF_HIDDEN, GP_GLTF_FLAT, GP_GLTF_ODD,
+};
+
 struct gp_gltf {
     const struct gp_log *log;
     const char *path;
@@ -42,6 +49,7 @@ struct gp_gltf {
     int buffers;
     bool beside;       // a buffer is a file of its own
     size_t taken;      // bytes of content, as gp_gltf_take() counted them
+    bool odd[GP_GLTF_ODD]; // what it has
 };
 
 /* Reads the file, its JSON and buffers, and checks version and extensions.

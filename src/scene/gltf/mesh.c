@@ -89,17 +89,11 @@ static json_t *base_texture(json_t *material)
                            "baseColorTexture");
 }
 
-/* Content of materials that warnings name. */
-struct seen {
-    bool blends, glass; // glass: partly, or by a texture
-};
-
 /* Lets a material that transmits at least half of the light hide nothing
  * (KHR_materials_transmission), as a blended one of at most half its alpha
  * would; a texture of it is not read, and the material is opaque. */
-static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
-                            int *texture, struct seen *seen,
-                            struct gp_material *m)
+static gp_status read_glass(struct gp_gltf *g, const struct gp_gltf_at *at,
+                            json_t *o, int *texture, struct gp_material *m)
 {
     double factor = 0.0;
     json_t *glass;
@@ -111,7 +105,7 @@ static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
     if (st || !(factor > 0.0))
         return st;
     const bool textured = json_object_get(glass, "transmissionTexture");
-    seen->glass = seen->glass || textured || factor < 1.0;
+    g->odd[GP_GLTF_GLASS] |= textured || factor < 1.0;
     if (!textured && factor >= 0.5) {
         m->cutoff = 2.0f; // no alpha reaches it
         *texture = -1;
@@ -119,8 +113,8 @@ static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
     return GP_OK;
 }
 
-static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
-                               struct seen *seen, struct gp_material *m)
+static gp_status read_material(struct gp_gltf *g, int index, int *texture,
+                               struct gp_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
     json_t *const o = gp_gltf_item(g, "materials", index);
@@ -140,12 +134,12 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
     if (!mode)
         *texture = -1; // its alpha is ignored
-    seen->blends = seen->blends || mode == 2;
+    g->odd[GP_GLTF_BLENDED] |= mode == 2;
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
     gp_gltf_name(o, m->name);
-    st = read_glass(&at, o, texture, seen, m);
+    st = read_glass(g, &at, o, texture, m);
 out:
     return st;
 }
@@ -157,8 +151,6 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
     const int n = gp_gltf_count(g, "materials");
     const int textures = gp_gltf_count(g, "textures");
     long long texels = 0;
-    struct seen seen = {0};
-    bool blind = false;
     gp_status st;
     GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n + 1, sizeof *out->material,
@@ -174,23 +166,13 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         struct gp_material *const m = &out->material[i];
         int texture;
         m->cutout = -1;
-        GP_TRY(read_material(g, i, &texture, &seen, m));
-        blind = blind || (texture >= 0 && !images);
+        GP_TRY(read_material(g, i, &texture, m));
+        g->odd[GP_GLTF_BLIND] |= texture >= 0 && !images;
         if (texture < 0 || !images)
             continue;
         GP_TRY(read_cutout(g, texture, images, &texels, out));
         m->cutout = texture;
     }
-    if (seen.blends)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: blended materials hide light where "
-               "their alpha is at least 0.5", g->path);
-    if (seen.glass)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: glass (KHR_materials_transmission) "
-               "of a factor under 0.5, or with a texture, hides all light, "
-               "other glass none", g->path);
-    if (blind)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: textures of cut-outs are not read; "
-               "they count as opaque", g->path);
 out:
     return st;
 }
@@ -207,8 +189,7 @@ struct walk {
     int *first, *uv;   // of each accessor of positions: its first vertex, or
                        // -1, the accessor of its texture coordinates, and the
     int *moved;        // material that moves these, or -1
-    bool morphs, drawn; // targets; points or lines that were left out
-    bool faded;         // cut-outs whose vertices have an alpha
+    bool drawn;        // points or lines that were left out
 };
 
 /* Writes the triangles of `n` vertices in glTF's mode 4 to 6. */
@@ -371,7 +352,7 @@ static gp_status note_faded(struct walk *w, const struct gp_gltf_at *at,
         return st;
     const char *const type = json_string_value(json_object_get(
         gp_gltf_item(w->g, "accessors", colour), "type"));
-    w->faded = w->faded || (type && strcmp(type, "VEC4") == 0);
+    w->g->odd[GP_GLTF_FADED] |= type && strcmp(type, "VEC4") == 0;
     return GP_OK;
 }
 
@@ -393,7 +374,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     GP_TRY(gp_gltf_index(g, at, o, "material", "materials", &material));
     GP_TRY(gp_gltf_extension(at, o, "KHR_draco_mesh_compression", &draco));
     w->drawn = w->drawn || mode < 4;
-    w->morphs = w->morphs || json_object_get(o, "targets");
+    g->odd[GP_GLTF_MORPHS] |= json_object_get(o, "targets") != NULL;
     if (mode < 4 || positions < 0)
         return GP_OK;
     material = material < 0 ? w->out->materials - 1 : material;
@@ -484,13 +465,6 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
                          sizeof *out->submesh, &out->submesh));
     w.fill = true;
     GP_TRY(walk_meshes(&w));
-    if (w.morphs)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: morph targets are not supported; "
-               "meshes keep their base shape", g->path);
-    if (w.faded)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: alpha of vertices (COLOR_0) is not "
-               "read; cut-outs have that of their material only; bake it into "
-               "the texture", g->path);
     if (w.drawn)
         gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
                "are left out", g->path);

@@ -241,16 +241,10 @@ out:
 
 // -- what is placed -----------------------------------------------------------
 
-/* Lights that the file defines, and content that warnings name. */
-struct placed {
-    struct gp_scene_light *light; // owned
-    int lights;
-    bool skins, flat;
-    bool copies, unseen; // EXT_mesh_gpu_instancing, KHR_node_visibility
-};
-
-static gp_status place_node(const struct gp_gltf *g, int index,
-                            struct placed *to, struct gp_scene *out)
+/* Adds what a node places; `defs` are the file's lights. */
+static gp_status place_node(struct gp_gltf *g, int index,
+                            const struct gp_scene_light *defs, int defined,
+                            struct gp_scene *out)
 {
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
@@ -265,20 +259,20 @@ static gp_status place_node(const struct gp_gltf *g, int index,
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_lights_punctual", &punctual));
     GP_TRY(gp_json_int(&at.p, punctual, "light", 0, INT_MAX, &light, NULL));
-    if (light >= to->lights)
+    if (light >= defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
-                            light, to->lights));
+                            light, defined));
     GP_TRY(gp_gltf_extension(&at, o, "EXT_mesh_gpu_instancing", &copies));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_node_visibility", &seen));
-    to->skins = to->skins || json_object_get(o, "skin");
-    to->copies = to->copies || (copies && mesh >= 0);
-    to->unseen = to->unseen || json_is_false(json_object_get(seen, "visible"));
+    g->odd[GP_GLTF_SKINS] |= json_object_get(o, "skin") != NULL;
+    g->odd[GP_GLTF_COPIES] |= copies && mesh >= 0;
+    g->odd[GP_GLTF_HIDDEN] |= json_is_false(json_object_get(seen, "visible"));
     if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x)
         out->object[out->objects++] =
             (struct gp_object) {.mesh = mesh, .node = index};
     if (light >= 0) {
         struct gp_scene_light *const l = &out->light[out->lights++];
-        *l = to->light[light];
+        *l = defs[light];
         l->node = index;
         GP_TRY(gp_json_number(&at.p, json_object_get(o, "extras"),
                               "ball_radius", 0.0, MOST_PLACE, &l->ball, NULL));
@@ -292,7 +286,7 @@ static gp_status place_node(const struct gp_gltf *g, int index,
         if (*name)
             memcpy(c->name, name, sizeof name);
         out->cameras += perspective;
-        to->flat = to->flat || !perspective;
+        g->odd[GP_GLTF_FLAT] |= !perspective;
     }
 out:
     return st;
@@ -301,12 +295,13 @@ out:
 static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
 {
     const struct gp_scene_nodes *const nodes = out->nodes;
-    struct placed to = {0};
+    struct gp_scene_light *defs = NULL;
     struct gp_scene_camera camera;
     size_t objects = 0, lights = 0, cameras = 0; // at most
     bool perspective;
+    int defined = 0;
     gp_status st;
-    GP_TRY(read_lights(g, &to.light, &to.lights));
+    GP_TRY(read_lights(g, &defs, &defined));
     for (int i = 0; i < gp_gltf_count(g, "cameras"); i++)
         GP_TRY(read_camera(g, i, &perspective, &camera));
     for (int i = 0; i < nodes->n; i++) {
@@ -323,27 +318,45 @@ static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
                          &out->camera));
     for (int i = 0; i < nodes->n; i++) {
         if (nodes->at[i].placed)
-            GP_TRY(place_node(g, i, &to, out));
+            GP_TRY(place_node(g, i, defs, defined, out));
     }
-    if (to.skins)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: skins are not supported; meshes "
-               "keep the pose they are stored in", g->path);
-    if (to.copies)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: instances of one node "
-               "(EXT_mesh_gpu_instancing) are not supported; its mesh is "
-               "placed once", g->path);
-    if (to.unseen)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: hidden nodes (KHR_node_visibility) "
-               "are not supported; they are placed as the others", g->path);
-    if (to.flat)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: orthographic cameras are not "
-               "supported and left out", g->path);
 out:
-    gp_free(to.light);
+    gp_free(defs);
     return st;
 }
 
 // -- the scene ----------------------------------------------------------------
+
+static void warn_of_odd(const struct gp_gltf *g)
+{
+    static const char *const text[GP_GLTF_ODD] = {
+        [GP_GLTF_BLENDED] = "blended materials hide light where their alpha is "
+                            "at least 0.5",
+        [GP_GLTF_GLASS] = "glass (KHR_materials_transmission) of a factor under "
+                          "0.5, or with a texture, hides all light, other glass "
+                          "none",
+        [GP_GLTF_BLIND] = "textures of cut-outs are not read; they count as "
+                          "opaque",
+        [GP_GLTF_MORPHS] = "morph targets are not supported; meshes keep their "
+                           "base shape",
+        [GP_GLTF_FADED] = "alpha of vertices (COLOR_0) is not read; cut-outs "
+                          "have that of their material only; bake it into the "
+                          "texture",
+        [GP_GLTF_TWICE] = "two animations move a node the same way; the first "
+                          "counts",
+        [GP_GLTF_SKINS] = "skins are not supported; meshes keep the pose they "
+                          "are stored in",
+        [GP_GLTF_COPIES] = "instances of one node (EXT_mesh_gpu_instancing) are "
+                           "not supported; its mesh is placed once",
+        [GP_GLTF_HIDDEN] = "hidden nodes (KHR_node_visibility) are not "
+                           "supported; they are placed as the others",
+        [GP_GLTF_FLAT] = "orthographic cameras are not supported and left out",
+    };
+    for (int i = 0; i < GP_GLTF_ODD; i++) {
+        if (g->odd[i])
+            gp_say(g->log, GP_LEVEL_WARN, "%s: %s", g->path, text[i]);
+    }
+}
 
 gp_status gp_scene_read(const struct gp_log *log, const char *path,
                         enum gp_up up, const struct gp_scene_images *images,
@@ -361,6 +374,7 @@ gp_status gp_scene_read(const struct gp_log *log, const char *path,
     GP_TRY(read_nodes(&g, &s));
     GP_TRY(gp_gltf_animations(&g, &s));
     GP_TRY(place_all(&g, &s));
+    warn_of_odd(&g);
     s.nodes->turned = up == GP_UP_Z;
     gp_scene_pose(&s, s.start);
     *out = s;
