@@ -4,6 +4,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "scene/bounds.h"
 
 #include <math.h>
 
@@ -49,13 +50,12 @@ static double angle_between(struct gp_v3 a, struct gp_v3 b)
     return atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b));
 }
 
-/* Returns true when a sphere may meet the cone before the disc. */
-static bool meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
-                         double radius)
+/* Returns true when an object's sphere may meet the cone before the disc. */
+static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
 {
-    const struct gp_v3 c = gp_v3_sub(centre, d->eye);
+    const struct gp_v3 c = gp_v3_sub(gp_box_middle(&o->box), d->eye);
     const double distance = gp_v3_length(c);
-    const double r = radius + SLACK * (distance + radius);
+    const double r = o->radius + SLACK * (distance + o->radius);
     if (distance - r > reach(d))
         return false;
     return distance <= r ||
@@ -70,9 +70,8 @@ static int list_objects(const struct gp_scene *s, const struct gp_eye_disc *d,
 {
     int n = 0;
     for (int i = 0; i < s->objects; i++) {
-        const struct gp_object *const o = &s->object[i];
         object[n] = i;
-        n += meets_sphere(d, o->centre, o->radius);
+        n += meets_sphere(d, &s->object[i]);
     }
     return n;
 }

@@ -96,8 +96,7 @@ struct gp_object {
     int mesh, node;
     double to_world[16];   // posed
     struct gp_box box;     // of the world, posed: holds every vertex
-    struct gp_v3 centre;   // of a sphere that holds every vertex, posed
-    double radius;
+    double radius;         // of a sphere round its middle that does so
 };
 
 enum gp_scene_light_kind {

@@ -14,7 +14,7 @@
 #define GP_TESTS_SCENE_MADE_H
 
 #include "core/memory.h"
-#include "scene/scene.h"
+#include "scene/bounds.h"
 #include "unit.h"
 
 #define MADE_PI 3.14159265358979323846
@@ -261,23 +261,18 @@ static inline struct gp_v3 made_corner(const struct gp_scene *s,
 static inline void made_bounds(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
-    struct gp_box b = {{INFINITY, INFINITY, INFINITY},
-                       {-INFINITY, -INFINITY, -INFINITY}};
+    struct gp_box b = GP_BOX_EMPTY;
     for (int pass = 0; pass < 2; pass++) {
         for (int k = m->first; k < m->first + m->submeshes; k++) {
             const int first = s->submesh[k].first, n = s->submesh[k].count;
             for (int i = first; i < first + n; i++) {
                 const struct gp_v3 p = made_corner(s, o, i);
-                b.lo = (struct gp_v3) {fmin(b.lo.x, p.x), fmin(b.lo.y, p.y),
-                                       fmin(b.lo.z, p.z)};
-                b.hi = (struct gp_v3) {fmax(b.hi.x, p.x), fmax(b.hi.y, p.y),
-                                       fmax(b.hi.z, p.z)};
+                b = gp_box_with(b, p);
                 if (pass == 1)
                     o->radius = fmax(o->radius, (1.0 + 1e-12) * gp_v3_length(
-                        gp_v3_sub(p, o->centre)));
+                        gp_v3_sub(p, gp_box_middle(&b))));
             }
         }
-        o->centre = gp_v3_scale(gp_v3_add(b.lo, b.hi), 0.5);
     }
     o->box = b;
 }

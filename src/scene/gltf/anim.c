@@ -289,10 +289,9 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
             }
         }
         if (!gp_box_empty(box))
-            c = gp_v3_scale(gp_v3_add(box.lo, box.hi), 0.5);
+            c = gp_box_middle(&box);
     }
     o->box = box;
-    o->centre = c;
     o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out
 }
 

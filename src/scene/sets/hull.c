@@ -138,10 +138,10 @@ struct gp_reach gp_light_reach(const struct gp_scene_light *light)
     return r;
 }
 
-bool gp_reach_misses(const struct gp_reach *r, struct gp_v3 c, struct gp_v3 e,
-                     double radius)
+bool gp_reach_misses(const struct gp_reach *r, const struct gp_object *o)
 {
-    const struct gp_v3 v = gp_v3_sub(c, r->from.p);
+    const struct gp_v3 e = gp_box_half(&o->box);
+    const struct gp_v3 v = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
     const double x = gp_maxd(fabs(v.x) - e.x, 0.0),
                  y = gp_maxd(fabs(v.y) - e.y, 0.0),
                  z = gp_maxd(fabs(v.z) - e.z, 0.0);
@@ -151,7 +151,7 @@ bool gp_reach_misses(const struct gp_reach *r, struct gp_v3 c, struct gp_v3 e,
     const double aside = sqrt(fmax(0.0, gp_v3_dot(v, v) - along * along));
     // distance before the cone's side; never over the distance from the cone
     return r->sin != 0.0 && r->cos * aside - r->sin * along >
-                                radius + 1e-9 * (fabs(along) + aside);
+                                o->radius + 1e-9 * (fabs(along) + aside);
 }
 
 bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v)

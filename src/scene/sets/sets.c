@@ -29,7 +29,7 @@ static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
     double far = 2.0 * v->near;
     for (int i = 0; i < s->objects; i++) {
         const struct gp_object *const o = &s->object[i];
-        const struct gp_v3 c = o->centre;
+        const struct gp_v3 c = gp_box_middle(&o->box);
         far = fmax(far, c.x * m[3] + c.y * m[7] + c.z * m[11] + m[15] +
                             1.001 * o->radius);
     }
@@ -123,25 +123,15 @@ void gp_sets_close(struct gp_sets **sets)
 
 // -- a light's sets ----------------------------------------------------------
 
-/* Returns the radius of a sphere around an object that is centred on c, the
- * middle of its box. */
-static double radius_around(const struct gp_object *o, struct gp_v3 c)
-{
-    const double corner = gp_v3_length(gp_v3_sub(o->box.hi, c));
-    return fmin(corner, o->radius + gp_v3_length(gp_v3_sub(o->centre, c)));
-}
-
 /* Returns half the sides of an object's box, wider by what lookups in a map of
  * shadows may be off. */
 static struct gp_v3 wide_half(const struct gp_sets *s, const struct gp_reach *r,
-                              const struct gp_object *o, struct gp_v3 c)
+                              const struct gp_object *o)
 {
-    const double away =
-        r->from.w > 0.0 ? gp_v3_length(gp_v3_sub(c, r->from.p)) +
-                              radius_around(o, c)
-                        : 1.0;
     const struct gp_v3 e = gp_box_half(&o->box);
-    const double more = s->view.texel * away;
+    const struct gp_v3 to = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
+    const double more = s->view.texel * (r->from.w > 0.0
+        ? gp_v3_length(to) + o->radius : 1.0);
     return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
 }
 
@@ -151,9 +141,7 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
     bool any = false;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
-        const struct gp_v3 c = gp_box_middle(&o->box);
-        if (gp_box_empty(o->box) ||
-            gp_reach_misses(r, c, gp_box_half(&o->box), radius_around(o, c)))
+        if (gp_box_empty(o->box) || gp_reach_misses(r, o))
             continue;
         s->flag[i] |= GP_SET_L;
         any |= (s->flag[i] & GP_SET_V) != 0;
@@ -171,7 +159,7 @@ static void find_lit(struct gp_sets *s, const struct gp_reach *r)
         const struct gp_v3 c = gp_box_middle(&o->box);
         if (!(s->flag[i] & GP_SET_L))
             continue;
-        if (gp_umbras_hold(s->umbras, c, wide_half(s, r, o, c)))
+        if (gp_umbras_hold(s->umbras, c, wide_half(s, r, o)))
             s->flag[i] &= (uint8_t) ~GP_SET_L;
         else if (s->flag[i] & GP_SET_V)
             s->lit[s->lits++] = i;
@@ -192,7 +180,7 @@ static void flag_light(struct gp_sets *s, const struct gp_reach *r,
         const struct gp_v3 c = gp_box_middle(&o->box);
         if ((s->flag[i] & GP_SET_L) &&
             (!(s->use & GP_SETS_SHADOWS) ||
-             !gp_volume_misses(&hull, c, wide_half(s, r, o, c))))
+             !gp_volume_misses(&hull, c, wide_half(s, r, o))))
             s->flag[i] |= GP_SET_S;
     }
     for (int k = 0; k < s->lits; k++)

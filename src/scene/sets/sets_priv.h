@@ -93,10 +93,9 @@ struct gp_reach {
 
 struct gp_reach gp_light_reach(const struct gp_scene_light *light);
 
-/* True where a box (centre c, half sides e) is beyond the range, or the sphere of
- * that radius round it is outside the cone. */
-bool gp_reach_misses(const struct gp_reach *r, struct gp_v3 c, struct gp_v3 e,
-                     double radius);
+/* True where an object's box is beyond the range, or its sphere is outside the
+ * cone. */
+bool gp_reach_misses(const struct gp_reach *r, const struct gp_object *o);
 
 /* False where the light's volume cannot meet a frustum. */
 bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v);

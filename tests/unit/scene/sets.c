@@ -75,9 +75,7 @@ static void check_light(const struct gp_scene *s, const struct shot *shot,
     }
     const struct gp_reach r = gp_light_reach(from);
     for (int i = 0; i < s->objects; i++) {
-        const struct gp_object *const o = &s->object[i];
-        const struct gp_v3 e = gp_v3_sub(o->box.hi, o->centre);
-        sum->reach += !gp_reach_misses(&r, o->centre, e, o->radius);
+        sum->reach += !gp_reach_misses(&r, &s->object[i]);
         sum->l += (flag[i] & GP_SET_L) != 0;
         sum->i += (flag[i] & GP_SET_I) != 0;
         sum->s += (flag[i] & GP_SET_S) != 0;
