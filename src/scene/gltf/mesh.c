@@ -186,9 +186,11 @@ struct walk {
     bool fill;
     long long vertices, indices;
     int submeshes;
-    int *first, *uv;   // of each accessor of positions: its first vertex, or
-                       // -1, the accessor of its texture coordinates, and the
-    int *moved;        // material that moves these, or -1
+    struct known {     // of each accessor of positions
+        int first;     // its first vertex; -1: none yet
+        int uv, moved; // accessor of its texture coordinates, and the material
+                       // that moves these; -1: none
+    } *known;          // owned
     bool drawn;        // points or lines that were left out
 };
 
@@ -219,31 +221,6 @@ struct uv_of {
                                       // counter-clockwise as the image is seen
 };
 
-/* Reads KHR_texture_transform of a material's base texture; *set is its set of
- * coordinates. */
-static gp_status read_move(const struct walk *w, int material, int *set,
-                           struct uv_of *uv)
-{
-    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
-    struct gp_gltf_at at;
-    json_t *o;
-    gp_status st;
-    gp_gltf_place(w->g, "material", material, &at);
-    GP_TRY(gp_json_int(&at.p, base, "texCoord", 0, 99, set, NULL));
-    GP_TRY(gp_gltf_extension(&at, base, "KHR_texture_transform", &o));
-    if (!o)
-        return GP_OK;
-    uv->moved = material;
-    GP_TRY(gp_json_int(&at.p, o, "texCoord", 0, 99, set, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "scale", 2, -1e6, 1e6, uv->scale,
-                           NULL));
-    GP_TRY(gp_json_number(&at.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "offset", 2, -1e6, 1e6, uv->offset,
-                           NULL));
-out:
-    return st;
-}
-
 /* Moves n coordinates (KHR_texture_transform). v points down: in numbers the
  * turn is clockwise, so that the extension's example, offset (0, 1), a turn of
  * pi / 2 and scale 0.5, shows the lower left quarter of the image. */
@@ -264,11 +241,10 @@ static gp_status read_vertices(struct walk *w, int positions,
                                const struct gp_gltf_accessor *a)
 {
     struct gp_gltf_accessor map;
-    const bool known = w->first[positions] >= 0 &&
-                       w->uv[positions] == uv->accessor &&
-                       w->moved[positions] == uv->moved;
+    struct known *const known = &w->known[positions];
     gp_status st;
-    if (known)
+    if (known->first >= 0 && known->uv == uv->accessor &&
+        known->moved == uv->moved)
         return GP_OK;
     if (uv->accessor >= 0) {
         GP_TRY(gp_gltf_accessor(w->g, uv->accessor, &map));
@@ -276,9 +252,7 @@ static gp_status read_vertices(struct walk *w, int positions,
             GP_TRY(gp_gltf_fail(&map.place, "%d texture coordinates for %d "
                                 "positions", map.count, a->count));
     }
-    w->first[positions] = (int) w->vertices;
-    w->uv[positions] = uv->accessor;
-    w->moved[positions] = uv->moved;
+    *known = (struct known) {(int) w->vertices, uv->accessor, uv->moved};
     if (w->fill) {
         const size_t at = (size_t) w->vertices;
         GP_TRY(gp_gltf_floats(a, 3, w->out->position + 3 * at));
@@ -322,20 +296,32 @@ out:
     return st;
 }
 
-/* Finds the texture coordinates that the material's cut-out reads. */
+/* Finds the texture coordinates that the material's cut-out reads, and
+ * KHR_texture_transform of them. */
 static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
                          json_t *attributes, int material, struct uv_of *uv)
 {
-    const struct gp_material *const m = &w->out->material[material];
+    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
+    struct gp_gltf_at of;
+    json_t *o;
     char key[32];
     int set = 0;
+    gp_status st;
     *uv = (struct uv_of) {.accessor = -1, .moved = -1, .scale = {1.0, 1.0}};
-    if (m->cutout < 0)
+    if (w->out->material[material].cutout < 0)
         return GP_OK;
-    const gp_status st = read_move(w, material, &set, uv);
+    gp_gltf_place(w->g, "material", material, &of);
+    GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set, NULL));
+    GP_TRY(gp_gltf_extension(&of, base, "KHR_texture_transform", &o));
+    uv->moved = o ? material : -1;
+    GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set, NULL));
+    GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale, NULL));
+    GP_TRY(gp_json_number(&of.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
+    GP_TRY(gp_json_numbers(&of.p, o, "offset", 2, -1e6, 1e6, uv->offset, NULL));
     snprintf(key, sizeof key, "TEXCOORD_%d", set);
-    return st ? st : gp_gltf_index(w->g, at, attributes, key, "accessors",
-                                   &uv->accessor);
+    st = gp_gltf_index(w->g, at, attributes, key, "accessors", &uv->accessor);
+out:
+    return st;
 }
 
 /* Notes a cut-out whose vertices have an alpha: COLOR_0 of four components,
@@ -395,7 +381,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
         w->out->submesh[w->submeshes] = (struct gp_submesh) {
             (int) w->indices, (int) n, material,
         };
-        GP_TRY(fill_triangles(w, mode, count, w->first[positions], &a,
+        GP_TRY(fill_triangles(w, mode, count, w->known[positions].first, &a,
                               indices >= 0 ? &index : NULL, &mesh->box));
     } else {
         GP_TRY(gp_gltf_take(g, sizeof(uint32_t) * (size_t) n +
@@ -413,7 +399,7 @@ static gp_status walk_meshes(struct walk *w)
     w->vertices = w->indices = 0;
     w->submeshes = 0;
     for (int i = 0; i < gp_gltf_count(w->g, "accessors"); i++)
-        w->first[i] = -1;
+        w->known[i].first = -1;
     for (int i = 0; i < w->out->meshes; i++) {
         struct gp_mesh *const mesh = &w->out->mesh[i];
         json_t *const o = gp_gltf_item(w->g, "meshes", i), *primitive;
@@ -448,9 +434,7 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *out->mesh,
                          &out->mesh));
     out->meshes = n;
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.first, &w.first));
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.uv, &w.uv));
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.moved, &w.moved));
+    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.known, &w.known));
     GP_TRY(walk_meshes(&w));
     out->vertices = (int) w.vertices;
     out->indices = (int) w.indices;
@@ -469,8 +453,6 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
         gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
                "are left out", g->path);
 out:
-    gp_free(w.first);
-    gp_free(w.uv);
-    gp_free(w.moved);
+    gp_free(w.known);
     return st;
 }

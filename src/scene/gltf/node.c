@@ -40,6 +40,13 @@ out:
     return st;
 }
 
+/* True for the number of a node. */
+static bool is_node(const struct gp_scene_nodes *s, const json_t *item)
+{
+    const double d = json_number_value(item);
+    return json_is_number(item) && d >= 0.0 && d < s->n && d == floor(d);
+}
+
 /* Gives each node its parent, and refuses a second one. */
 static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
@@ -53,8 +60,7 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
             return gp_gltf_fail(&at, "\"children\" is not an array");
         json_array_foreach (list, k, item) {
             const double d = json_number_value(item);
-            if (!json_is_number(item) || !(d >= 0.0 && d < s->n) ||
-                d != floor(d))
+            if (!is_node(s, item))
                 return gp_gltf_fail(&at, "no such child (found %g, there are "
                                     "%d nodes)", d, s->n);
             struct gp_scene_node *const child = &s->at[(int) d];
@@ -111,8 +117,7 @@ static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
             gp_gltf_item(g, "scenes", scene < 0 ? 0 : scene), "nodes");
     json_array_foreach (roots, k, item) {
         const double d = json_number_value(item);
-        if (!json_is_number(item) || !(d >= 0.0 && d < s->n) || d != floor(d) ||
-            s->at[(int) d].parent >= 0)
+        if (!is_node(s, item) || s->at[(int) d].parent >= 0)
             return gp_gltf_fail(&g->whole, "its scene holds no root (found %g "
                                 "of %d nodes)", d, s->n);
         s->at[(int) d].placed = true;

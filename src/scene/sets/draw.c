@@ -359,12 +359,6 @@ static void add_floats(struct inputs *in, const char *name, int n,
     in->u[in->n++] = u;
 }
 
-static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
-                      double w)
-{
-    add_floats(in, name, 4, (const double[4]) {p.x, p.y, p.z, w});
-}
-
 /* Adds a material's texture of alpha. */
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
@@ -519,8 +513,10 @@ static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
 {
     const struct gp_scene_light *const of = l->light;
     const bool limit = isfinite(of->range) && of->range > 0.0;
-    add_place(in, "eye", gp_v3_sub(d->eye, map->origin), 0.0);
-    add_place(in, "along", of->along, limit ? 1.0 / of->range : 0.0);
+    const struct gp_v3 eye = gp_v3_sub(d->eye, map->origin), to = of->along;
+    add_floats(in, "eye", 4, (const double[4]) {eye.x, eye.y, eye.z});
+    add_floats(in, "along", 4, (const double[4]) {
+        to.x, to.y, to.z, limit ? 1.0 / of->range : 0.0});
     in->u[in->n] = (struct gp_uniform) {.name = "map", .floats = 4};
     memcpy(in->u[in->n++].f, map->form_of, sizeof map->form_of);
     in->u[in->n++] = (struct gp_uniform) {

@@ -222,14 +222,6 @@ static gp_status time_rows(struct rows *w)
     return st;
 }
 
-static void set_view(struct rows *w, const struct gp_camera *c)
-{
-    w->view = (struct gp_sets_view) {
-        .camera = *c, .display = {0, 0, w->p->draw.w, w->p->draw.h},
-        .window = {0, 0, w->p->draw.w, w->p->draw.h}, .near = w->p->draw.near,
-    };
-}
-
 /* Finds the box of F, over which suns lay their maps: it is the same in every
  * row. */
 static gp_status find_all(struct rows *w)
@@ -259,7 +251,10 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     struct rows w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
     float *other = NULL;
     gp_status st;
-    set_view(&w, c);
+    w.view = (struct gp_sets_view) {
+        .camera = *c, .display = {0, 0, p->draw.w, p->draw.h},
+        .window = {0, 0, p->draw.w, p->draw.h}, .near = p->draw.near,
+    };
     GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));
