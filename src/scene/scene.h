@@ -62,7 +62,6 @@ struct gp_material {
                      // 0: opaque everywhere. BLEND: hides as MASK at 0.5, and
                      // the scene has a warning; 2: glass, which hides nothing
     int cutout;      // index; -1: alpha is base[3] alone
-    char name[GP_SCENE_NAME];
 };
 
 /* True for a material that a texture cuts out. */
@@ -88,7 +87,6 @@ struct gp_submesh {
 struct gp_mesh {
     int first, submeshes;
     struct gp_box box;
-    char name[GP_SCENE_NAME];
 };
 
 /* A mesh in its place: what the sets hold, the paper's object. */
@@ -136,8 +134,7 @@ static inline double gp_spot_share(const struct gp_scene_light *l,
 struct gp_scene_camera {
     double to_camera[16];  // posed; y up, it looks along -z
     double yfov;           // radians
-    double aspect;         // 0: the picture's
-    double near, far;      // far INFINITY: none
+    double near;           // 0: not given
     int node;
     char name[GP_SCENE_NAME];
 };

@@ -60,7 +60,6 @@ static inline int made_material(struct gp_scene *s, float cutoff, int cutout)
     MADE_GROW(s->material, s->materials);
     s->material[s->materials] = (struct gp_material) {
         .base = {0.5f, 0.5f, 0.5f, 1.0f}, .cutoff = cutoff, .cutout = cutout,
-        .name = "made",
     };
     return s->materials++;
 }
@@ -148,7 +147,7 @@ static inline int made_part(struct gp_scene *s, int first, int material,
     if (!more) {
         MADE_GROW(s->mesh, s->meshes);
         s->mesh[s->meshes++] = (struct gp_mesh) {
-            .first = s->submeshes, .name = "made",
+            .first = s->submeshes,
             .box = {{INFINITY, INFINITY, INFINITY},
                     {-INFINITY, -INFINITY, -INFINITY}},
         };
@@ -409,8 +408,8 @@ static inline struct gp_camera made_camera(struct gp_scene *s,
     MADE_GROW(s->camera, s->cameras);
     struct gp_scene_camera *const k = &s->camera[s->cameras];
     *k = (struct gp_scene_camera) {
-        .yfov = yfov * MADE_PI / 180.0, .aspect = aspect, .near = 0.1,
-        .far = 1000.0, .node = s->cameras++, .name = "made",
+        .yfov = yfov * MADE_PI / 180.0, .near = 0.1,
+        .node = s->cameras++, .name = "made",
     };
     memcpy(k->to_camera, m, sizeof k->to_camera);
     return c;

@@ -138,7 +138,6 @@ static gp_status read_material(struct gp_gltf *g, int index, int *texture,
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
-    gp_gltf_name(o, m->name);
     st = read_glass(g, &at, o, texture, m);
 out:
     return st;
@@ -411,7 +410,6 @@ static gp_status walk_meshes(struct walk *w)
         mesh->box = (struct gp_box) {
             {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
         };
-        gp_gltf_name(o, mesh->name);
         if (!json_is_array(list))
             return gp_gltf_fail(&at, "no \"primitives\"");
         json_array_foreach (list, k, primitive) {

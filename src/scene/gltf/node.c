@@ -222,9 +222,10 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "cameras", index);
     json_t *const p = json_object_get(o, "perspective");
+    double far = INFINITY;
     int kind = -1;
     gp_status st;
-    *c = (struct gp_scene_camera) {.far = INFINITY};
+    *c = (struct gp_scene_camera) {0};
     gp_gltf_place(g, "camera", index, &at);
     GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind, NULL));
     if (kind < 0)
@@ -234,11 +235,9 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     if (kind == 1)
         return GP_OK;
     GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "aspectRatio", 1e-6, 1e6, &c->aspect,
-                          NULL));
     GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &c->far, NULL));
-    if (!(c->yfov > 0.0) || !(c->far > c->near))
+    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &far, NULL));
+    if (!(c->yfov > 0.0) || !(far > c->near))
         GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
 out:
     return st;

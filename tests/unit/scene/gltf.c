@@ -35,7 +35,6 @@ static void a_node_is_scaled_turned_and_moved_after_its_parent(void **state)
     assert_int_equal(s.objects, 1);
     assert_int_equal(s.indices, 3);
     assert_int_equal(s.vertices, 3);
-    assert_string_equal(s.mesh[0].name, "m");
     assert_at(s.object[0].box.lo, 0, 10, -8);
     assert_at(s.object[0].box.hi, 0, 12, -5);
     assert_true(fabs(s.object[0].radius - hypot(1.0, 1.5)) < 1e-9);
