@@ -70,7 +70,7 @@ static void fill_rows(const struct gp_table *t, struct glarepp_sets *out)
             .casters = r->casters, .lights = r->drawn.lights,
             .passes = r->drawn.passes, .batches = r->drawn.batches,
             .shadow_batches = r->drawn.shadow_batches,
-            .separate_batches = r->batches[0], .fragments = r->fragments,
+            .separate_batches = r->batches, .fragments = r->fragments,
             .ms = r->ms, .cpu_ms = r->cpu_ms, .same = r->same,
         };
     }
@@ -86,7 +86,7 @@ static gp_status fill(const struct gp_log *log, struct own *own,
     GP_TRY(gp_alloc(log, "lights", n, sizeof *own->scissor, &own->scissor));
     GP_TRY(gp_alloc(log, "lights", n, sizeof *own->depth, &own->depth));
     for (int i = 0; i < own->scene.lights; i++) {
-        const struct gp_table_light *const l = &own->table.light[i];
+        const struct gp_scissor *const l = &own->table.light[i];
         own->light[i] = own->scene.light[i].name;
         own->scissor[i] = (struct glarepp_rect) {l->rect.x0, l->rect.y0,
                                                  l->rect.x1, l->rect.y1};
@@ -178,8 +178,8 @@ int glarepp_sets_view(struct glarepp_sets *sets, enum glarepp_view view,
                               &own->view);
         break;
     case GLAREPP_SOURCES:
-        GP_TRY(gp_sets_draw_map(log, &own->table, &own->scene, &own->camera,
-                                own->w, own->h, &own->view));
+        gp_sets_draw_map(&own->table, &own->scene, &own->camera, own->w, own->h,
+                         &own->view);
         break;
     default:
         GP_TRY(gp_fail_at(log, GP_ERR_USAGE, "view", "sets: no such picture "

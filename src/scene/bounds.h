@@ -32,15 +32,6 @@ static inline struct gp_v3 gp_box_half(const struct gp_box *b)
     return gp_v3_scale(gp_v3_sub(b->hi, b->lo), 0.5);
 }
 
-/* Returns the smallest box that holds b and p. */
-static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
-{
-    return (struct gp_box) {
-        {gp_mind(p.x, b.lo.x), gp_mind(p.y, b.lo.y), gp_mind(p.z, b.lo.z)},
-        {gp_maxd(p.x, b.hi.x), gp_maxd(p.y, b.hi.y), gp_maxd(p.z, b.hi.z)},
-    };
-}
-
 /* Returns the smallest box that holds a and b, of which either may be empty. */
 static inline struct gp_box gp_box_join(struct gp_box a, struct gp_box b)
 {
@@ -50,6 +41,12 @@ static inline struct gp_box gp_box_join(struct gp_box a, struct gp_box b)
         {gp_maxd(a.hi.x, b.hi.x), gp_maxd(a.hi.y, b.hi.y),
          gp_maxd(a.hi.z, b.hi.z)},
     };
+}
+
+/* Returns the smallest box that holds b and p. */
+static inline struct gp_box gp_box_with(struct gp_box b, struct gp_v3 p)
+{
+    return gp_box_join(b, (struct gp_box) {p, p});
 }
 
 /* Returns p' = p * m for an affine matrix of row vectors. */

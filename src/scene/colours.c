@@ -1,4 +1,4 @@
-#include "scene/colours.h"
+#include "scene/relight_priv.h"
 
 #include "core/memory.h"
 

@@ -1,9 +1,10 @@
 /* Discs before the eye, the objects that their cones meet, and the share of a
  * disc that these leave clear, by rays. */
-#include "scene/scene_priv.h"
+#include "scene/eye.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "scene/bounds.h"
 
 #include <math.h>
 
@@ -49,35 +50,46 @@ static double angle_between(struct gp_v3 a, struct gp_v3 b)
     return atan2(gp_v3_length(gp_v3_cross(a, b)), gp_v3_dot(a, b));
 }
 
-/* Returns true when a sphere may meet the cone before the disc. */
-static bool meets_sphere(const struct gp_eye_disc *d, struct gp_v3 centre,
-                         double radius)
+/* Returns true when an object's sphere may meet the cone before the disc. */
+static bool meets_sphere(const struct gp_eye_disc *d, const struct gp_object *o)
 {
-    const struct gp_v3 c = gp_v3_sub(centre, d->eye);
+    const struct gp_v3 c = gp_v3_sub(gp_box_middle(&o->box), d->eye);
     const double distance = gp_v3_length(c);
-    const double r = radius + SLACK * (distance + radius);
+    const double r = o->radius + SLACK * (distance + o->radius);
     if (distance - r > reach(d))
         return false;
     return distance <= r ||
            angle_between(c, d->to) <= d->half + asin(r / distance) + SLACK;
 }
 
-int gp_eye_set(const struct gp_scene *s, const struct gp_eye_disc *d,
-               int *object)
+/* Lists the set E, indices of objects: those whose sphere meets the cone from the
+ * eye over the disc, and is nearer than a lamp. None that hides a part of the disc
+ * is left out; one that is kept may hide nothing. */
+static int list_objects(const struct gp_scene *s, const struct gp_eye_disc *d,
+                        int *object)
 {
     int n = 0;
     for (int i = 0; i < s->objects; i++) {
-        const struct gp_object *const o = &s->object[i];
         object[n] = i;
-        n += meets_sphere(d, o->centre, o->radius);
+        n += meets_sphere(d, &s->object[i]);
     }
     return n;
 }
 
 // -- directions ---------------------------------------------------------------
 
+/* A disc, the axes across it, and how its directions are weighed. */
+struct measure {
+    const struct gp_eye_disc *disc;
+    const struct gp_eye_window *window; // NULL: none
+    struct gp_v3 across, up;            // unit, upright to disc->to
+    bool cut;                           // the window has a part of the disc
+                                        // and lacks one
+    bool plane;                         // weigh by area in the picture
+};
+
 /* Returns true when the window shows a unit direction. */
-static bool inside(const struct gp_eye_measure *m, struct gp_v3 along)
+static bool inside(const struct measure *m, struct gp_v3 along)
 {
     const struct gp_eye_window *const w = m->window;
     const double world[3] = {along.x, along.y, along.z};
@@ -89,7 +101,7 @@ static bool inside(const struct gp_eye_measure *m, struct gp_v3 along)
            p.y >= w->known.y0 && p.y < w->known.y1;
 }
 
-static double along_view(const struct gp_eye_measure *m, struct gp_v3 along)
+static double along_view(const struct measure *m, struct gp_v3 along)
 {
     const double *const c = m->window->camera->to_ndc;
     return gp_v3_dot(along, (struct gp_v3) {c[3], c[7], c[11]});
@@ -97,20 +109,20 @@ static double along_view(const struct gp_eye_measure *m, struct gp_v3 along)
 
 /* Area in the picture of a solid angle there, but for a factor: 1 / cos^3 of
  * the angle from the view axis. */
-static double weight_of(const struct gp_eye_measure *m, struct gp_v3 along)
+static double weight_of(const struct measure *m, struct gp_v3 along)
 {
     const double c = m->plane ? along_view(m, along) : 1.0;
     return 1.0 / (c * c * c);
 }
 
-struct gp_eye_measure gp_eye_measure_of(const struct gp_eye_disc *d,
-                                        const struct gp_eye_window *window)
+static struct measure measure_of(const struct gp_eye_disc *d,
+                                 const struct gp_eye_window *window)
 {
     enum { AROUND = 256 }; // directions on the edge that are looked at
     const struct gp_v3 other = fabs(d->to.z) < 0.9
                                    ? (struct gp_v3) {0.0, 0.0, 1.0}
                                    : (struct gp_v3) {1.0, 0.0, 0.0};
-    struct gp_eye_measure m = {.disc = d, .window = window};
+    struct measure m = {.disc = d, .window = window};
     m.across = gp_v3_unit(gp_v3_cross(d->to, other));
     m.up = gp_v3_cross(m.across, d->to);
     const bool middle = inside(&m, d->to);
@@ -147,7 +159,7 @@ static double jitter(uint32_t i)
 /* Returns the direction of (a, b) in [-1, 1]^2, unit: the concentric map
  * (Shirley and Chiu 1997) to a disc, whose area is that on the sphere when the
  * square of its radius is 1 - cos(angle). */
-static struct gp_v3 direction(const struct gp_eye_measure *f, double a,
+static struct gp_v3 direction(const struct measure *f, double a,
                               double b)
 {
     const double half = sin(0.5 * f->disc->half);
@@ -189,7 +201,7 @@ struct row_sums {
 };
 
 struct samples {
-    struct gp_eye_measure measure;
+    struct measure measure;
     struct gp_rays rays; // through E
     int side;
     uint8_t bits[LAST * LAST];
@@ -262,49 +274,34 @@ static void cast(struct samples *s, struct gp_eye_share *out)
     out->error = n > 0 ? 0.5 * sqrt((double) edges) / n : 0.0;
 }
 
-/* Casts rays through the objects, of rising sides until one is good enough. */
-static gp_status cast_all(const struct gp_log *log, const struct gp_scene *s,
-                          struct gp_meshes *meshes, const int *object,
-                          struct samples *level, struct gp_eye_share *share)
-{
-    const struct gp_eye_disc *const d = level->measure.disc;
-    const int levels = d->half > 0.0 ? LEVELS : 1;
-    const gp_status st = gp_rays_make(log, s, meshes, object, share->objects,
-                                      &level->rays);
-    // without a triangle nothing is before it
-    const bool any = level->measure.cut || level->rays.triangles > 0;
-    for (int n = 0; n < levels && any && !st; n++) {
-        level->side = levels > 1 ? FIRST << n : 1;
-        cast(level, share);
-        if (share->error <= GOOD)
-            break;
-    }
-    gp_rays_free(&level->rays);
-    return st;
-}
-
 gp_status gp_eye_rays(const struct gp_log *log, const struct gp_scene *s,
                       struct gp_meshes *meshes, const struct gp_eye_disc *d,
                       const struct gp_eye_window *window,
                       struct gp_eye_share *out)
 {
+    const int levels = d->half > 0.0 ? LEVELS : 1;
     struct samples *level = NULL;
-    struct gp_meshes own = {0};
     struct gp_eye_share share = {.clear = 1.0, .outside = 1.0};
     int *object = NULL;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "rays to a light", 1, sizeof *level, &level));
     GP_TRY(gp_alloc(log, "objects before a light", (size_t) s->objects + 1,
                     sizeof *object, &object));
-    level->measure = gp_eye_measure_of(d, window);
-    const bool whole =
-        !level->measure.cut && inside(&level->measure, d->to);
+    level->measure = measure_of(d, window);
+    const bool whole = !level->measure.cut && inside(&level->measure, d->to);
     share.outside = whole ? 0.0 : 1.0;
-    share.objects = whole ? 0 : gp_eye_set(s, d, object);
-    GP_TRY(cast_all(log, s, meshes ? meshes : &own, object, level, &share));
+    share.objects = whole ? 0 : list_objects(s, d, object);
+    GP_TRY(gp_rays_make(log, s, meshes, object, share.objects, &level->rays));
+    // without a triangle nothing is before it
+    const bool any = level->measure.cut || level->rays.tree.n > 0;
+    for (int n = 0; any && n < levels && (n == 0 || share.error > GOOD); n++) {
+        level->side = levels > 1 ? FIRST << n : 1;
+        cast(level, &share);
+    }
     *out = share;
 out:
-    gp_meshes_free(&own);
+    if (level)
+        gp_rays_free(&level->rays);
     gp_free(object);
     gp_free(level);
     return st;

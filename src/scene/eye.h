@@ -50,7 +50,7 @@ struct gp_eye_share {
  * is doubled up to 256 until `error` is at most 5e-4. The disc's part outside
  * the window counts by area in the picture where the window cuts it, as that
  * inside does, and else by solid angle.
- *   meshes  of this scene, kept from call to call; NULL: made and freed
+ *   meshes  of this scene, kept from call to call
  *   window  NULL: no part is known
  *   out     written on GP_OK only
  * The same bits for any number of threads. Errors: GP_ERR_BUG memory. */

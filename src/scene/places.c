@@ -1,8 +1,6 @@
-#include "scene/places.h"
+#include "scene/relight_priv.h"
 
 #include <math.h>
-
-static const double pi = 3.14159265358979323846;
 
 /* Returns the place of a share of Blender's pixel filter: Blackman and Harris's
  * window of four terms, 3 pixels wide, whose integral it is. */
@@ -10,12 +8,12 @@ static double place_of(double share)
 {
     double lo = -0.5, hi = 0.5; // of the width
     for (int i = 0; i < 40; i++) {
-        const double v = 0.5 * (lo + hi), turn = 2.0 * pi * (v + 0.5);
+        const double v = 0.5 * (lo + hi), turn = 2.0 * M_PI * (v + 0.5);
         const double sum =
             v + 0.5 -
             (0.48829 * sin(turn) - 0.14128 / 2.0 * sin(2.0 * turn) +
              0.01168 / 3.0 * sin(3.0 * turn)) /
-                (2.0 * pi * 0.35875);
+                (2.0 * M_PI * 0.35875);
         *(sum < share ? &lo : &hi) = v;
     }
     return 3.0 * lo;

@@ -3,8 +3,6 @@
 
 #include "core/memory.h"
 #include "scene/bounds.h"
-#include "scene/scene_priv.h"
-#include "scene/tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -49,7 +47,8 @@ static double texel(uint16_t code)
     return (double) ((float) code / 65535.0f);
 }
 
-double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
+/* Returns a texture's alpha at (u, v): bilinear between texel centres. */
+static double alpha_at(const struct gp_cutout *c, double u, double v)
 {
     // (no texture is wrapped so often that its fraction still has digits)
     const double x = (fabs(u) < 1e9 ? u : 0.0) * c->w - 0.5;
@@ -64,6 +63,288 @@ double gp_cutout_alpha(const struct gp_cutout *c, double u, double v)
                  fx * texel(p[wrapped(x0 + 1.0, c->w, c->wrap[0])]);
     }
     return (1.0 - fy) * row[0] + fy * row[1];
+}
+
+// -- trees -------------------------------------------------------------------
+
+typedef float four __attribute__((vector_size(16)));
+typedef int four_bits __attribute__((vector_size(16)));
+
+/* Four boxes, rounded to hold what they are of. */
+struct gp_tree_node {
+    four bound[6]; // lo.x, lo.y, lo.z, hi.x, hi.y, hi.z
+    int first[4];     // item of a leaf, or a node
+    int count[4];     // items of a leaf; -1: a node; 0: nothing
+};
+
+enum {
+    BINS = 12, MOST_LEVELS = 48,
+    LEAF = 4,   // items, at most
+    DEEP = 256, // nodes and leaves that wait in a walk, at most
+};
+
+/* Items [first, first + count), `level` splits below the root. */
+struct range {
+    int first, count, level;
+};
+
+struct builder {
+    const struct gp_box *box;
+    struct gp_tree *tree;
+};
+
+/* Returns half the surface of a box; 0 of an empty one. */
+static double surface(const struct gp_box *b)
+{
+    const double x = fmax(b->hi.x - b->lo.x, 0.0);
+    const double y = fmax(b->hi.y - b->lo.y, 0.0);
+    const double z = fmax(b->hi.z - b->lo.z, 0.0);
+    return x * y + y * z + z * x;
+}
+
+/* Returns twice the middle of a box on an axis. */
+static double middle(const struct gp_box *b, int axis)
+{
+    return axis == 0   ? b->lo.x + b->hi.x
+           : axis == 1 ? b->lo.y + b->hi.y
+                       : b->lo.z + b->hi.z;
+}
+
+static struct gp_box box_of(const struct builder *b, struct range r)
+{
+    struct gp_box all = GP_BOX_EMPTY;
+    for (int i = r.first; i < r.first + r.count; i++)
+        all = gp_box_join(all, b->box[b->tree->item[i]]);
+    return all;
+}
+
+struct bin {
+    struct gp_box box;
+    int n;
+};
+
+/* Items are below a split if their bin on the axis is. */
+struct split {
+    int axis, bin; // axis -1: none
+    double low, per;
+    double cost;
+};
+
+static int bin_of(const struct gp_box *b, const struct split *s)
+{
+    const double at = (middle(b, s->axis) - s->low) * s->per;
+    return !(at > 0.0) ? 0 : at >= BINS - 1 ? BINS - 1 : (int) at; // NaN: 0
+}
+
+/* Tries the splits of an axis, and keeps the best. */
+static void try_axis(const struct builder *b, struct range r, int axis,
+                     struct split *best)
+{
+    const int *const item = b->tree->item + r.first;
+    struct bin bin[BINS];
+    double above[BINS] = {0}, low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < r.count; i++) {
+        const double at = middle(&b->box[item[i]], axis);
+        low = fmin(low, at);
+        high = fmax(high, at);
+    }
+    struct split s = {.axis = axis, .low = low, .per = BINS / (high - low)};
+    if (!isfinite(s.per))
+        return;
+    for (int i = 0; i < BINS; i++)
+        bin[i] = (struct bin) {.box = GP_BOX_EMPTY};
+    for (int i = 0; i < r.count; i++) {
+        const struct gp_box *const box = &b->box[item[i]];
+        struct bin *const k = &bin[bin_of(box, &s)];
+        k->box = gp_box_join(k->box, *box);
+        k->n++;
+    }
+    struct gp_box all = GP_BOX_EMPTY;
+    for (int i = BINS - 1, n = 0; i > 0; i--) {
+        all = gp_box_join(all, bin[i].box);
+        n += bin[i].n;
+        above[i] = surface(&all) * n;
+    }
+    all = GP_BOX_EMPTY;
+    for (int i = 1, n = 0; i < BINS; i++) {
+        all = gp_box_join(all, bin[i - 1].box);
+        n += bin[i - 1].n;
+        s.bin = i;
+        s.cost = surface(&all) * n + above[i];
+        if (n > 0 && n < r.count && s.cost < best->cost)
+            *best = s;
+    }
+}
+
+/* Splits a range in two, neither empty. */
+static void split_range(const struct builder *b, struct range r,
+                        struct range out[2])
+{
+    int *const item = b->tree->item + r.first;
+    struct split best = {.axis = -1, .cost = INFINITY};
+    int below = r.count / 2;
+    for (int axis = 0; axis < 3 && r.level < MOST_LEVELS; axis++)
+        try_axis(b, r, axis, &best);
+    if (best.axis >= 0) {
+        int j = r.count - 1;
+        for (below = 0; below <= j;) {
+            if (bin_of(&b->box[item[below]], &best) < best.bin) {
+                below++;
+                continue;
+            }
+            const int swap = item[below];
+            item[below] = item[j];
+            item[j--] = swap;
+        }
+    }
+    out[0] = (struct range) {r.first, below, r.level + 1};
+    out[1] = (struct range) {r.first + below, r.count - below, r.level + 1};
+}
+
+/* Returns a float below a number. */
+static float below(double v)
+{
+    return nextafterf((float) v, -INFINITY);
+}
+
+/* Splits the largest part of a range until there are four, and each part that
+ * is no leaf again; returns its node. A node of five items or more has three
+ * for each node at most: there are at most n / 3 + 1. */
+static int make_node(struct builder *b, struct range r)
+{
+    const int i = b->tree->nodes++;
+    struct gp_tree_node *const node = &b->tree->node[i];
+    struct range part[4] = {r};
+    for (int parts = 1; parts < 4; parts++) {
+        int most = 0;
+        for (int k = 1; k < parts; k++)
+            most = part[k].count > part[most].count ? k : most;
+        if (part[most].count <= LEAF)
+            break;
+        struct range two[2];
+        split_range(b, part[most], two);
+        part[most] = two[0];
+        part[parts] = two[1];
+    }
+    for (int k = 0; k < 4; k++) {
+        const struct gp_box box = box_of(b, part[k]);
+        const bool leaf = part[k].count <= LEAF;
+        node->bound[0][k] = below(box.lo.x);
+        node->bound[1][k] = below(box.lo.y);
+        node->bound[2][k] = below(box.lo.z);
+        node->bound[3][k] = -below(-box.hi.x);
+        node->bound[4][k] = -below(-box.hi.y);
+        node->bound[5][k] = -below(-box.hi.z);
+        node->count[k] = leaf ? part[k].count : -1;
+        node->first[k] = leaf ? part[k].first : make_node(b, part[k]);
+    }
+    return i;
+}
+
+/* Makes the tree of n boxes: splits by the least sum of surfaces times items
+ * (MacDonald and Booth 1990) over 12 bins an axis (Wald 2007), 48 levels deep at
+ * most, in the middle below. `out` is zero; free_tree() frees it in any case. */
+static gp_status make_tree(const struct gp_log *log, const struct gp_box *box,
+                           int n, struct gp_tree *out)
+{
+    struct builder b = {.box = box, .tree = out};
+    gp_status st;
+    GP_TRY(gp_alloc(log, "tree of boxes", (size_t) n, sizeof *out->item,
+                    &out->item));
+    GP_TRY(gp_alloc(log, "tree of boxes", (size_t) n / 3 + 1,
+                    sizeof *out->node, &out->node));
+    for (int i = 0; i < n; i++)
+        out->item[i] = i;
+    out->n = n;
+    if (n > 0)
+        make_node(&b, (struct range) {0, n, 0});
+out:
+    return st;
+}
+
+static void free_tree(struct gp_tree *t)
+{
+    gp_free(t->node);
+    gp_free(t->item);
+    *t = (struct gp_tree) {0};
+}
+
+/* Tests an item. Returns where it stops the ray, or `most`; -1 ends the walk. */
+typedef double (*meet_item)(void *user, int item, double most);
+
+/* Walks a ray through the boxes that it meets before `most` lengths of `along`,
+ * near ones first. Returns what the items leave of `most`. */
+__attribute__((always_inline))
+static inline double walk_tree(const struct gp_tree *t, struct gp_v3 from,
+                               struct gp_v3 along, double most,
+                               meet_item meet, void *user)
+{
+    // a walk in float loses no box: places are wider by their rounding, and so
+    // are lengths
+    static const double PLACE = 0x1p-22;
+    static const float LESS = 1.0f - 1e-6f, MORE = 1.0f + 1e-6f;
+    const double o[3] = {from.x, from.y, from.z};
+    const double d[3] = {along.x, along.y, along.z};
+    four enter[3], leave[3], per[3];
+    int near[3], far[3], n = 1; // bounds that it meets first and last
+    struct {
+        float at;
+        int first, count;
+    } wait[DEEP];
+    for (int c = 0; c < 3; c++) {
+        const double q = 1.0 / d[c];
+        const double wide = copysign(PLACE * fabs(o[c]), q);
+        const float a = (float) (o[c] + wide), b = (float) (o[c] - wide);
+        const float p = (float) q;
+        enter[c] = (four) {a, a, a, a};
+        leave[c] = (four) {b, b, b, b};
+        per[c] = (four) {p, p, p, p};
+        near[c] = q < 0.0 ? 3 + c : c;
+        far[c] = q < 0.0 ? c : 3 + c;
+    }
+    wait[0].at = 0.0f;
+    wait[0].first = 0;
+    wait[0].count = -1;
+    while (t->n > 0 && n > 0) {
+        n--;
+        if ((double) wait[n].at > most)
+            continue;
+        const int first = wait[n].first, count = wait[n].count;
+        for (int i = first; i < first + count && most >= 0.0; i++)
+            most = meet(user, t->item[i], most);
+        if (most < 0.0)
+            return most;
+        if (count > 0)
+            continue;
+        const struct gp_tree_node *const node = &t->node[first];
+        four in = {0.0f, 0.0f, 0.0f, 0.0f};
+        const float end = most < 1e38 ? (float) most : INFINITY;
+        four out = {end, end, end, end};
+        for (int c = 0; c < 3; c++) {
+            const four a = (node->bound[near[c]] - enter[c]) * per[c];
+            const four b = (node->bound[far[c]] - leave[c]) * per[c];
+            // NaN, of a ray in the plane of a bound, is neither
+            const four_bits later = a > in, sooner = b < out;
+            in = (four) ((later & (four_bits) a) |
+                            (~later & (four_bits) in));
+            out = (four) ((sooner & (four_bits) b) |
+                             (~sooner & (four_bits) out));
+        }
+        const int from_here = n;
+        in *= LESS;
+        const four_bits meets = in <= out * MORE;
+        for (int k = 0; k < 4; k++) {
+            if (!meets[k] || node->count[k] == 0)
+                continue;
+            int i = n++; // the nearest is the last
+            for (; i > from_here && wait[i - 1].at < in[k]; i--)
+                wait[i] = wait[i - 1];
+            wait[i].at = in[k];
+            wait[i].first = node->first[k];
+            wait[i].count = node->count[k];
+        }
+    }
+    return most;
 }
 
 // -- meshes ------------------------------------------------------------------
@@ -102,12 +383,12 @@ static gp_status make_mesh(const struct gp_log *log, const struct gp_scene *s,
         list_triangles(s, &part[k], out->triangle + n, box + n);
         n += (size_t) part[k].count / 3;
     }
-    GP_TRY(gp_tree_make(log, box, (int) n, &out->tree));
+    GP_TRY(make_tree(log, box, (int) n, &out->tree));
     out->made = true;
 out:
     gp_free(box);
     if (st) { // a later call makes it anew
-        gp_tree_free(&out->tree);
+        free_tree(&out->tree);
         GP_FREE(out->triangle);
     }
     return st;
@@ -136,7 +417,7 @@ out:
 void gp_meshes_free(struct gp_meshes *m)
 {
     for (int i = 0; i < m->n; i++) {
-        gp_tree_free(&m->tree[i].tree);
+        free_tree(&m->tree[i].tree);
         gp_free(m->tree[i].triangle);
     }
     gp_free(m->tree);
@@ -200,14 +481,11 @@ gp_status gp_rays_make(const struct gp_log *log, const struct gp_scene *s,
     GP_TRY(gp_alloc(log, what, (size_t) objects, sizeof *box, &box));
     for (int i = 0; i < objects; i++) {
         const struct gp_object *const o = &s->object[object[i]];
-        const int triangles = out->mesh[o->mesh].tree.n;
         out->place[n].object = object[i];
-        if (triangles == 0 || !set_place(o, &out->place[n]))
-            continue;
-        box[n++] = o->box;
-        out->triangles += triangles;
+        if (out->mesh[o->mesh].tree.n > 0 && set_place(o, &out->place[n]))
+            box[n++] = o->box;
     }
-    st = gp_tree_make(log, box, n, &out->tree);
+    st = make_tree(log, box, n, &out->tree);
 out:
     gp_free(box);
     return st;
@@ -215,7 +493,7 @@ out:
 
 void gp_rays_free(struct gp_rays *r)
 {
-    gp_tree_free(&r->tree);
+    free_tree(&r->tree);
     gp_free(r->place);
     *r = (struct gp_rays) {0};
 }
@@ -239,7 +517,7 @@ static bool opaque_at(const struct gp_scene *s, const struct triangle *t,
         const float *const q = s->uv + 2 * (size_t) v[1];
         const float *const r = s->uv + 2 * (size_t) v[2];
         const double a = 1.0 - b - c;
-        alpha *= gp_cutout_alpha(
+        alpha *= alpha_at(
             &s->cutout[m->cutout],
             a * (double) p[0] + b * (double) q[0] + c * (double) r[0],
             a * (double) p[1] + b * (double) q[1] + c * (double) r[1]);
@@ -311,8 +589,8 @@ static double meet_object(void *user, int item, double most)
     w->along = (struct gp_v3) {gp_v3_dot(w->world_along, p->in[0]),
                                gp_v3_dot(w->world_along, p->in[1]),
                                gp_v3_dot(w->world_along, p->in[2])};
-    const double at = gp_tree_walk(&w->mesh->tree, w->from, w->along, most,
-                                   meet_triangle, w);
+    const double at = walk_tree(&w->mesh->tree, w->from, w->along, most,
+                                meet_triangle, w);
     w->object = at < most ? p->object : w->object;
     return at;
 }
@@ -323,7 +601,7 @@ bool gp_rays_stopped(const struct gp_rays *r, struct gp_v3 from,
     struct walk w = {
         .rays = r, .world_from = from, .world_along = along, .any = true,
     };
-    gp_tree_walk(&r->tree, from, along, most, meet_object, &w);
+    walk_tree(&r->tree, from, along, most, meet_object, &w);
     return w.found;
 }
 
@@ -331,7 +609,7 @@ bool gp_rays_first(const struct gp_rays *r, struct gp_v3 from,
                    struct gp_v3 along, double most, struct gp_rays_hit *out)
 {
     struct walk w = {.rays = r, .world_from = from, .world_along = along};
-    most = gp_tree_walk(&r->tree, from, along, most, meet_object, &w);
+    most = walk_tree(&r->tree, from, along, most, meet_object, &w);
     if (!w.found)
         return false;
     const double *const m = r->scene->object[w.object].to_world;

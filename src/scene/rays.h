@@ -7,7 +7,6 @@
 #define GP_SCENE_RAYS_H
 
 #include "scene/scene.h"
-#include "scene/tree.h"
 
 /* Trees of a scene's meshes, each in its mesh's space: one that many objects
  * place is there once. They are made when an object first needs them, and hold
@@ -19,13 +18,19 @@ struct gp_meshes {
 
 void gp_meshes_free(struct gp_meshes *m);
 
+/* Boxes in a tree, four to a node. */
+struct gp_tree {
+    struct gp_tree_node *node; // owned; [0] is the root
+    int *item;                 // owned; of leaves: indices of boxes
+    int n, nodes;              // items; nodes
+};
+
 /* Objects in a tree, in their places. */
 struct gp_rays {
     const struct gp_scene *scene;     // borrowed
     const struct gp_mesh_tree *mesh;  // borrowed
     struct gp_tree tree;
     struct gp_rays_place *place;      // owned
-    long long triangles;              // of all places
 };
 
 /* Builds the tree of some objects, as posed, and the trees of their meshes that

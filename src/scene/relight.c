@@ -4,14 +4,11 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
-#include "scene/colours.h"
-#include "scene/places.h"
+#include "scene/relight_priv.h"
 #include "scene/rays.h"
 
 #include <math.h>
 #include <string.h>
-
-static const double pi = 3.14159265358979323846;
 
 enum { MANY = GP_PLACES };
 
@@ -114,6 +111,16 @@ static double plane_at(const struct relit *w, const struct surface *s,
     return z > 0.0 ? z : 0.0;
 }
 
+/* True where a surface's plane goes on in another's. */
+static bool goes_on(const struct relit *w, const struct surface *a,
+                    const struct surface *b)
+{
+    const struct gp_v3 way = gp_v3_scale(gp_v3_sub(b->place, w->eye),
+                                         1.0 / b->z);
+    return gp_v3_dot(a->normal, b->normal) > 0.9 &&
+           fabs(plane_at(w, a, way) - b->z) < 0.02 * b->z;
+}
+
 /* Reads a pixel that shows one surface only: its normal was not shortened. */
 static bool read_pure(const struct relit *w, int x, int y, struct surface *s)
 {
@@ -138,6 +145,143 @@ static bool is_mixed(const struct relit *w, const struct surface *own,
     return false;
 }
 
+// -- pixels that show two surfaces --------------------------------------------
+//
+// Colour, normal and albedo are means over a pixel; depth is one sample of it.
+// The light of a mean normal at that one place would be wrong along each edge.
+// So a pixel there is taken apart: its mean is a mix of two surfaces beside it,
+// each with the light that it has itself.
+
+enum { BESIDE = 2, SIDE = 2 * BESIDE + 1 }; // pixels that are searched
+
+/* Returns albedo and normal of a place in `out`, 0 where it has no surface. */
+static void means_of(const struct surface *s, double out[GP_MEANS])
+{
+    const bool any = s->z > 0.0;
+    for (int c = 0; c < 3; c++)
+        out[c] = any ? s->albedo[c] : 0.0;
+    out[3] = any ? s->normal.x : 0.0;
+    out[4] = any ? s->normal.y : 0.0;
+    out[5] = any ? s->normal.z : 0.0;
+}
+
+/* The surfaces of a pixel: found once for all lights. */
+struct pixel {
+    int x, y, n;           // n: of[], 0 to 2
+    struct surface own;    // as it is in the frame
+    double mean[GP_MEANS]; // of the pixel: its normal may be shortened
+    struct surface of[2];
+    double share[2];
+    bool edge;             // it may show others than its own
+    bool looked, placed;   // find_places() was called; its result
+    struct surface at[MANY];
+    double weight[MANY];
+};
+
+/* Returns the share t of `a` in the mean of a pixel, a t + b (1 - t), nearest by
+ * albedo and normal, and the square of what is left. b NULL: no surface. */
+static double share_of(const double mean[GP_MEANS], const struct surface *a,
+                       const struct surface *b, double *left)
+{
+    double u[GP_MEANS], v[GP_MEANS] = {0}, up = 0.0, down = 0.0;
+    means_of(a, u);
+    if (b)
+        means_of(b, v);
+    for (int i = 0; i < GP_MEANS; i++) {
+        up += (mean[i] - v[i]) * (u[i] - v[i]);
+        down += (u[i] - v[i]) * (u[i] - v[i]);
+    }
+    // alike: three quarters of such pixels are of the surface at their middle
+    const double t = down > 1e-3 ? fmin(fmax(up / down, 0.0), 1.0) : 0.75;
+    *left = 0.0;
+    for (int i = 0; i < GP_MEANS; i++) {
+        const double d = mean[i] - v[i] - t * (u[i] - v[i]);
+        *left += d * d;
+    }
+    return t;
+}
+
+/* Sets the pixel's first surface, that of its sample of depth: a pure one that
+ * goes on to there, else its own. */
+static void find_first(const struct relit *w, struct pixel *p)
+{
+    const struct gp_v3 way = way_to(w, p->x + 0.5, p->y + 0.5);
+    double nearest = INFINITY;
+    struct surface near;
+    p->of[0] = p->own;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const int dx = i % SIDE - BESIDE, dy = i / SIDE - BESIDE;
+        if (dx * dx + dy * dy >= nearest ||
+            !read_pure(w, p->x + dx, p->y + dy, &near) ||
+            fabs(plane_at(w, &near, way) - p->own.z) > 0.01 * p->own.z)
+            continue;
+        nearest = dx * dx + dy * dy;
+        p->of[0] = near;
+        p->of[0].z = p->own.z;
+        p->of[0].place = p->own.place;
+    }
+}
+
+/* Sets the pixel's other surface, the one beside it that leaves least of its
+ * mean, and the shares of both. A pixel without a sample of depth has no
+ * first one. */
+static void find_second(const struct relit *w, struct pixel *p)
+{
+    const struct gp_v3 way = way_to(w, p->x + 0.5, p->y + 0.5);
+    const bool has_own = p->own.z > 0.0;
+    struct surface near, *const best = &p->of[1];
+    double least = INFINITY;
+    p->n = has_own;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const int dx = i % SIDE - BESIDE, dy = i / SIDE - BESIDE;
+        const bool empty = depth_at(w->f, p->x + dx, p->y + dy) == 0.0;
+        double left, t; // t: share of the surface that the pixel has for sure
+        if (empty ? !has_own
+                  : !read_pure(w, p->x + dx, p->y + dy, &near) ||
+                        (has_own && goes_on(w, &p->of[0], &near)))
+            continue;
+        t = share_of(p->mean, has_own ? &p->of[0] : &near,
+                     has_own && !empty ? &near : NULL, &left);
+        left += 1e-6 * (dx * dx + dy * dy); // of like ones the nearest
+        if (left >= least)
+            continue;
+        least = left;
+        p->n = empty ? 1 : 2;
+        p->share[0] = has_own ? t : 0.0;
+        p->share[1] = has_own ? 1.0 - t : t;
+        *best = near;
+    }
+    // where its plane is seen here
+    const double z = p->n == 2 ? plane_at(w, best, way) : 0.0;
+    if (z > 0.8 * best->z && z < 1.25 * best->z) {
+        best->z = z;
+        best->place = gp_v3_add(w->eye, gp_v3_scale(way, z));
+    }
+}
+
+/* Finds the surfaces that a pixel shows, and their shares. */
+static void find_surfaces(const struct relit *w, struct pixel *p)
+{
+    double length;
+    p->n = 0;
+    p->looked = p->edge = false;
+    if (!read_pixel(w, p->x, p->y, &p->own, &length))
+        return;
+    p->n = 1;
+    p->of[0] = p->own;
+    p->share[0] = 1.0;
+    p->edge = !(p->own.z > 0.0) || is_mixed(w, &p->own, length, p->x, p->y);
+    if (!p->edge)
+        return;
+    struct surface mean = p->own;
+    mean.normal = gp_v3_scale(mean.normal, length);
+    mean.z = 1.0;
+    means_of(&mean, p->mean);
+    if (p->own.z > 0.0)
+        find_first(w, p);
+    find_second(w, p);
+}
+
 /* Returns the light that falls on a surface by the formula, without shadows. */
 static double light_at(const struct gp_scene_light *l, const struct surface *s)
 {
@@ -154,6 +298,18 @@ static double light_at(const struct gp_scene_light *l, const struct surface *s)
         light *= fmax(1.0 - far * far, 0.0);
     }
     return light * gp_spot_share(l, gp_v3_scale(to, -1.0 / d));
+}
+
+/* True where a light's range and cone hold a place. */
+static bool reaches(const struct gp_scene_light *l, struct gp_v3 place)
+{
+    if (l->kind == GP_LIGHT_DIRECTIONAL)
+        return true;
+    const struct gp_v3 from = gp_v3_sub(place, l->at);
+    const double d = gp_v3_length(from);
+    return !(l->range > 0.0 && d >= l->range) &&
+           (l->kind != GP_LIGHT_SPOT ||
+            gp_v3_dot(from, l->along) > d * cos(l->outer));
 }
 
 // -- a light's pass -------------------------------------------------------------
@@ -198,35 +354,31 @@ static double clear_share(const struct lamp *lamp, const struct surface *s,
     return clear;
 }
 
-/* Returns albedo and normal of a place in `out`, 0 where it has no surface. */
-static void means_of(const struct surface *s, double out[GP_MEANS])
+/* Scales the albedo of places so that their mix is the pixel's, as far as it may
+ * be that of these surfaces. */
+static void scale_places(const double own[3], const double weight[MANY],
+                         struct surface of[MANY])
 {
-    const bool any = s->z > 0.0;
-    for (int c = 0; c < 3; c++)
-        out[c] = any ? s->albedo[c] : 0.0;
-    out[3] = any ? s->normal.x : 0.0;
-    out[4] = any ? s->normal.y : 0.0;
-    out[5] = any ? s->normal.z : 0.0;
+    static const double MOST = 4.0;
+    for (int c = 0; c < 3; c++) {
+        double mix = 0.0;
+        for (int i = 0; i < MANY; i++)
+            mix += of[i].z > 0.0 ? weight[i] * of[i].albedo[c] : 0.0;
+        if (!(mix > 0.0))
+            continue;
+        const double scale = fmin(fmax(own[c] / mix, 1.0 / MOST), MOST);
+        for (int i = 0; i < MANY; i++)
+            of[i].albedo[c] *= scale;
+    }
 }
-
-/* The surfaces of a pixel: found once for all lights. */
-struct pixel {
-    int x, y;
-    bool any, edge;        // it has a surface; it may show others as well
-    struct surface own;
-    double length;         // of its normal
-    bool looked, placed;   // find_places() was called; its result
-    struct surface at[MANY];
-    double weight[MANY];
-};
 
 /* Finds the scene's surfaces at the places of a pixel, and their weights. False
  * where these are not those of the frame: their mean normal and albedo differ. */
 static bool find_places(const struct relit *w, struct pixel *p)
 {
     const struct gp_colours *const k = &w->colours;
-    struct surface own = p->own, *const of = p->at;
-    double one[MANY][GP_MEANS], frame[GP_MEANS], left = 0.0;
+    struct surface *const of = p->at;
+    double one[MANY][GP_MEANS], left = 0.0;
     for (int i = 0; i < MANY; i++) {
         const struct gp_v3 way = way_to_place(w, p->x, p->y, i);
         struct gp_rays_hit hit;
@@ -238,23 +390,21 @@ static bool find_places(const struct relit *w, struct pixel *p)
             of[i].normal = gp_v3_scale(hit.normal, turn);
             for (int c = 0; c < 3; c++)
                 of[i].albedo[c] = k->many[hit.material]
-                                      ? own.albedo[c]
+                                      ? p->own.albedo[c]
                                       : k->of[hit.material][c] / k->unit;
         }
         means_of(&of[i], one[i]);
     }
-    own.normal = gp_v3_scale(own.normal, p->length);
-    own.z = 1.0;
-    means_of(&own, frame);
     for (int j = 0; j < GP_MEANS; j++) {
         double mean = 0.0;
         for (int i = 0; i < MANY; i++)
             mean += 1.0 / MANY * one[i][j];
-        left += (mean - frame[j]) * (mean - frame[j]);
+        left += (mean - p->mean[j]) * (mean - p->mean[j]);
     }
     if (left > 0.1)
         return false;
-    gp_places_weigh((const double(*)[GP_MEANS]) one, frame, p->weight);
+    gp_places_weigh((const double(*)[GP_MEANS]) one, p->mean, p->weight);
+    scale_places(p->own.albedo, p->weight, of);
     return true;
 }
 
@@ -316,7 +466,7 @@ static void light_places(const struct lamp *lamp, const struct surface of[MANY],
         facts->rays++;
         if (!is_free(lamp, of[i].place, of[i].normal, of[i].z))
             continue;
-        light *= weight[i] * pass->light_scale / pi;
+        light *= weight[i] * pass->light_scale / M_PI;
         for (int c = 0; c < 3; c++)
             add[c] += light * pass->light->color[c] * of[i].albedo[c];
     }
@@ -360,20 +510,22 @@ static int marks_around(const struct lamp *lamp, int x, int y)
     return marks;
 }
 
-/* Adds the light of a pixel's own surface. */
-static void light_own(const struct lamp *lamp, const struct pixel *p, int next,
-                      double add[3], struct gp_relit *facts)
+/* Adds the light of the surfaces of a pixel. */
+static void light_surfaces(const struct lamp *lamp, const struct pixel *p,
+                           int next, double add[3], struct gp_relit *facts)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
-    const struct surface *const s = &p->own;
-    double light = s->z > 0.0 ? light_at(pass->light, s) : 0.0;
-    if (!(light > 0.0) || s->z < pass->near || s->z > pass->far)
-        return;
-    if (p->edge || next != 1 << LIT)
-        light *= clear_share(lamp, s, p->x, p->y, facts);
-    for (int c = 0; c < 3; c++)
-        add[c] += pass->light_scale * light / pi * pass->light->color[c] *
-                  s->albedo[c];
+    for (int k = 0; k < p->n; k++) {
+        const struct surface *const s = &p->of[k];
+        double light = p->share[k] * light_at(pass->light, s);
+        if (!(light > 0.0) || s->z < pass->near || s->z > pass->far)
+            continue;
+        if (p->edge || next != 1 << LIT)
+            light *= clear_share(lamp, s, p->x, p->y, facts);
+        for (int c = 0; c < 3; c++)
+            add[c] += pass->light_scale * light / M_PI * pass->light->color[c] *
+                      s->albedo[c];
+    }
 }
 
 /* Adds a light to a pixel. */
@@ -383,7 +535,10 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
     struct gp_relit *const facts = &lamp->row[p->y - lamp->cut.y0];
     const int next = marks_around(lamp, p->x, p->y);
     double add[3] = {0};
-    if (!p->edge && !(next & 1 << LIT))
+    bool reached = false;
+    for (int k = 0; k < p->n; k++)
+        reached = reached || reaches(lamp->pass->light, p->of[k].place);
+    if (!reached || (!p->edge && !(next & 1 << LIT)))
         return;
     if (p->edge && !p->looked) {
         p->placed = find_places(w, p);
@@ -392,7 +547,7 @@ static void light_pixel(const struct lamp *lamp, struct pixel *p)
     if (p->edge && p->placed)
         light_places(lamp, p->at, p->weight, add, facts);
     else
-        light_own(lamp, p, next, add, facts);
+        light_surfaces(lamp, p, next, add, facts);
     if (!(fmax(add[0], fmax(add[1], add[2])) > 0.0))
         return;
     const size_t at = (size_t) (p->y - w->f->data.y0) *
@@ -414,14 +569,10 @@ static void light_row(void *ctx, int i, int thread)
             const struct gp_rect cut = w->lamp[k].cut;
             if (p.x < cut.x0 || p.x >= cut.x1 || p.y < cut.y0 || p.y >= cut.y1)
                 continue;
-            if (!found) {
-                p.any = read_pixel(w, p.x, p.y, &p.own, &p.length);
-                p.edge = p.any && (!(p.own.z > 0.0) ||
-                                   is_mixed(w, &p.own, p.length, p.x, p.y));
-                p.looked = false;
-            }
+            if (!found)
+                find_surfaces(w, &p);
             found = true;
-            if (p.any)
+            if (p.n > 0)
                 light_pixel(&w->lamp[k], &p);
         }
     }
@@ -465,7 +616,7 @@ static gp_status open_lamp(const struct gp_log *log, const struct gp_scene *s,
                            struct gp_meshes *meshes, struct lamp *lamp)
 {
     const struct gp_relight_pass *const pass = lamp->pass;
-    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    const int rows = gp_rect_h(lamp->cut);
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "lit rows", (size_t) rows + 1, sizeof *lamp->row,
                          &lamp->row));
@@ -482,7 +633,7 @@ out:
 static struct gp_relit facts_of(const struct lamp *lamp)
 {
     struct gp_relit facts = {0};
-    const int rows = gp_rect_empty(lamp->cut) ? 0 : gp_rect_h(lamp->cut);
+    const int rows = gp_rect_h(lamp->cut);
     for (int i = 0; i < rows; i++) {
         facts.pixels += lamp->row[i].pixels;
         facts.rays += lamp->row[i].rays;
@@ -510,7 +661,7 @@ gp_status gp_relight(const struct gp_log *log, const struct gp_scene *s,
         };
         GP_TRY(open_lamp(log, s, meshes, &w.lamp[k]));
     }
-    gp_parallel_do(gp_rect_empty(f->data) ? 0 : gp_rect_h(f->data), light_row, &w);
+    gp_parallel_do(gp_rect_h(f->data), light_row, &w);
     for (int k = 0; k < passes; k++)
         out[k] = facts_of(&w.lamp[k]);
 out:

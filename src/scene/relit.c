@@ -29,12 +29,11 @@ struct lighting {
 static void list_light(struct lighting *l, int light)
 {
     const struct gp_scene *const s = l->s;
-    const bool any = gp_sets_light(l->sets, light);
+    const struct gp_scissor cut = gp_sets_light(l->sets, light);
     const uint8_t *const flag = gp_sets_flags(l->sets);
-    const struct gp_scissor cut = gp_sets_scissor(l->sets);
     int *const list = l->list + (size_t) l->n * (size_t) s->objects;
     int casters = 0;
-    for (int i = 0; any && i < s->objects; i++) {
+    for (int i = 0; i < s->objects; i++) {
         if (flag[i] & GP_SET_S)
             list[casters++] = i;
     }

@@ -6,7 +6,7 @@
  *                  (materials, cut-outs, triangles), node (nodes, lights,
  *                  cameras), anim (places of nodes at a time), camera (beside
  *                  the frame's)
- *   tree, rays     rays through triangles, in double
+ *   rays           rays through triangles, in double
  *   eye            objects between the eye and a light's disc, and the share of
  *                  it that they leave clear
  *   relight        the frame lit by the scene's lights
@@ -62,7 +62,6 @@ struct gp_material {
                      // 0: opaque everywhere. BLEND: hides as MASK at 0.5, and
                      // the scene has a warning; 2: glass, which hides nothing
     int cutout;      // index; -1: alpha is base[3] alone
-    char name[GP_SCENE_NAME];
 };
 
 /* True for a material that a texture cuts out. */
@@ -88,7 +87,6 @@ struct gp_submesh {
 struct gp_mesh {
     int first, submeshes;
     struct gp_box box;
-    char name[GP_SCENE_NAME];
 };
 
 /* A mesh in its place: what the sets hold, the paper's object. */
@@ -96,8 +94,7 @@ struct gp_object {
     int mesh, node;
     double to_world[16];   // posed
     struct gp_box box;     // of the world, posed: holds every vertex
-    struct gp_v3 centre;   // of a sphere that holds every vertex, posed
-    double radius;
+    double radius;         // of a sphere round its middle that does so
 };
 
 enum gp_scene_light_kind {
@@ -137,8 +134,7 @@ static inline double gp_spot_share(const struct gp_scene_light *l,
 struct gp_scene_camera {
     double to_camera[16];  // posed; y up, it looks along -z
     double yfov;           // radians
-    double aspect;         // 0: the picture's
-    double near, far;      // far INFINITY: none
+    double near;           // 0: not given
     int node;
     char name[GP_SCENE_NAME];
 };
@@ -156,7 +152,7 @@ struct gp_scene {
     int meshes;
     struct gp_material *material; // the last one is glTF's default
     int materials;
-    struct gp_cutout *cutout;
+    struct gp_cutout *cutout;     // of each texture; alpha NULL: of no cut-out
     int cutouts;
     // what is placed, by gp_scene_pose()
     struct gp_object *object;

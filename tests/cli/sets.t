@@ -60,7 +60,7 @@ result $? 'pictures'
 for f in a.exr sets.png scissor.png; do
     result "$([ -s $f ]; echo $?)" "$f is there"
 done
-# a ground that leaves the map, and something far away, do not make the rest small
+# a ground that leaves the map does not make the rest small
 for wide in 400 40000; do
     sed "s/\[40, 40, 1\]/[$wide, $wide, 1]/" square.gltf >ground.gltf
     "$glarepp" sets --size 64x36 --runs 1 --debug sets=$wide.pfm ground.gltf \
@@ -68,14 +68,6 @@ for wide in 400 40000; do
 done
 cmp 400.pfm 40000.pfm
 result $? 'the map of sets shows what stands on a large ground'
-for far in 1e5 1e6; do
-    sed "s/\"translation\": \[0, 0, 9\]/\"translation\": [0, 0, $far]/" \
-        square.gltf >far.gltf
-    "$glarepp" sets --size 64x36 --runs 1 --debug sets=$far.pfm far.gltf \
-        >/dev/null 2>err
-done
-cmp 1e5.pfm 1e6.pfm
-result $? 'and what is near the eye beside something far away'
 # five lamps of the street reach all of this picture
 "$glarepp" sets --size 64x36 --runs 1 --time 41.7083 \
     --debug scissor=scissor.pfm "$root/examples/alley.glb" >/dev/null 2>err

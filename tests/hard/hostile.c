@@ -7,7 +7,6 @@
 #include "gl/gl.h"
 #include "scene/eye.h"
 #include "scene/relight.h"
-#include "scene/scene_priv.h"
 #include "scene/sets/sets_priv.h"
 #include "scene_shot.h"
 
@@ -205,18 +204,17 @@ static void must(gp_status st)
 
 /* Counts objects that a light's sets have lost, by the visible points. */
 static int lost_of_light(const struct seen *k, const struct gp_sets *sets,
-                         bool any, int light)
+                         struct gp_scissor cut, int light)
 {
     const struct gp_scene_light *const from = &k->s.light[light];
     const uint8_t *const flag = gp_sets_flags(sets);
-    const struct gp_scissor cut = gp_sets_scissor(sets);
     int lost = 0;
     for (int i = 0; i < PIXELS; i++) {
         const int o = k->shot.object[i], x = i % W, y = i / W;
         const double z = (double) k->shot.depth[i];
         if (o < 0 || !shot_reaches(from, k->shot.point[i]))
             continue;
-        const bool drawn = any && (flag[o] & GP_SET_I) && x >= cut.rect.x0 &&
+        const bool drawn = (flag[o] & GP_SET_I) && x >= cut.rect.x0 &&
                            x < cut.rect.x1 && y >= cut.rect.y0 &&
                            y < cut.rect.y1;
         const int first = shot_blocker(&k->s, from, k->shot.point[i]);
@@ -237,10 +235,8 @@ static void check_sets(const struct seen *k, double *lost)
         const int o = k->shot.object[i];
         *lost += o >= 0 && !(gp_sets_flags(sets)[o] & GP_SET_V);
     }
-    for (int i = 0; i < k->s.lights; i++) {
-        const bool any = gp_sets_light(sets, i);
-        *lost += lost_of_light(k, sets, any, i);
-    }
+    for (int i = 0; i < k->s.lights; i++)
+        *lost += lost_of_light(k, sets, gp_sets_light(sets, i), i);
     gp_sets_close(&sets);
 }
 
@@ -299,7 +295,10 @@ static struct gp_eye_disc disc_of(const struct seen *k, int light)
 static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
 {
     enum { SIDE = 32 };
-    const struct gp_eye_measure m = gp_eye_measure_of(d, NULL);
+    const struct gp_v3 other = fabs(d->to.z) < 0.9 ? (struct gp_v3) {0, 0, 1}
+                                                   : (struct gp_v3) {1, 0, 0};
+    const struct gp_v3 across = gp_v3_unit(gp_v3_cross(d->to, other));
+    const struct gp_v3 up = gp_v3_cross(across, d->to);
     int all = 0, clear = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double x = (i % SIDE + 0.5) / SIDE * 2.0 - 1.0;
@@ -311,8 +310,8 @@ static double plain_share(const struct seen *k, const struct gp_eye_disc *d)
         const double c = 1.0 - r2 * (1.0 - cos(d->half)), s = sqrt(1.0 - c * c);
         const struct gp_v3 to = gp_v3_add(
             gp_v3_scale(d->to, c),
-            gp_v3_add(gp_v3_scale(m.across, s * x / r),
-                      gp_v3_scale(m.up, s * y / r)));
+            gp_v3_add(gp_v3_scale(across, s * x / r),
+                      gp_v3_scale(up, s * y / r)));
         double far = 1e11;
         if (isfinite(d->distance)) {
             const double b = d->distance * gp_v3_dot(to, d->to);
@@ -346,14 +345,13 @@ static void check_shares(struct seen *k, double *rays)
  * many samples are no light. */
 static double check_drawing(const struct seen *k)
 {
-    struct gp_table_params p = GP_TABLE_DEFAULTS;
+    const struct gp_table_params p = {
+        .draw = {.w = W, .h = H, .near = SHOT_NEAR, .light_scale = 1.0 / 683.0,
+                 .ambient = 0.02, .map = 64},
+        .runs = 1, .occluders = 40,
+    };
     struct gp_table t;
     double wrong = 0.0;
-    p.runs = 1;
-    p.draw.w = W;
-    p.draw.h = H;
-    p.draw.near = SHOT_NEAR;
-    p.draw.map = 64;
     must(gp_table_make(&kept_log, gl, &k->s, &k->shot.camera, &p, &t));
     for (int i = 0; i < GP_TABLE_ROWS; i++)
         wrong += !t.row[i].same;
@@ -411,12 +409,10 @@ static void close_relit(struct relit *r)
     free(r->caster);
 }
 
-/* Adds a light's pass to r->rgb; `of_set`: shadows of S, else of all. */
-static void add_light(struct seen *k, const struct gp_sets *sets, int light,
-                      bool of_set, struct relit *r)
+/* Adds a light's pass to r->rgb; `flag`: shadows of S, NULL: of all. */
+static void add_light(struct seen *k, const uint8_t *flag,
+                      struct gp_scissor cut, int light, struct relit *r)
 {
-    const struct gp_scissor cut = gp_sets_scissor(sets);
-    const uint8_t *const flag = gp_sets_flags(sets);
     struct gp_relit facts;
     struct gp_relight_pass pass = {
         .light = &k->s.light[light], .light_scale = 1.0, .caster = r->caster,
@@ -424,7 +420,7 @@ static void add_light(struct seen *k, const struct gp_sets *sets, int light,
         .far = cut.far * (1.0 + 1e-6),
     };
     for (int i = 0; i < k->s.objects; i++) {
-        if (!of_set || (flag[i] & GP_SET_S))
+        if (!flag || (flag[i] & GP_SET_S))
             r->caster[pass.casters++] = i;
     }
     gp_planes_clear(&r->rgb, 0, PIXELS);
@@ -511,11 +507,12 @@ static void check_relit(struct seen *k, const struct gp_rays_hit hit[PIXELS],
     }
     *hash = HASH_NONE;
     for (int i = 0; i < k->s.lights; i++) {
-        const bool any = gp_sets_light(sets, i);
+        const struct gp_scissor cut = gp_sets_light(sets, i);
+        const bool any = !gp_rect_empty(cut.rect);
         gp_planes_clear(&with.rgb, 0, PIXELS);
         if (any) {
-            add_light(k, sets, i, true, &with);
-            add_light(k, sets, i, false, &without);
+            add_light(k, gp_sets_flags(sets), cut, i, &with);
+            add_light(k, NULL, cut, i, &without);
             for (int p = 0; p < 3 * PIXELS; p++)
                 *changed += with.rgb.c[p / PIXELS][p % PIXELS] !=
                             without.rgb.c[p / PIXELS][p % PIXELS];

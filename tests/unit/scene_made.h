@@ -14,7 +14,7 @@
 #define GP_TESTS_SCENE_MADE_H
 
 #include "core/memory.h"
-#include "scene/scene.h"
+#include "scene/bounds.h"
 #include "unit.h"
 
 #define MADE_PI 3.14159265358979323846
@@ -60,7 +60,6 @@ static inline int made_material(struct gp_scene *s, float cutoff, int cutout)
     MADE_GROW(s->material, s->materials);
     s->material[s->materials] = (struct gp_material) {
         .base = {0.5f, 0.5f, 0.5f, 1.0f}, .cutoff = cutoff, .cutout = cutout,
-        .name = "made",
     };
     return s->materials++;
 }
@@ -148,7 +147,7 @@ static inline int made_part(struct gp_scene *s, int first, int material,
     if (!more) {
         MADE_GROW(s->mesh, s->meshes);
         s->mesh[s->meshes++] = (struct gp_mesh) {
-            .first = s->submeshes, .name = "made",
+            .first = s->submeshes,
             .box = {{INFINITY, INFINITY, INFINITY},
                     {-INFINITY, -INFINITY, -INFINITY}},
         };
@@ -261,23 +260,18 @@ static inline struct gp_v3 made_corner(const struct gp_scene *s,
 static inline void made_bounds(const struct gp_scene *s, struct gp_object *o)
 {
     const struct gp_mesh *const m = &s->mesh[o->mesh];
-    struct gp_box b = {{INFINITY, INFINITY, INFINITY},
-                       {-INFINITY, -INFINITY, -INFINITY}};
+    struct gp_box b = GP_BOX_EMPTY;
     for (int pass = 0; pass < 2; pass++) {
         for (int k = m->first; k < m->first + m->submeshes; k++) {
             const int first = s->submesh[k].first, n = s->submesh[k].count;
             for (int i = first; i < first + n; i++) {
                 const struct gp_v3 p = made_corner(s, o, i);
-                b.lo = (struct gp_v3) {fmin(b.lo.x, p.x), fmin(b.lo.y, p.y),
-                                       fmin(b.lo.z, p.z)};
-                b.hi = (struct gp_v3) {fmax(b.hi.x, p.x), fmax(b.hi.y, p.y),
-                                       fmax(b.hi.z, p.z)};
+                b = gp_box_with(b, p);
                 if (pass == 1)
                     o->radius = fmax(o->radius, (1.0 + 1e-12) * gp_v3_length(
-                        gp_v3_sub(p, o->centre)));
+                        gp_v3_sub(p, gp_box_middle(&b))));
             }
         }
-        o->centre = gp_v3_scale(gp_v3_add(b.lo, b.hi), 0.5);
     }
     o->box = b;
 }
@@ -414,8 +408,8 @@ static inline struct gp_camera made_camera(struct gp_scene *s,
     MADE_GROW(s->camera, s->cameras);
     struct gp_scene_camera *const k = &s->camera[s->cameras];
     *k = (struct gp_scene_camera) {
-        .yfov = yfov * MADE_PI / 180.0, .aspect = aspect, .near = 0.1,
-        .far = 1000.0, .node = s->cameras++, .name = "made",
+        .yfov = yfov * MADE_PI / 180.0, .near = 0.1,
+        .node = s->cameras++, .name = "made",
     };
     memcpy(k->to_camera, m, sizeof k->to_camera);
     return c;

@@ -40,7 +40,7 @@ static inline double ray_object(const struct gp_scene *s,
                                 struct gp_v3 to, double t0, double t1)
 {
     // the nearest point of the line to the centre of the sphere
-    const struct gp_v3 w = gp_v3_sub(o->centre, from);
+    const struct gp_v3 w = gp_v3_sub(gp_box_middle(&o->box), from);
     const double along = gp_v3_dot(w, to) / gp_v3_dot(to, to);
     const struct gp_v3 off = gp_v3_sub(w, gp_v3_scale(to, along));
     if (gp_v3_dot(off, off) > o->radius * o->radius)

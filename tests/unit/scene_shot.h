@@ -24,9 +24,10 @@ struct shot {
 static inline struct gp_v3 shot_through(const struct gp_camera *c,
                                         struct gp_rect window, int x, int y)
 {
-    const double u[2] = {x + 0.5, x + 0.5}, v[2] = {y + 0.5, y + 0.5};
-    const struct gp_frustum f = gp_frustum_make(c, window, u, v, 1.0, 2.0);
-    return gp_v3_sub(f.corner[4], f.corner[0]);
+    const double u = (x + 0.5 - window.x0) / gp_rect_w(window);
+    const double v = (y + 0.5 - window.y0) / gp_rect_h(window);
+    return gp_v3_sub(gp_camera_point(c, u, v, 2.0),
+                     gp_camera_point(c, u, v, 1.0));
 }
 
 static inline void shot_take(const struct gp_scene *s, struct gp_camera c,

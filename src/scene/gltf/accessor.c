@@ -12,7 +12,7 @@
 enum {
     I8 = 5120, U8, I16, U16, U32 = 5125, F32,
 };
-static const float MOST_VALUE = 1e15f;
+static const double MOST_VALUE = 1e15;
 
 /* Returns the bytes of a number, 0 of an unknown type. */
 static int type_bytes(int type)
@@ -109,7 +109,7 @@ out:
 }
 
 /* Returns a number as stored, and what 1 is stored as, for normalised ones. */
-static float stored_number(const uint8_t *p, int type, float *unit)
+static double stored_number(const uint8_t *p, int type, double *unit)
 {
     int8_t i8;
     int16_t i16;
@@ -117,94 +117,74 @@ static float stored_number(const uint8_t *p, int type, float *unit)
     switch (type) {
     case I8:
         memcpy(&i8, p, sizeof i8);
-        *unit = 127.0f;
-        return (float) i8;
+        *unit = 127.0;
+        return i8;
     case U8:
-        *unit = 255.0f;
-        return (float) *p;
+        *unit = 255.0;
+        return *p;
     case I16:
         memcpy(&i16, p, sizeof i16);
-        *unit = 32767.0f;
-        return (float) i16;
+        *unit = 32767.0;
+        return i16;
     case U16:
         memcpy(&u16, p, sizeof u16);
-        *unit = 65535.0f;
-        return (float) u16;
+        *unit = 65535.0;
+        return u16;
     case U32:
-        *unit = 4294967295.0f;
-        return (float) gp_le32(p);
-    default:
-        *unit = 1.0f;
-        return gp_float_with_bits(gp_le32(p));
-    }
-}
-
-static uint32_t load_index(const uint8_t *p, int type)
-{
-    uint16_t u16;
-    if (type == U8)
-        return *p;
-    if (type == U32)
+        *unit = 4294967295.0;
         return gp_le32(p);
-    memcpy(&u16, p, sizeof u16);
-    return u16;
-}
-
-/* Converts one element. Returns false for a value that is not finite, or over
- * MOST_VALUE. */
-static bool convert(const struct gp_gltf_accessor *a, int type,
-                    const uint8_t *from, float *to)
-{
-    const int bytes = type_bytes(type);
-    bool good = true;
-    for (int c = 0; c < a->components; c++) {
-        float unit;
-        float v = stored_number(from + c * bytes, type, &unit);
-        if (a->normalized)
-            v = fmaxf(v / unit, -1.0f);
-        good = good && fabsf(v) <= MOST_VALUE;
-        to[c] = v;
+    default:
+        *unit = 1.0;
+        return (double) gp_float_with_bits(gp_le32(p));
     }
-    return good;
 }
 
-/* Finds the element that number i of "sparse" replaces. */
-static gp_status replaced(const struct gp_gltf_accessor *a, int i, uint32_t *at)
+/* Reads element k, of those of "sparse" after the others, and which one of the
+ * accessor it is. */
+static gp_status read_element(const struct gp_gltf_accessor *a, int k, int *at,
+                              double out[4])
 {
-    *at = load_index(a->where.at + (size_t) i * (size_t) a->where.stride,
-                     a->where.type);
-    return *at < (uint32_t) a->count
-               ? GP_OK
-               : gp_gltf_fail(&a->place, "\"sparse\" replaces element %u of %d",
-                              *at, a->count);
+    const bool sparse = k >= a->count;
+    const size_t i = (size_t) (sparse ? k - a->count : k);
+    const struct gp_gltf_numbers *const n = sparse ? &a->with : &a->all;
+    double unit, where = k;
+    if (sparse)
+        where = stored_number(a->where.at + i * (size_t) a->where.stride,
+                              a->where.type, &unit);
+    if (where >= a->count)
+        return gp_gltf_fail(&a->place, "\"sparse\" replaces element %.0f of %d",
+                            where, a->count);
+    *at = (int) where;
+    for (int c = 0; c < a->components; c++) {
+        out[c] = 0.0;
+        if (!n->at)
+            continue;
+        out[c] = stored_number(n->at + i * (size_t) n->stride +
+                                   c * type_bytes(n->type), n->type, &unit);
+        if (a->normalized)
+            out[c] = fmax(out[c] / unit, -1.0);
+    }
+    return GP_OK;
 }
 
 gp_status gp_gltf_floats(const struct gp_gltf_accessor *a, int components,
                          float *out)
 {
+    double v[4];
+    int at;
     if (a->components != components)
         return gp_gltf_fail(&a->place, "elements of %d numbers, where %d are "
                             "needed", a->components, components);
-    if (!a->all.at)
-        memset(out, 0, (size_t) a->count * (size_t) components * sizeof *out);
-    for (int i = 0; i < a->count && a->all.at; i++) {
-        const uint8_t *const from = a->all.at + (size_t) i *
-                                                (size_t) a->all.stride;
-        if (!convert(a, a->all.type, from,
-                     out + (size_t) i * (size_t) components))
-            return gp_gltf_fail(&a->place, "element %d is not finite, or over "
-                                "%g", i, (double) MOST_VALUE);
-    }
-    for (int i = 0; i < a->sparse; i++) {
-        const size_t k = (size_t) i;
-        uint32_t at;
-        const gp_status st = replaced(a, i, &at);
+    for (int k = 0; k < a->count + a->sparse; k++) {
+        const gp_status st = read_element(a, k, &at, v);
         if (st)
             return st;
-        if (!convert(a, a->with.type, a->with.at + k * (size_t) a->with.stride,
-                     out + (size_t) at * (size_t) components))
-            return gp_gltf_fail(&a->place, "element %u is not finite, or over "
-                                "%g", at, (double) MOST_VALUE);
+        for (int c = 0; c < components; c++) {
+            if (!(fabs(v[c]) <= MOST_VALUE))
+                return gp_gltf_fail(&a->place, "element %d is not finite, or "
+                                    "over %g", at, MOST_VALUE);
+            out[(size_t) at * (size_t) components + (size_t) c] = (float) v[c];
+        }
     }
     return GP_OK;
 }
@@ -213,26 +193,20 @@ gp_status gp_gltf_indices(const struct gp_gltf_accessor *a, int below,
                           uint32_t *out)
 {
     const int type = a->all.type;
+    double v[4];
+    int at;
     if (a->components != 1 || (!a->sparse && !a->all.at) ||
         (type != U8 && type != U16 && type != U32))
         return gp_gltf_fail(&a->place, "it cannot be indices (component type "
                             "%d, %d to an element)", type, a->components);
-    for (int i = 0; i < a->count; i++)
-        out[i] = a->all.at ? load_index(a->all.at + (size_t) i *
-                                        (size_t) a->all.stride, type)
-                           : 0;
-    for (int i = 0; i < a->sparse; i++) {
-        uint32_t at;
-        const gp_status st = replaced(a, i, &at);
+    for (int k = 0; k < a->count + a->sparse; k++) {
+        const gp_status st = read_element(a, k, &at, v);
         if (st)
             return st;
-        out[at] = load_index(a->with.at + (size_t) i * (size_t) a->with.stride,
-                             type);
-    }
-    for (int i = 0; i < a->count; i++) {
-        if (out[i] >= (uint32_t) below)
-            return gp_gltf_fail(&a->place, "index %d is %u, there are %d "
-                                "vertices", i, out[i], below);
+        if (v[0] >= below)
+            return gp_gltf_fail(&a->place, "index %d is %.0f, there are %d "
+                                "vertices", at, v[0], below);
+        out[at] = (uint32_t) v[0];
     }
     return GP_OK;
 }

@@ -55,15 +55,9 @@ out:
     return st;
 }
 
-/* Content that warnings name. */
-struct seen {
-    bool weights, twice;
-};
-
 static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
                               json_t *animation, json_t *o,
-                              struct gp_scene_nodes *nodes, uint8_t *moved,
-                              struct seen *seen)
+                              struct gp_scene_nodes *nodes, uint8_t *moved)
 {
     static const char *const paths[] = {"translation", "rotation", "scale",
                                         "weights", NULL};
@@ -81,13 +75,13 @@ static gp_status read_channel(struct gp_gltf *g, const struct gp_gltf_at *at,
     if (node < 0)
         return GP_OK; // an extension's target
     if (path == GP_KEY_PATHS) {
-        seen->weights = true;
+        g->odd[GP_GLTF_MORPHS] = true;
         return GP_OK;
     }
     if (nodes->at[node].matrix)
         GP_TRY(gp_gltf_fail(at, "it moves node %d, which has a matrix", node));
     if (moved[node] & 1 << path) {
-        seen->twice = true;
+        g->odd[GP_GLTF_TWICE] = true;
         return GP_OK;
     }
     moved[node] = (uint8_t) (moved[node] | 1 << path);
@@ -103,7 +97,6 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
 {
     struct gp_scene_nodes *const nodes = out->nodes;
     const int n = gp_gltf_count(g, "animations");
-    struct seen seen = {false, false};
     uint8_t *moved = NULL; // bits of the paths of each node that have keys
     size_t channels = 0;
     gp_status st;
@@ -121,7 +114,7 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
         size_t k;
         gp_gltf_place(g, "animation", i, &at);
         json_array_foreach (json_object_get(o, "channels"), k, channel) {
-            GP_TRY(read_channel(g, &at, o, channel, nodes, moved, &seen));
+            GP_TRY(read_channel(g, &at, o, channel, nodes, moved));
         }
     }
     for (int i = 0; i < nodes->keys; i++) {
@@ -131,12 +124,6 @@ gp_status gp_gltf_animations(struct gp_gltf *g, struct gp_scene *out)
         out->start = i ? fmin(out->start, first) : first;
         out->end = i ? fmax(out->end, last) : last;
     }
-    if (seen.weights)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: keys of morph targets are not "
-               "supported; meshes keep their base shape", g->path);
-    if (seen.twice)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: two animations move a node the same "
-               "way; the first counts", g->path);
     st = GP_OK;
 out:
     gp_free(moved);
@@ -302,10 +289,9 @@ void gp_bounds_set(const struct gp_scene *s, struct gp_object *o)
             }
         }
         if (!gp_box_empty(box))
-            c = gp_v3_scale(gp_v3_add(box.lo, box.hi), 0.5);
+            c = gp_box_middle(&box);
     }
     o->box = box;
-    o->centre = c;
     o->radius = sqrt(most) * (1.0 + 1e-12); // rounding never leaves one out
 }
 

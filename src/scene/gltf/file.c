@@ -50,25 +50,13 @@ gp_status gp_gltf_fail(const struct gp_gltf_at *at, const char *fmt, ...)
                    at->path, text);
 }
 
-/* Prints the same about the whole file. */
-GP_PRINTF(2, 3)
-static gp_status fail_file(const struct gp_gltf *g, const char *fmt, ...)
-{
-    char text[1024];
-    va_list args;
-    va_start(args, fmt);
-    vsnprintf(text, sizeof text, fmt, args);
-    va_end(args);
-    return gp_fail(g->log, GP_ERR_DATA, "%s: %s", g->path, text);
-}
-
 gp_status gp_gltf_take(struct gp_gltf *g, size_t bytes)
 {
     const size_t most = (size_t) MOST_FIXED + MOST_COPIES * g->file_bytes;
     if (bytes > most - g->taken)
-        return fail_file(g, "content out of proportion (over %zu MiB from a "
-                         "file of %zu KiB); export the scene again",
-                         most >> 20, g->file_bytes >> 10);
+        return gp_gltf_fail(&g->whole, "content out of proportion (over %zu "
+                            "MiB from a file of %zu KiB)", most >> 20,
+                            g->file_bytes >> 10);
     g->taken += bytes;
     return GP_OK;
 }
@@ -179,47 +167,33 @@ static int hex_value(char c)
                                   : -1;
 }
 
-/* Returns a new path of a file beside the scene, whose percent codes are
- * undone; NULL when memory is full. */
-static char *beside(const char *scene, const char *uri)
+/* Finds the bytes of a data URI, or the path of the file beside the scene that
+ * another means, whose percent codes are undone: one of *own and *file. */
+static gp_status resolve(const struct gp_gltf *g, const struct gp_gltf_at *at,
+                         const char *uri, struct gp_gltf_span *out, void **own,
+                         char **file)
 {
-    const char *const slash = strrchr(scene, '/');
-    const size_t folder = slash ? (size_t) (slash + 1 - scene) : 0;
-    char *path;
-    if (gp_alloc(NULL, scene, folder + strlen(uri) + 1, 1, &path))
-        return NULL;
-    memcpy(path, scene, folder);
-    char *to = path + folder;
-    for (; *uri; uri++) {
-        const int high = uri[0] == '%' ? hex_value(uri[1]) : -1;
-        const int low = high >= 0 ? hex_value(uri[2]) : -1;
-        const int code = 16 * high + low;
-        const bool coded = low >= 0 && code > 0;
-        *to++ = coded ? (char) code : *uri;
-        uri += coded ? 2 : 0;
+    const char *const slash = strrchr(g->path, '/');
+    const size_t folder = slash ? (size_t) (slash + 1 - g->path) : 0;
+    if (strncmp(uri, "data:", 5) == 0)
+        return decode_uri(at, uri, out, own);
+    const gp_status st = gp_alloc(g->log, g->path, folder + strlen(uri) + 1, 1,
+                                  file);
+    if (st)
+        return st;
+    memcpy(*file, g->path, folder);
+    char *const name = *file + folder, *to = name;
+    for (const char *from = uri; *from; from++) {
+        const int high = from[0] == '%' ? hex_value(from[1]) : -1;
+        const int low = high >= 0 ? hex_value(from[2]) : -1;
+        const bool coded = low >= 0 && 16 * high + low > 0;
+        *to++ = coded ? (char) (16 * high + low) : *from;
+        from += coded ? 2 : 0;
     }
     *to = '\0';
-    return path;
-}
-
-/* Names the file beside the scene that a URI means. */
-static gp_status file_of_uri(const struct gp_gltf *g,
-                             const struct gp_gltf_at *at, const char *uri,
-                             char **out)
-{
-    const char *const colon = strchr(uri, ':');
-    char *const path = beside(g->path, uri);
-    if (!path)
-        return gp_no_memory(g->log, g->path);
-    const char *const slash = strrchr(g->path, '/');
-    const char *const name = path + (slash ? slash + 1 - g->path : 0);
-    if (!*name || *name == '/' || strstr(name, "..") || colon) {
-        gp_status st = gp_gltf_fail(at, "a URI that is no file beside the "
-                                    "scene (found \"%.100s\")", uri);
-        gp_free(path);
-        return st;
-    }
-    *out = path;
+    if (!*name || *name == '/' || strstr(name, "..") || strchr(uri, ':'))
+        return gp_gltf_fail(at, "a URI that is no file beside the scene (found "
+                            "\"%.100s\")", uri);
     return GP_OK;
 }
 
@@ -243,14 +217,14 @@ static gp_status read_buffer(struct gp_gltf *g, int index)
         b->span = g->chunk;
     } else if (!uri) {
         GP_TRY(gp_gltf_fail(&at, "no \"uri\", and no binary chunk"));
-    } else if (strncmp(uri, "data:", 5) == 0) {
-        GP_TRY(decode_uri(&at, uri, &b->span, &b->own));
     } else {
+        GP_TRY(resolve(g, &at, uri, &b->span, &b->own, &file));
+    }
+    if (file) {
         if (g->beside)
             GP_TRY(gp_gltf_fail(&at, "a second file beside the scene (found "
                                 "\"%.100s\"); at most one is read", uri));
         g->beside = true;
-        GP_TRY(file_of_uri(g, &at, uri, &file));
         GP_TRY(gp_load_regular(g->log, file, (size_t) declared, &b->own,
                                &size));
         size = size < MOST_FILE ? size : MOST_FILE;
@@ -309,10 +283,8 @@ gp_status gp_gltf_image(const struct gp_gltf *g, int index,
             GP_TRY(gp_gltf_fail(&at, "it has no bytes"));
     } else if (!uri) {
         GP_TRY(gp_gltf_fail(&at, "neither \"uri\" nor \"bufferView\""));
-    } else if (strncmp(uri, "data:", 5) == 0) {
-        GP_TRY(decode_uri(&at, uri, span, own));
     } else {
-        GP_TRY(file_of_uri(g, &at, uri, file));
+        GP_TRY(resolve(g, &at, uri, span, own, file));
     }
 out:
     return st;
@@ -326,21 +298,20 @@ static gp_status read_chunks(struct gp_gltf *g, struct gp_gltf_span *json)
     const uint8_t *const at = g->file;
     const size_t declared = gp_le32(at + 8);
     if (gp_le32(at + 4) != 2)
-        return fail_file(g, "binary glTF of version %u (2 is read); export "
-                         "the scene as glTF 2.0", gp_le32(at + 4));
+        return gp_gltf_fail(&g->whole, "binary glTF of version %u (2 is read)",
+                            gp_le32(at + 4));
     if (declared > g->file_bytes || declared < GLB_HEADER)
-        return fail_file(g, "truncated (%zu bytes, its header declares %zu); "
-                         "copy or export the scene again", g->file_bytes,
-                         declared);
+        return gp_gltf_fail(&g->whole, "truncated (%zu bytes, its header "
+                            "declares %zu)", g->file_bytes, declared);
     size_t from = GLB_HEADER;
     for (int i = 0; declared - from >= CHUNK_HEADER; i++) {
         const size_t bytes = gp_le32(at + from);
         const uint32_t type = gp_le32(at + from + 4);
         from += CHUNK_HEADER;
         if (bytes > declared - from)
-            return fail_file(g, "damaged (chunk %d of %zu bytes, the file has "
-                             "%zu left); copy or export the scene again", i,
-                             bytes, declared - from);
+            return gp_gltf_fail(&g->whole, "damaged (chunk %d of %zu bytes, "
+                                "the file has %zu left)", i, bytes,
+                                declared - from);
         const struct gp_gltf_span span = {at + from, (int) bytes};
         if (i == 0 && type == GLB_JSON)
             *json = span;
@@ -350,49 +321,36 @@ static gp_status read_chunks(struct gp_gltf *g, struct gp_gltf_span *json)
         from += from % 4 && declared - from >= 4 - from % 4 ? 4 - from % 4 : 0;
     }
     if (!json->at)
-        return fail_file(g, "damaged (its first chunk is not JSON); copy or "
-                         "export the scene again");
+        return gp_gltf_fail(&g->whole, "damaged (its first chunk is not JSON)");
     return GP_OK;
 }
 
 static gp_status check_root(const struct gp_gltf *g)
 {
-    struct gp_gltf_at at;
-    const char *version = NULL, *least = NULL;
+    const char *version = "none", *least = "2.0";
     gp_status st;
-    gp_gltf_place(g, NULL, 0, &at);
     if (!json_is_object(g->root))
-        return fail_file(g, "not glTF (its JSON is no object); give a .glb or "
-                         ".gltf file");
+        return gp_gltf_fail(&g->whole, "not glTF (its JSON is no object)");
     json_t *const asset = json_object_get(g->root, "asset");
-    st = gp_json_text(&at.p, asset, "version", &version, NULL);
-    if (st)
-        return st;
-    if (!version || version[0] != '2' || version[1] != '.')
-        return fail_file(g, "not glTF 2.0 (\"asset\" has %s%.20s); export the "
-                         "scene as glTF 2.0", version ? "version " :
-                         "no version", version ? version : "");
-    st = gp_json_text(&at.p, asset, "minVersion", &least, NULL);
-    if (st)
-        return st;
-    if (least && strcmp(least, "2.0") != 0)
-        return fail_file(g, "it needs a reader of glTF %.20s "
-                         "(\"minVersion\"; 2.0 is read); export the scene as "
-                         "glTF 2.0", least);
+    GP_TRY(gp_json_text(&g->whole.p, asset, "version", &version, NULL));
+    GP_TRY(gp_json_text(&g->whole.p, asset, "minVersion", &least, NULL));
+    if (strncmp(version, "2.", 2) != 0 || strcmp(least, "2.0") != 0)
+        return gp_gltf_fail(&g->whole, "not glTF 2.0 (\"version\" is %.20s, "
+                            "\"minVersion\" %.20s)", version, least);
     for (int i = 0; lists[i]; i++) {
         json_t *const list = json_object_get(g->root, lists[i]);
         json_t *item;
         size_t k;
         if (list && !json_is_array(list))
-            return fail_file(g, "\"%s\" is not an array; export the scene "
-                             "again", lists[i]);
+            return gp_gltf_fail(&g->whole, "\"%s\" is not an array", lists[i]);
         json_array_foreach (list, k, item) {
             if (!json_is_object(item))
-                return fail_file(g, "\"%s\" %zu is not an object; export the "
-                                 "scene again", lists[i], k);
+                return gp_gltf_fail(&g->whole, "\"%s\" %zu is not an object",
+                                    lists[i], k);
         }
     }
-    return GP_OK;
+out:
+    return st;
 }
 
 /* Refuses files that cannot be read without an extension. */
@@ -411,16 +369,16 @@ static gp_status check_extensions(const struct gp_gltf *g)
         const char *const name = json_string_value(item);
         int i = 0;
         if (!name)
-            return fail_file(g, "\"extensionsRequired\" holds no name; export "
-                             "the scene again");
+            return gp_gltf_fail(&g->whole, "\"extensionsRequired\" holds no "
+                                "name");
         if (strncmp(name, looks, sizeof looks - 1) == 0)
             continue;
         while (known[i] && strcmp(known[i], name) != 0)
             i++;
         if (!known[i])
-            return fail_file(g, "it needs the extension %.60s, which is not "
-                             "supported; export the scene without it (no "
-                             "compression)", name);
+            return gp_gltf_fail(&g->whole, "it needs the extension %.60s, which "
+                                "is not supported; leave it out (no "
+                                "compression)", name);
     }
     return GP_OK;
 }
@@ -432,13 +390,13 @@ gp_status gp_gltf_open(const struct gp_log *log, const char *path,
     gp_status st;
     out->log = log;
     out->path = path;
+    gp_gltf_place(out, NULL, 0, &out->whole);
     GP_TRY(gp_load_file(log, path, MOST_FILE, &out->file, &out->file_bytes));
     const bool binary =
         out->file_bytes >= 4 && memcmp(out->file, "glTF", 4) == 0;
     if (binary && out->file_bytes < GLB_HEADER)
-        GP_TRY(fail_file(out, "truncated (%zu bytes, the header of a .glb has "
-                         "%d); copy or export the scene again",
-                         out->file_bytes, GLB_HEADER));
+        GP_TRY(gp_gltf_fail(&out->whole, "truncated (%zu bytes, the header of a "
+                            ".glb has %d)", out->file_bytes, GLB_HEADER));
     if (binary)
         GP_TRY(read_chunks(out, &json));
     else

@@ -23,9 +23,24 @@ struct gp_gltf_buffer {
     void *own;         // of a data URI or a file beside; NULL: of the .glb
 };
 
+/* The place of an item, "street.glb: node 3", for core/json.h's messages.
+ * `p` points into it: it must not be copied. */
+struct gp_gltf_at {
+    struct gp_json_place p;
+    char path[512];
+};
+
+/* Content that is read as something else, by the warnings of node.c. */
+enum gp_gltf_odd {
+    GP_GLTF_BLENDED, GP_GLTF_GLASS, GP_GLTF_BLIND, GP_GLTF_MORPHS,
+    GP_GLTF_FADED, GP_GLTF_TWICE, GP_GLTF_SKINS, GP_GLTF_COPIES,
+    GP_GLTF_HIDDEN, GP_GLTF_FLAT, GP_GLTF_ODD,
+};
+
 struct gp_gltf {
     const struct gp_log *log;
     const char *path;
+    struct gp_gltf_at whole; // the place of no item
     void *file;        // of a .glb
     size_t file_bytes; // of the file and the .bin beside it
     json_t *root;
@@ -34,6 +49,7 @@ struct gp_gltf {
     int buffers;
     bool beside;       // a buffer is a file of its own
     size_t taken;      // bytes of content, as gp_gltf_take() counted them
+    bool odd[GP_GLTF_ODD]; // what it has
 };
 
 /* Reads the file, its JSON and buffers, and checks version and extensions.
@@ -43,12 +59,7 @@ GP_MUST_CHECK gp_status gp_gltf_open(const struct gp_log *log, const char *path,
                                      struct gp_gltf *out);
 void gp_gltf_close(struct gp_gltf *g);
 
-/* The place of an item, "street.glb: node 3", for core/json.h's messages.
- * `p` points into it: it must not be copied. */
-struct gp_gltf_at {
-    struct gp_json_place p;
-    char path[512];
-};
+/* Sets the place of item `index`, a "node". */
 void gp_gltf_place(const struct gp_gltf *g, const char *what, int index,
                    struct gp_gltf_at *out);
 
@@ -170,10 +181,9 @@ struct gp_scene_nodes {
 GP_MUST_CHECK gp_status gp_gltf_animations(struct gp_gltf *g,
                                            struct gp_scene *out);
 
-/* Sets box, centre and radius of an object from to_world and each vertex of
- * its mesh that a triangle uses; of a mesh with over 4096 indices from the
- * corners of its box, as scenes are posed anew for every frame. Without a vertex
- * the box is empty, and so is the sphere: centre 0, radius 0. */
+/* Sets box and radius of an object from to_world and each vertex of its mesh that
+ * a triangle uses; of a mesh with over 4096 indices from the corners of its box,
+ * as scenes are posed anew for every frame. Without a vertex the box is empty. */
 void gp_bounds_set(const struct gp_scene *s, struct gp_object *o);
 
 #endif

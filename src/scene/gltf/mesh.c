@@ -20,18 +20,19 @@ static enum gp_wrap wrap_of(int code)
                            : GP_WRAP_REPEAT; // 10497, and without a sampler
 }
 
-/* Reads image `index` into a gp_cutout, or shares that of an earlier one. */
-static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
-    int index, const struct gp_scene_images *images, long long *texels,
-    const struct gp_scene *s, struct gp_cutout *c)
+/* Reads image `index` into the cut-out of a texture, or shares that of another. */
+static gp_status read_image(struct gp_gltf *g, int index,
+    const struct gp_scene_images *images, long long *texels,
+    const struct gp_scene *s, int texture)
 {
+    struct gp_cutout *const c = &s->cutout[texture];
     struct gp_gltf_at place;
     struct gp_gltf_span span;
     void *own = NULL;
     char *file = NULL;
     gp_status st;
     for (int i = 0; i < s->cutouts; i++) {
-        if (s->cutout[i].image == index) {
+        if (s->cutout[i].alpha && s->cutout[i].image == index) {
             *c = s->cutout[i];
             return GP_OK;
         }
@@ -41,37 +42,35 @@ static gp_status read_image(struct gp_gltf *g, const struct gp_gltf_at *at,
     GP_TRY(images->alpha(images->user, g->log, file ? file : place.path,
                          span.at, (size_t) span.bytes, MOST_TEXELS, c));
     c->image = index;
-    c->owner = s->cutouts;
+    c->owner = texture;
     *texels += (long long) c->w * c->h;
+    if (*texels > MOST_TEXELS)
+        GP_TRY(gp_gltf_fail(&place, "images of cut-outs of over %d texels "
+                            "together", (int) MOST_TEXELS));
 out:
     gp_free(own);
     gp_free(file);
-    if (!st && *texels > MOST_TEXELS) {
-        GP_FREE(c->alpha);
-        st = gp_gltf_fail(at, "images of cut-outs of over %d texels together",
-                          (int) MOST_TEXELS);
-    }
     return st;
 }
 
-/* Reads the texture of a cut-out material into a gp_cutout, or finds the one
- * that was read before: of_texture[] has their numbers, or -1. */
+/* Reads a texture, unless another material has. */
 static gp_status read_cutout(struct gp_gltf *g, int texture,
-    const struct gp_scene_images *images, int *of_texture, long long *texels,
+    const struct gp_scene_images *images, long long *texels,
     struct gp_scene *out)
 {
-    struct gp_cutout *const c = &out->cutout[out->cutouts];
+    struct gp_cutout *const c = &out->cutout[texture];
     struct gp_gltf_at at;
     int image, sampler, code[2] = {0, 0};
     gp_status st;
     json_t *const o = gp_gltf_item(g, "textures", texture);
+    if (c->alpha)
+        return GP_OK;
     gp_gltf_place(g, "texture", texture, &at);
     GP_TRY(gp_gltf_index(g, &at, o, "source", "images", &image));
     GP_TRY(gp_gltf_index(g, &at, o, "sampler", "samplers", &sampler));
     if (image < 0)
         GP_TRY(gp_gltf_fail(&at, "no \"source\", a PNG or JPEG"));
-    GP_TRY(read_image(g, &at, image, images, texels, out, c));
-    of_texture[texture] = out->cutouts++;
+    GP_TRY(read_image(g, image, images, texels, out, texture));
     if (sampler >= 0) {
         json_t *const s = gp_gltf_item(g, "samplers", sampler);
         GP_TRY(gp_json_int(&at.p, s, "wrapS", 0, INT_MAX, &code[0], NULL));
@@ -90,17 +89,11 @@ static json_t *base_texture(json_t *material)
                            "baseColorTexture");
 }
 
-/* Content of materials that warnings name. */
-struct seen {
-    bool blends, glass; // glass: partly, or by a texture
-};
-
 /* Lets a material that transmits at least half of the light hide nothing
  * (KHR_materials_transmission), as a blended one of at most half its alpha
  * would; a texture of it is not read, and the material is opaque. */
-static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
-                            int *texture, struct seen *seen,
-                            struct gp_material *m)
+static gp_status read_glass(struct gp_gltf *g, const struct gp_gltf_at *at,
+                            json_t *o, int *texture, struct gp_material *m)
 {
     double factor = 0.0;
     json_t *glass;
@@ -112,7 +105,7 @@ static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
     if (st || !(factor > 0.0))
         return st;
     const bool textured = json_object_get(glass, "transmissionTexture");
-    seen->glass = seen->glass || textured || factor < 1.0;
+    g->odd[GP_GLTF_GLASS] |= textured || factor < 1.0;
     if (!textured && factor >= 0.5) {
         m->cutoff = 2.0f; // no alpha reaches it
         *texture = -1;
@@ -120,8 +113,8 @@ static gp_status read_glass(const struct gp_gltf_at *at, json_t *o,
     return GP_OK;
 }
 
-static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
-                               struct seen *seen, struct gp_material *m)
+static gp_status read_material(struct gp_gltf *g, int index, int *texture,
+                               struct gp_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
     json_t *const o = gp_gltf_item(g, "materials", index);
@@ -141,12 +134,11 @@ static gp_status read_material(const struct gp_gltf *g, int index, int *texture,
     GP_TRY(gp_gltf_index(g, &at, base, "index", "textures", texture));
     if (!mode)
         *texture = -1; // its alpha is ignored
-    seen->blends = seen->blends || mode == 2;
+    g->odd[GP_GLTF_BLENDED] |= mode == 2;
     for (int i = 0; i < 4; i++)
         m->base[i] = (float) colour[i];
     m->cutoff = mode ? (float) cutoff : 0.0f;
-    gp_gltf_name(o, m->name);
-    st = read_glass(&at, o, texture, seen, m);
+    st = read_glass(g, &at, o, texture, m);
 out:
     return st;
 }
@@ -157,20 +149,14 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
 {
     const int n = gp_gltf_count(g, "materials");
     const int textures = gp_gltf_count(g, "textures");
-    int *of_texture = NULL;
     long long texels = 0;
-    struct seen seen = {0};
-    bool blind = false;
     gp_status st;
     GP_TRY(gp_gltf_take(g, ((size_t) n + 1) * sizeof *out->material));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n + 1, sizeof *out->material,
                          &out->material));
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) textures,
                          sizeof *out->cutout, &out->cutout));
-    GP_TRY(gp_alloc(g->log, g->path, (size_t) textures, sizeof *of_texture,
-                    &of_texture));
-    for (int i = 0; i < textures; i++)
-        of_texture[i] = -1;
+    out->cutouts = textures;
     out->materials = n + 1;
     out->material[n] = (struct gp_material) {
         .base = {1.0f, 1.0f, 1.0f, 1.0f}, .cutout = -1,
@@ -179,26 +165,14 @@ gp_status gp_gltf_materials(struct gp_gltf *g,
         struct gp_material *const m = &out->material[i];
         int texture;
         m->cutout = -1;
-        GP_TRY(read_material(g, i, &texture, &seen, m));
-        blind = blind || (texture >= 0 && !images);
+        GP_TRY(read_material(g, i, &texture, m));
+        g->odd[GP_GLTF_BLIND] |= texture >= 0 && !images;
         if (texture < 0 || !images)
             continue;
-        if (of_texture[texture] < 0)
-            GP_TRY(read_cutout(g, texture, images, of_texture, &texels, out));
-        m->cutout = of_texture[texture];
+        GP_TRY(read_cutout(g, texture, images, &texels, out));
+        m->cutout = texture;
     }
-    if (seen.blends)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: blended materials hide light where "
-               "their alpha is at least 0.5", g->path);
-    if (seen.glass)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: glass (KHR_materials_transmission) "
-               "of a factor under 0.5, or with a texture, hides all light, "
-               "other glass none", g->path);
-    if (blind)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: textures of cut-outs are not read; "
-               "they count as opaque", g->path);
 out:
-    gp_free(of_texture);
     return st;
 }
 
@@ -211,11 +185,12 @@ struct walk {
     bool fill;
     long long vertices, indices;
     int submeshes;
-    int *first, *uv;   // of each accessor of positions: its first vertex, or
-                       // -1, the accessor of its texture coordinates, and the
-    int *moved;        // material that moves these, or -1
-    bool morphs, drawn; // targets; points or lines that were left out
-    bool faded;         // cut-outs whose vertices have an alpha
+    struct known {     // of each accessor of positions
+        int first;     // its first vertex; -1: none yet
+        int uv, moved; // accessor of its texture coordinates, and the material
+                       // that moves these; -1: none
+    } *known;          // owned
+    bool drawn;        // points or lines that were left out
 };
 
 /* Writes the triangles of `n` vertices in glTF's mode 4 to 6. */
@@ -245,31 +220,6 @@ struct uv_of {
                                       // counter-clockwise as the image is seen
 };
 
-/* Reads KHR_texture_transform of a material's base texture; *set is its set of
- * coordinates. */
-static gp_status read_move(const struct walk *w, int material, int *set,
-                           struct uv_of *uv)
-{
-    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
-    struct gp_gltf_at at;
-    json_t *o;
-    gp_status st;
-    gp_gltf_place(w->g, "material", material, &at);
-    GP_TRY(gp_json_int(&at.p, base, "texCoord", 0, 99, set, NULL));
-    GP_TRY(gp_gltf_extension(&at, base, "KHR_texture_transform", &o));
-    if (!o)
-        return GP_OK;
-    uv->moved = material;
-    GP_TRY(gp_json_int(&at.p, o, "texCoord", 0, 99, set, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "scale", 2, -1e6, 1e6, uv->scale,
-                           NULL));
-    GP_TRY(gp_json_number(&at.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
-    GP_TRY(gp_json_numbers(&at.p, o, "offset", 2, -1e6, 1e6, uv->offset,
-                           NULL));
-out:
-    return st;
-}
-
 /* Moves n coordinates (KHR_texture_transform). v points down: in numbers the
  * turn is clockwise, so that the extension's example, offset (0, 1), a turn of
  * pi / 2 and scale 0.5, shows the lower left quarter of the image. */
@@ -290,11 +240,10 @@ static gp_status read_vertices(struct walk *w, int positions,
                                const struct gp_gltf_accessor *a)
 {
     struct gp_gltf_accessor map;
-    const bool known = w->first[positions] >= 0 &&
-                       w->uv[positions] == uv->accessor &&
-                       w->moved[positions] == uv->moved;
+    struct known *const known = &w->known[positions];
     gp_status st;
-    if (known)
+    if (known->first >= 0 && known->uv == uv->accessor &&
+        known->moved == uv->moved)
         return GP_OK;
     if (uv->accessor >= 0) {
         GP_TRY(gp_gltf_accessor(w->g, uv->accessor, &map));
@@ -302,9 +251,7 @@ static gp_status read_vertices(struct walk *w, int positions,
             GP_TRY(gp_gltf_fail(&map.place, "%d texture coordinates for %d "
                                 "positions", map.count, a->count));
     }
-    w->first[positions] = (int) w->vertices;
-    w->uv[positions] = uv->accessor;
-    w->moved[positions] = uv->moved;
+    *known = (struct known) {(int) w->vertices, uv->accessor, uv->moved};
     if (w->fill) {
         const size_t at = (size_t) w->vertices;
         GP_TRY(gp_gltf_floats(a, 3, w->out->position + 3 * at));
@@ -348,20 +295,32 @@ out:
     return st;
 }
 
-/* Finds the texture coordinates that the material's cut-out reads. */
+/* Finds the texture coordinates that the material's cut-out reads, and
+ * KHR_texture_transform of them. */
 static gp_status find_uv(const struct walk *w, const struct gp_gltf_at *at,
                          json_t *attributes, int material, struct uv_of *uv)
 {
-    const struct gp_material *const m = &w->out->material[material];
+    json_t *const base = base_texture(gp_gltf_item(w->g, "materials", material));
+    struct gp_gltf_at of;
+    json_t *o;
     char key[32];
     int set = 0;
+    gp_status st;
     *uv = (struct uv_of) {.accessor = -1, .moved = -1, .scale = {1.0, 1.0}};
-    if (m->cutout < 0)
+    if (w->out->material[material].cutout < 0)
         return GP_OK;
-    const gp_status st = read_move(w, material, &set, uv);
+    gp_gltf_place(w->g, "material", material, &of);
+    GP_TRY(gp_json_int(&of.p, base, "texCoord", 0, 99, &set, NULL));
+    GP_TRY(gp_gltf_extension(&of, base, "KHR_texture_transform", &o));
+    uv->moved = o ? material : -1;
+    GP_TRY(gp_json_int(&of.p, o, "texCoord", 0, 99, &set, NULL));
+    GP_TRY(gp_json_numbers(&of.p, o, "scale", 2, -1e6, 1e6, uv->scale, NULL));
+    GP_TRY(gp_json_number(&of.p, o, "rotation", -1e6, 1e6, &uv->turn, NULL));
+    GP_TRY(gp_json_numbers(&of.p, o, "offset", 2, -1e6, 1e6, uv->offset, NULL));
     snprintf(key, sizeof key, "TEXCOORD_%d", set);
-    return st ? st : gp_gltf_index(w->g, at, attributes, key, "accessors",
-                                   &uv->accessor);
+    st = gp_gltf_index(w->g, at, attributes, key, "accessors", &uv->accessor);
+out:
+    return st;
 }
 
 /* Notes a cut-out whose vertices have an alpha: COLOR_0 of four components,
@@ -378,7 +337,7 @@ static gp_status note_faded(struct walk *w, const struct gp_gltf_at *at,
         return st;
     const char *const type = json_string_value(json_object_get(
         gp_gltf_item(w->g, "accessors", colour), "type"));
-    w->faded = w->faded || (type && strcmp(type, "VEC4") == 0);
+    w->g->odd[GP_GLTF_FADED] |= type && strcmp(type, "VEC4") == 0;
     return GP_OK;
 }
 
@@ -400,7 +359,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
     GP_TRY(gp_gltf_index(g, at, o, "material", "materials", &material));
     GP_TRY(gp_gltf_extension(at, o, "KHR_draco_mesh_compression", &draco));
     w->drawn = w->drawn || mode < 4;
-    w->morphs = w->morphs || json_object_get(o, "targets");
+    g->odd[GP_GLTF_MORPHS] |= json_object_get(o, "targets") != NULL;
     if (mode < 4 || positions < 0)
         return GP_OK;
     material = material < 0 ? w->out->materials - 1 : material;
@@ -421,7 +380,7 @@ static gp_status read_primitive(struct walk *w, const struct gp_gltf_at *at,
         w->out->submesh[w->submeshes] = (struct gp_submesh) {
             (int) w->indices, (int) n, material,
         };
-        GP_TRY(fill_triangles(w, mode, count, w->first[positions], &a,
+        GP_TRY(fill_triangles(w, mode, count, w->known[positions].first, &a,
                               indices >= 0 ? &index : NULL, &mesh->box));
     } else {
         GP_TRY(gp_gltf_take(g, sizeof(uint32_t) * (size_t) n +
@@ -439,7 +398,7 @@ static gp_status walk_meshes(struct walk *w)
     w->vertices = w->indices = 0;
     w->submeshes = 0;
     for (int i = 0; i < gp_gltf_count(w->g, "accessors"); i++)
-        w->first[i] = -1;
+        w->known[i].first = -1;
     for (int i = 0; i < w->out->meshes; i++) {
         struct gp_mesh *const mesh = &w->out->mesh[i];
         json_t *const o = gp_gltf_item(w->g, "meshes", i), *primitive;
@@ -451,7 +410,6 @@ static gp_status walk_meshes(struct walk *w)
         mesh->box = (struct gp_box) {
             {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
         };
-        gp_gltf_name(o, mesh->name);
         if (!json_is_array(list))
             return gp_gltf_fail(&at, "no \"primitives\"");
         json_array_foreach (list, k, primitive) {
@@ -474,9 +432,7 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
     GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) n, sizeof *out->mesh,
                          &out->mesh));
     out->meshes = n;
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.first, &w.first));
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.uv, &w.uv));
-    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.moved, &w.moved));
+    GP_TRY(gp_alloc(g->log, g->path, accessors, sizeof *w.known, &w.known));
     GP_TRY(walk_meshes(&w));
     out->vertices = (int) w.vertices;
     out->indices = (int) w.indices;
@@ -491,19 +447,10 @@ gp_status gp_gltf_meshes(struct gp_gltf *g, struct gp_scene *out)
                          sizeof *out->submesh, &out->submesh));
     w.fill = true;
     GP_TRY(walk_meshes(&w));
-    if (w.morphs)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: morph targets are not supported; "
-               "meshes keep their base shape", g->path);
-    if (w.faded)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: alpha of vertices (COLOR_0) is not "
-               "read; cut-outs have that of their material only; bake it into "
-               "the texture", g->path);
     if (w.drawn)
         gp_say(g->log, GP_LEVEL_INFO, "%s: points and lines hide no light and "
                "are left out", g->path);
 out:
-    gp_free(w.first);
-    gp_free(w.uv);
-    gp_free(w.moved);
+    gp_free(w.known);
     return st;
 }

@@ -40,6 +40,13 @@ out:
     return st;
 }
 
+/* True for the number of a node. */
+static bool is_node(const struct gp_scene_nodes *s, const json_t *item)
+{
+    const double d = json_number_value(item);
+    return json_is_number(item) && d >= 0.0 && d < s->n && d == floor(d);
+}
+
 /* Gives each node its parent, and refuses a second one. */
 static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
@@ -53,8 +60,7 @@ static gp_status link_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
             return gp_gltf_fail(&at, "\"children\" is not an array");
         json_array_foreach (list, k, item) {
             const double d = json_number_value(item);
-            if (!json_is_number(item) || !(d >= 0.0 && d < s->n) ||
-                d != floor(d))
+            if (!is_node(s, item))
                 return gp_gltf_fail(&at, "no such child (found %g, there are "
                                     "%d nodes)", d, s->n);
             struct gp_scene_node *const child = &s->at[(int) d];
@@ -98,13 +104,12 @@ static gp_status order_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 /* Marks the nodes of the file's scene; without one, all. */
 static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
 {
-    struct gp_gltf_at at;
     const bool whole = gp_gltf_count(g, "scenes") == 0;
     json_t *roots = NULL, *item;
     size_t k;
     int scene;
-    gp_gltf_place(g, NULL, 0, &at);
-    gp_status st = gp_gltf_index(g, &at, g->root, "scene", "scenes", &scene);
+    gp_status st = gp_gltf_index(g, &g->whole, g->root, "scene", "scenes",
+                                 &scene);
     if (st)
         return st;
     if (!whole) // the specification leaves the choice; the first is usual
@@ -112,10 +117,9 @@ static gp_status choose_nodes(const struct gp_gltf *g, struct gp_scene_nodes *s)
             gp_gltf_item(g, "scenes", scene < 0 ? 0 : scene), "nodes");
     json_array_foreach (roots, k, item) {
         const double d = json_number_value(item);
-        if (!json_is_number(item) || !(d >= 0.0 && d < s->n) || d != floor(d) ||
-            s->at[(int) d].parent >= 0)
-            return gp_gltf_fail(&at, "its scene holds no root (found %g of %d "
-                                "nodes)", d, s->n);
+        if (!is_node(s, item) || s->at[(int) d].parent >= 0)
+            return gp_gltf_fail(&g->whole, "its scene holds no root (found %g "
+                                "of %d nodes)", d, s->n);
         s->at[(int) d].placed = true;
     }
     for (int i = 0; i < s->n; i++) {
@@ -196,8 +200,8 @@ static gp_status read_lights(struct gp_gltf *g, struct gp_scene_light **list,
     json_t *punctual, *lights, *o;
     size_t k;
     gp_status st;
-    gp_gltf_place(g, NULL, 0, &at);
-    GP_TRY(gp_gltf_extension(&at, g->root, "KHR_lights_punctual", &punctual));
+    GP_TRY(gp_gltf_extension(&g->whole, g->root, "KHR_lights_punctual",
+                             &punctual));
     lights = json_object_get(punctual, "lights");
     *n = (int) json_array_size(lights);
     GP_TRY(gp_gltf_take(g, (size_t) *n * sizeof **list));
@@ -218,9 +222,10 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "cameras", index);
     json_t *const p = json_object_get(o, "perspective");
+    double far = INFINITY;
     int kind = -1;
     gp_status st;
-    *c = (struct gp_scene_camera) {.far = INFINITY};
+    *c = (struct gp_scene_camera) {0};
     gp_gltf_place(g, "camera", index, &at);
     GP_TRY(gp_json_choice(&at.p, o, "type", kinds, &kind, NULL));
     if (kind < 0)
@@ -230,11 +235,9 @@ static gp_status read_camera(const struct gp_gltf *g, int index,
     if (kind == 1)
         return GP_OK;
     GP_TRY(gp_json_number(&at.p, p, "yfov", 1e-6, M_PI - 1e-6, &c->yfov, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "aspectRatio", 1e-6, 1e6, &c->aspect,
-                          NULL));
     GP_TRY(gp_json_number(&at.p, p, "znear", 0.0, MOST_PLACE, &c->near, NULL));
-    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &c->far, NULL));
-    if (!(c->yfov > 0.0) || !(c->far > c->near))
+    GP_TRY(gp_json_number(&at.p, p, "zfar", 0.0, MOST_PLACE, &far, NULL));
+    if (!(c->yfov > 0.0) || !(far > c->near))
         GP_TRY(gp_gltf_fail(&at, "no \"yfov\", or \"zfar\" not over \"znear\""));
 out:
     return st;
@@ -242,22 +245,14 @@ out:
 
 // -- what is placed -----------------------------------------------------------
 
-/* Counts of the lists, then places in them. */
-struct placed {
-    bool fill, skins, flat;
-    bool copies, unseen; // EXT_mesh_gpu_instancing, KHR_node_visibility
-    int objects, lights, cameras;
-    const struct gp_scene_light *light;
-    int defined;       // lights
-};
-
-static gp_status place_node(const struct gp_gltf *g, int index,
-                            struct placed *to, struct gp_scene *out)
+/* Adds what a node places; `defs` are the file's lights. */
+static gp_status place_node(struct gp_gltf *g, int index,
+                            const struct gp_scene_light *defs, int defined,
+                            struct gp_scene *out)
 {
     struct gp_gltf_at at;
     json_t *const o = gp_gltf_item(g, "nodes", index), *punctual;
     json_t *copies, *seen;
-    struct gp_scene_camera camera;
     char name[GP_SCENE_NAME];
     bool perspective = false;
     int mesh, cam, light = -1;
@@ -268,94 +263,104 @@ static gp_status place_node(const struct gp_gltf *g, int index,
     GP_TRY(gp_gltf_index(g, &at, o, "camera", "cameras", &cam));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_lights_punctual", &punctual));
     GP_TRY(gp_json_int(&at.p, punctual, "light", 0, INT_MAX, &light, NULL));
-    if (light >= to->defined)
+    if (light >= defined)
         GP_TRY(gp_gltf_fail(&at, "no such light (found %d, the file has %d)",
-                            light, to->defined));
+                            light, defined));
     GP_TRY(gp_gltf_extension(&at, o, "EXT_mesh_gpu_instancing", &copies));
     GP_TRY(gp_gltf_extension(&at, o, "KHR_node_visibility", &seen));
-    to->skins = to->skins || json_object_get(o, "skin");
-    to->copies = to->copies || (copies && mesh >= 0);
-    to->unseen = to->unseen || json_is_false(json_object_get(seen, "visible"));
-    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x) {
-        if (to->fill)
-            out->object[to->objects] =
-                (struct gp_object) {.mesh = mesh, .node = index};
-        to->objects++;
-    }
-    if (light >= 0 && to->fill) {
-        struct gp_scene_light *const l = &out->light[to->lights];
-        *l = to->light[light];
+    g->odd[GP_GLTF_SKINS] |= json_object_get(o, "skin") != NULL;
+    g->odd[GP_GLTF_COPIES] |= copies && mesh >= 0;
+    g->odd[GP_GLTF_HIDDEN] |= json_is_false(json_object_get(seen, "visible"));
+    if (mesh >= 0 && out->mesh[mesh].box.lo.x <= out->mesh[mesh].box.hi.x)
+        out->object[out->objects++] =
+            (struct gp_object) {.mesh = mesh, .node = index};
+    if (light >= 0) {
+        struct gp_scene_light *const l = &out->light[out->lights++];
+        *l = defs[light];
         l->node = index;
         GP_TRY(gp_json_number(&at.p, json_object_get(o, "extras"),
                               "ball_radius", 0.0, MOST_PLACE, &l->ball, NULL));
         if (*name)
             memcpy(l->name, name, sizeof name);
     }
-    to->lights += light >= 0;
     if (cam >= 0) {
-        GP_TRY(read_camera(g, cam, &perspective, &camera));
-        to->flat = to->flat || !perspective;
-    }
-    if (perspective && to->fill) {
-        out->camera[to->cameras] = camera;
-        out->camera[to->cameras].node = index;
+        struct gp_scene_camera *const c = &out->camera[out->cameras];
+        GP_TRY(read_camera(g, cam, &perspective, c));
+        c->node = index;
         if (*name)
-            memcpy(out->camera[to->cameras].name, name, sizeof name);
+            memcpy(c->name, name, sizeof name);
+        out->cameras += perspective;
+        g->odd[GP_GLTF_FLAT] |= !perspective;
     }
-    to->cameras += perspective;
 out:
     return st;
 }
 
 static gp_status place_all(struct gp_gltf *g, struct gp_scene *out)
 {
-    struct placed to = {0};
-    struct gp_scene_light *defined = NULL;
+    const struct gp_scene_nodes *const nodes = out->nodes;
+    struct gp_scene_light *defs = NULL;
     struct gp_scene_camera camera;
+    size_t objects = 0, lights = 0, cameras = 0; // at most
     bool perspective;
+    int defined = 0;
     gp_status st;
-    GP_TRY(read_lights(g, &defined, &to.defined));
-    to.light = defined;
+    GP_TRY(read_lights(g, &defs, &defined));
     for (int i = 0; i < gp_gltf_count(g, "cameras"); i++)
         GP_TRY(read_camera(g, i, &perspective, &camera));
-    for (int pass = 0; pass < 2; pass++) {
-        to.objects = to.lights = to.cameras = 0;
-        to.fill = pass == 1;
-        for (int i = 0; i < out->nodes->n; i++) {
-            if (out->nodes->at[i].placed)
-                GP_TRY(place_node(g, i, &to, out));
-        }
-        if (to.fill)
-            break;
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.objects,
-                             sizeof *out->object, &out->object));
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.lights,
-                             sizeof *out->light, &out->light));
-        GP_TRY(gp_alloc_zero(g->log, g->path, (size_t) to.cameras,
-                             sizeof *out->camera, &out->camera));
+    for (int i = 0; i < nodes->n; i++) {
+        json_t *const o = gp_gltf_item(g, "nodes", i);
+        objects += json_object_get(o, "mesh") != NULL;
+        lights += json_object_get(o, "extensions") != NULL;
+        cameras += json_object_get(o, "camera") != NULL;
     }
-    out->objects = to.objects;
-    out->lights = to.lights;
-    out->cameras = to.cameras;
-    if (to.skins)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: skins are not supported; meshes "
-               "keep the pose they are stored in", g->path);
-    if (to.copies)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: instances of one node "
-               "(EXT_mesh_gpu_instancing) are not supported; its mesh is "
-               "placed once", g->path);
-    if (to.unseen)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: hidden nodes (KHR_node_visibility) "
-               "are not supported; they are placed as the others", g->path);
-    if (to.flat)
-        gp_say(g->log, GP_LEVEL_WARN, "%s: orthographic cameras are not "
-               "supported and left out", g->path);
+    GP_TRY(gp_alloc_zero(g->log, g->path, objects, sizeof *out->object,
+                         &out->object));
+    GP_TRY(gp_alloc_zero(g->log, g->path, lights, sizeof *out->light,
+                         &out->light));
+    GP_TRY(gp_alloc_zero(g->log, g->path, cameras, sizeof *out->camera,
+                         &out->camera));
+    for (int i = 0; i < nodes->n; i++) {
+        if (nodes->at[i].placed)
+            GP_TRY(place_node(g, i, defs, defined, out));
+    }
 out:
-    gp_free(defined);
+    gp_free(defs);
     return st;
 }
 
 // -- the scene ----------------------------------------------------------------
+
+static void warn_of_odd(const struct gp_gltf *g)
+{
+    static const char *const text[GP_GLTF_ODD] = {
+        [GP_GLTF_BLENDED] = "blended materials hide light where their alpha is "
+                            "at least 0.5",
+        [GP_GLTF_GLASS] = "glass (KHR_materials_transmission) of a factor under "
+                          "0.5, or with a texture, hides all light, other glass "
+                          "none",
+        [GP_GLTF_BLIND] = "textures of cut-outs are not read; they count as "
+                          "opaque",
+        [GP_GLTF_MORPHS] = "morph targets are not supported; meshes keep their "
+                           "base shape",
+        [GP_GLTF_FADED] = "alpha of vertices (COLOR_0) is not read; cut-outs "
+                          "have that of their material only; bake it into the "
+                          "texture",
+        [GP_GLTF_TWICE] = "two animations move a node the same way; the first "
+                          "counts",
+        [GP_GLTF_SKINS] = "skins are not supported; meshes keep the pose they "
+                          "are stored in",
+        [GP_GLTF_COPIES] = "instances of one node (EXT_mesh_gpu_instancing) are "
+                           "not supported; its mesh is placed once",
+        [GP_GLTF_HIDDEN] = "hidden nodes (KHR_node_visibility) are not "
+                           "supported; they are placed as the others",
+        [GP_GLTF_FLAT] = "orthographic cameras are not supported and left out",
+    };
+    for (int i = 0; i < GP_GLTF_ODD; i++) {
+        if (g->odd[i])
+            gp_say(g->log, GP_LEVEL_WARN, "%s: %s", g->path, text[i]);
+    }
+}
 
 gp_status gp_scene_read(const struct gp_log *log, const char *path,
                         enum gp_up up, const struct gp_scene_images *images,
@@ -373,6 +378,7 @@ gp_status gp_scene_read(const struct gp_log *log, const char *path,
     GP_TRY(read_nodes(&g, &s));
     GP_TRY(gp_gltf_animations(&g, &s));
     GP_TRY(place_all(&g, &s));
+    warn_of_odd(&g);
     s.nodes->turned = up == GP_UP_Z;
     gp_scene_pose(&s, s.start);
     *out = s;

@@ -14,6 +14,7 @@ struct run {
 };
 
 struct gp_drawing {
+    const struct gp_log *log;
     const struct gp_gl *gl;
     const struct gp_scene *s;
     const struct gp_camera *c;
@@ -23,16 +24,135 @@ struct gp_drawing {
     struct run *submesh;       // a submesh of the scene
     struct run *opaque;        // a mesh of it; count 0: none
     struct gp_texture *cutout; // alpha, of each of the scene's
-    struct gp_program ambient[2], flat[2], cube[2]; // [1]: with holes
+    struct gp_program ambient[2]; // [1]: with holes
+    struct gp_program shadow[2][2]; // [1]: of cubes; [1]: with holes
     struct gp_program light[4]; // GP_LIGHT_..., spot in a cube
     struct gp_target picture;
-    struct gp_target square, atlas; // of maps; made when first used
+    struct gp_target maps[2];  // square and atlas; made when first used
     double to_clip[16];        // of the picture
     struct gp_v3 eye;
     struct gp_drawn counts;
 };
 
 enum { SPOT_IN_CUBE = 3 };
+
+// -- maps of shadows ----------------------------------------------------------
+//
+// One square for spots and suns, six of one atlas for points. Depth is reversed,
+// as in gl: near / distance, of a sun from 1 to 0.
+
+/* The map of one light: how places come to it. */
+struct map {
+    bool cube;           // six squares, 3 x 2, around a point: +x -x +y -y +z -z
+    int side;            // texels of a square
+    double near;         // near plane, but of a sun
+    double to_map[16];   // world, from origin, to clip coordinates; not of a cube
+    struct gp_v3 origin; // the light's place; of a sun the middle of its box
+    float form_of[4];    // `map` of light.frag
+};
+
+/* Sets the clip coordinates of a square: x and y are k times those across
+ * `along`, z and w products with columns. */
+static void set_square(struct map *m, struct gp_v3 along, double k,
+                       const double z[4], const double w[4])
+{
+    const struct gp_v3 other = fabs(along.z) < 0.9 ? (struct gp_v3) {0, 0, 1}
+                                                   : (struct gp_v3) {1, 0, 0};
+    const struct gp_v3 x = gp_v3_unit(gp_v3_cross(other, along));
+    const struct gp_v3 y = gp_v3_cross(along, x);
+    const double column[4][4] = {
+        {k * x.x, k * x.y, k * x.z, 0.0}, {k * y.x, k * y.y, k * y.z, 0.0},
+        {z[0], z[1], z[2], z[3]}, {w[0], w[1], w[2], w[3]},
+    };
+    for (int i = 0; i < 16; i++)
+        m->to_map[i] = column[i % 4][i / 4];
+}
+
+/* Lays a spot's map a texel around its cone, as light.frag reads neighbours. */
+static void lay_spot(const struct gp_scene_light *l, struct map *m)
+{
+    const double k = (m->side - 2.0) / m->side / tan(fmax(l->outer, 1e-3));
+    set_square(m, l->along, k, (const double[4]) {0.0, 0.0, 0.0, m->near},
+               (const double[4]) {l->along.x, l->along.y, l->along.z, 0.0});
+    m->form_of[2] = (float) k;
+}
+
+/* Lays a sun's map over the lit box, as deep as the whole scene. */
+static void lay_sun(const struct gp_draw_light *d, const struct gp_box *whole,
+                    struct map *m)
+{
+    const struct gp_v3 along = d->light->along, half = gp_box_half(&d->all);
+    const struct gp_v3 middle = gp_v3_add(whole->lo, gp_box_half(whole));
+    const double reach = fmax(gp_v3_length(half), 1e-6);
+    const double deep = fmax(gp_v3_length(gp_box_half(whole)), 1e-6) * 1.001;
+    const double k = (m->side - 2.0) / m->side / reach, s = 0.5 / deep;
+    m->origin = gp_v3_add(d->all.lo, half);
+    const double at = gp_v3_dot(gp_v3_sub(m->origin, middle), along);
+    set_square(m, along, k, (const double[4]) {-s * along.x, -s * along.y,
+                                               -s * along.z, 0.5 - s * at},
+               (const double[4]) {0.0, 0.0, 0.0, 1.0});
+    m->form_of[1] = (float) (2.0 / (k * m->side));
+    m->form_of[2] = (float) s;
+}
+
+/* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get a
+ * cube. */
+static struct map map_of(const struct gp_draw_light *d,
+                         const struct gp_box *whole, int side)
+{
+    const struct gp_scene_light *const l = d->light;
+    const bool sun = l->kind == GP_LIGHT_DIRECTIONAL;
+    const bool narrow = l->kind == GP_LIGHT_SPOT && l->outer < 1.05;
+    struct map m = {
+        .cube = !sun && !narrow, .side = side, .origin = l->at,
+        // reversed depth is as precise at every distance
+        .near = isfinite(l->range) && l->range > 0.0 ? 1e-4 * l->range : 1e-3,
+    };
+    m.form_of[0] = (float) side;
+    m.form_of[1] = (float) m.near;
+    m.form_of[2] = 1.0f;
+    if (sun)
+        lay_sun(d, whole, &m);
+    if (narrow)
+        lay_spot(l, &m);
+    return m;
+}
+
+/* Sets x, y and w of a point: x / w and y / w are its place in a square. */
+static void look_at(const struct map *m, int face, struct gp_v3 at,
+                    double out[3])
+{
+    const struct gp_v3 p = gp_v3_sub(at, m->origin);
+    const double q[3] = {p.x, p.y, p.z}, *const t = m->to_map;
+    const double k = (m->side - 2.0) / m->side;
+    const int axis = face >> 1; // as scene.vert
+    for (int c = 0; c < 2; c++)
+        out[c] = m->cube ? k * q[(axis + 1 + c) % 3]
+                         : p.x * t[c] + p.y * t[4 + c] + p.z * t[8 + c] +
+                               t[12 + c];
+    out[2] = m->cube ? (face & 1 ? -q[axis] : q[axis])
+                     : p.x * t[3] + p.y * t[7] + p.z * t[11] + t[15];
+}
+
+/* Returns bits of the squares of a map where a box of the world may be; of a map
+ * of one square 0 or 1. */
+static int faces_of(const struct map *m, const struct gp_box *box)
+{
+    const double wide = 1.0 + 4.0 / m->side; // a texel around each square
+    int faces = 0;
+    for (int face = 0; face < (m->cube ? 6 : 1); face++) {
+        int out = 31; // sides that all corners are beyond
+        for (int i = 0; i < 8; i++) {
+            double p[3];
+            look_at(m, face, gp_box_corner(box, i), p);
+            out &= (p[0] < -wide * p[2]) | (p[1] < -wide * p[2]) << 1 |
+                   (p[0] > wide * p[2]) << 2 | (p[1] > wide * p[2]) << 3 |
+                   (p[2] < 0.0) << 4;
+        }
+        faces |= (out == 0) << face;
+    }
+    return faces;
+}
 
 // -- geometry -----------------------------------------------------------------
 
@@ -59,7 +179,7 @@ static void write_submesh(const struct gp_scene *s,
 
 /* Uploads a mesh after another, its opaque submeshes first: they are one shadow
  * batch. */
-static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
+static gp_status upload_meshes(struct gp_drawing *d)
 {
     const struct gp_scene *const s = d->s;
     gp_status st;
@@ -70,15 +190,15 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
         n += s->submesh[i].count;
     const int limit = gp_gl_info(d->gl)->max_texel_buffer;
     if (n > limit / TEXELS)
-        return gp_fail_bare(log, GP_ERR_GL, "%s: %lld triangles do not fit into "
-                            "the memory of %s (the limit is %d)", s->path,
+        return gp_fail_bare(d->log, GP_ERR_GL, "%s: %lld triangles do not fit "
+                            "into the memory of %s (the limit is %d)", s->path,
                             n / 3, gp_gl_info(d->gl)->name, limit / TEXELS / 3);
-    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->submeshes + 1,
+    GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->submeshes + 1,
                          sizeof *d->submesh, &d->submesh));
-    GP_TRY(gp_alloc_zero(log, "batches", (size_t) s->meshes + 1,
+    GP_TRY(gp_alloc_zero(d->log, "batches", (size_t) s->meshes + 1,
                          sizeof *d->opaque, &d->opaque));
-    GP_TRY(gp_alloc(log, "vertices", (size_t) n * 4 * TEXELS + 1, sizeof *list,
-                    &list));
+    GP_TRY(gp_alloc(d->log, "vertices", (size_t) n * 4 * TEXELS + 1,
+                    sizeof *list, &list));
     for (int m = 0; m < s->meshes; m++) {
         const struct gp_mesh *const mesh = &s->mesh[m];
         d->opaque[m].first = at;
@@ -97,7 +217,7 @@ static gp_status upload_meshes(const struct gp_log *log, struct gp_drawing *d)
                 d->opaque[m].count = at - d->opaque[m].first;
         }
     }
-    GP_TRY(gp_buffer_make(log, d->gl, "vertices", GP_BUFFER_TEXELS,
+    GP_TRY(gp_buffer_make(d->log, d->gl, "vertices", GP_BUFFER_TEXELS,
                           at ? TEXELS * at : 1, &d->vertices));
     gp_buffer_write(d->gl, &d->vertices, 0, TEXELS * at, list);
 out:
@@ -107,7 +227,7 @@ out:
 
 // -- opening ------------------------------------------------------------------
 
-static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
+static gp_status make_programs(struct gp_drawing *d)
 {
     static const char *const solid[2] = {"", "#define HOLES\n"};
     static const char *const lights[4] = {
@@ -120,16 +240,16 @@ static gp_status make_programs(const struct gp_log *log, struct gp_drawing *d)
     char defines[64];
     for (int holes = 0; holes < 2; holes++) {
         snprintf(defines, sizeof defines, "#define COLOUR\n%s", solid[holes]);
-        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
-                               &d->ambient[holes]));
-        GP_TRY(gp_program_make(log, d->gl, solid[holes], "scene.vert",
-                               "solid.frag", &d->flat[holes]));
+        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
+                               "solid.frag", &d->ambient[holes]));
+        GP_TRY(gp_program_make(d->log, d->gl, solid[holes], "scene.vert",
+                               "solid.frag", &d->shadow[0][holes]));
         snprintf(defines, sizeof defines, "#define CUBE\n%s", solid[holes]);
-        GP_TRY(gp_program_make(log, d->gl, defines, "scene.vert", "solid.frag",
-                               &d->cube[holes]));
+        GP_TRY(gp_program_make(d->log, d->gl, defines, "scene.vert",
+                               "solid.frag", &d->shadow[1][holes]));
     }
     for (int i = 0; i < 4; i++)
-        GP_TRY(gp_program_make(log, d->gl, lights[i], "scene.vert",
+        GP_TRY(gp_program_make(d->log, d->gl, lights[i], "scene.vert",
                                "light.frag", &d->light[i]));
 out:
     return st;
@@ -159,24 +279,24 @@ gp_status gp_drawing_open(const struct gp_log *log, const struct gp_gl *gl,
     if (st)
         return st;
     *d = (struct gp_drawing) {
-        .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
+        .log = log, .gl = gl, .s = s, .c = c, .p = *p, .whole = GP_BOX_EMPTY,
     };
     for (int i = 0; i < s->objects; i++)
         d->whole = gp_box_join(d->whole, s->object[i].box);
     set_view(d);
     GP_TRY(gp_gl_use(log, gl));
-    GP_TRY(upload_meshes(log, d));
+    GP_TRY(upload_meshes(d));
     GP_TRY(gp_alloc_zero(log, "textures", (size_t) s->cutouts + 1,
                          sizeof *d->cutout, &d->cutout));
     for (int i = 0; i < s->cutouts; i++) {
         const struct gp_cutout *const c = &s->cutout[i];
-        if (c->owner != i)
+        if (!c->alpha || c->owner != i)
             continue;
         GP_TRY(gp_texture_make(log, gl, "alpha", GP_TEXEL_CODE, c->w, c->h,
                                &d->cutout[i]));
         gp_texture_write_codes(gl, &d->cutout[i], c->alpha);
     }
-    GP_TRY(make_programs(log, d));
+    GP_TRY(make_programs(d));
     GP_TRY(gp_target_make_deep(log, gl, "picture of the scene", GP_TEXEL_FLOAT,
                                1, p->w, p->h, &d->picture));
     GP_TRY(gp_gl_check(log, gl, "uploading the scene"));
@@ -194,16 +314,15 @@ void gp_drawing_close(struct gp_drawing **drawing)
         return;
     for (int i = 0; i < 2; i++) {
         gp_program_free(d->gl, &d->ambient[i]);
-        gp_program_free(d->gl, &d->flat[i]);
-        gp_program_free(d->gl, &d->cube[i]);
+        gp_program_free(d->gl, &d->shadow[0][i]);
+        gp_program_free(d->gl, &d->shadow[1][i]);
+        gp_target_free(d->gl, &d->maps[i]);
     }
     for (int i = 0; i < 4; i++)
         gp_program_free(d->gl, &d->light[i]);
     for (int i = 0; d->cutout && i < d->s->cutouts; i++)
         gp_texture_free(d->gl, &d->cutout[i]);
     gp_target_free(d->gl, &d->picture);
-    gp_target_free(d->gl, &d->square);
-    gp_target_free(d->gl, &d->atlas);
     gp_buffer_free(d->gl, &d->vertices);
     gp_free(d->submesh);
     gp_free(d->opaque);
@@ -240,12 +359,6 @@ static void add_floats(struct inputs *in, const char *name, int n,
     in->u[in->n++] = u;
 }
 
-static void add_place(struct inputs *in, const char *name, struct gp_v3 p,
-                      double w)
-{
-    add_floats(in, name, 4, (const double[4]) {p.x, p.y, p.z, w});
-}
-
 /* Adds a material's texture of alpha. */
 static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
                       struct inputs *in)
@@ -262,9 +375,8 @@ static void add_holes(const struct gp_drawing *d, const struct gp_material *m,
 }
 
 /* Draws a run of vertices and counts it as a batch. */
-static gp_status draw_run(const struct gp_log *log, struct gp_drawing *d,
-                          struct run run, const struct inputs *in,
-                          struct gp_draw draw)
+static gp_status draw_run(struct gp_drawing *d, struct run run,
+                          const struct inputs *in, struct gp_draw draw)
 {
     draw.first = run.first;
     draw.vertices = run.count;
@@ -272,7 +384,7 @@ static gp_status draw_run(const struct gp_log *log, struct gp_drawing *d,
     draw.replace = draw.depth == GP_DEPTH_WRITE;
     draw.instances = draw.instances ? draw.instances : 1;
     d->counts.batches++;
-    return gp_draw_run(log, d->gl, &draw);
+    return gp_draw_run(d->log, d->gl, &draw);
 }
 
 static void begin(const struct gp_drawing *d, struct inputs *in)
@@ -291,8 +403,7 @@ static void place_from(const struct gp_object *o, struct gp_v3 p, double m[16])
     m[14] -= p.z;
 }
 
-gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
-                             const int *object, int n)
+gp_status gp_drawing_ambient(struct gp_drawing *d, const int *object, int n)
 {
     const struct gp_scene *const s = d->s;
     gp_status st = GP_OK;
@@ -321,27 +432,26 @@ gp_status gp_drawing_ambient(const struct gp_log *log, struct gp_drawing *d,
                 .program = &d->ambient[holes], .target = &d->picture,
                 .cut = {0, 0, d->p.w, d->p.h}, .depth = GP_DEPTH_WRITE,
             };
-            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
+            GP_TRY(draw_run(d, d->submesh[k], &in, draw));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing the ambient pass");
+    st = gp_gl_check(d->log, d->gl, "drawing the ambient pass");
 out:
     return st;
 }
 
 /* Draws one run of an object into a map. */
-static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
-    const struct gp_shadow_map *map, const struct gp_object *o, int faces,
-    struct run run, const struct gp_material *of)
+static gp_status draw_shadow(struct gp_drawing *d, const struct map *map,
+    const struct gp_object *o, int faces, struct run run,
+    const struct gp_material *of)
 {
-    const bool cube = map->form == GP_MAP_CUBE;
     struct inputs in = {0};
     double m[16];
     if (!run.count)
         return GP_OK;
     begin(d, &in);
     place_from(o, map->origin, m);
-    if (cube) {
+    if (map->cube) {
         add_matrix(&in, "to_light", m);
         in.u[in.n++] = (struct gp_uniform) {.name = "faces", .v = {faces}};
         add_floats(&in, "map", 4, (const double[4]) {map->side, map->near});
@@ -351,75 +461,68 @@ static gp_status draw_shadow(const struct gp_log *log, struct gp_drawing *d,
     }
     if (of)
         add_holes(d, of, &in);
-    const struct gp_target *const to = cube ? &d->atlas : &d->square;
+    const struct gp_target *const to = &d->maps[map->cube];
     const struct gp_draw draw = {
-        .program = cube ? &d->cube[of != NULL] : &d->flat[of != NULL],
-        .target = to, .depth = GP_DEPTH_WRITE,
-        .cut = {0, 0, to->w, to->h},
-        .instances = cube ? __builtin_popcount((unsigned) faces) : 1,
-        .clips = cube ? 4 : 0,
+        .program = &d->shadow[map->cube][of != NULL], .target = to,
+        .cut = {0, 0, to->w, to->h}, .depth = GP_DEPTH_WRITE,
+        .instances = map->cube ? __builtin_popcount((unsigned) faces) : 1,
+        .clips = map->cube ? 4 : 0,
     };
     d->counts.shadow_batches++;
-    return draw_run(log, d, run, &in, draw);
+    return draw_run(d, run, &in, draw);
 }
 
-static gp_status draw_map(const struct gp_log *log, struct gp_drawing *d,
-    const struct gp_draw_light *l, const struct gp_shadow_map *map)
+static gp_status draw_map(struct gp_drawing *d, const struct gp_draw_light *l,
+                          const struct map *map)
 {
     const struct gp_scene *const s = d->s;
-    const bool cube = map->form == GP_MAP_CUBE;
-    struct gp_target *const to = cube ? &d->atlas : &d->square;
-    const int w = cube ? 3 * map->side : map->side;
-    const int h = cube ? 2 * map->side : map->side;
+    struct gp_target *const to = &d->maps[map->cube];
+    const int w = map->cube ? 3 * map->side : map->side;
+    const int h = map->cube ? 2 * map->side : map->side;
     gp_status st;
     if (!to->framebuffer)
-        GP_TRY(gp_target_make_deep(log, d->gl, "map of shadows", GP_TEXEL_FLOAT,
-                                   0, w, h, to));
+        GP_TRY(gp_target_make_deep(d->log, d->gl, "map of shadows",
+                                   GP_TEXEL_FLOAT, 0, w, h, to));
     gp_target_clear(d->gl, to, (struct gp_rect) {0, 0, w, h});
     d->counts.passes++;
     for (int i = 0; i < l->shadows; i++) {
         const struct gp_object *const o = &s->object[l->shadow[i]];
         const struct gp_mesh *const mesh = &s->mesh[o->mesh];
-        const int faces = gp_shadow_faces(map, &o->box);
+        const int faces = faces_of(map, &o->box);
         if (!faces)
             continue;
         if (!d->p.separate)
-            GP_TRY(draw_shadow(log, d, map, o, faces, d->opaque[o->mesh],
-                               NULL));
+            GP_TRY(draw_shadow(d, map, o, faces, d->opaque[o->mesh], NULL));
         for (int k = mesh->first; k < mesh->first + mesh->submeshes; k++) {
             const struct gp_material *const of =
                 &s->material[s->submesh[k].material];
             const bool holes = gp_material_cut(of);
             if (holes || d->p.separate)
-                GP_TRY(draw_shadow(log, d, map, o, faces, d->submesh[k],
+                GP_TRY(draw_shadow(d, map, o, faces, d->submesh[k],
                                    holes ? of : NULL));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing a map of shadows");
+    st = gp_gl_check(d->log, d->gl, "drawing a map of shadows");
 out:
     return st;
 }
 
 /* Adds what all surfaces of a light's pass have in common. */
 static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
-                      const struct gp_shadow_map *map, struct inputs *in)
+                      const struct map *map, struct inputs *in)
 {
     const struct gp_scene_light *const of = l->light;
-    const bool sun = of->kind == GP_LIGHT_DIRECTIONAL;
     const bool limit = isfinite(of->range) && of->range > 0.0;
-    add_place(in, "eye", gp_v3_sub(d->eye, map->origin), 0.0);
-    if (sun || of->kind == GP_LIGHT_SPOT || limit)
-        add_place(in, "along", of->along, limit ? 1.0 / of->range : 0.0);
-    else
-        add_place(in, "along", (struct gp_v3) {0}, 0.0);
+    const struct gp_v3 eye = gp_v3_sub(d->eye, map->origin), to = of->along;
+    add_floats(in, "eye", 4, (const double[4]) {eye.x, eye.y, eye.z});
+    add_floats(in, "along", 4, (const double[4]) {
+        to.x, to.y, to.z, limit ? 1.0 / of->range : 0.0});
     in->u[in->n] = (struct gp_uniform) {.name = "map", .floats = 4};
     memcpy(in->u[in->n++].f, map->form_of, sizeof map->form_of);
     in->u[in->n++] = (struct gp_uniform) {
-        .name = "shadows",
-        .texture = map->form == GP_MAP_CUBE ? &d->atlas.depth
-                                            : &d->square.depth,
+        .name = "shadows", .texture = &d->maps[map->cube].depth,
     };
-    if (map->form != GP_MAP_CUBE)
+    if (!map->cube)
         add_matrix(in, "to_map", map->to_map);
     if (of->kind == GP_LIGHT_SPOT) {
         const double outer = cos(of->outer);
@@ -430,7 +533,7 @@ static void add_light(const struct gp_drawing *d, const struct gp_draw_light *l,
 
 /* Adds the surface's own: its matrices and the light that comes back. */
 static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
-                        const struct gp_shadow_map *map, struct inputs *in)
+                        const struct map *map, struct inputs *in)
 {
     const double *const t = o->to_world;
     double m[16];
@@ -448,12 +551,12 @@ static void add_surface(const struct gp_drawing *d, const struct gp_object *o,
         1});
 }
 
-static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
-    const struct gp_draw_light *l, const struct gp_shadow_map *map)
+static gp_status draw_lit(struct gp_drawing *d, const struct gp_draw_light *l,
+                          const struct map *map)
 {
     const struct gp_scene *const s = d->s;
     const struct gp_scene_light *const of = l->light;
-    const bool wide = of->kind == GP_LIGHT_SPOT && map->form == GP_MAP_CUBE;
+    const bool wide = of->kind == GP_LIGHT_SPOT && map->cube;
     const double scale = d->p.light_scale * of->intensity / M_PI;
     gp_status st = GP_OK;
     struct gp_draw draw = {
@@ -488,23 +591,22 @@ static gp_status draw_lit(const struct gp_log *log, struct gp_drawing *d,
                 scale * of->color[0] * (double) base[0],
                 scale * of->color[1] * (double) base[1],
                 scale * of->color[2] * (double) base[2], 0.0});
-            GP_TRY(draw_run(log, d, d->submesh[k], &in, draw));
+            GP_TRY(draw_run(d, d->submesh[k], &in, draw));
         }
     }
-    st = gp_gl_check(log, d->gl, "drawing a light");
+    st = gp_gl_check(d->log, d->gl, "drawing a light");
 out:
     return st;
 }
 
-gp_status gp_drawing_light(const struct gp_log *log, struct gp_drawing *d,
-                           const struct gp_draw_light *l)
+gp_status gp_drawing_light(struct gp_drawing *d, const struct gp_draw_light *l)
 {
     if (!l->lits || gp_rect_empty(l->cut))
         return GP_OK;
-    const struct gp_shadow_map map = gp_shadow_map_of(l, &d->whole, d->p.map);
-    gp_status st = draw_map(log, d, l, &map);
+    const struct map map = map_of(l, &d->whole, d->p.map);
+    gp_status st = draw_map(d, l, &map);
     if (!st)
-        st = draw_lit(log, d, l, &map);
+        st = draw_lit(d, l, &map);
     d->counts.lights++;
     return st;
 }

@@ -8,83 +8,19 @@
 
 // -- bounds on the screen -----------------------------------------------------
 
-/* A point before the division: x and y in units of the display window. */
-struct image {
-    double x, y, w;
+/* Bounds of points before the division: x and y in units of the display window,
+ * and w. */
+struct bounds {
+    double lo[3], hi[3];
 };
 
-static struct image image_of(const double m[16], struct gp_v3 p)
+static void widen(struct bounds *b, const double p[3])
 {
-    return (struct image) {
-        p.x * m[0] + p.y * m[4] + p.z * m[8] + m[12],
-        p.x * m[1] + p.y * m[5] + p.z * m[9] + m[13],
-        p.x * m[3] + p.y * m[7] + p.z * m[11] + m[15],
-    };
-}
-
-static struct gp_screen_box with_image(struct gp_screen_box b, struct image p)
-{
-    const double x = p.x / p.w, y = p.y / p.w;
-    return (struct gp_screen_box) {
-        gp_mind(x, b.x0),     gp_mind(y, b.y0),
-        gp_maxd(x, b.x1),     gp_maxd(y, b.y1),
-        gp_mind(p.w, b.near), gp_maxd(p.w, b.far), true,
-    };
-}
-
-static struct gp_screen_box to_pixels(struct gp_screen_box b,
-                                      struct gp_rect display)
-{
-    if (!b.seen)
-        return (struct gp_screen_box) {0};
-    const double w = (double) display.x1 - display.x0,
-                 h = (double) display.y1 - display.y0;
-    b.x0 = display.x0 + b.x0 * w;
-    b.x1 = display.x0 + b.x1 * w;
-    b.y0 = display.y0 + b.y0 * h;
-    b.y1 = display.y0 + b.y1 * h;
-    return b;
-}
-
-static const struct gp_screen_box nothing = {
-    INFINITY, INFINITY, -INFINITY, -INFINITY, INFINITY, -INFINITY, false,
-};
-
-struct gp_screen_box gp_bounds_project(const struct gp_camera *c,
-                                       struct gp_rect display,
-                                       const struct gp_box *box, double near)
-{
-    struct gp_screen_box b = nothing;
-    struct image at[8];
-    if (gp_box_empty(*box))
-        return to_pixels(b, display);
-    for (int i = 0; i < 8; i++) {
-        at[i] = image_of(c->to_ndc, gp_box_corner(box, i));
-        if (at[i].w >= near)
-            b = with_image(b, at[i]);
+    const double at[3] = {p[0] / p[2], p[1] / p[2], p[2]};
+    for (int c = 0; c < 3; c++) {
+        b->lo[c] = gp_mind(at[c], b->lo[c]);
+        b->hi[c] = gp_maxd(at[c], b->hi[c]);
     }
-    // where an edge meets the plane at `near`, from corner i to i with bit k
-    for (int e = 0; e < 24; e++) {
-        const int i = e % 8, k = 1 << e / 8;
-        const struct image p = at[i], q = at[i | k];
-        if (i & k || (p.w < near) == (q.w < near))
-            continue;
-        const double t = (near - p.w) / (q.w - p.w);
-        b = with_image(b, (struct image) {p.x + t * (q.x - p.x),
-                                          p.y + t * (q.y - p.y), near});
-    }
-    return to_pixels(b, display);
-}
-
-struct gp_screen_box gp_reach_project(const struct gp_reach *r,
-                                      const struct gp_camera *c,
-                                      struct gp_rect display, double near)
-{
-    static const double wide = 1e9;
-    if (!isfinite(r->range)) // also of spots: bounds of what they light do
-        return (struct gp_screen_box) {-wide, -wide, wide, wide, near,
-                                       INFINITY, true};
-    return gp_bounds_project(c, display, &r->box, near);
 }
 
 /* Returns a whole number as an int, cut to what fits with room for a picture. */
@@ -93,14 +29,42 @@ static int whole(double v)
     return (int) fmin(fmax(v, -1e9), 1e9);
 }
 
-struct gp_rect gp_screen_pixels(const struct gp_screen_box *b,
-                                struct gp_rect window)
+struct gp_scissor gp_box_project(const struct gp_sets_view *v,
+                                 const struct gp_box *box)
 {
-    if (!b->seen)
-        return (struct gp_rect) {0};
-    return gp_rect_meet(window, (struct gp_rect) {
-        whole(floor(b->x0)), whole(floor(b->y0)), whole(ceil(b->x1)),
-        whole(ceil(b->y1))});
+    const double *const m = v->camera.to_ndc;
+    const struct gp_rect d = v->display;
+    const double w = gp_rect_w(d), h = gp_rect_h(d);
+    struct bounds b = {{INFINITY, INFINITY, INFINITY},
+                       {-INFINITY, -INFINITY, -INFINITY}};
+    double at[8][3];
+    for (int i = 0; i < 8; i++) {
+        const struct gp_v3 p = gp_box_corner(box, i);
+        for (int c = 0; c < 3; c++) { // z has no part in it
+            const int k = c < 2 ? c : 3;
+            at[i][c] = p.x * m[k] + p.y * m[4 + k] + p.z * m[8 + k] + m[12 + k];
+        }
+        if (at[i][2] >= v->near)
+            widen(&b, at[i]);
+    }
+    // where an edge meets the plane at `near`, from corner i to i with bit k
+    for (int e = 0; e < 24; e++) {
+        const int i = e % 8, k = 1 << e / 8;
+        const double *const p = at[i], *const q = at[i | k];
+        if (i & k || (p[2] < v->near) == (q[2] < v->near))
+            continue;
+        const double t = (v->near - p[2]) / (q[2] - p[2]);
+        widen(&b, (const double[3]) {p[0] + t * (q[0] - p[0]),
+                                     p[1] + t * (q[1] - p[1]), v->near});
+    }
+    if (!(b.lo[2] <= b.hi[2]))
+        return (struct gp_scissor) {0};
+    return (struct gp_scissor) {
+        gp_rect_meet(v->window, (struct gp_rect) {
+            whole(floor(d.x0 + b.lo[0] * w)), whole(floor(d.y0 + b.lo[1] * h)),
+            whole(ceil(d.x0 + b.hi[0] * w)), whole(ceil(d.y0 + b.hi[1] * h))}),
+        b.lo[2], b.hi[2],
+    };
 }
 
 // -- depths by tiles ----------------------------------------------------------
@@ -188,17 +152,16 @@ static bool all_before(const struct gp_depths *d, struct gp_rect r, double near)
     return true;
 }
 
-bool gp_depths_hide(const struct gp_depths *d, const struct gp_screen_box *b)
+bool gp_depths_hide(const struct gp_depths *d, const struct gp_scissor *b)
 {
-    const struct gp_rect r = gp_screen_pixels(b, d->window);
     const double near = b->near * (1.0 - GP_DEPTH_SLACK);
-    if (gp_rect_empty(r))
+    if (gp_rect_empty(b->rect))
         return true;
-    const struct gp_rect all = tiles_of(d, r);
+    const struct gp_rect all = tiles_of(d, b->rect);
     for (int y = all.y0; y < all.y1; y++) {
         for (int x = all.x0; x < all.x1; x++) {
             if (!(near > (double) d->tile[y * d->across + x].most) &&
-                !all_before(d, gp_rect_meet(r, pixels_of(d, x, y)), near))
+                !all_before(d, gp_rect_meet(b->rect, pixels_of(d, x, y)), near))
                 return false;
         }
     }
@@ -207,39 +170,30 @@ bool gp_depths_hide(const struct gp_depths *d, const struct gp_screen_box *b)
 
 // -- scissors -----------------------------------------------------------------
 
-static struct gp_screen_box widened(struct gp_screen_box b)
+static struct gp_scissor widened(struct gp_scissor s)
 {
-    b.near *= 1.0 - GP_DEPTH_SLACK;
-    b.far *= 1.0 + GP_DEPTH_SLACK;
-    return b;
+    s.near *= 1.0 - GP_DEPTH_SLACK;
+    s.far *= 1.0 + GP_DEPTH_SLACK;
+    return s;
 }
 
-/* Returns what two bounds have in common. */
-static struct gp_screen_box meet(const struct gp_screen_box *a,
-                                 const struct gp_screen_box *b)
+struct gp_scissor gp_depths_cut(const struct gp_depths *d,
+                                const struct gp_scissor *of)
 {
-    return (struct gp_screen_box) {
-        fmax(a->x0, b->x0), fmax(a->y0, b->y0), fmin(a->x1, b->x1),
-        fmin(a->y1, b->y1), fmax(a->near, b->near), fmin(a->far, b->far),
-        a->seen && b->seen,
-    };
-}
-
-/* Returns the bounds of the tiles of r that have depths from near to far. */
-static struct gp_scissor of_tiles(const struct gp_depths *d, struct gp_rect r,
-                                  double near, double far)
-{
+    const struct gp_scissor s = widened(*of);
     float least = INFINITY, most = -INFINITY;
     struct gp_rect pixels = {0};
-    if (gp_rect_empty(r))
+    if (gp_rect_empty(s.rect))
         return (struct gp_scissor) {0};
-    const struct gp_rect all = tiles_of(d, r);
+    if (d->across == 0)
+        return s;
+    const struct gp_rect all = tiles_of(d, s.rect);
     for (int y = all.y0; y < all.y1; y++) {
         for (int x = all.x0; x < all.x1; x++) {
             const struct gp_depth_tile *const t = &d->tile[y * d->across + x];
-            if (!((double) t->least <= far && (double) t->deepest >= near))
+            if (!((double) t->least <= s.far && (double) t->deepest >= s.near))
                 continue;
-            const struct gp_rect own = gp_rect_meet(r, pixels_of(d, x, y));
+            const struct gp_rect own = gp_rect_meet(s.rect, pixels_of(d, x, y));
             pixels = gp_rect_empty(pixels) ? own : gp_rect_join(pixels, own);
             least = gp_minf(t->least, least);
             most = gp_maxf(t->deepest, most);
@@ -247,51 +201,28 @@ static struct gp_scissor of_tiles(const struct gp_depths *d, struct gp_rect r,
     }
     if (gp_rect_empty(pixels))
         return (struct gp_scissor) {0};
-    return (struct gp_scissor) {pixels, fmax((double) least, near),
-                                fmin((double) most, far)};
+    return (struct gp_scissor) {pixels, fmax((double) least, s.near),
+                                fmin((double) most, s.far)};
 }
 
-struct gp_screen_box gp_scissor_visible(const struct gp_depths *d,
-                                        const struct gp_screen_box *box)
-{
-    const struct gp_screen_box b = widened(*box);
-    if (d->across == 0 || !b.seen)
-        return *box;
-    const struct gp_scissor s =
-        of_tiles(d, gp_screen_pixels(&b, d->window), b.near, b.far);
-    if (gp_rect_empty(s.rect))
-        return (struct gp_screen_box) {0};
-    return (struct gp_screen_box) {
-        fmax(b.x0, s.rect.x0), fmax(b.y0, s.rect.y0), fmin(b.x1, s.rect.x1),
-        fmin(b.y1, s.rect.y1), s.near, s.far, true,
-    };
-}
-
-struct gp_scissor gp_scissor_make(const struct gp_depths *d,
-                                  const struct gp_screen_box *box,
+struct gp_scissor gp_scissor_join(const struct gp_scissor *box,
                                   const int *index, int n,
-                                  const struct gp_screen_box *light)
+                                  const struct gp_scissor *light)
 {
-    struct gp_screen_box all = nothing;
-    const struct gp_screen_box l = widened(*light);
-    for (int i = 0; l.seen && i < n; i++) {
-        const struct gp_screen_box b = meet(&box[index[i]], &l);
-        if (!b.seen || b.x0 > b.x1 || b.y0 > b.y1 || b.near > b.far)
+    const struct gp_scissor l = widened(*light);
+    struct gp_scissor all = {0};
+    for (int i = 0; i < n; i++) {
+        const struct gp_scissor *const b = &box[index[i]];
+        const struct gp_scissor both = {gp_rect_meet(b->rect, l.rect),
+                                        fmax(b->near, l.near),
+                                        fmin(b->far, l.far)};
+        if (gp_rect_empty(both.rect) || both.near > both.far)
             continue;
-        all = (struct gp_screen_box) {
-            fmin(all.x0, b.x0), fmin(all.y0, b.y0), fmax(all.x1, b.x1),
-            fmax(all.y1, b.y1), fmin(all.near, b.near), fmax(all.far, b.far),
-            true,
-        };
+        all = gp_rect_empty(all.rect)
+                  ? both
+                  : (struct gp_scissor) {gp_rect_join(all.rect, both.rect),
+                                         fmin(all.near, both.near),
+                                         fmax(all.far, both.far)};
     }
-    if (!all.seen)
-        return (struct gp_scissor) {0};
-    const struct gp_screen_box b = widened(all);
-    if (d->across > 0)
-        return of_tiles(d, gp_screen_pixels(&b, d->window), b.near, b.far);
-    const struct gp_scissor s = {gp_screen_pixels(&b, d->window), b.near,
-                                 b.far};
-    if (gp_rect_empty(s.rect))
-        return (struct gp_scissor) {0};
-    return s;
+    return all;
 }

@@ -7,30 +7,20 @@ struct gp_sets {
     const struct gp_scene *scene;
     struct gp_sets_view view; // without its depth
     unsigned use;
-    struct gp_bodies bodies;
     struct gp_depths depths;   // across 0: none
     struct gp_volume frustum;
     double far;                // along the view axis, over every box
     // of each object
     uint8_t *flag;
-    struct gp_screen_box *box; // of its visible points
+    struct gp_scissor *box;    // of its visible points
     // of the light
     int *lit;                  // I
     int lits;
     struct gp_scissor scissor;
-    struct gp_umbras umbras;
+    struct gp_umbras *umbras;
 };
 
 // -- the frame's sets --------------------------------------------------------
-
-/* Returns the frustum of a scissor's pixels between its distances. */
-static struct gp_frustum frustum_of(const struct gp_sets_view *v,
-                                    const struct gp_scissor *s)
-{
-    const double x[2] = {s->rect.x0, s->rect.x1};
-    const double y[2] = {s->rect.y0, s->rect.y1};
-    return gp_frustum_make(&v->camera, v->display, x, y, s->near, s->far);
-}
 
 /* Returns a distance along the view axis over that of every object. */
 static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
@@ -39,7 +29,7 @@ static double far_of(const struct gp_scene *s, const struct gp_sets_view *v)
     double far = 2.0 * v->near;
     for (int i = 0; i < s->objects; i++) {
         const struct gp_object *const o = &s->object[i];
-        const struct gp_v3 c = o->centre;
+        const struct gp_v3 c = gp_box_middle(&o->box);
         far = fmax(far, c.x * m[3] + c.y * m[7] + c.z * m[11] + m[15] +
                             1.001 * o->radius);
     }
@@ -55,23 +45,22 @@ static bool shows_depths(const struct gp_sets *s)
 /* Flags F and V of all objects. */
 static void flag_frame(struct gp_sets *s)
 {
-    const struct gp_sets_view *const v = &s->view;
     const bool by_depth = (s->use & GP_SETS_OCCLUSION) && s->depths.across > 0;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_box *const of = &s->scene->object[i].box;
-        struct gp_screen_box *const box = &s->box[i];
+        struct gp_scissor *const box = &s->box[i];
         s->flag[i] = 0;
-        *box = (struct gp_screen_box) {0};
+        *box = (struct gp_scissor) {0};
         if (gp_box_empty(*of) || gp_volume_misses(&s->frustum,
                                                   gp_box_middle(of),
                                                   gp_box_half(of)))
             continue;
         s->flag[i] = GP_SET_F;
-        *box = gp_bounds_project(&v->camera, v->display, of, v->near);
+        *box = gp_box_project(&s->view, of);
         if (by_depth && gp_depths_hide(&s->depths, box))
             continue;
         s->flag[i] |= GP_SET_V;
-        *box = gp_scissor_visible(&s->depths, box);
+        *box = gp_depths_cut(&s->depths, box);
     }
 }
 
@@ -88,10 +77,8 @@ gp_status gp_sets_look(const struct gp_log *log, struct gp_sets *s,
     s->far = far_of(s->scene, &s->view);
     if (shows_depths(s))
         s->far = fmax(s->far, gp_depths_deepest(&s->depths));
-    const struct gp_frustum f = frustum_of(
-        &s->view,
-        &(struct gp_scissor) {s->view.window, s->view.near, s->far});
-    s->frustum = gp_frustum_volume(&f);
+    const struct gp_scissor all = {s->view.window, s->view.near, s->far};
+    s->frustum = gp_hull(&s->view, &all, NULL);
     flag_frame(s);
     return GP_OK;
 }
@@ -112,7 +99,7 @@ gp_status gp_sets_open(const struct gp_log *log, const struct gp_scene *scene,
     GP_TRY(gp_alloc(log, what, n, sizeof *s->flag, &s->flag));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->box, &s->box));
     GP_TRY(gp_alloc(log, what, n, sizeof *s->lit, &s->lit));
-    GP_TRY(gp_bodies_make(log, scene, &s->bodies));
+    GP_TRY(gp_umbras_open(log, scene, &s->umbras));
     GP_TRY(gp_sets_look(log, s, view->depth));
     *out = s;
     s = NULL;
@@ -128,7 +115,7 @@ void gp_sets_close(struct gp_sets **sets)
         gp_free(s->flag);
         gp_free(s->box);
         gp_free(s->lit);
-        gp_bodies_free(&s->bodies);
+        gp_umbras_close(&s->umbras);
         gp_depths_free(&s->depths);
     }
     GP_FREE(*sets);
@@ -136,25 +123,15 @@ void gp_sets_close(struct gp_sets **sets)
 
 // -- a light's sets ----------------------------------------------------------
 
-/* Returns the radius of a sphere around an object that is centred on c, the
- * middle of its box. */
-static double radius_around(const struct gp_object *o, struct gp_v3 c)
-{
-    const double corner = gp_v3_length(gp_v3_sub(o->box.hi, c));
-    return fmin(corner, o->radius + gp_v3_length(gp_v3_sub(o->centre, c)));
-}
-
 /* Returns half the sides of an object's box, wider by what lookups in a map of
  * shadows may be off. */
 static struct gp_v3 wide_half(const struct gp_sets *s, const struct gp_reach *r,
-                              const struct gp_object *o, struct gp_v3 c)
+                              const struct gp_object *o)
 {
-    const double away =
-        r->from.w > 0.0 ? gp_v3_length(gp_v3_sub(c, r->from.p)) +
-                              radius_around(o, c)
-                        : 1.0;
     const struct gp_v3 e = gp_box_half(&o->box);
-    const double more = s->view.texel * away;
+    const struct gp_v3 to = gp_v3_sub(gp_box_middle(&o->box), r->from.p);
+    const double more = s->view.texel * (r->from.w > 0.0
+        ? gp_v3_length(to) + o->radius : 1.0);
     return (struct gp_v3) {e.x + more, e.y + more, e.z + more};
 }
 
@@ -164,10 +141,7 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
     bool any = false;
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
-        const struct gp_v3 c = gp_box_middle(&o->box);
-        if (gp_box_empty(o->box) ||
-            gp_reach_too_far(r, c, gp_box_half(&o->box)) ||
-            gp_reach_beside(r, c, radius_around(o, c)))
+        if (gp_box_empty(o->box) || gp_reach_misses(r, o))
             continue;
         s->flag[i] |= GP_SET_L;
         any |= (s->flag[i] & GP_SET_V) != 0;
@@ -178,18 +152,14 @@ static bool flag_reached(struct gp_sets *s, const struct gp_reach *r)
 /* Takes objects in an umbra out of L, and lists I. */
 static void find_lit(struct gp_sets *s, const struct gp_reach *r)
 {
-    struct gp_darkest most = {0};
-    for (int i = 0; i < s->scene->objects && (s->use & GP_SETS_LIGHTS); i++) {
-        if (s->flag[i] & GP_SET_L)
-            gp_darkest_try(&most, s->scene, &s->bodies, r, i);
-    }
-    gp_umbras_make(&most, s->scene, &s->bodies, r, &s->umbras);
+    gp_umbras_light(s->umbras, s->use & GP_SETS_LIGHTS ? s->flag : NULL,
+                    r->from);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
         if (!(s->flag[i] & GP_SET_L))
             continue;
-        if (gp_umbras_hold(&s->umbras, c, wide_half(s, r, o, c)))
+        if (gp_umbras_hold(s->umbras, c, wide_half(s, r, o)))
             s->flag[i] &= (uint8_t) ~GP_SET_L;
         else if (s->flag[i] & GP_SET_V)
             s->lit[s->lits++] = i;
@@ -204,21 +174,20 @@ static void flag_light(struct gp_sets *s, const struct gp_reach *r,
     struct gp_scissor wide = *lit;
     wide.near *= 1.0 - 1e-6;
     wide.far *= 1.0 + 1e-6;
-    const struct gp_frustum f = frustum_of(&s->view, &wide);
-    const struct gp_volume hull = gp_hull(&f, r->from);
+    const struct gp_volume hull = gp_hull(&s->view, &wide, &r->from);
     for (int i = 0; i < s->scene->objects; i++) {
         const struct gp_object *const o = &s->scene->object[i];
         const struct gp_v3 c = gp_box_middle(&o->box);
         if ((s->flag[i] & GP_SET_L) &&
             (!(s->use & GP_SETS_SHADOWS) ||
-             !gp_volume_misses(&hull, c, wide_half(s, r, o, c))))
+             !gp_volume_misses(&hull, c, wide_half(s, r, o))))
             s->flag[i] |= GP_SET_S;
     }
     for (int k = 0; k < s->lits; k++)
         s->flag[s->lit[k]] |= GP_SET_I;
 }
 
-bool gp_sets_light(struct gp_sets *s, int light)
+struct gp_scissor gp_sets_light(struct gp_sets *s, int light)
 {
     const struct gp_sets_view *const v = &s->view;
     const struct gp_reach r = gp_light_reach(&s->scene->light[light]);
@@ -228,21 +197,21 @@ bool gp_sets_light(struct gp_sets *s, int light)
     s->scissor = (struct gp_scissor) {0};
     s->lits = 0;
     if (!gp_reach_meets(&r, &s->frustum) || (!flag_reached(s, &r) && !any))
-        return false;
+        return s->scissor;
     find_lit(s, &r);
-    const struct gp_screen_box bounds =
-        gp_reach_project(&r, &v->camera, v->display, v->near);
-    static const int only[1] = {0};
-    const struct gp_scissor lit =
-        any ? gp_scissor_make(&s->depths, &bounds, only, 1, &bounds)
-            : gp_scissor_make(&s->depths, s->box, s->lit, s->lits, &bounds);
+    const struct gp_scissor bounds =
+        isfinite(r.range) ? gp_box_project(v, &r.box)
+                          : (struct gp_scissor) {v->window, v->near, INFINITY};
+    struct gp_scissor lit =
+        any ? bounds : gp_scissor_join(s->box, s->lit, s->lits, &bounds);
+    lit = gp_depths_cut(&s->depths, &lit);
     const bool cut = s->use & (GP_SETS_SHADOWS | GP_SETS_SCISSOR);
     if ((s->lits == 0 && !any) || (cut && gp_rect_empty(lit.rect)))
-        return false;
+        return s->scissor;
     s->scissor = (s->use & GP_SETS_SCISSOR)
                      ? lit : (struct gp_scissor) {v->window, v->near, s->far};
     flag_light(s, &r, &lit);
-    return true;
+    return s->scissor;
 }
 
 // -- asking ------------------------------------------------------------------
@@ -254,34 +223,16 @@ const uint8_t *gp_sets_flags(const struct gp_sets *sets)
 
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *s, int object)
 {
-    return gp_screen_pixels(&s->box[object], s->scissor.rect);
+    return gp_rect_meet(s->box[object].rect, s->scissor.rect);
 }
 
-struct gp_scissor gp_sets_scissor(const struct gp_sets *sets)
-{
-    return sets->scissor;
-}
-
-/* Returns the batches of a mesh; merged, its opaque submeshes are one. */
-static int batches_of(const struct gp_scene *s, const struct gp_mesh *m,
-                      bool merged)
-{
-    int n = 0, opaque = 0;
-    for (int k = m->first; k < m->first + m->submeshes; k++) {
-        const bool is_opaque = gp_submesh_opaque(s, &s->submesh[k]);
-        opaque += is_opaque;
-        n += !is_opaque;
-    }
-    return n + (merged && opaque > 1 ? 1 : opaque);
-}
-
-int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged)
+int gp_sets_batches(const struct gp_sets *sets, unsigned set)
 {
     const struct gp_scene *const s = sets->scene;
     int n = 0;
     for (int i = 0; i < s->objects; i++) {
         if (sets->flag[i] & set)
-            n += batches_of(s, &s->mesh[s->object[i].mesh], merged);
+            n += s->mesh[s->object[i].mesh].submeshes;
     }
     return n;
 }

@@ -8,7 +8,7 @@
  *   scissor   the frame's depth by tiles, and the part of the picture that a
  *             light can change (15.5)
  *   sets      V, L, I, F, S by flags on objects (15.4.3, second way)
- *   draw      the renderer on GL (15.2.2), with maps of shadows from `shadow`
+ *   draw      the renderer on GL (15.2.2)
  *   table     Table 15-1
  *   picture   pictures to look at: scissors, and the sets from above
  *
@@ -90,24 +90,20 @@ GP_MUST_CHECK gp_status gp_sets_look(const struct gp_log *log,
                                      struct gp_sets *sets, const float *depth);
 
 /* Finds L, I, S and the scissor of a light, in place of those of the last one.
- * False: nothing that is visible can be lit; I and S are empty, L may be. With
- * GP_SETS_DEPTHS the depths decide, and I may be empty in any case. */
-bool gp_sets_light(struct gp_sets *sets, int light);
+ * Returns the scissor, the bounds of what it may light. Empty: nothing that is
+ * visible can be lit; I and S are empty, L may be. With GP_SETS_DEPTHS the depths
+ * decide, and I may be empty in any case. */
+struct gp_scissor gp_sets_light(struct gp_sets *sets, int light);
 
 /* Returns GP_SET_* of each object; changes with gp_sets_light(). */
 const uint8_t *gp_sets_flags(const struct gp_sets *sets);
 
-/* Returns the scissor of the light, the bounds of what it may light; empty where
- * nothing is lit. */
-struct gp_scissor gp_sets_scissor(const struct gp_sets *sets);
-
-/* Returns the part of that scissor in which an object of V can show a point. */
+/* Returns the part of the scissor in which an object of V can show a point. */
 struct gp_rect gp_sets_scissor_of(const struct gp_sets *sets, int object);
 
 /* Returns how many batches draw a set once: the submeshes of its meshes
- * (15.2.2). `merged`: shadow batches, the opaque submeshes of an object in one.
- * A frame has those of V, and for each light those of S and of I. */
-int gp_sets_batches(const struct gp_sets *sets, unsigned set, bool merged);
+ * (15.2.2). A frame has those of V, and for each light those of S and of I. */
+int gp_sets_batches(const struct gp_sets *sets, unsigned set);
 
 // -- the renderer and its table -----------------------------------------------
 
@@ -120,9 +116,6 @@ struct gp_drawing_params {
     bool separate;      // a shadow batch for each submesh; else one for all
                         // opaque ones of an object (15.2.2)
 };
-#define GP_DRAWING_DEFAULTS                                                   \
-    { .w = 960, .h = 540, .near = 0.1, .light_scale = 1.0 / 683.0,            \
-      .ambient = 0.02, .map = 256 }
 
 /* Counts of what was drawn. A batch is a draw call. */
 struct gp_drawn {
@@ -151,8 +144,7 @@ struct gp_table_row {
     double cpu_ms;       // the least of the runs, of all threads
     int visible;         // objects of V
     int lit, casters;    // of I and of S, summed over the lights
-    int batches[2];      // of V, I and S by their submeshes; [1]: opaque ones
-                         // of a caster in one
+    int batches;         // of V, I and S by their submeshes
     bool same;           // its picture has the bytes of the first row's
 };
 
@@ -162,20 +154,11 @@ struct gp_table_params {
     int occluders; // objects that are drawn first, for V by depth, >= 0: those
                    // that look largest
 };
-#define GP_TABLE_DEFAULTS                                                     \
-    { .draw = GP_DRAWING_DEFAULTS, .runs = 3, .occluders = 40 }
-
-/* A light of the last row. */
-struct gp_table_light {
-    int light;           // index
-    struct gp_rect rect; // its scissor; empty: the light is left out
-    double near, far;
-};
 
 struct gp_table {
     struct gp_table_row row[GP_TABLE_ROWS];
     float *picture;              // w * h * 4, scene-linear; owned
-    struct gp_table_light *light; // of all lights; owned
+    struct gp_scissor *light;    // of the last row's lights; owned
     unsigned char *set;          // of all objects: GP_SET_*, I and S of any
                                  // light; owned
 };
@@ -201,10 +184,9 @@ void gp_sets_draw_scissors(const struct gp_table *t, int lights, int w, int h,
                            const struct gp_planes *rgb);
 
 /* Draws the scene from above, each object in the colour of its sets. It shows the
- * eye, lamps and objects but outliers; boxes that leave it end at its edge.
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sets_draw_map(const struct gp_log *log,
-    const struct gp_table *t, const struct gp_scene *s,
-    const struct gp_camera *c, int w, int h, const struct gp_planes *rgb);
+ * eye, lamps and objects; boxes that leave it end at its edge. */
+void gp_sets_draw_map(const struct gp_table *t, const struct gp_scene *s,
+                      const struct gp_camera *c, int w, int h,
+                      const struct gp_planes *rgb);
 
 #endif

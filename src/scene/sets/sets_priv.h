@@ -9,6 +9,19 @@
 
 // -- convex volumes (hull.c) --------------------------------------------------
 
+/* A light's place for hulls and umbras: at w = 1 a point, at w = 0 the unit
+ * direction to a light at infinity. */
+struct gp_from {
+    struct gp_v3 p;
+    double w;
+};
+
+/* Returns the way from a place to a light. */
+static inline struct gp_v3 gp_from_to(struct gp_from light, struct gp_v3 p)
+{
+    return gp_v3_sub(light.p, gp_v3_scale(p, light.w));
+}
+
 /* A half-space: n . p + d <= 0 is inside; n is a unit vector that points out. */
 struct gp_half {
     struct gp_v3 n;
@@ -20,28 +33,28 @@ static inline double gp_half_at(struct gp_half h, struct gp_v3 p)
     return gp_v3_dot(h.n, p) + h.d;
 }
 
+/* Returns the distance of a light before a plane; of one at infinity the
+ * cosine. Over 0 is outside. */
+static inline double gp_half_before(struct gp_half h, struct gp_from light)
+{
+    return gp_v3_dot(h.n, light.p) + light.w * h.d;
+}
+
 /* Returns how far a box of half sides e reaches along a plane's normal. */
 static inline double gp_half_reach(struct gp_half h, struct gp_v3 e)
 {
     return fabs(h.n.x) * e.x + fabs(h.n.y) * e.y + fabs(h.n.z) * e.z;
 }
 
-/* The pixels of a rectangle between two distances along the view axis: corners
- * (bit 0 right, 1 low, 2 far) and planes (left, right, upper, lower, near,
- * far). Each pair of planes that meet has an edge. */
-struct gp_frustum {
-    struct gp_v3 corner[8];
-    struct gp_half plane[6];
-    double turn;    // 1 or, of a camera that mirrors, -1: winding of edges
-};
+static inline struct gp_half gp_half_turned(struct gp_half h)
+{
+    return (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d};
+}
 
-/* An edge from one corner to the other. Seen from outside plane `with` it is in
- * counter-clockwise order, outside `against` clockwise; gp_frustum.turn -1 swaps
- * them. */
-struct gp_frustum_edge {
-    unsigned char from, to, with, against;
-};
-extern const struct gp_frustum_edge gp_frustum_edges[12];
+/* Finds the plane of p, a and b, with `inside` in it. False: a and b are along
+ * one line, and *out is all of space. */
+bool gp_half_span(struct gp_v3 p, struct gp_v3 a, struct gp_v3 b,
+                  struct gp_v3 inside, struct gp_half *out);
 
 /* The intersection of half-spaces, and a box around it; a frustum has 6, a hull
  * with a point at most 6 and one for each edge. */
@@ -52,26 +65,15 @@ struct gp_volume {
     double slack;      // rounding: what misses by less still meets
 };
 
-/* A light's place for hulls and umbras: at w = 1 a point, at w = 0 the unit
- * direction to a light at infinity. */
-struct gp_from {
-    struct gp_v3 p;
-    double w;
-};
-
-/* Returns the frustum of pixels [x0, x1] x [y0, y1] (EXR pixel space) from near
- * > 0 to far > near, units of the world along the view axis. */
-struct gp_frustum gp_frustum_make(const struct gp_camera *c,
-                                  struct gp_rect display, const double x[2],
-                                  const double y[2], double near, double far);
-
-struct gp_volume gp_frustum_volume(const struct gp_frustum *f);
-
-/* Returns the convex hull of a frustum and a light: the frustum itself where
- * the light is inside, else the planes that have the light inside and one
- * through the light for each edge of the silhouette.
+/* Returns the frustum of a part of the picture, or its convex hull with a light:
+ * the planes that have the light inside and one through the light for each edge
+ * of the silhouette.
+ *   part   not empty; far > near > 0
+ *   light  NULL: none
  * Source: O'Rorke, GPU Gems 15.4.4; Everitt and Kilgard 2003. */
-struct gp_volume gp_hull(const struct gp_frustum *f, struct gp_from light);
+struct gp_volume gp_hull(const struct gp_sets_view *view,
+                         const struct gp_scissor *part,
+                         const struct gp_from *light);
 
 /* True where a box of centre c and half sides e cannot meet the volume: it is
  * outside a plane, or of the volume's box. A box that misses all of the volume
@@ -91,133 +93,41 @@ struct gp_reach {
 
 struct gp_reach gp_light_reach(const struct gp_scene_light *light);
 
-/* True where a box (centre c, half sides e) beyond the range cannot be lit. */
-bool gp_reach_too_far(const struct gp_reach *r, struct gp_v3 c,
-                      struct gp_v3 e);
+/* True where an object's box is beyond the range, or its sphere is outside the
+ * cone. */
+bool gp_reach_misses(const struct gp_reach *r, const struct gp_object *o);
 
-/* True where a sphere is outside a spot's cone. */
-bool gp_reach_beside(const struct gp_reach *r, struct gp_v3 c, double radius);
-
-/* False where the volume cannot meet a frustum. */
+/* False where the light's volume cannot meet a frustum. */
 bool gp_reach_meets(const struct gp_reach *r, const struct gp_volume *v);
 
 // -- umbras (umbra.c) ---------------------------------------------------------
 
-enum { GP_BODY_POINTS = 64, GP_BODY_FACES = 64, GP_BODY_EDGES = 128 };
+/* Convex bodies of a scene's meshes, and the umbras that they throw before one
+ * light: a closed convex polyhedron, or a flat convex polygon, of at most 64
+ * points, opaque everywhere. */
+struct gp_umbras;
 
-/* A convex body that a mesh fills: a closed convex polyhedron, or a flat convex
- * polygon (one face), opaque everywhere. Faces are planar; triangles of one
- * plane are joined. In the space of the mesh. */
-struct gp_body {
-    struct gp_v3 point[GP_BODY_POINTS];
-    struct gp_v3 middle;             // inside
-    unsigned char face[GP_BODY_FACES][3]; // points that span it
-    struct {
-        unsigned char from, to;      // points
-        unsigned char side[2];       // faces; equal ones: a polygon's border
-    } edge[GP_BODY_EDGES];
-    int points, faces, edges;
-};
-
-/* Finds the body of a mesh: of all of its triangles at once, in any winding.
- * False where they make none: not convex, open but not flat, cut out or
- * transparent, over 64 points or faces. Triangles without area do not count. */
-bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out);
-
-/* True where no light passes through a submesh. */
-bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p);
-
-/* Convex bodies of a scene's meshes. */
-struct gp_bodies {
-    int *of_mesh;         // index; -1: none; owned
-    struct gp_body *body; // owned
-    int bodies;
-};
-
-/* Errors: GP_ERR_BUG memory is full. Out: zero; free with gp_bodies_free() in
- * any case. */
-GP_MUST_CHECK gp_status gp_bodies_make(const struct gp_log *log,
+/* Errors: GP_ERR_BUG memory is full. Out: NULL; close it in any case. */
+GP_MUST_CHECK gp_status gp_umbras_open(const struct gp_log *log,
                                        const struct gp_scene *s,
-                                       struct gp_bodies *out);
-void gp_bodies_free(struct gp_bodies *b);
+                                       struct gp_umbras **out);
+void gp_umbras_close(struct gp_umbras **u);
 
-/* The umbra of a body: behind its front faces and within the planes through
- * the light and the edges of its silhouette. */
-struct gp_umbra {
-    int planes; // 0: none
-    struct gp_half plane[GP_BODY_EDGES + GP_BODY_FACES];
-    double margin; // what is in by less counts as outside: faces that touch
-};
-
-/* Makes the umbra of a body moved by `to_world` before a light. It is empty
- * where the light is in the body or in the plane of a flat one. */
-void gp_umbra_make(const struct gp_body *body, const double to_world[16],
-                   struct gp_from light, struct gp_umbra *out);
-
-/* True where all of a box is in the umbra: of centre c and half sides e. */
-static inline bool gp_umbra_holds(const struct gp_umbra *u, struct gp_v3 c,
-                                  struct gp_v3 e)
-{
-    for (int i = 0; i < u->planes; i++) {
-        const struct gp_half h = u->plane[i];
-        if (gp_half_at(h, c) + gp_half_reach(h, e) > -u->margin)
-            return false;
-    }
-    return u->planes > 0;
-}
-
-/* The largest occluders of a light, by the angle that they fill. */
-enum { GP_OCCLUDERS = 16 };
-struct gp_darkest {
-    int n;
-    int object[GP_OCCLUDERS];
-    double size[GP_OCCLUDERS]; // falling
-};
-
-/* Keeps object i where its mesh is a body and it is among the largest; of those
- * of one size the first of the scene. */
-void gp_darkest_try(struct gp_darkest *o, const struct gp_scene *s,
-                    const struct gp_bodies *b, const struct gp_reach *light,
-                    int i);
-
-/* The umbras of a light. */
-struct gp_umbras {
-    int n;
-    struct gp_umbra umbra[GP_OCCLUDERS];
-};
-
-/* Makes the umbras of a choice of occluders, those that are not empty. */
-void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
-                    const struct gp_bodies *b, const struct gp_reach *light,
-                    struct gp_umbras *out);
+/* Makes the umbras of the objects with GP_SET_L that are bodies and look largest
+ * from a light; of those of one size of the first of the scene. `flag` NULL: of
+ * none. */
+void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
+                     struct gp_from light);
 
 /* True where an umbra holds a box of centre c and half sides e. */
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e);
 
 // -- bounds on the screen, and scissors (scissor.c) ---------------------------
 
-/* A box of the world in the picture. */
-struct gp_screen_box {
-    double x0, y0, x1, y1; // EXR pixel space, not cut by the picture
-    double near, far;      // along the view axis, units of the world
-    bool seen;             // a part is at `near` or beyond; else the rest is 0
-};
-
-/* Returns the bounds of the part of a box at least `near` > 0 along the view
- * axis. They hold every point of it, but for rounding. */
-struct gp_screen_box gp_bounds_project(const struct gp_camera *c,
-                                       struct gp_rect display,
-                                       const struct gp_box *box, double near);
-
-/* Returns the bounds of a light's volume, from `near` on; those of one without
- * a range are a picture of 1e9 pixels. */
-struct gp_screen_box gp_reach_project(const struct gp_reach *r,
-                                      const struct gp_camera *c,
-                                      struct gp_rect display, double near);
-
-/* Returns the pixels whose centres may be in the bounds, cut by `window`. */
-struct gp_rect gp_screen_pixels(const struct gp_screen_box *b,
-                                struct gp_rect window);
+/* Returns the pixels of the window whose centres may show the part of a box at
+ * view->near or beyond, and its depths. The box is not empty. */
+struct gp_scissor gp_box_project(const struct gp_sets_view *view,
+                                 const struct gp_box *box);
 
 /* Parts by which depths may be wrong: 2^-10 holds those stored as half. */
 #define GP_DEPTH_SLACK 0x1p-10
@@ -248,29 +158,26 @@ void gp_depths_free(struct gp_depths *d);
 /* Returns the greatest depth of a surface, with its slack; 0: there is none. */
 double gp_depths_deepest(const struct gp_depths *d);
 
-/* True where the box is behind the surfaces of all pixels of its bounds in the
- * window, or of no pixel there: no pixel's centre can show a part of it. */
-bool gp_depths_hide(const struct gp_depths *d, const struct gp_screen_box *b);
+/* True where bounds are behind the surfaces of all of their pixels, or have none:
+ * no pixel's centre can show a part of what is in them. */
+bool gp_depths_hide(const struct gp_depths *d, const struct gp_scissor *b);
 
-/* Returns the bounds of the visible points of an object: those of the tiles
- * where the range of depths meets the object's, cut by the window. Without
- * depths the object's own. */
-struct gp_screen_box gp_scissor_visible(const struct gp_depths *d,
-                                        const struct gp_screen_box *box);
+/* Returns the part of bounds in the tiles that have depths in them, from the
+ * least to the greatest of these. Without depths all of it. */
+struct gp_scissor gp_depths_cut(const struct gp_depths *d,
+                                const struct gp_scissor *of);
 
-/* Returns the bounds of the visible points of objects within a light's bounds,
- * less the tiles at its sides that have no depth in them; their range of depths
- * is between the least and the greatest of the tiles.
- *   box, n   bounds of visible points, those of `index`
- *   light    the light's
- *   d        its window cuts
+/* Returns the bounds of n objects, those of `index`, within a light's.
  * Source: O'Rorke, GPU Gems 15.5. */
-struct gp_scissor gp_scissor_make(const struct gp_depths *d,
-                                  const struct gp_screen_box *box,
+struct gp_scissor gp_scissor_join(const struct gp_scissor *box,
                                   const int *index, int n,
-                                  const struct gp_screen_box *light);
+                                  const struct gp_scissor *light);
 
-// -- maps of shadows (shadow.c) -----------------------------------------------
+// -- the paper's renderer (draw.c) --------------------------------------------
+//
+// A pass of ambient light that sets the depth, then for each light its map of
+// shadows and a pass over the lit objects. It draws the objects that it is
+// given, in that order, and counts.
 
 /* A light and what it is drawn with: indices of objects. */
 struct gp_draw_light {
@@ -286,42 +193,10 @@ struct gp_draw_light {
                         // choice of them: its map is laid over it
 };
 
-/* The form of a light's map. */
-enum gp_map_form {
-    GP_MAP_SPOT,  // one square
-    GP_MAP_CUBE,  // six squares, 3 x 2, around a point: +x -x +y -y +z -z
-    GP_MAP_SUN,   // one square, parallel light
-};
-
-/* The map of one light: how places come to it. */
-struct gp_shadow_map {
-    enum gp_map_form form;
-    int side;            // texels of a square
-    double near;         // near plane of SPOT and CUBE
-    double to_map[16];   // world, from origin, to clip coordinates; not CUBE
-    struct gp_v3 origin; // the light's place; of a sun the middle of its box
-    float form_of[4];    // `map` of light.frag
-};
-
-/* Lays a map out; `whole` holds every object. Spots wider than 120 degrees get
- * a cube. */
-struct gp_shadow_map gp_shadow_map_of(const struct gp_draw_light *l,
-                                      const struct gp_box *whole, int side);
-
-/* Returns bits of the squares of a map where a box of the world may be; of a map
- * of one square 0 or 1. */
-int gp_shadow_faces(const struct gp_shadow_map *m, const struct gp_box *box);
-
-// -- the paper's renderer (draw.c) --------------------------------------------
-//
-// A pass of ambient light that sets the depth, then for each light its map of
-// shadows and a pass over the lit objects. It draws the objects that it is
-// given, in that order, and counts.
-
 struct gp_drawing; // a scene on a context
 
 /* Uploads the posed scene's meshes; its places are read at each draw.
- *   gl, s, c  borrowed
+ *   log, gl, s, c  borrowed
  *   out       written on GP_OK only; end with gp_drawing_close()
  * Errors: GP_ERR_GL what the context refuses; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_drawing_open(const struct gp_log *log,
@@ -333,12 +208,12 @@ void gp_drawing_close(struct gp_drawing **d);
 void gp_drawing_clear(struct gp_drawing *d);
 
 /* Draws objects in ambient light; may be called several times. */
-GP_MUST_CHECK gp_status gp_drawing_ambient(const struct gp_log *log,
-    struct gp_drawing *d, const int *object, int n);
+GP_MUST_CHECK gp_status gp_drawing_ambient(struct gp_drawing *d,
+                                           const int *object, int n);
 
 /* Draws a light: its map and its pass. One with lits 0 is skipped. */
-GP_MUST_CHECK gp_status gp_drawing_light(const struct gp_log *log,
-    struct gp_drawing *d, const struct gp_draw_light *l);
+GP_MUST_CHECK gp_status gp_drawing_light(struct gp_drawing *d,
+                                         const struct gp_draw_light *l);
 
 /* Waits until all is drawn. */
 void gp_drawing_wait(struct gp_drawing *d);

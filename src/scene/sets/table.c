@@ -115,7 +115,7 @@ static gp_status draw_visible(struct rows *w, unsigned use,
             drawn += list_set(w, *sets, GP_SET_F, first, first + 1, w->list);
     }
     drawn = list_set(w, *sets, GP_SET_F, 0, first, w->list);
-    GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+    GP_TRY(gp_drawing_ambient(w->d, w->list, drawn));
     if (!by_depth)
         return GP_OK;
     for (int pass = 0; pass < 2; pass++) {
@@ -123,7 +123,7 @@ static gp_status draw_visible(struct rows *w, unsigned use,
         GP_TRY(gp_sets_look(w->log, *sets, w->depth));
         if (pass == 0) {
             drawn = list_set(w, *sets, GP_SET_V, first, n, w->list);
-            GP_TRY(gp_drawing_ambient(w->log, w->d, w->list, drawn));
+            GP_TRY(gp_drawing_ambient(w->d, w->list, drawn));
         }
     }
 out:
@@ -135,12 +135,9 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
                             bool last, struct gp_table_row *row)
 {
     const int n = w->s->objects;
-    struct gp_table_light *const to = &w->out->light[light];
-    const bool on = gp_sets_light(sets, light);
-    const struct gp_scissor cut = gp_sets_scissor(sets);
-    to->light = light;
-    to->rect = (struct gp_rect) {0};
-    if (!on)
+    const struct gp_scissor cut = gp_sets_light(sets, light);
+    w->out->light[light] = cut;
+    if (gp_rect_empty(cut.rect))
         return GP_OK;
     const int lits = list_set(w, sets, GP_SET_I, 0, n, w->list);
     for (int i = 0; i < lits && last; i++)
@@ -155,16 +152,12 @@ static gp_status draw_light(struct rows *w, struct gp_sets *sets, int light,
     };
     row->lit += l.lits;
     row->casters += l.shadows;
-    for (int merged = 0; merged < 2; merged++)
-        row->batches[merged] += gp_sets_batches(sets, GP_SET_I, false) +
-                                gp_sets_batches(sets, GP_SET_S, merged);
-    to->rect = cut.rect;
-    to->near = cut.near;
-    to->far = cut.far;
+    row->batches += gp_sets_batches(sets, GP_SET_I) +
+                    gp_sets_batches(sets, GP_SET_S);
     const uint8_t *const flag = gp_sets_flags(sets);
     for (int i = 0; i < n && last; i++)
         w->out->set[i] |= flag[i];
-    return gp_drawing_light(w->log, w->d, &l);
+    return gp_drawing_light(w->d, &l);
 }
 
 /* Draws the picture of a row once. */
@@ -185,8 +178,7 @@ static gp_status draw_row(struct rows *w, enum gp_table_kind kind,
     gp_drawing_clear(w->d);
     GP_TRY(draw_visible(w, uses[kind], &sets));
     row->visible = list_set(w, sets, GP_SET_V, 0, w->s->objects, w->list);
-    for (int merged = 0; merged < 2; merged++)
-        row->batches[merged] = gp_sets_batches(sets, GP_SET_V, false);
+    row->batches = gp_sets_batches(sets, GP_SET_V);
     for (int i = 0; i < w->s->lights; i++)
         GP_TRY(draw_light(w, sets, i, kind == GP_TABLE_SCISSOR, row));
     row->drawn = gp_drawing_counts(w->d);
@@ -230,14 +222,6 @@ static gp_status time_rows(struct rows *w)
     return st;
 }
 
-static void set_view(struct rows *w, const struct gp_camera *c)
-{
-    w->view = (struct gp_sets_view) {
-        .camera = *c, .display = {0, 0, w->p->draw.w, w->p->draw.h},
-        .window = {0, 0, w->p->draw.w, w->p->draw.h}, .near = w->p->draw.near,
-    };
-}
-
 /* Finds the box of F, over which suns lay their maps: it is the same in every
  * row. */
 static gp_status find_all(struct rows *w)
@@ -267,7 +251,10 @@ gp_status gp_table_make(const struct gp_log *log, const struct gp_gl *gl,
     struct rows w = {.log = log, .gl = gl, .s = s, .p = p, .out = &t};
     float *other = NULL;
     gp_status st;
-    set_view(&w, c);
+    w.view = (struct gp_sets_view) {
+        .camera = *c, .display = {0, 0, p->draw.w, p->draw.h},
+        .window = {0, 0, p->draw.w, p->draw.h}, .near = p->draw.near,
+    };
     GP_TRY(gp_alloc(log, "order of objects", objects, sizeof(int), &w.order));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.list));
     GP_TRY(gp_alloc(log, "objects", objects, sizeof(int), &w.caster));

@@ -5,11 +5,44 @@
 
 #include <string.h>
 
+enum { POINTS = 64, FACES = 128, EDGES = 192, OCCLUDERS = 16 };
+
+/* A body, in the space of its mesh. */
+struct body {
+    struct gp_v3 point[POINTS];
+    struct gp_v3 middle;          // inside
+    unsigned char face[FACES][3]; // triangles, in any winding
+    struct {
+        unsigned char from, to;   // points
+        unsigned char side[2];    // faces; equal ones: a polygon's border
+    } edge[EDGES];
+    int points, faces, edges;
+    bool flat;
+};
+
+/* The umbra of a body: behind its front faces and within the planes through
+ * the light and the edges of its silhouette. */
+struct umbra {
+    int planes; // 0: none
+    struct gp_half plane[EDGES + FACES];
+    double margin; // what is in by less counts as outside: faces that touch
+};
+
+struct gp_umbras {
+    const struct gp_scene *scene;
+    int *of_mesh;      // bodies; -1: none; owned
+    struct body *body; // owned
+    int bodies;
+    struct umbra umbra[OCCLUDERS];
+    int n;
+};
+
 // -- bodies ------------------------------------------------------------------
 
 static const double ON = 1e-5; // of the size of the body: floats of a file
 
-bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p)
+/* True where no light passes through a submesh. */
+static bool is_opaque(const struct gp_scene *s, const struct gp_submesh *p)
 {
     const struct gp_material *const m = &s->material[p->material];
     return !gp_material_cut(m) && !gp_material_gone(m);
@@ -17,304 +50,280 @@ bool gp_submesh_opaque(const struct gp_scene *s, const struct gp_submesh *p)
 
 /* Returns the index of a point of the body, added when it is none yet; -1: no
  * room. */
-static int point_of(struct gp_body *b, struct gp_v3 p, double near)
+static int point_of(struct body *b, struct gp_v3 p, double near)
 {
     for (int i = 0; i < b->points; i++) {
         if (gp_v3_length(gp_v3_sub(b->point[i], p)) <= near)
             return i;
     }
-    if (b->points == GP_BODY_POINTS)
+    if (b->points == POINTS)
         return -1;
     b->point[b->points] = p;
     return b->points++;
 }
 
-static struct gp_half through(struct gp_v3 a, struct gp_v3 b, struct gp_v3 c)
-{
-    const struct gp_v3 n = gp_v3_unit(
-        gp_v3_cross(gp_v3_sub(b, a), gp_v3_sub(c, a)));
-    return (struct gp_half) {n, -gp_v3_dot(n, a)};
-}
-
-/* Adds the edge from one point to another of a face. The other way round within
- * one face, it is inside of that and goes. False: no room, or two faces on it
+/* Adds a triangle's edge, or its second side. False: no room, or two there
  * already. */
-static bool add_edge(struct gp_body *b, int from, int to, int face)
+static bool add_edge(struct body *b, int from, int to, int face)
 {
-    for (int i = 0; i < b->edges; i++) {
-        const bool same = b->edge[i].from == from && b->edge[i].to == to;
-        if (!same && !(b->edge[i].from == to && b->edge[i].to == from))
-            continue;
-        if (b->edge[i].side[0] == face && b->edge[i].side[1] == face) {
-            b->edge[i] = b->edge[--b->edges];
-            return !same; // two triangles over each other
-        }
-        if (b->edge[i].side[0] != b->edge[i].side[1])
-            return false;
-        b->edge[i].side[1] = (unsigned char) face;
-        return true;
-    }
-    if (b->edges == GP_BODY_EDGES)
+    int i = 0;
+    while (i < b->edges &&
+           !(b->edge[i].from == from && b->edge[i].to == to) &&
+           !(b->edge[i].from == to && b->edge[i].to == from))
+        i++;
+    if (i == EDGES ||
+        (i < b->edges && b->edge[i].side[0] != b->edge[i].side[1]))
         return false;
-    b->edge[b->edges].from = (unsigned char) from;
-    b->edge[b->edges].to = (unsigned char) to;
-    b->edge[b->edges].side[0] = b->edge[b->edges].side[1] =
-        (unsigned char) face;
-    b->edges++;
+    if (i == b->edges) {
+        b->edge[i].from = (unsigned char) from;
+        b->edge[i].to = (unsigned char) to;
+        b->edge[i].side[0] = (unsigned char) face;
+        b->edges++;
+    }
+    b->edge[i].side[1] = (unsigned char) face;
     return true;
 }
 
-static bool on_plane(const struct gp_body *b, const int p[3], struct gp_half h,
-                     double near)
+/* Adds a triangle of three points. */
+static bool add_face(struct body *b, const int p[3])
 {
-    return fabs(gp_half_at(h, b->point[p[0]])) <= near &&
-           fabs(gp_half_at(h, b->point[p[1]])) <= near &&
-           fabs(gp_half_at(h, b->point[p[2]])) <= near;
-}
-
-/* Adds a triangle, to the face of its plane or to one of its own. False: no
- * room, or more than two faces at an edge. */
-static bool add_triangle(struct gp_body *b, const int p[3], double near,
-                         struct gp_half plane[GP_BODY_FACES])
-{
-    struct gp_half h =
-        through(b->point[p[0]], b->point[p[1]], b->point[p[2]]);
-    const bool turned = gp_half_at(h, b->middle) > 0.0;
-    if (turned)
-        h = (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d};
-    int f = 0;
-    while (f < b->faces && !on_plane(b, p, plane[f], near))
-        f++;
-    if (f == b->faces) {
-        if (f == GP_BODY_FACES)
-            return false;
-        for (int i = 0; i < 3; i++)
-            b->face[f][i] = (unsigned char) p[i];
-        plane[f] = h;
-        b->faces++;
-    }
-    // in one winding for all triangles of a face
-    const bool along = gp_v3_dot(
-        through(b->point[p[0]], b->point[p[1]], b->point[p[2]]).n,
-        plane[f].n) > 0.0;
+    if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0])
+        return true; // without area
+    if (b->faces == FACES)
+        return false;
     for (int i = 0; i < 3; i++) {
-        const int from = p[along ? i : (i + 1) % 3],
-                  to = p[along ? (i + 1) % 3 : i];
-        if (!add_edge(b, from, to, f))
+        b->face[b->faces][i] = (unsigned char) p[i];
+        if (!add_edge(b, p[i], p[(i + 1) % 3], b->faces))
             return false;
     }
+    b->faces++;
     return true;
+}
+
+/* Finds the plane of a face, moved by a matrix, with `inside` behind it. */
+static bool plane_of(const struct body *b, int face,
+                     const struct gp_v3 point[POINTS],
+                     struct gp_v3 inside, struct gp_half *out)
+{
+    const unsigned char *const v = b->face[face];
+    const struct gp_v3 a = point[v[0]];
+    return gp_half_span(a, gp_v3_sub(point[v[1]], a),
+                        gp_v3_sub(point[v[2]], a), inside, out);
+}
+
+/* Returns how many points are before a plane, by more than `near`, and adds to
+ * *on those in it. */
+static int points_before(const struct body *b, struct gp_half h, double near,
+                         int *on)
+{
+    int before = 0;
+    for (int i = 0; i < b->points; i++) {
+        const double at = gp_half_at(h, b->point[i]);
+        before += at > near;
+        *on += fabs(at) <= near;
+    }
+    return before;
 }
 
 /* Checks that faces and edges bound a convex body: every point is behind every
- * face; of a polygon, every point is behind every edge. */
-static bool convex(const struct gp_body *b, double near,
-                   const struct gp_half plane[GP_BODY_FACES])
+ * face; of a polygon, every point is behind every edge of its border. */
+static bool convex(struct body *b, double near)
 {
+    struct gp_half h = {0};
+    int border = 0, on = 0;
     for (int f = 0; f < b->faces; f++) {
-        for (int i = 0; i < b->points; i++) {
-            if (gp_half_at(plane[f], b->point[i]) > near)
-                return false;
-        }
+        if (!plane_of(b, f, b->point, b->middle, &h) ||
+            points_before(b, h, near, &on) > 0)
+            return false;
     }
-    int border = 0;
+    b->flat = b->faces > 0 && on == b->faces * b->points;
     for (int i = 0; i < b->edges; i++) {
         if (b->edge[i].side[0] != b->edge[i].side[1])
             continue;
+        struct gp_half out;
+        const struct gp_v3 a = b->point[b->edge[i].from];
         border++;
-        const struct gp_v3 a = b->point[b->edge[i].from],
-                           to = gp_v3_sub(b->point[b->edge[i].to], a);
-        const struct gp_v3 out =
-            gp_v3_unit(gp_v3_cross(to, plane[b->edge[i].side[0]].n));
-        for (int k = 0; k < b->points; k++) {
-            if (gp_v3_dot(out, gp_v3_sub(b->point[k], a)) > near)
+        if (!gp_half_span(a, gp_v3_sub(b->point[b->edge[i].to], a), h.n,
+                          b->middle, &out) ||
+            points_before(b, out, near, &on) > 0)
+            return false;
+    }
+    // closed (Euler), or flat with one border around
+    return b->flat ? border == b->points
+                   : border == 0 && b->points - b->edges + b->faces == 2;
+}
+
+/* Finds the body of a mesh: of all of its triangles at once. False where they
+ * make none. Triangles without area do not count. */
+static bool find_body(const struct gp_scene *s, int mesh, struct body *out)
+{
+    const struct gp_mesh *const m = &s->mesh[mesh];
+    const double size = gp_v3_length(gp_v3_sub(m->box.hi, m->box.lo));
+    const double near = ON * size;
+    memset(out, 0, sizeof *out);
+    for (int k = m->first; k < m->first + m->submeshes; k++) {
+        const struct gp_submesh *const p = &s->submesh[k];
+        if (!is_opaque(s, p))
+            return false;
+        for (int i = p->first; i < p->first + p->count; i += 3) {
+            int v[3];
+            for (int c = 0; c < 3; c++)
+                v[c] = point_of(out, gp_scene_vertex(s, s->index[i + c]), near);
+            if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !add_face(out, v))
                 return false;
         }
     }
-    // closed (Euler), or flat with one border around: as many edges as points
-    const bool closed = border == 0 && b->faces >= 4 &&
-                        b->points - b->edges + b->faces == 2;
-    return closed || (b->faces == 1 && border >= 3 && border == b->edges &&
-                      border == b->points);
+    for (int i = 0; i < out->points; i++)
+        out->middle = gp_v3_add(
+            out->middle, gp_v3_scale(out->point[i], 1.0 / out->points));
+    return size > 0.0 && convex(out, near);
 }
 
-bool gp_body_find(const struct gp_scene *s, int mesh, struct gp_body *out)
+gp_status gp_umbras_open(const struct gp_log *log, const struct gp_scene *s,
+                         struct gp_umbras **out)
 {
-    const struct gp_mesh *const m = &s->mesh[mesh];
-    const struct gp_submesh *const end = s->submesh + m->first + m->submeshes;
-    struct gp_half plane[GP_BODY_FACES];
-    const double size = gp_v3_length(gp_v3_sub(m->box.hi, m->box.lo));
-    const double near = ON * size;
-    int triangles = 0;
-    memset(out, 0, sizeof *out);
-    for (const struct gp_submesh *p = s->submesh + m->first; p < end; p++) {
-        triangles += p->count / 3;
-        if (!gp_submesh_opaque(s, p) || triangles > 4 * GP_BODY_POINTS)
-            return false;
-    }
-    if (triangles == 0 || !(size > 0.0))
-        return false;
-    for (int pass = 0; pass < 2; pass++) { // points, then faces and edges
-        for (const struct gp_submesh *p = s->submesh + m->first; p < end; p++) {
-            for (int i = p->first; i < p->first + p->count; i += 3) {
-                int v[3];
-                for (int k = 0; k < 3; k++)
-                    v[k] = point_of(out, gp_scene_vertex(s, s->index[i + k]),
-                                    near);
-                if (v[0] < 0 || v[1] < 0 || v[2] < 0)
-                    return false;
-                if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-                    continue; // without area
-                if (pass == 1 && !add_triangle(out, v, near, plane))
-                    return false;
-            }
-        }
-        for (int i = 0; pass == 0 && i < out->points; i++)
-            out->middle = gp_v3_add(
-                out->middle, gp_v3_scale(out->point[i], 1.0 / out->points));
-    }
-    return convex(out, near, plane);
-}
-
-// -- of a scene's meshes ------------------------------------------------------
-
-gp_status gp_bodies_make(const struct gp_log *log, const struct gp_scene *s,
-                         struct gp_bodies *b)
-{
-    struct gp_body found;
+    static const char what[] = "bodies of the scene";
+    struct gp_umbras *u;
+    struct body found;
     gp_status st;
-    GP_TRY(gp_alloc(log, "bodies of the scene", (size_t) s->meshes + 1,
-                    sizeof *b->of_mesh, &b->of_mesh));
+    GP_TRY(gp_alloc_zero(log, what, 1, sizeof *u, out));
+    u = *out;
+    u->scene = s;
+    GP_TRY(gp_alloc(log, what, (size_t) s->meshes + 1, sizeof *u->of_mesh,
+                    &u->of_mesh));
     for (int i = 0; i < s->meshes; i++) {
-        b->of_mesh[i] = -1;
-        if (!gp_body_find(s, i, &found))
+        u->of_mesh[i] = -1;
+        if (!find_body(s, i, &found))
             continue;
-        const size_t n = (size_t) b->bodies;
+        const size_t n = (size_t) u->bodies;
         if ((n & (n - 1)) == 0) // 0, 1, 2, 4...
-            GP_TRY(gp_resize(log, "bodies of the scene",
-                             (n ? 2 * n : 1) * sizeof found,
-                             (void **) &b->body));
-        b->body[n] = found;
-        b->of_mesh[i] = b->bodies++;
+            GP_TRY(gp_resize(log, what, (n ? 2 * n : 1) * sizeof found,
+                             (void **) &u->body));
+        u->body[n] = found;
+        u->of_mesh[i] = u->bodies++;
     }
 out:
     return st;
 }
 
-void gp_bodies_free(struct gp_bodies *b)
+void gp_umbras_close(struct gp_umbras **u)
 {
-    gp_free(b->of_mesh);
-    gp_free(b->body);
-    *b = (struct gp_bodies) {0};
+    if (*u) {
+        gp_free((*u)->of_mesh);
+        gp_free((*u)->body);
+    }
+    GP_FREE(*u);
 }
 
 // -- umbras ------------------------------------------------------------------
 
-static struct gp_half turned_from(struct gp_half h, struct gp_v3 inside)
+/* Sets the planes of an umbra; false: it is empty. */
+static bool set_planes(const struct body *body,
+                       const struct gp_v3 point[POINTS],
+                       struct gp_v3 middle, struct gp_from light,
+                       struct umbra *out)
 {
-    return gp_half_at(h, inside) > 0.0
-               ? (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d}
-               : h;
+    bool front[FACES]; // the light sees it
+    for (int f = 0; f < body->faces; f++) {
+        struct gp_half h;
+        if (!plane_of(body, f, point, middle, &h)) // by a singular matrix
+            return false;
+        const double at = gp_half_before(h, light);
+        // a polygon has two sides; away from the light is inside
+        front[f] = body->flat || at > 0.0;
+        if (body->flat && fabs(at) <= (light.w > 0.0 ? out->margin : 1e-6))
+            return false;
+        if (front[f])
+            out->plane[out->planes++] = at > 0.0 ? h : gp_half_turned(h);
+    }
+    if (out->planes == 0) // the light is in the body
+        return false;
+    for (int i = 0; i < body->edges; i++) {
+        const unsigned char *const side = body->edge[i].side;
+        const struct gp_v3 a = point[body->edge[i].from];
+        if (side[0] != side[1] && front[side[0]] == front[side[1]])
+            continue;
+        // (no plane: the light is on the edge's line)
+        if (!gp_half_span(a, gp_v3_sub(point[body->edge[i].to], a),
+                          gp_from_to(light, a), middle,
+                          &out->plane[out->planes++]))
+            return false;
+    }
+    return true;
 }
 
-void gp_umbra_make(const struct gp_body *body, const double to_world[16],
-                   struct gp_from light, struct gp_umbra *out)
+/* Makes the umbra of a body moved by a matrix. It is empty where the light is in
+ * the body or in the plane of a flat one. */
+static void make_umbra(const struct body *body, const double to_world[16],
+                   struct gp_from light, struct umbra *out)
 {
-    struct gp_v3 p[GP_BODY_POINTS];
-    bool front[GP_BODY_FACES]; // the light sees it
-    const struct gp_v3 middle = gp_move(to_world, body->middle);
+    struct gp_v3 point[POINTS];
     double size = light.w * gp_v3_length(light.p);
     for (int i = 0; i < body->points; i++) {
-        p[i] = gp_move(to_world, body->point[i]);
-        size = fmax(size, gp_v3_length(p[i]));
+        point[i] = gp_move(to_world, body->point[i]);
+        size = fmax(size, gp_v3_length(point[i]));
     }
     out->planes = 0;
     out->margin = 1e-6 * size;
-    for (int f = 0; f < body->faces; f++) {
-        const unsigned char *const v = body->face[f];
-        const struct gp_half h =
-            turned_from(through(p[v[0]], p[v[1]], p[v[2]]), middle);
-        const double at = gp_v3_dot(h.n, light.p) + light.w * h.d;
-        if (gp_v3_length(h.n) < 0.5) // moved by a singular matrix
-            goto none;
-        front[f] = at > 0.0;
-        if (body->faces == 1) { // a polygon has two sides
-            if (fabs(at) <= (light.w > 0.0 ? out->margin : 1e-6))
-                goto none;
-            front[f] = true;
-        }
-        if (front[f]) // away from the light is inside
-            out->plane[out->planes++] = at > 0.0 ? h
-                : (struct gp_half) {gp_v3_scale(h.n, -1.0), -h.d};
+    if (!set_planes(body, point, gp_move(to_world, body->middle), light, out))
+        out->planes = 0;
+}
+
+static bool holds(const struct umbra *u, struct gp_v3 c, struct gp_v3 e)
+{
+    for (int i = 0; i < u->planes; i++) {
+        const struct gp_half h = u->plane[i];
+        if (gp_half_at(h, c) + gp_half_reach(h, e) > -u->margin)
+            return false;
     }
-    if (out->planes == 0) // the light is in the body
-        goto none;
-    for (int i = 0; i < body->edges; i++) {
-        const unsigned char *const side = body->edge[i].side;
-        if (side[0] != side[1] && front[side[0]] == front[side[1]])
-            continue;
-        const struct gp_v3 a = p[body->edge[i].from], b = p[body->edge[i].to];
-        const struct gp_v3 c =
-            light.w > 0.0 ? light.p : gp_v3_add(a, light.p);
-        const struct gp_v3 n =
-            gp_v3_cross(gp_v3_sub(b, a), gp_v3_sub(c, a));
-        if (!(gp_v3_length(n) > 1e-9 * gp_v3_length(gp_v3_sub(b, a)) *
-                                    gp_v3_length(gp_v3_sub(c, a))))
-            goto none; // the light is on the edge's line
-        out->plane[out->planes++] = turned_from(through(a, b, c), middle);
-    }
-    return;
-none:
-    out->planes = 0;
+    return u->planes > 0;
 }
 
 // -- of a light --------------------------------------------------------------
 
-void gp_darkest_try(struct gp_darkest *o, const struct gp_scene *s,
-                    const struct gp_bodies *b, const struct gp_reach *light,
-                    int i)
+/* Returns a measure of the angle that an object fills before a light, of one at
+ * infinity of its area: by the mean of the areas of its box's sides. */
+static double angle_of(const struct gp_object *o, struct gp_from light)
 {
-    const struct gp_object *const at = &s->object[i];
-    if (b->of_mesh[at->mesh] < 0)
-        return;
-    // the mean of the areas of its box as seen from each axis
-    const struct gp_v3 e = gp_v3_sub(at->box.hi, at->box.lo);
+    const struct gp_v3 e = gp_v3_sub(o->box.hi, o->box.lo);
     const double size = (e.x * e.y + e.y * e.z + e.z * e.x) / 3.0;
-    const struct gp_v3 to =
-        gp_v3_sub(gp_box_middle(&at->box), light->from.p);
-    const double angle =
-        light->from.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
-    int k = o->n;
-    while (k > 0 && o->size[k - 1] < angle)
-        k--;
-    if (k == GP_OCCLUDERS || !(size > 0.0))
-        return;
-    o->n += o->n < GP_OCCLUDERS;
-    for (int m = o->n - 1; m > k; m--) {
-        o->size[m] = o->size[m - 1];
-        o->object[m] = o->object[m - 1];
-    }
-    o->size[k] = angle;
-    o->object[k] = i;
+    const struct gp_v3 to = gp_v3_sub(gp_box_middle(&o->box), light.p);
+    return light.w > 0.0 ? size / (gp_v3_dot(to, to) + 1e-6 * size) : size;
 }
 
-void gp_umbras_make(const struct gp_darkest *o, const struct gp_scene *s,
-                    const struct gp_bodies *b, const struct gp_reach *light,
-                    struct gp_umbras *out)
+void gp_umbras_light(struct gp_umbras *u, const uint8_t *flag,
+                     struct gp_from light)
 {
-    out->n = 0;
-    for (int k = 0; k < o->n; k++) {
-        const struct gp_object *const at = &s->object[o->object[k]];
-        gp_umbra_make(&b->body[b->of_mesh[at->mesh]], at->to_world,
-                      light->from, &out->umbra[out->n]);
-        out->n += out->umbra[out->n].planes > 0;
+    const struct gp_scene *const s = u->scene;
+    int most[OCCLUDERS], n = 0; // objects
+    double angle[OCCLUDERS];    // falling
+    for (int i = 0; flag && i < s->objects; i++) {
+        const double is = angle_of(&s->object[i], light);
+        if (!(flag[i] & GP_SET_L) || u->of_mesh[s->object[i].mesh] < 0 ||
+            !(is > 0.0) || (n == OCCLUDERS && angle[n - 1] >= is))
+            continue;
+        n += n < OCCLUDERS;
+        int k = n - 1;
+        for (; k > 0 && angle[k - 1] < is; k--) {
+            angle[k] = angle[k - 1];
+            most[k] = most[k - 1];
+        }
+        angle[k] = is;
+        most[k] = i;
+    }
+    u->n = 0;
+    for (int k = 0; k < n; k++) {
+        const struct gp_object *const o = &s->object[most[k]];
+        make_umbra(&u->body[u->of_mesh[o->mesh]], o->to_world, light,
+                   &u->umbra[u->n]);
+        u->n += u->umbra[u->n].planes > 0;
     }
 }
 
 bool gp_umbras_hold(const struct gp_umbras *u, struct gp_v3 c, struct gp_v3 e)
 {
     for (int i = 0; i < u->n; i++) {
-        if (gp_umbra_holds(&u->umbra[i], c, e))
+        if (holds(&u->umbra[i], c, e))
             return true;
     }
     return false;

@@ -1,5 +1,5 @@
 /* Albedo of materials from a frame's pixels. */
-#include "scene/colours.h"
+#include "scene/relight_priv.h"
 
 #include "kept_log.h"
 #include "scene_made.h"

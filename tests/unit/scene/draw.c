@@ -53,13 +53,13 @@ static int mesh_of_parts(int parts)
     return mesh;
 }
 
-static struct gp_drawing *open_drawing(struct gp_drawing_params p)
+static struct gp_drawing *open_drawing(bool separate, int map)
 {
+    const struct gp_drawing_params p = {
+        .w = W, .h = H, .near = 0.05, .light_scale = 1.0, .map = map,
+        .separate = separate,
+    };
     struct gp_drawing *d = NULL;
-    p.w = W;
-    p.h = H;
-    p.near = 0.05;
-    p.light_scale = 1.0;
     if (gp_drawing_open(&kept_log, gl, &scene, &camera, &p, &d) != GP_OK)
         fail_msg("%s", kept_line);
     return d;
@@ -95,15 +95,12 @@ static void batches_are_those_of_the_paper(void **state)
     camera = made_camera(&scene, (struct gp_v3) {0, -4, 0},
                          (struct gp_v3) {0, 0, 0}, 50.0, (double) W / H);
     for (int separate = 0; separate < 2; separate++) {
-        struct gp_drawing_params p = GP_DRAWING_DEFAULTS;
-        p.separate = separate;
-        p.map = 64;
-        struct gp_drawing *d = open_drawing(p);
+        struct gp_drawing *d = open_drawing(separate, 64);
         gp_drawing_clear(d);
-        assert_ok(gp_drawing_ambient(&kept_log, d, every, 4));
+        assert_ok(gp_drawing_ambient(d, every, 4));
         for (int i = 0; i < 3; i++) {
             const struct gp_draw_light l = light_of(i, 4);
-            assert_ok(gp_drawing_light(&kept_log, d, &l));
+            assert_ok(gp_drawing_light(d, &l));
         }
         const struct gp_drawn n = gp_drawing_counts(d);
         assert_int_equal(n.batches, separate ? 98 : 68);
@@ -112,7 +109,7 @@ static void batches_are_those_of_the_paper(void **state)
         assert_int_equal(n.lights, 3);
         struct gp_draw_light none = light_of(0, 4);
         none.lits = 0; // an empty I skips the light
-        assert_ok(gp_drawing_light(&kept_log, d, &none));
+        assert_ok(gp_drawing_light(d, &none));
         assert_int_equal(gp_drawing_counts(d).batches, n.batches);
         gp_drawing_close(&d);
     }
@@ -197,17 +194,15 @@ static void light_is_that_of_the_formula(void **state)
     const struct gp_v3 eye = {1, -7, 5};
     camera = made_camera(&scene, eye, (struct gp_v3) {0, 1, 0}, 45.0,
                          (double) W / H);
-    struct gp_drawing_params p = GP_DRAWING_DEFAULTS;
-    p.ambient = 0.0;
-    struct gp_drawing *d = open_drawing(p);
+    struct gp_drawing *d = open_drawing(false, 256);
     for (int i = 0; i < 4; i++) {
         int ground = 0, lit = 0, wrong = 0;
         struct gp_draw_light l = light_of(i, 3);
         if (i == 3)
             l.all = (struct gp_box) {{-9, -9, 0}, {9, 9, 2}};
         gp_drawing_clear(d);
-        assert_ok(gp_drawing_ambient(&kept_log, d, every, 3));
-        assert_ok(gp_drawing_light(&kept_log, d, &l));
+        assert_ok(gp_drawing_ambient(d, every, 3));
+        assert_ok(gp_drawing_light(d, &l));
         gp_drawing_picture(d, picture);
         gp_drawing_depth(d, depth);
         for (int y = 0; y < H; y++) {

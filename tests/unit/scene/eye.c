@@ -1,9 +1,7 @@
-/* Shares of discs by rays against closed forms, and laws of them; the set E
- * against rays through each object. */
-#include "scene/scene_priv.h"
+/* Shares of discs by rays against closed forms, and laws of them. */
+#include "scene/eye.h"
 
 #include "core/parallel.h"
-#include "scene/rays.h"
 #include "scene_made.h"
 
 static const struct gp_rect display = {0, 0, 640, 360};
@@ -28,8 +26,10 @@ static struct gp_eye_share share_of(const struct gp_scene *s,
                                     const struct gp_eye_disc *d,
                                     const struct gp_eye_window *w)
 {
+    struct gp_meshes meshes = {0};
     struct gp_eye_share out;
-    assert_ok(gp_eye_rays(NULL, s, NULL, d, w, &out));
+    assert_ok(gp_eye_rays(NULL, s, &meshes, d, w, &out));
+    gp_meshes_free(&meshes);
     assert_true(out.clear >= 0.0 && out.clear <= 1.0);
     return out;
 }
@@ -183,30 +183,18 @@ static void windows_are_left_out(void **state)
     made_free(&s);
 }
 
-static struct gp_scene many;
-static double many_share;
-
-static gp_status one_share(void)
-{
-    const struct gp_eye_disc d = gp_eye_sun(
-        (struct gp_v3) {-19, -19, 3}, (struct gp_v3) {1, 0.8, 0.1}, 0.3);
-    struct gp_eye_share share;
-    const gp_status st = gp_eye_rays(NULL, &many, NULL, &d, NULL, &share);
-    if (!st)
-        many_share = share.clear;
-    return st;
-}
-
 static void threads_change_nothing(void **state)
 {
     uint64_t seed = 5;
-    many = made_random_scene(&seed, 60, 0);
+    struct gp_scene many = made_random_scene(&seed, 60, 0);
+    const struct gp_eye_disc d = gp_eye_sun(
+        (struct gp_v3) {-19, -19, 3}, (struct gp_v3) {1, 0.8, 0.1}, 0.3);
     double first = 0.0;
     for (int threads = 1; threads < 4; threads++) {
         gp_set_threads(threads);
-        assert_ok(one_share());
-        first = threads == 1 ? many_share : first;
-        assert_memory_equal(&first, &many_share, sizeof first);
+        const double share = share_of(&many, &d, NULL).clear;
+        first = threads == 1 ? share : first;
+        assert_memory_equal(&first, &share, sizeof first);
     }
     assert_true(first > 0.0 && first < 1.0);
     gp_set_threads(0);
@@ -249,7 +237,6 @@ static void copies_of_a_large_mesh(void **state)
     struct gp_meshes meshes = {0};
     assert_ok(gp_rays_make(NULL, &fine, &meshes, object, COPIES, &rays));
     const struct gp_mesh_tree *const first = meshes.tree;
-    assert_int_equal(rays.triangles, COPIES * 2 * SIDE * SIDE);
     gp_rays_free(&rays);
     assert_ok(gp_rays_make(NULL, &fine, &meshes, object, 1, &rays));
     assert_ptr_equal(meshes.tree, first); // made once
@@ -267,122 +254,7 @@ static void copies_of_a_large_mesh(void **state)
     made_free(&coarse);
 }
 
-/* Bilinear alpha, wrapped in three ways; 13107 is 0.2 as a float. */
-#define TENTH (0.5 * (double) 0.2f)
-static void alpha_of_cutouts(void **state)
-{
-    uint16_t texel[] = {0, 13107, 26214, 65535}; // 0 to 1
-    static const struct {
-        enum gp_wrap wrap;
-        double u, want;
-    } row[] = {
-        {GP_WRAP_CLAMP, 0.125, 0.0},   {GP_WRAP_CLAMP, 0.25, TENTH},
-        {GP_WRAP_CLAMP, 0.0, 0.0},     {GP_WRAP_CLAMP, -7.3, 0.0},
-        {GP_WRAP_CLAMP, 1.0, 1.0},     {GP_WRAP_CLAMP, 40.0, 1.0},
-        {GP_WRAP_REPEAT, 0.0, 0.5},    {GP_WRAP_REPEAT, 1.0, 0.5},
-        {GP_WRAP_REPEAT, 1.25, TENTH}, {GP_WRAP_REPEAT, -0.75, TENTH},
-        {GP_WRAP_REPEAT, -1e-20, 0.5}, {GP_WRAP_MIRROR, 0.0, 0.0},
-        {GP_WRAP_MIRROR, -0.25, TENTH}, {GP_WRAP_MIRROR, 1.0, 1.0},
-        {GP_WRAP_MIRROR, 1.125, 1.0},  {GP_WRAP_MIRROR, 1.75, TENTH},
-        {GP_WRAP_MIRROR, 2.25, TENTH}, {GP_WRAP_REPEAT, 1e300, 0.5},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        const struct gp_cutout c = {
-            .w = 4, .h = 1, .alpha = texel,
-            .wrap = {row[i].wrap, GP_WRAP_REPEAT}};
-        const struct gp_cutout upright = {
-            .w = 1, .h = 4, .alpha = texel,
-            .wrap = {GP_WRAP_REPEAT, row[i].wrap}};
-        near_to("alpha", gp_cutout_alpha(&c, row[i].u, 0.3), row[i].want,
-                1e-12);
-        near_to("alpha", gp_cutout_alpha(&upright, 9.1, row[i].u), row[i].want,
-                1e-12);
-    }
-}
-
-// -- the set E ----------------------------------------------------------------
-
-/* A direction within the disc. */
-static struct gp_v3 within(const struct gp_eye_disc *d, uint64_t *seed)
-{
-    const struct gp_v3 side = fabs(d->to.z) < 0.9 ? (struct gp_v3) {0, 0, 1}
-                                                  : (struct gp_v3) {1, 0, 0};
-    const struct gp_v3 a = gp_v3_unit(gp_v3_cross(d->to, side));
-    const struct gp_v3 b = gp_v3_cross(d->to, a);
-    const double t = d->half * sqrt(made_random(seed));
-    const double turn = made_between(seed, 0.0, 2.0 * MADE_PI);
-    return gp_v3_add(
-        gp_v3_scale(d->to, cos(t)),
-        gp_v3_add(gp_v3_scale(a, sin(t) * cos(turn)),
-                  gp_v3_scale(b, sin(t) * sin(turn))));
-}
-
-static double ball_way(const struct gp_eye_disc *d, struct gp_v3 along)
-{
-    const double m = d->distance * gp_v3_dot(along, d->to);
-    const double square = m * m - d->distance * d->distance + d->ball * d->ball;
-    return isfinite(d->distance) ? m - sqrt(fmax(square, 0.0)) : INFINITY;
-}
-
-/* A sun or a lamp at a random place around a random eye. */
-static struct gp_eye_disc random_disc(uint64_t *seed)
-{
-    static const struct gp_box world = {{-15, -15, 0.5}, {15, 15, 9}};
-    const struct gp_v3 eye = made_within(seed, world);
-    const struct gp_v3 at = made_within(seed, world);
-    if (made_random(seed) < 0.5)
-        return gp_eye_lamp(eye, at, made_between(seed, 0.0, 1.0));
-    return gp_eye_sun(eye, gp_v3_sub(at, eye),
-                      made_random(seed) < 0.5 ? 0.00465
-                                              : made_between(seed, 0.0, 0.6));
-}
-
-/* No object that a ray to the disc hits is left out. */
-static void no_object_is_lost(void **state)
-{
-    enum { SCENES = 150, OBJECTS = 40, RAYS = 60 };
-    uint64_t seed = 11;
-    int kept = 0, hit = 0;
-    for (int i = 0; i < SCENES; i++) {
-        struct gp_scene s = made_random_scene(&seed, OBJECTS, 0);
-        struct gp_rays rays[OBJECTS] = {{0}};
-        struct gp_meshes meshes = {0};
-        for (int k = 0; k < OBJECTS; k++)
-            assert_ok(gp_rays_make(NULL, &s, &meshes, &k, 1, &rays[k]));
-        for (int j = 0; j < 4; j++) {
-            const struct gp_eye_disc d = random_disc(&seed);
-            bool in[OBJECTS] = {0}, hits[OBJECTS] = {0};
-            int object[OBJECTS];
-            const int n = gp_eye_set(&s, &d, object);
-            for (int k = 0; k < n; k++) {
-                assert_true(k == 0 || object[k] > object[k - 1]);
-                in[object[k]] = true;
-            }
-            for (int ray = 0; ray < RAYS; ray++) {
-                const struct gp_v3 along = within(&d, &seed);
-                for (int k = 0; k < OBJECTS; k++)
-                    hits[k] = hits[k] ||
-                              gp_rays_stopped(&rays[k], d.eye, along,
-                                              ball_way(&d, along));
-            }
-            for (int k = 0; k < OBJECTS; k++) {
-                if (hits[k] && !in[k])
-                    fail_msg("scene %d, disc %d: object %d is lost", i, j, k);
-                kept += in[k];
-                hit += hits[k];
-            }
-        }
-        for (int k = 0; k < OBJECTS; k++)
-            gp_rays_free(&rays[k]);
-        gp_meshes_free(&meshes);
-        made_free(&s);
-    }
-    print_message("# E: %d objects of %d discs, %d hit by rays\n", kept,
-                  4 * SCENES, hit);
-    assert_true(hit > 500 && kept < SCENES * 4 * OBJECTS / 2);
-}
-
 SUITE_OF(eye, NULL, NULL, edge_of_a_wall, leaves_with_holes, walls_and_lamps,
          closed_balls_are_tight, windows_are_left_out, threads_change_nothing,
-         copies_of_a_large_mesh, alpha_of_cutouts, no_object_is_lost)
+         copies_of_a_large_mesh)
 

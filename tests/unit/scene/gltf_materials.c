@@ -181,7 +181,6 @@ static void cutouts_are_read_once_for_all_materials(void **state)
     assert_int_equal(p.calls, 1); // an opaque material's is not read
     assert_int_equal(p.n, 3);
     assert_memory_equal(p.bytes, "PNG", 3);
-    assert_int_equal(s.cutouts, 1);
     assert_int_equal(s.cutout[0].wrap[0], GP_WRAP_CLAMP);
     assert_int_equal(s.cutout[0].wrap[1], GP_WRAP_MIRROR);
     assert_true(s.material[0].cutoff == 0.25f && s.material[1].cutoff == 0.5f);

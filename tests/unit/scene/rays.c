@@ -3,7 +3,6 @@
 #include "scene/rays.h"
 
 #include "kept_log.h"
-#include "scene/scene_priv.h"
 #include "scene_made.h"
 
 /* The first triangle that a ray meets, by each of the scene's. */
@@ -11,6 +10,30 @@ struct truth {
     double at, beside; // `beside`: the least distance from an edge, as a share
     bool found;
 };
+
+static int texel_of(int i, int n, enum gp_wrap wrap)
+{
+    const int period = wrap == GP_WRAP_MIRROR ? 2 * n : n;
+    if (wrap == GP_WRAP_CLAMP)
+        return i < 0 ? 0 : i < n ? i : n - 1;
+    i = (i % period + period) % period;
+    return i < n ? i : period - 1 - i;
+}
+
+/* Alpha of a texture: bilinear between the centres of texels. */
+static double alpha_of(const struct gp_cutout *c, double u, double v)
+{
+    const int x = (int) floor(u * c->w - 0.5), y = (int) floor(v * c->h - 0.5);
+    double sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        const int at = x + i % 2, down = y + i / 2;
+        sum += (1.0 - fabs(u * c->w - 0.5 - at)) *
+               (1.0 - fabs(v * c->h - 0.5 - down)) / 65535.0 *
+               c->alpha[texel_of(down, c->h, c->wrap[1]) * c->w +
+                        texel_of(at, c->w, c->wrap[0])];
+    }
+    return sum;
+}
 
 static bool opaque(const struct gp_scene *s, const struct gp_material *m,
                    const uint32_t *v, const double share[3])
@@ -23,7 +46,7 @@ static bool opaque(const struct gp_scene *s, const struct gp_material *m,
         w += share[i] * (double) s->uv[2 * v[i] + 1];
     }
     if (m->cutout >= 0)
-        alpha *= gp_cutout_alpha(&s->cutout[m->cutout], u, w);
+        alpha *= alpha_of(&s->cutout[m->cutout], u, w);
     return alpha >= (double) m->cutoff;
 }
 
@@ -144,6 +167,46 @@ static void rays_meet_what_each_triangle_says(void **state)
     assert_true(found > 1000 && none > 1000 && unsure < found);
 }
 
+/* A card is cut out where its texture says so, however that is wrapped. */
+static void cutouts_are_wrapped(void **state)
+{
+    uint64_t seed = 7;
+    int stopped = 0, free = 0;
+    for (int k = 0; k < 9; k++) {
+        struct gp_scene s = made_scene();
+        struct gp_meshes meshes = {0};
+        struct gp_rays rays = {0};
+        const int one = 0, texture = made_holes(&s, 4, 1);
+        const int card = made_card(&s, made_material(&s, 0.5f, texture));
+        struct gp_cutout *const c = &s.cutout[texture];
+        c->w = 3;
+        c->wrap[0] = (enum gp_wrap) (k % 3);
+        c->wrap[1] = (enum gp_wrap) (k / 3);
+        for (int i = 0; i < 12; i++)
+            c->alpha[i] = (uint16_t) made_between(&seed, 0, 65535);
+        for (int i = 0; i < 2 * s.vertices; i++) // three times either way
+            s.uv[i] = 6.0f * s.uv[i] - 3.0f;
+        made_put(&s, card, (struct gp_v3) {0, 0, 0}, (struct gp_v3) {2, 2, 1},
+                 0);
+        assert_ok(gp_rays_make(NULL, &s, &meshes, &one, 1, &rays));
+        for (int i = 0; i < 400; i++) {
+            const struct gp_v3 from = {made_between(&seed, -1, 1),
+                                       made_between(&seed, -1, 1), 1.0};
+            const struct gp_v3 down = {0, 0, -2};
+            const struct truth want = first_of_all(&s, from, down, 1.0);
+            if (gp_rays_stopped(&rays, from, down, 1.0) != want.found &&
+                want.beside > 1e-6)
+                fail_msg("wraps %d, ray %d: %d", k, i, !want.found);
+            stopped += want.found;
+            free += !want.found;
+        }
+        gp_rays_free(&rays);
+        gp_meshes_free(&meshes);
+        made_free(&s);
+    }
+    assert_true(stopped > 500 && free > 500);
+}
+
 /* An object of no height hides as one that has some; one that is a line or a
  * point hides nothing. */
 static void flat_objects_hide(void **state)
@@ -213,7 +276,6 @@ static void empty_trees_stop_nothing(void **state)
              (struct gp_v3) {1, 1, 1}, 0.0);
     for (int n = 0; n < 2; n++) {
         assert_ok(gp_rays_make(NULL, &s, &meshes, &one, n, &rays));
-        assert_int_equal(rays.triangles, 0);
         assert_false(gp_rays_stopped(&rays, (struct gp_v3) {0, 0, 9},
                                      (struct gp_v3) {0, 0, -1}, INFINITY));
         gp_rays_free(&rays);
@@ -222,6 +284,7 @@ static void empty_trees_stop_nothing(void **state)
     made_free(&s);
 }
 
-SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says, flat_objects_hide,
-         places_without_end, empty_trees_stop_nothing)
+SUITE_OF(rays, NULL, NULL, rays_meet_what_each_triangle_says,
+         cutouts_are_wrapped, flat_objects_hide, places_without_end,
+         empty_trees_stop_nothing)
 

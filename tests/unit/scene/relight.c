@@ -263,6 +263,39 @@ static void first_triangle_is_found(void **state)
     gp_rays_free(&rays);
 }
 
+/* A pixel at the top edge of a wall: a sun lights the ground behind it by the
+ * share that the frame's mean normal gives the ground. */
+static void edges_have_the_shares_of_the_frame(void **state)
+{
+    const int x = W / 2, row = H / 2 - 5;
+    const double shares[] = {0.38, 0.46, 0.54, 0.62};
+    double low = 0.0, high = 3.0; // heights of the wall
+    for (int i = 0; i < 50; i++) { // its edge in the middle of the row
+        const double h = 0.5 * (low + high);
+        const double y = gp_camera_project(&surfaces.camera, all,
+            (const double[3]) {0.0, 0.0, h}, 1.0).y;
+        *(y > row + 0.5 ? &low : &high) = h;
+    }
+    made_put(&scene, made_box(&scene, 0), (struct gp_v3) {0, 0, 0.5 * low},
+             (struct gp_v3) {20, 1e-3, low}, 0);
+    made_sun(&scene, (struct gp_v3) {0, 0, -1}, 3.0);
+    surfaces.object = every;
+    surfaces.objects = 3;
+    for (int i = 0; i < 3 * W * H; i++)
+        albedo[i % 3].v[i / 3] = 0.5f;
+    const size_t at = (size_t) row * W + (size_t) x;
+    for (size_t i = 0; i < COUNT(shares); i++) {
+        const float s = (float) shares[i];
+        normal[1].v[at] = s - 1.0f;
+        normal[2].v[at] = s;
+        gp_planes_clear(&rgb, 0, W * H);
+        add(0, 0, all);
+        const double got = (double) rgb.c[1][at] / (2.0 * 3.0 * 0.5 / MADE_PI);
+        if (!(fabs(got - shares[i]) < 0.01))
+            fail_msg("share %g: lit by %g", shares[i], got);
+    }
+}
+
 /* Lights a frame by a sun, with an albedo that is k times that of a pattern, or
  * of one colour, and of no material. */
 static void light_edges(float k, bool textured)
@@ -355,6 +388,7 @@ static void passes_of_a_call_are_calls(void **state)
 }
 
 SUITE_OF_EACH(relight, set_up, tear_down, first_triangle_is_found,
-         light_is_that_of_the_formula, light_follows_albedo,
-         settings_of_a_pass_count, passes_of_a_call_are_calls)
+         light_is_that_of_the_formula, edges_have_the_shares_of_the_frame,
+         light_follows_albedo, settings_of_a_pass_count,
+         passes_of_a_call_are_calls)
 

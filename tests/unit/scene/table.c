@@ -8,14 +8,12 @@
 static void rows_draw_the_same_picture(void **state)
 {
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_table_params p = GP_TABLE_DEFAULTS;
+    struct gp_table_params p = {
+        .draw = {.w = 128, .h = 80, .near = 0.1, .light_scale = 1.0,
+                 .ambient = 0.02, .map = 96},
+        .runs = 1, .occluders = 12,
+    };
     int first = 0, last = 0;
-    p.draw.w = 128;
-    p.draw.h = 80;
-    p.draw.map = 96;
-    p.draw.light_scale = 1.0;
-    p.runs = 1;
-    p.occluders = 12;
     for (uint64_t k = 0; k < 8; k++) {
         uint64_t seed = 2004 + k;
         struct gp_scene s = made_random_scene(&seed, 80, 5);
@@ -56,12 +54,12 @@ static void light_grazes_slabs(void **state)
 {
     static const struct gp_box world = {{-9, -9, -4}, {9, 9, 4}};
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_table_params p = GP_TABLE_DEFAULTS;
+    struct gp_table_params p = {
+        .draw = {.w = 160, .h = 90, .near = 0.1, .light_scale = 1.0,
+                 .ambient = 0.02},
+        .runs = 1, .occluders = 40,
+    };
     int first = 0, last = 0;
-    p.draw.w = 160;
-    p.draw.h = 90;
-    p.draw.light_scale = 1.0;
-    p.runs = 1;
     for (uint64_t k = 0; k < 60; k++) {
         uint64_t seed = 1501 + k;
         struct gp_scene s = made_scene();
