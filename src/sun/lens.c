@@ -56,16 +56,19 @@ double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
 
 // -- paths and matrices -------------------------------------------------------
 
-/* The index before surface i, in the order of the lens. */
-static double before(const struct gp_lens *lens, int i, double nm)
+/* The index before surface i of the lens; before surface n, after the last. */
+static double index_at(const struct gp_lens *lens, int i, double nm)
 {
     return i == 0 ? 1.0 : gp_lens_index(lens->at[i - 1].n, lens->at[i - 1].v,
                                         nm);
 }
 
-static double after(const struct gp_lens *lens, int i, double nm)
+/* Returns the share that surface i reflects on the axis. */
+static double reflected(const struct gp_lens *lens, int i, double nm)
 {
-    return gp_lens_index(lens->at[i].n, lens->at[i].v, nm);
+    return gp_lens_reflectance(index_at(lens, i, nm),
+                               index_at(lens, i + 1, nm), 1.0,
+                               lens->at[i].coat, nm);
 }
 
 /* Returns true where the index changes. */
@@ -79,33 +82,19 @@ static bool reflects(const struct gp_lens *lens, int i)
 void gp_lens_path(const struct gp_lens *lens, int first, int second,
                   struct gp_lens_path *out)
 {
+    struct gp_lens_step *s = out->step;
     const int turn = first < 0 ? lens->n : first;
-    out->first = first;
-    out->second = second;
-    out->steps = 0;
     for (int i = 0; i < turn; i++)
-        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
-    if (first < 0)
-        return;
-    out->step[out->steps++] = (struct gp_lens_step) {
-        .surface = first, .reflects = true};
-    for (int i = first - 1; i > second; i--)
-        out->step[out->steps++] = (struct gp_lens_step) {
-            .surface = i, .back = true};
-    out->step[out->steps++] = (struct gp_lens_step) {
-        .surface = second, .back = true, .reflects = true};
-    for (int i = second + 1; i < lens->n; i++)
-        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
-}
-
-/* Returns the way between the surfaces of two steps of a path. */
-static double way_between(const struct gp_lens *lens, int from, int to)
-{
-    const int low = from < to ? from : to, high = from < to ? to : from;
-    double way = 0.0;
-    for (int i = low; i < high; i++)
-        way += lens->at[i].gap;
-    return way;
+        *s++ = (struct gp_lens_step) {i, false, false};
+    if (first >= 0) {
+        *s++ = (struct gp_lens_step) {first, false, true};
+        for (int i = first - 1; i > second; i--)
+            *s++ = (struct gp_lens_step) {i, true, false};
+        *s++ = (struct gp_lens_step) {second, true, true};
+        for (int i = second + 1; i < lens->n; i++)
+            *s++ = (struct gp_lens_step) {i, false, false};
+    }
+    out->steps = (int) (s - out->step);
 }
 
 static struct gp_lens_matrix times(struct gp_lens_matrix p,
@@ -117,37 +106,36 @@ static struct gp_lens_matrix times(struct gp_lens_matrix p,
     };
 }
 
+static struct gp_lens_matrix way_of(double gap)
+{
+    return (struct gp_lens_matrix) {1.0, gap, 0.0, 1.0};
+}
+
 /* The matrix of one step: T of the way from the step before, then R or L. */
 static struct gp_lens_matrix of_step(const struct gp_lens *lens,
     const struct gp_lens_path *path, int k, double nm)
 {
-    const struct gp_lens_step *const s = &path->step[k];
-    const double way = k == 0 ? 0.0 : way_between(lens,
-                                                  path->step[k - 1].surface,
-                                                  s->surface);
-    const double curvature = s->back ? -lens->at[s->surface].curvature
-                                     : lens->at[s->surface].curvature;
-    const double n1 = s->back ? after(lens, s->surface, nm)
-                              : before(lens, s->surface, nm);
-    const double n2 = s->back ? before(lens, s->surface, nm)
-                              : after(lens, s->surface, nm);
-    const struct gp_lens_matrix t = {1.0, way, 0.0, 1.0};
+    const struct gp_lens_step s = path->step[k];
+    const int before = k == 0 ? 0 : path->step[k - 1].surface;
+    const int low = before < s.surface ? before : s.surface;
+    const double way = k == 0 ? 0.0 : lens->at[low].gap;
+    const double curvature = s.back ? -lens->at[s.surface].curvature
+                                    : lens->at[s.surface].curvature;
+    const double n1 = index_at(lens, s.surface + s.back, nm);
+    const double n2 = index_at(lens, s.surface + !s.back, nm);
     const struct gp_lens_matrix bend =
-        s->reflects ? (struct gp_lens_matrix) {1.0, 0.0, 2.0 * curvature, 1.0}
-                    : (struct gp_lens_matrix) {1.0, 0.0, (n1 - n2) / n2 *
-                                                         curvature, n1 / n2};
-    return times(bend, t);
+        s.reflects ? (struct gp_lens_matrix) {1.0, 0.0, 2.0 * curvature, 1.0}
+                   : (struct gp_lens_matrix) {1.0, 0.0, (n1 - n2) / n2 *
+                                                        curvature, n1 / n2};
+    return times(bend, way_of(way));
 }
 
 struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
-    const struct gp_lens_path *path, int steps, double nm, bool to_sensor)
+    const struct gp_lens_path *path, int steps, double nm)
 {
-    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
+    struct gp_lens_matrix m = way_of(0.0);
     for (int k = 0; k < steps; k++)
         m = times(of_step(lens, path, k, nm), m);
-    if (to_sensor)
-        m = times((struct gp_lens_matrix) {1.0, lens->at[lens->n - 1].gap, 0.0,
-                                           1.0}, m);
     return m;
 }
 
@@ -159,7 +147,7 @@ static struct gp_lens_matrix front_matrix(const struct gp_lens *lens,
 {
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);
-    return gp_lens_matrix(lens, &path, surfaces, GP_D_LINE, false);
+    return gp_lens_matrix(lens, &path, surfaces, GP_D_LINE);
 }
 
 gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
@@ -196,89 +184,63 @@ gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
     return GP_OK;
 }
 
-/* The slope at which the chief ray, through the middle of the stop, meets the
- * first rim. */
-static double field_of(const struct gp_lens *lens)
-{
-    struct gp_lens_path path;
-    gp_lens_path(lens, -1, -1, &path);
-    const struct gp_lens_matrix s =
-        gp_lens_matrix(lens, &path, lens->stop + 1, GP_D_LINE, false);
-    double least = INFINITY;
-    for (int k = 0; k < lens->n; k++) {
-        const struct gp_lens_matrix m =
-            gp_lens_matrix(lens, &path, k + 1, GP_D_LINE, false);
-        const double height = fabs(m.b - m.a * s.b / s.a); // at slope 1
-        if (k != lens->stop && height * least > lens->at[k].semi)
-            least = lens->at[k].semi / height;
-    }
-    return least;
-}
-
 void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
 {
     const struct gp_lens_matrix m = front_matrix(lens, lens->n);
     const struct gp_lens_matrix s = front_matrix(lens, lens->stop + 1);
+    const struct gp_lens_matrix all =
+        times(way_of(lens->at[lens->n - 1].gap), m);
     struct gp_lens_figures f = {
         .focal = -1.0 / m.c, .back = -m.a / m.c,
         .pupil = lens->at[lens->stop].semi / fabs(s.a),
         .pupil_at = s.b / s.a, .through = 1.0,
     };
+    double field = INFINITY; // slope at which the chief ray meets a rim
     f.f_number = f.focal / (2.0 * f.pupil);
-    const double field = field_of(lens);
+    f.scale = all.b - all.a * f.pupil_at;
+    for (int i = 0; i < lens->n; i++) {
+        const struct gp_lens_matrix to = front_matrix(lens, i + 1);
+        const double height = fabs(to.b - to.a * s.b / s.a); // at slope 1
+        if (i != lens->stop && height * field > lens->at[i].semi)
+            field = lens->at[i].semi / height;
+        f.through *= 1.0 - reflected(lens, i, GP_D_LINE);
+    }
     f.height = isfinite(field) ? f.focal * field : 0.0;
-    for (int i = 0; i < lens->n; i++)
-        f.through *= 1.0 - gp_lens_reflectance(before(lens, i, GP_D_LINE),
-                                               after(lens, i, GP_D_LINE), 1.0,
-                                               lens->at[i].coat, GP_D_LINE);
     *out = f;
 }
 
 // -- ghosts -------------------------------------------------------------------
 
-/* A disc of rays before the lens that pass a rim: half-width, and the place of
- * its middle for a slope of 1. */
-struct disc {
-    double radius, shift;
-};
-
-/* Lists the discs of all rims of a path; returns how many bound it. */
-static int discs_of(const struct gp_lens *lens, const struct gp_lens_path *path,
-                    double nm, struct disc out[GP_LENS_STEPS])
+/* Follows a ghost's path. */
+static struct gp_lens_ghost ghost_of(const struct gp_lens *lens, int first,
+                                     int second, double nm)
 {
-    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
-    int n = 0;
-    for (int k = 0; k < path->steps; k++) {
-        m = times(of_step(lens, path, k, nm), m);
-        const double semi = lens->at[path->step[k].surface].semi;
-        if (fabs(m.a) * 1e6 > semi) // else parallel light that all passes
-            out[n++] = (struct disc) {semi / fabs(m.a), -m.b / m.a};
+    struct gp_lens_ghost g = {.first = first, .second = second,
+                              .radius = INFINITY, .through = 1.0};
+    struct gp_lens_matrix m = way_of(0.0), s = m; // s: to the stop, at last
+    struct gp_lens_path path;
+    gp_lens_path(lens, first, second, &path);
+    for (int k = 0; k < path.steps; k++) {
+        const int i = path.step[k].surface;
+        const double semi = lens->at[i].semi, r = reflected(lens, i, nm);
+        m = times(of_step(lens, &path, k, nm), m);
+        // else parallel light that all passes
+        if (fabs(m.a) * 1e6 > semi && semi / fabs(m.a) < g.radius) {
+            g.radius = semi / fabs(m.a);
+            g.shift = -m.b / m.a;
+        }
+        g.through *= path.step[k].reflects ? r : 1.0 - r;
+        if (i == lens->stop)
+            s = m;
     }
-    return n;
-}
-
-static double through(const struct gp_lens *lens,
-                      const struct gp_lens_path *path, double nm)
-{
-    double t = 1.0;
-    for (int k = 0; k < path->steps; k++) {
-        const int i = path->step[k].surface;
-        const double r = gp_lens_reflectance(before(lens, i, nm),
-                                             after(lens, i, nm), 1.0,
-                                             lens->at[i].coat, nm);
-        t *= path->step[k].reflects ? r : 1.0 - r;
-    }
-    return t;
-}
-
-/* The stop's step that light passes last. */
-static int last_stop(const struct gp_lens *lens,
-                     const struct gp_lens_path *path)
-{
-    int k = path->steps - 1;
-    while (k > 0 && path->step[k].surface != lens->stop)
-        k--;
-    return k;
+    g.m = times(way_of(lens->at[lens->n - 1].gap), m);
+    // from the stop to the sensor: m = after * s
+    const double det = s.a * s.d - s.b * s.c;
+    const double b = (g.m.b * s.a - g.m.a * s.b) / det;
+    // Collins' integral from the stop: a fringe of sqrt(nm |A B|), with A the
+    // size of the ghost over that of the stop
+    g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
+    return g;
 }
 
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
@@ -287,33 +249,8 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
     int n = 0;
     for (int first = 1; first < lens->n; first++) {
         for (int second = 0; second < first; second++) {
-            struct gp_lens_path path;
-            struct disc disc[GP_LENS_STEPS];
-            if (!reflects(lens, first) || !reflects(lens, second))
-                continue;
-            gp_lens_path(lens, first, second, &path);
-            struct gp_lens_ghost g = {
-                .first = first, .second = second, .radius = INFINITY,
-                .m = gp_lens_matrix(lens, &path, path.steps, nm, true),
-                .through = through(lens, &path, nm),
-            };
-            const int discs = discs_of(lens, &path, nm, disc);
-            for (int k = 0; k < discs; k++) {
-                if (disc[k].radius < g.radius) {
-                    g.radius = disc[k].radius;
-                    g.shift = disc[k].shift;
-                }
-            }
-            // from the stop to the sensor: m = after * s
-            const struct gp_lens_matrix s =
-                gp_lens_matrix(lens, &path, last_stop(lens, &path) + 1, nm,
-                               false);
-            const double det = s.a * s.d - s.b * s.c;
-            const double b = (g.m.b * s.a - g.m.a * s.b) / det;
-            // Collins' integral from the stop: a fringe of sqrt(nm |A B|),
-            // with A the size of the ghost over that of the stop
-            g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
-            out[n++] = g;
+            if (reflects(lens, first) && reflects(lens, second))
+                out[n++] = ghost_of(lens, first, second, nm);
         }
     }
     return n;

@@ -462,8 +462,7 @@ static void place_mesh(const struct gp_lens *lens,
     m->x0 = -INFINITY;
     m->x1 = m->y1 = INFINITY;
     for (int k = 0; k < path->steps; k++) {
-        const struct gp_lens_matrix a = gp_lens_matrix(lens, path, k + 1, nm,
-                                                       false);
+        const struct gp_lens_matrix a = gp_lens_matrix(lens, path, k + 1, nm);
         const double semi = lens->at[path->step[k].surface].semi;
         m->passes += path->step[k].surface == lens->stop;
         if (!(fabs(a.a) * 1e6 > semi))

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <string.h>
 
 // -- pixels ------------------------------------------------------------------
 
@@ -97,118 +96,71 @@ double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
 
 // -- the kinds of samples ----------------------------------------------------
 
-/* Floats in order as whole numbers, and back; -0 and 0 are one. */
-static int32_t float_order(float v)
-{
-    int32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits < 0 ? INT32_MIN - bits : bits;
-}
-
-static float float_of(int32_t k)
-{
-    const int32_t bits = k < 0 ? INT32_MIN - k : k;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
+/* Kinds that a sample may be of, as bits. */
+enum {
+    ZERO = 1, NOT_A_NUMBER = 2, INFINITE = 4, HUGE_ONE = 8, HALF_MAX = 16,
+    NEGATIVE = 32, ONE = 64,
+    FORE = 128, BACK = 256, // surfaces as they are, and reversed
+    OVER = 512,             // more than 1, +Inf too
+    TINY = 1024,            // over 0, and too little for a surface
+};
 
 /* Parts are the same for any number of threads. */
 enum { BANDS = 64 };
 
-enum kind {
-    ZERO, NOT_A_NUMBER, INFINITE, HUGE_ONE, HALF_MAX, NEGATIVE, ONE,
-    FORE, BACK, // surfaces as they are, and reversed
-    OVER,       // 1 and more, +Inf too
-    TINY,       // over 0, and too little for a surface
-    KINDS,
+/* The kinds in a share of the rows, and the least and most of the huge ones. */
+struct kinds {
+    int are;
+    float lo, hi;
 };
 
-/* Counts of a share of the rows. */
-struct counts {
-    long long of[KINDS];
-    int32_t lo, hi; // of the huge, in float_order()
-};
-
-struct counting {
+struct looking {
     const struct gp_plane *plane;
     struct gp_depth_range fore, back;
-    struct counts band[BANDS];
+    struct kinds band[BANDS];
 };
 
-/* From the least to the most of a row's huge values. */
-GP_CLONES static void span_huge(const float *v, int n, struct counts *t)
+GP_CLONES static int kinds_of(const struct looking *s, const float *v, int n)
 {
-    const int32_t far = float_order(GP_DEPTH_HUGE);
-    const int32_t endless = float_order(INFINITY);
-    int32_t lo = t->lo, hi = t->hi;
+    const struct gp_depth_range f = s->fore, b = s->back;
+    int are = 0;
     for (int i = 0; i < n; i++) {
-        const int32_t k = float_order(v[i]), size = k < 0 ? -k : k;
-        const int32_t is = -((size >= far) & (size < endless)); // all bits
-        const int32_t low = (k & is) | (INT32_MAX & ~is);
-        const int32_t high = (k & is) | (INT32_MIN & ~is);
-        lo = low < lo ? low : lo;
-        hi = high > hi ? high : hi;
+        const float x = v[i], size = fabsf(x);
+        const bool huge = size >= GP_DEPTH_HUGE && size < INFINITY;
+        const bool under = (x < 0.0f) & (size < GP_DEPTH_HUGE) &
+                           (size != GP_DEPTH_HALF);
+        are |= (x == 0.0f ? ZERO : 0) | (x != x ? NOT_A_NUMBER : 0) |
+               (size == INFINITY ? INFINITE : 0) | (huge ? HUGE_ONE : 0) |
+               (size == GP_DEPTH_HALF ? HALF_MAX : 0) |
+               (under ? NEGATIVE : 0) | (x == 1.0f ? ONE : 0) |
+               (x > 1.0f ? OVER : 0) |
+               ((x > 0.0f) & (x < f.lo) ? TINY : 0) |
+               (gp_is_surface(f, x) ? FORE : 0) |
+               (gp_is_surface(b, x) ? BACK : 0);
     }
-    t->lo = lo;
-    t->hi = hi;
+    return are;
 }
 
-/* Surfaces as an interval of float_order(). */
-struct span {
-    int32_t lo, hi, hole;
-};
-
-static struct span span_of(struct gp_depth_range s)
-{
-    // NaN, for no hole, is beyond hi
-    return (struct span) {float_order(s.lo), float_order(s.hi),
-                          float_order(s.hole)};
-}
-
-/* One row's kinds. Whole numbers throughout, as wide as a float: then the
- * compiler makes vectors of it, which is 8 times as fast. */
-GP_CLONES static void count_row(const struct counting *s, const float *v, int n,
-                                struct counts *t)
-{
-    const struct span f = span_of(s->fore), b = span_of(s->back);
-    const int32_t half = float_order(GP_DEPTH_HALF);
-    const int32_t far = float_order(GP_DEPTH_HUGE);
-    const int32_t endless = float_order(INFINITY);
-    const int32_t unit = float_order(1.0f);
-    int zero = 0, nan = 0, inf = 0, beyond = 0, halves = 0, negative = 0;
-    int one = 0, over = 0, fore = 0, back = 0, tiny = 0;
-    for (int i = 0; i < n; i++) {
-        const int32_t k = float_order(v[i]), size = k < 0 ? -k : k;
-        zero += k == 0;
-        nan += size > endless;
-        inf += size == endless;
-        beyond += size >= far; // NaN too
-        halves += size == half;
-        negative += (k < 0) & (size < far) & (size != half);
-        one += k == unit;
-        over += (k >= unit) & (k <= endless);
-        tiny += (k > 0) & (k < f.lo);
-        fore += (k >= f.lo) & (k <= f.hi) & (k != f.hole);
-        back += (k >= b.lo) & (k <= b.hi) & (k != b.hole);
-    }
-    const int row[KINDS] = {zero, nan, inf, beyond - nan - inf, halves,
-                            negative, one, fore, back, over, tiny};
-    for (int i = 0; i < KINDS; i++)
-        t->of[i] += row[i];
-    if (row[HUGE_ONE] > 0)
-        span_huge(v, n, t);
-}
-
-static void count_band(void *ctx, int i, int thread)
+static void look_at_band(void *ctx, int i, int thread)
 {
     (void) thread;
-    struct counting *const s = ctx;
+    struct looking *const s = ctx;
+    struct kinds *const t = &s->band[i];
     const int64_t h = gp_rect_h(s->plane->window);
     const int w = gp_rect_w(s->plane->window);
-    s->band[i] = (struct counts) {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int64_t y = h * i / BANDS; y < h * (i + 1) / BANDS; y++)
-        count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->band[i]);
+    *t = (struct kinds) {0, INFINITY, -INFINITY};
+    for (int64_t y = h * i / BANDS; y < h * (i + 1) / BANDS; y++) {
+        const float *const v = s->plane->v + (size_t) y * (size_t) w;
+        const int are = kinds_of(s, v, w);
+        t->are |= are;
+        for (int x = 0; x < w && are & HUGE_ONE; x++) {
+            const float size = fabsf(v[x]);
+            if (size >= GP_DEPTH_HUGE && size < INFINITY) {
+                t->lo = fminf(t->lo, v[x]);
+                t->hi = fmaxf(t->hi, v[x]);
+            }
+        }
+    }
 }
 
 void gp_occluders_count(struct gp_occluders *o)
@@ -216,52 +168,49 @@ void gp_occluders_count(struct gp_occluders *o)
     o->facts = (struct gp_depth_facts) {.empty = "none"};
     if (!has(o->depth) || gp_rect_empty(o->depth->window))
         return;
-    struct counting s = {.plane = o->depth,
-                       .fore = gp_depth_range_of(o->type, false),
-                       .back = gp_depth_range_of(o->type, true)};
-    gp_parallel_do(BANDS, count_band, &s);
-    struct counts t = {.lo = INT32_MAX, .hi = INT32_MIN};
+    struct looking s = {.plane = o->depth,
+                        .fore = gp_depth_range_of(o->type, false),
+                        .back = gp_depth_range_of(o->type, true)};
+    struct kinds t = {0, INFINITY, -INFINITY};
+    gp_parallel_do(BANDS, look_at_band, &s);
     for (int i = 0; i < BANDS; i++) {
-        const struct counts *const p = &s.band[i];
-        for (int k = 0; k < KINDS; k++)
-            t.of[k] += p->of[k];
-        t.lo = p->lo < t.lo ? p->lo : t.lo;
-        t.hi = p->hi > t.hi ? p->hi : t.hi;
+        t.are |= s.band[i].are;
+        t.lo = fminf(t.lo, s.band[i].lo);
+        t.hi = fmaxf(t.hi, s.band[i].hi);
     }
     struct gp_depth_facts *const f = &o->facts;
+    const int are = t.are;
     const bool share = o->type == GP_DEPTH_NORMALIZED;
     const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
     if (share)
-        f->reversed = t.of[OVER] == 0 && t.of[ZERO] > 0;
+        f->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
-        f->reversed = t.of[FORE] == 0 && t.of[BACK] > 0;
+        f->reversed = !(are & FORE) && are & BACK;
 
     // the kinds of empty samples that occur
-    const double lo = (double) float_of(t.lo);
-    const double hi = (double) float_of(t.hi);
     char huge[32]; // one, or from the least to the most
     if (t.lo == t.hi)
-        snprintf(huge, sizeof huge, "%g", lo);
+        snprintf(huge, sizeof huge, "%g", (double) t.lo);
     else
-        snprintf(huge, sizeof huge, "%g to %g", lo, hi);
+        snprintf(huge, sizeof huge, "%g to %g", (double) t.lo, (double) t.hi);
     const bool first = !share || f->reversed; // 0 and less is empty
     const struct {
-        bool is;
+        int is;
         const char *text;
     } kind[] = {
-        {first && t.of[ZERO] > 0, "0"},
-        {t.of[TINY] > 0, "under 1e-09"},
-        {first && t.of[NEGATIVE] > 0 && !(axis && f->reversed), "negative"},
-        {share && t.of[ONE] > 0, "1"},
-        {share && t.of[OVER] > t.of[ONE], "over 1"},
-        {axis && t.of[HALF_MAX] > 0, f->reversed ? "-65504" : "65504"},
-        {axis && t.of[HUGE_ONE] > 0, huge},
-        {axis && t.of[INFINITE] > 0, "inf"},
-        {t.of[NOT_A_NUMBER] > 0, "nan"},
+        {first ? ZERO : 0, "0"},
+        {TINY, "under 1e-09"},
+        {first && !(axis && f->reversed) ? NEGATIVE : 0, "negative"},
+        {share ? ONE : 0, "1"},
+        {share ? OVER : 0, "over 1"},
+        {axis ? HALF_MAX : 0, f->reversed ? "-65504" : "65504"},
+        {axis ? HUGE_ONE : 0, huge},
+        {axis ? INFINITE : 0, "inf"},
+        {NOT_A_NUMBER, "nan"},
     };
     size_t used = 0;
     for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
-        if (kind[i].is && used < sizeof f->empty)
+        if (are & kind[i].is && used < sizeof f->empty)
             used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
                                       "%s%s", used ? ", " : "", kind[i].text);
     }
