@@ -38,12 +38,11 @@ static float clamped(float m)
     return m > 0.0f ? (m < 1.0f ? m : 1.0f) : 0.0f; // NaN: 0
 }
 
-static struct gp_sun_pixel pixel_at(const struct gp_occluders *o,
-                                    struct gp_depth_range s, int x, int y)
+struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
 {
     struct gp_sun_pixel p = {INFINITY, 0.0f};
     const float *const z = has(o->depth) ? sample_at(o->depth, x, y) : NULL;
-    if (z && gp_is_surface(s, *z)) {
+    if (z && gp_is_surface(o->surfaces, *z)) {
         p.place = gp_surface_place(o->type, o->facts.reversed, *z);
         p.cover = 1.0f;
     }
@@ -54,44 +53,14 @@ static struct gp_sun_pixel pixel_at(const struct gp_occluders *o,
     return p;
 }
 
-struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
-{
-    return pixel_at(o, gp_depth_range_of(o->type, o->facts.reversed), x, y);
-}
-
-static float hidden(const struct gp_light *l, struct gp_sun_pixel p)
-{
-    return isinf(p.place) || hides(l, p.place) ? p.cover : 0.0f;
-}
-
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond)
 {
     const struct gp_sun_pixel p = gp_occluders_at(o, x, y);
+    const bool past = !isinf(p.place) && !hides(l, p.place);
     if (beyond)
-        *beyond = !isinf(p.place) && !hides(l, p.place);
-    return 1.0 - (double) hidden(l, p);
-}
-
-double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
-                        int x0, int x1, int y)
-{
-    enum { RUN = 512, LANES = 8 }; // an order of sums that shares depend on
-    const struct gp_depth_range s = gp_depth_range_of(o->type,
-                                                      o->facts.reversed);
-    double sum = 0.0;
-    if (x1 <= x0)
-        return 0.0;
-    for (int64_t from = x0; from < x1; from += RUN) {
-        double lane[LANES] = {0.0}, run = 0.0;
-        for (int64_t x = from; x < x1 && x < from + RUN; x++)
-            lane[(x - from) % LANES] +=
-                (double) hidden(l, pixel_at(o, s, (int) x, y));
-        for (int k = 0; k < LANES; k++)
-            run += lane[k];
-        sum += run;
-    }
-    return (double) x1 - (double) x0 - sum;
+        *beyond = past;
+    return past ? 1.0 : 1.0 - (double) p.cover;
 }
 
 // -- the kinds of samples ----------------------------------------------------
@@ -186,6 +155,7 @@ void gp_occluders_count(struct gp_occluders *o)
         f->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
         f->reversed = !(are & FORE) && are & BACK;
+    o->surfaces = f->reversed ? s.back : s.fore;
 
     // the kinds of empty samples that occur
     char huge[32]; // one, or from the least to the most

@@ -34,10 +34,11 @@ struct gp_occluders {
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
                                  // GP_OUTSIDE_SCENE the data window as read
-    struct gp_depth_facts facts; // by gp_occluders_count()
+    struct gp_depth_facts facts; // by gp_occluders_count(), and
+    struct gp_depth_range surfaces;
 };
 
-/* Fills o->facts from o->depth's samples (in parallel, the same for any number
+/* Fills o->facts and surfaces from o->depth's samples (in parallel, the same for any number
  * of threads). Call before anything below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
@@ -54,10 +55,6 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y);
  * surface that is not nearer than the light. */
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond);
-
-/* Sum of s over pixels [x0, x1) of row y. */
-double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
-                        int x0, int x1, int y);
 
 /* Rules for the part of a light outside the frame, where nothing is known. */
 enum gp_sun_outside {
@@ -93,8 +90,8 @@ void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n);
 
 /* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
- * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
- * disc's edge is placed to 1e-12 of a pixel for r and distances up to 1e5. */
+ * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. It is
+ * right to 1e-15 r in square pixels. */
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
                          double x1, double y1);
 
