@@ -150,13 +150,12 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
 
 static int to_pixel(double v)
 {
-    enum { FAR = 1 << 30 }; // no window goes beyond
+    enum { FAR = 1 << 29 }; // no window goes beyond
     return gp_clamp_whole(v, -FAR, FAR);
 }
 
-/* Finds all pixels that the element may reach, inside the frame or not. */
-static struct gp_rect whole_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect display)
+struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
+                              const struct gp_light *l, struct gp_rect display)
 {
     const bool none = e->path && (e->image.w < 1 || e->image.h < 1);
     double x, y;
@@ -184,15 +183,9 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
     };
 }
 
-struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect frame, struct gp_rect display)
-{
-    return gp_rect_meet(whole_reach(e, l, display), frame);
-}
-
 // -- quads -------------------------------------------------------------------
 
-/* One element of one light, as that light sees it, of which quads are made. */
+/* One element of one light, as that light sees it. */
 struct pair {
     struct gp_flare_element e;
     const struct gp_light *light;
@@ -201,34 +194,25 @@ struct pair {
     double diameter;
 };
 
-struct quads {
-    struct gp_flare_quad *at;     // owned; in the order of lights, elements
-    int n;
-    struct gp_flare_look *look;   // owned; room for one a quad
-    int looks;
-    int *last;                    // owned; last look of each element, from 1
-    struct gp_flare_level *level; // owned; one an element
-    int elements;
+/* What lights share of an element. */
+struct shared {
+    struct gp_flare_look look;   // for the last one's diameter
+    struct gp_flare_level level;
 };
 
-/* Finds element k as a light sees it; returns its quads, none for a hidden
- * light. */
-static int find_pair(const struct gp_flare *f, int k, const struct gp_light *l,
+/* Finds element k as a light sees it. Returns false where it shows nothing. */
+static bool find_pair(const struct gp_flare *f, int k, const struct gp_light *l,
     struct gp_rect frame, struct gp_rect display, struct pair *p)
 {
     *p = (struct pair) {.e = dress(f, k, l, display), .light = l,
                         .display = display};
-    const struct gp_flare_element e = p->e;
-    p->whole = whole_reach(&e, l, display);
+    p->whole = gp_flare_reach(&p->e, l, display);
     p->rect = gp_rect_meet(p->whole, frame);
-    p->diameter = diameter_of(&e, display);
-    if (!gp_light_has_flux(l) || !(l->visibility > 0.0) ||
-        e.source != GP_FLARE_LIGHTS ||
-        (e.only && fnmatch(e.only, l->name, 0) != 0) ||
-        gp_rect_empty(p->rect))
-        return 0;
-    const bool dispersed = e.scale[0] != e.scale[1] || e.scale[1] != e.scale[2];
-    return is_image(&e) && !e.plain && dispersed ? 3 : 1;
+    p->diameter = diameter_of(&p->e, display);
+    return gp_light_has_flux(l) && l->visibility > 0.0 &&
+           p->e.source == GP_FLARE_LIGHTS &&
+           !(p->e.only && fnmatch(p->e.only, l->name, 0) != 0) &&
+           !gp_rect_empty(p->rect);
 }
 
 static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
@@ -246,6 +230,15 @@ static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
     }
 }
 
+static void add_row(const struct gp_flare_quad *q, int y, const float amount[3],
+                    float *const out[3])
+{
+    if (q->look)
+        gp_flare_look_row(q, y, amount, out);
+    else
+        gp_flare_image_row(q, y, amount, out);
+}
+
 /* Finds the sums over all pixels of channels drawn with an amount of 1. */
 static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                    double sum[3])
@@ -258,11 +251,8 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
-        if (q.look)
-            gp_flare_look_row(&q, y, one, to);
+        add_row(&q, y, one, to);
         for (int c = 0; c < 3; c++) {
-            if (!q.look)
-                gp_flare_add_row(&q, c, y, 1.0f, row[c]);
             for (int x = 0; x < gp_rect_w(whole); x++)
                 sum[c] += (double) row[c][x];
         }
@@ -280,25 +270,26 @@ static double light_of(const struct pair *p, int c)
     return (double) p->e.colour[c] * (double) p->light->flux[c];
 }
 
-/* Sets the amounts of channels [first, end) of an image, which have one scale.
- */
-static void fit_image(const struct pair *p, int first, int end,
-                      struct gp_flare_quad *q)
+/* Sets the amounts of an image. */
+static void fit_image(const struct pair *p, struct gp_flare_quad *q)
 {
     const struct gp_flare_level *const l = p->level;
-    const double scale = (double) p->e.scale[first];
-    const double of_level = ldexp(texel_size(&p->e, p->diameter * scale),
-                                  l->level); // pixels of its texel
-    double sums[3];
-    q->radius = (float) (1.0 / of_level);
+    double of_level[3], sums[3]; // pixels of its texel
     q->inner[0] = (float) l->image.cx;
     q->inner[1] = (float) l->image.cy;
-    if (is_summed(p, scale))
+    for (int c = 0; c < 3; c++) {
+        of_level[c] = ldexp(texel_size(&p->e, p->diameter *
+                                                  (double) p->e.scale[c]),
+                            l->level);
+        q->radius[c] = (float) (1.0 / of_level[c]);
+    }
+    if (is_summed(p, least_scale(&p->e)))
         sum_of(q, p->whole, sums);
-    for (int c = first; c < end; c++) {
-        const double even = ldexp(l->sum[c], -2 * l->level) * of_level *
-                            of_level;
-        const double sum = is_summed(p, scale) ? sums[c] : even;
+    for (int c = 0; c < 3; c++) {
+        const double even = ldexp(l->sum[c], -2 * l->level) * of_level[c] *
+                            of_level[c];
+        const double sum = is_summed(p, (double) p->e.scale[c]) ? sums[c]
+                                                                : even;
         const double fit = sum > 0.5 * even && sum < 2.0 * even ? even / sum
                                                                 : 1.0;
         if (l->luminance > 0.0 && even > 0.0)
@@ -328,9 +319,8 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     cut_of(&p->e, p->light, p->display, q->cut);
 }
 
-/* Adds a quad for channels [first, end), unless it is dark. */
-static void add_quad(struct quads *quads, const struct pair *p,
-                     const struct gp_flare_look *look, int first, int end)
+static struct gp_flare_quad quad_of(const struct pair *p,
+                                    const struct gp_flare_look *look)
 {
     const double angle = p->e.rotation * M_PI / 180.0;
     const float visible = (float) p->light->visibility;
@@ -346,108 +336,40 @@ static void add_quad(struct quads *quads, const struct pair *p,
     else if (look)
         fit_look(p, &q);
     else
-        fit_image(p, first, end, &q);
+        fit_image(p, &q);
     for (int c = 0; c < 3; c++)
         q.amount[c] *= visible;
-    if (q.amount[0] != 0.0f || q.amount[1] != 0.0f || q.amount[2] != 0.0f)
-        quads->at[quads->n++] = q;
+    return q;
 }
 
-/* Finds the look of a pair among those of its element, or makes it. */
-static gp_status find_look(const struct gp_log *log, const struct pair *p,
-    int element, struct quads *quads, const struct gp_flare_look **out)
+/* Fits what lights share of element e to the light of a pair: a level at the
+ * size that the image is drawn in, and a look. */
+static gp_status fit_shared(const struct gp_log *log,
+    const struct gp_flare_element *e, const struct pair *p, struct shared *s)
 {
-    int *const last = &quads->last[element]; // from 1
-    struct gp_flare_look *const look = quads->look;
+    const double size = diameter_of(e, p->display) * least_scale(e);
     gp_status st = GP_OK;
-    if (!*last || look[*last - 1].diameter != p->diameter) {
-        st = gp_flare_look_make(log, &p->e, p->diameter, &look[quads->looks]);
-        if (!st)
-            *last = ++quads->looks;
-    }
-    *out = st ? NULL : &look[*last - 1];
-    return st;
-}
-
-/* Makes levels of images at the sizes that they are drawn in. */
-static gp_status make_levels(const struct gp_log *log, const struct gp_flare *f,
-                             struct gp_rect display, struct quads *out)
-{
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
-                         sizeof *out->level, &out->level));
-    out->elements = f->n;
-    for (int k = 0; k < f->n; k++) {
-        const struct gp_flare_element *const e = &f->element[k];
-        if (e->image.w < 1 || e->image.h < 1)
-            continue;
+    if (e->image.w && !s->level.image.w) {
         if (e->plain || !is_image(e))
-            out->level[k].image = e->image;
+            s->level.image = e->image;
         else
-            GP_TRY(gp_flare_level_make(log, &e->image,
-                                       fmax(diameter_of(e, display) *
-                                            least_scale(e), 1.0),
-                                       &out->level[k]));
+            st = gp_flare_level_make(log, &e->image, fmax(size, 1.0),
+                                     &s->level);
     }
-out:
+    if (!st && !is_image(e) &&
+        (!s->look.table || s->look.diameter != p->diameter)) {
+        gp_flare_look_free(&s->look);
+        st = gp_flare_look_make(log, &p->e, p->diameter, &s->look);
+    }
     return st;
-}
-
-/* Makes quads of all elements that are not empty, of lights whose visibility is
- * over 0. *out is zero before; free_quads() frees it, after a failure too. */
-static gp_status make_quads(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n,
-    struct gp_rect frame, struct gp_rect display, struct quads *out)
-{
-    struct pair p;
-    size_t most = 0;
-    gp_status st;
-    for (int i = 0; i < n * f->n; i++)
-        most += (size_t) find_pair(f, i % f->n, &light[i / f->n], frame,
-                                   display, &p);
-    if (most == 0)
-        return GP_OK;
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
-                    &out->at));
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->look,
-                    &out->look));
-    GP_TRY(gp_alloc_zero(log, "flare elements", (size_t) f->n,
-                         sizeof *out->last, &out->last));
-    GP_TRY(make_levels(log, f, display, out));
-    for (int i = 0; i < n * f->n; i++) {
-        const int k = i % f->n;
-        const int quads = find_pair(f, k, &light[i / f->n], frame, display, &p);
-        const struct gp_flare_look *look = NULL;
-        p.level = f->element[k].image.w ? &out->level[k] : NULL;
-        if (quads && !is_image(&p.e))
-            GP_TRY(find_look(log, &p, k, out, &look));
-        for (int c = 0; c < quads; c++)
-            add_quad(out, &p, look, c, quads == 1 ? 3 : c + 1);
-    }
-out:
-    return st;
-}
-
-static void free_quads(struct quads *quads)
-{
-    for (int i = 0; i < quads->elements; i++) {
-        if (quads->level[i].level > 0)
-            gp_planes_free(&quads->level[i].image.rgb);
-    }
-    for (int i = 0; i < quads->looks; i++)
-        gp_flare_look_free(&quads->look[i]);
-    gp_free(quads->at);
-    gp_free(quads->look);
-    gp_free(quads->last);
-    gp_free(quads->level);
 }
 
 // -- adding ------------------------------------------------------------------
 
-enum { ROWS = 16 }; // of a task
+enum { ROWS = 32 }; // of a task
 
 struct adding {
-    const struct quads *quads;
+    struct gp_flare_quad quad;
     struct gp_rect frame;
     struct gp_planes *layer;
 };
@@ -455,24 +377,16 @@ struct adding {
 static void add_rows(void *ctx, int i, int thread)
 {
     const struct adding *const a = ctx;
+    const struct gp_flare_quad *const q = &a->quad;
     const struct gp_rect f = a->frame;
-    const int y0 = f.y0 + i * ROWS;
+    const int y0 = q->rect.y0 + i * ROWS;
     (void) thread;
-    for (int k = 0; k < a->quads->n; k++) {
-        const struct gp_flare_quad *const q = &a->quads->at[k];
-        const int end = gp_min(y0 + ROWS, q->rect.y1);
-        for (int y = gp_max(y0, q->rect.y0); y < end; y++) {
-            const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
-                              (size_t) (q->rect.x0 - f.x0);
-            float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
-                                  a->layer->c[2] + at};
-            if (q->look)
-                gp_flare_look_row(q, y, q->amount, to);
-            for (int c = 0; c < 3 && !q->look; c++) {
-                if (q->amount[c] != 0.0f)
-                    gp_flare_add_row(q, c, y, q->amount[c], to[c]);
-            }
-        }
+    for (int y = y0; y < gp_min(y0 + ROWS, q->rect.y1); y++) {
+        const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
+                          (size_t) (q->rect.x0 - f.x0);
+        float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
+                              a->layer->c[2] + at};
+        add_row(q, y, q->amount, to);
     }
 }
 
@@ -480,12 +394,27 @@ gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_light *light, int n, struct gp_rect frame,
     struct gp_rect display, struct gp_planes *layer)
 {
-    struct quads quads = {0};
-    gp_status st = make_quads(log, f, light, n, frame, display, &quads);
-    if (!st && quads.n > 0) {
-        struct adding a = {&quads, frame, layer};
-        gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
+    struct shared *shared;
+    gp_status st = gp_alloc_zero(log, "flare elements", (size_t) f->n,
+                                 sizeof *shared, &shared);
+    for (int i = 0; i < n * f->n && !st; i++) {
+        const int k = i % f->n;
+        struct pair p;
+        if (!find_pair(f, k, &light[i / f->n], frame, display, &p))
+            continue;
+        st = fit_shared(log, &f->element[k], &p, &shared[k]);
+        if (st)
+            break;
+        p.level = f->element[k].image.w ? &shared[k].level : NULL;
+        struct adding a = {quad_of(&p, is_image(&p.e) ? NULL : &shared[k].look),
+                           frame, layer};
+        gp_parallel_do((gp_rect_h(p.rect) + ROWS - 1) / ROWS, add_rows, &a);
     }
-    free_quads(&quads);
+    for (int k = 0; k < f->n && shared; k++) {
+        if (shared[k].level.level > 0)
+            gp_planes_free(&shared[k].level.image.rgb);
+        gp_flare_look_free(&shared[k].look);
+    }
+    gp_free(shared);
     return st;
 }

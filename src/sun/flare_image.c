@@ -135,21 +135,22 @@ static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
     }
 }
 
-void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, float amount,
-                      float *out)
+void gp_flare_image_row(const struct gp_flare_quad *q, int y,
+                        const float amount[3], float *const out[3])
 {
     const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
-    if (q->plain) {
-        add_plain(q, c, q->corner[1] + row, n, amount, out);
-        return;
-    }
-    const float cosine = q->turn[0] * q->radius;
-    const float sine = q->turn[1] * q->radius;
     const float py = q->base[1] + (float) row;
-    for (int i = 0; i < n; i++) {
-        const float px = q->base[0] + (float) i;
-        out[i] += amount *
-            gp_flare_sample(q->image, c, px * cosine - py * sine + q->inner[0],
-                            px * sine + py * cosine + q->inner[1]);
+    for (int c = 0; c < 3; c++) {
+        const float cosine = q->turn[0] * q->radius[c];
+        const float sine = q->turn[1] * q->radius[c];
+        if (q->plain)
+            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
+        for (int i = 0; i < n && !q->plain; i++) {
+            const float px = q->base[0] + (float) i;
+            out[c][i] += amount[c] *
+                gp_flare_sample(q->image, c,
+                                px * cosine - py * sine + q->inner[0],
+                                px * sine + py * cosine + q->inner[1]);
+        }
     }
 }

@@ -80,7 +80,7 @@ struct gp_flare_quad {
     double x, y;          // place, EXR pixel space
     float base[2];        // centre of pixel (rect.x0, rect.y0) less the place
     float turn[2];        // cosine and sine of the rotation
-    float radius;         // image: texels a pixel
+    float radius[3];      // image: texels a pixel, of each channel
     float inner[2];       // image: the place in texels
     int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
     float fraction[2];    // weight is 1 - fraction, and the next one's it
@@ -90,16 +90,15 @@ struct gp_flare_quad {
     const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
-/* The pixels of `frame` (data window) that element e, as light l sees it, may
- * reach; empty when it reaches none. `display` gives centre and height. */
+/* The pixels that element e, as light l sees it, may reach, in a frame or not;
+ * empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
+    const struct gp_light *l, struct gp_rect display);
 
-/* Adds amount * sample of an image's channel c in row y of the quad's rect. */
-void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, float amount,
-                      float *out);
-
-/* The same of a look, amount * value of all channels. */
+/* Adds amount * sample of an image in row y of the quad's rect, or amount *
+ * value of a look. */
+void gp_flare_image_row(const struct gp_flare_quad *q, int y,
+                        const float amount[3], float *const out[3]);
 void gp_flare_look_row(const struct gp_flare_quad *q, int y,
                        const float amount[3], float *const out[3]);
 

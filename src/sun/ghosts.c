@@ -99,8 +99,6 @@ out:
 static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_ghosts *g, int k0, struct gp_ghost *run)
 {
-    static const struct gp_rect all = {-(1 << 29), -(1 << 29), 1 << 29,
-                                       1 << 29};
     static const double most = 1 << 26; // pixels
     struct gp_light lamp = GP_LIGHT_DEFAULTS;
     struct gp_flare own = {0};
@@ -131,7 +129,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
         own.element[own.n].flicker = 0.0; // of the sources
         own.element[own.n].by_place.given = false;
         reach = gp_rect_join(reach, gp_flare_reach(&own.element[own.n++], &lamp,
-                                                   all, g->display));
+                                                   g->display));
     }
     run->elements = own.n;
     const double far_x = fmin(fmax(-reach.x0, reach.x1), farthest(run, g, 0));

@@ -202,7 +202,7 @@ static void reach_holds_all(void **state)
         struct picture p = picture_make((struct gp_rect) {-9, 11, 311, 251},
                                         (struct gp_rect) {0, 0, 300, 300});
         const struct gp_light l = lamp_at(281.6, 207.1);
-        const struct gp_rect r = gp_flare_reach(&e, &l, p.frame, p.display);
+        const struct gp_rect r = gp_flare_reach(&e, &l, p.display);
         add_one(&p, e, l);
         assert_true(total(&p, 0) > 0.0);
         for (int y = p.frame.y0; y < p.frame.y1; y++) {
