@@ -104,6 +104,7 @@ struct bands {
     double radius;
     bool bounds;          // of what may be shown; else of what is
     struct gp_rect rect;  // pixels that the disc may reach
+    struct gp_rect done;  // pixels that have been added
     int n;
     struct sums sum[BANDS];
 };
@@ -151,8 +152,10 @@ static void add_band(void *ctx, int i, int thread)
         const int y = (int) (b->rect.y0 + k);
         for (int x = b->rect.x0; x < b->rect.x1; x++) {
             const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
+            const bool done = x >= b->done.x0 && x < b->done.x1 &&
+                              y >= b->done.y0 && y < b->done.y1;
             double lo, hi;
-            if (!(area > 0.0))
+            if (done || !(area > 0.0))
                 continue;
             if (b->bounds)
                 bounds_of(b, x, y, &lo, &hi);
@@ -192,42 +195,17 @@ static void add_rect(struct bands *b, struct gp_rect rect, struct sums *s)
     }
 }
 
-/* The part of the frame in which a plane has samples; empty for NULL. */
+/* The part of the frame in which a plane has samples, and `margin` pixels more
+ * on each side; empty for none. Only these are visited: a display window may be
+ * larger than any plane by any factor. */
 static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
                                  int margin)
 {
     if (!p || !p->v)
         return (struct gp_rect) {0};
-    struct gp_rect r = gp_rect_meet(p->window, frame);
-    if (gp_rect_empty(r))
-        return (struct gp_rect) {0};
-    r.x0 -= r.x0 > frame.x0 ? margin : 0;
-    r.y0 -= r.y0 > frame.y0 ? margin : 0;
-    r.x1 += r.x1 < frame.x1 ? margin : 0;
-    r.y1 += r.y1 < frame.y1 ? margin : 0;
-    return r;
-}
-
-/* Divides the pixels of the frame in which a plane has samples, and `margin` (0
- * or 1) more on each side, into rectangles that do not overlap; some may be
- * empty. Returns how many. Only these are visited: a display window may be
- * larger than any plane by any factor. */
-enum { RECTS = 5 };
-static int known_rects(const struct gp_occluders *o, int margin,
-                       struct gp_rect rect[RECTS])
-{
-    const struct gp_rect depth = known_rect(o->depth, o->frame, margin);
-    const struct gp_rect mask = known_rect(o->mask, o->frame, margin);
-    const struct gp_rect both = gp_rect_meet(mask, depth);
-    const bool apart = gp_rect_empty(both);
-    // the mask's window without that of the depth: parts may be empty
-    rect[0] = depth;
-    rect[1] = apart ? mask
-                    : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0};
-    rect[2] = (struct gp_rect) {mask.x0, both.y0, both.x0, both.y1};
-    rect[3] = (struct gp_rect) {both.x1, both.y0, mask.x1, both.y1};
-    rect[4] = (struct gp_rect) {mask.x0, both.y1, mask.x1, mask.y1};
-    return apart ? 2 : RECTS;
+    const struct gp_rect w = p->window;
+    return gp_rect_meet((struct gp_rect) {w.x0 - margin, w.y0 - margin,
+                                          w.x1 + margin, w.y1 + margin}, frame);
 }
 
 /* Sums over the frame, whose pixels without samples are clear. */
@@ -237,12 +215,12 @@ static struct sums sums_of(const struct gp_occluders *o,
     const struct gp_rect f = o->frame;
     struct bands b = {.o = o, .light = l, .radius = radius_of(l),
                       .bounds = bounds};
-    struct gp_rect rect[RECTS];
     struct sums s = {0};
     // pixels beside the planes' windows may be at their edges
-    const int rects = known_rects(o, bounds, rect);
-    for (int k = 0; k < rects; k++)
-        add_rect(&b, rect[k], &s);
+    const struct gp_rect depth = known_rect(o->depth, f, bounds);
+    add_rect(&b, depth, &s);
+    b.done = depth;
+    add_rect(&b, known_rect(o->mask, f, bounds), &s);
     const double clear = gp_disc_rect_area(l->x, l->y, b.radius, f.x0, f.y0,
                                            f.x1, f.y1) - s.area;
     if (clear > rounding_of(b.radius)) {

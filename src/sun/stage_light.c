@@ -82,10 +82,11 @@ static void add_disc(const struct disc *d, const struct gp_light *l,
 
 // -- lights for the engines, and for sprites ----------------------------------
 
-bool gp_suns_glare(const struct gp_suns *suns)
+bool gp_suns_have_light(const struct gp_suns *suns, bool seen)
 {
     for (int i = 0; i < suns->n; i++) {
-        if (gp_light_has_flux(&suns->light[i]))
+        const struct gp_light *const l = &suns->light[i];
+        if (gp_light_has_flux(l) && (!seen || l->visibility > 0.0))
             return true;
     }
     return false;
@@ -122,24 +123,13 @@ void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
     }
 }
 
-bool gp_suns_add_light(const struct gp_suns *suns)
-{
-    for (int i = 0; i < suns->n; i++) {
-        if (gp_light_has_flux(&suns->light[i]) &&
-            suns->light[i].visibility > 0.0)
-            return true;
-    }
-    return false;
-}
-
 gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
                        const struct gp_image *f, const struct gp_sources *src,
-                       struct gp_sources *out, bool *joined)
+                       struct gp_sources *out)
 {
     gp_status st;
     struct gp_source *list = NULL;
     size_t n = 0, room = 0;
-    *joined = false;
     for (int i = 0; i < suns->n; i++) {
         const size_t side = 2 * (size_t) disc_reach(suns->light[i].radius) + 2;
         if (glares(suns, &suns->light[i]) &&
@@ -159,7 +149,6 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
         gp_free(d.weight);
     }
     GP_TRY(gp_sources_join(log, src, list, n, out));
-    *joined = true;
 out:
     gp_free(list);
     return st;
