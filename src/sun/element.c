@@ -211,9 +211,8 @@ static void make_rays(struct gp_flare_look *l)
             .c = (float) cos(turn), .s = (float) -sin(turn), // y is down
             .per_t = (float) (l->per_t / (l->radius * length)),
             .half = (float) (spikes ? half : fmax(half, 0.5)),
+            .length = length,
         };
-        r->steep = 1.0f; // set for a turned ray
-        l->ray_area[i] = length;
     }
 }
 
@@ -226,14 +225,13 @@ static float spike_section(float b, float half, float left)
     return z > 24.0f ? 0.0f : own / sqrtf(var) * expf(-0.5f * z);
 }
 
-/* Section of a streak: a band with edges a pixel wide, or softer. */
-static float streak_section(float b, const struct gp_flare_ray *r, float soft)
+/* Section of a streak: a band with edges of that steepness, or softer. */
+static float streak_section(float b, float half, float steep, float soft)
 {
-    const float steep = gp_minf(r->steep,
-                                1.0f / gp_maxf(soft * r->half, 1e-6f));
+    const float most = gp_minf(steep, 1.0f / gp_maxf(soft * half, 1e-6f));
     const float v = fabsf(b);
-    return gp_clamp01(0.5f + (r->half - v) * steep) -
-           gp_clamp01(0.5f - (r->half + v) * steep);
+    return gp_clamp01(0.5f + (half - v) * most) -
+           gp_clamp01(0.5f - (half + v) * most);
 }
 
 // -- areas -------------------------------------------------------------------
@@ -294,7 +292,7 @@ static void find_areas(struct gp_flare_look *l)
         }
         across = 0.0;
         for (int i = 0; i < l->rays; i++)
-            across += l->ray_area[i] * (double) l->ray[i].half *
+            across += l->ray[i].length * (double) l->ray[i].half *
                 (l->e.shape == GP_FLARE_SPIKES
                      ? 0.6 * sqrt(2.0 * M_PI) * thin
                      : 4.0 * sum); // both ways
@@ -327,8 +325,6 @@ gp_status gp_flare_look_make(const struct gp_log *log,
         l.rays = e->count;
         GP_TRY(gp_alloc(log, "rays of a flare element", (size_t) l.rays,
                         sizeof *l.ray, &l.ray));
-        GP_TRY(gp_alloc(log, "rays of a flare element", (size_t) l.rays,
-                        sizeof *l.ray_area, &l.ray_area));
         make_rays(&l);
     }
     find_edges(&l);
@@ -344,7 +340,6 @@ void gp_flare_look_free(struct gp_flare_look *l)
 {
     gp_free(l->table);
     gp_free(l->ray);
-    gp_free(l->ray_area);
     *l = (struct gp_flare_look) {0};
 }
 
@@ -428,7 +423,7 @@ static void value_at(const struct gp_flare_look *l,
         look_up(l, t * per_t, direction_of(l, u, y), out);
     }
     for (int i = 0; i < l->rays; i++) {
-        struct gp_flare_ray r = l->ray[i];
+        const struct gp_flare_ray r = l->ray[i];
         const float a = x * r.c + y * r.s, b = y * r.c - x * r.s;
         if (e->shape == GP_FLARE_SPIKES) {
             const float at = fabsf(a) * r.per_t;
@@ -442,9 +437,9 @@ static void value_at(const struct gp_flare_look *l,
         // the ray as the pixels see it
         const float c = r.c * q->turn[0] + r.s * q->turn[1];
         const float s = r.s * q->turn[0] - r.c * q->turn[1];
-        r.steep = 1.0f / gp_maxf(fabsf(c), fabsf(s));
         look_up(l, fabsf(a) * r.per_t,
-                streak_section(b, &r, (float) e->softness), out);
+                streak_section(b, r.half, 1.0f / gp_maxf(fabsf(c), fabsf(s)),
+                               (float) e->softness), out);
     }
 }
 

@@ -16,7 +16,7 @@ struct gp_flare_ray {
     float c, s;   // direction
     float per_t;  // entries of the table in a pixel along it
     float half;   // of its width, pixels
-    float steep;  // of its edges, in a pixel
+    double length; // in radii
 };
 
 /* An element, not an image, at one size: tables of its profile, in square
@@ -37,7 +37,6 @@ struct gp_flare_look {
     float *table;               // owned
     float side[GP_FLARE_SIDES][2]; // of a polygon: normal over its distance
     struct gp_flare_ray *ray;   // owned
-    double *ray_area;           // owned; length in radii of each
     int rays;
     double area[3];             // sum over an unbounded plane
 };
