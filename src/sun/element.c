@@ -125,12 +125,8 @@ static void find_edges(struct gp_flare_look *l)
     if (e->softness > 0.0 || e->dispersion != 0.0 || l->aspect != 1.0 ||
         has_rays(e) || e->shape == GP_FLARE_GLOW || e->shape == GP_FLARE_DIRT)
         return;
-    l->flat = ring && !e->profiles && e->rim == 0.0;
     for (int c = 0; c < 3; c++) {
         const double r = radius_of(l, c), hole = ring ? hole_of(e, r) : 0.0;
-        l->outer[c] = (float) r;
-        l->inner[c] = (float) (hole * r);
-        l->weight[c] = (float) (l->radius * l->radius / (r * r)); // table's s^2
         if (c > 0 && e->scale[c] == e->scale[c - 1])
             continue;
         l->edge[l->edges++] = (float) (r / l->radius);
@@ -407,16 +403,6 @@ static void value_at(const struct gp_flare_look *l,
         if (l->edges && e->shape == GP_FLARE_POLYGON) { // in the pixels' axes
             x = l->side[k][0];
             y = l->side[k][1];
-        }
-        if (l->flat) { // its two ramps may meet
-            const float m = larger_component(x * c + y * s, y * c - x * s);
-            const float v = direction_of(l, u, y), rho = t * (float) l->radius;
-            for (int b = 0; b < 3; b++)
-                out[b] += v * (gp_clamp01(0.5f + (l->outer[b] - rho) / m) -
-                               gp_clamp01(gp_minf(l->inner[b], 0.5f) +
-                                          (l->inner[b] - rho) / m)) *
-                          l->weight[b];
-            return;
         }
         if (l->edges)
             t = fit_edges(l, t, larger_component(x * c + y * s, y * c - x * s));

@@ -3,7 +3,8 @@
  *
  * An element's total over all pixels (of an unbounded picture) is colour *
  * flux * visibility in each channel, so that it looks the same at every
- * resolution and dims by exactly the hidden share. Dirt adds less: a glow of
+ * resolution and dims by exactly the hidden share; of hard rings a pixel wide
+ * that are over 128 pixels across, to 1 %. Dirt adds less: a glow of
  * that total times the image's value at each pixel. An element's place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
  * its diameter `size` times the frame's height (an image's longer side). An

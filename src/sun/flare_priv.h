@@ -30,9 +30,6 @@ struct gp_flare_look {
     float across;               // pixels across an edge for 1 of the norm
     float edge[6];              // hard edges, in radii; `edges` of them
     int edges;
-    bool flat;                  // a ring without profile, drawn without table:
-    float outer[3], inner[3];   // its radii in pixels, and the light between
-    float weight[3];
     int n;                      // entries of the table: [entry][channel]
     float *table;               // owned
     float side[GP_FLARE_SIDES][2]; // of a polygon: normal over its distance
