@@ -36,8 +36,7 @@ struct spot {
                          // is behind the camera or its place is not finite
     float limit;         // surfaces at a place under it hide the light
     struct gp_rect box;  // pixels that its samples read; may be empty
-    struct gp_rect kept; // pixels in the texture from row `row` on: `box`, or
-    int row;             // the frame's
+    int row;             // of the texture, from which on it has the box
     float outside[2];    // shown * weight and weight of a sample outside the
                          // frame, or of all where the light is behind the
                          // camera
@@ -273,48 +272,40 @@ static void write_pixels(const struct gp_occluders *o, struct gp_rect r,
     }
 }
 
-/* Writes the pixels under the lights to s->pixels, the frame once where that is
- * less. Errors: GP_ERR_GL they do not fit. */
+/* Writes the pixels under the lights to s->pixels. Errors: GP_ERR_GL they do not
+ * fit. */
 static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
                         const struct gp_occluders *o, struct spot *spot, int n,
                         struct gp_sun_map *s)
 {
     enum { EXACT_IN_FLOAT = 1 << 24 };
-    const struct gp_rect frame = {0, 0, gp_rect_w(o->frame),
-                                  gp_rect_h(o->frame)};
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int most = gp_gl_info(gl)->max_size;
-    int wide = gp_min(most, NARROW);
+    int wide = gp_min(most, NARROW) / 2;
     double rows;
     float *rgba = NULL;
-    bool whole;
     gp_status st;
-    for (;; wide *= 2) {
+    do {
         rows = 0.0;
+        wide *= 2;
         for (int i = 0; i < n; i++)
             rows += rows_of(spot[i].box, wide);
-        whole = rows_of(frame, wide) < rows;
-        rows = fmax(whole ? rows_of(frame, wide) : rows, 1.0);
-        if (rows <= most || 2 * wide > most)
-            break;
-    }
-    if (frame.x1 > EXACT_IN_FLOAT || frame.y1 > EXACT_IN_FLOAT || rows > most)
+    } while (rows > most && 2 * wide <= most);
+    if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || rows > most)
         return gp_fail_bare_at(log, GP_ERR_GL, "lights.method",
                                "sun map: the pixels under %d lights in a frame "
                                "of %dx%d do not fit into a texture (the limit "
-                               "is %dx%d texels)", n, frame.x1, frame.y1, wide,
-                               most);
+                               "is %dx%d texels)", n, w, h, wide, most);
+    rows = fmax(rows, 1.0);
     GP_TRY(fit_texture(log, gl, "pixels under the lights", wide, (int) rows,
                        &s->pixels));
     GP_TRY(gp_alloc_zero(log, "pixels under the lights",
                          (size_t) rows * (size_t) wide, 4 * sizeof *rgba,
                          &rgba));
     for (int i = 0, row = 0; i < n; i++) {
-        spot[i].kept = whole ? frame : spot[i].box;
         spot[i].row = row;
-        if (!whole || i == 0)
-            write_pixels(o, spot[i].kept,
-                         rgba + 4 * (size_t) row * (size_t) wide);
-        row += whole ? 0 : (int) rows_of(spot[i].box, wide);
+        write_pixels(o, spot[i].box, rgba + 4 * (size_t) row * (size_t) wide);
+        row += (int) rows_of(spot[i].box, wide);
     }
     gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, 0, wide, (int) rows},
                      rgba);
@@ -337,8 +328,8 @@ static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(fit_texture(log, gl, "lights", LIGHT_TEXELS, n, &s->lights));
     for (int i = 0; i < n; i++) {
         const struct spot *const l = &spot[i];
-        const int whole[6] = {l->k, 0, l->kept.x0, l->kept.y0,
-                              gp_rect_w(l->kept), l->row};
+        const int whole[6] = {l->k, 0, l->box.x0, l->box.y0,
+                              gp_rect_w(l->box), l->row};
         split_float(l->x, row[i]);
         split_float(l->y, row[i] + 2);
         split_float(l->radius, row[i] + 4);

@@ -16,8 +16,7 @@
  * pipeline to stall, and engines draw a light of known share faster than
  * shaders that fetch it.
  *
- * Only the pixels under lights are uploaded, or the whole frame where that is
- * less.
+ * Only the pixels under lights are uploaded.
  */
 #ifndef GP_SUN_MASK_MASK_H
 #define GP_SUN_MASK_MASK_H
