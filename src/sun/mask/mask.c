@@ -5,7 +5,6 @@
 #include "core/memory.h"
 #include "core/minmax.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -71,19 +70,13 @@ static void pixel_span(double at, double radius, int size, int *from, int *to)
     *to = gp_min(pixel_at(at + radius, size) + 1, size);
 }
 
-/* The least float that is no less than the place at which surfaces end to be
- * nearer: for depths that are floats themselves, a comparison with it comes out
- * as one in double. */
+/* The place from which on surfaces hide nothing. */
 static float limit_of(const struct gp_light *l)
 {
-    const double nearer = isinf(l->depth) && l->depth > 0.0
-                              ? l->depth : l->depth * (1.0 - l->bias);
-    if (!(nearer >= -3e38)) // no surface, NaN too
-        return -EMPTY;
-    if (nearer > 3e38)
-        return isinf(nearer) ? EMPTY : 3e38f;
-    const float limit = (float) nearer;
-    return (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit;
+    const double nearer = l->depth * (1.0 - l->bias);
+    if (isinf(l->depth) && l->depth > 0.0)
+        return EMPTY;
+    return nearer >= -3e38 ? (float) fmin(nearer, 3e38) : -EMPTY; // NaN: none
 }
 
 static struct spot spot_of(const struct gp_occluders *o,
@@ -445,14 +438,20 @@ out:
 
 // -- the region under a light ------------------------------------------------
 
-/* Half of the light's width at `down` from its centre; under 0: outside. */
-static double half_width(const struct spot *l, enum gp_sun_pattern pattern,
-                         double down)
+/* Counts the pixel centres in a light, in the frame or not. */
+static double centres_in(const struct spot *l, bool disc)
 {
+    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
     const double r = l->radius;
-    if (fabs(down) > r)
-        return -1.0;
-    return pattern == GP_PATTERN_DISC ? sqrt(r * r - down * down) : r;
+    double all = 0.0;
+    if (r > BY_ROWS)
+        return (disc ? M_PI : 4.0) * r * r;
+    for (double y = ceil(l->y - r - 0.5) + 0.5; y <= l->y + r; y += 1.0) {
+        const double down = y - l->y;
+        const double half = disc ? sqrt(fmax(r * r - down * down, 0.0)) : r;
+        all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
+    }
+    return all;
 }
 
 /* Returns the visible share of a light: over the pixels whose centres are in
@@ -461,49 +460,32 @@ static double half_width(const struct spot *l, enum gp_sun_pattern pattern,
 static double count_region(const struct spot *l, const struct gp_occluders *o,
                            const struct gp_map_params *p, const float *rgba)
 {
-    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
-    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const struct gp_rect box = l->box;
-    const double r = l->radius;
-    const float *const outside = l->outside;
-    double all = 0.0; // pixel centres in the light, on an unbounded plane
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const bool disc = p->pattern == GP_PATTERN_DISC;
+    const double r = l->radius, all = centres_in(l, disc);
     double shown = 0.0, weight = 0.0;
-    if (r > BY_ROWS)
-        all = (p->pattern == GP_PATTERN_DISC ? M_PI : 4.0) * r * r;
-    else
-        for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
-            const double half = half_width(l, p->pattern, y + 0.5 - l->y);
-            if (half >= 0.0)
-                all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
+    double under[2] = {(double) l->outside[0], (double) l->outside[1]};
+    for (int i = 0; rgba && i < gp_rect_w(box) * gp_rect_h(box); i++) {
+        const int x = box.x0 + i % gp_rect_w(box);
+        const int y = box.y0 + i / gp_rect_w(box);
+        const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y;
+        const double v = (double) rgba[4 * i], g = (double) rgba[4 * i + 1];
+        if (x == pixel_at(l->x, w) && y == pixel_at(l->y, h)) {
+            under[0] = v;
+            under[1] = g;
         }
-    if (!(all > 0.0)) {
-        const int x = pixel_at(l->x, w), y = pixel_at(l->y, h);
-        const bool inside = rgba && x >= 0 && x < w && y >= 0 && y < h;
-        const float *const at =
-            inside ? rgba + 4 * ((size_t) (y - box.y0) *
-                                     (size_t) gp_rect_w(box) +
-                                 (size_t) (x - box.x0))
-                   : outside;
-        return at[1] > 0.0f ? (double) at[0] / (double) at[1] : 0.0;
-    }
-    for (int y = box.y0; rgba && y < box.y1; y++) {
-        const float *const row = rgba + 4 * (size_t) (y - box.y0) *
-                                            (size_t) gp_rect_w(box);
-        const double half = half_width(l, p->pattern, y + 0.5 - l->y);
-        if (half < 0.0)
+        if (disc ? dx * dx + dy * dy > r * r
+                 : fmax(fabs(dx), fabs(dy)) > r)
             continue;
-        const int from = gp_clamp_whole(ceil(l->x - half - 0.5), box.x0,
-                                        box.x1);
-        const int to = gp_clamp_whole(floor(l->x + half - 0.5) + 1.0, from,
-                                      box.x1);
-        for (int x = from; x < to; x++) {
-            shown += (double) row[4 * (x - box.x0)];
-            weight += (double) row[4 * (x - box.x0) + 1];
-        }
+        shown += v;
+        weight += g;
     }
-    const double beyond = all > weight ? all - weight : 0.0;
-    shown += beyond * (double) outside[0];
-    weight += beyond * (double) outside[1];
+    if (!(all > 0.0))
+        return under[1] > 0.0 ? under[0] / under[1] : 0.0;
+    const double beyond = fmax(all - weight, 0.0);
+    shown += beyond * (double) l->outside[0];
+    weight += beyond * (double) l->outside[1];
     return weight > 0.0 ? shown / weight : 0.0;
 }
 
