@@ -54,20 +54,6 @@ double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
 /* Factor of an element's brightness in a frame. */
 double gp_flare_flicker(const struct gp_flare_element *e, int frame);
 
-/* Texture of an image at half size, `level` times. */
-struct gp_flare_level {
-    struct gp_flare_image image; // rgb owned when level > 0, else borrowed
-    int level;
-    double sum[3], luminance;    // of the whole image, level 0; 0 when not
-                                 // finite or not over 0: draws nothing
-};
-
-/* The level at which `size` of the longer side in pixels is not under a pixel
- * a texel, with its sums. */
-GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
-    const struct gp_flare_image *image, double size,
-    struct gp_flare_level *out);
-
 /* The quad of one element of one light. */
 struct gp_flare_quad {
     bool plain;
@@ -91,10 +77,7 @@ struct gp_flare_quad {
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect display);
 
-/* Adds amount * sample of an image in row y of the quad's rect, or amount *
- * value of a look. */
-void gp_flare_image_row(const struct gp_flare_quad *q, int y,
-                        const float amount[3], float *const out[3]);
+/* Adds amount * value of a look in row y of the quad's rect. */
 void gp_flare_look_row(const struct gp_flare_quad *q, int y,
                        const float amount[3], float *const out[3]);
 

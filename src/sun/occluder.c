@@ -1,8 +1,10 @@
-/* Depth and coverage: finds the samples that are surfaces, the visible share of
- * a light behind them, and the kinds of samples that a plane holds. */
+/* Depth and coverage: finds the samples that are surfaces, the kinds of samples
+ * that a plane holds, and the visible share of a light by the area of each pixel
+ * under it, with its bounds. */
 #include "sun/occluder.h"
 
 #include "core/cpu.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -183,5 +185,276 @@ void gp_occluders_count(struct gp_occluders *o)
         if (are & kind[i].is && used < sizeof f->empty)
             used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
                                       "%s%s", used ? ", " : "", kind[i].text);
+    }
+}
+
+// -- area of a disc in a rectangle --------------------------------------------
+
+struct point {
+    double x, y; // from the disc's centre
+};
+
+static double dot(struct point p, struct point q)
+{
+    return p.x * q.x + p.y * q.y;
+}
+
+/* Adds twice the disc's signed area in the triangle of its centre and an edge:
+ * a sector up to the circle, a triangle within, and a sector from the circle.
+ * Returns true when a part of the edge is within. */
+static bool add_edge(double r, struct point a, struct point b, double *twice)
+{
+    const double length = fabs(b.x - a.x) + fabs(b.y - a.y); // along an axis
+    const struct point d = {(b.x - a.x) / length, (b.y - a.y) / length};
+    const double away = a.x * d.y - a.y * d.x, along = dot(a, d);
+    const double half =
+        fabs(away) < r ? sqrt((r - fabs(away)) * (r + fabs(away))) : 0.0;
+    const double s = fmax(-along - half, 0.0), t = fmin(half - along, length);
+    const bool some = s < t;
+    const struct point p = some ? (struct point) {a.x + s * d.x, a.y + s * d.y}
+                                : b;
+    const struct point q = {a.x + t * d.x, a.y + t * d.y};
+    // products of large numbers would cancel: angles go by the way on the edge
+    *twice += r * r * atan2((some ? s : length) * away, dot(a, p));
+    if (some)
+        *twice += away * (t - s) +
+                  r * r * atan2((length - t) * away, dot(q, b));
+    return some;
+}
+
+double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
+                         double x1, double y1)
+{
+    const double left = x0 - cx, right = x1 - cx, top = y0 - cy, end = y1 - cy;
+    const double w = x1 - x0, h = y1 - y0;
+    const double far_x = gp_maxd(-left, right), far_y = gp_maxd(-top, end);
+    // how far the rectangle is from the centre; 0 where it holds it
+    const double near_x = gp_maxd(gp_maxd(left, -right), 0.0);
+    const double near_y = gp_maxd(gp_maxd(top, -end), 0.0);
+    const struct point corner[4] = {
+        {left, top}, {right, top}, {right, end}, {left, end}};
+    double twice = 0.0;
+    bool cut = false;
+    if (!(r > 0.0 && w > 0.0 && h > 0.0) ||
+        !(near_x * near_x + near_y * near_y < r * r) || isnan(cx + cy))
+        return 0.0;
+    if (far_x * far_x + far_y * far_y <= r * r)
+        return w * h;
+    for (int i = 0; i < 4; i++)
+        cut |= add_edge(r, corner[i], corner[(i + 1) % 4], &twice);
+    if (!cut) // the disc is within, or beside
+        return near_x + near_y > 0.0 ? 0.0 : M_PI * r * r;
+    return gp_mind(gp_maxd(0.5 * twice, 0.0), w * h);
+}
+
+double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
+{
+    return gp_disc_rect_area(cx, cy, r, x, y, (double) x + 1.0,
+                             (double) y + 1.0);
+}
+
+/* A disc of no area has no share; one of 1e9 is larger than any frame, and has
+ * a finite square. */
+static double radius_of(const struct gp_light *l)
+{
+    return fmin(fmax(l->radius, 1e-3), 1e9);
+}
+
+/* Areas found in two ways differ by less: rounding lets no light in. */
+static double rounding_of(double radius)
+{
+    return 1e-9 * M_PI * radius * radius;
+}
+
+// -- the pixels of a rectangle -----------------------------------------------
+
+/* Areas in square pixels: of the disc; of what is visible of it, at least and
+ * at most, which are one for the share itself. */
+struct sums {
+    double area, low, high;
+};
+
+/* Rows go in bands, and the sums of the bands in order: the same bits for any
+ * number of threads, and no memory that grows with the frame. */
+enum { SHARES = 256, ALONE = 1 << 14 };
+
+struct bands {
+    const struct gp_occluders *o;
+    const struct gp_light *light;
+    double radius;
+    bool bounds;          // of what may be shown; else of what is
+    struct gp_rect rect;  // pixels that the disc may reach
+    struct gp_rect done;  // pixels that have been added
+    int n;
+    struct sums sum[SHARES];
+};
+
+/* Finds the least and the largest that pixel (x, y) may show: where there is no
+ * edge all of them show all, or nothing. */
+static void bounds_of(const struct bands *b, int x, int y, double *lo,
+                      double *hi)
+{
+    const struct gp_occluders *const o = b->o;
+    const struct gp_rect f = o->frame;
+    const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
+    bool beyond, any = false;
+    const double own = gp_occluders_show(o, b->light, x, y, &beyond);
+    *lo = *hi = own;
+    for (int j = gp_max(y - around, f.y0); j <= gp_min(y + around, f.y1 - 1);
+         j++) {
+        for (int i = gp_max(x - around, f.x0);
+             i <= gp_min(x + around, f.x1 - 1); i++) {
+            bool past;
+            const double s = gp_occluders_show(o, b->light, i, j, &past);
+            *lo = fmin(*lo, s);
+            *hi = fmax(*hi, s);
+            any = any || past;
+        }
+    }
+    // coverage has its edges in itself, but for those of surfaces beyond the
+    // light, which show all of it
+    if (o->mask && !beyond) {
+        *lo = own;
+        *hi = any ? 1.0 : own;
+    }
+    *lo = *lo >= 1.0 ? 1.0 : 0.0;
+    *hi = *hi > 0.0 ? 1.0 : 0.0;
+}
+
+static void add_band(void *ctx, int i, int thread)
+{
+    (void) thread;
+    struct bands *const b = ctx;
+    const struct gp_light *const l = b->light;
+    const int64_t h = gp_rect_h(b->rect);
+    struct sums s = {0};
+    for (int64_t k = h * i / b->n; k < h * (i + 1) / b->n; k++) {
+        const int y = (int) (b->rect.y0 + k);
+        for (int x = b->rect.x0; x < b->rect.x1; x++) {
+            const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
+            const bool done = x >= b->done.x0 && x < b->done.x1 &&
+                              y >= b->done.y0 && y < b->done.y1;
+            double lo, hi;
+            if (done || !(area > 0.0))
+                continue;
+            if (b->bounds)
+                bounds_of(b, x, y, &lo, &hi);
+            else
+                lo = hi = gp_occluders_show(b->o, l, x, y, NULL);
+            s.area += area;
+            s.low += area * lo;
+            s.high += area * hi;
+        }
+    }
+    b->sum[i] = s;
+}
+
+/* Adds the pixels of `rect` that the disc touches. */
+static void add_rect(struct bands *b, struct gp_rect rect, struct sums *s)
+{
+    const double x = b->light->x, y = b->light->y, r = b->radius;
+    const int x0 = gp_clamp_whole(floor(x - r), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(y - r), rect.y0, rect.y1);
+    b->rect = (struct gp_rect) {x0, y0,
+                                gp_clamp_whole(ceil(x + r), x0, rect.x1),
+                                gp_clamp_whole(ceil(y + r), y0, rect.y1)};
+    if (gp_rect_empty(b->rect))
+        return;
+    const int h = gp_rect_h(b->rect);
+    b->n = gp_min(h, SHARES);
+    if ((int64_t) h * gp_rect_w(b->rect) > ALONE) {
+        gp_parallel_do(b->n, add_band, b);
+    } else { // waking threads would take longer
+        for (int i = 0; i < b->n; i++)
+            add_band(b, i, 0);
+    }
+    for (int i = 0; i < b->n; i++) {
+        s->area += b->sum[i].area;
+        s->low += b->sum[i].low;
+        s->high += b->sum[i].high;
+    }
+}
+
+/* The part of the frame in which a plane has samples, and `margin` pixels more
+ * on each side; empty for none. Only these are visited: a display window may be
+ * larger than any plane by any factor. */
+static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
+                                 int margin)
+{
+    if (!p || !p->v)
+        return (struct gp_rect) {0};
+    const struct gp_rect w = p->window;
+    return gp_rect_meet((struct gp_rect) {w.x0 - margin, w.y0 - margin,
+                                          w.x1 + margin, w.y1 + margin}, frame);
+}
+
+/* Sums over the frame, whose pixels without samples are clear. */
+static struct sums sums_of(const struct gp_occluders *o,
+                           const struct gp_light *l, bool bounds)
+{
+    const struct gp_rect f = o->frame;
+    struct bands b = {.o = o, .light = l, .radius = radius_of(l),
+                      .bounds = bounds};
+    struct sums s = {0};
+    // pixels beside the planes' windows may be at their edges
+    const struct gp_rect depth = known_rect(o->depth, f, bounds);
+    add_rect(&b, depth, &s);
+    b.done = depth;
+    add_rect(&b, known_rect(o->mask, f, bounds), &s);
+    const double clear = gp_disc_rect_area(l->x, l->y, b.radius, f.x0, f.y0,
+                                           f.x1, f.y1) - s.area;
+    if (clear > rounding_of(b.radius)) {
+        s.area += clear;
+        s.low += clear;
+        s.high += clear;
+    }
+    return s;
+}
+
+// -- the share, and its bounds ------------------------------------------------
+
+/* Returns the area of a light's disc outside of the frame. */
+static double area_beyond(const struct gp_light *l, const struct sums *s)
+{
+    const double r = radius_of(l), beyond = M_PI * r * r - s->area;
+    return beyond > rounding_of(r) ? beyond : 0.0;
+}
+
+void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+                  struct gp_light *light, int n)
+{
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        if (l->behind) {
+            l->visibility = outside == GP_OUTSIDE_SCENE ? l->outside : 0.0;
+            continue;
+        }
+        struct sums s = sums_of(o, l, false);
+        const double beyond = area_beyond(l, &s);
+        if (outside != GP_OUTSIDE_IGNORE) {
+            s.area += beyond;
+            s.low += outside == GP_OUTSIDE_VISIBLE ? beyond
+                     : outside == GP_OUTSIDE_SCENE ? beyond * l->outside : 0.0;
+        }
+        l->visibility = s.area > 0.0 ? fmin(s.low / s.area, 1.0) : 0.0;
+    }
+}
+
+void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+                     struct gp_light *light, int n)
+{
+    const bool scene = outside == GP_OUTSIDE_SCENE;
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
+                                : 0.0;
+        const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
+                                : 1.0;
+        const struct sums s = l->behind ? (struct sums) {0}
+                                        : sums_of(o, l, true);
+        const double rest = area_beyond(l, &s), all = s.area + rest;
+        l->in_frame = s.area > 0.0;
+        l->low = fmin((s.low + rest * lo) / all, l->visibility);
+        l->high = fmax(fmin((s.high + rest * hi) / all, 1.0), l->visibility);
     }
 }
