@@ -1,9 +1,192 @@
-/* First-order optics of a lens and of its ghosts. Source: Lee and Eisemann,
- * Practical Real-Time Lens-Flare Rendering, 2013, with matrices of (height,
- * slope) along the unfolded path: after a reflection, radii change sign. */
+/* A lens: its prescription from JSON, its first-order optics and that of its
+ * ghosts, and its section as SVG. Source: Lee and Eisemann, Practical Real-Time
+ * Lens-Flare Rendering, 2013, with matrices of (height, slope) along the unfolded
+ * path: after a reflection, radii change sign. */
 #include "sun/lens_priv.h"
 
+#include "core/bridge.h"
+#include "core/json.h"
+#include "core/memory.h"
+
+#include <limits.h>
 #include <math.h>
+#include <string.h>
+
+// -- the prescription ---------------------------------------------------------
+
+static gp_status read_text(const struct gp_json_place *p, json_t *o,
+                           const char *key, size_t room, char *out)
+{
+    const char *text = "";
+    const gp_status st = gp_json_text(p, o, key, &text, NULL);
+    if (st)
+        return st;
+    if (strlen(text) >= room)
+        return gp_json_fail(p, "%s is too long (%zu bytes); shorten it to %zu",
+                            key, strlen(text), room - 1);
+    memcpy(out, text, strlen(text) + 1);
+    gp_make_printable(out);
+    return GP_OK;
+}
+
+static gp_status read_claims(const struct gp_json_place *p, json_t *root,
+                             struct gp_lens *lens)
+{
+    static const char *const keys[] = {
+        "focal_length", "f_number", "back_focus", "image_height", NULL};
+    json_t *const o = json_object_get(root, "claims");
+    gp_status st;
+    if (!o)
+        return GP_OK;
+    GP_TRY(gp_json_keys(p, o, keys));
+    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &lens->claims_focal,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &lens->claims_f_number,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &lens->claims_back,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "image_height", 1e-3, 1e4,
+                          &lens->claims_height, NULL));
+out:
+    return st;
+}
+
+/* A surface, after one in `before`. */
+static gp_status read_surface(const struct gp_json_place *p, json_t *o,
+    double coating, const struct gp_lens_surface *before, bool last,
+    struct gp_lens_surface *out, bool *stop)
+{
+    static const char *const keys[] = {
+        "radius", "thickness", "n", "v", "semi", "coating", "stop", NULL};
+    static const char *const stop_keys[] = {"thickness", "semi", "stop", NULL};
+    struct gp_lens_surface s = {.n = 1.0};
+    double radius = 0.0;
+    bool has_radius = false, has_gap, has_semi, has_coat = false;
+    gp_status st;
+    GP_TRY(gp_json_keys(p, o, keys));
+    *stop = json_is_true(json_object_get(o, "stop"));
+    if (json_object_get(o, "stop") && !*stop)
+        GP_TRY(gp_json_fail(p, "stop is not true; leave it out"));
+    if (*stop)
+        GP_TRY(gp_json_keys(p, o, stop_keys));
+    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
+                          &has_gap));
+    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi, &has_semi));
+    if (!*stop) {
+        GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius,
+                              &has_radius));
+        GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n, NULL));
+        GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v, NULL));
+        GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat,
+                              &has_coat));
+    } else if (before) {
+        s.n = before->n;
+        s.v = before->v;
+    }
+    if (!has_semi || (!has_gap && !last))
+        GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
+                            has_semi ? "thickness" : "semi"));
+    if (has_radius && radius == 0.0)
+        GP_TRY(gp_json_fail(p, "the radius is 0; leave it out for a flat "
+                            "surface"));
+    if (has_radius && fabs(radius) < s.semi)
+        GP_TRY(gp_json_fail(p, "the radius is under semi (found %g and %g); no "
+                            "sphere is so wide", radius, s.semi));
+    if (s.v > 0.0 && s.v < 10.0)
+        GP_TRY(gp_json_fail(p, "v is not an Abbe number (found %g); give 10 to "
+                            "200, or 0 for none", s.v));
+    s.curvature = has_radius ? 1.0 / radius : 0.0;
+    // by default between glass and air: cemented surfaces have no coat
+    const double n = before ? before->n : 1.0;
+    if (!has_coat && !*stop && n != s.n && (n == 1.0 || s.n == 1.0))
+        s.coat = coating;
+    *out = s;
+out:
+    return st;
+}
+
+static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
+                               double coating, struct gp_lens *lens)
+{
+    lens->stop = -1;
+    lens->n = (int) json_array_size(list);
+    for (int i = 0; i < lens->n; i++) {
+        const struct gp_json_place at = {p->log, p->path, "surface", i + 1};
+        bool stop;
+        const gp_status st = read_surface(
+            &at, json_array_get(list, (size_t) i), coating,
+            i ? &lens->at[i - 1] : NULL, i == lens->n - 1, &lens->at[i], &stop);
+        if (st)
+            return st;
+        if (stop && lens->stop >= 0)
+            return gp_json_fail(&at, "a second stop; leave one out");
+        if (stop)
+            lens->stop = i;
+    }
+    if (lens->stop < 0)
+        return gp_json_fail(p, "no stop; add a surface {\"stop\": true, "
+                            "\"thickness\": mm, \"semi\": mm}");
+    if (lens->at[lens->n - 1].n != 1.0)
+        return gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: glass up to the "
+                       "sensor (found n %g); leave n of the last one out",
+                       p->path, lens->n, lens->at[lens->n - 1].n);
+    return GP_OK;
+}
+
+static gp_status read_lens(const struct gp_json_place *p, json_t *root,
+                           struct gp_lens *lens)
+{
+    static const char *const keys[] = {
+        "name", "patent", "note", "claims", "blades", "blade_turn", "coating",
+        "surfaces", NULL};
+    double coating = 0.0;
+    json_t *list = NULL;
+    gp_status st;
+    GP_TRY(gp_json_keys(p, root, keys));
+    GP_TRY(read_text(p, root, "name", sizeof lens->name, lens->name));
+    GP_TRY(read_text(p, root, "patent", sizeof lens->patent, lens->patent));
+    GP_TRY(read_text(p, root, "note", sizeof lens->note, lens->note));
+    if (!lens->name[0])
+        GP_TRY(gp_json_fail(p, "no name; add \"name\": text"));
+    GP_TRY(read_claims(p, root, lens));
+    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades, NULL));
+    if (lens->blades == 1 || lens->blades == 2)
+        GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
+                            "32, or 0 for a round stop", lens->blades));
+    GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn,
+                          NULL));
+    GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating, NULL));
+    GP_TRY(gp_json_array(p, root, "surfaces", GP_LENS_SURFACES, &list));
+    GP_TRY(read_surfaces(p, list, coating, lens));
+out:
+    return st;
+}
+
+gp_status gp_lens_read(const struct gp_log *log, const char *name,
+                       struct gp_lens *out)
+{
+    char path[PATH_MAX], file[NAME_MAX];
+    struct gp_json_place p = {log, name, "lens", 0};
+    struct gp_lens lens = {0};
+    json_t *root = NULL;
+    // a word without / and . is an installed lens
+    if (!strpbrk(name, "/.")) {
+        const int n = snprintf(file, sizeof file, "lenses/%s.json", name);
+        if ((size_t) n >= sizeof file ||
+            !gp_example_find(file, path, sizeof path))
+            return gp_fail_at(log, GP_ERR_IO, "lens.lens", "%s: no installed "
+                              "lens has this name; give a file", name);
+        p.path = path;
+    }
+    gp_status st = gp_json_read(log, p.path, GP_JSON_SMALL, &root);
+    if (st)
+        return st;
+    st = read_lens(&p, root, &lens);
+    json_decref(root);
+    if (!st)
+        *out = lens;
+    return st;
+}
 
 // -- glass and coats ----------------------------------------------------------
 
@@ -254,4 +437,104 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
         }
     }
     return n;
+}
+
+// -- its section --------------------------------------------------------------
+
+enum { RAYS = 9, ARC = 24 };
+
+/* Distance by which a surface of that height bulges towards the sensor. */
+static double sag(const struct gp_lens_surface *s, double height)
+{
+    const double c = s->curvature, root = 1.0 - c * c * height * height;
+    return c * height * height / (1.0 + sqrt(root > 0.0 ? root : 0.0));
+}
+
+/* Adds the points of a surface from one height to another. */
+static void print_arc(FILE *f, const struct gp_lens_surface *s, double z,
+                      double from, double to)
+{
+    for (int i = 0; i <= ARC; i++) {
+        const double y = from + (to - from) * i / ARC;
+        // a rim that is wider than the surface is a flat edge
+        const double height = fmin(fabs(y), s->semi);
+        fprintf(f, "%.3f,%.3f ", z + sag(s, height), -y);
+    }
+}
+
+static void print_glass(FILE *f, const struct gp_lens_optics *o)
+{
+    const struct gp_lens *const lens = o->lens;
+    for (int i = 0; i + 1 < lens->n; i++) {
+        const struct gp_lens_surface *const a = &lens->at[i], *const b = a + 1;
+        const double semi = fmax(a->semi, b->semi);
+        if (a->n == 1.0)
+            continue;
+        fprintf(f, "<polygon class=\"glass\" points=\"");
+        print_arc(f, a, o->z[i], -semi, semi);
+        print_arc(f, b, o->z[i + 1], semi, -semi);
+        fprintf(f, "\"/>\n");
+    }
+}
+
+/* Rays of a light a little off the axis, over the ghost's pupil. */
+static void print_rays(FILE *f, const struct gp_lens_optics *o,
+                       const struct gp_lens_ghost *ghost, double u)
+{
+    struct gp_lens_path path;
+    double at[GP_LENS_STEPS + 1][3];
+    gp_lens_path(o->lens, ghost->first, ghost->second, &path);
+    for (int i = 0; i < RAYS; i++) {
+        const double radius = fmin(ghost->radius, o->lens->at[0].semi);
+        const double x = ghost->shift * u +
+                         0.95 * radius * (2.0 * i / (RAYS - 1) - 1.0);
+        const struct gp_lens_hit h = gp_lens_trace(o, &path, x, 0.0, u, at);
+        if (h.through < 0.0f || h.rim > 1.0f)
+            continue;
+        const double before = 0.15 * o->z[o->lens->n];
+        fprintf(f, "<polyline class=\"ray\" points=\"%.3f,%.3f ", -before,
+                -(x - before * u));
+        for (int k = 0; k <= path.steps; k++)
+            fprintf(f, "%.3f,%.3f ", at[k][2], -at[k][0]);
+        fprintf(f, "\"/>\n");
+    }
+}
+
+gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
+                      const struct gp_lens *lens,
+                      const struct gp_lens_ghost *ghost)
+{
+    struct gp_lens_optics *o; // 130 KiB: too large for a stack
+    double tall = 0.0;
+    const gp_status st = gp_alloc(log, lens->name, 1, sizeof *o, &o);
+    if (st)
+        return st;
+    gp_lens_optics_make(lens, GP_D_LINE, o);
+    for (int i = 0; i < lens->n; i++)
+        tall = fmax(tall, lens->at[i].semi);
+    const double end = o->z[lens->n], side = 0.17 * end, half = 1.25 * tall;
+    const double stop = lens->at[lens->stop].semi, at = o->z[lens->stop];
+    const double line = 0.002 * end;
+    fprintf(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"960\" "
+               "viewBox=\"%.3f %.3f %.3f %.3f\">\n"
+               "<style>.glass{fill:#cfe3f2;stroke:#3a5a78;stroke-width:%.4f}"
+               ".ray{fill:none;stroke:#d06020;stroke-width:%.4f}"
+               ".line{stroke:#222;stroke-width:%.4f}</style>\n"
+               "<rect x=\"%.3f\" y=\"%.3f\" width=\"%.3f\" height=\"%.3f\" "
+               "fill=\"#fff\"/>\n", -side, -half, end + 1.3 * side, 2.0 * half,
+            line, 0.6 * line, 1.5 * line, -side, -half, end + 1.3 * side,
+            2.0 * half);
+    fprintf(f, "<line class=\"line\" stroke-dasharray=\"%.3f\" x1=\"%.3f\" "
+               "y1=\"0\" x2=\"%.3f\" y2=\"0\"/>\n", 8.0 * line, -side, end);
+    print_glass(f, o);
+    for (int k = -1; k <= 1; k += 2)
+        fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
+                   "y2=\"%.3f\"/>\n", at, k * stop, at, k * 1.15 * tall);
+    fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
+               "y2=\"%.3f\"/>\n", end, -tall, end, tall);
+    if (ghost)
+        print_rays(f, o, ghost, 0.05);
+    fprintf(f, "</svg>\n");
+    gp_free(o);
+    return GP_OK;
 }

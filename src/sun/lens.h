@@ -1,11 +1,6 @@
 /* Real lenses: their prescription, first-order optics, and the ghosts that two
  * reflections inside make of a light.
  *
- *   lens_file   the prescription, from JSON
- *   lens        first order: focal length, pupils, each ghost's matrices
- *   lens_trace  rays through the spheres: where a ghost's light lands
- *   lens_draw   ghosts of many lights into a layer; SVG of a lens
- *
  * Lengths are in millimetres along the axis z, which points from the scene to
  * the sensor. Slopes are dy/dz of rays in air before the lens: a light of slope
  * u has its image at y = focal length * u on the sensor.

@@ -310,13 +310,18 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
 
 static gp_status make_accumulators(struct drawing *d)
 {
+    const int w = gp_rect_w(d->view->frame), h = gp_rect_h(d->view->frame);
     gp_status st = GP_OK;
     for (int i = 0; i < d->items && !st; i++) {
-        const int l = d->item[i].level;
-        if (l >= 0 && !d->level[l].v)
-            st = gp_lens_steps_make(NULL, gp_rect_w(d->view->frame),
-                                    gp_rect_h(d->view->frame), 1 << l,
-                                    &d->level[l]);
+        const int level = d->item[i].level, step = 1 << gp_max(level, 0);
+        struct gp_lens_steps *const s = &d->level[gp_max(level, 0)];
+        if (level < 0 || s->v)
+            continue;
+        s->step = step;
+        s->w = (w + step - 1) / step + 2;
+        s->h = (h + step - 1) / step + 2;
+        st = gp_alloc_zero(NULL, "ghosts", (size_t) (s->w + 2) *
+                           (size_t) (s->h + 2), 3 * sizeof *s->v, &s->v);
     }
     return st;
 }

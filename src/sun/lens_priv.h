@@ -140,10 +140,6 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Makes dark steps for a frame of w x h. */
-GP_MUST_CHECK gp_status gp_lens_steps_make(const struct gp_log *log, int w,
-    int h, int step, struct gp_lens_steps *out);
-
 /* Sums up the rows of all levels, and adds them to a layer of w x h. */
 GP_MUST_CHECK gp_status gp_lens_steps_add(
     struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
