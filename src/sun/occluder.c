@@ -222,8 +222,11 @@ static bool add_edge(double r, struct point a, struct point b, double *twice)
     return some;
 }
 
-double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
-                         double x1, double y1)
+/* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
+ * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. It is
+ * right to 1e-15 r in square pixels. */
+static double area_in(double cx, double cy, double r, double x0, double y0,
+                      double x1, double y1)
 {
     const double left = x0 - cx, right = x1 - cx, top = y0 - cy, end = y1 - cy;
     const double w = x1 - x0, h = y1 - y0;
@@ -249,8 +252,7 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
 
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
 {
-    return gp_disc_rect_area(cx, cy, r, x, y, (double) x + 1.0,
-                             (double) y + 1.0);
+    return area_in(cx, cy, r, x, y, (double) x + 1.0, (double) y + 1.0);
 }
 
 /* A disc of no area has no share; one of 1e9 is larger than any frame, and has
@@ -401,8 +403,8 @@ static struct sums sums_of(const struct gp_occluders *o,
     add_rect(&b, depth, &s);
     b.done = depth;
     add_rect(&b, known_rect(o->mask, f, bounds), &s);
-    const double clear = gp_disc_rect_area(l->x, l->y, b.radius, f.x0, f.y0,
-                                           f.x1, f.y1) - s.area;
+    const double clear =
+        area_in(l->x, l->y, b.radius, f.x0, f.y0, f.x1, f.y1) - s.area;
     if (clear > rounding_of(b.radius)) {
         s.area += clear;
         s.low += clear;

@@ -89,13 +89,8 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
 void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n);
 
-/* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
- * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. It is
- * right to 1e-15 r in square pixels. */
-double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
-                         double x1, double y1);
-
-/* The same within [x, x+1) x [y, y+1). */
+/* Area of the disc of radius r around (cx, cy) within pixel (x, y), in closed
+ * form; 0 for r <= 0 and NaN. */
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y);
 
 #endif

@@ -62,27 +62,6 @@ static void test_area_hard(void **state)
     assert_near(last, 1.0, 0.0, "a pixel inside", 2);
 }
 
-/* A rectangle holds what its pixels hold. */
-static void test_rect_area(void **state)
-{
-    seed = 3;
-    for (int i = 0; i < 300; i++) {
-        const double cx = 40 * uniform01(), cy = 40 * uniform01();
-        const double r = pow(10.0, -2 + 4 * uniform01());
-        const int x0 = (int) (40 * uniform01());
-        const int y0 = (int) (40 * uniform01());
-        const int x1 = x0 + (int) (30 * uniform01());
-        const int y1 = y0 + (int) (30 * uniform01());
-        double want = 0.0;
-        for (int y = y0; y < y1; y++) {
-            for (int x = x0; x < x1; x++)
-                want += gp_disc_pixel_area(cx, cy, r, x, y);
-        }
-        assert_near(gp_disc_rect_area(cx, cy, r, x0, y0, x1, y1), want,
-                    1e-13 + 1e-12 * want, "rectangle, radius", r);
-    }
-}
-
 static void fill_random(struct gp_plane *p, unsigned seed, float scale)
 {
     const int n = gp_rect_w(p->window) * gp_rect_h(p->window);
@@ -357,6 +336,6 @@ static void test_many_lights(void **state)
     gp_plane_free(&depth);
 }
 
-SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_hard, test_rect_area,
-         test_places, test_no_planes, test_windows, test_vast_frame,
+SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_hard, test_places,
+         test_no_planes, test_windows, test_vast_frame,
          test_many_lights)
