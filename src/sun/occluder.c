@@ -5,11 +5,11 @@
 
 #include "core/cpu.h"
 #include "core/minmax.h"
-#include "core/parallel.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 // -- pixels ------------------------------------------------------------------
 
@@ -35,11 +35,6 @@ static bool has(const struct gp_plane *p)
     return p && p->v;
 }
 
-static float clamped(float m)
-{
-    return m > 0.0f ? (m < 1.0f ? m : 1.0f) : 0.0f; // NaN: 0
-}
-
 struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
 {
     struct gp_sun_pixel p = {INFINITY, 0.0f};
@@ -50,7 +45,7 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
     }
     if (has(o->mask)) {
         const float *const m = sample_at(o->mask, x, y);
-        p.cover = m ? clamped(*m) : 0.0f;
+        p.cover = m ? gp_clamp01(*m) : 0.0f; // of NaN 0
     }
     return p;
 }
@@ -76,62 +71,45 @@ enum {
     TINY = 1024,            // over 0, and too little for a surface
 };
 
-/* Parts are the same for any number of threads. */
-enum { BANDS = 64 };
-
-/* The kinds in a share of the rows, and the least and most of the huge ones. */
-struct kinds {
-    int are;
-    float lo, hi;
-};
-
-struct looking {
-    const struct gp_plane *plane;
-    struct gp_depth_range fore, back;
-    struct kinds band[BANDS];
-};
-
-GP_CLONES static int kinds_of(const struct looking *s, const float *v, int n)
+GP_CLONES static int kinds_of(const float *v, size_t n, struct gp_depth_range f,
+                              struct gp_depth_range b)
 {
-    const struct gp_depth_range f = s->fore, b = s->back;
     int are = 0;
-    for (int i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
+        // no bool and no branch: the compiler makes vectors of it
         const float x = v[i], size = fabsf(x);
-        const bool huge = size >= GP_DEPTH_HUGE && size < INFINITY;
-        const bool under = (x < 0.0f) & (size < GP_DEPTH_HUGE) &
-                           (size != GP_DEPTH_HALF);
         are |= (x == 0.0f ? ZERO : 0) | (x != x ? NOT_A_NUMBER : 0) |
-               (size == INFINITY ? INFINITE : 0) | (huge ? HUGE_ONE : 0) |
+               (size == INFINITY ? INFINITE : 0) |
+               ((size >= GP_DEPTH_HUGE) & (size < INFINITY) ? HUGE_ONE : 0) |
                (size == GP_DEPTH_HALF ? HALF_MAX : 0) |
-               (under ? NEGATIVE : 0) | (x == 1.0f ? ONE : 0) |
-               (x > 1.0f ? OVER : 0) |
+               ((x < 0.0f) & (size < GP_DEPTH_HUGE) & (size != GP_DEPTH_HALF)
+                    ? NEGATIVE : 0) |
+               (x == 1.0f ? ONE : 0) | (x > 1.0f ? OVER : 0) |
                ((x > 0.0f) & (x < f.lo) ? TINY : 0) |
-               (gp_is_surface(f, x) ? FORE : 0) |
-               (gp_is_surface(b, x) ? BACK : 0);
+               ((x >= f.lo) & (x <= f.hi) & (x != f.hole) ? FORE : 0) |
+               ((x >= b.lo) & (x <= b.hi) & (x != b.hole) ? BACK : 0);
     }
     return are;
 }
 
-static void look_at_band(void *ctx, int i, int thread)
+/* From the least to the most of the huge samples; by whole numbers in the order
+ * of floats, of which vectors have a least. */
+GP_CLONES static void span_huge(const float *v, size_t n, float *lo, float *hi)
 {
-    (void) thread;
-    struct looking *const s = ctx;
-    struct kinds *const t = &s->band[i];
-    const int64_t h = gp_rect_h(s->plane->window);
-    const int w = gp_rect_w(s->plane->window);
-    *t = (struct kinds) {0, INFINITY, -INFINITY};
-    for (int64_t y = h * i / BANDS; y < h * (i + 1) / BANDS; y++) {
-        const float *const v = s->plane->v + (size_t) y * (size_t) w;
-        const int are = kinds_of(s, v, w);
-        t->are |= are;
-        for (int x = 0; x < w && are & HUGE_ONE; x++) {
-            const float size = fabsf(v[x]);
-            if (size >= GP_DEPTH_HUGE && size < INFINITY) {
-                t->lo = fminf(t->lo, v[x]);
-                t->hi = fmaxf(t->hi, v[x]);
-            }
-        }
+    int32_t low = INT32_MAX, high = INT32_MIN;
+    for (size_t i = 0; i < n; i++) {
+        const float size = fabsf(v[i]);
+        int32_t k, is = (size >= GP_DEPTH_HUGE ? -1 : 0) &
+                        (size < INFINITY ? -1 : 0); // all bits, or none
+        memcpy(&k, &v[i], sizeof k);
+        k ^= k >> 31 & INT32_MAX;
+        low = gp_min(low, (k & is) | (INT32_MAX & ~is));
+        high = gp_max(high, (k & is) | (INT32_MIN & ~is));
     }
+    low ^= low >> 31 & INT32_MAX;
+    high ^= high >> 31 & INT32_MAX;
+    memcpy(lo, &low, sizeof low);
+    memcpy(hi, &high, sizeof high);
 }
 
 void gp_occluders_count(struct gp_occluders *o)
@@ -139,32 +117,27 @@ void gp_occluders_count(struct gp_occluders *o)
     o->facts = (struct gp_depth_facts) {.empty = "none"};
     if (!has(o->depth) || gp_rect_empty(o->depth->window))
         return;
-    struct looking s = {.plane = o->depth,
-                        .fore = gp_depth_range_of(o->type, false),
-                        .back = gp_depth_range_of(o->type, true)};
-    struct kinds t = {0, INFINITY, -INFINITY};
-    gp_parallel_do(BANDS, look_at_band, &s);
-    for (int i = 0; i < BANDS; i++) {
-        t.are |= s.band[i].are;
-        t.lo = fminf(t.lo, s.band[i].lo);
-        t.hi = fmaxf(t.hi, s.band[i].hi);
-    }
+    const size_t n = (size_t) gp_rect_w(o->depth->window) *
+                     (size_t) gp_rect_h(o->depth->window);
+    const struct gp_depth_range fore = gp_depth_range_of(o->type, false);
+    const struct gp_depth_range back = gp_depth_range_of(o->type, true);
+    const int are = kinds_of(o->depth->v, n, fore, back);
     struct gp_depth_facts *const f = &o->facts;
-    const int are = t.are;
     const bool share = o->type == GP_DEPTH_NORMALIZED;
     const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
     if (share)
         f->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
         f->reversed = !(are & FORE) && are & BACK;
-    o->surfaces = f->reversed ? s.back : s.fore;
+    o->surfaces = f->reversed ? back : fore;
 
     // the kinds of empty samples that occur
     char huge[32]; // one, or from the least to the most
-    if (t.lo == t.hi)
-        snprintf(huge, sizeof huge, "%g", (double) t.lo);
-    else
-        snprintf(huge, sizeof huge, "%g to %g", (double) t.lo, (double) t.hi);
+    float lo = 0.0f, hi = 0.0f;
+    if (are & HUGE_ONE)
+        span_huge(o->depth->v, n, &lo, &hi);
+    snprintf(huge, sizeof huge, lo == hi ? "%g" : "%g to %g", (double) lo,
+             (double) hi);
     const bool first = !share || f->reversed; // 0 and less is empty
     const struct {
         int is;
@@ -276,38 +249,22 @@ struct sums {
     double area, low, high;
 };
 
-/* Rows go in bands, and the sums of the bands in order: the same bits for any
- * number of threads, and no memory that grows with the frame. */
-enum { SHARES = 256, ALONE = 1 << 14 };
-
-struct bands {
-    const struct gp_occluders *o;
-    const struct gp_light *light;
-    double radius;
-    bool bounds;          // of what may be shown; else of what is
-    struct gp_rect rect;  // pixels that the disc may reach
-    struct gp_rect done;  // pixels that have been added
-    int n;
-    struct sums sum[SHARES];
-};
-
 /* Finds the least and the largest that pixel (x, y) may show: where there is no
  * edge all of them show all, or nothing. */
-static void bounds_of(const struct bands *b, int x, int y, double *lo,
-                      double *hi)
+static void bounds_of(const struct gp_occluders *o, const struct gp_light *l,
+                      int x, int y, double *lo, double *hi)
 {
-    const struct gp_occluders *const o = b->o;
     const struct gp_rect f = o->frame;
     const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
     bool beyond, any = false;
-    const double own = gp_occluders_show(o, b->light, x, y, &beyond);
+    const double own = gp_occluders_show(o, l, x, y, &beyond);
     *lo = *hi = own;
     for (int j = gp_max(y - around, f.y0); j <= gp_min(y + around, f.y1 - 1);
          j++) {
         for (int i = gp_max(x - around, f.x0);
              i <= gp_min(x + around, f.x1 - 1); i++) {
             bool past;
-            const double s = gp_occluders_show(o, b->light, i, j, &past);
+            const double s = gp_occluders_show(o, l, i, j, &past);
             *lo = fmin(*lo, s);
             *hi = fmax(*hi, s);
             any = any || past;
@@ -323,57 +280,31 @@ static void bounds_of(const struct bands *b, int x, int y, double *lo,
     *hi = *hi > 0.0 ? 1.0 : 0.0;
 }
 
-static void add_band(void *ctx, int i, int thread)
+/* Adds the pixels of `rect` that the disc touches, but those of `done`.
+ *   bounds  of what they may show; else what they show */
+static void add_rect(const struct gp_occluders *o, const struct gp_light *l,
+    bool bounds, struct gp_rect rect, struct gp_rect done, struct sums *s)
 {
-    (void) thread;
-    struct bands *const b = ctx;
-    const struct gp_light *const l = b->light;
-    const int64_t h = gp_rect_h(b->rect);
-    struct sums s = {0};
-    for (int64_t k = h * i / b->n; k < h * (i + 1) / b->n; k++) {
-        const int y = (int) (b->rect.y0 + k);
-        for (int x = b->rect.x0; x < b->rect.x1; x++) {
-            const double area = gp_disc_pixel_area(l->x, l->y, b->radius, x, y);
-            const bool done = x >= b->done.x0 && x < b->done.x1 &&
-                              y >= b->done.y0 && y < b->done.y1;
+    const double r = radius_of(l);
+    const int x0 = gp_clamp_whole(floor(l->x - r), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(l->y - r), rect.y0, rect.y1);
+    const int x1 = gp_clamp_whole(ceil(l->x + r), x0, rect.x1);
+    const int y1 = gp_clamp_whole(ceil(l->y + r), y0, rect.y1);
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            const double area = gp_disc_pixel_area(l->x, l->y, r, x, y);
             double lo, hi;
-            if (done || !(area > 0.0))
+            if (!(area > 0.0) || (x >= done.x0 && x < done.x1 && y >= done.y0 &&
+                                  y < done.y1))
                 continue;
-            if (b->bounds)
-                bounds_of(b, x, y, &lo, &hi);
+            if (bounds)
+                bounds_of(o, l, x, y, &lo, &hi);
             else
-                lo = hi = gp_occluders_show(b->o, l, x, y, NULL);
-            s.area += area;
-            s.low += area * lo;
-            s.high += area * hi;
+                lo = hi = gp_occluders_show(o, l, x, y, NULL);
+            s->area += area;
+            s->low += area * lo;
+            s->high += area * hi;
         }
-    }
-    b->sum[i] = s;
-}
-
-/* Adds the pixels of `rect` that the disc touches. */
-static void add_rect(struct bands *b, struct gp_rect rect, struct sums *s)
-{
-    const double x = b->light->x, y = b->light->y, r = b->radius;
-    const int x0 = gp_clamp_whole(floor(x - r), rect.x0, rect.x1);
-    const int y0 = gp_clamp_whole(floor(y - r), rect.y0, rect.y1);
-    b->rect = (struct gp_rect) {x0, y0,
-                                gp_clamp_whole(ceil(x + r), x0, rect.x1),
-                                gp_clamp_whole(ceil(y + r), y0, rect.y1)};
-    if (gp_rect_empty(b->rect))
-        return;
-    const int h = gp_rect_h(b->rect);
-    b->n = gp_min(h, SHARES);
-    if ((int64_t) h * gp_rect_w(b->rect) > ALONE) {
-        gp_parallel_do(b->n, add_band, b);
-    } else { // waking threads would take longer
-        for (int i = 0; i < b->n; i++)
-            add_band(b, i, 0);
-    }
-    for (int i = 0; i < b->n; i++) {
-        s->area += b->sum[i].area;
-        s->low += b->sum[i].low;
-        s->high += b->sum[i].high;
     }
 }
 
@@ -395,17 +326,15 @@ static struct sums sums_of(const struct gp_occluders *o,
                            const struct gp_light *l, bool bounds)
 {
     const struct gp_rect f = o->frame;
-    struct bands b = {.o = o, .light = l, .radius = radius_of(l),
-                      .bounds = bounds};
     struct sums s = {0};
     // pixels beside the planes' windows may be at their edges
     const struct gp_rect depth = known_rect(o->depth, f, bounds);
-    add_rect(&b, depth, &s);
-    b.done = depth;
-    add_rect(&b, known_rect(o->mask, f, bounds), &s);
+    add_rect(o, l, bounds, depth, (struct gp_rect) {0}, &s);
+    add_rect(o, l, bounds, known_rect(o->mask, f, bounds), depth, &s);
+    const double r = radius_of(l);
     const double clear =
-        area_in(l->x, l->y, b.radius, f.x0, f.y0, f.x1, f.y1) - s.area;
-    if (clear > rounding_of(b.radius)) {
+        area_in(l->x, l->y, r, f.x0, f.y0, f.x1, f.y1) - s.area;
+    if (clear > rounding_of(r)) {
         s.area += clear;
         s.low += clear;
         s.high += clear;

@@ -38,8 +38,8 @@ struct gp_occluders {
     struct gp_depth_range surfaces;
 };
 
-/* Fills o->facts and surfaces from o->depth's samples (in parallel, the same for any number
- * of threads). Call before anything below; no depth is fine. */
+/* Fills o->facts and surfaces from o->depth's samples. Call before anything
+ * below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
 /* A pixel, anywhere in the plane. */
@@ -70,9 +70,7 @@ enum gp_sun_outside {
  * o->frame, and the area outside of it as `outside` says; in double. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0, but for GP_OUTSIDE_SCENE. All hidden is
- * exactly 0, all clear exactly 1. Rows are summed in order: the same bits for
- * any threads.
- * Time grows with the disc's area inside the planes' windows; the rest of the
+ * exactly 0, all clear exactly 1. Time grows with the disc's area inside the planes' windows; the rest of the
  * frame is clear, and costs one closed form. */
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n);
@@ -85,7 +83,7 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
  * with GP_OUTSIDE_SCENE it is gp_light.outside within its error.
  * low <= visibility <= high. Writes in_frame.
- * The same bits for any threads. Details thinner than a pixel may be missed. */
+ * Details thinner than a pixel may be missed. */
 void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n);
 
