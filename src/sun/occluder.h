@@ -70,8 +70,8 @@ enum gp_sun_outside {
  * o->frame, and the area outside of it as `outside` says; in double. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0, but for GP_OUTSIDE_SCENE. All hidden is
- * exactly 0, all clear exactly 1. Time grows with the disc's area inside the planes' windows; the rest of the
- * frame is clear, and costs one closed form. */
+ * exactly 0, all clear exactly 1. Time grows with the disc's area inside the
+ * planes' windows; the rest of the frame is clear, and costs a closed form. */
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n);
 
