@@ -251,7 +251,8 @@ struct gp_lens_rays {
     uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
     bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
     bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    double density[GP_LENS_CELLS * GP_LENS_CELLS / 2][3];
+    // of cells, with a dark one more on each side
+    double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
 };
 
 /* Finds the cells that meet rows [y0, y1) of the layer, and their rays; returns
@@ -384,18 +385,13 @@ static double density_of(const double (*p[4]))
     return (left && right) || !(fabs(area) > 1e-9) ? 0.0 : -1.0 / area;
 }
 
-/* Adds the edge of two cells with the difference of their light; either may be
- * NULL, dark. */
+/* Adds the edge of two cells with the difference of their light. */
 static void add_between(const struct gp_lens_cover *k, const double a[2],
-                        const double b[2], const double *right,
-                        const double *left)
+                        const double b[2], const double right[3],
+                        const double left[3])
 {
-    static const double dark[3];
-    double light[3];
-    right = right ? right : dark;
-    left = left ? left : dark;
-    for (int c = 0; c < 3; c++)
-        light[c] = right[c] - left[c];
+    const double light[3] = {right[0] - left[0], right[1] - left[1],
+                             right[2] - left[2]};
     if (light[0] != 0.0 || light[1] != 0.0 || light[2] != 0.0)
         gp_lens_cover_edge(k, a, b, light);
 }
@@ -410,16 +406,17 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
     const int w = m->cells + 1, cells = m->cells, rows = m->cells / 2;
     const double dx = (m->x1 - m->x0) / cells, dy = m->y1 / rows;
     const double sign = half ? -1.0 : 1.0;
+    double (*const density)[3] = rays->density + cells + 3;
+    const int down = cells + 2; // to the next row of densities
+    memset(rays->density, 0, (size_t) (down * (rows + 2)) * sizeof *density);
     for (int j = 0; j < rows; j++) {
         for (int i = 0; i < cells; i++) {
             const int at[4] = {j * w + i, j * w + i + 1, (j + 1) * w + i + 1,
                                (j + 1) * w + i};
-            double *const density = rays->density[j * cells + i];
             const double *p[4];
             bool arrives = true, passes = false, clear = true;
             double low = INFINITY, high = -INFINITY, light[3] = {0};
             double left = INFINITY, right = -INFINITY;
-            density[0] = density[1] = density[2] = 0.0;
             if (rays->set[half][j * cells + i] != 1 + set)
                 continue;
             for (int e = 0; e < 4; e++) {
@@ -439,7 +436,7 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 continue;
             const double share = clear ? density_of(p) : 0.0;
             for (int c = 0; c < 3; c++)
-                density[c] = light[c] * share * dx * dy;
+                density[j * down + i][c] = light[c] * share * dx * dy;
             if (share != 0.0)
                 continue;
             struct gp_lens_corner c[GP_LENS_CORNERS];
@@ -457,17 +454,14 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
     }
     for (int j = 0; j <= rows; j++) {
         for (int i = 0; i <= cells; i++) {
-            const double (*const d)[3] = rays->density;
-            const int at = j * cells + i;
-            const double *const here = j < rows && i < cells ? d[at] : NULL;
-            const double *const left = j < rows && i > 0 ? d[at - 1] : NULL;
-            const double *const above = j > 0 && i < cells ? d[at - cells]
-                                                           : NULL;
+            double (*const here)[3] = density + j * down + i;
             const double *const p = rays->p[j * w + i][half];
-            if (here || above)
-                add_between(k, p, rays->p[j * w + i + 1][half], here, above);
-            if (here || left)
-                add_between(k, p, rays->p[(j + 1) * w + i][half], left, here);
+            if (i < cells)
+                add_between(k, p, rays->p[j * w + i + 1][half], here[0],
+                            here[-down]);
+            if (j < rows)
+                add_between(k, p, rays->p[(j + 1) * w + i][half], here[-1],
+                            here[0]);
         }
     }
 }
