@@ -6,7 +6,6 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
-#include "sun/lens_lights.h"
 
 #include <math.h>
 #include <string.h>

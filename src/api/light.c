@@ -129,9 +129,8 @@ gp_status gp_api_shares(struct glarepp_frame *f)
 
 gp_status gp_api_join(struct glarepp_frame *f)
 {
-    bool joined;
     return gp_suns_join(&f->log, &f->work->suns, &f->image, &f->sources,
-                        &f->joined, &joined);
+                        &f->joined);
 }
 
 gp_status gp_api_flare(struct glarepp_frame *f)
@@ -140,7 +139,7 @@ gp_status gp_api_flare(struct glarepp_frame *f)
     struct glarepp_flare_facts *const facts = &f->facts.flare;
     gp_status st = GP_OK;
     suns->flare.frame = f->p.numbered ? f->p.number : 0;
-    if (gp_suns_add_light(suns) && !f->image.layer.c[0])
+    if (gp_suns_have_light(suns, true) && !f->image.layer.c[0])
         st = gp_api_dark_layer(f);
     if (!st)
         st = gp_suns_draw(&f->log, suns, gp_api_kernel(f), &f->image);

@@ -322,7 +322,7 @@ static gp_status make_kernel(struct glarepp_frame *f)
     bool made;
     int worst;
     gp_status st;
-    if (!f->sources.n && !gp_suns_glare(&f->work->suns))
+    if (!f->sources.n && !gp_suns_have_light(&f->work->suns, false))
         return GP_OK;
     struct gp_field field = find_field(f);
     memcpy(recipe, r->recipe, sizeof recipe);

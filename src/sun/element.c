@@ -125,12 +125,8 @@ static void find_edges(struct gp_flare_look *l)
     if (e->softness > 0.0 || e->dispersion != 0.0 || l->aspect != 1.0 ||
         has_rays(e) || e->shape == GP_FLARE_GLOW || e->shape == GP_FLARE_DIRT)
         return;
-    l->flat = ring && !e->profiles && e->rim == 0.0;
     for (int c = 0; c < 3; c++) {
         const double r = radius_of(l, c), hole = ring ? hole_of(e, r) : 0.0;
-        l->outer[c] = (float) r;
-        l->inner[c] = (float) (hole * r);
-        l->weight[c] = (float) (l->radius * l->radius / (r * r)); // table's s^2
         if (c > 0 && e->scale[c] == e->scale[c - 1])
             continue;
         l->edge[l->edges++] = (float) (r / l->radius);
@@ -211,9 +207,8 @@ static void make_rays(struct gp_flare_look *l)
             .c = (float) cos(turn), .s = (float) -sin(turn), // y is down
             .per_t = (float) (l->per_t / (l->radius * length)),
             .half = (float) (spikes ? half : fmax(half, 0.5)),
+            .length = length,
         };
-        r->steep = 1.0f; // set for a turned ray
-        l->ray_area[i] = length;
     }
 }
 
@@ -226,14 +221,13 @@ static float spike_section(float b, float half, float left)
     return z > 24.0f ? 0.0f : own / sqrtf(var) * expf(-0.5f * z);
 }
 
-/* Section of a streak: a band with edges a pixel wide, or softer. */
-static float streak_section(float b, const struct gp_flare_ray *r, float soft)
+/* Section of a streak: a band with edges of that steepness, or softer. */
+static float streak_section(float b, float half, float steep, float soft)
 {
-    const float steep = gp_minf(r->steep,
-                                1.0f / gp_maxf(soft * r->half, 1e-6f));
+    const float most = gp_minf(steep, 1.0f / gp_maxf(soft * half, 1e-6f));
     const float v = fabsf(b);
-    return gp_clamp01(0.5f + (r->half - v) * steep) -
-           gp_clamp01(0.5f - (r->half + v) * steep);
+    return gp_clamp01(0.5f + (half - v) * most) -
+           gp_clamp01(0.5f - (half + v) * most);
 }
 
 // -- areas -------------------------------------------------------------------
@@ -294,7 +288,7 @@ static void find_areas(struct gp_flare_look *l)
         }
         across = 0.0;
         for (int i = 0; i < l->rays; i++)
-            across += l->ray_area[i] * (double) l->ray[i].half *
+            across += l->ray[i].length * (double) l->ray[i].half *
                 (l->e.shape == GP_FLARE_SPIKES
                      ? 0.6 * sqrt(2.0 * M_PI) * thin
                      : 4.0 * sum); // both ways
@@ -327,8 +321,6 @@ gp_status gp_flare_look_make(const struct gp_log *log,
         l.rays = e->count;
         GP_TRY(gp_alloc(log, "rays of a flare element", (size_t) l.rays,
                         sizeof *l.ray, &l.ray));
-        GP_TRY(gp_alloc(log, "rays of a flare element", (size_t) l.rays,
-                        sizeof *l.ray_area, &l.ray_area));
         make_rays(&l);
     }
     find_edges(&l);
@@ -344,7 +336,6 @@ void gp_flare_look_free(struct gp_flare_look *l)
 {
     gp_free(l->table);
     gp_free(l->ray);
-    gp_free(l->ray_area);
     *l = (struct gp_flare_look) {0};
 }
 
@@ -413,22 +404,12 @@ static void value_at(const struct gp_flare_look *l,
             x = l->side[k][0];
             y = l->side[k][1];
         }
-        if (l->flat) { // its two ramps may meet
-            const float m = larger_component(x * c + y * s, y * c - x * s);
-            const float v = direction_of(l, u, y), rho = t * (float) l->radius;
-            for (int b = 0; b < 3; b++)
-                out[b] += v * (gp_clamp01(0.5f + (l->outer[b] - rho) / m) -
-                               gp_clamp01(gp_minf(l->inner[b], 0.5f) +
-                                          (l->inner[b] - rho) / m)) *
-                          l->weight[b];
-            return;
-        }
         if (l->edges)
             t = fit_edges(l, t, larger_component(x * c + y * s, y * c - x * s));
         look_up(l, t * per_t, direction_of(l, u, y), out);
     }
     for (int i = 0; i < l->rays; i++) {
-        struct gp_flare_ray r = l->ray[i];
+        const struct gp_flare_ray r = l->ray[i];
         const float a = x * r.c + y * r.s, b = y * r.c - x * r.s;
         if (e->shape == GP_FLARE_SPIKES) {
             const float at = fabsf(a) * r.per_t;
@@ -442,9 +423,9 @@ static void value_at(const struct gp_flare_look *l,
         // the ray as the pixels see it
         const float c = r.c * q->turn[0] + r.s * q->turn[1];
         const float s = r.s * q->turn[0] - r.c * q->turn[1];
-        r.steep = 1.0f / gp_maxf(fabsf(c), fabsf(s));
         look_up(l, fabsf(a) * r.per_t,
-                streak_section(b, &r, (float) e->softness), out);
+                streak_section(b, r.half, 1.0f / gp_maxf(fabsf(c), fabsf(s)),
+                               (float) e->softness), out);
     }
 }
 

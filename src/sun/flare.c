@@ -1,8 +1,9 @@
-/* Flare elements: placed, changed and measured for the lights of a frame, and
- * added to a layer. */
+/* Flare elements: their images; placed, changed and measured for the lights of a
+ * frame, and added to a layer. */
 #include "sun/flare_priv.h"
 
 #include "core/colour.h"
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -15,6 +16,161 @@
  * pixels of a small shape depends on its place. Above, the two differ by
  * less than 1e-3. */
 enum { SUMMED = 128 };
+
+// -- images at half size, and rows of them ------------------------------------
+
+/* Texture of an image at half size, `level` times. */
+struct level {
+    struct gp_flare_image image; // rgb owned when level > 0, else borrowed
+    int level;
+    double sum[3], luminance;    // of the whole image, level 0; 0 when not
+                                 // finite or not over 0: draws nothing
+};
+
+/* Each texel is the mean of four; those outside are 0. The picture keeps its
+ * corner, so a place u in texels is u / 2. */
+static gp_status halve(const struct gp_log *log,
+    const struct gp_flare_image *in, struct gp_flare_image *out)
+{
+    const int w = (in->w + 1) / 2, h = (in->h + 1) / 2;
+    *out = (struct gp_flare_image) {.w = w, .h = h, .cx = in->cx / 2.0,
+                                    .cy = in->cy / 2.0};
+    const gp_status st = gp_planes_make(log, "a flare image at half size",
+                                        (size_t) w * (size_t) h, &out->rgb);
+    for (int c = 0; !st && c < 3; c++) {
+        float *to = out->rgb.c[c];
+        for (int y = 0; y < h; y++) {
+            for (int x = 0; x < w; x++) {
+                float sum = 0.0f;
+                for (int j = 2 * y; j < in->h && j < 2 * y + 2; j++) {
+                    for (int i = 2 * x; i < in->w && i < 2 * x + 2; i++)
+                        sum += in->rgb.c[c][(size_t) j * (size_t) in->w +
+                                            (size_t) i];
+                }
+                *to++ = 0.25f * sum;
+            }
+        }
+    }
+    return st;
+}
+
+/* Makes the level at which `size` of the longer side in pixels is not under a
+ * pixel a texel, with its sums. */
+static gp_status make_level(const struct gp_log *log,
+    const struct gp_flare_image *image, double size, struct level *out)
+{
+    const size_t n = (size_t) image->w * (size_t) image->h;
+    double longer = image->w > image->h ? image->w : image->h;
+    struct level l = {.image = *image};
+    gp_status st = GP_OK;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++)
+            l.sum[c] += (double) image->rgb.c[c][i];
+        l.luminance += l.sum[c] * (double) gp_rec709_luminance[c];
+    }
+    if (!(l.luminance > 0.0) || !isfinite(l.luminance))
+        l.luminance = 0.0;
+    while (!st && l.luminance > 0.0 && longer > size &&
+           (l.image.w > 1 || l.image.h > 1)) {
+        struct gp_flare_image half = {0};
+        st = halve(log, &l.image, &half);
+        if (l.level > 0)
+            gp_planes_free(&l.image.rgb);
+        l.image = half;
+        l.level++;
+        longer /= 2.0;
+    }
+    *out = l;
+    return st;
+}
+
+static float texel(const struct gp_flare_image *m, int c, int x, int y)
+{
+    return x < 0 || y < 0 || x >= m->w || y >= m->h
+               ? 0.0f
+               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
+}
+
+static float blend(float a, float b, float t)
+{
+    return a * (1.0f - t) + b * t;
+}
+
+/* Far outside, where this texel and the next are none. */
+static int clamp_texel(float v, int size)
+{
+    return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
+}
+
+float gp_flare_sample(const struct gp_flare_image *m, int c, float x, float y)
+{
+    const float u = x - 0.5f, v = y - 0.5f;
+    const float left = floorf(u), top = floorf(v);
+    const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
+    const float upper = blend(texel(m, c, tx, ty), texel(m, c, tx + 1, ty),
+                              u - left);
+    const float lower = blend(texel(m, c, tx, ty + 1),
+                              texel(m, c, tx + 1, ty + 1), u - left);
+    return blend(upper, lower, v - top);
+}
+
+GP_CLONES static void add_taps(const float *upper, const float *lower, int n,
+                               const float fraction[2], float amount,
+                               float *out)
+{
+    const float s = fraction[0], t = fraction[1];
+    for (int i = 0; i < n; i++) {
+        const float a = upper[i] * (1.0f - s) + upper[i + 1] * s;
+        const float b = lower[i] * (1.0f - s) + lower[i + 1] * s;
+        out[i] += amount * (a * (1.0f - t) + b * t);
+    }
+}
+
+/* At its own pixels, n of texel row ty: all have the same weights. */
+static void add_plain(const struct gp_flare_quad *q, int c, int ty, int n,
+                      float amount, float *out)
+{
+    const struct gp_flare_image *const m = q->image;
+    const int tx = q->corner[0];
+    const bool inside = ty >= 0 && ty + 1 < m->h;
+    // columns whose four texels are there
+    const int first = inside ? gp_clamp(-tx, 0, n) : n;
+    const int end = inside ? gp_clamp(m->w - 1 - tx, first, n) : n;
+    if (first < end) {
+        const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
+                                (size_t) (tx + first);
+        add_taps(at, at + m->w, end - first, q->fraction, amount, out + first);
+    }
+    for (int i = 0; i < n; i++) {
+        if (i >= first && i < end)
+            continue;
+        const float a = blend(texel(m, c, tx + i, ty),
+                              texel(m, c, tx + i + 1, ty), q->fraction[0]);
+        const float b = blend(texel(m, c, tx + i, ty + 1),
+                              texel(m, c, tx + i + 1, ty + 1), q->fraction[0]);
+        out[i] += amount * blend(a, b, q->fraction[1]);
+    }
+}
+
+static void image_row(const struct gp_flare_quad *q, int y,
+                      const float amount[3], float *const out[3])
+{
+    const int row = y - q->rect.y0, n = gp_rect_w(q->rect);
+    const float py = q->base[1] + (float) row;
+    for (int c = 0; c < 3; c++) {
+        const float cosine = q->turn[0] * q->radius[c];
+        const float sine = q->turn[1] * q->radius[c];
+        if (q->plain)
+            add_plain(q, c, q->corner[1] + row, n, amount[c], out[c]);
+        for (int i = 0; i < n && !q->plain; i++) {
+            const float px = q->base[0] + (float) i;
+            out[c][i] += amount[c] *
+                gp_flare_sample(q->image, c,
+                                px * cosine - py * sine + q->inner[0],
+                                px * sine + py * cosine + q->inner[1]);
+        }
+    }
+}
 
 // -- changes of elements by lights -------------------------------------------
 
@@ -150,13 +306,12 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
 
 static int to_pixel(double v)
 {
-    enum { FAR = 1 << 30 }; // no window goes beyond
+    enum { FAR = 1 << 29 }; // no window goes beyond
     return gp_clamp_whole(v, -FAR, FAR);
 }
 
-/* Finds all pixels that the element may reach, inside the frame or not. */
-static struct gp_rect whole_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect display)
+struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
+                              const struct gp_light *l, struct gp_rect display)
 {
     const bool none = e->path && (e->image.w < 1 || e->image.h < 1);
     double x, y;
@@ -184,51 +339,36 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
     };
 }
 
-struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect frame, struct gp_rect display)
-{
-    return gp_rect_meet(whole_reach(e, l, display), frame);
-}
-
 // -- quads -------------------------------------------------------------------
 
-/* One element of one light, as that light sees it, of which quads are made. */
+/* One element of one light, as that light sees it. */
 struct pair {
     struct gp_flare_element e;
     const struct gp_light *light;
-    const struct gp_flare_level *level; // of an image, else NULL
+    const struct level *level; // of an image, else NULL
     struct gp_rect whole, rect, display; // rect: what is in the frame of it
     double diameter;
 };
 
-struct quads {
-    struct gp_flare_quad *at;     // owned; in the order of lights, elements
-    int n;
-    struct gp_flare_look *look;   // owned; room for one a quad
-    int looks;
-    int *last;                    // owned; last look of each element, from 1
-    struct gp_flare_level *level; // owned; one an element
-    int elements;
+/* What lights share of an element. */
+struct shared {
+    struct gp_flare_look look;   // for the last one's diameter
+    struct level level;
 };
 
-/* Finds element k as a light sees it; returns its quads, none for a hidden
- * light. */
-static int find_pair(const struct gp_flare *f, int k, const struct gp_light *l,
+/* Finds element k as a light sees it. Returns false where it shows nothing. */
+static bool find_pair(const struct gp_flare *f, int k, const struct gp_light *l,
     struct gp_rect frame, struct gp_rect display, struct pair *p)
 {
     *p = (struct pair) {.e = dress(f, k, l, display), .light = l,
                         .display = display};
-    const struct gp_flare_element e = p->e;
-    p->whole = whole_reach(&e, l, display);
+    p->whole = gp_flare_reach(&p->e, l, display);
     p->rect = gp_rect_meet(p->whole, frame);
-    p->diameter = diameter_of(&e, display);
-    if (!gp_light_has_flux(l) || !(l->visibility > 0.0) ||
-        e.source != GP_FLARE_LIGHTS ||
-        (e.only && fnmatch(e.only, l->name, 0) != 0) ||
-        gp_rect_empty(p->rect))
-        return 0;
-    const bool dispersed = e.scale[0] != e.scale[1] || e.scale[1] != e.scale[2];
-    return is_image(&e) && !e.plain && dispersed ? 3 : 1;
+    p->diameter = diameter_of(&p->e, display);
+    return gp_light_has_flux(l) && l->visibility > 0.0 &&
+           p->e.source == GP_FLARE_LIGHTS &&
+           !(p->e.only && fnmatch(p->e.only, l->name, 0) != 0) &&
+           !gp_rect_empty(p->rect);
 }
 
 static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
@@ -246,6 +386,15 @@ static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
     }
 }
 
+static void add_row(const struct gp_flare_quad *q, int y, const float amount[3],
+                    float *const out[3])
+{
+    if (q->look)
+        gp_flare_look_row(q, y, amount, out);
+    else
+        image_row(q, y, amount, out);
+}
+
 /* Finds the sums over all pixels of channels drawn with an amount of 1. */
 static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                    double sum[3])
@@ -258,11 +407,8 @@ static void sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[3][4 * SUMMED] = {{0}};
         float *const to[3] = {row[0], row[1], row[2]};
-        if (q.look)
-            gp_flare_look_row(&q, y, one, to);
+        add_row(&q, y, one, to);
         for (int c = 0; c < 3; c++) {
-            if (!q.look)
-                gp_flare_add_row(&q, c, y, 1.0f, row[c]);
             for (int x = 0; x < gp_rect_w(whole); x++)
                 sum[c] += (double) row[c][x];
         }
@@ -280,25 +426,26 @@ static double light_of(const struct pair *p, int c)
     return (double) p->e.colour[c] * (double) p->light->flux[c];
 }
 
-/* Sets the amounts of channels [first, end) of an image, which have one scale.
- */
-static void fit_image(const struct pair *p, int first, int end,
-                      struct gp_flare_quad *q)
+/* Sets the amounts of an image. */
+static void fit_image(const struct pair *p, struct gp_flare_quad *q)
 {
-    const struct gp_flare_level *const l = p->level;
-    const double scale = (double) p->e.scale[first];
-    const double of_level = ldexp(texel_size(&p->e, p->diameter * scale),
-                                  l->level); // pixels of its texel
-    double sums[3];
-    q->radius = (float) (1.0 / of_level);
+    const struct level *const l = p->level;
+    double of_level[3], sums[3]; // pixels of its texel
     q->inner[0] = (float) l->image.cx;
     q->inner[1] = (float) l->image.cy;
-    if (is_summed(p, scale))
+    for (int c = 0; c < 3; c++) {
+        of_level[c] = ldexp(texel_size(&p->e, p->diameter *
+                                                  (double) p->e.scale[c]),
+                            l->level);
+        q->radius[c] = (float) (1.0 / of_level[c]);
+    }
+    if (is_summed(p, least_scale(&p->e)))
         sum_of(q, p->whole, sums);
-    for (int c = first; c < end; c++) {
-        const double even = ldexp(l->sum[c], -2 * l->level) * of_level *
-                            of_level;
-        const double sum = is_summed(p, scale) ? sums[c] : even;
+    for (int c = 0; c < 3; c++) {
+        const double even = ldexp(l->sum[c], -2 * l->level) * of_level[c] *
+                            of_level[c];
+        const double sum = is_summed(p, (double) p->e.scale[c]) ? sums[c]
+                                                                : even;
         const double fit = sum > 0.5 * even && sum < 2.0 * even ? even / sum
                                                                 : 1.0;
         if (l->luminance > 0.0 && even > 0.0)
@@ -328,9 +475,8 @@ static void fit_look(const struct pair *p, struct gp_flare_quad *q)
     cut_of(&p->e, p->light, p->display, q->cut);
 }
 
-/* Adds a quad for channels [first, end), unless it is dark. */
-static void add_quad(struct quads *quads, const struct pair *p,
-                     const struct gp_flare_look *look, int first, int end)
+static struct gp_flare_quad quad_of(const struct pair *p,
+                                    const struct gp_flare_look *look)
 {
     const double angle = p->e.rotation * M_PI / 180.0;
     const float visible = (float) p->light->visibility;
@@ -346,108 +492,40 @@ static void add_quad(struct quads *quads, const struct pair *p,
     else if (look)
         fit_look(p, &q);
     else
-        fit_image(p, first, end, &q);
+        fit_image(p, &q);
     for (int c = 0; c < 3; c++)
         q.amount[c] *= visible;
-    if (q.amount[0] != 0.0f || q.amount[1] != 0.0f || q.amount[2] != 0.0f)
-        quads->at[quads->n++] = q;
+    return q;
 }
 
-/* Finds the look of a pair among those of its element, or makes it. */
-static gp_status find_look(const struct gp_log *log, const struct pair *p,
-    int element, struct quads *quads, const struct gp_flare_look **out)
+/* Fits what lights share of element e to the light of a pair: a level at the
+ * size that the image is drawn in, and a look. */
+static gp_status fit_shared(const struct gp_log *log,
+    const struct gp_flare_element *e, const struct pair *p, struct shared *s)
 {
-    int *const last = &quads->last[element]; // from 1
-    struct gp_flare_look *const look = quads->look;
+    const double size = diameter_of(e, p->display) * least_scale(e);
     gp_status st = GP_OK;
-    if (!*last || look[*last - 1].diameter != p->diameter) {
-        st = gp_flare_look_make(log, &p->e, p->diameter, &look[quads->looks]);
-        if (!st)
-            *last = ++quads->looks;
-    }
-    *out = st ? NULL : &look[*last - 1];
-    return st;
-}
-
-/* Makes levels of images at the sizes that they are drawn in. */
-static gp_status make_levels(const struct gp_log *log, const struct gp_flare *f,
-                             struct gp_rect display, struct quads *out)
-{
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
-                         sizeof *out->level, &out->level));
-    out->elements = f->n;
-    for (int k = 0; k < f->n; k++) {
-        const struct gp_flare_element *const e = &f->element[k];
-        if (e->image.w < 1 || e->image.h < 1)
-            continue;
+    if (e->image.w && !s->level.image.w) {
         if (e->plain || !is_image(e))
-            out->level[k].image = e->image;
+            s->level.image = e->image;
         else
-            GP_TRY(gp_flare_level_make(log, &e->image,
-                                       fmax(diameter_of(e, display) *
-                                            least_scale(e), 1.0),
-                                       &out->level[k]));
+            st = make_level(log, &e->image, fmax(size, 1.0),
+                                     &s->level);
     }
-out:
+    if (!st && !is_image(e) &&
+        (!s->look.table || s->look.diameter != p->diameter)) {
+        gp_flare_look_free(&s->look);
+        st = gp_flare_look_make(log, &p->e, p->diameter, &s->look);
+    }
     return st;
-}
-
-/* Makes quads of all elements that are not empty, of lights whose visibility is
- * over 0. *out is zero before; free_quads() frees it, after a failure too. */
-static gp_status make_quads(const struct gp_log *log,
-    const struct gp_flare *f, const struct gp_light *light, int n,
-    struct gp_rect frame, struct gp_rect display, struct quads *out)
-{
-    struct pair p;
-    size_t most = 0;
-    gp_status st;
-    for (int i = 0; i < n * f->n; i++)
-        most += (size_t) find_pair(f, i % f->n, &light[i / f->n], frame,
-                                   display, &p);
-    if (most == 0)
-        return GP_OK;
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
-                    &out->at));
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->look,
-                    &out->look));
-    GP_TRY(gp_alloc_zero(log, "flare elements", (size_t) f->n,
-                         sizeof *out->last, &out->last));
-    GP_TRY(make_levels(log, f, display, out));
-    for (int i = 0; i < n * f->n; i++) {
-        const int k = i % f->n;
-        const int quads = find_pair(f, k, &light[i / f->n], frame, display, &p);
-        const struct gp_flare_look *look = NULL;
-        p.level = f->element[k].image.w ? &out->level[k] : NULL;
-        if (quads && !is_image(&p.e))
-            GP_TRY(find_look(log, &p, k, out, &look));
-        for (int c = 0; c < quads; c++)
-            add_quad(out, &p, look, c, quads == 1 ? 3 : c + 1);
-    }
-out:
-    return st;
-}
-
-static void free_quads(struct quads *quads)
-{
-    for (int i = 0; i < quads->elements; i++) {
-        if (quads->level[i].level > 0)
-            gp_planes_free(&quads->level[i].image.rgb);
-    }
-    for (int i = 0; i < quads->looks; i++)
-        gp_flare_look_free(&quads->look[i]);
-    gp_free(quads->at);
-    gp_free(quads->look);
-    gp_free(quads->last);
-    gp_free(quads->level);
 }
 
 // -- adding ------------------------------------------------------------------
 
-enum { ROWS = 16 }; // of a task
+enum { ROWS = 32 }; // of a task
 
 struct adding {
-    const struct quads *quads;
+    struct gp_flare_quad quad;
     struct gp_rect frame;
     struct gp_planes *layer;
 };
@@ -455,24 +533,16 @@ struct adding {
 static void add_rows(void *ctx, int i, int thread)
 {
     const struct adding *const a = ctx;
+    const struct gp_flare_quad *const q = &a->quad;
     const struct gp_rect f = a->frame;
-    const int y0 = f.y0 + i * ROWS;
+    const int y0 = q->rect.y0 + i * ROWS;
     (void) thread;
-    for (int k = 0; k < a->quads->n; k++) {
-        const struct gp_flare_quad *const q = &a->quads->at[k];
-        const int end = gp_min(y0 + ROWS, q->rect.y1);
-        for (int y = gp_max(y0, q->rect.y0); y < end; y++) {
-            const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
-                              (size_t) (q->rect.x0 - f.x0);
-            float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
-                                  a->layer->c[2] + at};
-            if (q->look)
-                gp_flare_look_row(q, y, q->amount, to);
-            for (int c = 0; c < 3 && !q->look; c++) {
-                if (q->amount[c] != 0.0f)
-                    gp_flare_add_row(q, c, y, q->amount[c], to[c]);
-            }
-        }
+    for (int y = y0; y < gp_min(y0 + ROWS, q->rect.y1); y++) {
+        const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
+                          (size_t) (q->rect.x0 - f.x0);
+        float *const to[3] = {a->layer->c[0] + at, a->layer->c[1] + at,
+                              a->layer->c[2] + at};
+        add_row(q, y, q->amount, to);
     }
 }
 
@@ -480,12 +550,27 @@ gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_light *light, int n, struct gp_rect frame,
     struct gp_rect display, struct gp_planes *layer)
 {
-    struct quads quads = {0};
-    gp_status st = make_quads(log, f, light, n, frame, display, &quads);
-    if (!st && quads.n > 0) {
-        struct adding a = {&quads, frame, layer};
-        gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
+    struct shared *shared;
+    gp_status st = gp_alloc_zero(log, "flare elements", (size_t) f->n,
+                                 sizeof *shared, &shared);
+    for (int i = 0; i < n * f->n && !st; i++) {
+        const int k = i % f->n;
+        struct pair p;
+        if (!find_pair(f, k, &light[i / f->n], frame, display, &p))
+            continue;
+        st = fit_shared(log, &f->element[k], &p, &shared[k]);
+        if (st)
+            break;
+        p.level = f->element[k].image.w ? &shared[k].level : NULL;
+        struct adding a = {quad_of(&p, is_image(&p.e) ? NULL : &shared[k].look),
+                           frame, layer};
+        gp_parallel_do((gp_rect_h(p.rect) + ROWS - 1) / ROWS, add_rows, &a);
     }
-    free_quads(&quads);
+    for (int k = 0; k < f->n && shared; k++) {
+        if (shared[k].level.level > 0)
+            gp_planes_free(&shared[k].level.image.rgb);
+        gp_flare_look_free(&shared[k].look);
+    }
+    gp_free(shared);
     return st;
 }

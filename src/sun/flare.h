@@ -3,61 +3,19 @@
  *
  * An element's total over all pixels (of an unbounded picture) is colour *
  * flux * visibility in each channel, so that it looks the same at every
- * resolution and dims by exactly the hidden share. Dirt adds less: a glow of
+ * resolution and dims by exactly the hidden share; of hard rings a pixel wide
+ * that are over 128 pixels across, to 1 %. Dirt adds less: a glow of
  * that total times the image's value at each pixel. An element's place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
  * its diameter `size` times the frame's height (an image's longer side). An
  * edge is a ramp a pixel wide or more, so that a step of 1/8 pixel is a small
  * change. No element is smaller, and no ring or ray thinner, than a pixel.
  *
- * Each shape but images is a profile f(q), q from 0 in the middle to 1 at the
- * rim, over a norm of the plane, times a function of the direction; or a sum of
- * rays, each a profile along times a section across (element.c).
- *
- * JSON, an array or {"elements": [...], "source": of elements without their
- * own}; every key has a default but shape:
- *   {"shape": "disc" | "ring" | "polygon" | "streak" | "image" | "glow" |
- *             "spikes" | "caustic" | "dirt",
- *    "source": "lights" | "bright" pixels of the frame (lights),
- *    "position": 0, "size": 0.1, "color": [r,g,b] | grey (0.01),
- *    "rotation": degrees (0), "scale": [r,g,b] (1,1,1) of the size,
- * all shapes but image and dirt:
- *    "profile": 2 to 32 numbers from middle to rim, linear between; without it,
- *       1, of rays (1 - q)^2, of a glow exp(-falloff q), of a caustic
- *       1 / sqrt(1 - q + 0.02)
- *    "softness": share of the radius over which the edge fades (0); of a ring
- *       of its band; of rays of their width, both ways
- *    "rim": light added at the rim, times that of the middle (0)
- *    "dispersion": a wavelength's size is 1 + dispersion * (nm - 550) / 300 (0)
- *    "aspect": width over height, whose diameter `size` is (1)
- * of some shapes:
- *    "width": ring's or ray's share of the radius (0.1; rays 0.01)
- *    "completion", "feather": of a ring: share of its circle, around the
- *       rotation; share of that over which its ends fade (1, 0)
- *    "sides", "round": of the polygon: 3 to 64 (6); 0 corners to 1 a disc (0)
- *    "falloff": of a glow (6)
- *    "random": of rays: up to so much shorter and thinner (0)
- *    "image": file beside the JSON; of dirt: it fills the frame
- *    "count", "spread", "seed": spikes (8); streaks (1) within so many degrees
- *       (0); of others copies (1), at places so far around the position (0), of
- *       half to all of the size
- * how lights change an element:
- *    "turn": "fixed" | "axis": rotation counts from right, or from the line
- *    "offset": across the line, share of the height (0)
- *    "cut": share of the diameter by which the pupil's rim cuts the element of
- *       a light in a corner, its outer side, whose light is lost (0)
- *    "shrink": share of the size that goes with a wholly hidden light (0)
- *    "flicker": share of the brightness, by seed and frame number (0)
- *    "by_place": {"from": "centre" | "edge", "size": [a, b],
- *       "brightness": [a, b], "color": [[r,g,b], [r,g,b]]}: factors at a light
- *       at the centre and at a corner, or at the frame's edge and half its
- *       height or more inside; linear between
- *    "only": lights of these names, a pattern with * and ?
+ * man/glarepp.1.in has the JSON and all its keys; shapes are in element.c.
  * Elements of bright pixels are one image for all of them: no dirt, turn,
- * offset, cut, shrink, only, and no by_place size. Rotation is
- * counter-clockwise as seen.
- * Unknown keys and shapes, keys of another shape or source, numbers out of
- * range are errors that name file, element and key.
+ * offset, cut, shrink, only, and no by_place size. Rotation is counter-clockwise
+ * as seen. Unknown keys and shapes, keys of another shape or source, numbers out
+ * of range are errors that name file, element and key.
  */
 #ifndef GP_SUN_FLARE_H
 #define GP_SUN_FLARE_H
@@ -101,6 +59,7 @@ struct gp_flare_element {
                           // rotation and colour do not count
     float profile[GP_FLARE_PROFILE];
     int profiles;         // 0: the shape's own
+    // as the man page's keys
     double softness, rim, dispersion, aspect, completion, feather, round;
     double falloff, random, spread, offset, cut, shrink, flicker;
     int count, seed;

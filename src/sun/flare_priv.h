@@ -16,7 +16,7 @@ struct gp_flare_ray {
     float c, s;   // direction
     float per_t;  // entries of the table in a pixel along it
     float half;   // of its width, pixels
-    float steep;  // of its edges, in a pixel
+    double length; // in radii
 };
 
 /* An element, not an image, at one size: tables of its profile, in square
@@ -30,14 +30,10 @@ struct gp_flare_look {
     float across;               // pixels across an edge for 1 of the norm
     float edge[6];              // hard edges, in radii; `edges` of them
     int edges;
-    bool flat;                  // a ring without profile, drawn without table:
-    float outer[3], inner[3];   // its radii in pixels, and the light between
-    float weight[3];
     int n;                      // entries of the table: [entry][channel]
     float *table;               // owned
     float side[GP_FLARE_SIDES][2]; // of a polygon: normal over its distance
     struct gp_flare_ray *ray;   // owned
-    double *ray_area;           // owned; length in radii of each
     int rays;
     double area[3];             // sum over an unbounded plane
 };
@@ -58,20 +54,6 @@ double gp_flare_place_share(const struct gp_flare_by_place *b, double x,
 /* Factor of an element's brightness in a frame. */
 double gp_flare_flicker(const struct gp_flare_element *e, int frame);
 
-/* Texture of an image at half size, `level` times. */
-struct gp_flare_level {
-    struct gp_flare_image image; // rgb owned when level > 0, else borrowed
-    int level;
-    double sum[3], luminance;    // of the whole image, level 0; 0 when not
-                                 // finite or not over 0: draws nothing
-};
-
-/* The level at which `size` of the longer side in pixels is not under a pixel
- * a texel, with its sums. */
-GP_MUST_CHECK gp_status gp_flare_level_make(const struct gp_log *log,
-    const struct gp_flare_image *image, double size,
-    struct gp_flare_level *out);
-
 /* The quad of one element of one light. */
 struct gp_flare_quad {
     bool plain;
@@ -80,7 +62,7 @@ struct gp_flare_quad {
     double x, y;          // place, EXR pixel space
     float base[2];        // centre of pixel (rect.x0, rect.y0) less the place
     float turn[2];        // cosine and sine of the rotation
-    float radius;         // image: texels a pixel
+    float radius[3];      // image: texels a pixel, of each channel
     float inner[2];       // image: the place in texels
     int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
     float fraction[2];    // weight is 1 - fraction, and the next one's it
@@ -90,16 +72,12 @@ struct gp_flare_quad {
     const struct gp_flare_image *image; // of the quad's level; dirt
 };
 
-/* The pixels of `frame` (data window) that element e, as light l sees it, may
- * reach; empty when it reaches none. `display` gives centre and height. */
+/* The pixels that element e, as light l sees it, may reach, in a frame or not;
+ * empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-    const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
+    const struct gp_light *l, struct gp_rect display);
 
-/* Adds amount * sample of an image's channel c in row y of the quad's rect. */
-void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, float amount,
-                      float *out);
-
-/* The same of a look, amount * value of all channels. */
+/* Adds amount * value of a look in row y of the quad's rect. */
 void gp_flare_look_row(const struct gp_flare_quad *q, int y,
                        const float amount[3], float *const out[3]);
 

@@ -72,39 +72,30 @@ static double split_error(const struct gp_planes *image,
     return worst;
 }
 
-/* Draws the elements of `own` again, half a pixel further, and finds what
- * splitting their image, 2m + 1 by 2n + 1 pixels, makes of them. */
-static gp_status measure_split(const struct gp_log *log,
-    const struct gp_flare *own, struct gp_light lamp, int m, int n,
-    struct gp_rect display, const struct gp_planes *image, double *split)
+/* Draws elements for a lamp into planes of 2m + 1 by 2n + 1 pixels, made here,
+ * whose middle is pixel (0, 0). */
+static gp_status draw(const struct gp_log *log, const struct gp_flare *own,
+    const struct gp_light *lamp, int m, int n, struct gp_rect display,
+    struct gp_planes *out)
 {
-    const int w = 2 * m + 1, h = 2 * n + 1;
-    const size_t pixels = (size_t) w * (size_t) h;
-    struct gp_planes half = {0};
-    gp_status st;
-    lamp.x += 0.5;
-    lamp.y += 0.5;
-    GP_TRY(gp_planes_make(log, "flare of bright pixels", pixels, &half));
-    gp_planes_clear(&half, 0, pixels);
-    GP_TRY(gp_flare_add(log, own, &lamp, 1,
-                        (struct gp_rect) {-m, -n, m + 1, n + 1}, display,
-                        &half));
-    *split = split_error(image, &half, w, h);
-out:
-    gp_planes_free(&half);
-    return st;
+    const size_t pixels = (size_t) (2 * m + 1) * (size_t) (2 * n + 1);
+    const struct gp_rect frame = {-m, -n, m + 1, n + 1};
+    const gp_status st = gp_planes_make(log, "flare of bright pixels", pixels,
+                                        out);
+    if (st)
+        return st;
+    gp_planes_clear(out, 0, pixels);
+    return gp_flare_add(log, own, lamp, 1, frame, display, out);
 }
 
 /* Draws the elements of a run, of which k is the first, into its image. */
 static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
     const struct gp_ghosts *g, int k0, struct gp_ghost *run)
 {
-    static const struct gp_rect all = {-(1 << 29), -(1 << 29), 1 << 29,
-                                       1 << 29};
     static const double most = 1 << 26; // pixels
     struct gp_light lamp = GP_LIGHT_DEFAULTS;
     struct gp_flare own = {0};
-    struct gp_planes planes = {0};
+    struct gp_planes planes = {0}, half = {0};
     struct gp_rect reach = {0};
     gp_status st;
     double place[2];
@@ -131,7 +122,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
         own.element[own.n].flicker = 0.0; // of the sources
         own.element[own.n].by_place.given = false;
         reach = gp_rect_join(reach, gp_flare_reach(&own.element[own.n++], &lamp,
-                                                   all, g->display));
+                                                   g->display));
     }
     run->elements = own.n;
     const double far_x = fmin(fmax(-reach.x0, reach.x1), farthest(run, g, 0));
@@ -143,20 +134,18 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
                        "position", f->path, k0 + 1, w, h));
     const int m = (int) far_x, n = (int) far_y;
     const size_t pixels = (size_t) (2 * m + 1) * (size_t) (2 * n + 1);
-    GP_TRY(gp_planes_make(log, "flare of bright pixels", pixels, &planes));
     bool black = true;
-    for (int c = 0; c < 3; c++)
-        memset(planes.c[c], 0, pixels * sizeof(float));
-    GP_TRY(gp_flare_add(log, &own, &lamp, 1,
-                        (struct gp_rect) {-m, -n, m + 1, n + 1}, g->display,
-                        &planes));
+    GP_TRY(draw(log, &own, &lamp, m, n, g->display, &planes));
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; black && i < pixels; i++)
             black = !(planes.c[c][i] > 1e-37f);
     }
-    if (!black && run->scale != rint(run->scale))
-        GP_TRY(measure_split(log, &own, lamp, m, n, g->display, &planes,
-                             &run->split));
+    if (!black && run->scale != rint(run->scale)) {
+        lamp.x += 0.5;
+        lamp.y += 0.5;
+        GP_TRY(draw(log, &own, &lamp, m, n, g->display, &half));
+        run->split = split_error(&planes, &half, 2 * m + 1, 2 * n + 1);
+    }
     if (!black) {
         st = gp_kernel_of_planes(log, f->path, 2 * m + 1, 2 * n + 1, &planes,
                                  &run->kernel);
@@ -165,6 +154,7 @@ static gp_status draw_image(const struct gp_log *log, const struct gp_flare *f,
 out:
     gp_free(own.element);
     gp_planes_free(&planes);
+    gp_planes_free(&half);
     return st;
 }
 

@@ -1,9 +1,192 @@
-/* First-order optics of a lens and of its ghosts. Source: Lee and Eisemann,
- * Practical Real-Time Lens-Flare Rendering, 2013, with matrices of (height,
- * slope) along the unfolded path: after a reflection, radii change sign. */
+/* A lens: its prescription from JSON, its first-order optics and that of its
+ * ghosts, and its section as SVG. Source: Lee and Eisemann, Practical Real-Time
+ * Lens-Flare Rendering, 2013, with matrices of (height, slope) along the unfolded
+ * path: after a reflection, radii change sign. */
 #include "sun/lens_priv.h"
 
+#include "core/bridge.h"
+#include "core/json.h"
+#include "core/memory.h"
+
+#include <limits.h>
 #include <math.h>
+#include <string.h>
+
+// -- the prescription ---------------------------------------------------------
+
+static gp_status read_text(const struct gp_json_place *p, json_t *o,
+                           const char *key, size_t room, char *out)
+{
+    const char *text = "";
+    const gp_status st = gp_json_text(p, o, key, &text, NULL);
+    if (st)
+        return st;
+    if (strlen(text) >= room)
+        return gp_json_fail(p, "%s is too long (%zu bytes); shorten it to %zu",
+                            key, strlen(text), room - 1);
+    memcpy(out, text, strlen(text) + 1);
+    gp_make_printable(out);
+    return GP_OK;
+}
+
+static gp_status read_claims(const struct gp_json_place *p, json_t *root,
+                             struct gp_lens *lens)
+{
+    static const char *const keys[] = {
+        "focal_length", "f_number", "back_focus", "image_height", NULL};
+    json_t *const o = json_object_get(root, "claims");
+    gp_status st;
+    if (!o)
+        return GP_OK;
+    GP_TRY(gp_json_keys(p, o, keys));
+    GP_TRY(gp_json_number(p, o, "focal_length", 0.1, 1e5, &lens->claims_focal,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "f_number", 0.3, 1e3, &lens->claims_f_number,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "back_focus", 1e-3, 1e5, &lens->claims_back,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "image_height", 1e-3, 1e4,
+                          &lens->claims_height, NULL));
+out:
+    return st;
+}
+
+/* A surface, after one in `before`. */
+static gp_status read_surface(const struct gp_json_place *p, json_t *o,
+    double coating, const struct gp_lens_surface *before, bool last,
+    struct gp_lens_surface *out, bool *stop)
+{
+    static const char *const keys[] = {
+        "radius", "thickness", "n", "v", "semi", "coating", "stop", NULL};
+    static const char *const stop_keys[] = {"thickness", "semi", "stop", NULL};
+    struct gp_lens_surface s = {.n = 1.0};
+    double radius = 0.0;
+    bool has_radius = false, has_gap, has_semi, has_coat = false;
+    gp_status st;
+    GP_TRY(gp_json_keys(p, o, keys));
+    *stop = json_is_true(json_object_get(o, "stop"));
+    if (json_object_get(o, "stop") && !*stop)
+        GP_TRY(gp_json_fail(p, "stop is not true; leave it out"));
+    if (*stop)
+        GP_TRY(gp_json_keys(p, o, stop_keys));
+    GP_TRY(gp_json_number(p, o, "thickness", last ? 0.0 : 1e-6, 1e5, &s.gap,
+                          &has_gap));
+    GP_TRY(gp_json_number(p, o, "semi", 1e-3, 1e4, &s.semi, &has_semi));
+    if (!*stop) {
+        GP_TRY(gp_json_number(p, o, "radius", -1e9, 1e9, &radius,
+                              &has_radius));
+        GP_TRY(gp_json_number(p, o, "n", 1.0, 5.0, &s.n, NULL));
+        GP_TRY(gp_json_number(p, o, "v", 0.0, 200.0, &s.v, NULL));
+        GP_TRY(gp_json_number(p, o, "coating", 0.0, 5000.0, &s.coat,
+                              &has_coat));
+    } else if (before) {
+        s.n = before->n;
+        s.v = before->v;
+    }
+    if (!has_semi || (!has_gap && !last))
+        GP_TRY(gp_json_fail(p, "no %s; add it in millimetres",
+                            has_semi ? "thickness" : "semi"));
+    if (has_radius && radius == 0.0)
+        GP_TRY(gp_json_fail(p, "the radius is 0; leave it out for a flat "
+                            "surface"));
+    if (has_radius && fabs(radius) < s.semi)
+        GP_TRY(gp_json_fail(p, "the radius is under semi (found %g and %g); no "
+                            "sphere is so wide", radius, s.semi));
+    if (s.v > 0.0 && s.v < 10.0)
+        GP_TRY(gp_json_fail(p, "v is not an Abbe number (found %g); give 10 to "
+                            "200, or 0 for none", s.v));
+    s.curvature = has_radius ? 1.0 / radius : 0.0;
+    // by default between glass and air: cemented surfaces have no coat
+    const double n = before ? before->n : 1.0;
+    if (!has_coat && !*stop && n != s.n && (n == 1.0 || s.n == 1.0))
+        s.coat = coating;
+    *out = s;
+out:
+    return st;
+}
+
+static gp_status read_surfaces(const struct gp_json_place *p, json_t *list,
+                               double coating, struct gp_lens *lens)
+{
+    lens->stop = -1;
+    lens->n = (int) json_array_size(list);
+    for (int i = 0; i < lens->n; i++) {
+        const struct gp_json_place at = {p->log, p->path, "surface", i + 1};
+        bool stop;
+        const gp_status st = read_surface(
+            &at, json_array_get(list, (size_t) i), coating,
+            i ? &lens->at[i - 1] : NULL, i == lens->n - 1, &lens->at[i], &stop);
+        if (st)
+            return st;
+        if (stop && lens->stop >= 0)
+            return gp_json_fail(&at, "a second stop; leave one out");
+        if (stop)
+            lens->stop = i;
+    }
+    if (lens->stop < 0)
+        return gp_json_fail(p, "no stop; add a surface {\"stop\": true, "
+                            "\"thickness\": mm, \"semi\": mm}");
+    if (lens->at[lens->n - 1].n != 1.0)
+        return gp_fail(p->log, GP_ERR_DATA, "%s: surface %d: glass up to the "
+                       "sensor (found n %g); leave n of the last one out",
+                       p->path, lens->n, lens->at[lens->n - 1].n);
+    return GP_OK;
+}
+
+static gp_status read_lens(const struct gp_json_place *p, json_t *root,
+                           struct gp_lens *lens)
+{
+    static const char *const keys[] = {
+        "name", "patent", "note", "claims", "blades", "blade_turn", "coating",
+        "surfaces", NULL};
+    double coating = 0.0;
+    json_t *list = NULL;
+    gp_status st;
+    GP_TRY(gp_json_keys(p, root, keys));
+    GP_TRY(read_text(p, root, "name", sizeof lens->name, lens->name));
+    GP_TRY(read_text(p, root, "patent", sizeof lens->patent, lens->patent));
+    GP_TRY(read_text(p, root, "note", sizeof lens->note, lens->note));
+    if (!lens->name[0])
+        GP_TRY(gp_json_fail(p, "no name; add \"name\": text"));
+    GP_TRY(read_claims(p, root, lens));
+    GP_TRY(gp_json_int(p, root, "blades", 0, 32, &lens->blades, NULL));
+    if (lens->blades == 1 || lens->blades == 2)
+        GP_TRY(gp_json_fail(p, "blades make no opening (found %d); give 3 to "
+                            "32, or 0 for a round stop", lens->blades));
+    GP_TRY(gp_json_number(p, root, "blade_turn", -360.0, 360.0, &lens->turn,
+                          NULL));
+    GP_TRY(gp_json_number(p, root, "coating", 0.0, 5000.0, &coating, NULL));
+    GP_TRY(gp_json_array(p, root, "surfaces", GP_LENS_SURFACES, &list));
+    GP_TRY(read_surfaces(p, list, coating, lens));
+out:
+    return st;
+}
+
+gp_status gp_lens_read(const struct gp_log *log, const char *name,
+                       struct gp_lens *out)
+{
+    char path[PATH_MAX], file[NAME_MAX];
+    struct gp_json_place p = {log, name, "lens", 0};
+    struct gp_lens lens = {0};
+    json_t *root = NULL;
+    // a word without / and . is an installed lens
+    if (!strpbrk(name, "/.")) {
+        const int n = snprintf(file, sizeof file, "lenses/%s.json", name);
+        if ((size_t) n >= sizeof file ||
+            !gp_example_find(file, path, sizeof path))
+            return gp_fail_at(log, GP_ERR_IO, "lens.lens", "%s: no installed "
+                              "lens has this name; give a file", name);
+        p.path = path;
+    }
+    gp_status st = gp_json_read(log, p.path, GP_JSON_SMALL, &root);
+    if (st)
+        return st;
+    st = read_lens(&p, root, &lens);
+    json_decref(root);
+    if (!st)
+        *out = lens;
+    return st;
+}
 
 // -- glass and coats ----------------------------------------------------------
 
@@ -56,16 +239,19 @@ double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
 
 // -- paths and matrices -------------------------------------------------------
 
-/* The index before surface i, in the order of the lens. */
-static double before(const struct gp_lens *lens, int i, double nm)
+/* The index before surface i of the lens; before surface n, after the last. */
+static double index_at(const struct gp_lens *lens, int i, double nm)
 {
     return i == 0 ? 1.0 : gp_lens_index(lens->at[i - 1].n, lens->at[i - 1].v,
                                         nm);
 }
 
-static double after(const struct gp_lens *lens, int i, double nm)
+/* Returns the share that surface i reflects on the axis. */
+static double reflected(const struct gp_lens *lens, int i, double nm)
 {
-    return gp_lens_index(lens->at[i].n, lens->at[i].v, nm);
+    return gp_lens_reflectance(index_at(lens, i, nm),
+                               index_at(lens, i + 1, nm), 1.0,
+                               lens->at[i].coat, nm);
 }
 
 /* Returns true where the index changes. */
@@ -79,33 +265,19 @@ static bool reflects(const struct gp_lens *lens, int i)
 void gp_lens_path(const struct gp_lens *lens, int first, int second,
                   struct gp_lens_path *out)
 {
+    struct gp_lens_step *s = out->step;
     const int turn = first < 0 ? lens->n : first;
-    out->first = first;
-    out->second = second;
-    out->steps = 0;
     for (int i = 0; i < turn; i++)
-        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
-    if (first < 0)
-        return;
-    out->step[out->steps++] = (struct gp_lens_step) {
-        .surface = first, .reflects = true};
-    for (int i = first - 1; i > second; i--)
-        out->step[out->steps++] = (struct gp_lens_step) {
-            .surface = i, .back = true};
-    out->step[out->steps++] = (struct gp_lens_step) {
-        .surface = second, .back = true, .reflects = true};
-    for (int i = second + 1; i < lens->n; i++)
-        out->step[out->steps++] = (struct gp_lens_step) {.surface = i};
-}
-
-/* Returns the way between the surfaces of two steps of a path. */
-static double way_between(const struct gp_lens *lens, int from, int to)
-{
-    const int low = from < to ? from : to, high = from < to ? to : from;
-    double way = 0.0;
-    for (int i = low; i < high; i++)
-        way += lens->at[i].gap;
-    return way;
+        *s++ = (struct gp_lens_step) {i, false, false};
+    if (first >= 0) {
+        *s++ = (struct gp_lens_step) {first, false, true};
+        for (int i = first - 1; i > second; i--)
+            *s++ = (struct gp_lens_step) {i, true, false};
+        *s++ = (struct gp_lens_step) {second, true, true};
+        for (int i = second + 1; i < lens->n; i++)
+            *s++ = (struct gp_lens_step) {i, false, false};
+    }
+    out->steps = (int) (s - out->step);
 }
 
 static struct gp_lens_matrix times(struct gp_lens_matrix p,
@@ -117,37 +289,36 @@ static struct gp_lens_matrix times(struct gp_lens_matrix p,
     };
 }
 
+static struct gp_lens_matrix way_of(double gap)
+{
+    return (struct gp_lens_matrix) {1.0, gap, 0.0, 1.0};
+}
+
 /* The matrix of one step: T of the way from the step before, then R or L. */
 static struct gp_lens_matrix of_step(const struct gp_lens *lens,
     const struct gp_lens_path *path, int k, double nm)
 {
-    const struct gp_lens_step *const s = &path->step[k];
-    const double way = k == 0 ? 0.0 : way_between(lens,
-                                                  path->step[k - 1].surface,
-                                                  s->surface);
-    const double curvature = s->back ? -lens->at[s->surface].curvature
-                                     : lens->at[s->surface].curvature;
-    const double n1 = s->back ? after(lens, s->surface, nm)
-                              : before(lens, s->surface, nm);
-    const double n2 = s->back ? before(lens, s->surface, nm)
-                              : after(lens, s->surface, nm);
-    const struct gp_lens_matrix t = {1.0, way, 0.0, 1.0};
+    const struct gp_lens_step s = path->step[k];
+    const int before = k == 0 ? 0 : path->step[k - 1].surface;
+    const int low = before < s.surface ? before : s.surface;
+    const double way = k == 0 ? 0.0 : lens->at[low].gap;
+    const double curvature = s.back ? -lens->at[s.surface].curvature
+                                    : lens->at[s.surface].curvature;
+    const double n1 = index_at(lens, s.surface + s.back, nm);
+    const double n2 = index_at(lens, s.surface + !s.back, nm);
     const struct gp_lens_matrix bend =
-        s->reflects ? (struct gp_lens_matrix) {1.0, 0.0, 2.0 * curvature, 1.0}
-                    : (struct gp_lens_matrix) {1.0, 0.0, (n1 - n2) / n2 *
-                                                         curvature, n1 / n2};
-    return times(bend, t);
+        s.reflects ? (struct gp_lens_matrix) {1.0, 0.0, 2.0 * curvature, 1.0}
+                   : (struct gp_lens_matrix) {1.0, 0.0, (n1 - n2) / n2 *
+                                                        curvature, n1 / n2};
+    return times(bend, way_of(way));
 }
 
 struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
-    const struct gp_lens_path *path, int steps, double nm, bool to_sensor)
+    const struct gp_lens_path *path, int steps, double nm)
 {
-    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
+    struct gp_lens_matrix m = way_of(0.0);
     for (int k = 0; k < steps; k++)
         m = times(of_step(lens, path, k, nm), m);
-    if (to_sensor)
-        m = times((struct gp_lens_matrix) {1.0, lens->at[lens->n - 1].gap, 0.0,
-                                           1.0}, m);
     return m;
 }
 
@@ -159,7 +330,7 @@ static struct gp_lens_matrix front_matrix(const struct gp_lens *lens,
 {
     struct gp_lens_path path;
     gp_lens_path(lens, -1, -1, &path);
-    return gp_lens_matrix(lens, &path, surfaces, GP_D_LINE, false);
+    return gp_lens_matrix(lens, &path, surfaces, GP_D_LINE);
 }
 
 gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
@@ -196,89 +367,63 @@ gp_status gp_lens_focus(const struct gp_log *log, struct gp_lens *lens,
     return GP_OK;
 }
 
-/* The slope at which the chief ray, through the middle of the stop, meets the
- * first rim. */
-static double field_of(const struct gp_lens *lens)
-{
-    struct gp_lens_path path;
-    gp_lens_path(lens, -1, -1, &path);
-    const struct gp_lens_matrix s =
-        gp_lens_matrix(lens, &path, lens->stop + 1, GP_D_LINE, false);
-    double least = INFINITY;
-    for (int k = 0; k < lens->n; k++) {
-        const struct gp_lens_matrix m =
-            gp_lens_matrix(lens, &path, k + 1, GP_D_LINE, false);
-        const double height = fabs(m.b - m.a * s.b / s.a); // at slope 1
-        if (k != lens->stop && height * least > lens->at[k].semi)
-            least = lens->at[k].semi / height;
-    }
-    return least;
-}
-
 void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out)
 {
     const struct gp_lens_matrix m = front_matrix(lens, lens->n);
     const struct gp_lens_matrix s = front_matrix(lens, lens->stop + 1);
+    const struct gp_lens_matrix all =
+        times(way_of(lens->at[lens->n - 1].gap), m);
     struct gp_lens_figures f = {
         .focal = -1.0 / m.c, .back = -m.a / m.c,
         .pupil = lens->at[lens->stop].semi / fabs(s.a),
         .pupil_at = s.b / s.a, .through = 1.0,
     };
+    double field = INFINITY; // slope at which the chief ray meets a rim
     f.f_number = f.focal / (2.0 * f.pupil);
-    const double field = field_of(lens);
+    f.scale = all.b - all.a * f.pupil_at;
+    for (int i = 0; i < lens->n; i++) {
+        const struct gp_lens_matrix to = front_matrix(lens, i + 1);
+        const double height = fabs(to.b - to.a * s.b / s.a); // at slope 1
+        if (i != lens->stop && height * field > lens->at[i].semi)
+            field = lens->at[i].semi / height;
+        f.through *= 1.0 - reflected(lens, i, GP_D_LINE);
+    }
     f.height = isfinite(field) ? f.focal * field : 0.0;
-    for (int i = 0; i < lens->n; i++)
-        f.through *= 1.0 - gp_lens_reflectance(before(lens, i, GP_D_LINE),
-                                               after(lens, i, GP_D_LINE), 1.0,
-                                               lens->at[i].coat, GP_D_LINE);
     *out = f;
 }
 
 // -- ghosts -------------------------------------------------------------------
 
-/* A disc of rays before the lens that pass a rim: half-width, and the place of
- * its middle for a slope of 1. */
-struct disc {
-    double radius, shift;
-};
-
-/* Lists the discs of all rims of a path; returns how many bound it. */
-static int discs_of(const struct gp_lens *lens, const struct gp_lens_path *path,
-                    double nm, struct disc out[GP_LENS_STEPS])
+/* Follows a ghost's path. */
+static struct gp_lens_ghost ghost_of(const struct gp_lens *lens, int first,
+                                     int second, double nm)
 {
-    struct gp_lens_matrix m = {1.0, 0.0, 0.0, 1.0};
-    int n = 0;
-    for (int k = 0; k < path->steps; k++) {
-        m = times(of_step(lens, path, k, nm), m);
-        const double semi = lens->at[path->step[k].surface].semi;
-        if (fabs(m.a) * 1e6 > semi) // else parallel light that all passes
-            out[n++] = (struct disc) {semi / fabs(m.a), -m.b / m.a};
+    struct gp_lens_ghost g = {.first = first, .second = second,
+                              .radius = INFINITY, .through = 1.0};
+    struct gp_lens_matrix m = way_of(0.0), s = m; // s: to the stop, at last
+    struct gp_lens_path path;
+    gp_lens_path(lens, first, second, &path);
+    for (int k = 0; k < path.steps; k++) {
+        const int i = path.step[k].surface;
+        const double semi = lens->at[i].semi, r = reflected(lens, i, nm);
+        m = times(of_step(lens, &path, k, nm), m);
+        // else parallel light that all passes
+        if (fabs(m.a) * 1e6 > semi && semi / fabs(m.a) < g.radius) {
+            g.radius = semi / fabs(m.a);
+            g.shift = -m.b / m.a;
+        }
+        g.through *= path.step[k].reflects ? r : 1.0 - r;
+        if (i == lens->stop)
+            s = m;
     }
-    return n;
-}
-
-static double through(const struct gp_lens *lens,
-                      const struct gp_lens_path *path, double nm)
-{
-    double t = 1.0;
-    for (int k = 0; k < path->steps; k++) {
-        const int i = path->step[k].surface;
-        const double r = gp_lens_reflectance(before(lens, i, nm),
-                                             after(lens, i, nm), 1.0,
-                                             lens->at[i].coat, nm);
-        t *= path->step[k].reflects ? r : 1.0 - r;
-    }
-    return t;
-}
-
-/* The stop's step that light passes last. */
-static int last_stop(const struct gp_lens *lens,
-                     const struct gp_lens_path *path)
-{
-    int k = path->steps - 1;
-    while (k > 0 && path->step[k].surface != lens->stop)
-        k--;
-    return k;
+    g.m = times(way_of(lens->at[lens->n - 1].gap), m);
+    // from the stop to the sensor: m = after * s
+    const double det = s.a * s.d - s.b * s.c;
+    const double b = (g.m.b * s.a - g.m.a * s.b) / det;
+    // Collins' integral from the stop: a fringe of sqrt(nm |A B|), with A the
+    // size of the ghost over that of the stop
+    g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
+    return g;
 }
 
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
@@ -287,34 +432,109 @@ int gp_lens_ghosts(const struct gp_lens *lens, double nm,
     int n = 0;
     for (int first = 1; first < lens->n; first++) {
         for (int second = 0; second < first; second++) {
-            struct gp_lens_path path;
-            struct disc disc[GP_LENS_STEPS];
-            if (!reflects(lens, first) || !reflects(lens, second))
-                continue;
-            gp_lens_path(lens, first, second, &path);
-            struct gp_lens_ghost g = {
-                .first = first, .second = second, .radius = INFINITY,
-                .m = gp_lens_matrix(lens, &path, path.steps, nm, true),
-                .through = through(lens, &path, nm),
-            };
-            const int discs = discs_of(lens, &path, nm, disc);
-            for (int k = 0; k < discs; k++) {
-                if (disc[k].radius < g.radius) {
-                    g.radius = disc[k].radius;
-                    g.shift = disc[k].shift;
-                }
-            }
-            // from the stop to the sensor: m = after * s
-            const struct gp_lens_matrix s =
-                gp_lens_matrix(lens, &path, last_stop(lens, &path) + 1, nm,
-                               false);
-            const double det = s.a * s.d - s.b * s.c;
-            const double b = (g.m.b * s.a - g.m.a * s.b) / det;
-            // Collins' integral from the stop: a fringe of sqrt(nm |A B|),
-            // with A the size of the ghost over that of the stop
-            g.blur = s.a != 0.0 ? sqrt(nm * 1e-6 * fabs(g.m.a / s.a * b)) : 0.0;
-            out[n++] = g;
+            if (reflects(lens, first) && reflects(lens, second))
+                out[n++] = ghost_of(lens, first, second, nm);
         }
     }
     return n;
+}
+
+// -- its section --------------------------------------------------------------
+
+enum { RAYS = 9, ARC = 24 };
+
+/* Distance by which a surface of that height bulges towards the sensor. */
+static double sag(const struct gp_lens_surface *s, double height)
+{
+    const double c = s->curvature, root = 1.0 - c * c * height * height;
+    return c * height * height / (1.0 + sqrt(root > 0.0 ? root : 0.0));
+}
+
+/* Adds the points of a surface from one height to another. */
+static void print_arc(FILE *f, const struct gp_lens_surface *s, double z,
+                      double from, double to)
+{
+    for (int i = 0; i <= ARC; i++) {
+        const double y = from + (to - from) * i / ARC;
+        // a rim that is wider than the surface is a flat edge
+        const double height = fmin(fabs(y), s->semi);
+        fprintf(f, "%.3f,%.3f ", z + sag(s, height), -y);
+    }
+}
+
+static void print_glass(FILE *f, const struct gp_lens_optics *o)
+{
+    const struct gp_lens *const lens = o->lens;
+    for (int i = 0; i + 1 < lens->n; i++) {
+        const struct gp_lens_surface *const a = &lens->at[i], *const b = a + 1;
+        const double semi = fmax(a->semi, b->semi);
+        if (a->n == 1.0)
+            continue;
+        fprintf(f, "<polygon class=\"glass\" points=\"");
+        print_arc(f, a, o->z[i], -semi, semi);
+        print_arc(f, b, o->z[i + 1], semi, -semi);
+        fprintf(f, "\"/>\n");
+    }
+}
+
+/* Rays of a light a little off the axis, over the ghost's pupil. */
+static void print_rays(FILE *f, const struct gp_lens_optics *o,
+                       const struct gp_lens_ghost *ghost, double u)
+{
+    struct gp_lens_path path;
+    double at[GP_LENS_STEPS + 1][3];
+    gp_lens_path(o->lens, ghost->first, ghost->second, &path);
+    for (int i = 0; i < RAYS; i++) {
+        const double radius = fmin(ghost->radius, o->lens->at[0].semi);
+        const double x = ghost->shift * u +
+                         0.95 * radius * (2.0 * i / (RAYS - 1) - 1.0);
+        const struct gp_lens_hit h = gp_lens_trace(o, &path, x, 0.0, u, at);
+        if (h.through < 0.0f || h.rim > 1.0f)
+            continue;
+        const double before = 0.15 * o->z[o->lens->n];
+        fprintf(f, "<polyline class=\"ray\" points=\"%.3f,%.3f ", -before,
+                -(x - before * u));
+        for (int k = 0; k <= path.steps; k++)
+            fprintf(f, "%.3f,%.3f ", at[k][2], -at[k][0]);
+        fprintf(f, "\"/>\n");
+    }
+}
+
+gp_status gp_lens_svg(const struct gp_log *log, FILE *f,
+                      const struct gp_lens *lens,
+                      const struct gp_lens_ghost *ghost)
+{
+    struct gp_lens_optics *o; // 130 KiB: too large for a stack
+    double tall = 0.0;
+    const gp_status st = gp_alloc(log, lens->name, 1, sizeof *o, &o);
+    if (st)
+        return st;
+    gp_lens_optics_make(lens, GP_D_LINE, o);
+    for (int i = 0; i < lens->n; i++)
+        tall = fmax(tall, lens->at[i].semi);
+    const double end = o->z[lens->n], side = 0.17 * end, half = 1.25 * tall;
+    const double stop = lens->at[lens->stop].semi, at = o->z[lens->stop];
+    const double line = 0.002 * end;
+    fprintf(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"960\" "
+               "viewBox=\"%.3f %.3f %.3f %.3f\">\n"
+               "<style>.glass{fill:#cfe3f2;stroke:#3a5a78;stroke-width:%.4f}"
+               ".ray{fill:none;stroke:#d06020;stroke-width:%.4f}"
+               ".line{stroke:#222;stroke-width:%.4f}</style>\n"
+               "<rect x=\"%.3f\" y=\"%.3f\" width=\"%.3f\" height=\"%.3f\" "
+               "fill=\"#fff\"/>\n", -side, -half, end + 1.3 * side, 2.0 * half,
+            line, 0.6 * line, 1.5 * line, -side, -half, end + 1.3 * side,
+            2.0 * half);
+    fprintf(f, "<line class=\"line\" stroke-dasharray=\"%.3f\" x1=\"%.3f\" "
+               "y1=\"0\" x2=\"%.3f\" y2=\"0\"/>\n", 8.0 * line, -side, end);
+    print_glass(f, o);
+    for (int k = -1; k <= 1; k += 2)
+        fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
+                   "y2=\"%.3f\"/>\n", at, k * stop, at, k * 1.15 * tall);
+    fprintf(f, "<line class=\"line\" x1=\"%.3f\" y1=\"%.3f\" x2=\"%.3f\" "
+               "y2=\"%.3f\"/>\n", end, -tall, end, tall);
+    if (ghost)
+        print_rays(f, o, ghost, 0.05);
+    fprintf(f, "</svg>\n");
+    gp_free(o);
+    return GP_OK;
 }

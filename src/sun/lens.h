@@ -1,38 +1,19 @@
 /* Real lenses: their prescription, first-order optics, and the ghosts that two
  * reflections inside make of a light.
  *
- *   lens_file   the prescription, from JSON
- *   lens        first order: focal length, pupils, each ghost's matrices
- *   lens_trace  rays through the spheres: where a ghost's light lands
- *   lens_draw   ghosts of many lights into a layer; SVG of a lens
- *
  * Lengths are in millimetres along the axis z, which points from the scene to
  * the sensor. Slopes are dy/dz of rays in air before the lens: a light of slope
  * u has its image at y = focal length * u on the sensor.
  *
- * JSON, one object:
- *   {"name": text, "patent": text, "note": text,
- *    "claims": {"focal_length": mm, "f_number": N, "back_focus": mm,
- *               "image_height": mm, half the image's diagonal},
- *    "blades": 0 a round stop, or 3 to 32; "blade_turn": degrees,
- *    "coating": nm, of all surfaces between glass and air (0: bare),
- *    "surfaces": [
- *      {"radius": mm, over 0 with its centre towards the sensor; without it
- *                 flat,
- *       "thickness": mm to the next surface, but of the last one,
- *       "n": index at 587.6 nm after the surface (1, air),
- *       "v": Abbe number of it (0: no dispersion),
- *       "semi": mm, half of the clear diameter,
- *       "coating": nm, that of this surface},
- *      {"stop": true, "thickness": mm, "semi": mm}, ...]}
- * Surfaces are in the order in which light meets them; one is the stop, the
- * first and the last are in air. name and surfaces must be there.
+ * man/glarepp.1.in has the JSON of a prescription.
  */
 #ifndef GP_SUN_LENS_H
 #define GP_SUN_LENS_H
 
 #include "core/image.h"
 #include "core/status.h"
+#include "glare/sources.h"
+#include "sun/lights.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -75,7 +56,6 @@ struct gp_lens_step {
 
 /* A path through the lens: straight to the sensor, or by two reflections. */
 struct gp_lens_path {
-    int first, second; // surfaces that reflect, first > second; -1: none
     int steps;
     struct gp_lens_step step[GP_LENS_STEPS];
 };
@@ -91,6 +71,8 @@ struct gp_lens_figures {
     double pupil;          // half the entrance pupil's diameter
     double pupil_at;       // its place after the first surface
     double f_number;
+    double scale;          // mm on the sensor for a slope of 1 of the chief ray,
+                           // as the lens is focused
     double height;         // half of the image's diagonal that the claimed
                            // field or the rims let through, 0: unknown
     double through;        // share of light that crosses on the axis
@@ -134,7 +116,7 @@ double gp_lens_reflectance(double n1, double n2, double cosine, double coat,
 GP_MUST_CHECK gp_status gp_lens_focus(const struct gp_log *log,
     struct gp_lens *lens, double distance, double f_number);
 
-/* Measures in first order, with the lens focused far away. */
+/* Measures in first order. */
 void gp_lens_measure(const struct gp_lens *lens, struct gp_lens_figures *out);
 
 /* Fills in the path by surfaces first > second, or straight with -1, -1. */
@@ -142,10 +124,9 @@ void gp_lens_path(const struct gp_lens *lens, int first, int second,
                   struct gp_lens_path *out);
 
 /* Returns the first-order matrix of the path's steps [0, steps), each with the
- * way to it and its refraction; then to the sensor if `to_sensor`.
- * Source: Lee and Eisemann 2013, section 3. */
+ * way to it and its refraction. Source: Lee and Eisemann 2013, section 3. */
 struct gp_lens_matrix gp_lens_matrix(const struct gp_lens *lens,
-    const struct gp_lens_path *path, int steps, double nm, bool to_sensor);
+    const struct gp_lens_path *path, int steps, double nm);
 
 /* Lists the ghosts of all pairs of surfaces that reflect; returns how many. */
 int gp_lens_ghosts(const struct gp_lens *lens, double nm,
@@ -211,6 +192,15 @@ struct gp_lens_stats {
                                // of all ghosts left out, by first order
     double steps[5];           // ghosts drawn at 1, 2, 4, 8, 16 pixels a step
 };
+
+/* Lists the visible lights that have flux; of a frame without lights the 100
+ * brightest blocks of 16 x 16 pixels with sources.
+ *   out   owned by the caller, gp_free(); *n of them
+ *   rest  share of the sources' luminance that has none
+ *   dark  flux of these is added to it */
+GP_MUST_CHECK gp_status gp_lens_lights(const struct gp_log *log,
+    const struct gp_light *light, int lights, const struct gp_sources *src,
+    struct gp_lens_light **out, int *n, double *rest, double dark[3]);
 
 /* Adds the ghosts of `n` lights to `layer`, of the frame's size. Same bytes
  * for any threads.

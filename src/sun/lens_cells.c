@@ -2,11 +2,93 @@
  * spectrum, and their light in the steps of an accumulator. */
 #include "sun/lens_priv.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 
 #include <math.h>
 #include <string.h>
+
+// -- the spectrum -------------------------------------------------------------
+
+const double gp_lens_node[GP_LENS_NODES] = {450.0, 545.0, 640.0};
+static const int bands_of_set[GP_LENS_SETS] = {1, 3, 6, 12, 24, 48, 96};
+
+/* In 1 / nm: Cauchy's index, and with it the places of rays, go with its
+ * square. */
+static void lagrange(double nm, double out[GP_LENS_NODES])
+{
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        out[k] = 1.0;
+        for (int i = 0; i < GP_LENS_NODES; i++) {
+            const double other = 1.0 / gp_lens_node[i];
+            out[k] *= i == k ? 1.0 : (1.0 / nm - other) /
+                                         (1.0 / gp_lens_node[k] - other);
+        }
+    }
+}
+
+/* A coat's reflectance goes
+ * with the square of the distance, in 1 / nm, to its own wavelength, and that
+ * of two surfaces with the fourth power: it is the root that Lagrange's
+ * polynomial follows. */
+void gp_lens_light_of(const struct gp_lens_band *b,
+                      const double root[GP_LENS_NODES], double out[3])
+{
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0;
+        for (int i = 0; i < GP_LENS_NODES; i++) {
+            for (int k = 0; k < GP_LENS_NODES; k++)
+                sum += b->light[c][i][k] * root[i] * root[k];
+        }
+        out[c] = gp_maxd(sum, 0.0);
+    }
+}
+
+/* Adds a part of the spectrum, of weights rgb and the image's light. */
+static void add_part(const double rgb[3], const double of_node[GP_LENS_NODES],
+                     double image, struct gp_lens_band *b)
+{
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < GP_LENS_NODES; i++) {
+            for (int k = 0; k < GP_LENS_NODES; k++)
+                b->light[c][i][k] += rgb[c] * of_node[i] * of_node[k] / image;
+        }
+    }
+}
+
+void gp_lens_bands_make(const float *chromaticities,
+                        const double image[GP_LENS_NODES],
+                        struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS])
+{
+    double nm[GP_LENS_BANDS], rgb[GP_LENS_BANDS][3];
+    gp_spectrum_weights(chromaticities, GP_LENS_BANDS, nm, rgb);
+    for (int s = 0; s < GP_LENS_SETS; s++) {
+        const int each = GP_LENS_BANDS / bands_of_set[s];
+        for (int b = 0; b < bands_of_set[s]; b++) {
+            struct gp_lens_band *const out = &band[s][b];
+            double sum = 0.0, middle = 0.0;
+            *out = (struct gp_lens_band) {0};
+            for (int i = b * each; i < (b + 1) * each; i++) {
+                double at[GP_LENS_NODES], root = 0.0;
+                // no curve is followed below the least light that an eye sees
+                lagrange(fmin(fmax(nm[i], 420.0), 680.0), at);
+                for (int k = 0; k < GP_LENS_NODES; k++)
+                    root += at[k] * sqrt(image[k]);
+                add_part(rgb[i], at, root * root, out);
+                for (int c = 0; c < 3; c++) {
+                    sum += fabs(rgb[i][c]);
+                    middle += fabs(rgb[i][c]) * nm[i];
+                }
+            }
+            // places, of Cauchy's index, are followed further: all violet at
+            // the place of one wavelength would be a ring
+            lagrange(fmin(fmax(middle / sum, 390.0), 720.0), out->of_node);
+        }
+    }
+}
+
+// -- places -------------------------------------------------------------------
 
 /* Rays of a mesh at node k. */
 static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
@@ -14,8 +96,6 @@ static const struct gp_lens_hit *rays_of(const struct gp_lens_mesh *m, int k)
     return m->hit + (size_t) k * (size_t) (m->cells + 1) *
                         (size_t) (m->cells / 2 + 1);
 }
-
-// -- places -------------------------------------------------------------------
 
 /* A box in pixels of the layer. */
 struct box {
@@ -139,7 +219,7 @@ void gp_lens_item_place(const struct gp_lens_view *v,
         int set = 0;
         if (!measure(v, it, i, box, &apart))
             continue;
-        while (set + 1 < sets && apart > allowed * gp_lens_bands_of_set[set])
+        while (set + 1 < sets && apart > allowed * bands_of_set[set])
             set++;
         for (int half = 0; half < 2; half++) {
             // bands reach beyond the nodes
@@ -171,7 +251,8 @@ struct gp_lens_rays {
     uint8_t set[2][GP_LENS_CELLS * GP_LENS_CELLS / 2]; // of cells; 0: none
     bool arrives[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
     bool clear[(GP_LENS_CELLS + 1) * (GP_LENS_CELLS / 2 + 1)];
-    double density[GP_LENS_CELLS * GP_LENS_CELLS / 2][3];
+    // of cells, with a dark one more on each side
+    double density[(GP_LENS_CELLS + 2) * (GP_LENS_CELLS / 2 + 2)][3];
 };
 
 /* Finds the cells that meet rows [y0, y1) of the layer, and their rays; returns
@@ -304,18 +385,13 @@ static double density_of(const double (*p[4]))
     return (left && right) || !(fabs(area) > 1e-9) ? 0.0 : -1.0 / area;
 }
 
-/* Adds the edge of two cells with the difference of their light; either may be
- * NULL, dark. */
+/* Adds the edge of two cells with the difference of their light. */
 static void add_between(const struct gp_lens_cover *k, const double a[2],
-                        const double b[2], const double *right,
-                        const double *left)
+                        const double b[2], const double right[3],
+                        const double left[3])
 {
-    static const double dark[3];
-    double light[3];
-    right = right ? right : dark;
-    left = left ? left : dark;
-    for (int c = 0; c < 3; c++)
-        light[c] = right[c] - left[c];
+    const double light[3] = {right[0] - left[0], right[1] - left[1],
+                             right[2] - left[2]};
     if (light[0] != 0.0 || light[1] != 0.0 || light[2] != 0.0)
         gp_lens_cover_edge(k, a, b, light);
 }
@@ -330,16 +406,17 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
     const int w = m->cells + 1, cells = m->cells, rows = m->cells / 2;
     const double dx = (m->x1 - m->x0) / cells, dy = m->y1 / rows;
     const double sign = half ? -1.0 : 1.0;
+    double (*const density)[3] = rays->density + cells + 3;
+    const int down = cells + 2; // to the next row of densities
+    memset(rays->density, 0, (size_t) (down * (rows + 2)) * sizeof *density);
     for (int j = 0; j < rows; j++) {
         for (int i = 0; i < cells; i++) {
             const int at[4] = {j * w + i, j * w + i + 1, (j + 1) * w + i + 1,
                                (j + 1) * w + i};
-            double *const density = rays->density[j * cells + i];
             const double *p[4];
             bool arrives = true, passes = false, clear = true;
             double low = INFINITY, high = -INFINITY, light[3] = {0};
             double left = INFINITY, right = -INFINITY;
-            density[0] = density[1] = density[2] = 0.0;
             if (rays->set[half][j * cells + i] != 1 + set)
                 continue;
             for (int e = 0; e < 4; e++) {
@@ -359,7 +436,7 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
                 continue;
             const double share = clear ? density_of(p) : 0.0;
             for (int c = 0; c < 3; c++)
-                density[c] = light[c] * share * dx * dy;
+                density[j * down + i][c] = light[c] * share * dx * dy;
             if (share != 0.0)
                 continue;
             struct gp_lens_corner c[GP_LENS_CORNERS];
@@ -377,17 +454,14 @@ static void draw_half(const struct gp_lens_item *it, struct gp_lens_rays *rays,
     }
     for (int j = 0; j <= rows; j++) {
         for (int i = 0; i <= cells; i++) {
-            const double (*const d)[3] = rays->density;
-            const int at = j * cells + i;
-            const double *const here = j < rows && i < cells ? d[at] : NULL;
-            const double *const left = j < rows && i > 0 ? d[at - 1] : NULL;
-            const double *const above = j > 0 && i < cells ? d[at - cells]
-                                                           : NULL;
+            double (*const here)[3] = density + j * down + i;
             const double *const p = rays->p[j * w + i][half];
-            if (here || above)
-                add_between(k, p, rays->p[j * w + i + 1][half], here, above);
-            if (here || left)
-                add_between(k, p, rays->p[(j + 1) * w + i][half], left, here);
+            if (i < cells)
+                add_between(k, p, rays->p[j * w + i + 1][half], here[0],
+                            here[-down]);
+            if (j < rows)
+                add_between(k, p, rays->p[(j + 1) * w + i][half], here[-1],
+                            here[0]);
         }
     }
 }
@@ -420,7 +494,7 @@ void gp_lens_item_draw(const struct gp_lens_item *it,
                                      (end - 1.0) * step, rays);
     for (int set = 0; set < GP_LENS_SETS; set++) {
         const bool has = sets >> set & 1;
-        const int bands = has ? gp_lens_bands_of_set[set] : 0;
+        const int bands = has ? bands_of_set[set] : 0;
         for (int b = 0; b < bands; b++) {
             make_rays(it, set, &band[set][b], step, scale, rays);
             draw_half(it, rays, 0, set, &k);

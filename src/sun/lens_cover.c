@@ -140,19 +140,6 @@ void gp_lens_cover_add(const struct gp_lens_cover *k, const double (*p)[2],
 
 // -- steps --------------------------------------------------------------------
 
-gp_status gp_lens_steps_make(const struct gp_log *log, int w, int h, int step,
-                             struct gp_lens_steps *out)
-{
-    struct gp_lens_steps s = {step, (w + step - 1) / step + 2,
-                              (h + step - 1) / step + 2, NULL};
-    const gp_status st = gp_alloc_zero(
-        log, "ghosts", (size_t) (s.w + 2) * (size_t) (s.h + 2),
-        3 * sizeof *s.v, &s.v);
-    if (!st)
-        *out = s;
-    return st;
-}
-
 static void sum_row(void *ctx, int y, int thread)
 {
     const struct gp_lens_steps *const s = ctx;

@@ -2,6 +2,7 @@
 #include "sun/lens.h"
 
 #include "core/colour.h"
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -11,38 +12,132 @@
 #include <stdlib.h>
 #include <string.h>
 
+// -- lights of a frame --------------------------------------------------------
+
+/* Groups of sources: blocks of the frame, of which the brightest are lights. */
+enum { BLOCK = 16, GROUPS = 100 };
+
+struct group {
+    struct gp_lens_light light; // place: sum of places by luminance
+    double luminance;
+    int index;
+};
+
+static int by_light(const void *a, const void *b)
+{
+    const struct group *const x = a, *const y = b;
+    return x->luminance != y->luminance ? (x->luminance > y->luminance ? -1 : 1)
+                                        : x->index - y->index;
+}
+
+/* Makes lights of the brightest blocks of sources. */
+static gp_status group_sources(const struct gp_log *log,
+    const struct gp_sources *s, struct gp_lens_light *out, int *n, double *rest,
+    double dark[3])
+{
+    const int across = (s->w + BLOCK - 1) / BLOCK;
+    const int down = (s->h + BLOCK - 1) / BLOCK;
+    struct group *group;
+    double all = 0.0, taken = 0.0;
+    const gp_status st = gp_alloc_zero(log, "groups of sources",
+        (size_t) across * (size_t) down, sizeof *group, &group);
+    if (st)
+        return st;
+    for (int y = 0; y < s->h; y++) {
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            const int at = y / BLOCK * across + s->x[i] / BLOCK;
+            struct group *const g = &group[at];
+            const double rgb[3] = {(double) s->rgb[0][i],
+                                   (double) s->rgb[1][i],
+                                   (double) s->rgb[2][i]};
+            const double light = gp_luminance_of(s->luminance, rgb);
+            for (int c = 0; c < 3; c++)
+                g->light.flux[c] += rgb[c];
+            g->light.x += light * (s->x0 + s->x[i] + 0.5);
+            g->light.y += light * (s->y0 + y + 0.5);
+            g->luminance += light;
+            g->index = at;
+            all += light;
+        }
+    }
+    qsort(group, (size_t) across * (size_t) down, sizeof *group, by_light);
+    *n = 0;
+    for (int i = 0; i < across * down; i++) {
+        if (!(group[i].luminance > 0.0))
+            break;
+        if (*n == GROUPS) {
+            for (int c = 0; c < 3; c++)
+                dark[c] += group[i].light.flux[c];
+            continue;
+        }
+        out[*n] = group[i].light;
+        out[*n].x /= group[i].luminance;
+        out[*n].y /= group[i].luminance;
+        taken += group[i].luminance;
+        ++*n;
+    }
+    *rest = all > 0.0 ? fmax(1.0 - taken / all, 0.0) : 0.0;
+    gp_free(group);
+    return GP_OK;
+}
+
+gp_status gp_lens_lights(const struct gp_log *log,
+    const struct gp_light *light, int lights, const struct gp_sources *src,
+    struct gp_lens_light **out, int *n, double *rest, double dark[3])
+{
+    struct gp_lens_light *list;
+    const gp_status st = gp_alloc_zero(
+        log, "lights", (size_t) gp_max(lights, GROUPS), sizeof *list, &list);
+    *n = 0;
+    *out = st ? NULL : list;
+    if (st)
+        return st;
+    for (int i = 0; i < lights; i++) {
+        const struct gp_light *const l = &light[i];
+        if (!gp_light_has_flux(l) || !(l->visibility > 0.0))
+            continue;
+        list[*n] = (struct gp_lens_light) {.x = l->x, .y = l->y};
+        for (int c = 0; c < 3; c++)
+            list[*n].flux[c] = l->visibility * (double) l->flux[c];
+        ++*n;
+    }
+    return lights == 0 && src->n
+               ? group_sources(log, src, list, n, rest, dark) : GP_OK;
+}
+
+// -- ghosts -------------------------------------------------------------------
+
 enum {
     STRIP_ROWS = 256, // of pixels, drawn by one thread
     CHUNK = 64,      // ghosts of lights in memory at once
 };
 
-struct drawing {
-    const struct gp_log *log;
-    const struct gp_lens *lens;
-    const struct gp_lens_view *view;
-    const struct gp_lens_light *light;
-    const struct gp_lens_ghost *ghost;
-    const struct gp_lens_optics *optics;
-    const int *kept;   // indices of ghosts
-    double (*bright)[3]; // of a pixel of each ghost, for a flux of 1
-    int kept_n, first; // of the chunk: light * kept_n + ghost
-    double scale;      // mm on the sensor for a slope of 1
-    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS];
-    struct gp_lens_steps level[GP_LENS_LEVELS];
-    struct gp_lens_item *item;
-    int items;
-};
-
-// -- choice -------------------------------------------------------------------
-
 /* A ghost by first order: a disc of even light. */
 struct rank {
     double bright;   // luminance at a pixel that all lights together may make
+    double through[GP_LENS_NODES]; // of its path
     double share[3]; // of a light's flux, by channel
     double pixels;   // that it covers
     double norm;     // over the frame's pixels, for a share of 1
     int ghost;
 };
+
+struct drawing {
+    const struct gp_lens *lens;
+    const struct gp_lens_view *view;
+    const struct gp_lens_light *light;
+    struct gp_lens_ghost ghost[GP_LENS_GHOSTS];
+    struct gp_lens_optics optics[GP_LENS_NODES];
+    struct rank rank[GP_LENS_GHOSTS], *kept; // kept: those that are drawn
+    int kept_n, first; // of the chunk: light * kept_n + ghost
+    double scale;      // mm on the sensor for a slope of 1
+    struct gp_lens_band band[GP_LENS_SETS][GP_LENS_BANDS];
+    struct gp_lens_steps level[GP_LENS_LEVELS];
+    struct gp_lens_item item[CHUNK];
+    int items;
+};
+
+// -- choice -------------------------------------------------------------------
 
 static int by_brightness(const void *a, const void *b)
 {
@@ -51,11 +146,14 @@ static int by_brightness(const void *a, const void *b)
                                   : x->ghost - y->ghost;
 }
 
-/* Ranks a ghost of lights of the flux `light` together.
- *   through  of its path, at each node */
-static struct rank rank_of(const struct drawing *d, int i,
-                           const double through[GP_LENS_NODES],
-                           const double light[3])
+static int by_ghost(const void *a, const void *b)
+{
+    const struct rank *const x = a, *const y = b;
+    return x->ghost - y->ghost;
+}
+
+/* Ranks a ghost of lights of the flux `light` together. */
+static void rank_ghost(struct drawing *d, int i, const double light[3])
 {
     const struct gp_lens_view *const v = d->view;
     const struct gp_lens_ghost *const g = &d->ghost[i];
@@ -65,17 +163,17 @@ static struct rank rank_of(const struct drawing *d, int i,
                                1.0);
     const double frame = (double) gp_rect_w(v->frame) *
                          (double) gp_rect_h(v->frame);
-    struct rank rank = {.norm = sqrt(fmin(pixels, frame)) / pixels,
-                        .pixels = pixels,
-                        .ghost = i};
+    struct rank *const rank = &d->rank[i];
     double root[GP_LENS_NODES], all[3];
+    rank->norm = sqrt(fmin(pixels, frame)) / pixels;
+    rank->pixels = pixels;
+    rank->ghost = i;
     for (int k = 0; k < GP_LENS_NODES; k++)
-        root[k] = sqrt(through[k] * disc);
-    gp_lens_light_of(&d->band[0][0], root, rank.share);
+        root[k] = sqrt(rank->through[k] * disc);
+    gp_lens_light_of(&d->band[0][0], root, rank->share);
     for (int c = 0; c < 3; c++)
-        all[c] = light[c] * rank.share[c];
-    rank.bright = gp_luminance_of(v->luminance, all) / pixels;
-    return rank;
+        all[c] = light[c] * rank->share[c];
+    rank->bright = gp_luminance_of(v->luminance, all) / pixels;
 }
 
 /* Returns the norm of a ghost of lights of the flux `light` together. */
@@ -88,54 +186,37 @@ static double norm_of(const struct rank *r, const double light[3])
 }
 
 /* Keeps the ghosts that can be seen, in their order, and counts the others. */
-static gp_status choose(struct drawing *d, int n, const double light[3],
-                        int *kept, struct gp_lens_stats *stats)
+static void choose(struct drawing *d, int lights, struct gp_lens_stats *stats)
 {
     const struct gp_lens_view *const v = d->view;
-    struct gp_lens_ghost *at_node = NULL;
-    double (*through)[GP_LENS_NODES] = NULL;
-    struct rank *rank = NULL;
-    double sum = 0.0;
-    int left = 0;
-    gp_status st;
-    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *at_node,
-                    &at_node));
-    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *through,
-                    &through));
-    GP_TRY(gp_alloc(d->log, "ghosts", GP_LENS_GHOSTS, sizeof *rank, &rank));
-    for (int k = 0; k < GP_LENS_NODES; k++) {
-        gp_lens_ghosts(d->lens, gp_lens_node[k], at_node);
-        for (int i = 0; i < n; i++)
-            through[i][k] = at_node[i].through;
-    }
-    for (int i = 0; i < n; i++)
-        rank[i] = rank_of(d, i, through[i], light);
-    for (int i = 0; i < n; i++) {
+    double sum = 0.0, light[3] = {0};
+    int left = 0, n = 0;
+    for (int i = 0; i < lights; i++) {
         for (int c = 0; c < 3; c++)
-            d->bright[i][c] = rank[i].share[c] / rank[i].pixels;
+            light[c] += d->light[i].flux[c];
     }
-    qsort(rank, (size_t) n, sizeof *rank, by_brightness);
-    while (left < n && sum + rank[left].bright <= v->tolerance * v->mean) {
-        sum += rank[left].bright;
-        stats->missing += norm_of(&rank[left++], light);
+    for (int k = 0; k < GP_LENS_NODES; k++) {
+        n = gp_lens_ghosts(d->lens, gp_lens_node[k], d->ghost);
+        for (int i = 0; i < n; i++)
+            d->rank[i].through[k] = d->ghost[i].through;
+    }
+    gp_lens_ghosts(d->lens, GP_D_LINE, d->ghost);
+    for (int i = 0; i < n; i++)
+        rank_ghost(d, i, light);
+    qsort(d->rank, (size_t) n, sizeof *d->rank, by_brightness);
+    while (left < n && sum + d->rank[left].bright <= v->tolerance * v->mean) {
+        sum += d->rank[left].bright;
+        stats->missing += norm_of(&d->rank[left++], light);
     }
     for (int i = 0; i < n; i++)
-        stats->missing += norm_of(&rank[i], v->rest);
-    bool dark[GP_LENS_GHOSTS] = {false};
-    for (int i = 0; i < left; i++)
-        dark[rank[i].ghost] = true;
-    for (int i = 0; i < n; i++) {
-        if (!dark[i])
-            kept[d->kept_n++] = i;
-    }
+        stats->missing += norm_of(&d->rank[i], v->rest);
+    d->kept = d->rank + left;
+    d->kept_n = n - left;
+    qsort(d->kept, (size_t) d->kept_n, sizeof *d->kept, by_ghost);
+    stats->ghosts = n;
     stats->drawn = n - left;
     stats->left_out = left;
     stats->dark = v->mean > 0.0 ? sum / v->mean : 0.0;
-out:
-    gp_free(rank);
-    gp_free(through);
-    gp_free(at_node);
-    return st;
 }
 
 // -- items --------------------------------------------------------------------
@@ -152,12 +233,13 @@ static void place_axes(const struct gp_lens_view *v, struct gp_lens_item *it)
 
 /* Returns how much coarser than a bright ghost one may be that adds little to
  * the frame: 1 from 0.03 of its mean luminance on, up to 4. */
-static double ease_of(const struct drawing *d, int ghost, const double flux[3])
+static double ease_of(const struct drawing *d, const struct rank *r,
+                      const double flux[3])
 {
     const double plain = 0.03, most = 4.0;
     double light[3];
     for (int c = 0; c < 3; c++)
-        light[c] = flux[c] * d->bright[ghost][c];
+        light[c] = flux[c] * (r->share[c] / r->pixels);
     const double bright = gp_luminance_of(d->view->luminance, light);
     const double ease = sqrt(plain * d->view->mean / bright);
     return ease > 1.0 && d->view->detail != GP_LENS_REFERENCE
@@ -172,8 +254,8 @@ static gp_status trace_item(void *ctx, int i, int thread)
     const struct gp_lens_view *const v = d->view;
     const int at = d->first + i;
     const struct gp_lens_light *const light = &d->light[at / d->kept_n];
-    const int ghost = d->kept[at % d->kept_n];
-    const struct gp_lens_ghost *const g = &d->ghost[ghost];
+    const struct rank *const rank = &d->kept[at % d->kept_n];
+    const struct gp_lens_ghost *const g = &d->ghost[rank->ghost];
     const double x = (light->x - gp_rect_middle(v->display, 0)) * v->mm[0];
     const double y = (light->y - gp_rect_middle(v->display, 1)) * v->mm[1];
     const double away = hypot(x, y);
@@ -190,7 +272,7 @@ static gp_status trace_item(void *ctx, int i, int thread)
     it->blades = gp_lens_blades_of(d->lens, atan2(it->turn[1], it->turn[0]));
     gp_lens_path(d->lens, g->first, g->second, &path);
     static const double most[] = {1.0, 5e-4, 0.0}, edge[] = {1.0, 0.25, 0.0};
-    const double ease = ease_of(d, ghost, light->flux);
+    const double ease = ease_of(d, rank, light->flux);
     const gp_status st = gp_lens_mesh_make(
         NULL, d->optics, &path, &it->blades, it->u,
         ease * fmin(v->tolerance, most[v->detail]),
@@ -228,13 +310,18 @@ static gp_status draw_rows(void *ctx, int strip, int thread)
 
 static gp_status make_accumulators(struct drawing *d)
 {
+    const int w = gp_rect_w(d->view->frame), h = gp_rect_h(d->view->frame);
     gp_status st = GP_OK;
     for (int i = 0; i < d->items && !st; i++) {
-        const int l = d->item[i].level;
-        if (l >= 0 && !d->level[l].v)
-            st = gp_lens_steps_make(NULL, gp_rect_w(d->view->frame),
-                                    gp_rect_h(d->view->frame), 1 << l,
-                                    &d->level[l]);
+        const int level = d->item[i].level, step = 1 << gp_max(level, 0);
+        struct gp_lens_steps *const s = &d->level[gp_max(level, 0)];
+        if (level < 0 || s->v)
+            continue;
+        s->step = step;
+        s->w = (w + step - 1) / step + 2;
+        s->h = (h + step - 1) / step + 2;
+        st = gp_alloc_zero(NULL, "ghosts", (size_t) (s->w + 2) *
+                           (size_t) (s->h + 2), 3 * sizeof *s->v, &s->v);
     }
     return st;
 }
@@ -271,72 +358,59 @@ static gp_status run_chunk(struct drawing *d, struct gp_lens_stats *stats)
     return st;
 }
 
+/* Measures the image on the axis: what the frame's light stands for. */
+static gp_status measure_image(const struct gp_log *log, struct drawing *d)
+{
+    const struct gp_lens_blades blades = gp_lens_blades_of(d->lens, 0.0);
+    struct gp_lens_figures figures;
+    struct gp_lens_path straight;
+    struct gp_lens_mesh mesh;
+    for (int k = 0; k < GP_LENS_NODES; k++)
+        gp_lens_optics_make(d->lens, gp_lens_node[k], &d->optics[k]);
+    gp_lens_path(d->lens, -1, -1, &straight);
+    const gp_status st = gp_lens_mesh_make(log, d->optics, &straight, &blades,
+                                           0.0, 1e-4, 0.0, &mesh);
+    gp_lens_measure(d->lens, &figures);
+    d->scale = figures.scale;
+    const bool lit = mesh.cells && d->scale > 0.0 && d->scale < 1e9;
+    if (!st && lit)
+        gp_lens_bands_make(d->view->chromaticities, mesh.flux, d->band);
+    gp_lens_mesh_free(&mesh);
+    return st || lit ? st : gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark",
+                                       "%s: no light reaches its image",
+                                       d->lens->name);
+}
+
 gp_status gp_lens_draw(const struct gp_log *log, const struct gp_lens *lens,
     const struct gp_lens_view *view, const struct gp_lens_light *light, int n,
     struct gp_planes *layer, struct gp_lens_stats *out)
 {
-    struct drawing d = {.log = log, .lens = lens, .view = view, .light = light};
     struct gp_lens_stats stats = {.lights = n};
-    struct gp_lens_ghost *ghost = NULL;
-    struct gp_lens_optics *optics = NULL;
-    struct gp_lens_figures figures;
-    struct gp_lens_path straight;
-    struct gp_lens_mesh mesh = {0};
-    double all[3] = {0};
-    int *kept = NULL;
-    gp_status st;
-    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *ghost, &ghost));
-    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *kept, &kept));
-    GP_TRY(gp_alloc(log, "ghosts", GP_LENS_GHOSTS, sizeof *d.bright,
-                    &d.bright));
-    GP_TRY(gp_alloc(log, "lens", GP_LENS_NODES, sizeof *optics, &optics));
-    GP_TRY(gp_alloc(log, "ghosts", CHUNK, sizeof *d.item, &d.item));
-    for (int k = 0; k < GP_LENS_NODES; k++)
-        gp_lens_optics_make(lens, gp_lens_node[k], &optics[k]);
-    // the image on the axis: what the frame's light stands for
-    const struct gp_lens_blades blades = gp_lens_blades_of(lens, 0.0);
-    gp_lens_path(lens, -1, -1, &straight);
-    GP_TRY(gp_lens_mesh_make(log, optics, &straight, &blades, 0.0, 1e-4,
-                             0.0, &mesh));
-    gp_lens_measure(lens, &figures);
-    const struct gp_lens_matrix m = gp_lens_matrix(lens, &straight,
-                                                   straight.steps, GP_D_LINE,
-                                                   true);
-    d.scale = m.b - m.a * figures.pupil_at;
-    if (!mesh.cells || !(d.scale > 0.0 && d.scale < 1e9))
-        GP_TRY(gp_fail_at(log, GP_ERR_DATA, "lens.lens.dark", "%s: no light "
-                          "reaches its image", lens->name));
-    gp_lens_bands_make(view->chromaticities, mesh.flux, d.band);
-    for (int i = 0; i < n; i++) {
-        for (int c = 0; c < 3; c++)
-            all[c] += light[i].flux[c];
-    }
-    stats.ghosts = gp_lens_ghosts(lens, GP_D_LINE, ghost);
-    d.ghost = ghost;
-    d.optics = optics;
-    d.kept = kept;
-    GP_TRY(choose(&d, stats.ghosts, all, kept, &stats));
-    for (int i = 0; i < n * d.kept_n; i += d.items) {
-        d.first = i;
-        d.items = gp_min(n * d.kept_n - i, CHUNK);
+    struct drawing *d;
+    gp_status st = gp_alloc_zero(log, "ghosts", 1, sizeof *d, &d);
+    if (st)
+        return st;
+    d->lens = lens;
+    d->view = view;
+    d->light = light;
+    GP_TRY(measure_image(log, d));
+    choose(d, n, &stats);
+    for (int i = 0; i < n * d->kept_n; i += d->items) {
+        d->first = i;
+        d->items = gp_min(n * d->kept_n - i, CHUNK);
         // one message, however many threads fail
-        if (run_chunk(&d, &stats))
+        if (run_chunk(d, &stats))
             GP_TRY(gp_no_memory(log, "ghosts"));
     }
-    if (gp_lens_steps_add(d.level, gp_rect_w(view->frame),
+    if (gp_lens_steps_add(d->level, gp_rect_w(view->frame),
                           gp_rect_h(view->frame), layer))
         GP_TRY(gp_no_memory(log, "ghosts"));
     const double light_sum = gp_luminance_of(view->luminance, stats.light);
     stats.lost = stats.lost > 0.0 ? stats.lost / (stats.lost + light_sum) : 0.0;
     *out = stats;
 out:
-    gp_lens_mesh_free(&mesh);
     for (int l = 0; l < GP_LENS_LEVELS; l++)
-        gp_free(d.level[l].v);
-    gp_free(d.item);
-    gp_free(optics);
-    gp_free(d.bright);
-    gp_free(kept);
-    gp_free(ghost);
+        gp_free(d->level[l].v);
+    gp_free(d);
     return st;
 }

@@ -140,37 +140,28 @@ struct gp_lens_steps {
 };
 enum { GP_LENS_LEVELS = 5 }; // 1, 2, 4, 8 and 16 pixels a step
 
-/* Makes dark steps for a frame of w x h. */
-GP_MUST_CHECK gp_status gp_lens_steps_make(const struct gp_log *log, int w,
-    int h, int step, struct gp_lens_steps *out);
-
 /* Sums up the rows of all levels, and adds them to a layer of w x h. */
 GP_MUST_CHECK gp_status gp_lens_steps_add(
     struct gp_lens_steps steps[GP_LENS_LEVELS], int w, int h,
     struct gp_planes *layer);
 
-// -- lenses: ghosts by cells and parts of the spectrum -----------------------
-// (lens_bands.c, lens_cells.c, lens_draw.c)
+// -- ghosts by cells and parts of the spectrum (lens_cells.c, lens_draw.c) ----
 
 enum {
     GP_LENS_SETS = 7,        // of bands
     GP_LENS_SETS_COARSE = 5, // that many lights have
     GP_LENS_BANDS = 96,      // most of a set
-    GP_LENS_PAIRS = GP_LENS_NODES * (GP_LENS_NODES + 1) / 2,
 };
 
 /* Wavelengths in nm that the rays have: of blue, green and red. */
 extern const double gp_lens_node[GP_LENS_NODES];
-
-/* Parts of the spectrum in each set. */
-extern const int gp_lens_bands_of_set[GP_LENS_SETS];
 
 /* A part of the spectrum: how the nodes make its rays (Lagrange), and each
  * channel's light of a ray from the products of two nodes' roots of it, over
  * the light of the image on the axis. */
 struct gp_lens_band {
     double of_node[GP_LENS_NODES];
-    double light[3][GP_LENS_PAIRS];
+    double light[3][GP_LENS_NODES][GP_LENS_NODES];
 };
 
 /* A cell in the frame: the rows of the layer that its light may meet. */

@@ -462,8 +462,7 @@ static void place_mesh(const struct gp_lens *lens,
     m->x0 = -INFINITY;
     m->x1 = m->y1 = INFINITY;
     for (int k = 0; k < path->steps; k++) {
-        const struct gp_lens_matrix a = gp_lens_matrix(lens, path, k + 1, nm,
-                                                       false);
+        const struct gp_lens_matrix a = gp_lens_matrix(lens, path, k + 1, nm);
         const double semi = lens->at[path->step[k].surface].semi;
         m->passes += path->step[k].surface == lens->stop;
         if (!(fabs(a.a) * 1e6 > semi))
@@ -502,6 +501,11 @@ static double bend_of(const struct gp_lens_mesh *m,
     return bend;
 }
 
+static size_t rays_in(int cells)
+{
+    return (size_t) (cells + 1) * (size_t) (cells / 2 + 1);
+}
+
 gp_status gp_lens_mesh_make(const struct gp_log *log,
     const struct gp_lens_optics *optics, const struct gp_lens_path *path,
     const struct gp_lens_blades *blades, double u, double tolerance,
@@ -509,36 +513,31 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
 {
     enum { COARSE = 12, FIRST = 16, FITS = 5, MIDDLE = GP_LENS_NODES / 2 };
     const struct gp_lens *const lens = optics->lens;
-    const double front = lens->at[0].semi;
     // coarser where an error of 1e-3 is allowed
     const bool coarse_will_do = !(tolerance < 1e-3);
     const int most = coarse_will_do ? GP_LENS_CELLS / 4 : GP_LENS_CELLS;
     const double cosine = 1.0 / sqrt(1.0 + u * u);
-    struct gp_lens_mesh m = {0};
+    struct gp_lens_mesh m = {.cells = COARSE};
     struct gp_lens_hit *hit = NULL;
-    gp_status st = GP_OK;
+    bool whole = false, enough = false;
+    gp_status st;
+    *out = (struct gp_lens_mesh) {0};
     place_mesh(lens, path, optics[MIDDLE].nm, u, &m);
-    *out = (struct gp_lens_mesh) {.passes = m.passes, .scale = 1.0};
     if (!(m.x0 < m.x1))
         return GP_OK;
-    int fitted = 0;
-    bool found = false;
-    for (m.cells = COARSE; m.cells <= most;) {
-        const size_t rays = (size_t) (m.cells + 1) *
-                            (size_t) (m.cells / 2 + 1);
-        GP_FREE(hit);
-        GP_TRY(gp_alloc(log, "rays of a lens", rays, sizeof *hit, &hit));
+    GP_TRY(gp_alloc(log, "rays of a lens", rays_in(most), sizeof *hit, &hit));
+    // aberrations reach beyond first order, or stay within
+    for (int i = 0; i < FITS && !whole; i++) {
         trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
-        if (fitted < FITS) {
-            // aberrations reach beyond first order, or stay within
-            fitted = fit(hit, front, &m) ? FITS : fitted + 1;
-            m.cells = fitted < FITS ? COARSE : FIRST;
-            continue;
-        }
+        whole = fit(hit, lens->at[0].semi, &m);
+    }
+    for (m.cells = FIRST / 2; !enough;) {
+        m.cells *= 2;
+        trace_rays(&optics[MIDDLE], path, u, &m, NULL, hit);
         const struct sum fine = sum_of(&m, blades, hit, 1);
         const struct sum coarse = sum_of(&m, blades, hit, 2);
         if (!(fine.light > 0.0) && m.cells > FIRST)
-            break;
+            goto out;
         // cells that a lost ray cuts are the coarser, the more light they lose
         const double change = fmax(fmax(fabs(fine.light - coarse.light),
                                         fine.lost) / fine.light,
@@ -552,34 +551,25 @@ gp_status gp_lens_mesh_make(const struct gp_log *log,
         const double straight =
             fmin(8.0 * step, 40.0 * tolerance * sqrt(fine.area) / m.cells);
         const bool smooth = coarse_will_do || bend_of(&m, hit) <= straight;
-        if (m.cells * 2 > most ||
-            (change <= fmax(10.0 * tolerance, seen) && smooth)) {
-            out->scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
-            out->scale = fmin(fmax(out->scale, 0.8), 1.25);
-            out->lost = fine.lost * cosine;
-            found = true;
-            break;
-        }
-        m.cells *= 2;
+        enough = m.cells * 2 > most ||
+                 (change <= fmax(10.0 * tolerance, seen) && smooth);
+        m.scale = 1.0 + (fine.light - coarse.light) / (3.0 * fine.light);
+        m.scale = fmin(fmax(m.scale, 0.8), 1.25);
+        m.lost = fine.lost * cosine;
     }
-    if (!found || !(out->scale > 0.0))
-        goto out;
     // all wavelengths
-    const size_t rays = (size_t) (m.cells + 1) * (size_t) (m.cells / 2 + 1);
+    const size_t rays = rays_in(m.cells);
     GP_TRY(gp_alloc(log, "rays of a lens", rays * GP_LENS_NODES, sizeof *hit,
-                    &out->hit));
-    out->cells = m.cells;
-    out->x0 = m.x0;
-    out->x1 = m.x1;
-    out->y1 = m.y1;
+                    &m.hit));
     for (int k = 0; k < GP_LENS_NODES; k++) {
-        struct gp_lens_hit *const own = out->hit + (size_t) k * rays;
+        struct gp_lens_hit *const own = m.hit + (size_t) k * rays;
         if (k == MIDDLE)
             memcpy(own, hit, rays * sizeof *hit);
         else
             trace_rays(&optics[k], path, u, &m, hit, own);
-        out->flux[k] = sum_of(&m, blades, own, 1).light * cosine * out->scale;
+        m.flux[k] = sum_of(&m, blades, own, 1).light * cosine * m.scale;
     }
+    *out = m;
 out:
     gp_free(hit);
     return st;

@@ -111,34 +111,34 @@ out:
     return st;
 }
 
-/* The disc that the camera sees, of a light in its place. */
-static struct gp_light_sight sight_of(const struct gp_light_spec *spec,
-    const struct gp_camera *c, struct gp_rect display, const struct gp_light *l)
+/* Finds the disc that the camera sees of a light in its place: of the world's
+ * size where that is known, else of l->radius pixels. */
+static void see(const struct gp_light_spec *spec, const struct gp_camera *c,
+                struct gp_rect display, struct gp_light *l)
 {
-    struct gp_light_sight s = {.known = true};
+    const bool lamp = spec->place == GP_PLACE_WORLD;
+    const bool ball = lamp && spec->radius < 0.0 && spec->ball > 0.0;
+    const bool sized = ball || (spec->place == GP_PLACE_DIRECTION &&
+                                spec->radius < 0.0);
     struct gp_v3 to = {spec->at[0], spec->at[1], spec->at[2]};
-    double distance = INFINITY;
-    s.lamp = spec->place == GP_PLACE_WORLD;
     if (spec->place == GP_PLACE_PIXEL)
         to = gp_camera_ray(c, display, l->x, l->y);
-    s.at[0] = to.x;
-    s.at[1] = to.y;
-    s.at[2] = to.z;
-    if (s.lamp) {
+    l->sight = (struct gp_light_sight) {.known = true, .lamp = lamp,
+                                        .at = {to.x, to.y, to.z}};
+    if (lamp)
         to = gp_v3_sub(to, gp_camera_eye(c));
-        distance = gp_v3_length(to);
-    }
     const double along[3] = {to.x, to.y, to.z};
-    const bool by_pixels = spec->radius >= 0.0 || !(spec->ball > 0.0);
-    if (spec->place == GP_PLACE_DIRECTION && spec->radius < 0.0)
-        s.half = spec->degrees * (M_PI / 360.0);
-    else if (s.lamp && !by_pixels)
-        s.half = spec->ball < distance ? asin(spec->ball / distance)
-                                       : M_PI / 2.0;
-    else if (distance > 0.0)
-        s.half = gp_camera_disc_degrees(c, display, along, l->radius) *
-                 (M_PI / 360.0);
-    return s;
+    const double distance = lamp ? gp_v3_length(to) : INFINITY;
+    double degrees = spec->degrees;
+    if (ball)
+        degrees = 360.0 / M_PI * asin(fmin(spec->ball / distance, 1.0));
+    else if (!sized)
+        degrees = distance > 0.0
+                      ? gp_camera_disc_degrees(c, display, along, l->radius)
+                      : 0.0;
+    l->sight.half = degrees * (M_PI / 360.0);
+    if (sized)
+        l->radius = gp_camera_disc(c, display, along, degrees);
 }
 
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
@@ -162,17 +162,8 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     l.bias = spec->bias;
     if (spec->radius >= 0.0)
         l.radius = spec->radius;
-    else if (spec->place == GP_PLACE_DIRECTION)
-        l.radius = gp_camera_disc(c, display, spec->at, spec->degrees);
     if (c)
-        l.sight = sight_of(spec, c, display, &l);
-    if (spec->radius < 0.0 && l.sight.lamp && spec->ball > 0.0) {
-        const struct gp_v3 eye = gp_camera_eye(c);
-        const double to[3] = {spec->at[0] - eye.x, spec->at[1] - eye.y,
-                              spec->at[2] - eye.z};
-        l.radius = gp_camera_disc(c, display, to,
-                                  l.sight.half * (360.0 / M_PI));
-    }
+        see(spec, c, display, &l);
     const bool own = isnan(spec->depth) && spec->place == GP_PLACE_WORLD;
     if (own && type == GP_DEPTH_NORMALIZED)
         return gp_fail(log, GP_ERR_DATA,
@@ -186,8 +177,7 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     }
     else if (!isnan(spec->depth))
         l.depth = spec->depth;
-    for (int i = 0; i < 3; i++)
-        l.flux[i] = spec->flux[i];
+    memcpy(l.flux, spec->flux, sizeof l.flux);
     memcpy(l.name, spec->name, sizeof l.name);
     *out = l;
     return GP_OK;

@@ -1,12 +1,4 @@
-/* sun: lights, their occluders, and their flare in a lens.
- *
- *   lights    suns, lamps and cameras: from JSON, their places in a frame (this
- *             file)
- *   occluder  depth and coverage, and the visible share of a light, by area, in
- *             double (exact.c)
- *   map       the same share after Maughan: sun map and intensity map on GL
- *   flare     lens-flare elements, on the CPU and on GL
- */
+/* Suns, lamps and cameras: from JSON, and their places in a frame. */
 #ifndef GP_SUN_LIGHTS_H
 #define GP_SUN_LIGHTS_H
 
@@ -77,23 +69,11 @@ struct gp_light_spec {
     double ball;       // radius of a lamp in units of the world; 0: none
 };
 
-/* Lights from JSON: an array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
- *   {"pixel": [x, y]             in EXR pixel space, or
- *    "world": [x, y, z]          a lamp's place (needs a camera), or
- *    "direction": [x, y, z]      towards a sun (needs a camera),
- *    "radius": pixels            default 0.5; of a direction by "degrees",
- *    "degrees": across           the sun's 0.533; not beside "radius"
- *    "depth": d                  default: of "world" its own, else infinite
- *    "bias": share of depth      default 0.001
- *    "flux" : [r,g,b] | grey,    default 0: no glare of its own, no flare
- *    "color": [r,g,b]            times flux, default 1,1,1
- *    "name": text, of which 63 bytes count}
- * Exactly one place. Unknown keys, wrong types, numbers that are not finite or
- * out of range (flux 0 to 1e12, color 0 to 1e6, radius 0 to 1e6, degrees 0 to
- * 90, depth 0 to 1e30, bias 0 to 1, pixel to 1e9 and world to 1e15 either way)
- * are errors that name file, light and key.
- * Errors: GP_ERR_IO; GP_ERR_DATA. *out is owned by the caller (gp_free()),
- * written on GP_OK only; *n may be 0. Files over 1 MiB are refused. */
+/* Reads lights from JSON, at most GP_LIGHTS_MAX; man/glarepp.1.in has its form.
+ * Unknown keys, wrong types, numbers that are not finite or out of range are
+ * errors that name file, light and key. *out is owned by the caller (gp_free()),
+ * written on GP_OK only; *n may be 0. Errors: GP_ERR_IO; GP_ERR_DATA, also for
+ * files over 1 MiB. */
 GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
     const char *path, struct gp_light_spec **out, int *n);
 
@@ -111,15 +91,9 @@ GP_MUST_CHECK gp_status gp_light_place_in(
     const struct gp_light_spec *spec, const struct gp_camera *c,
     enum gp_depth_type type, struct gp_rect display, struct gp_light *out);
 
-/* The cameras of a sequence, and the sun, from JSON as beside the project's
- * test frames:
- *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
- *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
- *     "sun_radius_px": r}], "width": w}      or only that array
- * where sun_dir_world may be left out: the frame has a camera and no sun, and
- * w, if it is there, is the width of the picture that r is for.
- * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
- * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
+/* The cameras of a sequence, and the sun, from JSON; man/glarepp.1.in has its
+ * form. worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is
+ * for column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
  * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */
 struct gp_camera_frame {
     long long frame;

@@ -1,9 +1,10 @@
-/* Depth and coverage: finds the samples that are surfaces, the visible share of
- * a light behind them, and the kinds of samples that a plane holds. */
+/* Depth and coverage: finds the samples that are surfaces, the kinds of samples
+ * that a plane holds, and the visible share of a light by the area of each pixel
+ * under it, with its bounds. */
 #include "sun/occluder.h"
 
 #include "core/cpu.h"
-#include "core/parallel.h"
+#include "core/minmax.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -34,181 +35,81 @@ static bool has(const struct gp_plane *p)
     return p && p->v;
 }
 
-static float clamped(float m)
-{
-    return m > 0.0f ? (m < 1.0f ? m : 1.0f) : 0.0f; // NaN: 0
-}
-
-static struct gp_sun_pixel pixel_at(const struct gp_occluders *o,
-                                    struct gp_depth_range s, int x, int y)
+struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
 {
     struct gp_sun_pixel p = {INFINITY, 0.0f};
     const float *const z = has(o->depth) ? sample_at(o->depth, x, y) : NULL;
-    if (z && gp_is_surface(s, *z)) {
+    if (z && gp_is_surface(o->surfaces, *z)) {
         p.place = gp_surface_place(o->type, o->facts.reversed, *z);
         p.cover = 1.0f;
     }
     if (has(o->mask)) {
         const float *const m = sample_at(o->mask, x, y);
-        p.cover = m ? clamped(*m) : 0.0f;
+        p.cover = m ? gp_clamp01(*m) : 0.0f; // of NaN 0
     }
     return p;
-}
-
-struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y)
-{
-    return pixel_at(o, gp_depth_range_of(o->type, o->facts.reversed), x, y);
-}
-
-static float hidden(const struct gp_light *l, struct gp_sun_pixel p)
-{
-    return isinf(p.place) || hides(l, p.place) ? p.cover : 0.0f;
 }
 
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond)
 {
     const struct gp_sun_pixel p = gp_occluders_at(o, x, y);
+    const bool past = !isinf(p.place) && !hides(l, p.place);
     if (beyond)
-        *beyond = !isinf(p.place) && !hides(l, p.place);
-    return 1.0 - (double) hidden(l, p);
-}
-
-double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
-                        int x0, int x1, int y)
-{
-    enum { RUN = 512, LANES = 8 }; // an order of sums that shares depend on
-    const struct gp_depth_range s = gp_depth_range_of(o->type,
-                                                      o->facts.reversed);
-    double sum = 0.0;
-    if (x1 <= x0)
-        return 0.0;
-    for (int64_t from = x0; from < x1; from += RUN) {
-        double lane[LANES] = {0.0}, run = 0.0;
-        for (int64_t x = from; x < x1 && x < from + RUN; x++)
-            lane[(x - from) % LANES] +=
-                (double) hidden(l, pixel_at(o, s, (int) x, y));
-        for (int k = 0; k < LANES; k++)
-            run += lane[k];
-        sum += run;
-    }
-    return (double) x1 - (double) x0 - sum;
+        *beyond = past;
+    return past ? 1.0 : 1.0 - (double) p.cover;
 }
 
 // -- the kinds of samples ----------------------------------------------------
 
-/* Floats in order as whole numbers, and back; -0 and 0 are one. */
-static int32_t float_order(float v)
-{
-    int32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits < 0 ? INT32_MIN - bits : bits;
-}
-
-static float float_of(int32_t k)
-{
-    const int32_t bits = k < 0 ? INT32_MIN - k : k;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
-/* Parts are the same for any number of threads. */
-enum { BANDS = 64 };
-
-enum kind {
-    ZERO, NOT_A_NUMBER, INFINITE, HUGE_ONE, HALF_MAX, NEGATIVE, ONE,
-    FORE, BACK, // surfaces as they are, and reversed
-    OVER,       // 1 and more, +Inf too
-    TINY,       // over 0, and too little for a surface
-    KINDS,
+/* Kinds that a sample may be of, as bits. */
+enum {
+    ZERO = 1, NOT_A_NUMBER = 2, INFINITE = 4, HUGE_ONE = 8, HALF_MAX = 16,
+    NEGATIVE = 32, ONE = 64,
+    FORE = 128, BACK = 256, // surfaces as they are, and reversed
+    OVER = 512,             // more than 1, +Inf too
+    TINY = 1024,            // over 0, and too little for a surface
 };
 
-/* Counts of a share of the rows. */
-struct counts {
-    long long of[KINDS];
-    int32_t lo, hi; // of the huge, in float_order()
-};
-
-struct counting {
-    const struct gp_plane *plane;
-    struct gp_depth_range fore, back;
-    struct counts band[BANDS];
-};
-
-/* From the least to the most of a row's huge values. */
-GP_CLONES static void span_huge(const float *v, int n, struct counts *t)
+GP_CLONES static int kinds_of(const float *v, size_t n, struct gp_depth_range f,
+                              struct gp_depth_range b)
 {
-    const int32_t far = float_order(GP_DEPTH_HUGE);
-    const int32_t endless = float_order(INFINITY);
-    int32_t lo = t->lo, hi = t->hi;
-    for (int i = 0; i < n; i++) {
-        const int32_t k = float_order(v[i]), size = k < 0 ? -k : k;
-        const int32_t is = -((size >= far) & (size < endless)); // all bits
-        const int32_t low = (k & is) | (INT32_MAX & ~is);
-        const int32_t high = (k & is) | (INT32_MIN & ~is);
-        lo = low < lo ? low : lo;
-        hi = high > hi ? high : hi;
+    int are = 0;
+    for (size_t i = 0; i < n; i++) {
+        // no bool and no branch: the compiler makes vectors of it
+        const float x = v[i], size = fabsf(x);
+        are |= (x == 0.0f ? ZERO : 0) | (x != x ? NOT_A_NUMBER : 0) |
+               (size == INFINITY ? INFINITE : 0) |
+               ((size >= GP_DEPTH_HUGE) & (size < INFINITY) ? HUGE_ONE : 0) |
+               (size == GP_DEPTH_HALF ? HALF_MAX : 0) |
+               ((x < 0.0f) & (size < GP_DEPTH_HUGE) & (size != GP_DEPTH_HALF)
+                    ? NEGATIVE : 0) |
+               (x == 1.0f ? ONE : 0) | (x > 1.0f ? OVER : 0) |
+               ((x > 0.0f) & (x < f.lo) ? TINY : 0) |
+               ((x >= f.lo) & (x <= f.hi) & (x != f.hole) ? FORE : 0) |
+               ((x >= b.lo) & (x <= b.hi) & (x != b.hole) ? BACK : 0);
     }
-    t->lo = lo;
-    t->hi = hi;
+    return are;
 }
 
-/* Surfaces as an interval of float_order(). */
-struct span {
-    int32_t lo, hi, hole;
-};
-
-static struct span span_of(struct gp_depth_range s)
+/* From the least to the most of the huge samples; by whole numbers in the order
+ * of floats, of which vectors have a least. */
+GP_CLONES static void span_huge(const float *v, size_t n, float *lo, float *hi)
 {
-    // NaN, for no hole, is beyond hi
-    return (struct span) {float_order(s.lo), float_order(s.hi),
-                          float_order(s.hole)};
-}
-
-/* One row's kinds. Whole numbers throughout, as wide as a float: then the
- * compiler makes vectors of it, which is 8 times as fast. */
-GP_CLONES static void count_row(const struct counting *s, const float *v, int n,
-                                struct counts *t)
-{
-    const struct span f = span_of(s->fore), b = span_of(s->back);
-    const int32_t half = float_order(GP_DEPTH_HALF);
-    const int32_t far = float_order(GP_DEPTH_HUGE);
-    const int32_t endless = float_order(INFINITY);
-    const int32_t unit = float_order(1.0f);
-    int zero = 0, nan = 0, inf = 0, beyond = 0, halves = 0, negative = 0;
-    int one = 0, over = 0, fore = 0, back = 0, tiny = 0;
-    for (int i = 0; i < n; i++) {
-        const int32_t k = float_order(v[i]), size = k < 0 ? -k : k;
-        zero += k == 0;
-        nan += size > endless;
-        inf += size == endless;
-        beyond += size >= far; // NaN too
-        halves += size == half;
-        negative += (k < 0) & (size < far) & (size != half);
-        one += k == unit;
-        over += (k >= unit) & (k <= endless);
-        tiny += (k > 0) & (k < f.lo);
-        fore += (k >= f.lo) & (k <= f.hi) & (k != f.hole);
-        back += (k >= b.lo) & (k <= b.hi) & (k != b.hole);
+    int32_t low = INT32_MAX, high = INT32_MIN;
+    for (size_t i = 0; i < n; i++) {
+        const float size = fabsf(v[i]);
+        int32_t k, is = (size >= GP_DEPTH_HUGE ? -1 : 0) &
+                        (size < INFINITY ? -1 : 0); // all bits, or none
+        memcpy(&k, &v[i], sizeof k);
+        k ^= k >> 31 & INT32_MAX;
+        low = gp_min(low, (k & is) | (INT32_MAX & ~is));
+        high = gp_max(high, (k & is) | (INT32_MIN & ~is));
     }
-    const int row[KINDS] = {zero, nan, inf, beyond - nan - inf, halves,
-                            negative, one, fore, back, over, tiny};
-    for (int i = 0; i < KINDS; i++)
-        t->of[i] += row[i];
-    if (row[HUGE_ONE] > 0)
-        span_huge(v, n, t);
-}
-
-static void count_band(void *ctx, int i, int thread)
-{
-    (void) thread;
-    struct counting *const s = ctx;
-    const int64_t h = gp_rect_h(s->plane->window);
-    const int w = gp_rect_w(s->plane->window);
-    s->band[i] = (struct counts) {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int64_t y = h * i / BANDS; y < h * (i + 1) / BANDS; y++)
-        count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->band[i]);
+    low ^= low >> 31 & INT32_MAX;
+    high ^= high >> 31 & INT32_MAX;
+    memcpy(lo, &low, sizeof low);
+    memcpy(hi, &high, sizeof high);
 }
 
 void gp_occluders_count(struct gp_occluders *o)
@@ -216,53 +117,275 @@ void gp_occluders_count(struct gp_occluders *o)
     o->facts = (struct gp_depth_facts) {.empty = "none"};
     if (!has(o->depth) || gp_rect_empty(o->depth->window))
         return;
-    struct counting s = {.plane = o->depth,
-                       .fore = gp_depth_range_of(o->type, false),
-                       .back = gp_depth_range_of(o->type, true)};
-    gp_parallel_do(BANDS, count_band, &s);
-    struct counts t = {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int i = 0; i < BANDS; i++) {
-        const struct counts *const p = &s.band[i];
-        for (int k = 0; k < KINDS; k++)
-            t.of[k] += p->of[k];
-        t.lo = p->lo < t.lo ? p->lo : t.lo;
-        t.hi = p->hi > t.hi ? p->hi : t.hi;
-    }
+    const size_t n = (size_t) gp_rect_w(o->depth->window) *
+                     (size_t) gp_rect_h(o->depth->window);
+    const struct gp_depth_range fore = gp_depth_range_of(o->type, false);
+    const struct gp_depth_range back = gp_depth_range_of(o->type, true);
+    const int are = kinds_of(o->depth->v, n, fore, back);
     struct gp_depth_facts *const f = &o->facts;
     const bool share = o->type == GP_DEPTH_NORMALIZED;
     const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
     if (share)
-        f->reversed = t.of[OVER] == 0 && t.of[ZERO] > 0;
+        f->reversed = !(are & (ONE | OVER)) && are & ZERO;
     else if (axis)
-        f->reversed = t.of[FORE] == 0 && t.of[BACK] > 0;
+        f->reversed = !(are & FORE) && are & BACK;
+    o->surfaces = f->reversed ? back : fore;
 
     // the kinds of empty samples that occur
-    const double lo = (double) float_of(t.lo);
-    const double hi = (double) float_of(t.hi);
     char huge[32]; // one, or from the least to the most
-    if (t.lo == t.hi)
-        snprintf(huge, sizeof huge, "%g", lo);
-    else
-        snprintf(huge, sizeof huge, "%g to %g", lo, hi);
+    float lo = 0.0f, hi = 0.0f;
+    if (are & HUGE_ONE)
+        span_huge(o->depth->v, n, &lo, &hi);
+    snprintf(huge, sizeof huge, lo == hi ? "%g" : "%g to %g", (double) lo,
+             (double) hi);
     const bool first = !share || f->reversed; // 0 and less is empty
     const struct {
-        bool is;
+        int is;
         const char *text;
     } kind[] = {
-        {first && t.of[ZERO] > 0, "0"},
-        {t.of[TINY] > 0, "under 1e-09"},
-        {first && t.of[NEGATIVE] > 0 && !(axis && f->reversed), "negative"},
-        {share && t.of[ONE] > 0, "1"},
-        {share && t.of[OVER] > t.of[ONE], "over 1"},
-        {axis && t.of[HALF_MAX] > 0, f->reversed ? "-65504" : "65504"},
-        {axis && t.of[HUGE_ONE] > 0, huge},
-        {axis && t.of[INFINITE] > 0, "inf"},
-        {t.of[NOT_A_NUMBER] > 0, "nan"},
+        {first ? ZERO : 0, "0"},
+        {TINY, "under 1e-09"},
+        {first && !(axis && f->reversed) ? NEGATIVE : 0, "negative"},
+        {share ? ONE : 0, "1"},
+        {share ? OVER : 0, "over 1"},
+        {axis ? HALF_MAX : 0, f->reversed ? "-65504" : "65504"},
+        {axis ? HUGE_ONE : 0, huge},
+        {axis ? INFINITE : 0, "inf"},
+        {NOT_A_NUMBER, "nan"},
     };
     size_t used = 0;
     for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
-        if (kind[i].is && used < sizeof f->empty)
+        if (are & kind[i].is && used < sizeof f->empty)
             used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
                                       "%s%s", used ? ", " : "", kind[i].text);
+    }
+}
+
+// -- area of a disc in a rectangle --------------------------------------------
+
+struct point {
+    double x, y; // from the disc's centre
+};
+
+static double dot(struct point p, struct point q)
+{
+    return p.x * q.x + p.y * q.y;
+}
+
+/* Adds twice the disc's signed area in the triangle of its centre and an edge:
+ * a sector up to the circle, a triangle within, and a sector from the circle.
+ * Returns true when a part of the edge is within. */
+static bool add_edge(double r, struct point a, struct point b, double *twice)
+{
+    const double length = fabs(b.x - a.x) + fabs(b.y - a.y); // along an axis
+    const struct point d = {(b.x - a.x) / length, (b.y - a.y) / length};
+    const double away = a.x * d.y - a.y * d.x, along = dot(a, d);
+    const double half =
+        fabs(away) < r ? sqrt((r - fabs(away)) * (r + fabs(away))) : 0.0;
+    const double s = fmax(-along - half, 0.0), t = fmin(half - along, length);
+    const bool some = s < t;
+    const struct point p = some ? (struct point) {a.x + s * d.x, a.y + s * d.y}
+                                : b;
+    const struct point q = {a.x + t * d.x, a.y + t * d.y};
+    // products of large numbers would cancel: angles go by the way on the edge
+    *twice += r * r * atan2((some ? s : length) * away, dot(a, p));
+    if (some)
+        *twice += away * (t - s) +
+                  r * r * atan2((length - t) * away, dot(q, b));
+    return some;
+}
+
+/* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
+ * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. It is
+ * right to 1e-15 r in square pixels. */
+static double area_in(double cx, double cy, double r, double x0, double y0,
+                      double x1, double y1)
+{
+    const double left = x0 - cx, right = x1 - cx, top = y0 - cy, end = y1 - cy;
+    const double w = x1 - x0, h = y1 - y0;
+    const double far_x = gp_maxd(-left, right), far_y = gp_maxd(-top, end);
+    // how far the rectangle is from the centre; 0 where it holds it
+    const double near_x = gp_maxd(gp_maxd(left, -right), 0.0);
+    const double near_y = gp_maxd(gp_maxd(top, -end), 0.0);
+    const struct point corner[4] = {
+        {left, top}, {right, top}, {right, end}, {left, end}};
+    double twice = 0.0;
+    bool cut = false;
+    if (!(r > 0.0 && w > 0.0 && h > 0.0) ||
+        !(near_x * near_x + near_y * near_y < r * r) || isnan(cx + cy))
+        return 0.0;
+    if (far_x * far_x + far_y * far_y <= r * r)
+        return w * h;
+    for (int i = 0; i < 4; i++)
+        cut |= add_edge(r, corner[i], corner[(i + 1) % 4], &twice);
+    if (!cut) // the disc is within, or beside
+        return near_x + near_y > 0.0 ? 0.0 : M_PI * r * r;
+    return gp_mind(gp_maxd(0.5 * twice, 0.0), w * h);
+}
+
+double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
+{
+    return area_in(cx, cy, r, x, y, (double) x + 1.0, (double) y + 1.0);
+}
+
+/* A disc of no area has no share; one of 1e9 is larger than any frame, and has
+ * a finite square. */
+static double radius_of(const struct gp_light *l)
+{
+    return fmin(fmax(l->radius, 1e-3), 1e9);
+}
+
+/* Areas found in two ways differ by less: rounding lets no light in. */
+static double rounding_of(double radius)
+{
+    return 1e-9 * M_PI * radius * radius;
+}
+
+// -- the pixels of a rectangle -----------------------------------------------
+
+/* Areas in square pixels: of the disc; of what is visible of it, at least and
+ * at most, which are one for the share itself. */
+struct sums {
+    double area, low, high;
+};
+
+/* Finds the least and the largest that pixel (x, y) may show: where there is no
+ * edge all of them show all, or nothing. */
+static void bounds_of(const struct gp_occluders *o, const struct gp_light *l,
+                      int x, int y, double *lo, double *hi)
+{
+    const struct gp_rect f = o->frame;
+    const int around = o->mask && !o->depth ? 0 : 1; // coverage has no others
+    bool beyond, any = false;
+    const double own = gp_occluders_show(o, l, x, y, &beyond);
+    *lo = *hi = own;
+    for (int j = gp_max(y - around, f.y0); j <= gp_min(y + around, f.y1 - 1);
+         j++) {
+        for (int i = gp_max(x - around, f.x0);
+             i <= gp_min(x + around, f.x1 - 1); i++) {
+            bool past;
+            const double s = gp_occluders_show(o, l, i, j, &past);
+            *lo = fmin(*lo, s);
+            *hi = fmax(*hi, s);
+            any = any || past;
+        }
+    }
+    // coverage has its edges in itself, but for those of surfaces beyond the
+    // light, which show all of it
+    if (o->mask && !beyond) {
+        *lo = own;
+        *hi = any ? 1.0 : own;
+    }
+    *lo = *lo >= 1.0 ? 1.0 : 0.0;
+    *hi = *hi > 0.0 ? 1.0 : 0.0;
+}
+
+/* Adds the pixels of `rect` that the disc touches, but those of `done`.
+ *   bounds  of what they may show; else what they show */
+static void add_rect(const struct gp_occluders *o, const struct gp_light *l,
+    bool bounds, struct gp_rect rect, struct gp_rect done, struct sums *s)
+{
+    const double r = radius_of(l);
+    const int x0 = gp_clamp_whole(floor(l->x - r), rect.x0, rect.x1);
+    const int y0 = gp_clamp_whole(floor(l->y - r), rect.y0, rect.y1);
+    const int x1 = gp_clamp_whole(ceil(l->x + r), x0, rect.x1);
+    const int y1 = gp_clamp_whole(ceil(l->y + r), y0, rect.y1);
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            const double area = gp_disc_pixel_area(l->x, l->y, r, x, y);
+            double lo, hi;
+            if (!(area > 0.0) || (x >= done.x0 && x < done.x1 && y >= done.y0 &&
+                                  y < done.y1))
+                continue;
+            if (bounds)
+                bounds_of(o, l, x, y, &lo, &hi);
+            else
+                lo = hi = gp_occluders_show(o, l, x, y, NULL);
+            s->area += area;
+            s->low += area * lo;
+            s->high += area * hi;
+        }
+    }
+}
+
+/* The part of the frame in which a plane has samples, and `margin` pixels more
+ * on each side; empty for none. Only these are visited: a display window may be
+ * larger than any plane by any factor. */
+static struct gp_rect known_rect(const struct gp_plane *p, struct gp_rect frame,
+                                 int margin)
+{
+    if (!p || !p->v)
+        return (struct gp_rect) {0};
+    const struct gp_rect w = p->window;
+    return gp_rect_meet((struct gp_rect) {w.x0 - margin, w.y0 - margin,
+                                          w.x1 + margin, w.y1 + margin}, frame);
+}
+
+/* Sums over the frame, whose pixels without samples are clear. */
+static struct sums sums_of(const struct gp_occluders *o,
+                           const struct gp_light *l, bool bounds)
+{
+    const struct gp_rect f = o->frame;
+    struct sums s = {0};
+    // pixels beside the planes' windows may be at their edges
+    const struct gp_rect depth = known_rect(o->depth, f, bounds);
+    add_rect(o, l, bounds, depth, (struct gp_rect) {0}, &s);
+    add_rect(o, l, bounds, known_rect(o->mask, f, bounds), depth, &s);
+    const double r = radius_of(l);
+    const double clear =
+        area_in(l->x, l->y, r, f.x0, f.y0, f.x1, f.y1) - s.area;
+    if (clear > rounding_of(r)) {
+        s.area += clear;
+        s.low += clear;
+        s.high += clear;
+    }
+    return s;
+}
+
+// -- the share, and its bounds ------------------------------------------------
+
+/* Returns the area of a light's disc outside of the frame. */
+static double area_beyond(const struct gp_light *l, const struct sums *s)
+{
+    const double r = radius_of(l), beyond = M_PI * r * r - s->area;
+    return beyond > rounding_of(r) ? beyond : 0.0;
+}
+
+void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+                  struct gp_light *light, int n)
+{
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        if (l->behind) {
+            l->visibility = outside == GP_OUTSIDE_SCENE ? l->outside : 0.0;
+            continue;
+        }
+        struct sums s = sums_of(o, l, false);
+        const double beyond = area_beyond(l, &s);
+        if (outside != GP_OUTSIDE_IGNORE) {
+            s.area += beyond;
+            s.low += outside == GP_OUTSIDE_VISIBLE ? beyond
+                     : outside == GP_OUTSIDE_SCENE ? beyond * l->outside : 0.0;
+        }
+        l->visibility = s.area > 0.0 ? fmin(s.low / s.area, 1.0) : 0.0;
+    }
+}
+
+void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
+                     struct gp_light *light, int n)
+{
+    const bool scene = outside == GP_OUTSIDE_SCENE;
+    for (int i = 0; i < n; i++) {
+        struct gp_light *const l = &light[i];
+        const double lo = scene ? fmax(l->outside - l->outside_error, 0.0)
+                                : 0.0;
+        const double hi = scene ? fmin(l->outside + l->outside_error, 1.0)
+                                : 1.0;
+        const struct sums s = l->behind ? (struct sums) {0}
+                                        : sums_of(o, l, true);
+        const double rest = area_beyond(l, &s), all = s.area + rest;
+        l->in_frame = s.area > 0.0;
+        l->low = fmin((s.low + rest * lo) / all, l->visibility);
+        l->high = fmax(fmin((s.high + rest * hi) / all, 1.0), l->visibility);
     }
 }

@@ -34,11 +34,12 @@ struct gp_occluders {
     struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together, or with
                                  // GP_OUTSIDE_SCENE the data window as read
-    struct gp_depth_facts facts; // by gp_occluders_count()
+    struct gp_depth_facts facts; // by gp_occluders_count(), and
+    struct gp_depth_range surfaces;
 };
 
-/* Fills o->facts from o->depth's samples (in parallel, the same for any number
- * of threads). Call before anything below; no depth is fine. */
+/* Fills o->facts and surfaces from o->depth's samples. Call before anything
+ * below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
 /* A pixel, anywhere in the plane. */
@@ -55,10 +56,6 @@ struct gp_sun_pixel gp_occluders_at(const struct gp_occluders *o, int x, int y);
 double gp_occluders_show(const struct gp_occluders *o,
                          const struct gp_light *l, int x, int y, bool *beyond);
 
-/* Sum of s over pixels [x0, x1) of row y. */
-double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
-                        int x0, int x1, int y);
-
 /* Rules for the part of a light outside the frame, where nothing is known. */
 enum gp_sun_outside {
     GP_OUTSIDE_IGNORE,  // the share is taken over the part inside; 0 where
@@ -73,10 +70,8 @@ enum gp_sun_outside {
  * o->frame, and the area outside of it as `outside` says; in double. A light
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0, but for GP_OUTSIDE_SCENE. All hidden is
- * exactly 0, all clear exactly 1. Rows are summed in order: the same bits for
- * any threads.
- * Time grows with the disc's area inside the planes' windows; the rest of the
- * frame is clear, and costs one closed form. */
+ * exactly 0, all clear exactly 1. Time grows with the disc's area inside the
+ * planes' windows; the rest of the frame is clear, and costs a closed form. */
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n);
 
@@ -88,17 +83,12 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
  * Outside of the frame, and behind the camera, a light may be hidden or clear;
  * with GP_OUTSIDE_SCENE it is gp_light.outside within its error.
  * low <= visibility <= high. Writes in_frame.
- * The same bits for any threads. Details thinner than a pixel may be missed. */
+ * Details thinner than a pixel may be missed. */
 void gp_sun_interval(const struct gp_occluders *o, enum gp_sun_outside outside,
                      struct gp_light *light, int n);
 
-/* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
- * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
- * disc's edge is placed to 1e-12 of a pixel for r and distances up to 1e5. */
-double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
-                         double x1, double y1);
-
-/* The same within [x, x+1) x [y, y+1). */
+/* Area of the disc of radius r around (cx, cy) within pixel (x, y), in closed
+ * form; 0 for r <= 0 and NaN. */
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y);
 
 #endif

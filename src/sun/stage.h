@@ -125,8 +125,9 @@ GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
 double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
                    const struct gp_image *f);
 
-/* Returns true when a light needs the kernel, for glare of its own. */
-bool gp_suns_glare(const struct gp_suns *suns);
+/* Returns true when a light has flux, of which gp_suns_draw() may add light;
+ * `seen`: and is not hidden. */
+bool gp_suns_have_light(const struct gp_suns *suns, bool seen);
 
 /* The largest offsets in x and y from a light that gp_suns_draw() gives glare
  * to a pixel of the frame, so that the kernel can reach there; 0: no such
@@ -134,17 +135,14 @@ bool gp_suns_glare(const struct gp_suns *suns);
 void gp_suns_offsets(const struct gp_suns *suns, struct gp_rect data,
                      int offset[2]);
 
-/* Returns true when gp_suns_draw() may add light: a light with flux shows. */
-bool gp_suns_add_light(const struct gp_suns *suns);
-
 /* Joins the sources and the visible light of those lights that go through the
  * engines: none that reaches beyond the frame. A light is the pixels of its
  * disc, each with its share of flux * visibility, moved to its place by
- * bilinear shares, which keep flux and centroid. Sets *joined when *out was
- * made. */
+ * bilinear shares, which keep flux and centroid. Without one *out stays as it
+ * is. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_image *f,
-    const struct gp_sources *src, struct gp_sources *out, bool *joined);
+    const struct gp_sources *src, struct gp_sources *out);
 
 /* Adds lens flare, and the glare of lights that did not go through the engines,
  * to f->layer, which is made. Errors: GP_ERR_DATA a radius over 1024 pixels;

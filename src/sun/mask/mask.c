@@ -1,11 +1,10 @@
 /* Maughan's texture masking on GL, and the paper's other method: drawing,
  * reading back, and the plain form on the CPU. */
-#include "sun/mask/mask_priv.h"
+#include "sun/mask/mask.h"
 
 #include "core/memory.h"
 #include "core/minmax.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -36,8 +35,7 @@ struct spot {
                          // is behind the camera or its place is not finite
     float limit;         // surfaces at a place under it hide the light
     struct gp_rect box;  // pixels that its samples read; may be empty
-    struct gp_rect kept; // pixels in the texture from row `row` on: `box`, or
-    int row;             // the frame's
+    int row;             // of the texture, from which on it has the box
     float outside[2];    // shown * weight and weight of a sample outside the
                          // frame, or of all where the light is behind the
                          // camera
@@ -72,19 +70,13 @@ static void pixel_span(double at, double radius, int size, int *from, int *to)
     *to = gp_min(pixel_at(at + radius, size) + 1, size);
 }
 
-/* The least float that is no less than the place at which surfaces end to be
- * nearer: for depths that are floats themselves, a comparison with it comes out
- * as one in double. */
+/* The place from which on surfaces hide nothing. */
 static float limit_of(const struct gp_light *l)
 {
-    const double nearer = isinf(l->depth) && l->depth > 0.0
-                              ? l->depth : l->depth * (1.0 - l->bias);
-    if (!(nearer >= -3e38)) // no surface, NaN too
-        return -EMPTY;
-    if (nearer > 3e38)
-        return isinf(nearer) ? EMPTY : 3e38f;
-    const float limit = (float) nearer;
-    return (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit;
+    const double nearer = l->depth * (1.0 - l->bias);
+    if (isinf(l->depth) && l->depth > 0.0)
+        return EMPTY;
+    return nearer >= -3e38 ? (float) fmin(nearer, 3e38) : -EMPTY; // NaN: none
 }
 
 static struct spot spot_of(const struct gp_occluders *o,
@@ -273,48 +265,40 @@ static void write_pixels(const struct gp_occluders *o, struct gp_rect r,
     }
 }
 
-/* Writes the pixels under the lights to s->pixels, the frame once where that is
- * less. Errors: GP_ERR_GL they do not fit. */
+/* Writes the pixels under the lights to s->pixels. Errors: GP_ERR_GL they do not
+ * fit. */
 static gp_status upload(const struct gp_log *log, const struct gp_gl *gl,
                         const struct gp_occluders *o, struct spot *spot, int n,
                         struct gp_sun_map *s)
 {
     enum { EXACT_IN_FLOAT = 1 << 24 };
-    const struct gp_rect frame = {0, 0, gp_rect_w(o->frame),
-                                  gp_rect_h(o->frame)};
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int most = gp_gl_info(gl)->max_size;
-    int wide = gp_min(most, NARROW);
+    int wide = gp_min(most, NARROW) / 2;
     double rows;
     float *rgba = NULL;
-    bool whole;
     gp_status st;
-    for (;; wide *= 2) {
+    do {
         rows = 0.0;
+        wide *= 2;
         for (int i = 0; i < n; i++)
             rows += rows_of(spot[i].box, wide);
-        whole = rows_of(frame, wide) < rows;
-        rows = fmax(whole ? rows_of(frame, wide) : rows, 1.0);
-        if (rows <= most || 2 * wide > most)
-            break;
-    }
-    if (frame.x1 > EXACT_IN_FLOAT || frame.y1 > EXACT_IN_FLOAT || rows > most)
+    } while (rows > most && 2 * wide <= most);
+    if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || rows > most)
         return gp_fail_bare_at(log, GP_ERR_GL, "lights.method",
                                "sun map: the pixels under %d lights in a frame "
                                "of %dx%d do not fit into a texture (the limit "
-                               "is %dx%d texels)", n, frame.x1, frame.y1, wide,
-                               most);
+                               "is %dx%d texels)", n, w, h, wide, most);
+    rows = fmax(rows, 1.0);
     GP_TRY(fit_texture(log, gl, "pixels under the lights", wide, (int) rows,
                        &s->pixels));
     GP_TRY(gp_alloc_zero(log, "pixels under the lights",
                          (size_t) rows * (size_t) wide, 4 * sizeof *rgba,
                          &rgba));
     for (int i = 0, row = 0; i < n; i++) {
-        spot[i].kept = whole ? frame : spot[i].box;
         spot[i].row = row;
-        if (!whole || i == 0)
-            write_pixels(o, spot[i].kept,
-                         rgba + 4 * (size_t) row * (size_t) wide);
-        row += whole ? 0 : (int) rows_of(spot[i].box, wide);
+        write_pixels(o, spot[i].box, rgba + 4 * (size_t) row * (size_t) wide);
+        row += (int) rows_of(spot[i].box, wide);
     }
     gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, 0, wide, (int) rows},
                      rgba);
@@ -337,8 +321,8 @@ static gp_status begin_frame(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(fit_texture(log, gl, "lights", LIGHT_TEXELS, n, &s->lights));
     for (int i = 0; i < n; i++) {
         const struct spot *const l = &spot[i];
-        const int whole[6] = {l->k, 0, l->kept.x0, l->kept.y0,
-                              gp_rect_w(l->kept), l->row};
+        const int whole[6] = {l->k, 0, l->box.x0, l->box.y0,
+                              gp_rect_w(l->box), l->row};
         split_float(l->x, row[i]);
         split_float(l->y, row[i] + 2);
         split_float(l->radius, row[i] + 4);
@@ -454,14 +438,20 @@ out:
 
 // -- the region under a light ------------------------------------------------
 
-/* Half of the light's width at `down` from its centre; under 0: outside. */
-static double half_width(const struct spot *l, enum gp_sun_pattern pattern,
-                         double down)
+/* Counts the pixel centres in a light, in the frame or not. */
+static double centres_in(const struct spot *l, bool disc)
 {
+    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
     const double r = l->radius;
-    if (fabs(down) > r)
-        return -1.0;
-    return pattern == GP_PATTERN_DISC ? sqrt(r * r - down * down) : r;
+    double all = 0.0;
+    if (r > BY_ROWS)
+        return (disc ? M_PI : 4.0) * r * r;
+    for (double y = ceil(l->y - r - 0.5) + 0.5; y <= l->y + r; y += 1.0) {
+        const double down = y - l->y;
+        const double half = disc ? sqrt(fmax(r * r - down * down, 0.0)) : r;
+        all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
+    }
+    return all;
 }
 
 /* Returns the visible share of a light: over the pixels whose centres are in
@@ -470,49 +460,32 @@ static double half_width(const struct spot *l, enum gp_sun_pattern pattern,
 static double count_region(const struct spot *l, const struct gp_occluders *o,
                            const struct gp_map_params *p, const float *rgba)
 {
-    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
-    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const struct gp_rect box = l->box;
-    const double r = l->radius;
-    const float *const outside = l->outside;
-    double all = 0.0; // pixel centres in the light, on an unbounded plane
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const bool disc = p->pattern == GP_PATTERN_DISC;
+    const double r = l->radius, all = centres_in(l, disc);
     double shown = 0.0, weight = 0.0;
-    if (r > BY_ROWS)
-        all = (p->pattern == GP_PATTERN_DISC ? M_PI : 4.0) * r * r;
-    else
-        for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
-            const double half = half_width(l, p->pattern, y + 0.5 - l->y);
-            if (half >= 0.0)
-                all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
+    double under[2] = {(double) l->outside[0], (double) l->outside[1]};
+    for (int i = 0; rgba && i < gp_rect_w(box) * gp_rect_h(box); i++) {
+        const int x = box.x0 + i % gp_rect_w(box);
+        const int y = box.y0 + i / gp_rect_w(box);
+        const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y;
+        const double v = (double) rgba[4 * i], g = (double) rgba[4 * i + 1];
+        if (x == pixel_at(l->x, w) && y == pixel_at(l->y, h)) {
+            under[0] = v;
+            under[1] = g;
         }
-    if (!(all > 0.0)) {
-        const int x = pixel_at(l->x, w), y = pixel_at(l->y, h);
-        const bool inside = rgba && x >= 0 && x < w && y >= 0 && y < h;
-        const float *const at =
-            inside ? rgba + 4 * ((size_t) (y - box.y0) *
-                                     (size_t) gp_rect_w(box) +
-                                 (size_t) (x - box.x0))
-                   : outside;
-        return at[1] > 0.0f ? (double) at[0] / (double) at[1] : 0.0;
-    }
-    for (int y = box.y0; rgba && y < box.y1; y++) {
-        const float *const row = rgba + 4 * (size_t) (y - box.y0) *
-                                            (size_t) gp_rect_w(box);
-        const double half = half_width(l, p->pattern, y + 0.5 - l->y);
-        if (half < 0.0)
+        if (disc ? dx * dx + dy * dy > r * r
+                 : fmax(fabs(dx), fabs(dy)) > r)
             continue;
-        const int from = gp_clamp_whole(ceil(l->x - half - 0.5), box.x0,
-                                        box.x1);
-        const int to = gp_clamp_whole(floor(l->x + half - 0.5) + 1.0, from,
-                                      box.x1);
-        for (int x = from; x < to; x++) {
-            shown += (double) row[4 * (x - box.x0)];
-            weight += (double) row[4 * (x - box.x0) + 1];
-        }
+        shown += v;
+        weight += g;
     }
-    const double beyond = all > weight ? all - weight : 0.0;
-    shown += beyond * (double) outside[0];
-    weight += beyond * (double) outside[1];
+    if (!(all > 0.0))
+        return under[1] > 0.0 ? under[0] / under[1] : 0.0;
+    const double beyond = fmax(all - weight, 0.0);
+    shown += beyond * (double) l->outside[0];
+    weight += beyond * (double) l->outside[1];
     return weight > 0.0 ? shown / weight : 0.0;
 }
 

@@ -16,8 +16,7 @@
  * pipeline to stall, and engines draw a light of known share faster than
  * shaders that fetch it.
  *
- * Only the pixels under lights are uploaded, or the whole frame where that is
- * less.
+ * Only the pixels under lights are uploaded.
  */
 #ifndef GP_SUN_MASK_MASK_H
 #define GP_SUN_MASK_MASK_H
@@ -67,6 +66,12 @@ GP_MUST_CHECK gp_status gp_sun_readback(
     const struct gp_occluders *o, const struct gp_map_params *p,
     struct gp_light *light, int n, struct gp_sun_map **state);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
+
+/* Returns the visibility of one light on the CPU, the plain form of the map,
+ * summed in double whatever p->sum; `map` gets p->side squared texels of r and
+ * g, or is NULL. */
+double gp_sun_map_reference(const struct gp_occluders *o,
+    const struct gp_map_params *p, const struct gp_light *light, float *map);
 
 /* Makes the pictures of --debug by the plain form, whatever the method: sun
  * maps of all lights, about as many in a row as in a column; or, where p is

@@ -256,40 +256,6 @@ static void dirt_is_lit(void **state)
 
 // -- files ---------------------------------------------------------------------
 
-static void reads_keys(void **state)
-{
-    struct gp_flare f = {0};
-    assert_ok(gp_flare_read(&kept_log, jf_write(
-        "[{'shape': 'glow', 'falloff': 3, 'flicker': 0.2, 'seed': 5},"
-        "{'shape': 'polygon', 'profile': [1, 0.5], 'softness': 0.1, 'rim': 2,"
-        " 'round': 0.3, 'dispersion': -0.2, 'aspect': 2, 'turn': 'axis',"
-        " 'offset': 0.1, 'cut': 0.5, 'shrink': 1, 'only': 'lamp*'},"
-        "{'shape': 'spikes'}, {'shape': 'ring', 'completion': 0.5,"
-        " 'feather': 0.25, 'by_place': {'from': 'edge', 'size': [1, 2],"
-        " 'brightness': [0, 3], 'color': [1, [1, 2, 3]]}},"
-        "{'shape': 'disc', 'count': 3, 'spread': 0.5, 'seed': 1}]"), &f));
-    assert_int_equal(f.n, 7);
-    assert_true(f.element[0].falloff == 3.0 && f.element[0].flicker == 0.2);
-    assert_int_equal(f.element[0].seed, 5);
-    const struct gp_flare_element *const e = &f.element[1];
-    assert_int_equal(e->profiles, 2);
-    assert_true(e->profile[1] == 0.5f && e->softness == 0.1 && e->rim == 2.0);
-    assert_true(e->round == 0.3 && e->dispersion == -0.2 && e->aspect == 2.0);
-    assert_true(e->axis && e->offset == 0.1 && e->cut == 0.5);
-    assert_true(e->shrink == 1.0);
-    assert_string_equal(e->only, "lamp*");
-    assert_int_equal(f.element[2].count, 8);
-    const struct gp_flare_by_place *const b = &f.element[3].by_place;
-    assert_true(b->given && b->edge && b->size[1] == 2.0);
-    assert_true(b->colour[0][0] == 0.0 && b->colour[1][2] == 9.0);
-    for (int i = 4; i < 7; i++) {
-        assert_true(fabs(f.element[i].at) <= 0.5);
-        assert_true(f.element[i].size >= 0.05 && f.element[i].size <= 0.1);
-    }
-    assert_true(f.element[4].at != f.element[5].at);
-    gp_flare_free(&f);
-}
-
 /* Draws an element of JSON, of two lamps, in frame 3. */
 static void draw_text(const char *element, struct picture *p)
 {
@@ -404,5 +370,5 @@ static void refuses_keys(void **state)
 SUITE_OF(element, make_folder, remove_folder, totals_hold,
          looks_alike_at_every_size, dispersion_is_continuous,
          shapes_have_their_features, transforms_follow_the_light, triggers_act,
-         names_choose_lights, dirt_is_lit, reads_keys, every_key_acts,
+         names_choose_lights, dirt_is_lit, every_key_acts,
          copies_keep_the_light, refuses_keys)

@@ -1,5 +1,5 @@
-/* sun/occluder: what a depth sample means by type and background, the share
- * that a pixel shows with either plane or both, and sums of runs of pixels. */
+/* sun/occluder: what a depth sample means by type and background, and the
+ * share that a pixel shows with either plane or both. */
 #include "scene.h"
 
 #include <float.h>
@@ -116,8 +116,6 @@ static void test_no_depth(void **state)
         assert_string_equal(each[i].facts.empty, "none");
         assert_same(gp_occluders_show(&each[i], &l, 0, 0, NULL),
                     i < 3 ? 1 : 0.75, "show", i);
-        assert_same(gp_occluders_sum(&each[i], &l, -1, 2, 0), i < 3 ? 3 : 2.75,
-                    "sum", i);
     }
 }
 
@@ -174,35 +172,26 @@ static void test_show(void **state)
         for (int k = 0; k < 3; k++) {
             assert_same(gp_occluders_show(&o[k], &l, 0, 0, NULL), want[k],
                         shows[i].name, k);
-            assert_same(gp_occluders_sum(&o[k], &l, 0, 1, 0), want[k],
-                        shows[i].name, k);
         }
     }
 }
 
-/* Empty runs, and far corners of pixel space: offsets must not wrap. */
-static void test_odd_runs(void **state)
+/* Far corners of pixel space: offsets must not wrap. */
+static void test_far_pixels(void **state)
 {
     float z[] = {5, 0, 0, 0, 0, 7};
     static const int at[] = {-(1 << 30), 1 << 30, 0};
     const struct gp_light l = GP_LIGHT_DEFAULTS;
-    const struct gp_plane one = row_of(z, 1);
-    const struct gp_occluders near = counted(&one, NULL, Z);
-    assert_same(gp_occluders_sum(&near, &l, 0, 0, 0), 0, "empty", 0);
-    assert_same(gp_occluders_sum(&near, &l, 5, -5, 0), 0, "empty", 1);
-    assert_same(gp_occluders_sum(&near, &l, INT32_MAX - 9, INT32_MAX, 0), 9,
-                "far", 0);
-    assert_same(gp_occluders_show(&near, &l, INT32_MIN, INT32_MAX, NULL), 1,
-                "far", 1);
     for (int i = 0; i < 3; i++) {
         const int x = at[i], y = at[(i + 1) % 3];
         const struct gp_plane d = {{x, y, x + 3, y + 2}, z, NULL, false};
         const struct gp_occluders o = counted(&d, NULL, Z);
-        assert_same(gp_occluders_sum(&o, &l, x - 1, x + 4, y), 4, "top", i);
-        assert_same(gp_occluders_sum(&o, &l, x, x + 3, y + 1), 2, "end", i);
+        assert_same(gp_occluders_show(&o, &l, x, y, NULL), 0, "first", i);
         assert_same(gp_occluders_show(&o, &l, x + 2, y + 1, NULL), 0, "end", i);
+        assert_same(gp_occluders_show(&o, &l, INT32_MIN, INT32_MAX, NULL), 1,
+                    "far", i);
     }
 }
 
 SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_no_depth, test_show,
-         test_odd_runs)
+         test_far_pixels)

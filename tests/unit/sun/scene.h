@@ -273,7 +273,6 @@ static const struct gp_flare_element laws[] = {
     {.shape = GP_FLARE_RING, .size = 0.33, .width = 0.01},
     {.shape = GP_FLARE_RING, .size = 0.33, .width = 1e-6},
     {.shape = GP_FLARE_RING, .size = 0.33, .width = 1.0},
-    {.shape = GP_FLARE_RING, .size = 0.5, .width = 1e-6},
     {.shape = GP_FLARE_RING, .size = 0.7, .scale = {0.9f, 1, 1.1f}},
     {.shape = GP_FLARE_POLYGON, .size = 0.001, .sides = 3},
     {.shape = GP_FLARE_POLYGON, .size = 0.0, .sides = 64},

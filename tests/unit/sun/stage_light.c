@@ -15,12 +15,12 @@ static bool join(const struct gp_light *light, struct gp_sources *out)
     struct gp_light l = *light;
     const struct gp_suns suns = {.p = &p, .light = &l, .n = 1};
     struct gp_sources none;
-    bool joined;
     assert_ok(gp_sources_make(NULL, &like, 0, &none));
     gp_sources_finish(&none);
-    assert_ok(gp_suns_join(NULL, &suns, &image, &none, out, &joined));
+    *out = (struct gp_sources) {0};
+    assert_ok(gp_suns_join(NULL, &suns, &image, &none, out));
     gp_sources_free(&none);
-    return joined;
+    return out->n > 0;
 }
 
 /* Flux is kept and the centroid is the light's place, wherever it stands. */
