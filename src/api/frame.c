@@ -1,4 +1,4 @@
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/clock.h"
 #include "core/colour.h"
@@ -152,9 +152,17 @@ const struct gp_kernel *gp_api_kernel(const struct glarepp_frame *f)
 
 double gp_api_camera_fov(const struct glarepp_frame *f)
 {
-    return f->plan->fov > 0.0 ? f->plan->fov
-                              : gp_suns_fov(&f->work->suns, &f->about,
-                                            &f->image);
+    const struct glarepp_plan *const plan = f->plan;
+    const struct gp_sun_about *const about = &f->about;
+    struct gp_camera c;
+    if (plan->fov > 0.0)
+        return plan->fov;
+    if (f->work->lights)
+        return gp_suns_fov(&f->work->lights->suns, about, &f->image);
+    return about->has_ndc &&
+                   !gp_camera_make(NULL, NULL, NULL, about->to_ndc,
+                                   plan->sun.ndc ? plan->sun.ndc : about->ndc, &c)
+               ? gp_camera_fov(&c) : 0.0;
 }
 
 gp_status gp_api_dark_layer(struct glarepp_frame *f)
@@ -272,10 +280,11 @@ static gp_status draw_map(struct glarepp_frame *f, bool intensity,
 {
     if (p->planes.c[0])
         return GP_OK;
-    if (!f->work)
-        return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps are there "
-                          "between the steps SHARES and DONE", f->sink.name);
-    const struct gp_suns *const suns = &f->work->suns;
+    if (!f->work || !f->work->lights)
+        return gp_fail_at(&f->log, GP_ERR_USAGE, "view", "%s: maps of lights "
+                          "are there between the steps SHARES and DONE",
+                          f->sink.name);
+    const struct gp_suns *const suns = &f->work->lights->suns;
     return gp_sun_map_picture(&f->log, &suns->occluders,
                               intensity ? NULL : &suns->p->map, suns->light,
                               suns->n, &p->w, &p->h, &p->planes);

@@ -1,6 +1,6 @@
 /* Ghosts of a real lens: of the lights that have flux, or of the brightest
  * sources. */
-#include "api/frame.h"
+#include "api/plan.h"
 
 #include "core/colour.h"
 #include "core/luminance.h"
@@ -68,7 +68,7 @@ bool gp_api_lens_stop(struct glarepp_frame *f, struct gp_api_stop *out)
     const struct gp_image *const image = &f->image;
     struct gp_lens_figures figures;
     struct gp_lens lens;
-    if (!f->plan->lens_params.lens || focus(f, NULL, &lens))
+    if (focus(f, NULL, &lens))
         return false;
     gp_lens_measure(&lens, &figures);
     const double height = sensor_width(f, &lens) * gp_rect_h(image->display) /
@@ -103,7 +103,9 @@ static gp_status draw(struct glarepp_frame *f, enum gp_lens_detail detail)
 {
     struct gp_image *const image = &f->image;
     struct glarepp_lens_facts *const facts = &f->facts.lens;
-    const struct gp_suns *const suns = &f->work->suns;
+    const struct gp_suns none = {0};
+    const struct gp_suns *const suns =
+        f->work->lights ? &f->work->lights->suns : &none;
     struct gp_lens_light *light = NULL;
     struct gp_lens_stats stats = {0};
     struct gp_lens lens;
@@ -146,9 +148,8 @@ out:
 gp_status gp_api_lens(struct glarepp_frame *f)
 {
     enum { FEW = 8 }; // hidden lights count: nothing changes as they appear
-    const int n = f->work->suns.n, asked = f->plan->lens_params.detail;
-    if (!f->plan->lens_params.lens)
-        return GP_OK;
+    const int n = f->work->lights ? f->work->lights->suns.n : 0;
+    const int asked = f->plan->lens_params.detail;
     const gp_status st = f->image.layer.c[0] ? GP_OK : gp_api_dark_layer(f);
     return st ? st
               : draw(f, asked ? (enum gp_lens_detail) (asked - 1)

@@ -377,8 +377,10 @@ out:
 
 void gp_glare_close(struct gp_glare *g)
 {
-    for (int i = 0; gp_engines[i]; i++)
-        gp_engines[i]->close(&g->state[i]);
+    for (int i = 0; gp_engines[i]; i++) {
+        if (g->state[i])
+            gp_engines[i]->close(&g->state[i]);
+    }
     gp_error_floor_free(&g->floor);
     gp_outside_free(&g->outside);
     gp_far_close(&g->tail);

@@ -159,8 +159,6 @@ static void close_context(struct gp_splat *s)
 static void close_splat(void **state)
 {
     struct gp_splat *s = *state;
-    if (!s)
-        return;
     close_context(s);
     gp_free(s->band);
     GP_FREE(*state);
